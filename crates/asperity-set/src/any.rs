@@ -1,0 +1,285 @@
+//! Every set as one value: [`Star`] and [`Convex`].
+//!
+//! Closed enums keep laws comparable, printable and fast; the `Custom` arms take any set of a user.
+
+use std::sync::Arc;
+
+use crate::error::positive;
+use crate::{
+    Ball, ConvexSet, Cuboid, Ellipsoid, Image, Matrix, NormalCone, SetError, StarSet,
+    Superellipsoid, Vector,
+};
+
+/// A convex set of a crate user; two are equal if they are the same object.
+#[derive(Debug, Clone)]
+pub struct CustomConvex<const P: usize>(pub Arc<dyn ConvexSet<P>>);
+
+/// A star-shaped set of a crate user; two are equal if they are the same object.
+#[derive(Debug, Clone)]
+pub struct CustomStar<const P: usize>(pub Arc<dyn StarSet<P>>);
+
+impl<const P: usize> PartialEq for CustomConvex<P> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl<const P: usize> PartialEq for CustomStar<P> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// Any convex set.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Convex<const P: usize> {
+    /// Ball, disk.
+    Ball(Ball),
+    /// Axis-parallel box, interval.
+    Cuboid(Cuboid<P>),
+    /// Ellipsoid, ellipse.
+    Ellipsoid(Ellipsoid<P>),
+    /// Superellipsoid with exponent ≥ 1.
+    Superellipsoid(Superellipsoid<P>),
+    /// Linear image of a convex set.
+    Image(Box<Image<Convex<P>, P>>),
+    /// A set of the user.
+    Custom(CustomConvex<P>),
+}
+
+/// Any star-shaped set.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Star<const P: usize> {
+    /// A convex set.
+    Convex(Convex<P>),
+    /// Superellipsoid with exponent < 1.
+    Superellipsoid(Superellipsoid<P>),
+    /// Linear image of a star-shaped set.
+    Image(Box<Image<Star<P>, P>>),
+    /// A set of the user.
+    Custom(CustomStar<P>),
+}
+
+/// Calls the same method on whatever set is inside.
+macro_rules! each_convex {
+    ($self:ident, $set:ident => $call:expr) => {
+        match $self {
+            Convex::Ball($set) => $call,
+            Convex::Cuboid($set) => $call,
+            Convex::Ellipsoid($set) => $call,
+            Convex::Superellipsoid($set) => $call,
+            Convex::Image($set) => $call,
+            Convex::Custom(CustomConvex($set)) => $call,
+        }
+    };
+}
+
+macro_rules! each_star {
+    ($self:ident, $set:ident => $call:expr) => {
+        match $self {
+            Star::Convex($set) => $call,
+            Star::Superellipsoid($set) => $call,
+            Star::Image($set) => $call,
+            Star::Custom(CustomStar($set)) => $call,
+        }
+    };
+}
+
+impl<const P: usize> Convex<P> {
+    /// The set scaled by `factor > 0`.
+    pub fn scaled(&self, factor: f64) -> Result<Self, SetError> {
+        let factor = positive("factor", factor)?;
+        Ok(match self {
+            Self::Ball(ball) => ball.scaled(factor)?.into(),
+            Self::Cuboid(cuboid) => cuboid.scaled(factor)?.into(),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.scaled(factor)?.into(),
+            Self::Superellipsoid(set) => Self::Superellipsoid(set.scaled(factor)?),
+            other => other.mapped(&(Matrix::identity() * factor))?,
+        })
+    }
+
+    /// The image under a regular linear map; images of balls and ellipsoids are ellipsoids.
+    pub fn mapped(&self, map: &Matrix<P>) -> Result<Self, SetError> {
+        let image = Image::new(self.clone(), *map)?;
+        Ok(match self {
+            Self::Ball(ball) => Ellipsoid::from_map(&(map * ball.size()))?.into(),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.mapped(map)?.into(),
+            Self::Image(inner) => {
+                Self::Image(Box::new(Image::new(inner.preimage().clone(), map * inner.map())?))
+            }
+            _ => Self::Image(Box::new(image)),
+        })
+    }
+}
+
+impl<const P: usize> Star<P> {
+    /// The set scaled by `factor > 0`.
+    pub fn scaled(&self, factor: f64) -> Result<Self, SetError> {
+        let factor = positive("factor", factor)?;
+        match self {
+            Self::Convex(set) => Ok(Self::Convex(set.scaled(factor)?)),
+            Self::Superellipsoid(set) => Ok(Self::Superellipsoid(set.scaled(factor)?)),
+            other => other.mapped(&(Matrix::identity() * factor)),
+        }
+    }
+
+    /// The image under a regular linear map.
+    pub fn mapped(&self, map: &Matrix<P>) -> Result<Self, SetError> {
+        match self {
+            Self::Convex(set) => Ok(Self::Convex(set.mapped(map)?)),
+            Self::Image(inner) => {
+                Ok(Self::Image(Box::new(Image::new(inner.preimage().clone(), map * inner.map())?)))
+            }
+            other => Ok(Self::Image(Box::new(Image::new(other.clone(), *map)?))),
+        }
+    }
+
+    /// The set as a convex one, if it is.
+    pub fn as_convex(&self) -> Option<&Convex<P>> {
+        match self {
+            Self::Convex(set) => Some(set),
+            _ => None,
+        }
+    }
+}
+
+/// Counter-clockwise rotation by `angle` in rad.
+fn rotation(angle: f64) -> Result<Matrix<2>, SetError> {
+    if !angle.is_finite() {
+        return Err(SetError::Parameter { argument: "angle", allowed: "finite", value: angle });
+    }
+    let (sine, cosine) = angle.sin_cos();
+    Ok(Matrix::<2>::new(cosine, -sine, sine, cosine))
+}
+
+impl Convex<2> {
+    /// The set turned counter-clockwise by `angle` in rad.
+    pub fn rotated(&self, angle: f64) -> Result<Self, SetError> {
+        let rotation = rotation(angle)?;
+        match self {
+            Self::Ball(_) => Ok(self.clone()),
+            // Without the detour through the factorisation of a general map.
+            Self::Ellipsoid(ellipsoid) => Ok(ellipsoid.rotated(&rotation).into()),
+            _ if angle == 0.0 => Ok(self.clone()),
+            _ => self.mapped(&rotation),
+        }
+    }
+}
+
+impl Star<2> {
+    /// The set turned counter-clockwise by `angle` in rad.
+    pub fn rotated(&self, angle: f64) -> Result<Self, SetError> {
+        match self {
+            Self::Convex(set) => Ok(Self::Convex(set.rotated(angle)?)),
+            _ if angle == 0.0 => Ok(self.clone()),
+            other => other.mapped(&rotation(angle)?),
+        }
+    }
+}
+
+impl<const P: usize> StarSet<P> for Convex<P> {
+    #[inline]
+    fn gauge(&self, x: &Vector<P>) -> f64 {
+        each_convex!(self, set => set.gauge(x))
+    }
+
+    #[inline]
+    fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
+        each_convex!(self, set => set.gauge_jet(x))
+    }
+
+    fn corners(&self) -> Vec<Vector<P>> {
+        each_convex!(self, set => set.corners())
+    }
+}
+
+impl<const P: usize> ConvexSet<P> for Convex<P> {
+    #[inline]
+    fn support_point(&self, y: &Vector<P>) -> Vector<P> {
+        each_convex!(self, set => set.support_point(y))
+    }
+
+    #[inline]
+    fn support(&self, y: &Vector<P>) -> f64 {
+        each_convex!(self, set => set.support(y))
+    }
+
+    #[inline]
+    fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        each_convex!(self, set => set.support_jet(y))
+    }
+
+    fn project(&self, z: &Vector<P>) -> Vector<P> {
+        each_convex!(self, set => set.project(z))
+    }
+
+    fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
+        each_convex!(self, set => set.project_from(z, start))
+    }
+
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<NormalCone<P>> {
+        each_convex!(self, set => set.normal_cone(x, tolerance))
+    }
+}
+
+impl<const P: usize> StarSet<P> for Star<P> {
+    #[inline]
+    fn gauge(&self, x: &Vector<P>) -> f64 {
+        each_star!(self, set => set.gauge(x))
+    }
+
+    #[inline]
+    fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
+        each_star!(self, set => set.gauge_jet(x))
+    }
+
+    fn corners(&self) -> Vec<Vector<P>> {
+        each_star!(self, set => set.corners())
+    }
+}
+
+impl<const P: usize> From<Ball> for Convex<P> {
+    fn from(set: Ball) -> Self {
+        Self::Ball(set)
+    }
+}
+
+impl<const P: usize> From<Cuboid<P>> for Convex<P> {
+    fn from(set: Cuboid<P>) -> Self {
+        Self::Cuboid(set)
+    }
+}
+
+impl<const P: usize> From<Ellipsoid<P>> for Convex<P> {
+    fn from(set: Ellipsoid<P>) -> Self {
+        Self::Ellipsoid(set)
+    }
+}
+
+impl<const P: usize> TryFrom<Superellipsoid<P>> for Convex<P> {
+    type Error = SetError;
+
+    fn try_from(set: Superellipsoid<P>) -> Result<Self, SetError> {
+        if set.is_convex() {
+            return Ok(Self::Superellipsoid(set));
+        }
+        let reason = format!("but the exponent {} is below 1", set.exponent());
+        Err(SetError::NotConvex { argument: "set", reason })
+    }
+}
+
+impl<const P: usize> From<Superellipsoid<P>> for Star<P> {
+    fn from(set: Superellipsoid<P>) -> Self {
+        if set.is_convex() {
+            Self::Convex(Convex::Superellipsoid(set))
+        } else {
+            Self::Superellipsoid(set)
+        }
+    }
+}
+
+impl<const P: usize, T: Into<Convex<P>>> From<T> for Star<P> {
+    fn from(set: T) -> Self {
+        Self::Convex(set.into())
+    }
+}

@@ -1,0 +1,60 @@
+//! The ball, in the plane the disk.
+
+use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::positive};
+
+/// `{x : ‖x‖ ≤ r}` in any dimension: isotropic friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ball {
+    radius: f64,
+}
+
+/// The planar [`Ball`].
+pub type Disk = Ball;
+
+impl Ball {
+    /// Ball of the given radius.
+    pub fn new(radius: f64) -> Result<Self, SetError> {
+        Ok(Self { radius: positive("radius", radius)? })
+    }
+
+    /// The radius.
+    pub fn size(&self) -> f64 {
+        self.radius
+    }
+
+    pub(crate) fn scaled(&self, factor: f64) -> Result<Self, SetError> {
+        Self::new(self.radius * factor)
+    }
+}
+
+impl<const P: usize> StarSet<P> for Ball {
+    fn gauge(&self, x: &Vector<P>) -> f64 {
+        x.norm() / self.radius
+    }
+
+    fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
+        let norm = x.norm();
+        (norm / self.radius, x / (norm * self.radius))
+    }
+}
+
+impl<const P: usize> ConvexSet<P> for Ball {
+    fn support_point(&self, y: &Vector<P>) -> Vector<P> {
+        y * (self.radius / y.norm())
+    }
+
+    fn support(&self, y: &Vector<P>) -> f64 {
+        self.radius * y.norm()
+    }
+
+    fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let norm = y.norm();
+        let unit = y / norm;
+        (unit * self.radius, (Matrix::identity() - unit * unit.transpose()) * (self.radius / norm))
+    }
+
+    fn project(&self, z: &Vector<P>) -> Vector<P> {
+        let norm = z.norm();
+        if norm <= self.radius { *z } else { z * (self.radius / norm) }
+    }
+}

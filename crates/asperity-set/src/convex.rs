@@ -1,0 +1,64 @@
+//! Convex sets: support function, projection, normal cone.
+
+use crate::{Matrix, NormalCone, StarSet, Vector, project};
+
+/// A compact convex set with the origin in its interior.
+///
+/// Only [`support_point`](Self::support_point) has to be given besides the gauge.
+pub trait ConvexSet<const P: usize>: StarSet<P> {
+    /// A point of the set that is farthest in direction `y ≠ 0`: `argmax{xᵀy : x ∈ C}`.
+    ///
+    /// Where a whole face is farthest, the point is the face's most symmetric one.
+    fn support_point(&self, y: &Vector<P>) -> Vector<P>;
+
+    /// Support function `h(y) = sup{xᵀy : x ∈ C}` (\[WL19\] Def. 5).
+    fn support(&self, y: &Vector<P>) -> f64 {
+        if y.amax() == 0.0 { 0.0 } else { y.dot(&self.support_point(y)) }
+    }
+
+    /// Support point and Hessian `∇²h(y)` in one evaluation, for `y ≠ 0`.
+    ///
+    /// The Hessian is symmetric positive semidefinite with `∇²h(y) y = 0`; it is infinite where the
+    /// boundary's curvature vanishes and zero where `y` points at a corner. The default takes central
+    /// differences.
+    fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let step = f64::EPSILON.cbrt() * y.amax();
+        let mut hessian = Matrix::<P>::zeros();
+        for j in 0..P {
+            let (mut ahead, mut behind) = (*y, *y);
+            ahead[j] += step;
+            behind[j] -= step;
+            let width = ahead[j] - behind[j];
+            let column = (self.support_point(&ahead) - self.support_point(&behind)) / width;
+            hessian.set_column(j, &column);
+        }
+        (self.support_point(y), (hessian + hessian.transpose()) * 0.5)
+    }
+
+    /// Hessian of the support function, see [`support_jet`](Self::support_jet).
+    fn support_hessian(&self, y: &Vector<P>) -> Matrix<P> {
+        self.support_jet(y).1
+    }
+
+    /// Proximal point `prox_C(z) = argmin{‖z − x‖ : x ∈ C}` (\[WL19\] (11)).
+    ///
+    /// The default refines a bracket on the boundary in the plane and is not made for speed.
+    fn project(&self, z: &Vector<P>) -> Vector<P> {
+        project::by_bracket(self, z)
+    }
+
+    /// [`project`](Self::project), told a point that is likely to lie near the result.
+    ///
+    /// The start changes the cost, never the result beyond rounding.
+    fn project_from(&self, z: &Vector<P>, _start: &Vector<P>) -> Vector<P> {
+        self.project(z)
+    }
+
+    /// Normal cone `N_C(x) = {y : yᵀ(x* − x) ≤ 0 ∀x* ∈ C}` (\[WL19\] Def. 6); `None` outside the set.
+    ///
+    /// Points with `|k(x) − 1| ≤ tolerance` count as boundary points. The default holds for smooth
+    /// boundaries.
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<NormalCone<P>> {
+        NormalCone::smooth(self, x, tolerance)
+    }
+}

@@ -1,0 +1,64 @@
+//! What can be wrong with a set.
+
+use thiserror::Error;
+
+/// A set could not be made, or a question has no answer.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SetError {
+    /// A parameter lies outside its range.
+    #[error("{argument}: must be {allowed}, got {value}")]
+    Parameter {
+        /// Name of the parameter.
+        argument: &'static str,
+        /// The values that are allowed.
+        allowed: &'static str,
+        /// The value that was given.
+        value: f64,
+    },
+    /// A linear map that does not preserve the dimension of a set.
+    #[error("matrix: must be finite and regular")]
+    SingularMap,
+    /// A convex set is needed and this one is star-shaped only.
+    #[error("{argument}: must be convex, {reason}")]
+    NotConvex {
+        /// Name of the argument.
+        argument: &'static str,
+        /// Why the set is not convex.
+        reason: String,
+    },
+    /// The gauge is not differentiable at the origin.
+    #[error("x: must not be the origin, where the gauge has no gradient")]
+    Origin,
+    /// A set whose radius vanishes, is infinite or is no number in some direction.
+    #[error(
+        "{argument}: must hold the origin in its interior and be bounded, its gauge is {gauge}"
+    )]
+    Degenerate {
+        /// Name of the argument.
+        argument: &'static str,
+        /// The gauge that was found in some direction of unit length.
+        gauge: f64,
+    },
+}
+
+impl SetError {
+    /// Name of the argument that is wrong.
+    pub fn argument(&self) -> &'static str {
+        match self {
+            Self::Parameter { argument, .. }
+            | Self::NotConvex { argument, .. }
+            | Self::Degenerate { argument, .. } => argument,
+            Self::SingularMap => "matrix",
+            Self::Origin => "x",
+        }
+    }
+}
+
+/// `value` if it is finite and positive.
+pub(crate) fn positive(argument: &'static str, value: f64) -> Result<f64, SetError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(SetError::Parameter { argument, allowed: "finite and positive", value })
+    }
+}

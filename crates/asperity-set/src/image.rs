@@ -1,0 +1,98 @@
+//! Linear images of sets.
+
+use crate::{ConvexSet, Matrix, NormalCone, SetError, StarSet, Vector, project};
+
+/// The image `{A x : x ∈ S}` under a regular map: `k(x) = k_S(A⁻¹x)`, `h(y) = h_S(Aᵀy)`
+/// (\[WL19\] (9)).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image<S, const P: usize> {
+    set: S,
+    map: Matrix<P>,
+    inverse: Matrix<P>,
+    /// The factor `c` if the map is `c` times a rotation.
+    similarity: Option<f64>,
+}
+
+impl<S, const P: usize> Image<S, P> {
+    /// The image of `set` under `map`.
+    pub fn new(set: S, map: Matrix<P>) -> Result<Self, SetError> {
+        let inverse = map
+            .try_inverse()
+            .filter(|m| m.iter().chain(map.iter()).all(|v| v.is_finite()))
+            .ok_or(SetError::SingularMap)?;
+        let factor = map.column(0).norm();
+        let rotation = map / factor;
+        let defect = (rotation.transpose() * rotation - Matrix::identity()).amax();
+        let similarity = (defect <= 4.0 * f64::EPSILON).then_some(factor);
+        // The transpose is the more accurate inverse of a rotation.
+        let inverse = if similarity.is_some() { rotation.transpose() / factor } else { inverse };
+        Ok(Self { set, map, inverse, similarity })
+    }
+
+    /// The set that is mapped.
+    pub fn preimage(&self) -> &S {
+        &self.set
+    }
+
+    /// The linear map.
+    pub fn map(&self) -> &Matrix<P> {
+        &self.map
+    }
+}
+
+impl<const P: usize, S: StarSet<P>> StarSet<P> for Image<S, P> {
+    #[inline]
+    fn gauge(&self, x: &Vector<P>) -> f64 {
+        self.set.gauge(&(self.inverse * x))
+    }
+
+    #[inline]
+    fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
+        let (gauge, gradient) = self.set.gauge_jet(&(self.inverse * x));
+        (gauge, self.inverse.tr_mul(&gradient))
+    }
+
+    fn corners(&self) -> Vec<Vector<P>> {
+        self.set.corners().iter().map(|corner| self.map * corner).collect()
+    }
+}
+
+impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
+    #[inline]
+    fn support_point(&self, y: &Vector<P>) -> Vector<P> {
+        self.map * self.set.support_point(&self.map.tr_mul(y))
+    }
+
+    fn support(&self, y: &Vector<P>) -> f64 {
+        self.set.support(&self.map.tr_mul(y))
+    }
+
+    #[inline]
+    fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let (point, hessian) = self.set.support_jet(&self.map.tr_mul(y));
+        (self.map * point, self.map * hessian * self.map.transpose())
+    }
+
+    fn project(&self, z: &Vector<P>) -> Vector<P> {
+        match self.similarity {
+            Some(_) => self.map * self.set.project(&(self.inverse * z)),
+            // In the plane the bracket does not care how skew the map is.
+            None if P <= 2 => project::by_bracket(self, z),
+            None => project::onto_image(&self.set, &self.map, &self.inverse, z),
+        }
+    }
+
+    fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
+        match self.similarity {
+            Some(_) => {
+                self.map * self.set.project_from(&(self.inverse * z), &(self.inverse * start))
+            }
+            None => self.project(z),
+        }
+    }
+
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<NormalCone<P>> {
+        let cone = self.set.normal_cone(&(self.inverse * x), tolerance)?;
+        Some(cone.mapped(&self.inverse.transpose()))
+    }
+}

@@ -1,0 +1,81 @@
+//! How large a set fits inside another.
+
+use crate::{ConvexSet, StarSet, Vector, along};
+
+/// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
+///
+/// In the plane the boundary is scanned and every local maximum refined; in space the maxima are
+/// climbed from many directions.
+pub fn largest_scale_inside<const P: usize>(
+    inner: &dyn ConvexSet<P>,
+    outer: &dyn StarSet<P>,
+) -> f64 {
+    let largest = match P {
+        1 => [1.0, -1.0].map(|s| outer.gauge(&inner.support_point(&Vector::repeat(s)))),
+        _ => [climb(inner, outer), f64::NEG_INFINITY],
+    };
+    1.0 / largest[0].max(largest[1])
+}
+
+/// Largest gauge of `outer` on `inner`: from many directions, `x ← inner.support_point(∇k_outer(x))`,
+/// which never descends for a convex `outer`, then a search that shrinks around the best points.
+fn climb<const P: usize>(inner: &dyn ConvexSet<P>, outer: &dyn StarSet<P>) -> f64 {
+    let on_boundary = |direction: &Vector<P>| direction / inner.gauge(direction);
+    let mut starts: Vec<Vector<P>> = directions::<P>(if P == 2 { 720 } else { 4000 });
+    starts.extend(inner.corners());
+    starts.extend(outer.corners());
+    let mut ranked: Vec<(f64, Vector<P>)> = starts
+        .iter()
+        .flat_map(|d| [on_boundary(d), inner.support_point(d)])
+        .map(|x| (outer.gauge(&x), x))
+        .collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.truncate(24);
+    let climbed = ranked.iter().map(|(value, x)| {
+        let (mut best, mut at) = (*value, *x);
+        for _ in 0..200 {
+            let next = inner.support_point(&outer.gauge_jet(&at).1);
+            let gauge = outer.gauge(&next);
+            if !(gauge > best) {
+                break;
+            }
+            (best, at) = (gauge, next);
+        }
+        search(&|d| outer.gauge(&on_boundary(d)), best, at)
+    });
+    climbed.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Local maximum over directions around `at` by a pattern of shrinking steps.
+fn search<const P: usize>(value: &dyn Fn(&Vector<P>) -> f64, best: f64, at: Vector<P>) -> f64 {
+    let (mut best, mut at, mut step) = (best, at.normalize(), 0.02);
+    while step > 1e-9 {
+        let mut moved = false;
+        for i in 0..2 * P {
+            let trial = at + along(i / 2, if i % 2 == 0 { step } else { -step });
+            let gauge = value(&trial);
+            if gauge > best {
+                (best, at, moved) = (gauge, trial.normalize(), true);
+            }
+        }
+        if !moved {
+            step *= 0.5;
+        }
+    }
+    best
+}
+
+/// Directions spread evenly over the circle or the sphere.
+fn directions<const P: usize>(count: usize) -> Vec<Vector<P>> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let direction = |k: usize| {
+        let (height, angle) = match P {
+            2 => (0.0, std::f64::consts::TAU * k as f64 / count as f64),
+            _ => (1.0 - (2 * k + 1) as f64 / count as f64, golden * k as f64),
+        };
+        let radius = f64::sqrt(1.0 - height * height);
+        let point = [radius * angle.cos(), radius * angle.sin(), height];
+        Vector::from_fn(|i, _| point[i])
+    };
+    (0..count).map(direction).collect()
+}

@@ -1,0 +1,58 @@
+//! Star-shaped and convex sets in one, two and three dimensions.
+//!
+//! Friction laws are made of two sets (the force reservoir *C* and the direction set *D*); this crate
+//! knows their geometry and nothing of mechanics. A star-shaped set is its **gauge**
+//! `k(x) = inf{s > 0 : x ∈ sC}`; a convex one has a **support function** `h(y) = sup{xᵀy : x ∈ C}`
+//! besides. [`StarSet`] and [`ConvexSet`] ask for one method each and provide the rest.
+//!
+//! ```
+//! use asperity_set::{Convex, ConvexSet, Ellipse, StarSet, Vector};
+//!
+//! let ellipse = Ellipse::new(Vector::<2>::new(3.0, 1.0))?;
+//! assert_eq!(ellipse.gauge(&Vector::<2>::new(6.0, 0.0)), 2.0);
+//! let rotated = Convex::from(ellipse).rotated(std::f64::consts::FRAC_PI_2)?;
+//! assert!((rotated.support(&Vector::<2>::new(0.0, 1.0)) - 3.0).abs() < 1e-15);
+//! # Ok::<(), asperity_set::SetError>(())
+//! ```
+//!
+//! The definitions are those of Walker & Leine (2019), §2.1, cited as \[WL19\].
+#![deny(missing_docs)]
+
+mod any;
+mod ball;
+mod boundary;
+mod cone;
+mod convex;
+mod cuboid;
+mod ellipsoid;
+mod error;
+mod image;
+mod inside;
+mod project;
+mod star;
+mod superellipsoid;
+
+pub use any::{Convex, CustomConvex, CustomStar, Star};
+pub use ball::{Ball, Disk};
+pub use boundary::{Arc, BoundaryPoint, Side};
+pub use cone::NormalCone;
+pub use convex::ConvexSet;
+pub use cuboid::{Cuboid, Interval};
+pub use ellipsoid::{Ellipse, Ellipsoid};
+pub use error::SetError;
+pub use image::Image;
+pub use inside::largest_scale_inside;
+pub use star::StarSet;
+pub use superellipsoid::{Superellipse, Superellipsoid};
+
+/// A point of R^P.
+pub type Vector<const P: usize> = nalgebra::SVector<f64, P>;
+/// A linear map of R^P.
+pub type Matrix<const P: usize> = nalgebra::SMatrix<f64, P, P>;
+
+/// The vector `value · eᵢ`.
+fn along<const P: usize>(i: usize, value: f64) -> Vector<P> {
+    let mut vector = Vector::zeros();
+    vector[i] = value;
+    vector
+}

@@ -1,0 +1,48 @@
+//! Star-shaped sets: gauge, gradient, radius.
+
+use std::fmt::Debug;
+
+use crate::Vector;
+
+/// A compact set with `x ∈ C ⇒ sx ∈ int C` for `0 ≤ s < 1` (\[WL19\] Def. 2).
+///
+/// Only [`gauge`](Self::gauge) has to be given; closed forms override the rest.
+pub trait StarSet<const P: usize>: Debug + Send + Sync {
+    /// Gauge `k(x) = inf{s > 0 : x ∈ sC}` (\[WL19\] Def. 3): positively homogeneous, `C = {k ≤ 1}`.
+    fn gauge(&self, x: &Vector<P>) -> f64;
+
+    /// Gauge and its gradient in one evaluation; the gradient is meaningless at the origin.
+    ///
+    /// Where the boundary has a corner, the gradient is one element of the generalised gradient.
+    /// The default takes central differences (relative error about 1e-10).
+    fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
+        let step = f64::EPSILON.cbrt() * x.amax();
+        let gradient = Vector::from_fn(|i, _| {
+            let (mut ahead, mut behind) = (*x, *x);
+            ahead[i] += step;
+            behind[i] -= step;
+            (self.gauge(&ahead) - self.gauge(&behind)) / (ahead[i] - behind[i])
+        });
+        (self.gauge(x), gradient)
+    }
+
+    /// Gradient of the gauge, an outward normal of the boundary; `None` at the origin.
+    fn gauge_gradient(&self, x: &Vector<P>) -> Option<Vector<P>> {
+        (x.amax() > 0.0).then(|| self.gauge_jet(x).1)
+    }
+
+    /// Distance from the origin to the boundary along `direction`, which need not have unit length.
+    fn radius(&self, direction: &Vector<P>) -> f64 {
+        direction.norm() / self.gauge(direction)
+    }
+
+    /// Whether `k(x) ≤ 1 + tolerance`.
+    fn contains(&self, x: &Vector<P>, tolerance: f64) -> bool {
+        self.gauge(x) <= 1.0 + tolerance
+    }
+
+    /// Boundary points where the gradient of the gauge jumps or is infinite.
+    fn corners(&self) -> Vec<Vector<P>> {
+        Vec::new()
+    }
+}

@@ -1,0 +1,259 @@
+//! Properties that every set must have, over random sets of every kind.
+//!
+//! `PROPTEST_CASES=100000 cargo test -p asperity-set --release` is the long profile.
+
+use asperity_set::{
+    Ball, Convex, ConvexSet, Cuboid, Ellipsoid, Matrix, Star, StarSet, Superellipsoid, Vector,
+    largest_scale_inside,
+};
+use proptest::prelude::*;
+
+type V = Vector<2>;
+
+fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    (low.ln()..high.ln()).prop_map(f64::exp)
+}
+
+/// Semi-axes within `1/spread..spread`.
+fn semi_axes(spread: f64) -> impl Strategy<Value = V> {
+    let axis = move || log_uniform(1.0 / spread, spread);
+    (axis(), axis()).prop_map(|(a, b)| V::new(a, b))
+}
+
+fn exponent() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(1.0), Just(2.0), log_uniform(1.02, 3.0), log_uniform(3.0, 1e3)]
+}
+
+fn plain(spread: f64) -> impl Strategy<Value = Convex<2>> {
+    let ball = log_uniform(1e-4, 1e4).prop_map(|r| Ball::new(r).unwrap().into());
+    let cuboid = (semi_axes(spread), semi_axes(spread))
+        .prop_map(|(lower, upper)| Cuboid::new(-lower, upper).unwrap().into());
+    let ellipsoid = semi_axes(spread).prop_map(|a| Ellipsoid::new(a).unwrap().into());
+    let superellipsoid = (semi_axes(spread), exponent())
+        .prop_map(|(a, s)| Convex::try_from(Superellipsoid::new(a, s).unwrap()).unwrap());
+    prop_oneof![ball, cuboid, ellipsoid, superellipsoid]
+}
+
+/// Every kind of convex set: plain with axis ratios up to 1e8; rotated and sheared with ratios up to
+/// 1e3, for the rotation of a point alone costs the ratio times the rounding error.
+fn convex() -> impl Strategy<Value = Convex<2>> {
+    let rotated = (plain(30.0), -4.0..4.0).prop_map(|(set, angle)| set.rotated(angle).unwrap());
+    let sheared = (plain(30.0), -0.7..0.7, -0.7..0.7)
+        .prop_map(|(set, p, q)| set.mapped(&Matrix::<2>::new(1.0, p, q, 1.0 + p * q)).unwrap());
+    prop_oneof![plain(1e4), rotated, sheared]
+}
+
+fn star() -> impl Strategy<Value = Star<2>> {
+    let cusped = (semi_axes(30.0), log_uniform(0.2, 0.98), -4.0..4.0).prop_map(|(a, s, angle)| {
+        Star::from(Superellipsoid::new(a, s).unwrap()).rotated(angle).unwrap()
+    });
+    prop_oneof![convex().prop_map(Star::from), cusped]
+}
+
+fn direction() -> impl Strategy<Value = V> {
+    let axes = prop_oneof![
+        Just(V::new(1.0, 0.0)),
+        Just(V::new(0.0, 1.0)),
+        Just(V::new(-1.0, 0.0)),
+        Just(V::new(0.0, -1.0))
+    ];
+    prop_oneof![9 => (-4.0..4.0_f64).prop_map(|t| V::new(t.cos(), t.sin())), 1 => axes]
+}
+
+/// A point at `k` times the boundary, `k` from deep inside to 1e12 away.
+fn point_of(set: &impl StarSet<2>, direction: &V, k: f64) -> V {
+    direction * (k / set.gauge(direction))
+}
+
+fn multiples() -> impl Strategy<Value = f64> {
+    prop_oneof![log_uniform(1e-6, 1.0), log_uniform(1.0, 1e3), log_uniform(1e3, 1e12), Just(1.0)]
+}
+
+fn close(a: f64, b: f64, tolerance: f64) -> bool {
+    (a - b).abs() <= tolerance * a.abs().max(b.abs())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: std::env::var("PROPTEST_CASES")
+        .ok().and_then(|v| v.parse().ok()).unwrap_or(1000), failure_persistence: None,
+        ..ProptestConfig::default() })]
+
+    #[test]
+    fn gauge_is_homogeneous_and_one_on_the_boundary(set in star(), d in direction(), s in multiples()) {
+        prop_assert!(close(set.gauge(&(d * s)), s * set.gauge(&d), 1e-13));
+        prop_assert!(close(set.gauge(&point_of(&set, &d, 1.0)), 1.0, 1e-12));
+        prop_assert_eq!(set.gauge(&V::zeros()), 0.0);
+        prop_assert!(close(set.radius(&(d * s)), set.radius(&d), 1e-13));
+    }
+
+    #[test]
+    fn gradient_obeys_euler_and_has_degree_zero(set in star(), d in direction(), s in multiples()) {
+        let x = point_of(&set, &d, s);
+        let gradient = set.gauge_gradient(&x).unwrap();
+        prop_assert!(close(gradient.dot(&x), set.gauge(&x), 1e-9), "{gradient} {x}");
+        let (gauge, same) = set.gauge_jet(&x);
+        prop_assert_eq!(gradient, same);
+        prop_assert!(close(gauge, set.gauge(&x), 1e-14));
+        prop_assert!(set.gauge_gradient(&V::zeros()).is_none());
+    }
+
+    #[test]
+    fn gradient_is_the_slope_of_the_gauge(
+        a in (0.2..5.0, 0.2..5.0), s in prop_oneof![0.3..0.9, 1.1..20.0], t in 0.1..1.4, angle in -4.0..4.0
+    ) {
+        let set = Star::from(Superellipsoid::new(V::new(a.0, a.1), s).unwrap()).rotated(angle).unwrap();
+        let x = V::new(f64::cos(t + angle), f64::sin(t + angle));
+        let gradient = set.gauge_gradient(&x).unwrap();
+        for i in 0..2 {
+            let h = 1e-5 * V::ith(i, 1.0);
+            let slope = (set.gauge(&(x + h)) - set.gauge(&(x - h))) / 2e-5;
+            prop_assert!((slope - gradient[i]).abs() < 1e-5 * gradient.norm().max(1.0));
+        }
+    }
+
+    #[test]
+    fn support_is_sublinear(set in convex(), a in direction(), b in direction(), s in multiples()) {
+        let sum = a + b;
+        prop_assert!(set.support(&sum) <= (set.support(&a) + set.support(&b)) * (1.0 + 1e-13));
+        prop_assert!(close(set.support(&(a * s)), s * set.support(&a), 1e-13));
+        prop_assert_eq!(set.support(&V::zeros()), 0.0);
+    }
+
+    /// Polarity `x·y ≤ k(x) h(y)`, with equality at the support point, where `y` is normal (Fenchel).
+    #[test]
+    fn support_and_gauge_are_polar(set in convex(), x in direction(), y in direction()) {
+        prop_assert!(x.dot(&y) <= set.gauge(&x) * set.support(&y) * (1.0 + 1e-12));
+        let farthest = set.support_point(&y);
+        prop_assert!(close(farthest.dot(&y), set.support(&y), 1e-12));
+        prop_assert!(close(set.gauge(&farthest), 1.0, 1e-7));
+        let boundary = point_of(&set, &x, 1.0);
+        let normal = set.gauge_gradient(&boundary).unwrap();
+        prop_assert!(close(set.support(&normal), 1.0, 1e-9), "h(∇k) = {}", set.support(&normal));
+    }
+
+    #[test]
+    fn hessian_is_the_slope_of_the_support_point(
+        a in (0.2..5.0, 0.2..5.0), s in 1.2..12.0, t in 0.1..1.4, angle in -4.0..4.0
+    ) {
+        let plain = Convex::try_from(Superellipsoid::new(V::new(a.0, a.1), s).unwrap()).unwrap();
+        for set in [plain, Ellipsoid::new(V::new(a.0, a.1)).unwrap().into()] {
+            let set = set.rotated(angle).unwrap();
+            let y = V::new(f64::cos(t + angle), f64::sin(t + angle));
+            let hessian = set.support_hessian(&y);
+            prop_assert!((hessian * y).norm() < 1e-9 * hessian.norm());
+            prop_assert!((hessian - hessian.transpose()).norm() < 1e-12 * hessian.norm());
+            prop_assert!(hessian.trace() > 0.0);
+            let h = 1e-6;
+            for i in 0..2 {
+                let d = V::ith(i, h);
+                let slope = (set.support_point(&(y + d)) - set.support_point(&(y - d))) / (2.0 * h);
+                prop_assert!((slope - hessian.column(i)).norm() < 1e-4 * hessian.norm());
+            }
+        }
+    }
+
+    /// `x = prox(z)` iff `x` lies in the set and `(z − x)·(x* − x) ≤ 0`, that is `h(z − x) = x·(z − x)`.
+    #[test]
+    fn projection_satisfies_its_variational_inequality(set in convex(), d in direction(), k in multiples()) {
+        let z = point_of(&set, &d, k);
+        let x = set.project(&z);
+        prop_assert!(set.gauge(&x) <= 1.0 + 1e-11, "outside: {}", set.gauge(&x));
+        if set.gauge(&z) <= 1.0 {
+            prop_assert!((x - z).norm() <= 1e-15 * z.norm());
+            return Ok(());
+        }
+        let normal = z - x;
+        let gap = set.support(&normal) - x.dot(&normal);
+        // The projection does not expand, so the rounding of z itself is an error the result may have.
+        prop_assert!(gap <= (1e-12 * x.norm() + 4e-15 * z.norm()) * normal.norm(),
+            "gap {:e} at x {} n {}", gap / (x.norm() * normal.norm()), x, normal);
+        let again = set.project(&x);
+        prop_assert!((again - x).norm() <= 1e-11 * x.norm());
+    }
+
+    #[test]
+    fn projection_from_a_start_is_the_same(set in convex(), d in direction(), k in 1.0..4.0, e in direction()) {
+        let z = point_of(&set, &d, k);
+        let x = set.project(&z);
+        for start in [x, x + 1e-3 * x.norm() * e, point_of(&set, &e, 1.0)] {
+            let again = set.project_from(&z, &start);
+            prop_assert!((again - x).norm() <= 1e-12 * z.norm().max(x.norm()), "{:e}", (again - x).norm() / x.norm());
+        }
+    }
+
+    #[test]
+    fn projection_does_not_expand(set in convex(), a in direction(), b in direction(), s in 0.1..5.0, t in 0.1..5.0) {
+        let (y, z) = (point_of(&set, &a, s), point_of(&set, &b, t));
+        let (py, pz) = (set.project(&y), set.project(&z));
+        prop_assert!((py - pz).norm() <= (y - z).norm() * (1.0 + 1e-9) + 1e-12 * py.norm());
+    }
+
+    /// (12): `y ∈ N(x) ⇔ x = prox(x + ry)`.
+    #[test]
+    fn normal_cone_and_projection_agree(set in convex(), d in direction(), r in log_uniform(1e-3, 1e3)) {
+        let x = point_of(&set, &d, 1.0);
+        let cone = set.normal_cone(&x, 1e-9).unwrap();
+        prop_assert!(!cone.generators().is_empty());
+        for normal in cone.generators() {
+            let z = x + normal * (r * x.norm());
+            prop_assert!((set.project(&z) - x).norm() <= 1e-6 * x.norm());
+        }
+        prop_assert!(set.normal_cone(&(x * 0.5), 1e-9).unwrap().generators().is_empty());
+        prop_assert!(set.normal_cone(&(x * 1.5), 1e-9).is_none());
+    }
+
+    #[test]
+    fn rotation_and_scaling_carry_over(set in convex(), d in direction(), angle in -4.0..4.0_f64, c in log_uniform(1e-3, 1e3)) {
+        let turn = Matrix::<2>::new(angle.cos(), -angle.sin(), angle.sin(), angle.cos());
+        let moved = set.rotated(angle).unwrap().scaled(c).unwrap();
+        prop_assert!(close(moved.gauge(&(turn * d * c)), set.gauge(&d), 1e-7));
+        prop_assert!(close(moved.support(&(turn * d)), c * set.support(&d), 1e-7));
+    }
+
+    /// Rule (9): `y ∈ N_C(x) ⇔ Aᵀy ∈ N_{A⁻¹C}(A⁻¹x)`.
+    #[test]
+    fn linear_images_follow_rule_nine(set in plain(30.0), y in direction(), p in -0.7..0.7, q in -0.7..0.7) {
+        let map = Matrix::<2>::new(1.0, p, q, 1.0 + p * q);
+        let image = set.mapped(&map).unwrap();
+        let x = set.support_point(&map.tr_mul(&y));
+        prop_assert!(close(image.support(&y), (map * x).dot(&y), 1e-10));
+        prop_assert!(close(image.gauge(&(map * y)), set.gauge(&y), 1e-7));
+    }
+
+    #[test]
+    fn largest_scale_touches_and_stays_inside(inner in convex(), outer in star(), d in direction()) {
+        let scale = largest_scale_inside(&inner, &outer);
+        let x = point_of(&inner, &d, scale);
+        prop_assert!(outer.gauge(&x) <= 1.0 + 1e-6, "{}", outer.gauge(&x));
+    }
+
+}
+
+proptest! {
+    // Skew images in space are projected by a slow iteration.
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn space_projection_satisfies_its_variational_inequality(
+        a in (0.3..3.0, 0.3..3.0, 0.3..3.0), s in 1.0..8.0, d in (-1.0..1.0, -1.0..1.0, -1.0..1.0),
+        k in 1.01..50.0, p in -0.5..0.5, q in -0.5..0.5
+    ) {
+        type W = Vector<3>;
+        let axes = W::new(a.0, a.1, a.2);
+        let shear = Matrix::<3>::new(1.0, p, 0.0, q, 1.0 + p * q, p, 0.0, 0.0, 1.0);
+        let plain: [Convex<3>; 3] = [
+            Cuboid::symmetric(axes).unwrap().into(),
+            Ellipsoid::new(axes).unwrap().into(),
+            Convex::try_from(Superellipsoid::new(axes, s).unwrap()).unwrap(),
+        ];
+        for set in plain.iter().flat_map(|set| [set.clone(), set.mapped(&shear).unwrap()]) {
+            let d = W::new(d.0, d.1, d.2 + 1e-3);
+            let z = d * (k / set.gauge(&d));
+            let x = set.project(&z);
+            let normal = z - x;
+            prop_assert!(set.gauge(&x) <= 1.0 + 1e-11);
+            let gap = set.support(&normal) - x.dot(&normal);
+            prop_assert!(gap <= 1e-12 * x.norm() * normal.norm(), "{set:?} gap {gap:e}");
+        }
+    }
+}

@@ -1,0 +1,89 @@
+"""Set-valued anisotropic dry friction: laws, contact solvers, Moreau time stepping.
+
+Theory: S. V. Walker, R. I. Leine, *Set-valued anisotropic dry friction laws: formulation,
+experimental verification and instability phenomenon*, Nonlinear Dynamics (2019), cited as [WL19].
+
+>>> import asperity as asp
+>>> law = asp.FrictionLaw(reservoir=asp.Ellipse(0.6, 0.3), direction=asp.Ellipse(0.5, 0.3))
+>>> path = asp.simulate(
+...     asp.SlidingPoint(0.1, law), dt=1e-3, t_end=1.0, u0=[1.0, 1.0], until_rest=True
+... )
+>>> path.status
+Status.CONVERGED
+"""
+
+from typing import Any as _Any
+
+from asperity._core import __version__
+from asperity.contact import ContactProblem, ContactSolution, LocalSolution
+from asperity.errors import (
+    AsperityError,
+    ConvergenceError,
+    DimensionError,
+    NoSolutionError,
+    ParameterError,
+    SimulationInterrupted,
+)
+from asperity.law import FrictionLaw
+from asperity.sets import (
+    Ball,
+    Box,
+    Disk,
+    Ellipse,
+    Interval,
+    Mapped,
+    Rectangle,
+    StarSet,
+    Superellipse,
+)
+from asperity.simulate import simulate
+from asperity.solvers import Exact, ProxGaussSeidel, ProxJacobi, Solver
+from asperity.status import Phase, Status
+from asperity.system import Contact, ContactLaw, LinearSystem, MassOnBelt, SlidingPoint, System
+from asperity.trajectory import Trajectory
+
+__all__ = [
+    "AsperityError",
+    "Ball",
+    "Box",
+    "Contact",
+    "ContactLaw",
+    "ContactProblem",
+    "ContactSolution",
+    "ConvergenceError",
+    "DimensionError",
+    "Disk",
+    "Ellipse",
+    "Exact",
+    "FrictionLaw",
+    "Interval",
+    "LinearSystem",
+    "LocalSolution",
+    "Mapped",
+    "MassOnBelt",
+    "NoSolutionError",
+    "ParameterError",
+    "Phase",
+    "ProxGaussSeidel",
+    "ProxJacobi",
+    "Rectangle",
+    "SimulationInterrupted",
+    "SlidingPoint",
+    "Solver",
+    "StarSet",
+    "Status",
+    "Superellipse",
+    "System",
+    "Trajectory",
+    "__version__",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> _Any:
+    # Matplotlib is imported by the first use of `asperity.plot`, not before.
+    if name == "plot":
+        from importlib import import_module
+
+        return import_module("asperity.plot")
+    raise AttributeError(f"module 'asperity' has no attribute {name!r}")

@@ -1,0 +1,154 @@
+"""Input conversion: the one place where what users pass becomes finite float64 arrays."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import DimensionError, ParameterError
+
+Array = NDArray[np.float64]
+
+_NUMERIC_KINDS = "iufb"
+
+
+def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = None) -> Array:
+    """Return a finite C-contiguous float64 array; ``None`` in `shape` stands for any length."""
+    try:
+        raw = np.asarray(value)
+    except ValueError:
+        raise DimensionError(argument, "must be a rectangular array of numbers") from None
+    if raw.dtype.kind not in _NUMERIC_KINDS:
+        raise ParameterError(argument, f"must hold real numbers, got {value!r}")
+    converted = np.asarray(raw, dtype=np.float64, order="C")
+    if shape is not None:
+        _check_shape(converted, argument, shape)
+    if not np.isfinite(converted).all():
+        raise ParameterError(argument, "must be finite, it holds NaN or infinity")
+    return converted
+
+
+def _check_shape(value: Array, argument: str, shape: Sequence[int | None]) -> None:
+    fits = value.ndim == len(shape) and all(
+        wanted in (None, length) for wanted, length in zip(shape, value.shape, strict=True)
+    )
+    if not fits:
+        wanted = _shape_text(["n" if length is None else str(length) for length in shape])
+        raise DimensionError(argument, f"must have shape {wanted}, got {value.shape}")
+
+
+def _shape_text(lengths: Sequence[str]) -> str:
+    return f"({lengths[0]},)" if len(lengths) == 1 else f"({', '.join(lengths)})"
+
+
+def points(value: ArrayLike, argument: str, dimension: int) -> tuple[Array, tuple[int, ...]]:
+    """Return points ``(..., p)`` as ``(n, p)`` together with the leading shape."""
+    converted = array(value, argument)
+    if converted.ndim == 0 or converted.shape[-1] != dimension:
+        raise DimensionError(argument, f"must have shape (..., {dimension}), got {converted.shape}")
+    return converted.reshape(-1, dimension), converted.shape[:-1]
+
+
+def points_with_scalars(
+    value: ArrayLike, argument: str, dimension: int, scalars: ArrayLike, scalar_argument: str
+) -> tuple[Array, Array, tuple[int, ...]]:
+    """Broadcast points ``(..., p)`` with scalars; return ``(n, p)``, ``(n,)`` and the shape."""
+    flat, lead = points(value, argument, dimension)
+    factors = array(scalars, scalar_argument)
+    try:
+        shape = np.broadcast_shapes(lead, factors.shape)
+    except ValueError:
+        raise DimensionError(
+            scalar_argument, f"must broadcast with {argument} {lead}, got {factors.shape}"
+        ) from None
+    wide = np.broadcast_to(flat.reshape(*lead, dimension), (*shape, dimension))
+    return (
+        np.ascontiguousarray(wide).reshape(-1, dimension),
+        np.ascontiguousarray(np.broadcast_to(factors, shape)).reshape(-1),
+        shape,
+    )
+
+
+def unflatten(values: Array, lead: tuple[int, ...]) -> Array:
+    """Give the results ``(n, ...)`` the leading shape back; shape ``()`` becomes a NumPy scalar."""
+    result: Array = values.reshape(lead + values.shape[1:])[()]
+    return result
+
+
+def square(value: ArrayLike, argument: str, size: int) -> Array:
+    """Return a square matrix given as a scalar, as its diagonal or in full."""
+    converted = array(value, argument)
+    if converted.ndim == 0:
+        return np.eye(size) * converted
+    if converted.ndim == 1:
+        return np.diag(array(converted, argument, (size,)))
+    return array(converted, argument, (size, size))
+
+
+def number(value: Any, argument: str) -> float:
+    """Return a finite Python float."""
+    converted = array(value, argument)
+    if converted.ndim:
+        raise DimensionError(argument, f"must be a number, got an array of shape {converted.shape}")
+    return float(converted)
+
+
+def positive(value: Any, argument: str) -> float:
+    """Return a finite float above zero."""
+    converted = number(value, argument)
+    if converted <= 0.0:
+        raise ParameterError(argument, f"must be positive, got {converted!r}")
+    return converted
+
+
+def non_negative(value: Any, argument: str) -> float:
+    """Return a finite float not below zero."""
+    converted = number(value, argument)
+    if converted < 0.0:
+        raise ParameterError(argument, f"must not be negative, got {converted!r}")
+    return converted
+
+
+def fraction(value: Any, argument: str) -> float:
+    """Return a float between 0 and 1."""
+    converted = number(value, argument)
+    if not 0.0 <= converted <= 1.0:
+        raise ParameterError(argument, f"must lie between 0 and 1, got {converted!r}")
+    return converted
+
+
+def count(value: Any, argument: str, least: int = 1) -> int:
+    """Return an integer not below `least`."""
+    try:
+        converted = operator.index(value)
+    except TypeError:
+        raise ParameterError(argument, f"must be an integer, got {value!r}") from None
+    if converted < least:
+        raise ParameterError(argument, f"must be at least {least}, got {converted}")
+    return converted
+
+
+def choice(value: str, argument: str, allowed: Sequence[str]) -> str:
+    """Return `value` if it is one of the allowed words."""
+    if value not in allowed:
+        words = " or ".join(repr(word) for word in allowed)
+        raise ParameterError(argument, f"must be {words}, got {value!r}")
+    return value
+
+
+def read_only(values: NDArray[Any]) -> NDArray[Any]:
+    """Return a C-contiguous copy that refuses writing."""
+    frozen = np.array(values, order="C")
+    frozen.flags.writeable = False
+    return frozen
+
+
+def rotation(angle: float) -> Array:
+    """Return the matrix that turns the plane counter-clockwise by `angle`."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s], [s, c]])

@@ -1,0 +1,98 @@
+"""Frozen value objects: the constructor's signature is the only list of their parameters."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any, NoReturn, Self
+
+import numpy as np
+
+
+class Value:
+    """Base of immutable objects that are equal when their parameters are.
+
+    A subclass hands each parameter of its ``__init__`` to `_set`, and what it derives to `_keep`.
+    """
+
+    _parameters: dict[str, Any]
+
+    def _set(self, **parameters: Any) -> None:
+        self._keep(_parameters=parameters)
+        # A class attribute wins: the radius of a disk must not hide the method `radius`.
+        self._keep(**{n: value for n, value in parameters.items() if not hasattr(type(self), n)})
+
+    def _keep(self, **attributes: Any) -> None:
+        for name, attribute in attributes.items():
+            object.__setattr__(self, name, attribute)
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(
+            f"{type(self).__name__} is immutable: make a variant with .replace({name}=...)"
+        )
+
+    def __delattr__(self, name: str) -> NoReturn:
+        raise AttributeError(f"{type(self).__name__} is immutable")
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some parameters changed."""
+        return type(self)(**{**self._parameters, **changes})
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _build, (type(self), self._parameters)
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Value) or type(self) is not type(other):
+            return NotImplemented
+        return all(_same(mine, other._parameters[name]) for name, mine in self._parameters.items())
+
+    def __hash__(self) -> int:
+        return hash((type(self), *map(_hashable, self._parameters.values())))
+
+    def __repr__(self) -> str:
+        parts = []
+        for name, parameter in inspect.signature(type(self)).parameters.items():
+            value = self._parameters[name]
+            if _is_default(value, parameter):
+                continue
+            positional = parameter.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD
+            if positional and parameter.default is inspect.Parameter.empty:
+                parts.append(_text(value))
+            else:
+                parts.append(f"{name}={_text(value)}")
+        return f"{type(self).__name__}({', '.join(parts)})"
+
+
+def _build(cls: type[Value], parameters: dict[str, Any]) -> Value:
+    return cls(**parameters)
+
+
+def _is_default(value: Any, parameter: inspect.Parameter) -> bool:
+    default = parameter.default
+    return (
+        default is not inspect.Parameter.empty
+        and type(value) is type(default)
+        and (value is default or bool(value == default))
+    )
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return np.array_equal(a, b, equal_nan=a.dtype.kind == b.dtype.kind == "f")
+    return type(a) is type(b) and bool(a == b)
+
+
+def _hashable(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        # Adding zero turns -0.0, which equals 0.0, into it.
+        return value.shape, (value + 0).tobytes()
+    return value
+
+
+def _text(value: Any) -> str:
+    return repr(value.tolist()) if isinstance(value, np.ndarray) else repr(value)

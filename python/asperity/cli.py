@@ -1,0 +1,85 @@
+"""The command ``asperity``."""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import sys
+import time
+from collections.abc import Sequence
+from importlib import metadata
+from pathlib import Path
+
+from asperity import __version__
+from asperity.errors import AsperityError
+
+SUCCESS, CHECK_FAILED, USER_ERROR, INTERRUPTED = 0, 1, 2, 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit code (0 good, 1 a check is off, 2 user error)."""
+    options = _parser().parse_args(arguments)
+    try:
+        code: int = options.run(options)
+    except KeyboardInterrupt:
+        print("asperity: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except (AsperityError, OSError, ModuleNotFoundError) as error:
+        print(f"asperity: {_explained(error)}", file=sys.stderr)
+        return USER_ERROR
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="asperity", description="Set-valued anisotropic dry friction."
+    )
+    parser.add_argument("--version", action="version", version=f"asperity {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    demo = commands.add_parser(
+        "demo",
+        help="compute Fig. 17 and Fig. 27 of Walker & Leine (2019) and check them",
+        description="Compute Fig. 17 (limit cycle) and Fig. 27 (sliding paths) of Walker & Leine "
+        "(2019) from the measured parameters; write fig17.png, fig17.csv, fig27.png, fig27.csv "
+        "and compare with converged values. Exit code 1 if one is off.",
+        epilog="example: asperity demo --out out/demo",
+    )
+    demo.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder to write into")
+    demo.set_defaults(run=_demo)
+    info = commands.add_parser("info", help="print versions and the build profile")
+    info.set_defaults(run=_info)
+    return parser
+
+
+def _demo(options: argparse.Namespace) -> int:
+    from asperity.paper import demo
+    from asperity.paper.checks import table
+
+    start = time.perf_counter()
+    checks = demo.run(options.out)
+    seconds = time.perf_counter() - start
+    print(table(checks))
+    off = sum(not check.ok for check in checks)
+    print(
+        f"\n{len(checks)} checks, {off} off; figures and tables in {options.out}; {seconds:.1f} s"
+    )
+    return CHECK_FAILED if off else SUCCESS
+
+
+def _info(options: argparse.Namespace) -> int:
+    from asperity import _core
+
+    print(f"asperity    {__version__} ({_core.build_profile} build)")
+    print(f"python      {platform.python_version()} on {platform.system()} {platform.machine()}")
+    for package in ("numpy", "scipy", "matplotlib", "tqdm"):
+        try:
+            print(f"{package:<11} {metadata.version(package)}")
+        except metadata.PackageNotFoundError:
+            print(f"{package:<11} not installed")
+    return SUCCESS
+
+
+def _explained(error: Exception) -> str:
+    if isinstance(error, ModuleNotFoundError):
+        return f"{error.name} is missing: pip install 'asperity[plot]'"
+    return str(error)

@@ -1,0 +1,101 @@
+"""Exceptions of asperity.
+
+Every exception keeps its whole state in ``args``, so that it survives pickling and process pools.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from asperity.trajectory import Trajectory
+
+
+class AsperityError(Exception):
+    """Base of all errors raised by asperity."""
+
+
+class ParameterError(AsperityError, ValueError):
+    """An argument lies outside the values that are allowed.
+
+    Attributes:
+        argument: name of the argument.
+        message: what is allowed and what was given.
+    """
+
+    def __init__(self, argument: str, message: str) -> None:
+        super().__init__(argument, message)
+        self.argument = argument
+        self.message = message
+
+    def __str__(self) -> str:
+        return f"{self.argument}: {self.message}"
+
+
+class DimensionError(ParameterError):
+    """An argument has the wrong shape or dimension."""
+
+
+class ConvergenceError(AsperityError, RuntimeError):
+    """A contact problem was not solved to the tolerance.
+
+    Attributes:
+        message: what happened.
+        step: number of the time step, from 1; ``None`` outside a simulation.
+        time: time at the end of that step in s; ``None`` outside a simulation.
+        contact: number of the contact with the largest residual.
+        residual: natural-map residual that was reached.
+        advice: what to try.
+        trajectory: the part computed before the failure, if there is one.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        step: int | None = None,
+        time: float | None = None,
+        contact: int | None = None,
+        residual: float | None = None,
+        advice: str = "",
+        trajectory: Trajectory | None = None,
+    ) -> None:
+        super().__init__(message, step, time, contact, residual, advice, trajectory)
+        self.message = message
+        self.step = step
+        self.time = time
+        self.contact = contact
+        self.residual = residual
+        self.advice = advice
+        self.trajectory = trajectory
+
+    def __str__(self) -> str:
+        where = {
+            "step": self.step,
+            "time": None if self.time is None else f"{self.time:.9g} s",
+            "contact": self.contact,
+            "residual": None if self.residual is None else f"{self.residual:.3g}",
+        }
+        known = ", ".join(f"{name} {value}" for name, value in where.items() if value is not None)
+        text = f"{self.message} ({known})" if known else self.message
+        return f"{text}. {self.advice}" if self.advice else text
+
+
+class NoSolutionError(ConvergenceError):
+    """A contact has no solution at all (Painlevé paradox)."""
+
+
+class SimulationInterrupted(KeyboardInterrupt):
+    """A simulation was stopped by Ctrl-C.
+
+    Attributes:
+        trajectory: the part computed so far.
+    """
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        super().__init__(trajectory)
+        self.trajectory = trajectory
+
+    def __str__(self) -> str:
+        return (
+            f"interrupted at t = {self.trajectory.t[-1]:.9g} s; .trajectory holds the part before"
+        )

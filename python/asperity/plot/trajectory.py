@@ -1,0 +1,154 @@
+"""Plots of trajectories."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity.errors import DimensionError, ParameterError
+from asperity.law import FrictionLaw
+from asperity.plot import style
+from asperity.plot.sets import plot_set
+from asperity.status import Phase
+from asperity.trajectory import Trajectory
+
+_LOOK = {
+    Phase.STICK: (style.STICK, "stick"),
+    Phase.SLIP: (style.SLIP, "slip"),
+    Phase.OPEN: (style.OPEN, "open"),
+}
+
+
+def plot_path(
+    trajectory: Trajectory,
+    ax: Axes | None = None,
+    *,
+    coordinates: tuple[int, int] = (0, 1),
+    **kwargs: Any,
+) -> Axes:
+    """Draw two coordinates against each other; a dot marks the end.
+
+    Args:
+        trajectory: with lengths as coordinates.
+        ax: axes; default new ones.
+        coordinates: numbers of the two.
+        **kwargs: as for ``Axes.plot``.
+
+    >>> import matplotlib
+    >>> matplotlib.use("Agg")
+    >>> from asperity import FrictionLaw, SlidingPoint, simulate
+    >>> from asperity.plot import plot_path
+    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5))
+    >>> ax = plot_path(simulate(block, dt=1e-3, t_end=1.0, u0=[1.0, 1.0]), label="isotropic")
+    """
+    ax = style.axes_or_new(ax)
+    x, y = _two(trajectory, coordinates)
+    (line,) = ax.plot(x, y, **kwargs)
+    ax.plot(x[-1:], y[-1:], "o", color=line.get_color(), markersize=4.5)
+    return _labelled(ax, coordinates)
+
+
+def plot_phase(
+    trajectory: Trajectory,
+    ax: Axes | None = None,
+    *,
+    coordinates: tuple[int, int] = (0, 1),
+    contact: int = 0,
+) -> Axes:
+    """Draw two coordinates against each other, coloured by the phase of a contact.
+
+    Args:
+        trajectory: with lengths as coordinates.
+        ax: axes; default new ones.
+        coordinates: numbers of the two.
+        contact: number of the contact.
+
+    >>> import matplotlib
+    >>> matplotlib.use("Agg")
+    >>> from asperity import FrictionLaw, MassOnBelt, simulate
+    >>> from asperity.plot import plot_phase
+    >>> belt = MassOnBelt(1.0, 1.0, FrictionLaw.isotropic(0.5), 1.0, [0.1, 0.0])
+    >>> ax = plot_phase(simulate(belt, dt=1e-2, t_end=10.0))
+    """
+    ax = style.axes_or_new(ax)
+    points = np.stack(_two(trajectory, coordinates), axis=-1)
+    phases = trajectory.phase[:, _contact(trajectory, contact)]
+    for phase, (color, label) in _LOOK.items():
+        segments = _segments(points, phases == phase)
+        if segments:
+            ax.add_collection(LineCollection(segments, colors=color, linewidths=2.0, label=label))
+    ax.autoscale_view()
+    ax.legend()
+    return _labelled(ax, coordinates)
+
+
+def plot_forces_in_reservoir(
+    trajectory: Trajectory, law: FrictionLaw, ax: Axes | None = None, *, contact: int = 0
+) -> Axes:
+    """Draw the friction forces −λ of a contact within the force reservoir λ_N C.
+
+    The reservoir is that of the largest normal force that occurs.
+
+    Args:
+        trajectory: the trajectory.
+        law: law of the contact.
+        ax: axes; default new ones.
+        contact: number of the contact.
+
+    >>> import matplotlib
+    >>> matplotlib.use("Agg")
+    >>> from asperity import FrictionLaw, MassOnBelt, simulate
+    >>> from asperity.plot import plot_forces_in_reservoir
+    >>> law = FrictionLaw.isotropic(0.5)
+    >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [0.1, 0.0])
+    >>> ax = plot_forces_in_reservoir(simulate(belt, dt=1e-2, t_end=10.0), law)
+    """
+    ax = style.axes_or_new(ax)
+    contact = _contact(trajectory, contact)
+    largest = np.nanmax(trajectory.normal_force[1:, contact], initial=0.0)
+    if largest <= 0.0:
+        raise ParameterError("contact", f"must have carried load, contact {contact} never did")
+    plot_set(law.reservoir.scaled(largest), ax, color=style.INK, label=r"$\lambda_N C$")
+    for phase, (color, label) in _LOOK.items():
+        chosen = trajectory.phase[:, contact] == phase
+        force = -trajectory.force[chosen, contact, :2]
+        if chosen.any():
+            ax.plot(*force.T, ".", color=color, markersize=3.0, label=label)
+    ax.set_xlabel(r"$-\lambda_1$ in N")
+    ax.set_ylabel(r"$-\lambda_2$ in N")
+    ax.legend()
+    return ax
+
+
+def _two(trajectory: Trajectory, coordinates: tuple[int, int]) -> tuple[Array, Array]:
+    i, j = (_arrays.count(index, "coordinates", 0) for index in coordinates)
+    if max(i, j) >= trajectory.q.shape[1]:
+        raise DimensionError(
+            "coordinates", f"must be below {trajectory.q.shape[1]}, got {coordinates}"
+        )
+    return trajectory.q[:, i], trajectory.q[:, j]
+
+
+def _contact(trajectory: Trajectory, contact: int) -> int:
+    contacts = trajectory.phase.shape[1]
+    if _arrays.count(contact, "contact", 0) >= contacts:
+        raise ParameterError("contact", f"must be below {contacts}, got {contact}")
+    return contact
+
+
+def _segments(points: Array, chosen: Any) -> list[Array]:
+    """Return the runs of samples in `chosen`, each with the sample before it."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
+    return [points[max(start - 1, 0) : end] for start, end in edges.reshape(-1, 2)]
+
+
+def _labelled(ax: Axes, coordinates: tuple[int, int]) -> Axes:
+    ax.set_aspect("equal")
+    ax.set_xlabel(f"$q_{coordinates[0] + 1}$ in m")
+    ax.set_ylabel(f"$q_{coordinates[1] + 1}$ in m")
+    return ax

@@ -1,0 +1,90 @@
+"""Sets with flat faces: interval, box, rectangle."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity.errors import DimensionError, ParameterError
+from asperity.sets.star import StarSet
+from asperity.sets.turned import TurnedSet
+
+
+class Interval(StarSet):
+    """The interval [lower, upper] of R¹, the force reservoir of a planar mechanism's contact.
+
+    Args:
+        lower: end below 0.
+        upper: end above 0; unequal lengths make friction depend on the sense of sliding.
+
+    >>> from asperity import Interval
+    >>> Interval(-0.2, 0.3).gauge([[0.6], [-0.1]]).tolist()
+    [2.0, 0.5]
+    """
+
+    lower: float
+    upper: float
+
+    def __init__(self, lower: float, upper: float) -> None:
+        lower, upper = _arrays.number(lower, "lower"), _arrays.number(upper, "upper")
+        if lower >= 0.0:
+            raise ParameterError("lower", f"must be negative, got {lower!r}")
+        _arrays.positive(upper, "upper")
+        core = _core.Set.cuboid(np.array([lower]), np.array([upper]))
+        self._set_core(core, lower=lower, upper=upper)
+
+    def scaled(self, factor: float) -> Interval:
+        """Return the set {s x : x ∈ C}."""
+        factor = _arrays.positive(factor, "factor")
+        return Interval(factor * self.lower, factor * self.upper)
+
+
+class Box(StarSet):
+    """The box {x : |xᵢ| ≤ aᵢ}; with C = D, independent friction along each axis (X–Y table).
+
+    Args:
+        half_widths: aᵢ > 0, shape ``(p,)`` with p ≤ 3.
+
+    Reference: [WL19] (36).
+
+    >>> from asperity import Box
+    >>> Box([2.0, 1.0, 1.0]).project([3.0, 0.0, -4.0]).tolist()
+    [2.0, 0.0, -1.0]
+    """
+
+    half_widths: Array
+
+    def __init__(self, half_widths: ArrayLike) -> None:
+        widths = _arrays.array(half_widths, "half_widths", (None,))
+        if not 1 <= widths.size <= 3:
+            raise DimensionError("half_widths", f"must hold 1 to 3 numbers, got {widths.size}")
+        if widths.min() <= 0.0:
+            raise ParameterError("half_widths", f"must be positive, got {widths.tolist()}")
+        self._set_core(_core.Set.cuboid(-widths, widths), half_widths=_arrays.read_only(widths))
+
+    def scaled(self, factor: float) -> Box:
+        """Return the set {s x : x ∈ C}."""
+        return Box(_arrays.positive(factor, "factor") * self.half_widths)
+
+
+class Rectangle(TurnedSet):
+    """The rectangle with half-widths a, b, turned by an angle.
+
+    Args:
+        a: half-width along the first axis.
+        b: half-width along the second axis.
+        angle: of the first axis from e₁, counter-clockwise, in rad.
+
+    Reference: [WL19] (36).
+
+    >>> from asperity import Rectangle
+    >>> float(Rectangle(2.0, 1.0).support([1.0, 1.0]))
+    3.0
+    """
+
+    def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
+        a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
+        upright = _core.Set.cuboid(np.array([-a, -b]), np.array([a, b]))
+        self._set_turned(upright, a, b, angle)

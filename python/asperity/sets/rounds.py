@@ -1,0 +1,143 @@
+"""Sets with round boundary: ball, disk, ellipse, superellipse."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asperity import _arrays, _core
+from asperity.errors import DimensionError
+from asperity.sets.star import StarSet
+from asperity.sets.turned import TurnedSet
+
+
+class Ball(StarSet):
+    """The ball {x : ‖x‖ ≤ radius} of R¹, R² or R³.
+
+    Args:
+        radius: > 0.
+        dimension: p = 1, 2 or 3.
+
+    >>> from asperity import Ball
+    >>> float(Ball(2.0).gauge([0.0, 3.0, 4.0]))
+    2.5
+    """
+
+    def __init__(self, radius: float, *, dimension: int = 3) -> None:
+        radius = _arrays.positive(radius, "radius")
+        dimension = _arrays.count(dimension, "dimension")
+        if dimension > 3:
+            raise DimensionError("dimension", f"must be 1, 2 or 3, got {dimension}")
+        self._set_core(_core.Set.ball(dimension, radius), radius=radius, dimension=dimension)
+
+    def rotated(self, angle: float) -> Ball:
+        """Return the ball itself."""
+        _arrays.number(angle, "angle")
+        return self
+
+    def scaled(self, factor: float) -> Ball:
+        """Return the set {s x : x ∈ C}."""
+        factor = _arrays.positive(factor, "factor")
+        return self.replace(radius=factor * self._parameters["radius"])
+
+
+class Disk(StarSet):
+    """The disk {x : ‖x‖ ≤ radius}, the force reservoir of isotropic Coulomb friction.
+
+    Args:
+        radius: > 0; the friction coefficient μ for sets per unit normal force.
+
+    Reference: [WL19] (33).
+
+    >>> from asperity import Disk
+    >>> float(Disk(0.3).support([0.0, 2.0]))
+    0.6
+    """
+
+    def __init__(self, radius: float) -> None:
+        radius = _arrays.positive(radius, "radius")
+        self._set_core(_core.Set.ball(2, radius), radius=radius)
+
+    def rotated(self, angle: float) -> Disk:
+        """Return the disk itself."""
+        _arrays.number(angle, "angle")
+        return self
+
+    def scaled(self, factor: float) -> Disk:
+        """Return the set {s x : x ∈ C}."""
+        return Disk(_arrays.positive(factor, "factor") * self._parameters["radius"])
+
+
+class Ellipse(TurnedSet):
+    """The ellipse {x : (x₁/a)² + (x₂/b)² ≤ 1}, turned by an angle.
+
+    Args:
+        a: semi-axis along the first axis.
+        b: semi-axis along the second axis.
+        angle: of the first axis from e₁, counter-clockwise, in rad.
+
+    Reference: [WL19] (34).
+
+    >>> from asperity import Ellipse
+    >>> Ellipse(3.0, 1.0).support_point([0.0, 2.0]).tolist()
+    [0.0, 1.0]
+    """
+
+    def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
+        a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
+        upright = _core.Set.ellipsoid(np.array([a, b]))
+        self._set_turned(upright, a, b, angle)
+
+    @classmethod
+    def from_intercepts(cls, n1: float, n2: float, nu: float) -> Ellipse:
+        """Make the ellipse k² = (x₁/n₁)² + (x₂/n₂)² + ν x₁x₂ ≤ 1 from its axis intercepts.
+
+        Args:
+            n1: intercept n₁ > 0 with the first axis.
+            n2: intercept n₂ > 0 with the second axis.
+            nu: |ν| < 2/(n₁n₂); 0 for an upright ellipse.
+
+        Raises:
+            ParameterError: if ν is too large for an ellipse.
+
+        Reference: [WL19] (115).
+
+        >>> from asperity import Ellipse
+        >>> ellipse = Ellipse.from_intercepts(2.0, 1.0, 0.5)
+        >>> ellipse.gauge([[2.0, 0.0], [0.0, 1.0]]).round(12).tolist()
+        [1.0, 1.0]
+        """
+        return cls(
+            *_core.Set.ellipse_from_intercepts(
+                _arrays.positive(n1, "n1"), _arrays.positive(n2, "n2"), _arrays.number(nu, "nu")
+            )
+        )
+
+
+class Superellipse(TurnedSet):
+    """The superellipse {x : |x₁/a|^s + |x₂/b|^s ≤ 1}, turned by an angle.
+
+    A rhombus for s = 1, an ellipse for s = 2, nearly a rectangle for large s; for s < 1 it is
+    star-shaped only and has no support function, projection or normal cone.
+
+    Args:
+        a: semi-axis along the first axis.
+        b: semi-axis along the second axis.
+        exponent: s > 0.
+        angle: of the first axis from e₁, counter-clockwise, in rad.
+
+    Reference: [WL19] (37).
+
+    >>> from asperity import Superellipse
+    >>> Superellipse(3.0, 1.0, 0.5).is_convex
+    False
+    >>> float(Superellipse(3.0, 1.0, 1.0).gauge([3.0, 1.0]))
+    2.0
+    """
+
+    exponent: float
+
+    def __init__(self, a: float, b: float, exponent: float, angle: float = 0.0) -> None:
+        a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
+        exponent = _arrays.positive(exponent, "exponent")
+        upright = _core.Set.superellipsoid(np.array([a, b]), exponent)
+        self._set_turned(upright, a, b, angle, exponent=exponent)

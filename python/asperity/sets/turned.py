@@ -1,0 +1,33 @@
+"""Planar sets that carry their own angle."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+from asperity import _arrays
+from asperity._core import Set as CoreSet
+from asperity.sets.star import StarSet
+
+
+class TurnedSet(StarSet):
+    """A planar set with semi-axes a, b whose first axis is turned by an angle from e₁."""
+
+    a: float
+    b: float
+    angle: float
+
+    def _set_turned(
+        self, upright: CoreSet, a: float, b: float, angle: float, **parameters: Any
+    ) -> None:
+        angle = _arrays.number(angle, "angle")
+        core = upright.rotated(angle) if angle else upright
+        self._set_core(core, a=a, b=b, angle=angle, **parameters)
+
+    def rotated(self, angle: float) -> Self:
+        """Return the set turned counter-clockwise by `angle` in rad."""
+        return self.replace(angle=self.angle + _arrays.number(angle, "angle"))
+
+    def scaled(self, factor: float) -> Self:
+        """Return the set {s x : x ∈ C}."""
+        factor = _arrays.positive(factor, "factor")
+        return self.replace(a=factor * self.a, b=factor * self.b)

@@ -1,0 +1,171 @@
+"""Moreau's midpoint time stepping."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, Literal, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity.errors import (
+    ConvergenceError,
+    NoSolutionError,
+    ParameterError,
+    SimulationInterrupted,
+)
+from asperity.solvers import Solver, chosen
+from asperity.status import Status
+from asperity.trajectory import Trajectory
+
+Progress = Callable[[int, int], object]
+
+# Relative tolerance within which t_end counts as a multiple of dt.
+_MULTIPLE = 1e-9
+
+
+@runtime_checkable
+class Model(Protocol):
+    """What `simulate` needs of a system."""
+
+    @property
+    def dof(self) -> int:
+        """Number n of coordinates."""
+
+    @property
+    def contacts(self) -> Sequence[Any]:
+        """The contacts."""
+
+    @property
+    def _core(self) -> _core.LinearSystem | _core.CallbackSystem: ...
+
+
+def simulate(
+    system: Model,
+    *,
+    dt: float,
+    t_end: float,
+    q0: ArrayLike | None = None,
+    u0: ArrayLike | None = None,
+    solver: Solver | None = None,
+    tolerance: float = 1e-10,
+    save_every: int = 1,
+    until_rest: bool = False,
+    on_failure: str = "raise",
+    progress: Literal[True] | Progress | None = None,
+) -> Trajectory:
+    """Integrate a system with Moreau's midpoint scheme.
+
+    q_M = q_B + ½Δt u_B; M (u_E − u_B) − h Δt = W_N P_N + W P at q_M with the contact laws on u_E;
+    q_E = q_M + ½Δt u_E. Steps are counted, t = k Δt. The method is of first order and has no event
+    location: contact changes are resolved to one step.
+
+    Args:
+        system: `LinearSystem`, `SlidingPoint`, `MassOnBelt` or a `System`.
+        dt: step Δt > 0 in s.
+        t_end: end time in s; the last step is the first with k Δt ≥ `t_end` (to 1e-9 relative).
+        q0: initial coordinates, shape ``(n,)``. Default 0.
+        u0: initial velocities, shape ``(n,)``. Default 0.
+        solver: contact solver. Default `Exact`.
+        tolerance: of each step's contact problem, see `ContactProblem.solve`.
+        save_every: keep every so-many-th step; the initial and the last state are kept always.
+        until_rest: stop when all is at rest.
+        on_failure: ``"raise"``, or ``"record"`` to go on with the best iterate and count the step.
+        progress: a function of (step, steps) called a few times a second, or ``True`` for tqdm.
+
+    Returns:
+        The trajectory.
+
+    Raises:
+        NoSolutionError: a contact has no solution (Painlevé).
+        ConvergenceError: a contact problem was not solved to `tolerance`. Either holds the step,
+            the time, the contact, the residual and the part before as ``trajectory``.
+        SimulationInterrupted: on Ctrl-C, with the part before as ``trajectory``.
+
+    Reference: [WL19] (19)–(22).
+
+    >>> from asperity import FrictionLaw, SlidingPoint, simulate
+    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> path = simulate(block, dt=0.01, t_end=1.0, u0=[2.0, 0.0], save_every=20)
+    >>> path.u[:, 0].round(9).tolist()
+    [2.0, 1.0, 0.0, 0.0, 0.0, 0.0]
+    """
+    if not isinstance(system, Model):
+        raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
+    _arrays.choice(on_failure, "on_failure", ["raise", "record"])
+    dt = _arrays.positive(dt, "dt")
+    steps = _step_count(dt, _arrays.positive(t_end, "t_end"))
+    start = _initial(q0, "q0", system.dof), _initial(u0, "u0", system.dof)
+    with _reporter(progress, steps) as report:
+        run, exception = _core.simulate(
+            system._core,
+            dt,
+            steps,
+            *start,
+            chosen(solver)._core,
+            _arrays.positive(tolerance, "tolerance"),
+            _arrays.count(save_every, "save_every"),
+            bool(until_rest),
+            on_failure == "raise",
+            report,
+        )
+    failure = run.pop("failure")
+    trajectory = Trajectory(dt=dt, **run)
+    if exception is not None:
+        _raise(exception, trajectory)
+    if failure is not None and on_failure == "raise":
+        raise _failure(failure, trajectory)
+    return trajectory
+
+
+def _step_count(dt: float, t_end: float) -> int:
+    ratio = t_end / dt
+    if not math.isfinite(ratio):
+        raise ParameterError("dt", f"is too small for t_end = {t_end!r}, got {dt!r}")
+    nearest = round(ratio)
+    return nearest if abs(ratio - nearest) <= _MULTIPLE * nearest else math.ceil(ratio)
+
+
+def _initial(value: ArrayLike | None, argument: str, dof: int) -> Array:
+    return _arrays.array(np.zeros(dof) if value is None else value, argument, (dof,))
+
+
+def _reporter(
+    progress: Literal[True] | Progress | None, steps: int
+) -> AbstractContextManager[Progress | None]:
+    if progress is True:
+        from asperity._progress import bar
+
+        return bar(steps)
+    if progress is not None and not callable(progress):
+        raise ParameterError("progress", f"must be True, None or a function, got {progress!r}")
+    return nullcontext(progress)
+
+
+def _raise(exception: BaseException, trajectory: Trajectory) -> None:
+    """Raise what stopped the run from outside: Ctrl-C or an exception in the user's code."""
+    if isinstance(exception, KeyboardInterrupt):
+        raise SimulationInterrupted(trajectory) from exception
+    exception.add_note(
+        f"asperity: raised in step {trajectory.steps + 1}, "
+        f"after t = {trajectory.steps * trajectory.dt:.9g} s"
+    )
+    raise exception
+
+
+def _failure(failure: dict[str, Any], trajectory: Trajectory) -> ConvergenceError:
+    status = Status(failure["status"])
+    kind = NoSolutionError if status is Status.NO_SOLUTION else ConvergenceError
+    return kind(
+        status.message,
+        failure["step"],
+        failure["time"],
+        failure["contact"],
+        failure["residual"],
+        status.advice,
+        trajectory,
+    )

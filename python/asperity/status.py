@@ -1,0 +1,63 @@
+"""Contact phases and solver outcomes."""
+
+from __future__ import annotations
+
+from enum import IntEnum, StrEnum
+
+
+class Phase(IntEnum):
+    """What a contact does; the integers are those of the ``phase`` arrays."""
+
+    NONE = -1
+    """Not known, as in the initial state."""
+    OPEN = 0
+    """No contact: percussion zero."""
+    STICK = 1
+    """Closed and at rest: slip velocity zero."""
+    SLIP = 2
+    """Closed and sliding."""
+
+    def __repr__(self) -> str:
+        return f"Phase.{self.name}"
+
+
+class Status(StrEnum):
+    """How a solve or a simulation ended."""
+
+    CONVERGED = "converged"
+    MAX_ITERATIONS = "max_iterations"
+    TIME_LIMIT = "time_limit"
+    NO_SOLUTION = "no_solution"
+
+    def __repr__(self) -> str:
+        return f"Status.{self.name}"
+
+    @property
+    def message(self) -> str:
+        """What happened, in one clause."""
+        return _MESSAGES[self]
+
+    @property
+    def advice(self) -> str:
+        """What to try next; empty if converged."""
+        return _ADVICE[self]
+
+
+_MESSAGES = {
+    Status.CONVERGED: "converged",
+    Status.MAX_ITERATIONS: "the solver reached its iteration limit before the tolerance",
+    Status.TIME_LIMIT: "the solver reached its time limit before the tolerance",
+    Status.NO_SOLUTION: "a contact has no solution (Painlevé paradox)",
+}
+
+_ADVICE = {
+    Status.CONVERGED: "",
+    Status.MAX_ITERATIONS: (
+        "Try solver=Exact(), a smaller dt, a higher iteration limit or a looser tolerance"
+    ),
+    Status.TIME_LIMIT: "Try a longer time_limit or a looser tolerance",
+    Status.NO_SOLUTION: (
+        "Friction and normal force enforce each other: no percussion satisfies the laws. "
+        "Try smaller friction coefficients, another geometry or a compliant contact"
+    ),
+}

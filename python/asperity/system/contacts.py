@@ -1,0 +1,147 @@
+"""Contacts of a system: what they obey, and where constant, how they move."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import ParameterError
+from asperity.law import FrictionLaw
+
+
+class ContactLaw(Value):
+    """The laws of one contact of a `System`; its kinematics are the system's methods.
+
+    Args:
+        law: friction law.
+        normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral, with ``normal`` and ``gap``.
+        normal_restitution: e_N in [0, 1].
+        tangential_restitution: e_T in [0, 1].
+
+    >>> from asperity import ContactLaw, FrictionLaw
+    >>> ContactLaw(FrictionLaw.isotropic(0.3), normal_force=9.81)
+    ContactLaw(FrictionLaw(Disk(0.3), Disk(0.3)), normal_force=9.81)
+    """
+
+    law: FrictionLaw
+    normal_force: float | None
+    normal_restitution: float
+    tangential_restitution: float
+
+    def __init__(
+        self,
+        law: FrictionLaw,
+        *,
+        normal_force: float | None = None,
+        normal_restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+    ) -> None:
+        self._set(**_checked_laws(law, normal_force, normal_restitution, tangential_restitution))
+
+    @property
+    def unilateral(self) -> bool:
+        """Whether the contact can open."""
+        return self.normal_force is None
+
+    def _core_data(self) -> dict[str, Any]:
+        return {**self._parameters, "law": self.law._core}
+
+
+class Contact(Value):
+    """A contact with constant directions: γ = Wᵀu + χ, g_N = w_Nᵀq + g₀.
+
+    Exactly one of `normal_force` (prescribed) and `normal` (unilateral) has to be given.
+
+    Args:
+        law: friction law of dimension p.
+        direction: W, shape ``(n, p)``; ``(n,)`` will do for p = 1.
+        normal_force: prescribed λ_N ≥ 0 in N.
+        normal: w_N of a unilateral contact, shape ``(n,)``.
+        gap: g₀, the gap of a unilateral contact at q = 0 in m.
+        velocity: χ in m/s, shape ``(p,)``; a belt moving with v has χ = −v. Default 0.
+        normal_restitution: e_N in [0, 1].
+        tangential_restitution: e_T in [0, 1].
+
+    Reference: [WL19] (23), with +χ.
+
+    >>> from asperity import Contact, FrictionLaw
+    >>> Contact(FrictionLaw.isotropic(0.3, dimension=1), [1.0, 0.0], normal_force=2.0).direction
+    array([[1.],
+           [0.]])
+    """
+
+    law: FrictionLaw
+    direction: Array
+    normal_force: float | None
+    normal: Array | None
+    gap: float
+    velocity: Array
+    normal_restitution: float
+    tangential_restitution: float
+
+    def __init__(
+        self,
+        law: FrictionLaw,
+        direction: ArrayLike,
+        *,
+        normal_force: float | None = None,
+        normal: ArrayLike | None = None,
+        gap: float = 0.0,
+        velocity: ArrayLike | None = None,
+        normal_restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+    ) -> None:
+        laws = _checked_laws(law, normal_force, normal_restitution, tangential_restitution)
+        if (normal_force is None) == (normal is None):
+            raise ParameterError(
+                "normal_force", "give either normal_force (prescribed) or normal (unilateral)"
+            )
+        if normal is None and gap:
+            raise ParameterError("gap", "needs a unilateral contact: give normal")
+        columns = _arrays.array(direction, "direction")
+        if columns.ndim == 1 and law.dimension == 1:
+            columns = columns[:, None]
+        columns = _arrays.array(columns, "direction", (None, law.dimension))
+        belt = np.zeros(law.dimension) if velocity is None else velocity
+        self._set(
+            **laws,
+            direction=_arrays.read_only(columns),
+            normal=None
+            if normal is None
+            else _arrays.read_only(_arrays.array(normal, "normal", (len(columns),))),
+            gap=_arrays.number(gap, "gap"),
+            velocity=_arrays.read_only(_arrays.array(belt, "velocity", (law.dimension,))),
+        )
+
+    @property
+    def unilateral(self) -> bool:
+        """Whether the contact can open."""
+        return self.normal_force is None
+
+    def _core_data(self) -> dict[str, Any]:
+        return {**self._parameters, "law": self.law._core}
+
+
+def _checked_laws(
+    law: FrictionLaw,
+    normal_force: float | None,
+    normal_restitution: float,
+    tangential_restitution: float,
+) -> dict[str, Any]:
+    if not isinstance(law, FrictionLaw):
+        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
+    return {
+        "law": law,
+        "normal_force": None
+        if normal_force is None
+        else _arrays.non_negative(normal_force, "normal_force"),
+        "normal_restitution": _arrays.fraction(normal_restitution, "normal_restitution"),
+        "tangential_restitution": _arrays.fraction(
+            tangential_restitution, "tangential_restitution"
+        ),
+    }

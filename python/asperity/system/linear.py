@@ -1,0 +1,103 @@
+"""The linear system with constant matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import DimensionError, ParameterError
+from asperity.system.contacts import Contact
+
+
+class LinearSystem(Value):
+    """M q̈ + B q̇ + K q = f + W_N λ_N + W λ with constant matrices and contact directions.
+
+    A matrix may be given as a scalar (times the identity), as its diagonal, or in full.
+
+    Args:
+        mass: M, symmetric positive definite, shape ``(n, n)``.
+        stiffness: K, shape ``(n, n)``; need not be symmetric. Default 0.
+        damping: B, shape ``(n, n)``. Default 0.
+        force: constant f, shape ``(n,)``. Default 0.
+        contacts: the contacts.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    Reference: [WL19] §4.1.
+
+    >>> from asperity import Contact, FrictionLaw, LinearSystem, simulate
+    >>> friction = Contact(FrictionLaw.isotropic(0.5, dimension=1), [1.0], normal_force=2.0)
+    >>> oscillator = LinearSystem(1.0, stiffness=4.0, contacts=[friction])
+    >>> float(simulate(oscillator, dt=0.01, t_end=20.0, q0=[2.0]).u[-1, 0])
+    0.0
+    """
+
+    mass: Array
+    stiffness: Array
+    damping: Array
+    force: Array
+    contacts: tuple[Contact, ...]
+    _core: _core.LinearSystem
+
+    def __init__(
+        self,
+        mass: ArrayLike,
+        stiffness: ArrayLike | None = None,
+        damping: ArrayLike | None = None,
+        force: ArrayLike | None = None,
+        *,
+        contacts: Sequence[Contact] = (),
+    ) -> None:
+        listed = _contacts(contacts)
+        n = _dof(mass, listed)
+        self._set(
+            mass=_matrix(mass, "mass", n),
+            stiffness=_matrix(stiffness, "stiffness", n),
+            damping=_matrix(damping, "damping", n),
+            force=_arrays.read_only(
+                _arrays.array(np.zeros(n) if force is None else force, "force", (n,))
+            ),
+            contacts=listed,
+        )
+        for contact in listed:
+            _arrays.array(contact.direction, "direction", (n, contact.law.dimension))
+        core = _core.LinearSystem(
+            self.mass,
+            self.stiffness,
+            self.damping,
+            self.force,
+            [contact._core_data() for contact in listed],
+        )
+        self._keep(_core=core)
+
+    @property
+    def dof(self) -> int:
+        """Number n of coordinates."""
+        return len(self.force)
+
+
+def _contacts(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
+    listed = tuple(contacts) if isinstance(contacts, Sequence) else (contacts,)
+    for contact in listed:
+        if not isinstance(contact, Contact):
+            raise ParameterError("contacts", f"must be a sequence of Contact, got {contact!r}")
+    return listed
+
+
+def _dof(mass: ArrayLike, contacts: Sequence[Contact]) -> int:
+    converted = _arrays.array(mass, "mass")
+    if converted.ndim:
+        if converted.size == 0:
+            raise DimensionError("mass", "must not be empty")
+        return len(converted)
+    return len(contacts[0].direction) if contacts else 1
+
+
+def _matrix(value: ArrayLike | None, argument: str, n: int) -> Array:
+    return _arrays.read_only(_arrays.square(0.0 if value is None else value, argument, n))

@@ -1,0 +1,137 @@
+"""The two systems of [WL19]: the sliding point and the mass on a moving belt."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import ParameterError
+from asperity.law import FrictionLaw
+from asperity.system.contacts import Contact
+from asperity.system.linear import LinearSystem
+
+
+class SlidingPoint(Value):
+    """A point mass on a horizontal plane: m q̈ = λ, λ_N = m g.
+
+    Args:
+        mass: m > 0 in kg.
+        law: friction law per unit normal force; its dimension p is that of the motion.
+        gravity: g > 0 in m/s².
+
+    Reference: [WL19] §5.3, Fig. 27.
+
+    >>> from asperity import FrictionLaw, SlidingPoint, simulate
+    >>> block = SlidingPoint(0.018, FrictionLaw.isotropic(0.5))
+    >>> path = simulate(block, dt=1e-4, t_end=1.0, u0=[1.0, 0.0], until_rest=True)
+    >>> round(float(path.q[-1, 0]), 6)  # v²/(2 μ g)
+    0.101937
+    """
+
+    mass: float
+    law: FrictionLaw
+    gravity: float
+    linear: LinearSystem
+
+    def __init__(self, mass: float, law: FrictionLaw, *, gravity: float = 9.81) -> None:
+        mass, gravity = _arrays.positive(mass, "mass"), _arrays.positive(gravity, "gravity")
+        _check_law(law)
+        self._set(mass=mass, law=law, gravity=gravity)
+        contact = Contact(law, np.eye(law.dimension), normal_force=mass * gravity)
+        self._keep(linear=LinearSystem(mass, contacts=[contact]))
+
+    @property
+    def dof(self) -> int:
+        """Number of coordinates, the law's dimension."""
+        return self.linear.dof
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The one contact, with W = I."""
+        return self.linear.contacts
+
+    @property
+    def _core(self) -> _core.LinearSystem:
+        return self.linear._core
+
+
+class MassOnBelt(Value):
+    """A mass held by springs on a belt moving with v: m q̈ + K q = λ, γ = q̇ − v.
+
+    Args:
+        mass: m > 0 in kg.
+        stiffness: k or K in N/m, a number or shape ``(p, p)``.
+        law: friction law of dimension p.
+        normal_force: λ_N in N; 1 if the law's sets are in newtons.
+        belt_velocity: v ≠ 0 in m/s, shape ``(p,)``.
+
+    Reference: [WL19] §4.3, (76).
+
+    >>> from asperity import FrictionLaw, MassOnBelt
+    >>> belt = MassOnBelt(1.0, 2.0, FrictionLaw.isotropic(0.5), 10.0, [1.0, 0.0])
+    >>> belt.equilibrium.tolist()
+    [2.5, 0.0]
+    """
+
+    mass: float
+    stiffness: Array
+    law: FrictionLaw
+    normal_force: float
+    belt_velocity: Array
+    linear: LinearSystem
+
+    def __init__(
+        self,
+        mass: float,
+        stiffness: ArrayLike,
+        law: FrictionLaw,
+        normal_force: float,
+        belt_velocity: ArrayLike,
+    ) -> None:
+        mass = _arrays.positive(mass, "mass")
+        _check_law(law)
+        p = law.dimension
+        belt = _arrays.array(belt_velocity, "belt_velocity", (p,))
+        normal_force = _arrays.positive(normal_force, "normal_force")
+        springs = _arrays.square(stiffness, "stiffness", p)
+        self._set(
+            mass=mass,
+            stiffness=_arrays.read_only(springs),
+            law=law,
+            normal_force=normal_force,
+            belt_velocity=_arrays.read_only(belt),
+        )
+        contact = Contact(law, np.eye(p), normal_force=normal_force, velocity=-belt)
+        self._keep(linear=LinearSystem(mass, springs, contacts=[contact]))
+
+    @property
+    def equilibrium(self) -> Array:
+        """Sliding equilibrium q_eq = K⁻¹ λ(−v) in m, shape ``(p,)``; [WL19] (77)."""
+        try:
+            force = self.law.force(-self.belt_velocity, self.normal_force)
+            position = np.linalg.solve(self.stiffness, force)
+        except np.linalg.LinAlgError:
+            raise ParameterError("stiffness", "must be regular for an equilibrium") from None
+        return _arrays.array(position, "equilibrium")
+
+    @property
+    def dof(self) -> int:
+        """Number of coordinates, the law's dimension."""
+        return self.linear.dof
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The one contact, with W = I and χ = −v."""
+        return self.linear.contacts
+
+    @property
+    def _core(self) -> _core.LinearSystem:
+        return self.linear._core
+
+
+def _check_law(law: object) -> None:
+    if not isinstance(law, FrictionLaw):
+        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")

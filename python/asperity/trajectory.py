@@ -1,0 +1,202 @@
+"""The outcome of a simulation."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity._files import atomic
+from asperity._value import Value
+from asperity.errors import ParameterError
+from asperity.status import Phase, Status
+
+FORMAT = 1
+"""Number of the file layout written by `Trajectory.save`."""
+
+_SERIES: dict[str, type[np.generic]] = {
+    "t": np.float64,
+    "q": np.float64,
+    "u": np.float64,
+    "slip": np.float64,
+    "force": np.float64,
+    "normal_force": np.float64,
+    "phase": np.int8,
+    "iterations": np.int64,
+    "residual": np.float64,
+}
+
+_UNITS = {"t": "s", "slip": "m/s", "force": "N", "normal_force": "N"}
+
+
+class Trajectory(Value):
+    """States, forces and phases over time; all arrays are read-only.
+
+    Sample 0 is the initial state: its forces and residual are NaN, its phases `Phase.NONE`. Slip,
+    force and phase of a later sample are those of the step that ends there; forces are percussions
+    divided by Δt. Where contacts differ in dimension, missing components are NaN.
+
+    Attributes:
+        t: time in s, shape ``(n_t,)``.
+        q: coordinates, shape ``(n_t, n)``.
+        u: velocities, shape ``(n_t, n)``.
+        slip: relative velocities γ in m/s, shape ``(n_t, n_contact, p)``.
+        force: friction forces λ on the body in N, shape ``(n_t, n_contact, p)``.
+        normal_force: λ_N in N, shape ``(n_t, n_contact)``.
+        phase: `Phase` as integers, shape ``(n_t, n_contact)``.
+        iterations: of the contact solver, shape ``(n_t,)``.
+        residual: natural-map residual of each step's contact problem, shape ``(n_t,)``.
+        status: converged, or how the first step that did not converge ended.
+        dt: step Δt in s.
+        steps: number of steps done.
+        ambiguous_steps: number of steps in which a contact had several solutions.
+        failed_steps: number of steps that did not converge.
+        phase_counts: number of steps open, sticking, slipping, shape ``(n_contact, 3)``.
+    """
+
+    t: Array
+    q: Array
+    u: Array
+    slip: Array
+    force: Array
+    normal_force: Array
+    phase: NDArray[np.int8]
+    iterations: NDArray[np.int64]
+    residual: Array
+    status: Status
+    dt: float
+    steps: int
+    ambiguous_steps: int
+    failed_steps: int
+    phase_counts: NDArray[np.int64]
+
+    def __init__(
+        self,
+        t: ArrayLike,
+        q: ArrayLike,
+        u: ArrayLike,
+        slip: ArrayLike,
+        force: ArrayLike,
+        normal_force: ArrayLike,
+        phase: ArrayLike,
+        iterations: ArrayLike,
+        residual: ArrayLike,
+        *,
+        status: Status,
+        dt: float,
+        steps: int,
+        ambiguous_steps: int,
+        failed_steps: int,
+        phase_counts: ArrayLike,
+    ) -> None:
+        given = (t, q, u, slip, force, normal_force, phase, iterations, residual)
+        series = zip(_SERIES.items(), given, strict=True)
+        self._set(
+            **{
+                name: _arrays.read_only(np.asarray(values, dtype=kind))
+                for (name, kind), values in series
+            },
+            status=Status(status),
+            dt=float(dt),
+            steps=int(steps),
+            ambiguous_steps=int(ambiguous_steps),
+            failed_steps=int(failed_steps),
+            phase_counts=_arrays.read_only(np.asarray(phase_counts, dtype=np.int64)),
+        )
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Trajectory: {len(self)} samples of {self.steps} steps to t = {self.t[-1]:.9g} s, "
+            f"{self.q.shape[1]} coordinates, {self.phase.shape[1]} contacts, {self.status}>"
+        )
+
+    @property
+    def stick_fraction(self) -> Array:
+        """Share of all steps, saved or not, in which each contact stuck; shape ``(n_contact,)``."""
+        counted = np.maximum(self.phase_counts.sum(axis=1), 1)
+        fraction: Array = self.phase_counts[:, Phase.STICK] / counted
+        return fraction
+
+    def summary(self) -> str:
+        """Return a few lines of text on the run."""
+        lines = [
+            f"status            {self.status}",
+            f"time              {self.t[0]:.9g} to {self.t[-1]:.9g} s",
+            f"steps             {self.steps} of {self.dt:.9g} s, {len(self)} samples kept",
+            f"coordinates       {self.q.shape[1]}",
+            f"ambiguous steps   {self.ambiguous_steps}",
+            f"failed steps      {self.failed_steps}",
+        ]
+        if len(self) > 1:
+            lines.append(f"iterations        at most {self.iterations[1:].max()}")
+            lines.append(f"residual          at most {np.nanmax(self.residual[1:]):.3g}")
+        for contact, counts in enumerate(self.phase_counts / max(self.steps, 1)):
+            shares = (f"{Phase(i).name.lower()} {share:.1%}" for i, share in enumerate(counts))
+            lines.append(f"contact {contact:<9} {', '.join(shares)}")
+        return "\n".join(lines)
+
+    def slice(self, t0: float, t1: float) -> Trajectory:
+        """Return the samples with t0 ≤ t ≤ t1; counts and status remain those of the whole run."""
+        kept = (self.t >= _arrays.number(t0, "t0")) & (self.t <= _arrays.number(t1, "t1"))
+        if not kept.any():
+            raise ParameterError("t0", f"leaves no sample between {t0!r} and {t1!r} s")
+        return self.replace(**{name: getattr(self, name)[kept] for name in _SERIES})
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a NumPy ``.npz`` file without pickled objects, under exactly this name.
+
+        The file replaces an older one only when it is complete.
+        """
+        with atomic(path) as file:
+            np.savez_compressed(file, format=FORMAT, version=_core.__version__, **self._parameters)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Trajectory:
+        """Read a file written by `save`.
+
+        Raises:
+            ParameterError: if the file is something else or of a later format.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                return cls(**_contents(file))
+        except (ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile) as error:
+            raise ParameterError(
+                "path", f"{os.fspath(path)} is no trajectory this version can read: {error}"
+            ) from error
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a table with one row per sample; the header holds names and units.
+
+        Coordinates carry the unit SI, since they may be lengths or angles.
+        """
+        columns = [self._columns(name) for name in _SERIES]
+        header = ",".join(title for titles, _ in columns for title in titles)
+        table = np.hstack([values for _, values in columns])
+        with atomic(path) as file:
+            np.savetxt(file, table, fmt="%.17g", delimiter=",", header=header, comments="")
+
+    def _columns(self, name: str) -> tuple[list[str], Array]:
+        values = getattr(self, name)
+        unit = _UNITS.get(name, "SI" if name in ("q", "u") else "-")
+        titles = [
+            "_".join([name, *map(str, index)]) + f" [{unit}]"
+            for index in np.ndindex(values.shape[1:])
+        ]
+        return titles, values.reshape(len(values), len(titles)).astype(np.float64)
+
+
+def _contents(file: Any) -> dict[str, Any]:
+    if "format" not in file or int(file["format"]) > FORMAT:
+        raise ValueError(f"expected format {FORMAT} or older")
+    contents = {name: file[name] for name in file.files if name not in ("format", "version")}
+    contents["status"] = str(contents["status"])
+    return contents

@@ -1,0 +1,65 @@
+"""The command line: exit codes, files, no traceback for a user's error."""
+
+import subprocess
+import sys
+
+import asperity as asp
+import pytest
+from asperity import cli
+from asperity.paper import demo
+from asperity.paper.checks import Check
+
+
+def run(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "asperity", *arguments], capture_output=True, text=True, check=False
+    )
+
+
+def test_demo_writes_figures_and_tables_and_passes(tmp_path):
+    out = tmp_path / "new" / "demo"
+    done = run("demo", "--out", str(out))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert sorted(file.name for file in out.iterdir()) == [
+        "fig17.csv",
+        "fig17.png",
+        "fig27.csv",
+        "fig27.png",
+    ]
+    for name in ("fig17.png", "fig27.png"):
+        assert (out / name).read_bytes().startswith(b"\x89PNG")
+    for words in ("Fig. 17 period", "28.703", "order in dt", "0 off"):
+        assert words in done.stdout
+    assert "t [s]" in (out / "fig27.csv").read_text().splitlines()[0]
+
+
+def test_a_check_that_is_off_exits_with_1(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(demo, "run", lambda folder: [Check("period", 28.703, 28.6, 0.02)])
+    assert cli.main(["demo", "--out", str(tmp_path)]) == 1
+    assert "OFF" in capsys.readouterr().out
+
+
+def test_user_errors_exit_with_2_and_one_line(tmp_path):
+    file = tmp_path / "file"
+    file.write_text("")
+    done = run("demo", "--out", str(file / "below"))
+    assert done.returncode == 2
+    assert done.stderr.startswith("asperity: ")
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [[], ["demo"], ["nonsense"]])
+def test_wrong_usage_exits_with_2(arguments):
+    done = run(*arguments)
+    assert done.returncode == 2
+    assert "usage: asperity" in done.stderr
+
+
+def test_help_and_versions():
+    assert "demo" in run("--help").stdout
+    assert "example: asperity demo --out" in run("demo", "--help").stdout
+    assert run("--version").stdout.strip() == f"asperity {asp.__version__}"
+    info = run("info")
+    assert info.returncode == 0
+    assert "numpy" in info.stdout
+    assert "build" in info.stdout

@@ -1,0 +1,205 @@
+"""Bad input: the exception's type, the argument's name, what is allowed; pickling."""
+
+import copy
+import pickle
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import DimensionError, ParameterError
+from asperity.plot import plot_set, save_figure
+
+DISK = asp.Disk(0.5)
+LAW = asp.FrictionLaw.isotropic(0.5)
+LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
+BLOCK = asp.SlidingPoint(1.0, LAW)
+PROBLEM = asp.ContactProblem(np.eye(2), [1.0, 0.0], LAW, normal_force=1.0)
+NAN = float("nan")
+INF = float("inf")
+
+
+def linear(mass=1.0, **arguments):
+    contact = asp.Contact(LAW, np.eye(2), normal_force=1.0)
+    return asp.LinearSystem(mass, contacts=[contact], **arguments)
+
+
+def run(**arguments):
+    return asp.simulate(BLOCK, **{"dt": 0.1, "t_end": 1.0, **arguments})
+
+
+BAD_INPUT = [
+    # sets
+    ("radius", ParameterError, lambda: asp.Disk(0.0)),
+    ("radius", ParameterError, lambda: asp.Ball(-1.0)),
+    ("radius", ParameterError, lambda: asp.Disk(INF)),
+    ("radius", DimensionError, lambda: asp.Disk([1.0, 2.0])),
+    ("dimension", DimensionError, lambda: asp.Ball(1.0, dimension=4)),
+    ("dimension", ParameterError, lambda: asp.Ball(1.0, dimension=1.5)),
+    ("a", ParameterError, lambda: asp.Ellipse(NAN, 1.0)),
+    ("b", ParameterError, lambda: asp.Ellipse(1.0, -1.0)),
+    ("b", ParameterError, lambda: asp.Rectangle(1.0, 0.0)),
+    ("angle", ParameterError, lambda: asp.Rectangle(1.0, 1.0, angle=INF)),
+    ("a", ParameterError, lambda: asp.Ellipse("wide", 1.0)),
+    ("a", ParameterError, lambda: asp.Ellipse(None, 1.0)),
+    ("a", ParameterError, lambda: asp.Ellipse(1j, 1.0)),
+    ("exponent", ParameterError, lambda: asp.Superellipse(1.0, 1.0, 0.0)),
+    ("nu", ParameterError, lambda: asp.Ellipse.from_intercepts(1.0, 1.0, 2.0)),
+    ("lower", ParameterError, lambda: asp.Interval(0.0, 1.0)),
+    ("upper", ParameterError, lambda: asp.Interval(-1.0, -0.5)),
+    ("half_widths", ParameterError, lambda: asp.Box([1.0, 0.0])),
+    ("half_widths", DimensionError, lambda: asp.Box([])),
+    ("half_widths", DimensionError, lambda: asp.Box([1.0] * 4)),
+    ("half_widths", DimensionError, lambda: asp.Box([[1.0], [1.0, 2.0]])),
+    ("matrix", ParameterError, lambda: DISK.mapped([[1.0, 1.0], [1.0, 1.0]])),
+    ("matrix", DimensionError, lambda: DISK.mapped([1.0, 2.0])),
+    ("set", ParameterError, lambda: asp.Mapped(1.0, np.eye(2))),
+    ("factor", ParameterError, lambda: DISK.scaled(0.0)),
+    ("x", DimensionError, lambda: DISK.gauge([1.0, 2.0, 3.0])),
+    ("x", DimensionError, lambda: DISK.gauge(1.0)),
+    ("x", ParameterError, lambda: DISK.gauge([NAN, 0.0])),
+    ("x", ParameterError, lambda: DISK.gauge_gradient([0.0, 0.0])),
+    ("y", ParameterError, lambda: DISK.support_point([0.0, 0.0])),
+    ("y", ParameterError, lambda: DISK.support_hessian([0.0, 0.0])),
+    ("z", ParameterError, lambda: DISK.project([INF, 0.0])),
+    ("theta", ParameterError, lambda: DISK.radius(NAN)),
+    ("set", DimensionError, lambda: asp.Ball(1.0).radius(0.0)),
+    ("set", DimensionError, lambda: asp.Interval(-1.0, 1.0).rotated(0.1)),
+    ("set", ParameterError, lambda: asp.Superellipse(1.0, 1.0, 0.5).normal_cone([1.0, 0.0])),
+    ("n", ParameterError, lambda: DISK.boundary(0)),
+    ("tolerance", ParameterError, lambda: DISK.contains([0.0, 0.0], tolerance=-1.0)),
+    # laws
+    ("mu", ParameterError, lambda: asp.FrictionLaw.isotropic(-0.3)),
+    ("dimension", DimensionError, lambda: asp.FrictionLaw.isotropic(0.3, dimension=4)),
+    ("reservoir", ParameterError, lambda: asp.FrictionLaw(0.3, DISK)),
+    ("direction", ParameterError, lambda: asp.FrictionLaw(DISK, 0.3)),
+    ("direction", DimensionError, lambda: asp.FrictionLaw(DISK, asp.Ball(1.0))),
+    ("direction", ParameterError, lambda: asp.FrictionLaw(DISK, asp.Superellipse(1, 1, 0.5))),
+    ("slip", ParameterError, lambda: LAW.force([0.0, 0.0])),
+    ("slip", ParameterError, lambda: LAW.jacobian([[1.0, 0.0], [0.0, 0.0]])),
+    ("slip", ParameterError, lambda: LAW.force([NAN, 0.0])),
+    ("slip", DimensionError, lambda: LAW.force([1.0, 0.0, 0.0])),
+    ("normal_force", ParameterError, lambda: LAW.force([1.0, 0.0], -1.0)),
+    ("normal_force", DimensionError, lambda: LAW.force(np.ones((3, 2)), np.ones(4))),
+    ("force", ParameterError, lambda: LAW.slip_direction([1.0, 0.0])),
+    # contact problems
+    (
+        "delassus",
+        DimensionError,
+        lambda: asp.ContactProblem(np.eye(3), [1, 2], LAW, normal_force=1),
+    ),
+    ("delassus", ParameterError, lambda: PROBLEM.replace(delassus=[[NAN, 0.0], [0.0, 1.0]])),
+    ("free_velocity", DimensionError, lambda: asp.ContactProblem(np.eye(4), np.ones(4), LAW)),
+    ("free_velocity", DimensionError, lambda: PROBLEM.replace(free_velocity=np.ones(3))),
+    ("free_velocity", ParameterError, lambda: PROBLEM.replace(free_velocity=[INF, 0.0])),
+    ("laws", ParameterError, lambda: PROBLEM.replace(laws=[0.3])),
+    ("laws", DimensionError, lambda: PROBLEM.replace(laws=[], normal_force=None)),
+    ("normal_force", DimensionError, lambda: PROBLEM.replace(normal_force=[1.0, 1.0])),
+    ("normal_force", ParameterError, lambda: PROBLEM.replace(normal_force=-1.0)),
+    ("normal_restitution", ParameterError, lambda: PROBLEM.replace(normal_restitution=1.5)),
+    (
+        "tangential_restitution",
+        DimensionError,
+        lambda: PROBLEM.replace(tangential_restitution=[0, 0]),
+    ),
+    ("initial_velocity", DimensionError, lambda: PROBLEM.replace(initial_velocity=[1.0])),
+    ("tolerance", ParameterError, lambda: PROBLEM.solve(tolerance=0.0)),
+    ("time_limit", ParameterError, lambda: PROBLEM.solve(time_limit=-1.0)),
+    ("on_failure", ParameterError, lambda: PROBLEM.solve(on_failure="ignore")),
+    ("solver", ParameterError, lambda: PROBLEM.solve("exact")),
+    ("start", ParameterError, lambda: PROBLEM.solve(start=[0.0, 0.0])),
+    ("percussion", DimensionError, lambda: PROBLEM.residual([0.0])),
+    ("contact", ParameterError, lambda: PROBLEM.solutions(1)),
+    ("contact", ParameterError, lambda: PROBLEM.solutions(-1)),
+    ("max_sweeps", ParameterError, lambda: asp.Exact(max_sweeps=0)),
+    ("r", ParameterError, lambda: asp.ProxJacobi(r=-1.0)),
+    ("r", ParameterError, lambda: asp.ProxGaussSeidel(r="fast")),
+    ("max_iterations", ParameterError, lambda: asp.ProxJacobi(max_iterations=1.5)),
+    # systems
+    ("mass", ParameterError, lambda: linear(-1.0)),
+    ("mass", ParameterError, lambda: linear([[1.0, 2.0], [2.0, 1.0]])),
+    ("mass", ParameterError, lambda: linear([[1.0, 1.0], [1.0, 1.0]])),
+    ("mass", ParameterError, lambda: linear([[1.0, 0.5], [0.0, 1.0]])),
+    ("mass", ParameterError, lambda: linear([[1.0, 0.0], [0.0, NAN]])),
+    ("mass", DimensionError, lambda: linear(np.ones((2, 3)))),
+    ("mass", DimensionError, lambda: asp.LinearSystem([])),
+    ("stiffness", DimensionError, lambda: linear(stiffness=np.eye(3))),
+    ("damping", ParameterError, lambda: linear(damping=NAN)),
+    ("force", DimensionError, lambda: linear(force=[1.0])),
+    ("direction", DimensionError, lambda: linear([1.0, 1.0, 1.0])),
+    ("contacts", ParameterError, lambda: asp.LinearSystem(1.0, contacts=[LAW])),
+    ("law", ParameterError, lambda: asp.Contact(0.3, np.eye(2), normal_force=1.0)),
+    ("direction", DimensionError, lambda: asp.Contact(LAW, [1.0, 0.0], normal_force=1.0)),
+    ("normal_force", ParameterError, lambda: asp.Contact(LAW, np.eye(2))),
+    ("normal_force", ParameterError, lambda: asp.Contact(LAW, np.eye(2), normal_force=-1.0)),
+    ("normal", DimensionError, lambda: asp.Contact(LAW, np.eye(2), normal=[1.0])),
+    ("gap", ParameterError, lambda: asp.Contact(LAW, np.eye(2), normal_force=1.0, gap=0.1)),
+    ("velocity", DimensionError, lambda: asp.Contact(LAW, np.eye(2), normal_force=1, velocity=[1])),
+    ("mass", ParameterError, lambda: asp.SlidingPoint(0.0, LAW)),
+    ("gravity", ParameterError, lambda: asp.SlidingPoint(1.0, LAW, gravity=-9.81)),
+    ("belt_velocity", DimensionError, lambda: asp.MassOnBelt(1.0, 1.0, LAW, 1.0, 1.0)),
+    ("stiffness", DimensionError, lambda: asp.MassOnBelt(1.0, np.eye(3), LAW, 1.0, [1.0, 0.0])),
+    ("stiffness", ParameterError, lambda: asp.MassOnBelt(1, 0, LAW, 1.0, [1.0, 0.0]).equilibrium),
+    # simulation
+    ("dt", ParameterError, lambda: run(dt=0.0)),
+    ("dt", ParameterError, lambda: run(dt=-0.1)),
+    ("dt", ParameterError, lambda: run(dt=NAN)),
+    ("dt", ParameterError, lambda: run(dt=1e-320, t_end=1e10)),
+    ("t_end", ParameterError, lambda: run(t_end=0.0)),
+    ("q0", DimensionError, lambda: run(q0=[1.0])),
+    ("u0", ParameterError, lambda: run(u0=[NAN, 0.0])),
+    ("save_every", ParameterError, lambda: run(save_every=0)),
+    ("tolerance", ParameterError, lambda: run(tolerance=-1.0)),
+    ("on_failure", ParameterError, lambda: run(on_failure="warn")),
+    ("solver", ParameterError, lambda: run(solver="exact")),
+    ("progress", ParameterError, lambda: run(progress=3)),
+    ("system", ParameterError, lambda: asp.simulate(LAW, dt=0.1, t_end=1.0)),
+    # plots
+    ("set", DimensionError, lambda: plot_set(asp.Ball(1.0))),
+    ("path", ParameterError, lambda: save_figure(plot_set(DISK).figure, "plot.xyz")),
+]
+
+
+@pytest.mark.parametrize(
+    ("argument", "kind", "call"),
+    BAD_INPUT,
+    ids=[f"{i}-{case[0]}" for i, case in enumerate(BAD_INPUT)],
+)
+def test_bad_input_is_refused_by_name(argument, kind, call):
+    with pytest.raises(kind) as caught:
+        call()
+    error = caught.value
+    assert error.argument == argument
+    assert str(error).startswith(f"{argument}: ")
+    assert len(error.message) > 8
+    assert isinstance(error, asp.AsperityError)
+    assert isinstance(error, ValueError)
+
+
+MOTION = run()
+EXCEPTIONS = [
+    asp.AsperityError("something"),
+    asp.ParameterError("dt", "must be positive, got -1.0"),
+    asp.DimensionError("q0", "must have shape (2,), got (3,)"),
+    asp.ConvergenceError("not solved", 3, 0.3, 1, 1e-3, "Try less"),
+    asp.ConvergenceError("not solved", 3, 0.3, 1, 1e-3, "Try less", MOTION),
+    asp.NoSolutionError("no solution", contact=0, residual=1.0),
+    asp.SimulationInterrupted(MOTION),
+]
+
+
+@pytest.mark.parametrize("error", EXCEPTIONS, ids=lambda error: type(error).__name__)
+def test_exceptions_keep_their_state_through_pickle_and_copy(error):
+    for twin in (pickle.loads(pickle.dumps(error)), copy.copy(error)):
+        assert type(twin) is type(error)
+        assert twin.args == error.args
+        assert vars(twin) == vars(error)
+        assert str(twin) == str(error)
+
+
+def test_exception_hierarchy():
+    assert issubclass(asp.ParameterError, ValueError)
+    assert issubclass(asp.DimensionError, asp.ParameterError)
+    assert issubclass(asp.ConvergenceError, RuntimeError)
+    assert issubclass(asp.NoSolutionError, asp.ConvergenceError)
+    assert issubclass(asp.SimulationInterrupted, KeyboardInterrupt)
+    assert not issubclass(asp.SimulationInterrupted, Exception)

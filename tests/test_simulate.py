@@ -1,0 +1,216 @@
+"""Moreau's scheme against closed forms, invariants and SciPy's integrator."""
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import Phase
+from samples import SUPERELLIPSES, TILTED_ELLIPSES
+from scipy.integrate import solve_ivp
+
+ISOTROPIC = asp.FrictionLaw.isotropic(0.5)
+BLOCK = asp.SlidingPoint(0.2, ISOTROPIC)
+
+
+def test_isotropic_block_stops_at_the_known_place_and_time():
+    motion = asp.simulate(BLOCK, dt=1e-4, t_end=2.0, u0=[1.5, 2.0], until_rest=True)
+    distance = 2.5**2 / (2 * 0.5 * 9.81)
+    np.testing.assert_allclose(motion.q[-1], distance * np.array([0.6, 0.8]), atol=1e-7)
+    assert motion.t[-1] == pytest.approx(2.5 / (0.5 * 9.81), abs=3e-4)
+    assert not motion.u[-1].any()
+
+
+@pytest.mark.parametrize("law", [TILTED_ELLIPSES, SUPERELLIPSES])
+def test_sliding_agrees_with_an_adaptive_integrator(law):
+    u0 = np.array([1.0, 0.7])
+    reference = solve_ivp(
+        lambda t, u: 9.81 * law.force(u), (0.0, 0.1), u0, rtol=1e-11, atol=1e-12
+    ).y[:, -1]
+    errors = []
+    for dt in (2e-4, 1e-4):
+        u = asp.simulate(asp.SlidingPoint(1.0, law), dt=dt, t_end=0.1, u0=u0).u[-1]
+        errors.append(np.linalg.norm(u - reference))
+    assert errors[1] < 1e-3
+    assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize("reservoir", [asp.Disk(0.3), asp.Superellipse(0.6, 0.3, 4.0, angle=0.2)])
+def test_invariant_of_free_sliding_with_elliptic_direction_set(reservoir):
+    law = asp.FrictionLaw(reservoir, asp.Ellipse(2.0, 1.0))
+    u0 = np.array([1.0, 0.8])
+    motion = asp.simulate(asp.SlidingPoint(1.0, law), dt=1e-5, t_end=0.2, u0=u0, save_every=100)
+    v = np.abs(motion.u / u0)
+    sliding = (v > 0.05).all(axis=1)
+    assert sliding.sum() > 20
+    np.testing.assert_allclose(np.log(v[sliding, 0]), 4 * np.log(v[sliding, 1]), atol=2e-3)
+
+
+def test_turning_law_and_motion_together_changes_nothing():
+    angle = 0.9
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    u0 = np.array([1.0, 0.4])
+    options = {"dt": 1e-3, "t_end": 0.6}
+    plain = asp.simulate(asp.SlidingPoint(1.0, TILTED_ELLIPSES), u0=u0, **options)
+    turned = asp.simulate(
+        asp.SlidingPoint(1.0, TILTED_ELLIPSES.rotated(angle)), u0=turn @ u0, **options
+    )
+    np.testing.assert_allclose(turned.q, plain.q @ turn.T, atol=1e-9)
+
+
+def test_stick_is_exact():
+    held = asp.LinearSystem(
+        1.0, force=[3.0, 1.0], contacts=[asp.Contact(ISOTROPIC, np.eye(2), normal_force=9.81)]
+    )
+    motion = asp.simulate(held, dt=1e-2, t_end=60.0)
+    assert (motion.phase[1:] == Phase.STICK).all()
+    assert np.abs(motion.q).max() < 1e-12
+    np.testing.assert_allclose(motion.force[1:, 0], np.tile([-3.0, -1.0], (6000, 1)), atol=1e-11)
+    assert motion.stick_fraction.tolist() == [1.0]
+
+
+def test_energy_never_grows():
+    oscillator = asp.LinearSystem(
+        1.0, [4.0, 1.0], contacts=[asp.Contact(TILTED_ELLIPSES, np.eye(2), normal_force=1.0)]
+    )
+    motion = asp.simulate(oscillator, dt=1e-3, t_end=20.0, q0=[3.0, -2.0])
+    energy = 0.5 * (motion.u**2).sum(1) + 0.5 * (motion.q**2 @ [4.0, 1.0])
+    assert np.diff(energy).max() < 1e-4
+    assert energy[-1] < 0.1 * energy[0]
+    power = np.einsum("tcp,tcp->t", motion.force[1:], motion.slip[1:])
+    assert power.max() <= 1e-12
+
+
+def ball(spin):
+    """Ball of radius 0.1 m dropped on a plane: coordinates x, y, angle."""
+    return {
+        "system": asp.LinearSystem(
+            [1.0, 1.0, 0.004],
+            force=[0.0, -9.81, 0.0],
+            contacts=[
+                asp.Contact(
+                    asp.FrictionLaw.isotropic(0.2, dimension=1),
+                    [1.0, 0.0, 0.1],
+                    normal=[0.0, 1.0, 0.0],
+                    gap=-0.1,
+                )
+            ],
+        ),
+        "q0": [0.0, 1.0, 0.0],
+        "u0": [0.0, 0.0, spin],
+    }
+
+
+def test_spinning_ball_after_an_impact():
+    motion = asp.simulate(**ball(50.0), dt=1e-4, t_end=1.0)
+    closed = motion.t[1:][motion.phase[1:, 0] != Phase.OPEN]
+    assert closed[0] == pytest.approx(0.4283529, abs=2e-4)
+    after = np.searchsorted(motion.t, 0.4283529 + 3e-4)
+    assert abs(motion.u[after, 0]) == pytest.approx(0.840428, abs=2e-3)
+    assert motion.u[after, 2] == pytest.approx(28.989288, abs=0.05)
+    rolling = motion.t[1:][motion.phase[1:, 0] == Phase.STICK]
+    assert rolling[0] == pytest.approx(0.728120, abs=1e-3)
+    assert abs(motion.u[-1, 0]) == pytest.approx(10 / 7, abs=1e-3)
+
+
+def test_slowly_spinning_ball_rolls_at_once():
+    motion = asp.simulate(**ball(10.0), dt=1e-4, t_end=1.0)
+    assert abs(motion.u[-1, 0]) == pytest.approx(2 / 7, abs=1e-6)
+    assert not (motion.phase[1:, 0] == Phase.SLIP).any()
+
+
+def test_bouncing_ball_loses_speed_by_the_restitution():
+    drop = ball(0.0)
+    contact = drop["system"].contacts[0].replace(normal_restitution=0.5)
+    motion = asp.simulate(
+        drop["system"].replace(contacts=[contact]), q0=drop["q0"], dt=1e-4, t_end=0.5
+    )
+    assert motion.u[:, 1].max() == pytest.approx(0.5 * 4.2021423, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("dt", "t_end", "steps"),
+    [(0.1, 1.0, 10), (0.1, 0.3, 3), (0.1, 0.35, 4), (1e-3, 0.7, 700), (0.5, 0.1, 1)],
+)
+def test_steps_are_counted_as_integers(dt, t_end, steps):
+    motion = asp.simulate(BLOCK, dt=dt, t_end=t_end)
+    assert motion.steps == steps
+    np.testing.assert_array_equal(motion.t, dt * np.arange(steps + 1))
+
+
+def test_saving_every_so_many_steps_keeps_the_last_state():
+    full = asp.simulate(BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 1.0])
+    thin = asp.simulate(BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 1.0], save_every=30)
+    kept = [0, 30, 60, 90, 100]
+    np.testing.assert_array_equal(thin.q, full.q[kept])
+    np.testing.assert_array_equal(thin.phase, full.phase[kept])
+    np.testing.assert_array_equal(thin.phase_counts, full.phase_counts)
+    assert thin.phase_counts.sum() == thin.steps
+
+
+def test_sample_zero_is_the_initial_state():
+    motion = asp.simulate(BLOCK, dt=1e-3, t_end=0.01, q0=[1.0, 2.0], u0=[3.0, 4.0])
+    assert motion.q[0].tolist() == [1.0, 2.0]
+    assert motion.u[0].tolist() == [3.0, 4.0]
+    assert np.isnan(motion.force[0]).all()
+    assert motion.phase[0, 0] == Phase.NONE
+
+
+def test_every_solver_gives_the_same_motion():
+    system = asp.SlidingPoint(1.0, TILTED_ELLIPSES)
+    options = {"dt": 1e-3, "t_end": 0.3, "u0": [1.0, 0.5], "tolerance": 1e-13}
+    first = asp.simulate(system, **options)
+    for solver in (asp.ProxJacobi(), asp.ProxGaussSeidel()):
+        other = asp.simulate(system, solver=solver, **options)
+        np.testing.assert_allclose(other.q, first.q, atol=1e-9)
+
+
+def test_failure_keeps_the_part_before():
+    weak = asp.ProxJacobi(r=1e-3, max_iterations=2)
+    with pytest.raises(asp.ConvergenceError) as caught:
+        asp.simulate(BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 0.0], solver=weak)
+    error = caught.value
+    assert error.step >= 1
+    assert error.time == pytest.approx(error.step * 1e-3)
+    assert error.contact == 0
+    assert error.residual > 1e-10
+    assert error.trajectory.steps == error.step - 1
+    assert "step" in str(error)
+    assert "Exact" in str(error)
+    recorded = asp.simulate(
+        BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 0.0], solver=weak, on_failure="record"
+    )
+    assert recorded.failed_steps > 0
+    assert recorded.status is asp.Status.MAX_ITERATIONS
+    assert recorded.steps == 100
+
+
+def test_progress_is_reported_and_its_exceptions_come_through():
+    calls = []
+    asp.simulate(BLOCK, dt=1e-6, t_end=0.5, save_every=10**6, progress=lambda *a: calls.append(a))
+    assert calls[-1] == (500_000, 500_000)
+    assert [step for step, _ in calls] == sorted(step for step, _ in calls)
+
+    def stop(step, steps):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        asp.simulate(BLOCK, dt=1e-6, t_end=50.0, save_every=10**6, progress=stop)
+
+
+def test_progress_bar(capsys):
+    pytest.importorskip("tqdm")
+    asp.simulate(BLOCK, dt=1e-3, t_end=0.1, progress=True)
+    assert "100/100" in capsys.readouterr().err
+
+
+def test_a_system_without_contacts_oscillates():
+    motion = asp.simulate(asp.LinearSystem(1.0, 1.0), dt=1e-3, t_end=1.0, q0=[1.0])
+    assert motion.q[-1, 0] == pytest.approx(np.cos(1.0), abs=1e-3)
+    assert motion.force.shape[:2] == (1001, 0)
+
+
+def test_same_input_same_bits():
+    runs = [
+        asp.simulate(asp.SlidingPoint(1.0, SUPERELLIPSES), dt=1e-3, t_end=0.3, u0=[1.0, 0.5])
+        for _ in range(2)
+    ]
+    assert runs[0] == runs[1]

@@ -1,0 +1,98 @@
+"""All solvers on the same problems."""
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import Exact, ProxGaussSeidel, ProxJacobi, Status
+from samples import PLANE_LAWS, TILTED_ELLIPSES, identify, random_problem
+
+SOLVERS = [Exact(), ProxGaussSeidel(), ProxJacobi()]
+LAWS = [*PLANE_LAWS, asp.FrictionLaw.isotropic(0.4, dimension=1)]
+
+every_solver = pytest.mark.parametrize("solver", SOLVERS, ids=identify)
+
+
+def problems(seed, count):
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        contacts = int(rng.integers(1, 6))
+        yield random_problem(rng, LAWS, contacts, rng.random(contacts) < 0.5)
+
+
+def check_agreement(count):
+    compared = 0
+    for problem in problems(2019, count):
+        solutions = [
+            problem.solve(solver, tolerance=1e-12, on_failure="record") for solver in SOLVERS
+        ]
+        for solution in solutions:
+            assert solution.residual == pytest.approx(
+                problem.residual(solution.percussion), rel=1e-6, abs=1e-13
+            )
+        if any(one.ambiguous or not one.converged for one in solutions):
+            continue
+        compared += 1
+        for solution in solutions[1:]:
+            np.testing.assert_allclose(
+                solution.percussion, solutions[0].percussion, rtol=1e-9, atol=1e-9
+            )
+    assert compared > 0.7 * count
+
+
+def test_solvers_agree_where_the_solution_is_unique():
+    check_agreement(300)
+
+
+@pytest.mark.long
+def test_solvers_agree_on_many_problems():
+    check_agreement(10_000)
+
+
+@every_solver
+def test_every_solver_meets_the_tolerance_it_reports(solver):
+    for problem in problems(7, 50):
+        solution = problem.solve(solver, on_failure="record")
+        if solution.status is Status.CONVERGED:
+            assert problem.residual(solution.percussion) <= 1e-10
+
+
+@every_solver
+def test_warm_start_from_the_solution_takes_few_iterations(solver):
+    problem = next(problems(3, 1))
+    cold = problem.solve(solver)
+    warm = problem.solve(solver, start=cold)
+    assert warm.iterations <= min(cold.iterations, 3)
+    np.testing.assert_allclose(warm.percussion, cold.percussion, atol=1e-9)
+
+
+def test_constant_step_fails_where_the_adaptive_one_converges():
+    # r λ_max(G) = 1 exceeds 2 α_min of the thin direction set, so that stick cannot be reached.
+    law = TILTED_ELLIPSES
+    assert 2 * law.alpha_min < 1.0
+    problem = asp.ContactProblem(np.eye(2), [0.1, 0.1], law, normal_force=1.0)
+    adaptive = problem.solve(ProxJacobi())
+    assert adaptive.phase.tolist() == [asp.Phase.STICK]
+    constant = problem.solve(ProxJacobi(r=1.0, max_iterations=20_000), on_failure="record")
+    assert constant.status is Status.MAX_ITERATIONS
+    assert constant.residual > 1e-3
+    with pytest.raises(asp.ConvergenceError, match="iteration limit") as caught:
+        problem.solve(ProxJacobi(r=1.0, max_iterations=20_000))
+    assert caught.value.residual == constant.residual
+    assert caught.value.contact == 0
+
+
+def test_time_limit_is_reported():
+    problem = next(
+        problem for problem in problems(11, 50) if problem.solve(ProxJacobi()).iterations > 200
+    )
+    solution = problem.solve(
+        ProxJacobi(max_iterations=10**9), tolerance=1e-300, time_limit=0.05, on_failure="record"
+    )
+    assert solution.status is Status.TIME_LIMIT
+
+
+@every_solver
+def test_same_input_same_bits(solver):
+    for problem in problems(5, 10):
+        first, second = (problem.solve(solver, on_failure="record") for _ in range(2))
+        assert first == second

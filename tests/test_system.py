@@ -1,0 +1,177 @@
+"""Systems: shapes, equilibrium, checks of subclasses."""
+
+import asperity as asp
+import numpy as np
+import pytest
+
+LAW = asp.FrictionLaw.isotropic(0.5)
+LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
+
+
+def test_matrices_may_be_scalars_diagonals_or_full():
+    contact = asp.Contact(LAW, np.eye(2), normal_force=1.0)
+    full = asp.LinearSystem(np.diag([2.0, 2.0]), np.diag([1.0, 3.0]), contacts=[contact])
+    assert asp.LinearSystem(2.0, [1.0, 3.0], contacts=[contact]) == full
+    assert full.dof == 2
+    assert full.damping.tolist() == [[0.0, 0.0], [0.0, 0.0]]
+
+
+def test_belt_velocity_enters_with_minus():
+    belt = asp.MassOnBelt(1.0, 2.0, LAW, 3.0, [0.4, 0.0])
+    assert belt.contacts[0].velocity.tolist() == [-0.4, 0.0]
+    np.testing.assert_allclose(belt.equilibrium, [0.75, 0.0])
+    coupled = belt.replace(stiffness=[[2.0, 1.0], [0.0, 1.0]])
+    np.testing.assert_allclose(coupled.stiffness @ coupled.equilibrium, [1.5, 0.0], atol=1e-15)
+
+
+def test_equilibrium_of_the_paper():
+    belt = asp.MassOnBelt(
+        1.0,
+        1.0,
+        asp.FrictionLaw(asp.Ellipse(30.0, 10.0, np.deg2rad(30)), asp.Ellipse(3.0, 1.0)),
+        1.0,
+        [np.cos(np.deg2rad(50)), np.sin(np.deg2rad(50))],
+    )
+    np.testing.assert_allclose(belt.equilibrium, [20.201550, 2.675030], atol=1e-6)
+
+
+class Block(asp.System):
+    """A block on a line, written out."""
+
+    dof = 1
+    contacts = (asp.ContactLaw(LINE, normal_force=9.81),)
+
+    def mass(self, q):
+        return np.eye(1)
+
+    def forces(self, t, q, u):
+        return np.zeros(1)
+
+    def direction(self, t, q, contact):
+        return np.eye(1)
+
+
+def test_custom_system_equals_the_linear_one():
+    linear = asp.SlidingPoint(1.0, LINE)
+    options = {"dt": 1e-3, "t_end": 0.5, "u0": [2.0]}
+    custom, model = asp.simulate(Block(), **options), asp.simulate(linear, **options)
+    np.testing.assert_array_equal(custom.phase, model.phase)
+    np.testing.assert_allclose(custom.q, model.q, atol=1e-14)
+    np.testing.assert_allclose(custom.force, model.force, atol=1e-11)
+
+
+def test_time_dependent_belt():
+    class Shaken(Block):
+        def velocity(self, t, q, contact):
+            return np.array([-1.0 if t < 0.1 else 0.0])
+
+    motion = asp.simulate(Shaken(), dt=1e-3, t_end=1.0)
+    assert motion.u[:, 0].max() == pytest.approx(0.1 * 0.5 * 9.81, rel=1e-2)
+    assert motion.u[-1, 0] == 0.0
+
+
+def test_unilateral_custom_system_falls_and_rests():
+    class Falling(asp.System):
+        dof = 2
+        contacts = (asp.ContactLaw(LINE),)
+
+        def mass(self, q):
+            return np.eye(2)
+
+        def forces(self, t, q, u):
+            return np.array([0.0, -9.81])
+
+        def direction(self, t, q, contact):
+            return np.array([[1.0], [0.0]])
+
+        def normal(self, t, q, contact):
+            return np.array([0.0, 1.0])
+
+        def gap(self, t, q, contact):
+            return q[1]
+
+    motion = asp.simulate(Falling(), dt=1e-3, t_end=2.0, q0=[0.0, 1.0], u0=[1.0, 0.0])
+    impact = np.sqrt(2 / 9.81)
+    opened = motion.t[1:][motion.phase[1:, 0] == asp.Phase.OPEN].max()
+    assert opened == pytest.approx(impact, abs=2e-3)
+    assert motion.phase[-1, 0] == asp.Phase.STICK
+    np.testing.assert_allclose(motion.normal_force[-1, 0], 9.81, rtol=1e-9)
+    # The impact takes μ times the normal percussion √(2g) and more than stops the sliding.
+    assert motion.q[-1, 0] == pytest.approx(impact, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("methods", "message"),
+    [
+        ({"masses": lambda self, q: 1}, r"did you mean mass\(self, q\)"),
+        ({"mass": lambda self, q: 1}, r"must define the method forces\(self, t, q, u\)"),
+        ({"mass": lambda self, x: 1}, r"mass\(self, x\) must have the signature mass\(self, q\)"),
+        (
+            {"mass": lambda self, q: 1, "forces": lambda self, q, u: 1},
+            r"must have the signature forces\(self, t, q, u\)",
+        ),
+        ({"mass": lambda self, q: 1, "force": lambda self, t, q, u: 1}, "did you mean forces"),
+        ({"mass": 3.0}, r"must be a method mass\(self, q\)"),
+        ({"mass": staticmethod(lambda q: 1)}, r"must be a method mass\(self, q\)"),
+        (
+            {
+                "mass": lambda self, q: 1,
+                "forces": lambda self, t, q, u: 1,
+                "gaps": lambda self, t, q, contact: 0.0,
+            },
+            "did you mean gap",
+        ),
+    ],
+)
+def test_signatures_are_checked_when_the_class_is_defined(methods, message):
+    with pytest.raises(TypeError, match=message):
+        type("Faulty", (asp.System,), methods)
+
+
+def test_abstract_bases_may_be_incomplete():
+    class Base(asp.System, abstract=True):
+        def mass(self, q):
+            return np.eye(1)
+
+    with pytest.raises(TypeError, match="forces"):
+        type("Incomplete", (Base,), {})
+
+
+def test_missing_kinematics_are_named_before_the_first_step():
+    class Unfinished(asp.System):
+        dof = 1
+        contacts = (asp.ContactLaw(LINE),)
+
+        def mass(self, q):
+            return np.eye(1)
+
+        def forces(self, t, q, u):
+            return np.zeros(1)
+
+        def direction(self, t, q, contact):
+            return np.eye(1)
+
+    with pytest.raises(TypeError, match=r"must define the method normal\(self, t, q, contact\)"):
+        asp.simulate(Unfinished(), dt=0.1, t_end=1.0)
+
+
+def test_wrong_shapes_from_a_callback_are_named():
+    class Wrong(Block):
+        def forces(self, t, q, u):
+            return np.zeros(3)
+
+    with pytest.raises(asp.DimensionError, match="forces"):
+        asp.simulate(Wrong(), dt=0.1, t_end=1.0)
+
+
+def test_exceptions_in_a_callback_come_back_with_their_traceback():
+    class Failing(Block):
+        def forces(self, t, q, u):
+            if t > 0.5:
+                raise ZeroDivisionError("in the user's code")
+            return np.zeros(1)
+
+    with pytest.raises(ZeroDivisionError, match="user's code") as caught:
+        asp.simulate(Failing(), dt=0.1, t_end=1.0)
+    assert "forces" in {entry.name for entry in caught.traceback}
+    assert any("step 6" in note for note in caught.value.__notes__)

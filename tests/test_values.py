@@ -1,0 +1,122 @@
+"""Every public object: repr, pickle, copy, equality, hash, immutability, replace."""
+
+import copy
+import inspect
+import pickle
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity._value import Value
+from samples import ALL_SETS, PLANE_LAWS, identify
+
+LAW = PLANE_LAWS[3]
+PROBLEM = asp.ContactProblem(np.eye(3), [-1.0, 0.2, 3.0], LAW, normal_restitution=0.5)
+CONTACT = asp.Contact(LAW, np.eye(2), normal_force=1.0, velocity=[0.0, -1.0])
+MOTION = asp.simulate(asp.SlidingPoint(1.0, LAW), dt=0.01, t_end=0.1, u0=[1.0, 0.0])
+
+VALUES = [
+    *ALL_SETS,
+    *PLANE_LAWS,
+    asp.FrictionLaw.isotropic(0.2, dimension=1),
+    asp.FrictionLaw.isotropic(0.2, dimension=3),
+    PROBLEM,
+    asp.ContactProblem(np.eye(4), np.ones(4), LAW, normal_force=[1.0, 2.0]),
+    PROBLEM.solve(),
+    *PROBLEM.solutions(0),
+    asp.Exact(),
+    asp.Exact(max_sweeps=5),
+    asp.ProxJacobi(r=0.1),
+    asp.ProxGaussSeidel(),
+    CONTACT,
+    asp.Contact(LAW, np.eye(2), normal=[0.0, 1.0], gap=0.2, normal_restitution=0.4),
+    asp.ContactLaw(LAW),
+    asp.LinearSystem(2.0, [1.0, 2.0], force=[0.0, 1.0], contacts=[CONTACT]),
+    asp.SlidingPoint(0.018, LAW),
+    asp.MassOnBelt(1.0, 2.0, LAW, 1.0, [1.0, 0.0]),
+    MOTION,
+]
+NAMES = {name: getattr(asp, name) for name in asp.__all__}
+
+every_value = pytest.mark.parametrize("value", VALUES, ids=identify)
+
+
+def test_every_public_class_is_among_the_values():
+    classes = {
+        kind
+        for kind in NAMES.values()
+        if inspect.isclass(kind)
+        and issubclass(kind, Value)
+        and kind not in (asp.StarSet, asp.Solver)
+    }
+    assert classes == {type(value) for value in VALUES}
+
+
+@every_value
+def test_repr_is_the_constructor_call(value):
+    if isinstance(value, asp.Trajectory):
+        assert repr(value).startswith("<Trajectory: 11 samples")
+    else:
+        assert eval(repr(value), dict(NAMES)) == value
+
+
+@every_value
+def test_pickle_and_copies_are_equal(value):
+    for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+        assert pickle.loads(pickle.dumps(value, protocol)) == value
+    assert copy.copy(value) == copy.deepcopy(value) == value
+
+
+@every_value
+def test_equal_objects_have_equal_hashes_and_others_differ(value):
+    twin = pickle.loads(pickle.dumps(value))
+    assert twin is not value
+    assert hash(twin) == hash(value)
+    assert {value: 1}[twin] == 1
+    assert value != object()
+    assert sum(value == other for other in VALUES) == 1
+
+
+@every_value
+def test_values_cannot_be_changed(value):
+    name = next(iter(inspect.signature(type(value)).parameters))
+    with pytest.raises(AttributeError, match="immutable"):
+        setattr(value, name, 1.0)
+    with pytest.raises(AttributeError, match="immutable"):
+        delattr(value, name)
+    for array in value._parameters.values():
+        if isinstance(array, np.ndarray):
+            assert not array.flags.writeable
+
+
+@every_value
+def test_parameters_are_those_of_the_signature(value):
+    assert set(value._parameters) == set(inspect.signature(type(value)).parameters)
+    assert value.replace() == value
+
+
+def test_replace_makes_a_variant():
+    ellipse = asp.Ellipse(3.0, 1.0)
+    assert ellipse.replace(angle=0.5) == asp.Ellipse(3.0, 1.0, angle=0.5)
+    assert ellipse.angle == 0.0
+    with pytest.raises(TypeError, match="axis"):
+        ellipse.replace(axis=1.0)
+
+
+def test_negative_zero_does_not_split_equal_objects():
+    assert asp.Ellipse(1.0, 2.0, angle=-0.0) == asp.Ellipse(1.0, 2.0)
+    assert hash(asp.Mapped(asp.Disk(1.0), [[1.0, -0.0], [0.0, 1.0]])) == hash(
+        asp.Mapped(asp.Disk(1.0), np.eye(2))
+    )
+
+
+@pytest.mark.parametrize("member", [*asp.Phase, *asp.Status], ids=repr)
+def test_enumerations(member):
+    assert eval(repr(member), dict(NAMES)) is member
+    assert pickle.loads(pickle.dumps(member)) is member
+
+
+@pytest.mark.parametrize("status", asp.Status, ids=str)
+def test_every_failure_has_advice(status):
+    assert bool(status.advice) == (status is not asp.Status.CONVERGED)
+    assert status.message
