@@ -15,7 +15,7 @@ from asperity.plot import (
     plot_set,
     save_figure,
 )
-from asperity.plot import style as look
+from asperity.plot import look
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.3), asp.Ellipse(3.0, 1.0))
 

@@ -64,11 +64,17 @@ fn onto_planar<S: ConvexSet<2> + ?Sized>(set: &S, z: &Vector<2>) -> Vector<2> {
         let above = p.normal.dot(&(z - p.position)) > 0.0;
         if above { slope(p) } else { -sign * slope(p).abs() }
     };
+    let quarter_turn = |v: &Vector<2>| Vector::<2>::new(-v.y, v.x) * sign;
     let mut arc = Arc { start, end: start };
-    for _ in 0..4 {
+    // An eighth of a turn of the normal at a time, a quarter of the position at the most.
+    for _ in 0..8 {
         arc.start = arc.end;
-        let turned = arc.start.normal + tangent(&arc.start) * sign;
-        arc.end = BoundaryPoint::at_normal(set, &turned);
+        let normal = arc.start.normal + quarter_turn(&arc.start.normal);
+        arc.end = BoundaryPoint::at_normal(set, &normal);
+        let ahead = quarter_turn(&arc.start.position);
+        if arc.start.position.dot(&arc.end.position) < 0.0 {
+            arc.end = BoundaryPoint::at_position(set, &ahead);
+        }
         if signed_slope(&arc.end) * sign <= 0.0 {
             break;
         }
@@ -231,7 +237,7 @@ fn onto_rhombus<const P: usize>(semi_axes: &Vector<P>, scaled: &Vector<P>) -> Ve
             |i, _| if active[i] { scaled[i] - beta * weights[i] } else { 0.0 },
         );
         if xi.min() >= 0.0 {
-            return xi;
+            return xi / xi.sum();
         }
         for i in 0..P {
             active[i] &= xi[i] > 0.0;

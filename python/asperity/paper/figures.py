@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from asperity.paper import fig17, fig27
 from asperity.plot import plot_forces_in_reservoir, plot_path, plot_phase
-from asperity.plot.style import GREY, style
+from asperity.plot.look import GREY, style
 from asperity.trajectory import Trajectory
 
 

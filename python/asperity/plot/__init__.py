@@ -4,7 +4,7 @@ Every function draws into `ax`, or into new axes, and returns the axes.
 """
 
 from asperity.plot.sets import plot_law, plot_set
-from asperity.plot.style import save_figure, style
+from asperity.plot.look import save_figure, style
 from asperity.plot.trajectory import plot_forces_in_reservoir, plot_path, plot_phase
 
 __all__ = [

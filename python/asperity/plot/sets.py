@@ -11,7 +11,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import DimensionError
 from asperity.law import FrictionLaw
-from asperity.plot import style
+from asperity.plot import look
 from asperity.sets import StarSet
 
 _NODES = 720
@@ -31,9 +31,9 @@ def plot_set(set: StarSet, ax: Axes | None = None, **kwargs: Any) -> Axes:
     >>> from asperity.plot import plot_set
     >>> ax = plot_set(Ellipse(0.6, 0.2), label="C")
     """
-    ax = style.axes_or_new(ax)
+    ax = look.axes_or_new(ax)
     outline = closed_outline(set)
-    (line,) = ax.plot(*outline.T, **{"color": style.RESERVOIR, **kwargs})
+    (line,) = ax.plot(*outline.T, **{"color": look.RESERVOIR, **kwargs})
     ax.fill(*outline.T, color=line.get_color(), alpha=0.08, linewidth=0.0)
     ax.set_aspect("equal")
     ax.set_xlabel(r"$x_1$")
@@ -58,11 +58,11 @@ def plot_law(law: FrictionLaw, ax: Axes | None = None, *, arrows: int = 16) -> A
     >>> from asperity.plot import plot_law
     >>> ax = plot_law(FrictionLaw(Ellipse(0.6, 0.2, angle=0.3), Ellipse(3.0, 1.0)))
     """
-    ax = style.axes_or_new(ax)
-    plot_set(law.reservoir, ax, color=style.RESERVOIR, label="reservoir $C$")
+    ax = look.axes_or_new(ax)
+    plot_set(law.reservoir, ax, color=look.RESERVOIR, label="reservoir $C$")
     ax.plot(
         *closed_outline(law.direction).T,
-        color=style.DIRECTION,
+        color=look.DIRECTION,
         linestyle="--",
         label="direction set $D$",
     )
@@ -70,9 +70,9 @@ def plot_law(law: FrictionLaw, ax: Axes | None = None, *, arrows: int = 16) -> A
     slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     force = -law.force(slip)
     feet = force / law.direction.gauge(force)[:, None]
-    ax.plot(*np.stack([feet, force]).swapaxes(1, 2).swapaxes(0, 1), color=style.GREY, lw=0.7)
-    ax.plot(*force.T, "o", color=style.INK, markersize=3.5, label=r"force $-\lambda$")
-    ax.quiver(*force.T, *slip.T, color=style.INK, angles="xy", scale=12.0, width=0.004, zorder=3)
+    ax.plot(*np.stack([feet, force]).swapaxes(1, 2).swapaxes(0, 1), color=look.GREY, lw=0.7)
+    ax.plot(*force.T, "o", color=look.INK, markersize=3.5, label=r"force $-\lambda$")
+    ax.quiver(*force.T, *slip.T, color=look.INK, angles="xy", scale=12.0, width=0.004, zorder=3)
     ax.margins(0.12)
     ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
     ax.set_ylabel(r"$-\lambda_2/\lambda_N$")

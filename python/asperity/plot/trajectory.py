@@ -12,15 +12,15 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
-from asperity.plot import style
+from asperity.plot import look
 from asperity.plot.sets import plot_set
 from asperity.status import Phase
 from asperity.trajectory import Trajectory
 
 _LOOK = {
-    Phase.STICK: (style.STICK, "stick"),
-    Phase.SLIP: (style.SLIP, "slip"),
-    Phase.OPEN: (style.OPEN, "open"),
+    Phase.STICK: (look.STICK, "stick"),
+    Phase.SLIP: (look.SLIP, "slip"),
+    Phase.OPEN: (look.OPEN, "open"),
 }
 
 
@@ -46,7 +46,7 @@ def plot_path(
     >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5))
     >>> ax = plot_path(simulate(block, dt=1e-3, t_end=1.0, u0=[1.0, 1.0]), label="isotropic")
     """
-    ax = style.axes_or_new(ax)
+    ax = look.axes_or_new(ax)
     x, y = _two(trajectory, coordinates)
     (line,) = ax.plot(x, y, **kwargs)
     ax.plot(x[-1:], y[-1:], "o", color=line.get_color(), markersize=4.5)
@@ -75,7 +75,7 @@ def plot_phase(
     >>> belt = MassOnBelt(1.0, 1.0, FrictionLaw.isotropic(0.5), 1.0, [0.1, 0.0])
     >>> ax = plot_phase(simulate(belt, dt=1e-2, t_end=10.0))
     """
-    ax = style.axes_or_new(ax)
+    ax = look.axes_or_new(ax)
     points = np.stack(_two(trajectory, coordinates), axis=-1)
     phases = trajectory.phase[:, _contact(trajectory, contact)]
     for phase, (color, label) in _LOOK.items():
@@ -108,12 +108,12 @@ def plot_forces_in_reservoir(
     >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [0.1, 0.0])
     >>> ax = plot_forces_in_reservoir(simulate(belt, dt=1e-2, t_end=10.0), law)
     """
-    ax = style.axes_or_new(ax)
+    ax = look.axes_or_new(ax)
     contact = _contact(trajectory, contact)
     largest = np.nanmax(trajectory.normal_force[1:, contact], initial=0.0)
     if largest <= 0.0:
         raise ParameterError("contact", f"must have carried load, contact {contact} never did")
-    plot_set(law.reservoir.scaled(largest), ax, color=style.INK, label=r"$\lambda_N C$")
+    plot_set(law.reservoir.scaled(largest), ax, color=look.INK, label=r"$\lambda_N C$")
     for phase, (color, label) in _LOOK.items():
         chosen = trajectory.phase[:, contact] == phase
         force = -trajectory.force[chosen, contact, :2]
