@@ -164,11 +164,11 @@ proptest! {
         }
         let normal = z - x;
         let gap = set.support(&normal) - x.dot(&normal);
-        // The projection does not expand, so the rounding of z itself is an error the result may have;
-        // it turns the normal too, which counts with the size of the set.
-        let rounding = 4e-15 * z.norm();
+        // An error δ of x is one of the normal too, which counts with the size of the set. The rounding
+        // of z is an error x may have, for the projection does not expand.
         let size: f64 = [V::x(), V::y(), -V::x(), -V::y()].iter().map(|e| set.support(e)).sum();
-        prop_assert!(gap <= (1e-12 * x.norm() + rounding) * normal.norm() + rounding * size,
+        let error = 1e-12 * x.norm() + 4e-15 * z.norm();
+        prop_assert!(gap <= error * (normal.norm() + size),
             "gap {:e} at x {} n {}", gap / (x.norm() * normal.norm()), x, normal);
         let again = set.project(&x);
         prop_assert!((again - x).norm() <= 1e-11 * x.norm());
