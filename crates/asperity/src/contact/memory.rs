@@ -1,0 +1,50 @@
+//! What a contact remembers from one solve to the next.
+
+/// What a contact does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(i8)]
+pub enum Phase {
+    /// Nothing is known yet.
+    #[default]
+    Unknown = -1,
+    /// No contact force.
+    Open = 0,
+    /// The reservoir holds the force strictly or on its boundary, and the slip vanishes.
+    Stick = 1,
+    /// The force is on the boundary of the reservoir.
+    Slip = 2,
+}
+
+impl Phase {
+    /// The phase with this number.
+    pub fn from_number(number: i8) -> Option<Self> {
+        [Self::Unknown, Self::Open, Self::Stick, Self::Slip]
+            .into_iter()
+            .find(|&phase| phase as i8 == number)
+    }
+}
+
+/// State of one contact that decides between several solutions.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactState {
+    /// Last phase.
+    pub phase: Phase,
+    /// Direction of the last slip, unused components zero; need not have unit length.
+    pub direction: [f64; 3],
+}
+
+/// Start percussions and contact states: a warm start, and the input of the selection rule.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Memory {
+    /// Percussions, as the rows of the problem.
+    pub percussion: Vec<f64>,
+    /// One state per contact.
+    pub states: Vec<ContactState>,
+}
+
+impl Memory {
+    /// Nothing remembered for a problem of `rows` rows and `contacts` contacts.
+    pub fn new(rows: usize, contacts: usize) -> Self {
+        Self { percussion: vec![0.0; rows], states: vec![ContactState::default(); contacts] }
+    }
+}

@@ -1,0 +1,32 @@
+//! What can be wrong with a law or a question to it.
+
+use asperity_set::SetError;
+use thiserror::Error;
+
+/// A law could not be made, or has no answer.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LawError {
+    /// A set is unusable.
+    #[error(transparent)]
+    Set(#[from] SetError),
+    /// The force at rest is not unique.
+    #[error("slip: must not be zero, at rest every force in the reservoir is admissible")]
+    AtRest,
+    /// A force that the contact cannot transmit.
+    #[error("force: lies outside the reservoir, its gauge is {gauge}")]
+    OutsideReservoir {
+        /// Gauge of the force per unit normal force.
+        gauge: f64,
+    },
+}
+
+impl LawError {
+    /// Name of the argument that is wrong.
+    pub fn argument(&self) -> &'static str {
+        match self {
+            Self::Set(error) => error.argument(),
+            Self::AtRest => "slip",
+            Self::OutsideReservoir { .. } => "force",
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! The extended normal cone inclusion, which holds every Coulomb-type law.
+
+use std::sync::OnceLock;
+
+use asperity_set::{
+    Ball, Convex, ConvexSet, Matrix, SetError, Star, StarSet, Vector, largest_scale_inside,
+};
+
+use super::{LawError, WalkTable};
+
+/// The law `γ ∈ N_D(−αλ)`, `α(x) = 1/(k_D(x) − k_C(x) + 1)` at `x = −λ` (\[WL19\] (55), (56)), for
+/// unit normal force.
+///
+/// The scale of *D* is irrelevant to the law but decides the convergence of prox iterations: *D* is
+/// kept at the largest scale with `D ⊆ C`.
+#[derive(Debug)]
+pub struct FrictionLaw<const P: usize> {
+    reservoir: Star<P>,
+    direction: Convex<P>,
+    direction_scale: f64,
+    alpha_min: f64,
+    table: OnceLock<Box<WalkTable>>,
+}
+
+impl<const P: usize> PartialEq for FrictionLaw<P> {
+    fn eq(&self, other: &Self) -> bool {
+        self.reservoir == other.reservoir && self.direction == other.direction
+    }
+}
+
+impl<const P: usize> FrictionLaw<P> {
+    /// The law with reservoir `C` and direction set `D`; `D` is rescaled to the largest set inside `C`.
+    pub fn new(reservoir: Star<P>, direction: Convex<P>) -> Result<Self, LawError> {
+        check_size("reservoir", &reservoir)?;
+        check_size("direction", &direction)?;
+        if reservoir.as_convex() == Some(&direction) {
+            return Ok(Self::associated(direction));
+        }
+        let mut scale = largest_scale_inside(&direction, &reservoir);
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(SetError::Degenerate { argument: "reservoir", gauge: 1.0 / scale }.into());
+        }
+        // Already normalised up to rounding: leave every bit as it is.
+        if (scale - 1.0).abs() < 1e-12 {
+            scale = 1.0;
+        }
+        let direction = if scale == 1.0 { direction } else { direction.scaled(scale)? };
+        let alpha_min = smallest_ratio(&direction, &reservoir);
+        Ok(Self { reservoir, direction, direction_scale: scale, alpha_min, table: OnceLock::new() })
+    }
+
+    /// The associated law `D = C` (\[WL19\] Def. 12): maximal dissipation, maximal monotone.
+    pub fn associated(reservoir: Convex<P>) -> Self {
+        Self {
+            reservoir: Star::Convex(reservoir.clone()),
+            direction: reservoir,
+            direction_scale: 1.0,
+            alpha_min: 1.0,
+            table: OnceLock::new(),
+        }
+    }
+
+    /// The collinear law (\[WL19\] Def. 15): `D` is a ball, the force opposes the sliding velocity.
+    pub fn collinear(reservoir: Star<P>) -> Result<Self, LawError> {
+        Self::new(reservoir, Ball::new(1.0)?.into())
+    }
+
+    /// Isotropic Coulomb friction (\[WL19\] (33)).
+    pub fn isotropic(mu: f64) -> Result<Self, LawError> {
+        Ok(Self::associated(Ball::new(mu)?.into()))
+    }
+
+    /// Force reservoir `C` per unit normal force.
+    pub fn reservoir(&self) -> &Star<P> {
+        &self.reservoir
+    }
+
+    /// Direction set `D`, the largest inside `C`.
+    pub fn direction(&self) -> &Convex<P> {
+        &self.direction
+    }
+
+    /// The factor by which the direction set was scaled.
+    pub fn direction_scale(&self) -> f64 {
+        self.direction_scale
+    }
+
+    /// `min r_D/r_C` over all directions: prox iterations are slow where it is small.
+    pub fn alpha_min(&self) -> f64 {
+        self.alpha_min
+    }
+
+    /// `α(x) = 1/(k_D(x) − k_C(x) + 1)` (\[WL19\] (56)).
+    pub fn alpha(&self, x: &Vector<P>) -> f64 {
+        1.0 / (self.direction.gauge(x) - self.reservoir.gauge(x) + 1.0)
+    }
+
+    /// Friction force λ while sliding with `slip` γ: `−λ = λ_N z/k_C(z)`, `z = ∇Ψ*_D(γ)`
+    /// (\[WL19\] (84)).
+    pub fn force(&self, slip: &Vector<P>, normal_force: f64) -> Result<Vector<P>, LawError> {
+        if slip.amax() == 0.0 {
+            return Err(LawError::AtRest);
+        }
+        let z = self.direction.support_point(slip);
+        Ok(z * (-normal_force / self.reservoir.gauge(&z)))
+    }
+
+    /// Unit sliding direction that goes with the friction force λ, or zero where it sticks.
+    ///
+    /// Forces within `tolerance` of the reservoir's boundary count as sliding.
+    pub fn slip_direction(
+        &self,
+        force: &Vector<P>,
+        normal_force: f64,
+        tolerance: f64,
+    ) -> Result<Vector<P>, LawError> {
+        let x = -force / normal_force;
+        let gauge = self.reservoir.gauge(&x);
+        if gauge < 1.0 - tolerance {
+            return Ok(Vector::zeros());
+        }
+        // The comparison also turns away the NaN of a zero normal force.
+        if !(gauge <= 1.0 + tolerance) {
+            return Err(LawError::OutsideReservoir { gauge });
+        }
+        Ok(self.direction.gauge_jet(&x).1.normalize())
+    }
+
+    /// `∂λ/∂γ` while sliding: `−λ_N/k_C(z) (I − z∇k_C(z)ᵀ/k_C(z)) ∇²Ψ*_D(γ)` (\[WL19\] (87), (88)).
+    pub fn jacobian(&self, slip: &Vector<P>, normal_force: f64) -> Result<Matrix<P>, LawError> {
+        if slip.amax() == 0.0 {
+            return Err(LawError::AtRest);
+        }
+        let (z, hessian) = self.direction.support_jet(slip);
+        let (gauge, gradient) = self.reservoir.gauge_jet(&z);
+        let across = Matrix::identity() - z * gradient.transpose() / gauge;
+        Ok(across * hessian * (-normal_force / gauge))
+    }
+
+    /// Dissipation rate `−λᵀγ = λ_N Ψ*_D(γ)/k_C(z)` (\[WL19\] Prop. 5), zero at rest.
+    pub fn dissipation(&self, slip: &Vector<P>, normal_force: f64) -> f64 {
+        self.force(slip, normal_force).map_or(0.0, |force| -force.dot(slip))
+    }
+}
+
+impl FrictionLaw<2> {
+    /// The law turned counter-clockwise by `angle` in rad.
+    pub fn rotated(&self, angle: f64) -> Result<Self, LawError> {
+        Self::new(self.reservoir.rotated(angle)?, self.direction.rotated(angle)?)
+    }
+
+    /// The table of the exact one-contact solver, made when it is first needed.
+    pub fn table(&self) -> &WalkTable {
+        self.table.get_or_init(|| Box::new(WalkTable::new(&self.reservoir, &self.direction)))
+    }
+}
+
+/// Directions along which sizes are compared.
+fn probes<const P: usize>() -> impl Iterator<Item = Vector<P>> {
+    let steps = if P == 1 { 2 } else { 360 };
+    (0..steps * if P == 3 { steps / 2 } else { 1 }).map(move |k| {
+        let angle = std::f64::consts::TAU * (k % steps) as f64 / steps as f64;
+        let height = if P == 3 { 2.0 * (k / steps) as f64 / (steps / 2) as f64 - 1.0 } else { 0.0 };
+        let radius = f64::sqrt(1.0 - height * height);
+        let point = [radius * angle.cos(), radius * angle.sin(), height];
+        Vector::from_fn(|i, _| point[i])
+    })
+}
+
+/// Refuses a set that a user's gauge makes flat, unbounded or undefined in some direction.
+fn check_size<const P: usize>(
+    argument: &'static str,
+    set: &dyn StarSet<P>,
+) -> Result<(), SetError> {
+    match probes().map(|d| set.gauge(&d)).find(|&k| !(k.is_finite() && k > 0.0)) {
+        Some(gauge) => Err(SetError::Degenerate { argument, gauge }),
+        None => Ok(()),
+    }
+}
+
+/// `min r_D/r_C`, to the accuracy of a scan: it steers iterations and decides nothing.
+fn smallest_ratio<const P: usize>(direction: &Convex<P>, reservoir: &Star<P>) -> f64 {
+    probes().map(|d| reservoir.gauge(&d) / direction.gauge(&d)).fold(1.0, f64::min)
+}

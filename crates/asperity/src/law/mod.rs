@@ -1,0 +1,11 @@
+//! Friction laws: a force reservoir, a direction set, and what follows from the pair.
+
+mod any;
+mod error;
+mod extended;
+mod table;
+
+pub use any::Law;
+pub use error::LawError;
+pub use extended::FrictionLaw;
+pub use table::{COARSE, Cell, FINE_PER_COARSE, WalkTable};

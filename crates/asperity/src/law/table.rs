@@ -1,0 +1,239 @@
+//! The boundary of the direction set as a table, made once per law for the exact one-contact solver.
+//!
+//! Walked along bdry *D*, a slip solution is a zero of `F = n × v(x)`, `v(x) = c₀ − A x`, with `n` the
+//! normal of *D* at `z` and `x = z/k_C(z)` on bdry *C*. For every law `F` is linear in `(c₀, A)`: its
+//! values at all nodes are a product with columns that depend on the law alone, and so is a bound of
+//! how far `F` strays from its chord between two nodes, which excludes zeros rigorously.
+
+use std::collections::BinaryHeap;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use asperity_set::{Arc, BoundaryPoint, Convex, ConvexSet, Star, StarSet, Vector};
+
+/// Number of coarse cells.
+pub const COARSE: usize = 64;
+/// Number of fine cells in a coarse one.
+pub const FINE_PER_COARSE: usize = 16;
+
+/// A node: a point of bdry *D* with its normal, and the point of bdry *C* on the same ray.
+#[derive(Debug, Clone, Copy)]
+pub struct Node {
+    /// The point of bdry *D*.
+    pub point: BoundaryPoint,
+    /// `x = z/k_C(z)`.
+    pub x: Vector<2>,
+}
+
+/// Bounds over a cell: `F` differs from a point of its chord by at most `|c₀| normal + |A| product`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Cell {
+    /// Largest distance of the normal from its chord.
+    pub normal: f64,
+    /// Largest distance of the dyad `n ⊗ x` from its chord.
+    pub product: f64,
+}
+
+/// Columns whose linear combinations are `n × v` and `n · v` at the coarse nodes.
+#[derive(Debug, Clone)]
+pub struct Columns {
+    pub(crate) n: [[f64; COARSE]; 2],
+    /// `nx[i][j]` is `nᵢ xⱼ`.
+    pub(crate) nx: [[[f64; COARSE]; 2]; 2],
+}
+
+/// See the module page.
+#[derive(Debug, Clone)]
+pub struct WalkTable {
+    /// Fine nodes, counter-clockwise, the first repeated at the end.
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) fine: Vec<Cell>,
+    pub(crate) coarse: Vec<Cell>,
+    pub(crate) columns: Box<Columns>,
+    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*: 1 for associated laws,
+    /// negative where the sliding velocity may point into the reservoir.
+    pub(crate) smallest_sine: f64,
+    /// With `A ∝ I` a sticking contact has no other solution while `k_C` is below this value.
+    pub(crate) unique_stick: f64,
+    /// Largest radius of *C*.
+    pub(crate) largest_radius: f64,
+}
+
+impl WalkTable {
+    /// The table of a law.
+    pub fn new(reservoir: &Star<2>, direction: &Convex<2>) -> Self {
+        let mut nodes = nodes(reservoir, direction);
+        nodes.push(nodes[0]);
+        let fine: Vec<Cell> = nodes
+            .windows(2)
+            .map(|pair| {
+                let arc = Arc { start: pair[0].point, end: pair[1].point };
+                let side = arc.side();
+                let inner = [0.25, 0.5, 0.75]
+                    .map(|w| node(reservoir, arc.point(direction, side, w)));
+                deviation(&pair[0], &pair[1], &inner)
+            })
+            .collect();
+        let coarse = (0..COARSE)
+            .map(|i| {
+                let range = i * FINE_PER_COARSE..=(i + 1) * FINE_PER_COARSE;
+                let (first, last) = (nodes[*range.start()], nodes[*range.end()]);
+                let own = deviation(&first, &last, &nodes[range.clone()]);
+                let within = &fine[*range.start()..*range.end()];
+                Cell {
+                    normal: own.normal + within.iter().map(|c| c.normal).fold(0.0, f64::max),
+                    product: own.product + within.iter().map(|c| c.product).fold(0.0, f64::max),
+                }
+            })
+            .collect();
+        let at = |i: usize| nodes[i * FINE_PER_COARSE];
+        let column = |f: &dyn Fn(Node) -> f64| std::array::from_fn(|i| f(at(i)));
+        let columns = Box::new(Columns {
+            n: [0, 1].map(|i| column(&|node| node.point.normal[i])),
+            nx: [0, 1].map(|i| [0, 1].map(|j| column(&|node| node.point.normal[i] * node.x[j]))),
+        });
+        let largest_radius = nodes.iter().map(|node| node.x.norm()).fold(0.0, f64::max);
+        let smallest_sine = smallest_sine(&nodes);
+        let unique_stick = unique_stick(&nodes, reservoir, largest_radius);
+        Self { nodes, fine, coarse, columns, smallest_sine, unique_stick, largest_radius }
+    }
+}
+
+fn node(reservoir: &Star<2>, point: BoundaryPoint) -> Node {
+    Node { point, x: point.position / reservoir.gauge(&point.position) }
+}
+
+/// Angle between two vectors.
+fn angle(a: &Vector<2>, b: &Vector<2>) -> f64 {
+    (a.x * b.y - a.y * b.x).atan2(a.dot(b)).abs()
+}
+
+/// A cell that waits to be split, ordered by how much position, normal and the tangent of *C* turn.
+struct Pending {
+    turn: f64,
+    arc: Arc,
+}
+
+impl Pending {
+    fn new(arc: Arc, reservoir: &Star<2>, direction: &Convex<2>) -> Self {
+        let (start, end) = (&arc.start, &arc.end);
+        let turn = angle(&start.position, &end.position) + angle(&start.normal, &end.normal);
+        // Just inside the ends, so that a corner of C at a node counts in neither of its cells.
+        let side = arc.side();
+        let tangent = |w| reservoir.gauge_jet(&arc.point(direction, side, w).position).1;
+        let bend = if turn > 1e-6 { angle(&tangent(0.01), &tangent(0.99)) } else { 0.0 };
+        Self { turn: turn + bend, arc }
+    }
+}
+
+impl PartialEq for Pending {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Pending {}
+
+impl PartialOrd for Pending {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Pending {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.turn.total_cmp(&other.turn)
+    }
+}
+
+/// Nodes at all corners of both sets, then wherever the walk turns most until the table is full.
+fn nodes(reservoir: &Star<2>, direction: &Convex<2>) -> Vec<Node> {
+    let mut chain: Vec<BoundaryPoint> = (0..16)
+        .map(|k| {
+            let (sine, cosine) = (TAU * (k as f64 + 0.5) / 16.0).sin_cos();
+            BoundaryPoint::at_position(direction, &Vector::<2>::new(cosine, sine))
+        })
+        .collect();
+    for corner in direction.corners() {
+        let cone = direction.normal_cone(&corner, 1e-9);
+        let normals = cone.iter().flat_map(|cone| cone.generators());
+        chain.extend(normals.map(|&normal| BoundaryPoint { position: corner, normal }));
+    }
+    chain.extend(reservoir.corners().iter().map(|x| BoundaryPoint::at_position(direction, x)));
+    chain.sort_by(|a, b| walk_angle(a).total_cmp(&walk_angle(b)));
+    chain.dedup_by(|a, b| walk_angle(a) - walk_angle(b) < 1e-12);
+    let next = |i: usize| chain[(i + 1) % chain.len()];
+    let pending = |start, end| Pending::new(Arc { start, end }, reservoir, direction);
+    let mut heap: BinaryHeap<Pending> =
+        (0..chain.len()).map(|i| pending(chain[i], next(i))).collect();
+    while heap.len() < COARSE * FINE_PER_COARSE {
+        let Some(Pending { arc, .. }) = heap.pop() else { break };
+        let middle = arc.middle(direction);
+        heap.push(pending(arc.start, middle));
+        heap.push(pending(middle, arc.end));
+    }
+    let mut starts: Vec<BoundaryPoint> = heap.into_iter().map(|p| p.arc.start).collect();
+    starts.sort_by(|a, b| walk_angle(a).total_cmp(&walk_angle(b)));
+    starts.into_iter().map(|point| node(reservoir, point)).collect()
+}
+
+/// `θ + φ`, position angle plus normal angle, in `[0, 4π)`: never decreases along the walk.
+fn walk_angle(point: &BoundaryPoint) -> f64 {
+    let (z, n) = (&point.position, &point.normal);
+    let theta = z.y.atan2(z.x).rem_euclid(TAU);
+    2.0 * theta + (z.x * n.y - z.y * n.x).atan2(z.dot(n))
+}
+
+/// How far `n` and `n ⊗ x` stray from their chord at the inner nodes, with a margin for what lies
+/// between those.
+fn deviation(first: &Node, last: &Node, inner: &[Node]) -> Cell {
+    let dyad = |node: &Node| node.point.normal * node.x.transpose();
+    let (n0, dn) = (first.point.normal, last.point.normal - first.point.normal);
+    let (m0, dm) = (dyad(first), dyad(last) - dyad(first));
+    let scale = 1.0 / m0.norm_squared();
+    let length = dn.norm_squared() + scale * dm.norm_squared();
+    let mut cell = Cell::default();
+    for node in inner {
+        let (n, m) = (node.point.normal - n0, dyad(node) - m0);
+        let along = n.dot(&dn) + scale * m.dot(&dm);
+        let weight = if length > 0.0 { (along / length).clamp(0.0, 1.0) } else { 0.0 };
+        cell.normal = cell.normal.max((n - dn * weight).norm());
+        cell.product = cell.product.max((m - dm * weight).norm());
+    }
+    Cell { normal: 1.25 * cell.normal, product: 1.25 * cell.product }
+}
+
+/// Smallest `n × t` with `t` the unit tangent of bdry *C*, taken as the chords next to every node.
+fn smallest_sine(nodes: &[Node]) -> f64 {
+    let mut smallest: f64 = 1.0;
+    for pair in nodes.windows(2) {
+        let chord = pair[1].x - pair[0].x;
+        // Where the walk stands at a corner of D the point of C does not move.
+        if chord.norm() <= 1e-12 * pair[0].x.norm() {
+            continue;
+        }
+        for node in pair {
+            let n = node.point.normal;
+            smallest = smallest.min((n.x * chord.y - n.y * chord.x) / chord.norm());
+        }
+    }
+    smallest
+}
+
+/// Smallest gauge on the rays `{x + s n}` from bdry *C* that enter *C*, less a margin for the sampling.
+///
+/// With `A = aI` a stick solution `x_s` and a slip solution `x` are related by `x_s = x + γ/a`, `γ`
+/// along `n`: below the value that is impossible.
+fn unique_stick(nodes: &[Node], reservoir: &Star<2>, largest_radius: f64) -> f64 {
+    let mut smallest: f64 = 1.0;
+    for node in nodes {
+        let outward = reservoir.gauge_jet(&node.x).1.dot(&node.point.normal);
+        if outward > 0.0 && reservoir.as_convex().is_some() {
+            continue;
+        }
+        for k in 1..=200 {
+            let s = 2.0 * largest_radius * k as f64 / 200.0;
+            smallest = smallest.min(reservoir.gauge(&(node.x + node.point.normal * s)));
+        }
+    }
+    0.98 * smallest - 0.01 * f64::from(smallest < 1.0) * FRAC_PI_2
+}

@@ -1,0 +1,137 @@
+//! Block Gauss–Seidel whose one-contact solve is exact.
+
+use std::time::Instant;
+
+use asperity_set::Vector;
+
+use super::local::{Block, Local, LocalSolution};
+use super::report::Ended;
+use super::{Stop, Workspace, line, natural_residual, plane};
+use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce};
+use crate::law::Law;
+
+/// Sweeps until the natural residual is below the tolerance.
+pub(super) fn solve(
+    problem: &ContactProblem,
+    stop: Stop,
+    max_sweeps: usize,
+    memory: &Memory,
+    workspace: &mut Workspace,
+) -> (usize, Ended) {
+    if problem.contacts.len() == 1 {
+        let ended = match sweep(problem, memory, workspace) {
+            Some(contact) => Ended::NoSolution(contact),
+            None => Ended::Done,
+        };
+        return (1, ended);
+    }
+    // Contacts without a solution may find one when the others have moved.
+    let mut stuck = None;
+    for sweeps in 1..=max_sweeps {
+        stuck = sweep(problem, memory, workspace);
+        problem.velocity(&workspace.percussion, &mut workspace.velocity);
+        let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity);
+        if residual.value <= 0.1 * stop.tolerance || residual.value <= 4.0 * f64::EPSILON {
+            return (sweeps, Ended::Done);
+        }
+        if stop.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            return (sweeps, Ended::TimeLimit);
+        }
+    }
+    (max_sweeps, stuck.map_or(Ended::MaxIterations, Ended::NoSolution))
+}
+
+/// One sweep; the last contact that had no solution.
+fn sweep(problem: &ContactProblem, memory: &Memory, workspace: &mut Workspace) -> Option<usize> {
+    let mut stuck = None;
+    for (i, rows) in problem.contacts.iter().enumerate() {
+        let state = &memory.states[i];
+        let Workspace { percussion, blocks, planar, ambiguous, .. } = workspace;
+        let found = match &rows.law {
+            Law::One(law) => {
+                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                line::solve(&local, state).map(|s| (store(rows, &s.solution, percussion), s.ambiguous))
+            }
+            Law::Two(law) => {
+                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let guess = guess(rows, state, &local.b_t);
+                plane::solve(&local, state, &guess, planar)
+                    .map(|s| (store(rows, &s.solution, percussion), s.ambiguous))
+            }
+            // Refused where problems are made.
+            Law::Three(_) => None,
+        };
+        match found {
+            Some(((), several)) => ambiguous[i] = several,
+            None => stuck = Some(i),
+        }
+    }
+    stuck
+}
+
+/// Where Newton's method starts: the last slip direction, else the free velocity.
+fn guess(_rows: &ContactRows, state: &ContactState, free: &Vector<2>) -> [f64; 3] {
+    if state.direction == [0.0; 3] { [free.x, free.y, 0.0] } else { state.direction }
+}
+
+fn store<const P: usize>(rows: &ContactRows, solution: &LocalSolution<P>, percussion: &mut [f64]) {
+    if rows.normal == NormalForce::Unilateral {
+        percussion[rows.offset] = solution.normal;
+    }
+    for j in 0..P {
+        percussion[rows.tangent() + j] = solution.tangent[j];
+    }
+}
+
+/// Marks the contacts that have more than one solution with the others held.
+pub(super) fn mark_ambiguous(
+    problem: &ContactProblem,
+    memory: &Memory,
+    workspace: &mut Workspace,
+) {
+    for (i, rows) in problem.contacts.iter().enumerate() {
+        let Workspace { percussion, blocks, planar, ambiguous, .. } = workspace;
+        let state = &memory.states[i];
+        ambiguous[i] = match &rows.law {
+            Law::One(law) => {
+                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                line::solve(&local, state).is_some_and(|s| s.ambiguous)
+            }
+            Law::Two(law) => {
+                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let guess = guess(rows, state, &local.b_t);
+                plane::solve(&local, state, &guess, planar).is_some_and(|s| s.ambiguous)
+            }
+            Law::Three(_) => false,
+        };
+    }
+}
+
+/// All solutions of one contact with the others held, on a line with a zero second component.
+pub(super) fn all_solutions(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+) -> Vec<LocalSolution<2>> {
+    let rows = &problem.contacts[contact];
+    let block = Block::new(problem, rows);
+    let mut out = Vec::new();
+    match &rows.law {
+        Law::One(law) => {
+            let local = Local::new(law, problem, rows, &block, percussion);
+            out.extend(line::solutions(&local).into_iter().flatten().map(|s| LocalSolution {
+                phase: s.phase,
+                normal: s.normal,
+                tangent: Vector::<2>::new(s.tangent[0], 0.0),
+                slip: Vector::<2>::new(s.slip[0], 0.0),
+                degenerate: s.degenerate,
+            }));
+        }
+        Law::Two(law) => {
+            let local = Local::new(law, problem, rows, &block, percussion);
+            plane::solutions(&local, &mut out);
+        }
+        Law::Three(_) => {}
+    }
+    out
+}

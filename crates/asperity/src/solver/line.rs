@@ -1,0 +1,44 @@
+//! One contact on a line: stick, forward slip or backward slip, each in closed form.
+
+use asperity_set::{StarSet, Vector};
+
+use super::local::{Local, LocalSolution, Selection};
+use crate::contact::{ContactState, Phase};
+
+/// All solutions: open, stick, backward slip, forward slip, as far as they exist.
+pub(super) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
+    if local.prescribed == Some(0.0) {
+        return [Some(local.open()), None, None, None];
+    }
+    let open = (local.prescribed.is_none() && local.b_n >= 0.0).then(|| local.open());
+    let stick = local.stick().map(|(solution, _)| solution);
+    let (c0, a) = local.affine();
+    let sign = local.sign();
+    let slip = |direction: f64| {
+        let end = Vector::<1>::new(direction);
+        let x = end / local.law.reservoir().gauge(&end);
+        let v = c0 - a * x;
+        let admissible = sign * direction * v[0] > 0.0 && sign * local.denominator(&x) > 0.0;
+        // With b_N = 0 the normal percussion of a slip solution vanishes: the contact is open.
+        let loaded = local.prescribed.is_some() || local.b_n != 0.0;
+        let solution = local.slip(&x, &v, false);
+        // On the boundary of the reservoir slip with vanishing velocity is stick.
+        let distinct = stick.is_none() || solution.slip[0].abs() > 1e-12 * local.b_t[0].abs();
+        (admissible && loaded && distinct).then_some(solution)
+    };
+    [open, stick, slip(-1.0), slip(1.0)]
+}
+
+/// The solution that continues `state`.
+pub(super) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<Selection<1>> {
+    let all = solutions(local);
+    let blank = LocalSolution { phase: Phase::Unknown, ..local.open() };
+    let mut found = [blank; 4];
+    let mut count = 0;
+    for solution in all.into_iter().flatten() {
+        found[count] = solution;
+        count += 1;
+    }
+    let solution = local.select(&found[..count], state)?;
+    Some(Selection { solution, ambiguous: count > 1 })
+}

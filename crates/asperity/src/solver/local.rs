@@ -1,0 +1,269 @@
+//! One contact by itself: its block of the problem, its solutions, and the choice between them.
+
+use asperity_set::{Matrix, StarSet, Vector};
+use nalgebra::DMatrix;
+
+use super::Workspace;
+use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce, Phase};
+use crate::law::{FrictionLaw, Law};
+
+/// The diagonal block of `G` for one contact, unused components zero.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block {
+    pub(super) g_nn: f64,
+    pub(super) g_nt: Vector<2>,
+    pub(super) g_tn: Vector<2>,
+    pub(super) g_tt: Matrix<2>,
+    /// Inverse of the Schur complement `G_TT − G_TN G_NT/g_NN`, or of `G_TT` without a normal row; a
+    /// pseudo-inverse where that is singular.
+    pub(super) schur_inverse: Matrix<2>,
+    pub(super) singular: bool,
+}
+
+impl Block {
+    pub(super) fn new(problem: &ContactProblem, rows: &ContactRows) -> Self {
+        let p = rows.law.dimension().min(2);
+        let (n, t) = (rows.offset, rows.tangent());
+        let g = &problem.delassus;
+        let within = |i: usize| i < p;
+        let unilateral = rows.normal_rows() == 1;
+        let pick = |used: bool, i: usize, j: usize| if used { g[(i, j)] } else { 0.0 };
+        let g_nn = pick(unilateral, n, n);
+        let g_nt = Vector::<2>::from_fn(|j, _| pick(unilateral && within(j), n, t + j));
+        let g_tn = Vector::<2>::from_fn(|i, _| pick(unilateral && within(i), t + i, n));
+        let g_tt = Matrix::<2>::from_fn(|i, j| pick(within(i) && within(j), t + i, t + j));
+        let schur = if unilateral { g_tt - g_tn * g_nt.transpose() / g_nn } else { g_tt };
+        let determinant = schur.determinant();
+        let singular = p == 2 && determinant.abs() <= 1e-13 * schur.norm_squared();
+        let schur_inverse = match (p, singular) {
+            (1, _) => Matrix::<2>::new(1.0 / schur.m11, 0.0, 0.0, 0.0),
+            (_, false) => schur.try_inverse().unwrap_or_default(),
+            (_, true) => pseudo_inverse(&schur),
+        };
+        Self { g_nn, g_nt, g_tn, g_tt, schur_inverse, singular }
+    }
+}
+
+/// Moore–Penrose inverse with the small singular value cut off.
+fn pseudo_inverse(matrix: &Matrix<2>) -> Matrix<2> {
+    let dynamic = DMatrix::from_column_slice(2, 2, matrix.as_slice());
+    match dynamic.pseudo_inverse(1e-6 * matrix.norm()) {
+        Ok(inverse) => Matrix::<2>::from_column_slice(inverse.as_slice()),
+        Err(_) => Matrix::zeros(),
+    }
+}
+
+/// One contact with the percussions of all others held: `γ = G_ii P + b` with these data.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Local<'a, const P: usize> {
+    pub(super) law: &'a FrictionLaw<P>,
+    pub(super) block: &'a Block,
+    /// Prescribed normal percussion.
+    pub(super) prescribed: Option<f64>,
+    pub(super) b_n: f64,
+    pub(super) b_t: Vector<P>,
+}
+
+/// A solution of one contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalSolution<const P: usize> {
+    /// What the contact does.
+    pub phase: Phase,
+    /// Normal percussion.
+    pub normal: f64,
+    /// Tangential percussion.
+    pub tangent: Vector<P>,
+    /// Tangential velocity `ξ`.
+    pub slip: Vector<P>,
+    /// Not isolated, or a double root: perturbing the data may remove or split it.
+    pub degenerate: bool,
+}
+
+/// A chosen solution, and whether there were others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Selection<const P: usize> {
+    /// The solution.
+    pub solution: LocalSolution<P>,
+    /// Whether the contact has more than one solution.
+    pub ambiguous: bool,
+}
+
+/// Vectors of R² cut to R^P.
+fn cut<const P: usize>(v: &Vector<2>) -> Vector<P> {
+    Vector::from_fn(|i, _| v[i])
+}
+
+fn cut_matrix<const P: usize>(m: &Matrix<2>) -> Matrix<P> {
+    Matrix::from_fn(|i, j| m[(i, j)])
+}
+
+impl<'a, const P: usize> Local<'a, P> {
+    /// The problem of `rows` with the other contacts' percussions held.
+    #[inline]
+    pub(super) fn new(
+        law: &'a FrictionLaw<P>,
+        problem: &ContactProblem,
+        rows: &ContactRows,
+        block: &'a Block,
+        percussion: &[f64],
+    ) -> Self {
+        let own = rows.offset..rows.offset + rows.len();
+        let alone = own.len() == percussion.len();
+        let held = |row: usize| {
+            let mut sum = problem.free_velocity[row] + problem.restitution[row];
+            if !alone {
+                for (j, p) in percussion.iter().enumerate() {
+                    if !own.contains(&j) {
+                        sum += problem.delassus[(row, j)] * p;
+                    }
+                }
+            }
+            sum
+        };
+        let (prescribed, b_n) = match rows.normal {
+            NormalForce::Prescribed(value) => (Some(value), 0.0),
+            NormalForce::Unilateral => (None, held(rows.offset)),
+        };
+        let b_t = Vector::from_fn(|i, _| held(rows.tangent() + i));
+        Self { law, block, prescribed, b_n, b_t }
+    }
+
+    /// `(c₀, A)` with the slip velocity `v(x) = c₀ − A x`, up to the positive or negative factor
+    /// [`denominator`](Self::denominator).
+    #[inline]
+    pub(super) fn affine(&self) -> (Vector<P>, Matrix<P>) {
+        let block = self.block;
+        let g_tt = cut_matrix(&block.g_tt);
+        match self.prescribed {
+            Some(normal) => (self.b_t, g_tt * normal),
+            None => (
+                self.b_t * block.g_nn - cut::<P>(&block.g_tn) * self.b_n,
+                self.b_t * cut::<P>(&block.g_nt).transpose() - g_tt * self.b_n,
+            ),
+        }
+    }
+
+    /// `g_NN − G_NT x`, one for a prescribed normal force: `P_N = −b_N/den`, `γ = v/den`.
+    #[inline]
+    pub(super) fn denominator(&self, x: &Vector<P>) -> f64 {
+        if self.prescribed.is_some() { 1.0 } else { self.block.g_nn - cut::<P>(&self.block.g_nt).dot(x) }
+    }
+
+    /// The sign that the denominator and `n·v` must have in slip.
+    #[inline]
+    pub(super) fn sign(&self) -> f64 {
+        if self.prescribed.is_none() && self.b_n > 0.0 { -1.0 } else { 1.0 }
+    }
+
+    /// The slip solution with `−P_T = P_N x`.
+    pub(super) fn slip(&self, x: &Vector<P>, v: &Vector<P>, degenerate: bool) -> LocalSolution<P> {
+        let denominator = self.denominator(x);
+        let normal = self.prescribed.unwrap_or(-self.b_n / denominator);
+        let tangent = x * -normal;
+        LocalSolution { phase: Phase::Slip, normal, tangent, slip: v / denominator, degenerate }
+    }
+
+    /// Open contact with the tangential velocity it then has.
+    pub(super) fn open(&self) -> LocalSolution<P> {
+        let (phase, tangent) = (Phase::Open, Vector::zeros());
+        LocalSolution { phase, normal: 0.0, tangent, slip: self.b_t, degenerate: false }
+    }
+
+    /// The solution with `γ = 0` and its gauge `k_C(−P_T/P_N)`, if the force is admissible.
+    #[inline]
+    pub(super) fn stick(&self) -> Option<(LocalSolution<P>, f64)> {
+        let block = self.block;
+        let inverse: Matrix<P> = cut_matrix(&block.schur_inverse);
+        let load = match self.prescribed {
+            Some(_) => self.b_t,
+            None => self.b_t - cut::<P>(&block.g_tn) * (self.b_n / block.g_nn),
+        };
+        let tangent = -(inverse * load);
+        let normal = self
+            .prescribed
+            .unwrap_or_else(|| -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) / block.g_nn);
+        // The comparison also turns away NaN.
+        if !(normal > 0.0) {
+            return None;
+        }
+        if block.singular {
+            let reached: Vector<P> =
+                cut_matrix(&block.g_tt) * tangent + cut::<P>(&block.g_tn) * normal + self.b_t;
+            if reached.norm() > 1e-10 * self.b_t.norm() {
+                return None;
+            }
+        }
+        let gauge = self.law.reservoir().gauge(&(tangent / -normal));
+        if !(gauge <= 1.0 + 4.0 * f64::EPSILON) {
+            return None;
+        }
+        let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), block.singular);
+        Some((LocalSolution { phase, normal, tangent, slip, degenerate }, gauge))
+    }
+
+    /// The selection rule: the solution that continues the previous state.
+    ///
+    /// A contact that can open, opens. A slipping contact takes the slip solution whose direction is
+    /// nearest to the last one, else it sticks. Any other contact sticks if it can, else it takes the
+    /// slip solution nearest to the last direction, or to the free velocity if there is none.
+    pub(super) fn select(
+        &self,
+        all: &[LocalSolution<P>],
+        state: &ContactState,
+    ) -> Option<LocalSolution<P>> {
+        let of = |phase: Phase| all.iter().find(|s| s.phase == phase).copied();
+        let last = Vector::<P>::from_fn(|i, _| state.direction[i]);
+        let aim = if last.amax() > 0.0 { last } else { self.b_t };
+        let nearness = |s: &LocalSolution<P>| s.slip.normalize().dot(&aim);
+        let nearest = all
+            .iter()
+            .filter(|s| s.phase == Phase::Slip)
+            .max_by(|a, b| nearness(a).total_cmp(&nearness(b)))
+            .copied();
+        let closed = match state.phase {
+            Phase::Slip => nearest.or_else(|| of(Phase::Stick)),
+            _ => of(Phase::Stick).or(nearest),
+        };
+        of(Phase::Open).or(closed)
+    }
+}
+
+/// Phases and slip directions of the percussions and velocities just found.
+pub(super) fn remember(problem: &ContactProblem, workspace: &Workspace, memory: &mut Memory) {
+    let (percussion, velocity) = (&workspace.percussion, &workspace.velocity);
+    for (rows, state) in problem.contacts.iter().zip(&mut memory.states) {
+        let normal = match rows.normal {
+            NormalForce::Prescribed(value) => value,
+            NormalForce::Unilateral => percussion[rows.offset],
+        };
+        let first = rows.tangent();
+        let gauge = match &rows.law {
+            Law::One(law) => reservoir_gauge(law, normal, &percussion[first..]),
+            Law::Two(law) => reservoir_gauge(law, normal, &percussion[first..]),
+            Law::Three(law) => reservoir_gauge(law, normal, &percussion[first..]),
+        };
+        let mut slip = [0.0; 3];
+        let (mut moving, mut reference) = (0.0_f64, 0.0_f64);
+        for (i, component) in slip.iter_mut().enumerate().take(rows.law.dimension()) {
+            *component = velocity[first + i] + problem.restitution[first + i];
+            moving = moving.max(component.abs());
+            reference = reference
+                .max(problem.free_velocity[first + i].abs())
+                .max((problem.delassus[(first + i, first + i)] * percussion[first + i]).abs());
+        }
+        state.phase = if normal <= 0.0 {
+            Phase::Open
+        } else if gauge >= 1.0 - 1e-9 && moving > 1e-13 * reference {
+            Phase::Slip
+        } else {
+            Phase::Stick
+        };
+        if state.phase == Phase::Slip {
+            state.direction = slip;
+        }
+    }
+}
+
+fn reservoir_gauge<const P: usize>(law: &FrictionLaw<P>, normal: f64, tangent: &[f64]) -> f64 {
+    law.reservoir().gauge(&Vector::<P>::from_fn(|i, _| -tangent[i] / normal))
+}

@@ -1,0 +1,133 @@
+//! Solvers of contact problems.
+//!
+//! | solver | file | method |
+//! |---|---|---|
+//! | [`Solver::Exact`] | `exact.rs`, `line.rs`, `plane.rs` | block Gauss–Seidel, every contact solved exactly |
+//! | [`Solver::ProxJacobi`] | `prox.rs` | the iteration of \[WL19\] (20)–(22), (69), (70) |
+//! | [`Solver::ProxGaussSeidel`] | `prox.rs` | the same, contact after contact |
+//!
+//! The residual in `residual.rs` belongs to no solver and grades them all.
+
+mod exact;
+mod line;
+mod local;
+mod plane;
+mod prox;
+mod report;
+mod residual;
+
+use std::time::Instant;
+
+pub use local::{LocalSolution, Selection};
+pub use prox::ProxStep;
+pub use report::{SolveReport, Status};
+pub use residual::{Residual, natural_residual};
+
+use crate::contact::{ContactProblem, Memory};
+use local::Block;
+
+/// A solver and its options.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Solver {
+    /// Block Gauss–Seidel whose one-contact solve is exact; one contact needs one sweep.
+    Exact {
+        /// Sweeps after which the solver gives up.
+        max_sweeps: usize,
+    },
+    /// The paper's iteration: all contacts at once.
+    ProxJacobi {
+        /// Prox parameter.
+        step: ProxStep,
+        /// Iterations after which the solver gives up.
+        max_iterations: usize,
+    },
+    /// The paper's iteration, contact after contact.
+    ProxGaussSeidel {
+        /// Prox parameter.
+        step: ProxStep,
+        /// Iterations after which the solver gives up.
+        max_iterations: usize,
+    },
+}
+
+/// When a solver stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stop {
+    /// Largest natural residual that counts as solved, see [`natural_residual`].
+    pub tolerance: f64,
+    /// Wall clock limit.
+    pub deadline: Option<Instant>,
+}
+
+/// Buffers that live as long as the problem keeps its size.
+#[derive(Debug, Clone, Default)]
+pub struct Workspace {
+    /// `P` at the last call.
+    pub percussion: Vec<f64>,
+    /// `γ_E` at the last call.
+    pub velocity: Vec<f64>,
+    /// Contacts that had more than one solution at the last call.
+    pub ambiguous: Vec<bool>,
+    /// Diagonal blocks of `G`, prepared.
+    blocks: Vec<Block>,
+    planar: Vec<LocalSolution<2>>,
+    next: Vec<f64>,
+}
+
+impl Workspace {
+    /// Buffers for this problem; to be called again whenever its Delassus operator changes.
+    pub fn prepare(&mut self, problem: &ContactProblem) {
+        let (rows, contacts) = (problem.rows(), problem.contacts().len());
+        self.percussion.resize(rows, 0.0);
+        self.velocity.resize(rows, 0.0);
+        self.next.resize(rows, 0.0);
+        self.ambiguous.resize(contacts, false);
+        self.blocks.clear();
+        self.blocks.extend(problem.contacts().iter().map(|rows| Block::new(problem, rows)));
+    }
+}
+
+impl Solver {
+    /// Solves `problem` from the percussions and states in `memory`, which receives the new ones.
+    ///
+    /// `workspace` must be prepared for the problem; it holds the velocities afterwards.
+    pub fn solve(
+        &self,
+        problem: &ContactProblem,
+        stop: Stop,
+        memory: &mut Memory,
+        workspace: &mut Workspace,
+    ) -> SolveReport {
+        workspace.percussion.copy_from_slice(&memory.percussion);
+        workspace.ambiguous.fill(false);
+        let (iterations, status) = match *self {
+            Self::Exact { max_sweeps } => {
+                exact::solve(problem, stop, max_sweeps, memory, workspace)
+            }
+            Self::ProxJacobi { step, max_iterations } => {
+                prox::jacobi(problem, stop, step, max_iterations, workspace)
+            }
+            Self::ProxGaussSeidel { step, max_iterations } => {
+                prox::gauss_seidel(problem, stop, step, max_iterations, workspace)
+            }
+        };
+        problem.velocity(&workspace.percussion, &mut workspace.velocity);
+        let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity);
+        if !matches!(self, Self::Exact { .. }) {
+            exact::mark_ambiguous(problem, memory, workspace);
+        }
+        let report = SolveReport::new(status, iterations, residual, stop.tolerance, workspace);
+        memory.percussion.copy_from_slice(&workspace.percussion);
+        local::remember(problem, workspace, memory);
+        report
+    }
+}
+
+/// All solutions of one contact, the percussions of the others held.
+pub fn solutions(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+) -> Vec<LocalSolution<2>> {
+    exact::all_solutions(problem, contact, percussion)
+}

@@ -1,0 +1,73 @@
+//! How a solve ended.
+
+use super::{Residual, Workspace};
+
+/// Status of a solve; the text says what to try.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// The residual is below the tolerance.
+    Converged,
+    /// The iteration limit came first.
+    MaxIterations,
+    /// The time limit came first.
+    TimeLimit,
+    /// A contact has no solution at all (Painlevé's paradox), the others held.
+    NoSolution,
+}
+
+impl Status {
+    /// Name of the status.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::MaxIterations => "max_iterations",
+            Self::TimeLimit => "time_limit",
+            Self::NoSolution => "no_solution",
+        }
+    }
+}
+
+/// What a solver says of its result.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolveReport {
+    /// How it ended.
+    pub status: Status,
+    /// Sweeps or iterations.
+    pub iterations: usize,
+    /// Relative natural residual.
+    pub residual: f64,
+    /// The contact with the largest residual, or the one without a solution.
+    pub worst_contact: usize,
+    /// Whether some contact had more than one solution.
+    pub ambiguous: bool,
+}
+
+impl SolveReport {
+    /// The residual alone decides whether the problem is solved; `ended` says why the solver stopped.
+    pub(super) fn new(
+        ended: Ended,
+        iterations: usize,
+        residual: Residual,
+        tolerance: f64,
+        workspace: &Workspace,
+    ) -> Self {
+        let solved = residual.value <= tolerance;
+        let (status, worst_contact) = match ended {
+            _ if solved => (Status::Converged, residual.worst_contact),
+            Ended::NoSolution(contact) => (Status::NoSolution, contact),
+            Ended::TimeLimit => (Status::TimeLimit, residual.worst_contact),
+            Ended::Done | Ended::MaxIterations => (Status::MaxIterations, residual.worst_contact),
+        };
+        let ambiguous = workspace.ambiguous.contains(&true);
+        Self { status, iterations, residual: residual.value, worst_contact, ambiguous }
+    }
+}
+
+/// Why a solver stopped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Ended {
+    Done,
+    MaxIterations,
+    TimeLimit,
+    NoSolution(usize),
+}

@@ -1,0 +1,222 @@
+//! From the system at the midpoint to the contact problem, and back from percussions to velocities.
+
+use nalgebra::DMatrix;
+
+use super::mass::MassFactor;
+use crate::contact::{ContactProblem, ContactRows, NormalForce};
+use crate::system::{System, SystemError};
+
+/// The contact problem of the present step with what it was made from.
+#[derive(Debug)]
+pub(super) struct Assembly {
+    dof: usize,
+    /// Contacts that are closed at the midpoint, and those of the last step.
+    active: Vec<usize>,
+    closed: Vec<usize>,
+    /// Whether the problem has been assembled at all.
+    ready: bool,
+    /// Rows `W_Nᵀ`, `Wᵀ` of the closed contacts, one after another.
+    jacobian: Vec<f64>,
+    /// `M⁻¹W`, one column after another.
+    response: Vec<f64>,
+    chi: Vec<f64>,
+    /// `e_N`, `e_T` row by row.
+    restitution: Vec<f64>,
+    bounces: bool,
+    /// Rows of `W_Nᵀ` of all unilateral contacts at the midpoint, and a row of scratch for each.
+    normals: Vec<f64>,
+    scratch: Vec<f64>,
+    problem: ContactProblem,
+}
+
+impl Assembly {
+    pub(super) fn new(system: &dyn System) -> Self {
+        let (dof, contacts) = (system.dof(), system.contacts().len());
+        Self {
+            dof,
+            active: Vec::with_capacity(contacts),
+            closed: Vec::with_capacity(contacts),
+            ready: false,
+            jacobian: Vec::new(),
+            response: Vec::new(),
+            chi: Vec::new(),
+            restitution: Vec::new(),
+            bounces: false,
+            normals: vec![0.0; dof * contacts],
+            scratch: vec![0.0; dof * 3],
+            problem: ContactProblem::empty(),
+        }
+    }
+
+    pub(super) fn problem(&self) -> &ContactProblem {
+        &self.problem
+    }
+
+    /// Contacts in the problem, in its order.
+    pub(super) fn active(&self) -> &[usize] {
+        &self.active
+    }
+
+    /// Rows of a contact, if it is closed.
+    pub(super) fn rows(&self, contact: usize) -> Option<&ContactRows> {
+        let place = self.active.iter().position(|&c| c == contact)?;
+        self.problem.contacts.get(place)
+    }
+
+    /// `γ = Wᵀu + χ` of any contact.
+    pub(super) fn slip(
+        &mut self,
+        system: &dyn System,
+        t: f64,
+        q: &[f64],
+        u: &[f64],
+        contact: usize,
+    ) -> Result<[f64; 3], SystemError> {
+        let p = system.contacts()[contact].law.dimension();
+        let mut slip = [0.0; 3];
+        let rows = &mut self.scratch[..p * self.dof];
+        system.tangent(t, q, contact, rows, &mut slip[..p])?;
+        for (value, row) in slip.iter_mut().zip(rows.chunks_exact(self.dof)) {
+            *value += dot(row, u);
+        }
+        Ok(slip)
+    }
+
+    /// Brings the Delassus operator up to date; whether it has changed.
+    pub(super) fn update(
+        &mut self,
+        system: &dyn System,
+        t: f64,
+        q: &[f64],
+        dt: f64,
+        factor: &MassFactor,
+        new_mass: bool,
+    ) -> Result<bool, SystemError> {
+        self.find_closed(system, t, q)?;
+        let same_contacts = self.ready && self.closed == self.active;
+        if same_contacts && system.constancy().contacts && !new_mass {
+            return Ok(false);
+        }
+        std::mem::swap(&mut self.active, &mut self.closed);
+        if !same_contacts {
+            self.resize(system, dt);
+        }
+        self.fill(system, t, q, factor)?;
+        self.ready = true;
+        Ok(true)
+    }
+
+    fn find_closed(&mut self, system: &dyn System, t: f64, q: &[f64]) -> Result<(), SystemError> {
+        self.closed.clear();
+        for (contact, law) in system.contacts().iter().enumerate() {
+            let row = &mut self.normals[contact * self.dof..(contact + 1) * self.dof];
+            if law.normal_force.is_some() || system.gap(t, q, contact, row)? <= 0.0 {
+                self.closed.push(contact);
+            }
+        }
+        Ok(())
+    }
+
+    /// Rows, sizes and restitution for a new set of closed contacts.
+    fn resize(&mut self, system: &dyn System, dt: f64) {
+        let laws = system.contacts();
+        let normal_force = |contact: usize| match laws[contact].normal_force {
+            Some(force) => NormalForce::Prescribed(force * dt),
+            None => NormalForce::Unilateral,
+        };
+        self.problem =
+            ContactProblem::blank(self.active.iter().map(|&c| (laws[c].law.clone(), normal_force(c))));
+        let rows = self.problem.rows();
+        self.jacobian.resize(rows * self.dof, 0.0);
+        self.response.resize(rows * self.dof, 0.0);
+        self.chi.resize(rows, 0.0);
+        self.restitution.resize(rows, 0.0);
+        for (contact, &c) in self.problem.contacts.iter().zip(&self.active) {
+            self.restitution[contact.offset] = laws[c].normal_restitution;
+            let tangent = contact.tangent()..contact.offset + contact.len();
+            self.restitution[tangent].fill(laws[c].tangential_restitution);
+        }
+        self.bounces = self.restitution.iter().any(|&e| e != 0.0);
+    }
+
+    fn fill(
+        &mut self,
+        system: &dyn System,
+        t: f64,
+        q: &[f64],
+        factor: &MassFactor,
+    ) -> Result<(), SystemError> {
+        let n = self.dof;
+        for (contact, &c) in self.problem.contacts.iter().zip(&self.active) {
+            if contact.normal_rows() == 1 {
+                self.jacobian[contact.offset * n..(contact.offset + 1) * n]
+                    .copy_from_slice(&self.normals[c * n..(c + 1) * n]);
+                self.chi[contact.offset] = 0.0;
+            }
+            let rows = contact.tangent()..contact.offset + contact.len();
+            let tangent = &mut self.jacobian[rows.start * n..rows.end * n];
+            system.tangent(t, q, c, tangent, &mut self.chi[rows])?;
+        }
+        self.response.copy_from_slice(&self.jacobian);
+        for column in self.response.chunks_exact_mut(n) {
+            factor.solve(column);
+        }
+        let rows = self.problem.rows();
+        for i in 0..rows {
+            let row = &self.jacobian[i * n..(i + 1) * n];
+            for j in 0..rows {
+                self.problem.delassus[(i, j)] = dot(row, &self.response[j * n..(j + 1) * n]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Free velocities and restitution terms from the velocities before and without contact forces.
+    pub(super) fn load(&mut self, before: &[f64], free: &[f64]) {
+        for (i, row) in self.jacobian.chunks_exact(self.dof).enumerate() {
+            self.problem.free_velocity[i] = dot(row, free) + self.chi[i];
+            if self.bounces {
+                self.problem.restitution[i] =
+                    self.restitution[i] * (dot(row, before) + self.chi[i]);
+            }
+        }
+    }
+
+    /// `velocity ← velocity + M⁻¹W P`.
+    pub(super) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
+        for (column, p) in self.response.chunks_exact(self.dof).zip(percussion) {
+            for (value, c) in velocity.iter_mut().zip(column) {
+                *value += c * p;
+            }
+        }
+    }
+}
+
+impl ContactProblem {
+    fn empty() -> Self {
+        Self::blank(std::iter::empty())
+    }
+
+    /// A problem of zeros to be filled in.
+    fn blank(contacts: impl Iterator<Item = (crate::law::Law, NormalForce)>) -> Self {
+        let mut rows = 0;
+        let contacts: Vec<ContactRows> = contacts
+            .map(|(law, normal)| {
+                let contact = ContactRows { law, normal, offset: rows };
+                rows += contact.len();
+                contact
+            })
+            .collect();
+        Self {
+            delassus: DMatrix::zeros(rows, rows),
+            free_velocity: vec![0.0; rows],
+            restitution: vec![0.0; rows],
+            contacts,
+        }
+    }
+}
+
+#[inline]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

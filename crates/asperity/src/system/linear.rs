@@ -1,0 +1,212 @@
+//! Linear systems, which say most users' models as data.
+
+use nalgebra::DMatrix;
+
+use super::{Constancy, ContactLaw, System, SystemError};
+use crate::law::Law;
+
+/// Normal direction of a contact of a linear system.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Normal {
+    /// The normal force is given, in N.
+    Force(f64),
+    /// Unilateral contact with gap `g_N = w_Nᵀq + gap`.
+    Gap {
+        /// `w_N`.
+        direction: Vec<f64>,
+        /// Gap at `q = 0`.
+        gap: f64,
+    },
+}
+
+/// A contact of a linear system, with constant directions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// Friction law.
+    pub law: Law,
+    /// `W`, one column per component of the friction force.
+    pub direction: DMatrix<f64>,
+    /// χ in `γ = Wᵀu + χ`; a belt moving with v has χ = −v.
+    pub velocity: Vec<f64>,
+    /// Normal force or gap.
+    pub normal: Normal,
+    /// `e_N` and `e_T`.
+    pub restitution: (f64, f64),
+}
+
+impl Contact {
+    /// Contact with prescribed normal force, at rest, without restitution.
+    pub fn with_force(law: impl Into<Law>, direction: DMatrix<f64>, normal_force: f64) -> Self {
+        let law = law.into();
+        let velocity = vec![0.0; law.dimension()];
+        let normal = Normal::Force(normal_force);
+        Self { law, direction, velocity, normal, restitution: (0.0, 0.0) }
+    }
+}
+
+/// `M q̈ + B q̇ + K q = f + W_N λ_N + W λ`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearSystem {
+    mass: DMatrix<f64>,
+    /// `(i, j, −K_ij, −B_ij)` where either is not zero.
+    internal: Vec<(usize, usize, f64, f64)>,
+    force: Vec<f64>,
+    /// `Wᵀ` row by row, χ and the normal row of every contact.
+    rows: Vec<ContactRow>,
+    laws: Vec<ContactLaw>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct ContactRow {
+    tangent: Vec<f64>,
+    velocity: Vec<f64>,
+    normal: Vec<f64>,
+    gap: f64,
+}
+
+impl LinearSystem {
+    /// A linear system; `mass` symmetric positive definite, all matrices `n × n`.
+    pub fn new(
+        mass: DMatrix<f64>,
+        stiffness: DMatrix<f64>,
+        damping: DMatrix<f64>,
+        force: Vec<f64>,
+        contacts: Vec<Contact>,
+    ) -> Result<Self, SystemError> {
+        let n = mass.nrows();
+        check_matrix("mass", &mass, n, n)?;
+        check_matrix("stiffness", &stiffness, n, n)?;
+        check_matrix("damping", &damping, n, n)?;
+        check_finite("force", &force, n)?;
+        if (&mass - mass.transpose()).amax() > 1e-12 * mass.amax() || mass.clone().cholesky().is_none()
+        {
+            return Err(SystemError::argument("mass", "must be symmetric positive definite"));
+        }
+        let internal = (0..n)
+            .flat_map(|i| (0..n).map(move |j| (i, j)))
+            .map(|(i, j)| (i, j, -stiffness[(i, j)], -damping[(i, j)]))
+            .filter(|&(_, _, k, b)| k != 0.0 || b != 0.0)
+            .collect();
+        let rows = contacts.iter().map(|c| contact_row(c, n)).collect::<Result<_, _>>()?;
+        let laws = contacts
+            .into_iter()
+            .map(|contact| ContactLaw {
+                law: contact.law,
+                normal_force: match contact.normal {
+                    Normal::Force(value) => Some(value),
+                    Normal::Gap { .. } => None,
+                },
+                normal_restitution: contact.restitution.0,
+                tangential_restitution: contact.restitution.1,
+            })
+            .collect();
+        Ok(Self { mass, internal, force, rows, laws })
+    }
+}
+
+fn contact_row(contact: &Contact, n: usize) -> Result<ContactRow, SystemError> {
+    let p = contact.law.dimension();
+    check_matrix("direction", &contact.direction, n, p)?;
+    check_finite("velocity", &contact.velocity, p)?;
+    for (argument, e) in [
+        ("normal_restitution", contact.restitution.0),
+        ("tangential_restitution", contact.restitution.1),
+    ] {
+        if !(-1.0..=1.0).contains(&e) {
+            return Err(SystemError::argument(argument, format!("must lie in [-1, 1], got {e}")));
+        }
+    }
+    let (normal, gap) = match &contact.normal {
+        Normal::Force(value) if value.is_finite() && *value >= 0.0 => (vec![0.0; n], 0.0),
+        Normal::Force(value) => {
+            let message = format!("must be finite and not negative, got {value}");
+            return Err(SystemError::argument("normal_force", message));
+        }
+        Normal::Gap { direction, gap } => {
+            check_finite("normal", direction, n)?;
+            check_finite("gap", &[*gap], 1)?;
+            (direction.clone(), *gap)
+        }
+    };
+    // Column-major W is row-major Wᵀ.
+    let tangent = contact.direction.as_slice().to_vec();
+    Ok(ContactRow { tangent, velocity: contact.velocity.clone(), normal, gap })
+}
+
+fn check_matrix(
+    argument: &'static str,
+    matrix: &DMatrix<f64>,
+    rows: usize,
+    columns: usize,
+) -> Result<(), SystemError> {
+    if matrix.shape() != (rows, columns) {
+        let (r, c) = matrix.shape();
+        let message = format!("must have shape ({rows}, {columns}), has ({r}, {c})");
+        return Err(SystemError::argument(argument, message));
+    }
+    check_finite(argument, matrix.as_slice(), rows * columns)
+}
+
+fn check_finite(argument: &'static str, values: &[f64], len: usize) -> Result<(), SystemError> {
+    if values.len() != len {
+        let message = format!("must have {len} entries, has {}", values.len());
+        return Err(SystemError::argument(argument, message));
+    }
+    if let Some(value) = values.iter().find(|v| !v.is_finite()) {
+        return Err(SystemError::argument(argument, format!("must be finite, got {value}")));
+    }
+    Ok(())
+}
+
+impl System for LinearSystem {
+    fn dof(&self) -> usize {
+        self.mass.nrows()
+    }
+
+    fn contacts(&self) -> &[ContactLaw] {
+        &self.laws
+    }
+
+    fn constancy(&self) -> Constancy {
+        Constancy { mass: true, contacts: true }
+    }
+
+    fn mass(&self, _q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
+        mass.copy_from(&self.mass);
+        Ok(())
+    }
+
+    #[inline]
+    fn forces(&self, _t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
+        forces.copy_from_slice(&self.force);
+        for &(i, j, k, b) in &self.internal {
+            forces[i] += k * q[j] + b * u[j];
+        }
+        Ok(())
+    }
+
+    fn tangent(
+        &self,
+        _t: f64,
+        _q: &[f64],
+        contact: usize,
+        tangent: &mut [f64],
+        velocity: &mut [f64],
+    ) -> Result<(), SystemError> {
+        tangent.copy_from_slice(&self.rows[contact].tangent);
+        velocity.copy_from_slice(&self.rows[contact].velocity);
+        Ok(())
+    }
+
+    fn gap(
+        &self,
+        _t: f64,
+        q: &[f64],
+        contact: usize,
+        normal: &mut [f64],
+    ) -> Result<f64, SystemError> {
+        let row = &self.rows[contact];
+        normal.copy_from_slice(&row.normal);
+        Ok(row.gap + row.normal.iter().zip(q).map(|(w, x)| w * x).sum::<f64>())
+    }
+}

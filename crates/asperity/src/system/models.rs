@@ -1,0 +1,49 @@
+//! The paper's two systems.
+
+use nalgebra::{DMatrix, Matrix2, Vector2};
+
+use super::{Contact, LinearSystem, Normal, SystemError};
+use crate::law::{FrictionLaw, Law};
+
+/// A point mass sliding on a plane under its weight (\[WL19\] §5.3).
+pub fn sliding_point(
+    mass: f64,
+    law: FrictionLaw<2>,
+    gravity: f64,
+) -> Result<LinearSystem, SystemError> {
+    for (argument, value) in [("mass", mass), ("gravity", gravity)] {
+        if !(value.is_finite() && value > 0.0) {
+            let message = format!("must be finite and positive, got {value}");
+            return Err(SystemError::argument(argument, message));
+        }
+    }
+    let contact = Contact::with_force(law, DMatrix::identity(2, 2), mass * gravity);
+    let zero = DMatrix::zeros(2, 2);
+    LinearSystem::new(DMatrix::identity(2, 2) * mass, zero.clone(), zero, vec![0.0; 2], vec![contact])
+}
+
+/// A mass on springs that rubs on a belt moving with `belt_velocity` v: χ = −v (\[WL19\] §4.3).
+pub fn mass_on_belt(
+    mass: f64,
+    stiffness: Matrix2<f64>,
+    law: FrictionLaw<2>,
+    normal_force: f64,
+    belt_velocity: Vector2<f64>,
+) -> Result<LinearSystem, SystemError> {
+    let contact = Contact {
+        law: Law::from(law),
+        direction: DMatrix::identity(2, 2),
+        velocity: vec![-belt_velocity.x, -belt_velocity.y],
+        normal: Normal::Force(normal_force),
+        restitution: (0.0, 0.0),
+    };
+    let stiffness = DMatrix::from_column_slice(2, 2, stiffness.as_slice());
+    let damping = DMatrix::zeros(2, 2);
+    LinearSystem::new(
+        DMatrix::identity(2, 2) * mass,
+        stiffness,
+        damping,
+        vec![0.0; 2],
+        vec![contact],
+    )
+}
