@@ -1,1 +1,33 @@
-//! x
+//! Python binding: converts arguments, releases the interpreter, maps errors. No formula, no default.
+
+mod convert;
+mod errors;
+mod law;
+mod problem;
+mod set;
+mod simulate;
+mod system;
+
+use pyo3::prelude::*;
+
+/// The compiled module `asperity._core`.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use crate::law::Law;
+    #[pymodule_export]
+    use crate::problem::{Problem, Solver};
+    #[pymodule_export]
+    use crate::set::Set;
+    #[pymodule_export]
+    use crate::simulate::simulate;
+    #[pymodule_export]
+    use crate::system::{CallbackSystem, LinearSystem};
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("build_profile", if cfg!(debug_assertions) { "debug" } else { "release" })
+    }
+}

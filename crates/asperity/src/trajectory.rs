@@ -48,6 +48,7 @@ impl Trajectory {
         let mut trajectory = Self { dof, contacts, p, phase_counts, ..Self::default() };
         trajectory.record(stepper, 0, 0.0)?;
         let first = contacts * p;
+        trajectory.residual[0] = f64::NAN;
         trajectory.force[..first].fill(f64::NAN);
         trajectory.normal_force[..contacts].fill(f64::NAN);
         trajectory.phase[..contacts].fill(Phase::Unknown as i8);

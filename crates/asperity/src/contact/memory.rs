@@ -1,5 +1,7 @@
 //! What a contact remembers from one solve to the next.
 
+use super::ContactProblem;
+
 /// What a contact does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(i8)]
@@ -46,5 +48,24 @@ impl Memory {
     /// Nothing remembered for a problem of `rows` rows and `contacts` contacts.
     pub fn new(rows: usize, contacts: usize) -> Self {
         Self { percussion: vec![0.0; rows], states: vec![ContactState::default(); contacts] }
+    }
+
+    /// What is remembered of an earlier solution.
+    pub fn from_solution(
+        problem: &ContactProblem,
+        percussion: &[f64],
+        velocity: &[f64],
+        phases: impl IntoIterator<Item = Phase>,
+    ) -> Self {
+        let states = problem.contacts.iter().zip(phases).map(|(rows, phase)| {
+            let mut direction = [0.0; 3];
+            if phase == Phase::Slip {
+                for (i, row) in (rows.tangent()..rows.offset + rows.len()).enumerate() {
+                    direction[i] = velocity[row] + problem.restitution[row];
+                }
+            }
+            ContactState { phase, direction }
+        });
+        Self { percussion: percussion.to_vec(), states: states.collect() }
     }
 }

@@ -133,11 +133,26 @@ impl ContactProblem {
         Ok(Self { delassus, free_velocity, restitution: vec![0.0; offset], contacts })
     }
 
-    /// The problem with `e γ_B`, row by row, added to the velocities in the contact laws.
-    pub fn with_restitution(mut self, restitution: Vec<f64>) -> Result<Self, ProblemError> {
-        check_length("initial_velocity", self.rows(), restitution.len())?;
-        check_finite("initial_velocity", &restitution)?;
-        self.restitution = restitution;
+    /// The problem with restitution: coefficients `e_N`, `e_T` per contact and velocities `γ_B` before,
+    /// row by row.
+    pub fn with_restitution(
+        mut self,
+        normal: &[f64],
+        tangential: &[f64],
+        initial_velocity: &[f64],
+    ) -> Result<Self, ProblemError> {
+        check_length("normal_restitution", self.contacts.len(), normal.len())?;
+        check_length("tangential_restitution", self.contacts.len(), tangential.len())?;
+        check_length("initial_velocity", self.rows(), initial_velocity.len())?;
+        check_finite("normal_restitution", normal)?;
+        check_finite("tangential_restitution", tangential)?;
+        check_finite("initial_velocity", initial_velocity)?;
+        for ((contact, e_n), e_t) in self.contacts.iter().zip(normal).zip(tangential) {
+            for row in contact.offset..contact.offset + contact.len() {
+                let e = if row < contact.tangent() { e_n } else { e_t };
+                self.restitution[row] = e * initial_velocity[row];
+            }
+        }
         Ok(self)
     }
 

@@ -66,7 +66,7 @@ pub(super) struct Local<'a, const P: usize> {
 
 /// A solution of one contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LocalSolution<const P: usize> {
+pub(super) struct LocalSolution<const P: usize> {
     /// What the contact does.
     pub phase: Phase,
     /// Normal percussion.
@@ -81,7 +81,7 @@ pub struct LocalSolution<const P: usize> {
 
 /// A chosen solution, and whether there were others.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Selection<const P: usize> {
+pub(super) struct Selection<const P: usize> {
     /// The solution.
     pub solution: LocalSolution<P>,
     /// Whether the contact has more than one solution.

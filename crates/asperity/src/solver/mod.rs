@@ -18,13 +18,12 @@ mod residual;
 
 use std::time::Instant;
 
-pub use local::{LocalSolution, Selection};
 pub use prox::ProxStep;
 pub use report::{SolveReport, Status};
 pub use residual::{Residual, natural_residual};
 
-use crate::contact::{ContactProblem, Memory};
-use local::Block;
+use crate::contact::{ContactProblem, Memory, Phase};
+use local::{Block, LocalSolution};
 
 /// A solver and its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,11 +122,41 @@ impl Solver {
     }
 }
 
-/// All solutions of one contact, the percussions of the others held.
+/// One of the solutions of a contact, on the contact's own rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSolution {
+    /// What the contact does.
+    pub phase: Phase,
+    /// Percussions.
+    pub percussion: Vec<f64>,
+    /// Velocities `γ_E`.
+    pub velocity: Vec<f64>,
+    /// Not isolated, or a double root: perturbing the data may remove or split it.
+    pub degenerate: bool,
+}
+
+/// All solutions of one contact, the percussions of the others held: open, stick, then slips
+/// counter-clockwise along bdry *D*.
 pub fn solutions(
     problem: &ContactProblem,
     contact: usize,
     percussion: &[f64],
-) -> Vec<LocalSolution<2>> {
-    exact::all_solutions(problem, contact, percussion)
+) -> Vec<ContactSolution> {
+    let rows = &problem.contacts()[contact];
+    let own = rows.offset..rows.offset + rows.len();
+    let mut all = percussion.to_vec();
+    let mut complete = |local: &LocalSolution<2>| {
+        if rows.normal_rows() == 1 {
+            all[rows.offset] = local.normal;
+        }
+        let tangent = &mut all[rows.tangent()..own.end];
+        tangent.copy_from_slice(&local.tangent.as_slice()[..rows.law.dimension()]);
+        ContactSolution {
+            phase: local.phase,
+            percussion: all[own.clone()].to_vec(),
+            velocity: own.clone().map(|row| problem.row_velocity(row, &all)).collect(),
+            degenerate: local.degenerate,
+        }
+    };
+    exact::all_solutions(problem, contact, percussion).iter().map(&mut complete).collect()
 }

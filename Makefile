@@ -1,0 +1,56 @@
+# Everything a newcomer needs: `make demo`, `make test`, `make bench`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
+export CARGO_TERM_COLOR ?= auto
+export PIP_DISABLE_PIP_VERSION_CHECK = 1
+
+.PHONY: demo test test-rust test-python bench long format clean
+
+demo: $(VENV)/.installed
+	$(BIN)/asperity demo --out out/demo
+
+test: test-rust test-python
+
+test-rust:
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	cargo test --locked --quiet
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked --quiet
+
+test-python: $(VENV)/.installed
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest asperity._core --ignore-disjoint-bases
+	$(BIN)/pytest
+
+bench: $(VENV)/.installed
+	cargo bench --locked
+	$(BIN)/python benches/python_overhead.py
+
+# The long profile: 10⁵ random cases per set, 10⁶ one-contact problems per family of laws.
+long: $(VENV)/.installed
+	PROPTEST_CASES=100000 cargo test --release --locked -p asperity-set --test properties
+	cargo test --release --locked -p asperity -- --ignored
+	$(BIN)/pytest -m long
+
+format:
+	cargo fmt --all
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+clean:
+	rm -rf target $(VENV) out
+
+# The Rust library is rebuilt whenever its sources change: an editable install alone would keep a
+# stale one.
+$(VENV)/.installed: $(VENV)/.created $(RUST_SOURCES) pyproject.toml
+	$(BIN)/pip install --quiet --editable '.[dev]'
+	touch $@
+
+$(VENV)/.created:
+	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+	touch $@

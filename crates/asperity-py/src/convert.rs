@@ -1,0 +1,69 @@
+//! Arrays in and out.
+
+use asperity::set::{Matrix, Vector};
+use nalgebra::DMatrix;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::errors::dimension;
+
+/// An array of points, `(n, p)`.
+pub type Points<'py> = PyReadonlyArray2<'py, f64>;
+/// An array of numbers, `(n,)`.
+pub type Numbers<'py> = PyReadonlyArray1<'py, f64>;
+
+/// The numbers of a contiguous array.
+pub fn numbers<'a>(array: &'a Numbers<'_>, argument: &str) -> PyResult<&'a [f64]> {
+    array.as_slice().map_err(|_| dimension(argument, "must be contiguous"))
+}
+
+/// The numbers as a vector of known dimension.
+pub fn vector<const P: usize>(array: &Numbers<'_>, argument: &str) -> PyResult<Vector<P>> {
+    let values = numbers(array, argument)?;
+    if values.len() != P {
+        let message = format!("must have {P} entries, has {}", values.len());
+        return Err(dimension(argument, &message));
+    }
+    Ok(Vector::from_column_slice(values))
+}
+
+/// A matrix with the shape of the array.
+pub fn matrix(array: &Points<'_>, argument: &str) -> PyResult<DMatrix<f64>> {
+    let values = array.as_slice().map_err(|_| dimension(argument, "must be contiguous"))?;
+    let shape = array.as_array().dim();
+    Ok(DMatrix::from_row_slice(shape.0, shape.1, values))
+}
+
+/// A square matrix of known dimension.
+pub fn square<const P: usize>(array: &Points<'_>, argument: &str) -> PyResult<Matrix<P>> {
+    let dynamic = matrix(array, argument)?;
+    if dynamic.shape() != (P, P) {
+        let message = format!("must have shape ({P}, {P}), has {:?}", dynamic.shape());
+        return Err(dimension(argument, &message));
+    }
+    Ok(Matrix::from_column_slice(dynamic.as_slice()))
+}
+
+/// The points of an array with `P` columns.
+pub fn points<'a, const P: usize>(
+    array: &'a Points<'_>,
+    argument: &str,
+) -> PyResult<impl ExactSizeIterator<Item = Vector<P>> + 'a> {
+    let columns = array.as_array().dim().1;
+    if columns != P {
+        let message = format!("must have points of dimension {P}, has {columns}");
+        return Err(dimension(argument, &message));
+    }
+    let values = array.as_slice().map_err(|_| dimension(argument, "must be contiguous"))?;
+    Ok(values.chunks_exact(P).map(Vector::from_column_slice))
+}
+
+/// An array of shape `(n, width)` from its numbers, row by row.
+pub fn rows(
+    py: Python<'_>,
+    values: Vec<f64>,
+    width: usize,
+) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let len = if width == 0 { 0 } else { values.len() / width };
+    PyArray1::from_vec(py, values).reshape([len, width])
+}

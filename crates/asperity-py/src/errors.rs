@@ -1,0 +1,108 @@
+//! Errors of the core as the exceptions of `asperity.errors`.
+
+use asperity::contact::ProblemError;
+use asperity::law::LawError;
+use asperity::set::SetError;
+use asperity::simulate::OptionsError;
+use asperity::stepper::StepError;
+use asperity::system::SystemError;
+use pyo3::prelude::*;
+
+/// `asperity.errors.<kind>(argument, message)`.
+fn raise(kind: &str, argument: &str, message: &str) -> PyErr {
+    Python::attach(|py| {
+        let made = py
+            .import("asperity.errors")
+            .and_then(|module| module.getattr(kind))
+            .and_then(|class| class.call1((argument, message)));
+        made.map_or_else(|error| error, PyErr::from_value)
+    })
+}
+
+/// The value of an argument is not allowed.
+pub fn parameter(argument: &str, message: &str) -> PyErr {
+    raise("ParameterError", argument, message)
+}
+
+/// The shape of an argument is wrong.
+pub fn dimension(argument: &str, message: &str) -> PyErr {
+    raise("DimensionError", argument, message)
+}
+
+/// The core writes `argument: message`; Python keeps the two apart.
+fn split(argument: &str, text: &str) -> PyErr {
+    let message = text.strip_prefix(argument).and_then(|t| t.strip_prefix(": ")).unwrap_or(text);
+    parameter(argument, message)
+}
+
+/// Errors of the core on their way to Python.
+pub struct Failure(pub PyErr);
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        failure.0
+    }
+}
+
+impl From<PyErr> for Failure {
+    fn from(error: PyErr) -> Self {
+        Self(error)
+    }
+}
+
+impl From<SetError> for Failure {
+    fn from(error: SetError) -> Self {
+        Self(split(error.argument(), &error.to_string()))
+    }
+}
+
+impl From<LawError> for Failure {
+    fn from(error: LawError) -> Self {
+        Self(split(error.argument(), &error.to_string()))
+    }
+}
+
+impl From<ProblemError> for Failure {
+    fn from(error: ProblemError) -> Self {
+        let argument = error.argument();
+        let text = error.to_string();
+        match error {
+            ProblemError::Length { .. } => {
+                let message = text.strip_prefix(argument).unwrap_or(&text);
+                Self(dimension(argument, message.trim_start_matches(": ")))
+            }
+            ProblemError::Value { .. } => Self(split(argument, &text)),
+        }
+    }
+}
+
+impl From<OptionsError> for Failure {
+    fn from(error: OptionsError) -> Self {
+        Self(parameter(error.argument, &error.message))
+    }
+}
+
+impl From<SystemError> for Failure {
+    fn from(error: SystemError) -> Self {
+        Self(match error {
+            SystemError::Argument { argument, message } => parameter(argument, &message),
+            // An exception of the user's code comes back as itself.
+            SystemError::Foreign(source) => match source.downcast::<PyErr>() {
+                Ok(error) => *error,
+                Err(other) => parameter("system", &other.to_string()),
+            },
+        })
+    }
+}
+
+impl From<StepError> for Failure {
+    fn from(error: StepError) -> Self {
+        let text = error.to_string();
+        match error {
+            StepError::System(error) => error.into(),
+            StepError::SingularMass { .. } => Self(split("mass", &text)),
+            StepError::Drilling => Self(split("contacts", &text)),
+            StepError::NotFinite { .. } => Self(raise("DivergenceError", "system", &text)),
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Friction laws.
+
+use asperity::law::{FrictionLaw, Law as CoreLaw, LawError};
+use asperity::set::{Convex, Star, Vector};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::convert::{Numbers, Points, numbers, points, rows};
+use crate::errors::{Failure, dimension, parameter};
+use crate::set::{AnyStar, Set};
+
+/// A friction law.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct Law(pub CoreLaw);
+
+/// Does the same with the law inside, whatever its dimension.
+macro_rules! each {
+    ($any:expr, $law:ident => $call:expr) => {
+        match $any {
+            CoreLaw::One($law) => $call,
+            CoreLaw::Two($law) => $call,
+            CoreLaw::Three($law) => $call,
+        }
+    };
+}
+
+fn make<const P: usize>(
+    reservoir: &Star<P>,
+    direction: &Star<P>,
+) -> Result<FrictionLaw<P>, Failure> {
+    let direction: Option<&Convex<P>> = direction.as_convex();
+    let direction = direction
+        .ok_or_else(|| parameter("direction", "must be convex, is star-shaped only"))?;
+    Ok(FrictionLaw::new(reservoir.clone(), direction.clone())?)
+}
+
+/// `f(point, number)` for all points, as rows.
+fn each_point<const P: usize, const Q: usize>(
+    argument: &str,
+    x: &Points<'_>,
+    normal_force: &Numbers<'_>,
+    f: impl Fn(&Vector<P>, f64) -> Result<[f64; Q], LawError>,
+) -> Result<Vec<f64>, Failure> {
+    let normal_force = numbers(normal_force, "normal_force")?;
+    let x = points::<P>(x, argument)?;
+    if x.len() != normal_force.len() {
+        return Err(dimension("normal_force", "must have one entry per point").into());
+    }
+    let mut out = Vec::with_capacity(Q * normal_force.len());
+    for (x, &n) in x.zip(normal_force) {
+        out.extend_from_slice(&f(&x, n)?);
+    }
+    Ok(out)
+}
+
+fn components<const P: usize>(v: Vector<P>) -> [f64; P] {
+    std::array::from_fn(|i| v[i])
+}
+
+#[pymethods]
+impl Law {
+    #[new]
+    fn new(reservoir: &Set, direction: &Set) -> Result<Self, Failure> {
+        let law: CoreLaw = match (&reservoir.0, &direction.0) {
+            (AnyStar::One(c), AnyStar::One(d)) => make(c, d)?.into(),
+            (AnyStar::Two(c), AnyStar::Two(d)) => make(c, d)?.into(),
+            (AnyStar::Three(c), AnyStar::Three(d)) => make(c, d)?.into(),
+            _ => {
+                let message = "must have the dimension of the reservoir";
+                return Err(dimension("direction", message).into());
+            }
+        };
+        Ok(Self(law))
+    }
+
+    #[getter]
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+
+    #[getter]
+    fn direction_scale(&self) -> f64 {
+        each!(&self.0, law => law.direction_scale())
+    }
+
+    #[getter]
+    fn alpha_min(&self) -> f64 {
+        self.0.alpha_min()
+    }
+
+    fn force<'py>(
+        &self,
+        py: Python<'py>,
+        slip: Points<'_>,
+        normal_force: Numbers<'_>,
+    ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        let out = each!(&self.0, law => {
+            each_point("slip", &slip, &normal_force, |v, n| law.force(v, n).map(components))
+        })?;
+        Ok(rows(py, out, self.dimension())?)
+    }
+
+    fn slip_direction<'py>(
+        &self,
+        py: Python<'py>,
+        force: Points<'_>,
+        normal_force: Numbers<'_>,
+        tolerance: f64,
+    ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        let out = each!(&self.0, law => {
+            each_point("force", &force, &normal_force, |f, n| {
+                law.slip_direction(f, n, tolerance).map(components)
+            })
+        })?;
+        Ok(rows(py, out, self.dimension())?)
+    }
+
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        slip: Points<'_>,
+        normal_force: Numbers<'_>,
+    ) -> Result<Bound<'py, PyArray3<f64>>, Failure> {
+        // Row by row, as NumPy reads it.
+        let out = match &self.0 {
+            CoreLaw::One(law) => each_point::<1, 1>("slip", &slip, &normal_force, |v, n| {
+                law.jacobian(v, n).map(|j| [j[0]])
+            }),
+            CoreLaw::Two(law) => each_point::<2, 4>("slip", &slip, &normal_force, |v, n| {
+                law.jacobian(v, n).map(|j| std::array::from_fn(|k| j[(k / 2, k % 2)]))
+            }),
+            CoreLaw::Three(law) => each_point::<3, 9>("slip", &slip, &normal_force, |v, n| {
+                law.jacobian(v, n).map(|j| std::array::from_fn(|k| j[(k / 3, k % 3)]))
+            }),
+        }?;
+        let p = self.dimension();
+        let n = out.len() / (p * p);
+        Ok(PyArray1::from_vec(py, out).reshape([n, p, p])?)
+    }
+
+    fn dissipation<'py>(
+        &self,
+        py: Python<'py>,
+        slip: Points<'_>,
+        normal_force: Numbers<'_>,
+    ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        let out = each!(&self.0, law => {
+            each_point("slip", &slip, &normal_force, |v, n| Ok([law.dissipation(v, n)]))
+        })?;
+        Ok(PyArray1::from_vec(py, out))
+    }
+}

@@ -1,0 +1,146 @@
+//! Contact problems and their solvers.
+
+use std::time::{Duration, Instant};
+
+use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
+use asperity::solver::{self, ProxStep, Stop, Workspace};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::convert::{Numbers, Points, matrix, numbers};
+use crate::errors::{Failure, dimension, parameter};
+use crate::law::Law;
+
+/// A solver and its options.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct Solver(pub solver::Solver);
+
+fn step(r: Option<f64>) -> Result<ProxStep, Failure> {
+    match r {
+        None => Ok(ProxStep::Adaptive),
+        Some(r) if r.is_finite() && r > 0.0 => Ok(ProxStep::Constant(r)),
+        Some(r) => Err(parameter("r", &format!("must be finite and positive, got {r}")).into()),
+    }
+}
+
+#[pymethods]
+impl Solver {
+    #[staticmethod]
+    fn exact(max_sweeps: usize) -> Self {
+        Self(solver::Solver::Exact { max_sweeps })
+    }
+
+    #[staticmethod]
+    fn prox_jacobi(r: Option<f64>, max_iterations: usize) -> Result<Self, Failure> {
+        Ok(Self(solver::Solver::ProxJacobi { step: step(r)?, max_iterations }))
+    }
+
+    #[staticmethod]
+    fn prox_gauss_seidel(r: Option<f64>, max_iterations: usize) -> Result<Self, Failure> {
+        Ok(Self(solver::Solver::ProxGaussSeidel { step: step(r)?, max_iterations }))
+    }
+}
+
+/// A contact problem.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct Problem(ContactProblem);
+
+#[pymethods]
+impl Problem {
+    #[new]
+    fn new(
+        delassus: Points<'_>,
+        free_velocity: Numbers<'_>,
+        laws: Vec<Bound<'_, Law>>,
+        normal_force: Vec<Option<f64>>,
+        normal_restitution: Numbers<'_>,
+        tangential_restitution: Numbers<'_>,
+        initial_velocity: Numbers<'_>,
+    ) -> Result<Self, Failure> {
+        if normal_force.len() != laws.len() {
+            return Err(dimension("normal_force", "must have one entry per law").into());
+        }
+        if let Some(law) = laws.iter().find(|law| law.get().0.dimension() > 2) {
+            let p = law.get().0.dimension();
+            return Err(dimension("laws", &format!("must have dimension 1 or 2, one has {p}")).into());
+        }
+        let contacts = laws.iter().zip(&normal_force).map(|(law, force)| {
+            let normal = force.map_or(NormalForce::Unilateral, NormalForce::Prescribed);
+            (law.get().0.clone(), normal)
+        });
+        let free = numbers(&free_velocity, "free_velocity")?.to_vec();
+        let problem = ContactProblem::new(matrix(&delassus, "delassus")?, free, contacts)?;
+        Ok(Self(problem.with_restitution(
+            numbers(&normal_restitution, "normal_restitution")?,
+            numbers(&tangential_restitution, "tangential_restitution")?,
+            numbers(&initial_velocity, "initial_velocity")?,
+        )?))
+    }
+
+    fn solve<'py>(
+        &self,
+        py: Python<'py>,
+        solver: &Solver,
+        tolerance: f64,
+        time_limit: Option<f64>,
+        start: Option<(Numbers<'py>, Vec<i8>, Numbers<'py>)>,
+    ) -> Result<Bound<'py, PyDict>, Failure> {
+        let problem = &self.0;
+        let mut memory = match start {
+            None => Memory::new(problem.rows(), problem.contacts().len()),
+            Some((percussion, phases, velocity)) => {
+                let phases = phases.into_iter().map(|k| Phase::from_number(k).unwrap_or_default());
+                let percussion = numbers(&percussion, "start")?;
+                let velocity = numbers(&velocity, "start")?;
+                Memory::from_solution(problem, percussion, velocity, phases)
+            }
+        };
+        let mut workspace = Workspace::default();
+        let report = py.detach(|| {
+            let deadline = time_limit.map(|s| Instant::now() + Duration::from_secs_f64(s));
+            workspace.prepare(problem);
+            let stop = Stop { tolerance, deadline };
+            solver.0.solve(problem, stop, &mut memory, &mut workspace)
+        });
+        let phases: Vec<i64> = memory.states.iter().map(|state| state.phase as i64).collect();
+        let out = PyDict::new(py);
+        out.set_item("percussion", PyArray1::from_vec(py, memory.percussion))?;
+        out.set_item("velocity", PyArray1::from_vec(py, workspace.velocity))?;
+        out.set_item("phase", PyArray1::from_vec(py, phases))?;
+        out.set_item("status", report.status.name())?;
+        out.set_item("residual", report.residual)?;
+        out.set_item("iterations", report.iterations)?;
+        out.set_item("ambiguous", PyArray1::from_vec(py, workspace.ambiguous))?;
+        out.set_item("worst_contact", report.worst_contact)?;
+        Ok(out)
+    }
+
+    fn residual(&self, percussion: Numbers<'_>) -> Result<(f64, usize), Failure> {
+        let percussion = numbers(&percussion, "percussion")?;
+        let mut velocity = vec![0.0; percussion.len()];
+        self.0.velocity(percussion, &mut velocity);
+        let residual = solver::natural_residual(&self.0, percussion, &velocity);
+        Ok((residual.value, residual.worst_contact))
+    }
+
+    fn solutions<'py>(
+        &self,
+        py: Python<'py>,
+        contact: usize,
+        percussion: Numbers<'_>,
+    ) -> Result<Vec<Bound<'py, PyDict>>, Failure> {
+        let found = solver::solutions(&self.0, contact, numbers(&percussion, "percussion")?);
+        found
+            .into_iter()
+            .map(|solution| {
+                let out = PyDict::new(py);
+                out.set_item("phase", solution.phase as i64)?;
+                out.set_item("percussion", PyArray1::from_vec(py, solution.percussion))?;
+                out.set_item("velocity", PyArray1::from_vec(py, solution.velocity))?;
+                out.set_item("degenerate", solution.degenerate)?;
+                Ok(out)
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,214 @@
+//! Systems: linear ones as data, those of Python by callbacks.
+
+use asperity::law::Law as CoreLaw;
+use asperity::system::{
+    self, Constancy, Contact, ContactLaw, Normal, System, SystemError,
+};
+use nalgebra::DMatrix;
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::convert::{Numbers, Points, matrix, numbers};
+use crate::errors::{Failure, dimension};
+use crate::law::Law;
+
+/// A linear system.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct LinearSystem(pub system::LinearSystem);
+
+fn item<'py>(contact: &Bound<'py, PyDict>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+    contact.get_item(key)?.ok_or_else(|| dimension("contacts", &format!("lacks {key}")))
+}
+
+fn law(contact: &Bound<'_, PyDict>) -> PyResult<CoreLaw> {
+    Ok(item(contact, "law")?.cast::<Law>()?.get().0.clone())
+}
+
+fn restitution(contact: &Bound<'_, PyDict>) -> PyResult<(f64, f64)> {
+    let normal = item(contact, "normal_restitution")?.extract()?;
+    Ok((normal, item(contact, "tangential_restitution")?.extract()?))
+}
+
+fn linear_contact(contact: &Bound<'_, PyDict>) -> PyResult<Contact> {
+    let array = |key: &str| -> PyResult<Vec<f64>> {
+        Ok(numbers(&item(contact, key)?.extract::<Numbers<'_>>()?, key)?.to_vec())
+    };
+    let normal = match item(contact, "normal_force")?.extract()? {
+        Some(force) => Normal::Force(force),
+        None => Normal::Gap { direction: array("normal")?, gap: item(contact, "gap")?.extract()? },
+    };
+    let direction = item(contact, "direction")?.extract::<Points<'_>>()?;
+    Ok(Contact {
+        law: law(contact)?,
+        direction: matrix(&direction, "direction")?,
+        velocity: array("velocity")?,
+        normal,
+        restitution: restitution(contact)?,
+    })
+}
+
+#[pymethods]
+impl LinearSystem {
+    #[new]
+    fn new(
+        mass: Points<'_>,
+        stiffness: Points<'_>,
+        damping: Points<'_>,
+        force: Numbers<'_>,
+        contacts: Vec<Bound<'_, PyDict>>,
+    ) -> Result<Self, Failure> {
+        let contacts = contacts.iter().map(linear_contact).collect::<PyResult<_>>()?;
+        Ok(Self(system::LinearSystem::new(
+            matrix(&mass, "mass")?,
+            matrix(&stiffness, "stiffness")?,
+            matrix(&damping, "damping")?,
+            numbers(&force, "force")?.to_vec(),
+            contacts,
+        )?))
+    }
+}
+
+/// A system of Python: every question is a call of its methods.
+#[pyclass(frozen, module = "asperity._core")]
+#[derive(Debug)]
+pub struct CallbackSystem {
+    object: Py<PyAny>,
+    dof: usize,
+    laws: Vec<ContactLaw>,
+}
+
+#[pymethods]
+impl CallbackSystem {
+    #[new]
+    fn new(
+        system: Py<PyAny>,
+        dof: usize,
+        contacts: Vec<Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let law_of = |contact: &Bound<'_, PyDict>| {
+            let (normal_restitution, tangential_restitution) = restitution(contact)?;
+            let normal_force = item(contact, "normal_force")?.extract()?;
+            let law = law(contact)?;
+            Ok(ContactLaw { law, normal_force, normal_restitution, tangential_restitution })
+        };
+        let laws = contacts.iter().map(law_of).collect::<PyResult<_>>()?;
+        Ok(Self { object: system, dof, laws })
+    }
+}
+
+/// What a callback returned, as a float64 array in C order of the given shape, all finite.
+fn returned<'py>(
+    value: &Bound<'py, PyAny>,
+    method: &str,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let numpy = value.py().import("numpy")?;
+    let array = numpy.call_method1("ascontiguousarray", (value, "float64"))?;
+    let array = array.cast_into::<PyArrayDyn<f64>>()?;
+    // ascontiguousarray makes a number an array of one entry.
+    let fits = array.shape() == shape || (shape.is_empty() && array.len() == 1);
+    if !fits {
+        let message = format!("must return shape {shape:?}, returned {:?}", array.shape());
+        return Err(dimension(method, &message));
+    }
+    if !array.readonly().as_slice()?.iter().all(|v| v.is_finite()) {
+        return Err(crate::errors::parameter(method, "must return finite numbers"));
+    }
+    Ok(array)
+}
+
+fn foreign(error: PyErr) -> SystemError {
+    SystemError::Foreign(Box::new(error))
+}
+
+impl CallbackSystem {
+    /// Calls `method` with arguments made by `arguments` and hands its result to `receive`.
+    fn call<T>(
+        &self,
+        method: &str,
+        shape: &[usize],
+        arguments: impl FnOnce(Python<'_>) -> PyResult<Vec<Py<PyAny>>>,
+        receive: impl FnOnce(&[f64]) -> T,
+    ) -> Result<T, SystemError> {
+        Python::attach(|py| {
+            let arguments = pyo3::types::PyTuple::new(py, arguments(py)?)?;
+            let value = self.object.bind(py).call_method1(method, arguments)?;
+            let array = returned(&value, method, shape)?;
+            Ok(receive(array.readonly().as_slice()?))
+        })
+        .map_err(foreign)
+    }
+}
+
+fn array(py: Python<'_>, values: &[f64]) -> Py<PyAny> {
+    PyArray1::from_slice(py, values).into_any().unbind()
+}
+
+/// Arguments `(t, q, contact)`.
+fn at(t: f64, q: &[f64], contact: usize) -> impl FnOnce(Python<'_>) -> PyResult<Vec<Py<PyAny>>> {
+    move |py| {
+        let t = t.into_pyobject(py)?.into_any().unbind();
+        Ok(vec![t, array(py, q), contact.into_pyobject(py)?.into_any().unbind()])
+    }
+}
+
+impl System for CallbackSystem {
+    fn dof(&self) -> usize {
+        self.dof
+    }
+
+    fn contacts(&self) -> &[ContactLaw] {
+        &self.laws
+    }
+
+    fn constancy(&self) -> Constancy {
+        Constancy::default()
+    }
+
+    fn mass(&self, q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
+        let n = self.dof;
+        self.call("mass", &[n, n], |py| Ok(vec![array(py, q)]), |values| {
+            mass.copy_from_slice(values);
+            mass.transpose_mut();
+        })
+    }
+
+    fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
+        let arguments = |py: Python<'_>| {
+            let t = t.into_pyobject(py)?.into_any().unbind();
+            Ok(vec![t, array(py, q), array(py, u)])
+        };
+        self.call("forces", &[self.dof], arguments, |values| forces.copy_from_slice(values))
+    }
+
+    fn tangent(
+        &self,
+        t: f64,
+        q: &[f64],
+        contact: usize,
+        tangent: &mut [f64],
+        velocity: &mut [f64],
+    ) -> Result<(), SystemError> {
+        let (n, p) = (self.dof, velocity.len());
+        self.call("direction", &[n, p], at(t, q, contact), |values| {
+            for (k, row) in tangent.chunks_exact_mut(n).enumerate() {
+                for (i, value) in row.iter_mut().enumerate() {
+                    *value = values[i * p + k];
+                }
+            }
+        })?;
+        self.call("velocity", &[p], at(t, q, contact), |values| velocity.copy_from_slice(values))
+    }
+
+    fn gap(
+        &self,
+        t: f64,
+        q: &[f64],
+        contact: usize,
+        normal: &mut [f64],
+    ) -> Result<f64, SystemError> {
+        self.call("normal", &[self.dof], at(t, q, contact), |values| normal.copy_from_slice(values))?;
+        self.call("gap", &[], at(t, q, contact), |values| values[0])
+    }
+}
