@@ -38,7 +38,7 @@ from asperity.sets import (
 )
 from asperity.simulate import simulate
 from asperity.solvers import Exact, ProxGaussSeidel, ProxJacobi, Solver
-from asperity.status import Phase, Status
+from asperity.status import Outcome, Phase, Status
 from asperity.system import Contact, ContactLaw, LinearSystem, MassOnBelt, SlidingPoint, System
 from asperity.trajectory import Trajectory
 
@@ -62,6 +62,7 @@ __all__ = [
     "Mapped",
     "MassOnBelt",
     "NoSolutionError",
+    "Outcome",
     "ParameterError",
     "Phase",
     "ProxGaussSeidel",

@@ -1,4 +1,4 @@
-"""Contact phases and solver outcomes."""
+"""Contact phases, and how solvers and simulations end."""
 
 from __future__ import annotations
 
@@ -21,8 +21,24 @@ class Phase(IntEnum):
         return f"Phase.{self.name}"
 
 
+class Outcome(StrEnum):
+    """How a simulation ended."""
+
+    FINISHED = "finished"
+    """All steps were made."""
+    AT_REST = "at_rest"
+    """Everything came to rest before, as asked for."""
+    INTERRUPTED = "interrupted"
+    """Ctrl-C."""
+    FAILED = "failed"
+    """A contact problem was not solved, or the system failed."""
+
+    def __repr__(self) -> str:
+        return f"Outcome.{self.name}"
+
+
 class Status(StrEnum):
-    """How a solve or a simulation ended."""
+    """How the solution of a contact problem ended."""
 
     CONVERGED = "converged"
     MAX_ITERATIONS = "max_iterations"

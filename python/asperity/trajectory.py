@@ -14,7 +14,7 @@ from asperity._arrays import Array
 from asperity._files import atomic
 from asperity._value import Value
 from asperity.errors import ParameterError
-from asperity.status import Phase, Status
+from asperity.status import Outcome, Phase
 
 FORMAT = 1
 """Number of the file layout written by `Trajectory.save`."""
@@ -51,7 +51,7 @@ class Trajectory(Value):
         phase: `Phase` as integers, shape ``(n_t, n_contact)``.
         iterations: of the contact solver, shape ``(n_t,)``.
         residual: natural-map residual of each step's contact problem, shape ``(n_t,)``.
-        status: converged, or how the first step that did not converge ended.
+        status: how the run ended; steps that were recorded as failed do not end it.
         dt: step Δt in s.
         steps: number of steps done.
         ambiguous_steps: number of steps in which a contact had several solutions.
@@ -68,7 +68,7 @@ class Trajectory(Value):
     phase: NDArray[np.int8]
     iterations: NDArray[np.int64]
     residual: Array
-    status: Status
+    status: Outcome
     dt: float
     steps: int
     ambiguous_steps: int
@@ -87,7 +87,7 @@ class Trajectory(Value):
         iterations: ArrayLike,
         residual: ArrayLike,
         *,
-        status: Status,
+        status: Outcome,
         dt: float,
         steps: int,
         ambiguous_steps: int,
@@ -101,7 +101,7 @@ class Trajectory(Value):
                 name: _arrays.read_only(np.asarray(values, dtype=kind))
                 for (name, kind), values in series
             },
-            status=Status(status),
+            status=Outcome(status),
             dt=float(dt),
             steps=int(steps),
             ambiguous_steps=int(ambiguous_steps),

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use crate::contact::Phase;
 use crate::solver::{Solver, Status};
 use crate::stepper::{StepError, Stepper};
 use crate::system::System;
@@ -43,7 +42,7 @@ pub enum Outcome {
     AtRest,
     /// The observer asked to stop.
     Interrupted,
-    /// A contact problem was not solved.
+    /// A contact problem was not solved; the samples end before that step.
     Failed(Failure),
     /// The system or the state failed.
     Error(StepError),
@@ -117,29 +116,26 @@ fn run(
     let (mut rested, mut fastest) = (0, 0.0_f64);
     for step in 1..=options.steps {
         let report = stepper.step()?;
-        trajectory.steps = step;
-        trajectory.ambiguous_steps += usize::from(report.ambiguous);
-        for contact in 0..contacts {
-            trajectory.phase_counts[3 * contact + stepper.phase(contact).max_index()] += 1;
+        if report.status != Status::Converged {
+            if options.stop_on_failure {
+                return Ok(Outcome::Failed(Failure {
+                    step,
+                    time: stepper.time(),
+                    contact: stepper.contact_of(report.worst_contact),
+                    residual: report.residual,
+                    status: report.status,
+                }));
+            }
+            trajectory.failed_steps += 1;
         }
-        let failure = (report.status != Status::Converged).then(|| Failure {
-            step,
-            time: stepper.time(),
-            contact: stepper.contact_of(report.worst_contact),
-            residual: report.residual,
-            status: report.status,
-        });
-        trajectory.failed_steps += usize::from(failure.is_some());
-        let failed = failure.filter(|_| options.stop_on_failure);
+        trajectory.count(stepper, report.ambiguous);
         if options.until_rest {
             let speed = stepper.u().iter().fold(0.0, |s: f64, v| s.max(v.abs()));
             fastest = fastest.max(speed);
             rested = if speed <= 1e-12 * fastest { rested + 1 } else { 0 };
         }
         // At rest for two steps: a turning point of a motion is at rest for one at the most.
-        let outcome = if let Some(failure) = failed {
-            Some(Outcome::Failed(failure))
-        } else if options.until_rest && rested >= 2 {
+        let outcome = if options.until_rest && rested >= 2 {
             Some(Outcome::AtRest)
         } else if clock.due() && observer(step, options.steps).is_break() {
             Some(Outcome::Interrupted)
@@ -154,13 +150,6 @@ fn run(
         }
     }
     Ok(Outcome::Finished)
-}
-
-impl Phase {
-    /// Place in a row of phase counts.
-    fn max_index(self) -> usize {
-        (self as i8).max(0) as usize
-    }
 }
 
 /// Polls by the clock, reading it only now and then while steps are short.

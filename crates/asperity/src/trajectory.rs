@@ -55,6 +55,16 @@ impl Trajectory {
         Ok(trajectory)
     }
 
+    /// Counts a step that was made.
+    pub(crate) fn count(&mut self, stepper: &Stepper<'_>, ambiguous: bool) {
+        self.steps += 1;
+        self.ambiguous_steps += usize::from(ambiguous);
+        for contact in 0..self.contacts {
+            let column = (stepper.phase(contact) as i8).max(0) as usize;
+            self.phase_counts[3 * contact + column] += 1;
+        }
+    }
+
     /// Appends the present state.
     pub(crate) fn record(
         &mut self,

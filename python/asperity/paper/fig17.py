@@ -20,7 +20,7 @@ LAW = FrictionLaw(Ellipse(30.0, 10.0, angle=np.deg2rad(30.0)), Ellipse(3.0, 1.0)
 """Reservoir C with semi-axes 30 N and 10 N at ζ = 30°, direction set D 3:1 along e₁."""
 
 _DIRECTION = np.deg2rad(50.0)
-_TRANSIENT = 120.0
+_TRANSIENT = 400.0
 _CYCLES = 6.5
 
 
