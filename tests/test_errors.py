@@ -58,7 +58,6 @@ BAD_INPUT = [
     ("x", DimensionError, lambda: DISK.gauge(1.0)),
     ("x", ParameterError, lambda: DISK.gauge([NAN, 0.0])),
     ("x", ParameterError, lambda: DISK.gauge_gradient([0.0, 0.0])),
-    ("y", ParameterError, lambda: DISK.support_point([0.0, 0.0])),
     ("y", ParameterError, lambda: DISK.support_hessian([0.0, 0.0])),
     ("z", ParameterError, lambda: DISK.project([INF, 0.0])),
     ("theta", ParameterError, lambda: DISK.radius(NAN)),

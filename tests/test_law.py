@@ -73,7 +73,7 @@ def test_direction_is_the_largest_scale_inside_the_reservoir(law):
     ratio = law.direction.radius(theta) / law.reservoir.radius(theta)
     assert ratio.max() == pytest.approx(1.0, abs=1e-6)
     assert ratio.max() <= 1.0 + 1e-12
-    assert law.alpha_min == pytest.approx(ratio.min(), rel=1e-6)
+    assert law.alpha_min == pytest.approx(ratio.min(), rel=1e-4)
 
 
 def test_scale_of_the_direction_set_does_not_matter():
@@ -89,7 +89,7 @@ def test_collinear_law_opposes_sliding_and_associated_law_dissipates_most(slip):
     reservoir = asp.Ellipse(0.6, 0.2)
     force = asp.FrictionLaw.collinear(reservoir).force(slip)
     np.testing.assert_allclose(force[:, 0] * slip[:, 1], force[:, 1] * slip[:, 0], atol=1e-12)
-    admissible = reservoir.boundary(500)
+    admissible = reservoir.boundary(5000)
     best = (admissible @ slip.T).max(axis=0)
     np.testing.assert_allclose(
         asp.FrictionLaw.associated(reservoir).dissipation(slip), best, rtol=1e-4

@@ -8,6 +8,7 @@ import pytest
 mpl.use("Agg")
 
 from asperity.plot import (
+    look,
     plot_forces_in_reservoir,
     plot_law,
     plot_path,
@@ -15,7 +16,6 @@ from asperity.plot import (
     plot_set,
     save_figure,
 )
-from asperity.plot import look
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.3), asp.Ellipse(3.0, 1.0))
 

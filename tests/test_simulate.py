@@ -71,7 +71,7 @@ def test_energy_never_grows():
     oscillator = asp.LinearSystem(
         1.0, [4.0, 1.0], contacts=[asp.Contact(TILTED_ELLIPSES, np.eye(2), normal_force=1.0)]
     )
-    motion = asp.simulate(oscillator, dt=1e-3, t_end=20.0, q0=[3.0, -2.0])
+    motion = asp.simulate(oscillator, dt=1e-3, t_end=60.0, q0=[3.0, -2.0])
     energy = 0.5 * (motion.u**2).sum(1) + 0.5 * (motion.q**2 @ [4.0, 1.0])
     assert np.diff(energy).max() < 1e-4
     assert energy[-1] < 0.1 * energy[0]
@@ -164,7 +164,7 @@ def test_every_solver_gives_the_same_motion():
 
 
 def test_failure_keeps_the_part_before():
-    weak = asp.ProxJacobi(r=1e-3, max_iterations=2)
+    weak = asp.ProxJacobi(r=1e-6, max_iterations=2)
     with pytest.raises(asp.ConvergenceError) as caught:
         asp.simulate(BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 0.0], solver=weak)
     error = caught.value

@@ -20,7 +20,7 @@ def problems(seed, count):
 
 
 def check_agreement(count):
-    compared = 0
+    compared = differing = 0
     for problem in problems(2019, count):
         solutions = [
             problem.solve(solver, tolerance=1e-12, on_failure="record") for solver in SOLVERS
@@ -32,11 +32,16 @@ def check_agreement(count):
         if any(one.ambiguous or not one.converged for one in solutions):
             continue
         compared += 1
+        if len({tuple(solution.phase) for solution in solutions}) > 1:
+            # Several contacts together may have several solutions though each alone has one.
+            differing += 1
+            continue
         for solution in solutions[1:]:
             np.testing.assert_allclose(
                 solution.percussion, solutions[0].percussion, rtol=1e-9, atol=1e-9
             )
-    assert compared > 0.7 * count
+    assert compared > 0.9 * count
+    assert differing <= count // 1000
 
 
 def test_solvers_agree_where_the_solution_is_unique():
@@ -61,15 +66,20 @@ def test_warm_start_from_the_solution_takes_few_iterations(solver):
     problem = next(problems(3, 1))
     cold = problem.solve(solver)
     warm = problem.solve(solver, start=cold)
-    assert warm.iterations <= min(cold.iterations, 3)
+    # The prox solvers look at the residual every ten iterations.
+    assert warm.iterations <= 10
+    assert warm.iterations <= cold.iterations
     np.testing.assert_allclose(warm.percussion, cold.percussion, atol=1e-9)
 
 
 def test_constant_step_fails_where_the_adaptive_one_converges():
-    # r λ_max(G) = 1 exceeds 2 α_min of the thin direction set, so that stick cannot be reached.
+    # r λ_max(G) = 1 exceeds 2 α where D is thin within C, so that stick cannot be reached there.
     law = TILTED_ELLIPSES
     assert 2 * law.alpha_min < 1.0
-    problem = asp.ContactProblem(np.eye(2), [0.1, 0.1], law, normal_force=1.0)
+    theta = np.linspace(0.0, np.pi, 1000)
+    thin = theta[np.argmin(law.direction.radius(theta) / law.reservoir.radius(theta))]
+    load = 0.95 * law.reservoir.radius(thin) * np.array([np.cos(thin), np.sin(thin)])
+    problem = asp.ContactProblem(np.eye(2), load, law, normal_force=1.0)
     adaptive = problem.solve(ProxJacobi())
     assert adaptive.phase.tolist() == [asp.Phase.STICK]
     constant = problem.solve(ProxJacobi(r=1.0, max_iterations=20_000), on_failure="record")

@@ -97,7 +97,7 @@ def test_shares_and_summary(motion):
     expected = (phases == asp.Phase.STICK).mean(axis=0)
     np.testing.assert_allclose(motion.stick_fraction, expected)
     summary = motion.summary()
-    for words in ("converged", "200 of 0.01 s", "contact 1", "ambiguous steps   0", "slip"):
+    for words in ("finished", "200 of 0.01 s", "contact 1", "ambiguous steps   0", "slip"):
         assert words in summary
 
 

@@ -9,7 +9,7 @@ experimental verification and instability phenomenon*, Nonlinear Dynamics (2019)
 ...     asp.SlidingPoint(0.1, law), dt=1e-3, t_end=1.0, u0=[1.0, 1.0], until_rest=True
 ... )
 >>> path.status
-Status.CONVERGED
+Outcome.AT_REST
 """
 
 from typing import Any as _Any

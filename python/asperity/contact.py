@@ -122,11 +122,11 @@ class ContactProblem(Value):
 
     >>> from asperity import ContactProblem, FrictionLaw
     >>> problem = ContactProblem(
-    ...     [[1.0, 0.0], [0.0, 1.0]], [0.5, 0.0], FrictionLaw.isotropic(0.3), normal_force=1.0
+    ...     [[1.0, 0.0], [0.0, 1.0]], [3.0, 4.0], FrictionLaw.isotropic(0.5), normal_force=1.0
     ... )
     >>> solution = problem.solve()
     >>> solution.status, solution.percussion.round(12).tolist()
-    (Status.CONVERGED, [-0.3, 0.0])
+    (Status.CONVERGED, [-0.3, -0.4])
     """
 
     delassus: Array

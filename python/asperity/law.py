@@ -29,11 +29,11 @@ class FrictionLaw(Value):
     Reference: [WL19] Def. 16, (55)(56)(62).
 
     >>> from asperity import Ellipse, FrictionLaw
-    >>> law = FrictionLaw(Ellipse(0.6, 0.2), Ellipse(3.0, 1.0))
-    >>> law.direction
-    Ellipse(0.6, 0.2)
-    >>> law.force([2.0, 0.0], normal_force=10.0).tolist()
-    [-6.0, 0.0]
+    >>> law = FrictionLaw(Ellipse(0.6, 0.2), Ellipse(3.0, 2.0))
+    >>> round(law.direction.b, 9)
+    0.2
+    >>> law.force([4.0, 9.0], normal_force=10.0).round(3).tolist()
+    [-1.897, -1.897]
     """
 
     reservoir: StarSet
@@ -135,10 +135,10 @@ class FrictionLaw(Value):
         Reference: [WL19] (84).
 
         >>> from asperity import FrictionLaw
-        >>> FrictionLaw.isotropic(0.5).force([3.0, 4.0], normal_force=10.0).tolist()
+        >>> FrictionLaw.isotropic(0.5).force([3.0, 4.0], normal_force=10.0).round(12).tolist()
         [-3.0, -4.0]
         """
-        flat, normal, lead = self._slip(slip, normal_force)
+        flat, normal, lead = self._loaded(slip, "slip", normal_force)
         return _arrays.unflatten(self._core.force(flat, normal), lead)
 
     def slip_direction(
@@ -165,9 +165,7 @@ class FrictionLaw(Value):
         >>> law.slip_direction([[0.0, -2.0], [0.0, -1.0]], normal_force=10.0).tolist()
         [[0.0, 1.0], [0.0, 0.0]]
         """
-        flat, normal, lead = _arrays.points_with_scalars(
-            force, "force", self.dimension, normal_force, "normal_force"
-        )
+        flat, normal, lead = self._loaded(force, "force", normal_force)
         tolerance = _arrays.non_negative(tolerance, "tolerance")
         return _arrays.unflatten(self._core.slip_direction(flat, normal, tolerance), lead)
 
@@ -192,7 +190,7 @@ class FrictionLaw(Value):
         >>> FrictionLaw.isotropic(0.5).jacobian([2.0, 0.0], normal_force=4.0).tolist()
         [[0.0, 0.0], [0.0, -1.0]]
         """
-        flat, normal, lead = self._slip(slip, normal_force)
+        flat, normal, lead = self._loaded(slip, "slip", normal_force)
         # Adding zero clears the sign of negative zeros.
         return _arrays.unflatten(self._core.jacobian(flat, normal) + 0.0, lead)
 
@@ -212,7 +210,7 @@ class FrictionLaw(Value):
         >>> float(FrictionLaw.isotropic(0.5).dissipation([3.0, 4.0], normal_force=10.0))
         25.0
         """
-        flat, normal, lead = self._slip(slip, normal_force)
+        flat, normal, lead = self._loaded(slip, "slip", normal_force)
         return _arrays.unflatten(self._core.dissipation(flat, normal), lead)
 
     def rotated(self, angle: float) -> FrictionLaw:
@@ -224,12 +222,15 @@ class FrictionLaw(Value):
         """
         return FrictionLaw(self.reservoir.rotated(angle), self.direction.rotated(angle))
 
-    def _slip(
-        self, slip: ArrayLike, normal_force: ArrayLike
+    def _loaded(
+        self, vectors: ArrayLike, argument: str, normal_force: ArrayLike
     ) -> tuple[Array, Array, tuple[int, ...]]:
-        return _arrays.points_with_scalars(
-            slip, "slip", self.dimension, normal_force, "normal_force"
+        flat, normal, lead = _arrays.points_with_scalars(
+            vectors, argument, self.dimension, normal_force, "normal_force"
         )
+        if normal.min(initial=0.0) < 0.0:
+            raise ParameterError("normal_force", f"must not be negative, got {normal.min()}")
+        return flat, normal, lead
 
 
 def _check_set(value: object, argument: str) -> None:

@@ -29,8 +29,8 @@ fn make<const P: usize>(
     direction: &Star<P>,
 ) -> Result<FrictionLaw<P>, Failure> {
     let direction: Option<&Convex<P>> = direction.as_convex();
-    let direction = direction
-        .ok_or_else(|| parameter("direction", "must be convex, is star-shaped only"))?;
+    let direction =
+        direction.ok_or_else(|| parameter("direction", "must be convex, is star-shaped only"))?;
     Ok(FrictionLaw::new(reservoir.clone(), direction.clone())?)
 }
 

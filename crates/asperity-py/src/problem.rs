@@ -63,7 +63,9 @@ impl Problem {
         }
         if let Some(law) = laws.iter().find(|law| law.get().0.dimension() > 2) {
             let p = law.get().0.dimension();
-            return Err(dimension("laws", &format!("must have dimension 1 or 2, one has {p}")).into());
+            return Err(
+                dimension("laws", &format!("must have dimension 1 or 2, one has {p}")).into()
+            );
         }
         let contacts = laws.iter().zip(&normal_force).map(|(law, force)| {
             let normal = force.map_or(NormalForce::Unilateral, NormalForce::Prescribed);

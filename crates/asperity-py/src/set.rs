@@ -200,10 +200,7 @@ impl Set {
         py: Python<'py>,
         y: Points<'_>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        fn farthest<const P: usize>(
-            set: &Star<P>,
-            y: &Points<'_>,
-        ) -> PyResult<(Vec<f64>, usize)> {
+        fn farthest<const P: usize>(set: &Star<P>, y: &Points<'_>) -> PyResult<(Vec<f64>, usize)> {
             let set = convex(set)?;
             // Every point is farthest in no direction: the origin is as good as others.
             each_vector(y, "y", |y: &Vector<P>| {

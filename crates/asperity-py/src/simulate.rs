@@ -62,8 +62,7 @@ pub fn simulate<'py>(
             ControlFlow::Continue,
         )
     };
-    let Run { trajectory, outcome } =
-        py.detach(|| run_core(system, &options, &mut observer))?;
+    let Run { trajectory, outcome } = py.detach(|| run_core(system, &options, &mut observer))?;
     let (status, failure, error) = match outcome {
         Outcome::Finished => ("finished", None, None),
         Outcome::AtRest => ("at_rest", None, None),

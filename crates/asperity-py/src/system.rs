@@ -1,9 +1,7 @@
 //! Systems: linear ones as data, those of Python by callbacks.
 
 use asperity::law::Law as CoreLaw;
-use asperity::system::{
-    self, Constancy, Contact, ContactLaw, Normal, System, SystemError,
-};
+use asperity::system::{self, Constancy, Contact, ContactLaw, Normal, System, SystemError};
 use nalgebra::DMatrix;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -81,11 +79,7 @@ pub struct CallbackSystem {
 #[pymethods]
 impl CallbackSystem {
     #[new]
-    fn new(
-        system: Py<PyAny>,
-        dof: usize,
-        contacts: Vec<Bound<'_, PyDict>>,
-    ) -> PyResult<Self> {
+    fn new(system: Py<PyAny>, dof: usize, contacts: Vec<Bound<'_, PyDict>>) -> PyResult<Self> {
         let law_of = |contact: &Bound<'_, PyDict>| {
             let (normal_restitution, tangential_restitution) = restitution(contact)?;
             let normal_force = item(contact, "normal_force")?.extract()?;
@@ -168,10 +162,15 @@ impl System for CallbackSystem {
 
     fn mass(&self, q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
         let n = self.dof;
-        self.call("mass", &[n, n], |py| Ok(vec![array(py, q)]), |values| {
-            mass.copy_from_slice(values);
-            mass.transpose_mut();
-        })
+        self.call(
+            "mass",
+            &[n, n],
+            |py| Ok(vec![array(py, q)]),
+            |values| {
+                mass.copy_from_slice(values);
+                mass.transpose_mut();
+            },
+        )
     }
 
     fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
@@ -208,7 +207,9 @@ impl System for CallbackSystem {
         contact: usize,
         normal: &mut [f64],
     ) -> Result<f64, SystemError> {
-        self.call("normal", &[self.dof], at(t, q, contact), |values| normal.copy_from_slice(values))?;
+        self.call("normal", &[self.dof], at(t, q, contact), |values| {
+            normal.copy_from_slice(values)
+        })?;
         self.call("gap", &[], at(t, q, contact), |values| values[0])
     }
 }

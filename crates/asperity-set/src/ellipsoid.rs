@@ -139,33 +139,51 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
         (factor * unit, factor * tangential * factor.transpose())
     }
 
+    fn project(&self, z: &Vector<P>) -> Vector<P> {
+        self.project_with(z, |_| 0.0)
+    }
+
+    /// On the boundary `z = x + t x/a²` in the axes: the start gives `t` to second order.
+    fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
+        self.project_with(z, |local| {
+            let start = self.axes.tr_mul(start);
+            let normal = start.component_div(&self.semi_axes).component_div(&self.semi_axes);
+            normal.dot(&(local - start)) / normal.norm_squared()
+        })
+    }
+}
+
+impl<const P: usize> Ellipsoid<P> {
     /// `xᵢ = aᵢ²zᵢ/(t + aᵢ²)`, `t` the root of the secular equation `‖aᵢzᵢ/(t + aᵢ²)‖ = 1`.
     ///
-    /// Newton's method on the reciprocal norm, which is nearly linear in `t`, from a lower bound.
-    fn project(&self, z: &Vector<P>) -> Vector<P> {
+    /// Newton's method on the reciprocal norm, which is nearly linear in `t`, from a lower bound or a
+    /// better guess in the axes of the ellipsoid.
+    #[inline]
+    fn project_with(&self, z: &Vector<P>, guess: impl Fn(&Vector<P>) -> f64) -> Vector<P> {
         let local = self.axes.tr_mul(z);
         let unit = local.component_div(&self.semi_axes);
-        if unit.norm() <= 1.0 {
+        if unit.norm_squared() <= 1.0 {
             return *z;
         }
         let squares = self.semi_axes.component_mul(&self.semi_axes);
         let stretched = local.component_mul(&self.semi_axes);
-        let mut t = f64::max(0.0, stretched.norm() - squares.max());
+        let mut lowest = f64::max(0.0, stretched.norm() - squares.max());
         for i in 0..P {
-            t = t.max(stretched[i].abs() - squares[i]);
+            lowest = lowest.max(stretched[i].abs() - squares[i]);
         }
+        // A guess that is no number falls back to the bound.
+        let mut t = guess(&local).max(lowest);
+        let mut on_sphere = stretched.component_div(&squares.map(|s| t + s));
         for _ in 0..100 {
-            let shifted = squares.map(|s| t + s);
-            let on_sphere = stretched.component_div(&shifted);
             let norm2 = on_sphere.norm_squared();
-            let slope = on_sphere.component_div(&shifted).dot(&on_sphere);
+            let slope = on_sphere.component_div(&squares.map(|s| t + s)).dot(&on_sphere);
             let step = norm2 * (norm2.sqrt() - 1.0) / slope;
-            t += step;
-            if step <= f64::EPSILON * (t + squares.min()) {
+            t = f64::max(t + step, lowest);
+            on_sphere = stretched.component_div(&squares.map(|s| t + s));
+            if step.abs() <= 4.0 * f64::EPSILON * (t + squares.min()) {
                 break;
             }
         }
-        let on_sphere = stretched.component_div(&squares.map(|s| t + s));
         self.axes * on_sphere.normalize().component_mul(&self.semi_axes)
     }
 }

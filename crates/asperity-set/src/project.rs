@@ -233,9 +233,10 @@ fn onto_rhombus<const P: usize>(semi_axes: &Vector<P>, scaled: &Vector<P>) -> Ve
     loop {
         let over = |f: &dyn Fn(usize) -> f64| (0..P).filter(|&i| active[i]).map(f).sum::<f64>();
         let beta = (over(&|i| scaled[i]) - 1.0) / over(&|i| weights[i]);
-        let mut xi = Vector::<P>::from_fn(
-            |i, _| if active[i] { scaled[i] - beta * weights[i] } else { 0.0 },
-        );
+        let mut xi =
+            Vector::<P>::from_fn(
+                |i, _| if active[i] { scaled[i] - beta * weights[i] } else { 0.0 },
+            );
         if xi.min() >= 0.0 {
             // The coordinate with the largest weight has cancelled most: it follows from the others.
             let last = weights.imax();

@@ -42,7 +42,11 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    pub(crate) fn new(stepper: &mut Stepper<'_>, p: usize, contacts: usize) -> Result<Self, StepError> {
+    pub(crate) fn new(
+        stepper: &mut Stepper<'_>,
+        p: usize,
+        contacts: usize,
+    ) -> Result<Self, StepError> {
         let dof = stepper.q().len();
         let phase_counts = vec![0; 3 * contacts];
         let mut trajectory = Self { dof, contacts, p, phase_counts, ..Self::default() };
@@ -78,9 +82,8 @@ impl Trajectory {
         for contact in 0..self.contacts {
             let output = stepper.output(contact)?;
             let dimension = stepper.dimension(contact);
-            let padded = |v: [f64; 3]| {
-                (0..self.p).map(move |i| if i < dimension { v[i] } else { f64::NAN })
-            };
+            let padded =
+                |v: [f64; 3]| (0..self.p).map(move |i| if i < dimension { v[i] } else { f64::NAN });
             self.slip.extend(padded(output.slip));
             self.force.extend(padded(output.force));
             self.normal_force.push(output.normal_force);

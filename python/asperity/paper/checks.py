@@ -33,22 +33,21 @@ class Check:
 
 
 def table(checks: Sequence[Check]) -> str:
-    """Return a text table: quantity, expected, computed, error, tolerance, verdict.
+    """Return a text table: quantity, expected, computed, error, tolerance, unit, verdict.
 
     >>> from asperity.paper.checks import Check, table
     >>> print(table([Check("period", 28.703, 28.6, 0.02, "s")]))
-    quantity    expected    computed        error  tolerance
-    period       28.7030     28.6000  -0.10300000       0.02  s   OFF
+    quantity    expected    computed    error  tolerance
+    period     28.703000   28.600000 -1.0e-01      2e-02  s  OFF
     """
     width = max(len("quantity"), *(len(check.quantity) for check in checks))
     units = max(len(check.unit) for check in checks)
-    head = f"{'expected':>10}  {'computed':>10}  {'error':>11}  {'tolerance':>9}"
-    lines = [f"{'quantity':<{width}}  {head}"]
+    lines = [f"{'quantity':<{width}}  {'expected':>10}  {'computed':>10}    error  tolerance"]
     for check in checks:
-        numbers = (
-            f"{check.expected:>10.4f}  {check.computed:>10.4f}  {check.error:>11.8f}  "
-            f"{check.tolerance:>9.3g}"
-        )
+        numbers = f"{check.expected:>10.6f}  {check.computed:>10.6f} {check.error:>8.1e}"
         verdict = "ok" if check.ok else "OFF"
-        lines.append(f"{check.quantity:<{width}}  {numbers}  {check.unit:<{units}}  {verdict:>3}")
+        lines.append(
+            f"{check.quantity:<{width}}  {numbers}  {check.tolerance:>9.0e}  "
+            f"{check.unit:<{units}}  {verdict}"
+        )
     return "\n".join(lines)

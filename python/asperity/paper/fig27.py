@@ -99,7 +99,7 @@ def convergence(runs: Sequence[Sequence[SlidingPath]]) -> list[Check]:
             np.hypot(*np.subtract(coarse.end, middle.end))
             / np.hypot(*np.subtract(middle.end, fine.end))
         )
-        checks.append(Check(f"Fig. 27 order in dt, {_name(fine)}", 1.0, float(order), 0.2))
+        checks.append(Check(f"Fig. 27 order in dt, {_name(fine)}", 1.0, float(order), 0.05))
     return checks
 
 

@@ -17,8 +17,7 @@ from asperity.trajectory import Trajectory
 
 def draw_fig17(cycle: fig17.LimitCycle) -> Figure:
     """Draw the limit cycle, its forces within the reservoir and its coordinates over time."""
-    motion = cycle.trajectory
-    once = motion.slice(motion.t[-1] - cycle.period, motion.t[-1])
+    once = cycle.trajectory
     with style():
         figure = plt.figure(figsize=(11.0, 7.4), layout="constrained")
         grid = figure.add_gridspec(2, 2, height_ratios=(1.8, 1.0))

@@ -3,8 +3,8 @@
 Every function draws into `ax`, or into new axes, and returns the axes.
 """
 
-from asperity.plot.sets import plot_law, plot_set
 from asperity.plot.look import save_figure, style
+from asperity.plot.sets import plot_law, plot_set
 from asperity.plot.trajectory import plot_forces_in_reservoir, plot_path, plot_phase
 
 __all__ = [

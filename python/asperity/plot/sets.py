@@ -73,10 +73,10 @@ def plot_law(law: FrictionLaw, ax: Axes | None = None, *, arrows: int = 16) -> A
     ax.plot(*np.stack([feet, force]).swapaxes(1, 2).swapaxes(0, 1), color=look.GREY, lw=0.7)
     ax.plot(*force.T, "o", color=look.INK, markersize=3.5, label=r"force $-\lambda$")
     ax.quiver(*force.T, *slip.T, color=look.INK, angles="xy", scale=12.0, width=0.004, zorder=3)
-    ax.margins(0.12)
+    ax.margins(0.25)
     ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
     ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
-    ax.legend(loc="upper left", bbox_to_anchor=(0.0, -0.14), ncols=3)
+    ax.legend(loc="upper left", bbox_to_anchor=(0.0, -0.14), ncols=3, frameon=False)
     return ax
 
 

@@ -83,7 +83,7 @@ def plot_phase(
         if segments:
             ax.add_collection(LineCollection(segments, colors=color, linewidths=2.0, label=label))
     ax.autoscale_view()
-    ax.legend()
+    ax.legend(frameon=False)
     return _labelled(ax, coordinates)
 
 
@@ -121,7 +121,7 @@ def plot_forces_in_reservoir(
             ax.plot(*force.T, ".", color=color, markersize=3.0, label=label)
     ax.set_xlabel(r"$-\lambda_1$ in N")
     ax.set_ylabel(r"$-\lambda_2$ in N")
-    ax.legend()
+    ax.legend(frameon=False)
     return ax
 
 

@@ -164,13 +164,13 @@ class StarSet(Value):
         Where a whole face is farthest, it is the face's most symmetric point.
 
         Args:
-            y: normals other than 0, shape ``(..., p)``.
+            y: normals, shape ``(..., p)``.
 
         Returns:
-            Shape ``(..., p)``.
+            Shape ``(..., p)``; the origin for y = 0, where every point is farthest.
 
         Raises:
-            ParameterError: if the set is not convex or `y` vanishes.
+            ParameterError: if the set is not convex.
 
         >>> from asperity import Rectangle
         >>> Rectangle(2.0, 1.0).support_point([1.0, -1.0]).tolist()

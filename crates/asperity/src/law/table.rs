@@ -6,7 +6,7 @@
 //! how far `F` strays from its chord between two nodes, which excludes zeros rigorously.
 
 use std::collections::BinaryHeap;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
 use asperity_set::{Arc, BoundaryPoint, Convex, ConvexSet, Star, StarSet, Vector};
 
@@ -52,8 +52,8 @@ pub struct WalkTable {
     /// Smallest sine of the angle from the normal of *D* to the tangent of *C*: 1 for associated laws,
     /// negative where the sliding velocity may point into the reservoir.
     pub(crate) smallest_sine: f64,
-    /// With `A ∝ I` a sticking contact has no other solution while `k_C` is below this value.
-    pub(crate) unique_stick: f64,
+    /// Gauges between which a load may have several solutions with `A ∝ I`, see [`ambiguous_gauges`].
+    pub(crate) ambiguous: (f64, f64),
     /// Largest radius of *C*.
     pub(crate) largest_radius: f64,
 }
@@ -68,8 +68,8 @@ impl WalkTable {
             .map(|pair| {
                 let arc = Arc { start: pair[0].point, end: pair[1].point };
                 let side = arc.side();
-                let inner = [0.25, 0.5, 0.75]
-                    .map(|w| node(reservoir, arc.point(direction, side, w)));
+                let inner =
+                    [0.25, 0.5, 0.75].map(|w| node(reservoir, arc.point(direction, side, w)));
                 deviation(&pair[0], &pair[1], &inner)
             })
             .collect();
@@ -93,8 +93,8 @@ impl WalkTable {
         });
         let largest_radius = nodes.iter().map(|node| node.x.norm()).fold(0.0, f64::max);
         let smallest_sine = smallest_sine(&nodes);
-        let unique_stick = unique_stick(&nodes, reservoir, largest_radius);
-        Self { nodes, fine, coarse, columns, smallest_sine, unique_stick, largest_radius }
+        let ambiguous = ambiguous_gauges(&nodes, reservoir);
+        Self { nodes, fine, coarse, columns, smallest_sine, ambiguous, largest_radius }
     }
 }
 
@@ -219,21 +219,28 @@ fn smallest_sine(nodes: &[Node]) -> f64 {
     smallest
 }
 
-/// Smallest gauge on the rays `{x + s n}` from bdry *C* that enter *C*, less a margin for the sampling.
+/// Smallest and largest gauge of the loads that have several solutions with `A = aI`, with a margin.
 ///
-/// With `A = aI` a stick solution `x_s` and a slip solution `x` are related by `x_s = x + γ/a`, `γ`
-/// along `n`: below the value that is impossible.
-fn unique_stick(nodes: &[Node], reservoir: &Star<2>, largest_radius: f64) -> f64 {
-    let mut smallest: f64 = 1.0;
-    for node in nodes {
-        let outward = reservoir.gauge_jet(&node.x).1.dot(&node.point.normal);
-        if outward > 0.0 && reservoir.as_convex().is_some() {
+/// The load `y = c₀/a` has the slip solutions `y = x + s n`, `s > 0`: rays from bdry *C*. A ray is met
+/// by its neighbours at `s_c = −n × dx/dφ`, and its points nearer than that are the solutions with
+/// index −1. The indices of all solutions add up to one, so that there are several only if one of them
+/// is −1: if `y` lies on a piece `0 < s < s_c` of some ray.
+fn ambiguous_gauges(nodes: &[Node], reservoir: &Star<2>) -> (f64, f64) {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for pair in nodes.windows(2) {
+        let (n, chord) = (pair[0].point.normal, pair[1].x - pair[0].x);
+        let opening = n.x * chord.y - n.y * chord.x;
+        if opening >= 0.0 {
             continue;
         }
-        for k in 1..=200 {
-            let s = 2.0 * largest_radius * k as f64 / 200.0;
-            smallest = smallest.min(reservoir.gauge(&(node.x + node.point.normal * s)));
+        let reach = -opening / angle(&n, &pair[1].point.normal).max(f64::MIN_POSITIVE);
+        for node in pair {
+            for share in [0.0, 0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0, 1.1] {
+                let gauge = reservoir.gauge(&(node.x + node.point.normal * (reach * share)));
+                (low, high) = (low.min(gauge), high.max(gauge));
+            }
         }
     }
-    0.98 * smallest - 0.01 * f64::from(smallest < 1.0) * FRAC_PI_2
+    // Between the sampled points the gauge may go further by a fraction of what it has gone.
+    (low - 0.1 * (1.0 - low).abs(), high + 0.1 * (high - 1.0).abs())
 }

@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use asperity_set::Vector;
 
-use super::local::{Block, Local, LocalSolution};
+use super::local::{Block, Local, LocalSolution, Selection};
 use super::report::Ended;
 use super::{Stop, Workspace, line, natural_residual, plane};
-use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce};
+use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce, Phase};
 use crate::law::Law;
 
 /// Sweeps until the natural residual is below the tolerance.
@@ -46,23 +46,23 @@ fn sweep(problem: &ContactProblem, memory: &Memory, workspace: &mut Workspace) -
     let mut stuck = None;
     for (i, rows) in problem.contacts.iter().enumerate() {
         let state = &memory.states[i];
-        let Workspace { percussion, blocks, planar, ambiguous, .. } = workspace;
+        let Workspace { percussion, blocks, planar, ambiguous, states, .. } = &mut *workspace;
         let found = match &rows.law {
             Law::One(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                line::solve(&local, state).map(|s| (store(rows, &s.solution, percussion), s.ambiguous))
+                let found = line::solve(&local, state);
+                found.map(|found| store(rows, &found, percussion, &mut states[i]))
             }
             Law::Two(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                let guess = guess(rows, state, &local.b_t);
-                plane::solve(&local, state, &guess, planar)
-                    .map(|s| (store(rows, &s.solution, percussion), s.ambiguous))
+                let found = plane::solve(&local, state, &guess(&states[i], &local.b_t), planar);
+                found.map(|found| store(rows, &found, percussion, &mut states[i]))
             }
             // Refused where problems are made.
             Law::Three(_) => None,
         };
         match found {
-            Some(((), several)) => ambiguous[i] = several,
+            Some(several) => ambiguous[i] = several,
             None => stuck = Some(i),
         }
     }
@@ -70,25 +70,33 @@ fn sweep(problem: &ContactProblem, memory: &Memory, workspace: &mut Workspace) -
 }
 
 /// Where Newton's method starts: the last slip direction, else the free velocity.
-fn guess(_rows: &ContactRows, state: &ContactState, free: &Vector<2>) -> [f64; 3] {
+fn guess(state: &ContactState, free: &Vector<2>) -> [f64; 3] {
     if state.direction == [0.0; 3] { [free.x, free.y, 0.0] } else { state.direction }
 }
 
-fn store<const P: usize>(rows: &ContactRows, solution: &LocalSolution<P>, percussion: &mut [f64]) {
+/// Keeps a solution; whether there were others.
+fn store<const P: usize>(
+    rows: &ContactRows,
+    found: &Selection<P>,
+    percussion: &mut [f64],
+    state: &mut ContactState,
+) -> bool {
+    let solution = &found.solution;
     if rows.normal == NormalForce::Unilateral {
         percussion[rows.offset] = solution.normal;
     }
+    state.phase = solution.phase;
     for j in 0..P {
         percussion[rows.tangent() + j] = solution.tangent[j];
+        if solution.phase == Phase::Slip {
+            state.direction[j] = solution.slip[j];
+        }
     }
+    found.ambiguous
 }
 
 /// Marks the contacts that have more than one solution with the others held.
-pub(super) fn mark_ambiguous(
-    problem: &ContactProblem,
-    memory: &Memory,
-    workspace: &mut Workspace,
-) {
+pub(super) fn mark_ambiguous(problem: &ContactProblem, memory: &Memory, workspace: &mut Workspace) {
     for (i, rows) in problem.contacts.iter().enumerate() {
         let Workspace { percussion, blocks, planar, ambiguous, .. } = workspace;
         let state = &memory.states[i];
@@ -99,7 +107,7 @@ pub(super) fn mark_ambiguous(
             }
             Law::Two(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                let guess = guess(rows, state, &local.b_t);
+                let guess = guess(state, &local.b_t);
                 plane::solve(&local, state, &guess, planar).is_some_and(|s| s.ambiguous)
             }
             Law::Three(_) => false,

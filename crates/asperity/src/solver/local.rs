@@ -4,7 +4,7 @@ use asperity_set::{Matrix, StarSet, Vector};
 use nalgebra::DMatrix;
 
 use super::Workspace;
-use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce, Phase};
+use crate::contact::{ContactProblem, ContactRows, ContactState, NormalForce, Phase};
 use crate::law::{FrictionLaw, Law};
 
 /// The diagonal block of `G` for one contact, unused components zero.
@@ -79,6 +79,12 @@ pub(super) struct LocalSolution<const P: usize> {
     pub degenerate: bool,
 }
 
+/// The stick solution, if it is one, and the gauge `k_C(−P_T/P_N)` of the force it needs.
+pub(super) struct Stick<const P: usize> {
+    pub(super) solution: Option<LocalSolution<P>>,
+    pub(super) gauge: f64,
+}
+
 /// A chosen solution, and whether there were others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Selection<const P: usize> {
@@ -146,7 +152,11 @@ impl<'a, const P: usize> Local<'a, P> {
     /// `g_NN − G_NT x`, one for a prescribed normal force: `P_N = −b_N/den`, `γ = v/den`.
     #[inline]
     pub(super) fn denominator(&self, x: &Vector<P>) -> f64 {
-        if self.prescribed.is_some() { 1.0 } else { self.block.g_nn - cut::<P>(&self.block.g_nt).dot(x) }
+        if self.prescribed.is_some() {
+            1.0
+        } else {
+            self.block.g_nn - cut::<P>(&self.block.g_nt).dot(x)
+        }
     }
 
     /// The sign that the denominator and `n·v` must have in slip.
@@ -169,9 +179,9 @@ impl<'a, const P: usize> Local<'a, P> {
         LocalSolution { phase, normal: 0.0, tangent, slip: self.b_t, degenerate: false }
     }
 
-    /// The solution with `γ = 0` and its gauge `k_C(−P_T/P_N)`, if the force is admissible.
+    /// The percussion with `γ = 0`, whether or not the contact can transmit it.
     #[inline]
-    pub(super) fn stick(&self) -> Option<(LocalSolution<P>, f64)> {
+    pub(super) fn stick(&self) -> Stick<P> {
         let block = self.block;
         let inverse: Matrix<P> = cut_matrix(&block.schur_inverse);
         let load = match self.prescribed {
@@ -182,23 +192,22 @@ impl<'a, const P: usize> Local<'a, P> {
         let normal = self
             .prescribed
             .unwrap_or_else(|| -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) / block.g_nn);
-        // The comparison also turns away NaN.
-        if !(normal > 0.0) {
-            return None;
-        }
-        if block.singular {
-            let reached: Vector<P> =
-                cut_matrix(&block.g_tt) * tangent + cut::<P>(&block.g_tn) * normal + self.b_t;
-            if reached.norm() > 1e-10 * self.b_t.norm() {
-                return None;
-            }
-        }
         let gauge = self.law.reservoir().gauge(&(tangent / -normal));
-        if !(gauge <= 1.0 + 4.0 * f64::EPSILON) {
-            return None;
+        // The comparisons also turn away NaN.
+        let inside = normal > 0.0 && gauge <= 1.0 + 4.0 * f64::EPSILON;
+        if !inside || block.singular && !self.sticks(normal, &tangent) {
+            return Stick { solution: None, gauge };
         }
         let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), block.singular);
-        Some((LocalSolution { phase, normal, tangent, slip, degenerate }, gauge))
+        Stick { solution: Some(LocalSolution { phase, normal, tangent, slip, degenerate }), gauge }
+    }
+
+    /// Whether these percussions do stop the slip, which is not certain with a singular block.
+    fn sticks(&self, normal: f64, tangent: &Vector<P>) -> bool {
+        let block = self.block;
+        let slip: Vector<P> =
+            cut_matrix(&block.g_tt) * tangent + cut::<P>(&block.g_tn) * normal + self.b_t;
+        slip.norm() <= 1e-10 * self.b_t.norm()
     }
 
     /// The selection rule: the solution that continues the previous state.
@@ -228,10 +237,11 @@ impl<'a, const P: usize> Local<'a, P> {
     }
 }
 
-/// Phases and slip directions of the percussions and velocities just found.
-pub(super) fn remember(problem: &ContactProblem, workspace: &Workspace, memory: &mut Memory) {
-    let (percussion, velocity) = (&workspace.percussion, &workspace.velocity);
-    for (rows, state) in problem.contacts.iter().zip(&mut memory.states) {
+/// Phases and slip directions of the percussions and velocities of an iteration, which come with
+/// errors of the size of its tolerance.
+pub(super) fn classify(problem: &ContactProblem, workspace: &mut Workspace) {
+    let Workspace { percussion, velocity, states, .. } = workspace;
+    for (rows, state) in problem.contacts.iter().zip(states) {
         let normal = match rows.normal {
             NormalForce::Prescribed(value) => value,
             NormalForce::Unilateral => percussion[rows.offset],

@@ -22,7 +22,7 @@ pub use prox::ProxStep;
 pub use report::{SolveReport, Status};
 pub use residual::{Residual, natural_residual};
 
-use crate::contact::{ContactProblem, Memory, Phase};
+use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use local::{Block, LocalSolution};
 
 /// A solver and its options.
@@ -70,6 +70,7 @@ pub struct Workspace {
     /// Diagonal blocks of `G`, prepared.
     blocks: Vec<Block>,
     planar: Vec<LocalSolution<2>>,
+    states: Vec<ContactState>,
     next: Vec<f64>,
 }
 
@@ -98,6 +99,7 @@ impl Solver {
         workspace: &mut Workspace,
     ) -> SolveReport {
         workspace.percussion.copy_from_slice(&memory.percussion);
+        workspace.states.clone_from(&memory.states);
         workspace.ambiguous.fill(false);
         let (iterations, status) = match *self {
             Self::Exact { max_sweeps } => {
@@ -114,10 +116,11 @@ impl Solver {
         let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity);
         if !matches!(self, Self::Exact { .. }) {
             exact::mark_ambiguous(problem, memory, workspace);
+            local::classify(problem, workspace);
         }
         let report = SolveReport::new(status, iterations, residual, stop.tolerance, workspace);
         memory.percussion.copy_from_slice(&workspace.percussion);
-        local::remember(problem, workspace, memory);
+        memory.states.clone_from(&workspace.states);
         report
     }
 }

@@ -32,7 +32,9 @@ struct Slip<'a, 'b> {
 impl<'a, 'b> Slip<'a, 'b> {
     fn new(local: &'a Local<'b, 2>, table: &WalkTable) -> Self {
         let (c0, a) = local.affine();
-        let (norm_c, norm_a) = (c0.norm(), a.norm());
+        // Sums of magnitudes bound the norms and need no roots.
+        let norm_c = c0.x.abs() + c0.y.abs();
+        let norm_a = a.m11.abs() + a.m12.abs() + a.m21.abs() + a.m22.abs();
         let rounding = 8.0 * f64::EPSILON * (norm_c + norm_a * table.largest_radius);
         Self { local, c0, a, sign: local.sign(), norm_c, norm_a, rounding }
     }
@@ -60,9 +62,14 @@ impl<'a, 'b> Slip<'a, 'b> {
     fn admit(&self, point: &BoundaryPoint, degenerate: bool) -> Option<LocalSolution<2>> {
         let x = self.on_reservoir(point);
         let v = self.velocity(&x);
-        let outward = self.sign * point.normal.dot(&v) > 0.0;
-        let pressed = self.sign * self.local.denominator(&x) > 0.0;
-        (outward && pressed).then(|| self.local.slip(&x, &v, degenerate))
+        self.admit_root(&point.normal, &x, &v, degenerate)
+    }
+
+    #[inline]
+    fn admit_root(&self, n: &V, x: &V, v: &V, degenerate: bool) -> Option<LocalSolution<2>> {
+        let outward = self.sign * n.dot(v) > 0.0;
+        let pressed = self.sign * self.local.denominator(x) > 0.0;
+        (outward && pressed).then(|| self.local.slip(x, v, degenerate))
     }
 }
 
@@ -76,7 +83,7 @@ pub(super) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) {
     if local.prescribed.is_none() && local.b_n >= 0.0 {
         out.push(local.open());
     }
-    out.extend(local.stick().map(|(solution, _)| solution));
+    out.extend(local.stick().solution);
     if local.prescribed.is_none() && local.b_n == 0.0 {
         return;
     }
@@ -238,24 +245,30 @@ pub(super) fn solve(
 /// The solution, if it is found quickly and certainly the only one.
 fn fast(local: &Local<'_, 2>, guess: &[f64; 3]) -> Option<LocalSolution<2>> {
     let table = local.law.table();
-    let pressed = local.block.g_nn - local.block.g_nt.norm() * table.largest_radius > 0.0;
-    if local.prescribed.is_none() && !pressed {
-        return None;
+    if local.prescribed.is_none() {
+        let pressed = local.block.g_nn > local.block.g_nt.norm() * table.largest_radius;
+        if !pressed {
+            return None;
+        }
+        if local.b_n >= 0.0 {
+            return Some(local.open());
+        }
     }
-    if local.prescribed.is_none() && local.b_n >= 0.0 {
-        return Some(local.open());
-    }
-    let stick = local.stick();
     let slip = Slip::new(local, table);
-    let certain = monotone_law(&slip.a, table.smallest_sine);
-    if let Some((solution, gauge)) = stick {
-        let alone = certain || gauge < table.unique_stick && is_scalar(&slip.a);
-        if alone && !solution.degenerate && gauge < 1.0 - 1e-12 {
+    let stick = local.stick();
+    let certain = monotone_law(&slip.a, table.smallest_sine) || {
+        let (low, high) = table.ambiguous;
+        is_scalar(&slip.a) && !(low..=high).contains(&(stick.gauge))
+    };
+    if let Some(solution) = stick.solution {
+        if solution.degenerate || stick.gauge >= 1.0 - 1e-12 {
+            return None;
+        }
+        if certain {
             return Some(solution);
         }
         let scan = Scan::new(&slip, table);
-        let no_slip = (0..COARSE).all(|i| scan.excluded(&slip, table, i));
-        return (no_slip && !solution.degenerate).then_some(solution);
+        return (0..COARSE).all(|i| scan.excluded(&slip, table, i)).then_some(solution);
     }
     let solution = newton(&slip, guess)?;
     (certain || Scan::new(&slip, table).has_one_root(&slip, table)).then_some(solution)
@@ -303,14 +316,17 @@ fn newton(slip: &Slip<'_, '_>, guess: &[f64; 3]) -> Option<LocalSolution<2>> {
         let v = slip.velocity(&x);
         let value = cross(&n, &v);
         if value.abs() <= slip.rounding {
-            let outward = slip.sign * n.dot(&v) > 0.0;
-            let pressed = slip.sign * slip.local.denominator(&x) > 0.0;
-            return (outward && pressed).then(|| slip.local.slip(&x, &v, false));
+            return slip.admit_root(&n, &x, &v, false);
         }
         let turn = V::new(-n.y, n.x);
         let dz = hessian * turn;
         let dx = (dz - x * gradient.dot(&dz)) / gauge;
-        let step = value / (n.dot(&v) + cross(&n, &(slip.a * dx)));
+        let dv = slip.a * dx;
+        let step = value / (n.dot(&v) + cross(&n, &dv));
+        // What is left after the last step is its square.
+        if step.abs() < 1e-9 {
+            return slip.admit_root(&n, &(x + dx * step), &(v - dv * step), false);
+        }
         // The comparison also turns away NaN from flats, where the Hessian is infinite.
         if !(step.abs() < 0.3) {
             return None;

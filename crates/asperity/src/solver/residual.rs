@@ -19,7 +19,11 @@ pub struct Residual {
 /// `P_N − max(0, P_N − ρξ_N)` and, for `z = −αP`, `z − prox_{P_N D}(z + ργ)` (\[WL19\] (12), (69)).
 ///
 /// It vanishes exactly at solutions: the second is zero iff `k_C(−P/P_N) ≤ 1` and `γ ∈ N_D(z)`.
-pub fn natural_residual(problem: &ContactProblem, percussion: &[f64], velocity: &[f64]) -> Residual {
+pub fn natural_residual(
+    problem: &ContactProblem,
+    percussion: &[f64],
+    velocity: &[f64],
+) -> Residual {
     let rows = problem.rows();
     let rho = rows as f64 / problem.delassus.trace();
     let (mut sum, mut worst, mut worst_contact) = (0.0, -1.0, 0);

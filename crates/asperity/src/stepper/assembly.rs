@@ -15,6 +15,8 @@ pub(super) struct Assembly {
     closed: Vec<usize>,
     /// Whether the problem has been assembled at all.
     ready: bool,
+    /// Whether contacts neither open, close nor change their directions.
+    fixed: bool,
     /// Rows `W_Nᵀ`, `Wᵀ` of the closed contacts, one after another.
     jacobian: Vec<f64>,
     /// `M⁻¹W`, one column after another.
@@ -37,6 +39,8 @@ impl Assembly {
             active: Vec::with_capacity(contacts),
             closed: Vec::with_capacity(contacts),
             ready: false,
+            fixed: system.constancy().contacts
+                && system.contacts().iter().all(|contact| contact.normal_force.is_some()),
             jacobian: Vec::new(),
             response: Vec::new(),
             chi: Vec::new(),
@@ -92,6 +96,9 @@ impl Assembly {
         factor: &MassFactor,
         new_mass: bool,
     ) -> Result<bool, SystemError> {
+        if self.ready && self.fixed && !new_mass {
+            return Ok(false);
+        }
         self.find_closed(system, t, q)?;
         let same_contacts = self.ready && self.closed == self.active;
         if same_contacts && system.constancy().contacts && !new_mass {
@@ -124,8 +131,9 @@ impl Assembly {
             Some(force) => NormalForce::Prescribed(force * dt),
             None => NormalForce::Unilateral,
         };
-        self.problem =
-            ContactProblem::blank(self.active.iter().map(|&c| (laws[c].law.clone(), normal_force(c))));
+        self.problem = ContactProblem::blank(
+            self.active.iter().map(|&c| (laws[c].law.clone(), normal_force(c))),
+        );
         let rows = self.problem.rows();
         self.jacobian.resize(rows * self.dof, 0.0);
         self.response.resize(rows * self.dof, 0.0);

@@ -78,7 +78,8 @@ impl LinearSystem {
         check_matrix("stiffness", &stiffness, n, n)?;
         check_matrix("damping", &damping, n, n)?;
         check_finite("force", &force, n)?;
-        if (&mass - mass.transpose()).amax() > 1e-12 * mass.amax() || mass.clone().cholesky().is_none()
+        if (&mass - mass.transpose()).amax() > 1e-12 * mass.amax()
+            || mass.clone().cholesky().is_none()
         {
             return Err(SystemError::argument("mass", "must be symmetric positive definite"));
         }

@@ -19,7 +19,13 @@ pub fn sliding_point(
     }
     let contact = Contact::with_force(law, DMatrix::identity(2, 2), mass * gravity);
     let zero = DMatrix::zeros(2, 2);
-    LinearSystem::new(DMatrix::identity(2, 2) * mass, zero.clone(), zero, vec![0.0; 2], vec![contact])
+    LinearSystem::new(
+        DMatrix::identity(2, 2) * mass,
+        zero.clone(),
+        zero,
+        vec![0.0; 2],
+        vec![contact],
+    )
 }
 
 /// A mass on springs that rubs on a belt moving with `belt_velocity` v: χ = −v (\[WL19\] §4.3).
