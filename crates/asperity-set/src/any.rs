@@ -159,7 +159,7 @@ impl Convex<2> {
         match self {
             Self::Ball(_) => Ok(self.clone()),
             // Without the detour through the factorisation of a general map.
-            Self::Ellipsoid(ellipsoid) => Ok(ellipsoid.rotated(&rotation).into()),
+            Self::Ellipsoid(ellipsoid) => Ok(ellipsoid.rotated(&rotation)?.into()),
             _ if angle == 0.0 => Ok(self.clone()),
             _ => self.mapped(&rotation),
         }
@@ -178,12 +178,12 @@ impl Star<2> {
 }
 
 impl<const P: usize> StarSet<P> for Convex<P> {
-    #[inline]
+    #[inline(always)]
     fn gauge(&self, x: &Vector<P>) -> f64 {
         each_convex!(self, set => set.gauge(x))
     }
 
-    #[inline]
+    #[inline(always)]
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
         each_convex!(self, set => set.gauge_jet(x))
     }
@@ -194,19 +194,24 @@ impl<const P: usize> StarSet<P> for Convex<P> {
 }
 
 impl<const P: usize> ConvexSet<P> for Convex<P> {
-    #[inline]
+    #[inline(always)]
     fn support_point(&self, y: &Vector<P>) -> Vector<P> {
         each_convex!(self, set => set.support_point(y))
     }
 
-    #[inline]
+    #[inline(always)]
     fn support(&self, y: &Vector<P>) -> f64 {
         each_convex!(self, set => set.support(y))
     }
 
-    #[inline]
+    #[inline(always)]
     fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
         each_convex!(self, set => set.support_jet(y))
+    }
+
+    #[inline(always)]
+    fn support_derivative(&self, y: &Vector<P>, dy: &Vector<P>) -> (Vector<P>, Vector<P>) {
+        each_convex!(self, set => set.support_derivative(y, dy))
     }
 
     fn project(&self, z: &Vector<P>) -> Vector<P> {
@@ -223,12 +228,12 @@ impl<const P: usize> ConvexSet<P> for Convex<P> {
 }
 
 impl<const P: usize> StarSet<P> for Star<P> {
-    #[inline]
+    #[inline(always)]
     fn gauge(&self, x: &Vector<P>) -> f64 {
         each_star!(self, set => set.gauge(x))
     }
 
-    #[inline]
+    #[inline(always)]
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
         each_star!(self, set => set.gauge_jet(x))
     }

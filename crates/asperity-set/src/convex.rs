@@ -35,6 +35,12 @@ pub trait ConvexSet<const P: usize>: StarSet<P> {
         (self.support_point(y), (hessian + hessian.transpose()) * 0.5)
     }
 
+    /// Support point at `y ≠ 0` and its derivative `∇²h(y) dy`.
+    fn support_derivative(&self, y: &Vector<P>, dy: &Vector<P>) -> (Vector<P>, Vector<P>) {
+        let (point, hessian) = self.support_jet(y);
+        (point, hessian * dy)
+    }
+
     /// Hessian of the support function, see [`support_jet`](Self::support_jet).
     fn support_hessian(&self, y: &Vector<P>) -> Matrix<P> {
         self.support_jet(y).1

@@ -9,6 +9,10 @@ use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::positive};
 pub struct Ellipsoid<const P: usize> {
     semi_axes: Vector<P>,
     axes: Matrix<P>,
+    /// `R diag(a)`, which maps the unit ball to the set.
+    from_ball: Matrix<P>,
+    /// `diag(1/a) Rᵀ`, which maps the set to the unit ball.
+    to_ball: Matrix<P>,
 }
 
 /// The planar [`Ellipsoid`] (\[WL19\] (34)).
@@ -17,10 +21,17 @@ pub type Ellipse = Ellipsoid<2>;
 impl<const P: usize> Ellipsoid<P> {
     /// Ellipsoid with semi-axes along the coordinate axes.
     pub fn new(semi_axes: Vector<P>) -> Result<Self, SetError> {
+        Self::along(semi_axes, Matrix::identity())
+    }
+
+    /// Ellipsoid with semi-axes along the columns of a rotation.
+    fn along(semi_axes: Vector<P>, axes: Matrix<P>) -> Result<Self, SetError> {
         for &a in semi_axes.iter() {
             positive("semi_axes", a)?;
         }
-        Ok(Self { semi_axes, axes: Matrix::identity() })
+        let from_ball = Matrix::from_fn(|i, j| axes[(i, j)] * semi_axes[j]);
+        let to_ball = Matrix::from_fn(|i, j| axes[(j, i)] / semi_axes[i]);
+        Ok(Self { semi_axes, axes, from_ball, to_ball })
     }
 
     /// The image of the unit ball under a regular `map`.
@@ -40,8 +51,7 @@ impl<const P: usize> Ellipsoid<P> {
             }
         }
         let semi_axes = Vector::from_fn(|i, _| columns.column(i).norm());
-        let axes = Matrix::from_fn(|i, j| columns[(i, j)] / semi_axes[j]);
-        Ok(Self { semi_axes: Self::new(semi_axes)?.semi_axes, axes })
+        Self::along(semi_axes, Matrix::from_fn(|i, j| columns[(i, j)] / semi_axes[j]))
     }
 
     /// Semi-axes.
@@ -55,16 +65,16 @@ impl<const P: usize> Ellipsoid<P> {
     }
 
     pub(crate) fn scaled(&self, factor: f64) -> Result<Self, SetError> {
-        Ok(Self { axes: self.axes, ..Self::new(self.semi_axes * factor)? })
+        Self::along(self.semi_axes * factor, self.axes)
     }
 
     /// The image under `map`, which is an ellipsoid again.
     pub(crate) fn mapped(&self, map: &Matrix<P>) -> Result<Self, SetError> {
-        Self::from_map(&(map * self.axes * Matrix::from_diagonal(&self.semi_axes)))
+        Self::from_map(&(map * self.from_ball))
     }
 
-    pub(crate) fn rotated(&self, rotation: &Matrix<P>) -> Self {
-        Self { semi_axes: self.semi_axes, axes: rotation * self.axes }
+    pub(crate) fn rotated(&self, rotation: &Matrix<P>) -> Result<Self, SetError> {
+        Self::along(self.semi_axes, rotation * self.axes)
     }
 }
 
@@ -107,83 +117,116 @@ impl Ellipse {
 impl<const P: usize> StarSet<P> for Ellipsoid<P> {
     #[inline]
     fn gauge(&self, x: &Vector<P>) -> f64 {
-        self.axes.tr_mul(x).component_div(&self.semi_axes).norm()
+        (self.to_ball * x).norm()
     }
 
     #[inline]
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
-        let unit = self.axes.tr_mul(x).component_div(&self.semi_axes);
+        let unit = self.to_ball * x;
         let gauge = unit.norm();
-        (gauge, self.axes * (unit / gauge).component_div(&self.semi_axes))
+        (gauge, self.to_ball.tr_mul(&unit) * (1.0 / gauge))
     }
 }
 
 impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
     #[inline]
     fn support_point(&self, y: &Vector<P>) -> Vector<P> {
-        let stretched = self.axes.tr_mul(y).component_mul(&self.semi_axes);
-        self.axes * (stretched / stretched.norm()).component_mul(&self.semi_axes)
+        let stretched = self.from_ball.tr_mul(y);
+        self.from_ball * (stretched * (1.0 / stretched.norm()))
     }
 
     fn support(&self, y: &Vector<P>) -> f64 {
-        self.axes.tr_mul(y).component_mul(&self.semi_axes).norm()
+        self.from_ball.tr_mul(y).norm()
     }
 
     #[inline]
     fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
-        let stretched = self.axes.tr_mul(y).component_mul(&self.semi_axes);
-        let support = stretched.norm();
-        let unit = stretched / support;
-        let factor = self.axes * Matrix::from_diagonal(&self.semi_axes);
-        let tangential = (Matrix::identity() - unit * unit.transpose()) / support;
-        (factor * unit, factor * tangential * factor.transpose())
+        let stretched = self.from_ball.tr_mul(y);
+        let reciprocal = 1.0 / stretched.norm();
+        let unit = stretched * reciprocal;
+        let point = self.from_ball * unit;
+        let tangential = (Matrix::identity() - unit * unit.transpose()) * reciprocal;
+        (point, self.from_ball * tangential * self.from_ball.transpose())
     }
 
+    #[inline]
+    fn support_derivative(&self, y: &Vector<P>, dy: &Vector<P>) -> (Vector<P>, Vector<P>) {
+        let stretched = self.from_ball.tr_mul(y);
+        let reciprocal = 1.0 / stretched.norm();
+        let (unit, change) = (stretched * reciprocal, self.from_ball.tr_mul(dy));
+        let across = change - unit * unit.dot(&change);
+        (self.from_ball * unit, self.from_ball * across * reciprocal)
+    }
+
+    /// From a lower bound of the root Newton's method never oversteps.
     fn project(&self, z: &Vector<P>) -> Vector<P> {
-        self.project_with(z, |_| 0.0)
+        if (self.to_ball * z).norm_squared() <= 1.0 {
+            return *z;
+        }
+        let local = self.axes.tr_mul(z);
+        let (stretched, squares) = (local.component_mul(&self.semi_axes), self.squares());
+        let mut t = f64::max(0.0, stretched.norm() - squares.max());
+        for i in 0..P {
+            t = t.max(stretched[i].abs() - squares[i]);
+        }
+        for _ in 0..100 {
+            let (on_sphere, step) = secular_step(&stretched, &squares, t);
+            if step <= 4.0 * f64::EPSILON * (t + squares.min()) {
+                return self.from_axes(&on_sphere);
+            }
+            t += step;
+        }
+        self.from_axes(&secular_step(&stretched, &squares, t).0)
     }
 
-    /// On the boundary `z = x + t x/a²` in the axes: the start gives `t` to second order.
+    /// On the boundary `z = x + t x/a²` in the axes, which gives `t` to second order.
+    #[inline]
     fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
-        self.project_with(z, |local| {
-            let start = self.axes.tr_mul(start);
-            let normal = start.component_div(&self.semi_axes).component_div(&self.semi_axes);
-            normal.dot(&(local - start)) / normal.norm_squared()
-        })
+        if (self.to_ball * z).norm_squared() <= 1.0 {
+            return *z;
+        }
+        let (local, start) = (self.axes.tr_mul(z), self.axes.tr_mul(start));
+        let (stretched, squares) = (local.component_mul(&self.semi_axes), self.squares());
+        let normal = start.component_div(&squares);
+        let mut t = normal.dot(&(local - start)) / normal.norm_squared();
+        for _ in 0..4 {
+            // A start that is far off, or no number, is of no use.
+            if !(t >= 0.0) {
+                break;
+            }
+            let (on_sphere, step) = secular_step(&stretched, &squares, t);
+            if step.abs() <= 4.0 * f64::EPSILON * (t + squares.min()) {
+                return self.from_axes(&on_sphere);
+            }
+            t += step;
+        }
+        self.project(z)
     }
 }
 
 impl<const P: usize> Ellipsoid<P> {
-    /// `xᵢ = aᵢ²zᵢ/(t + aᵢ²)`, `t` the root of the secular equation `‖aᵢzᵢ/(t + aᵢ²)‖ = 1`.
-    ///
-    /// Newton's method on the reciprocal norm, which is nearly linear in `t`, from a lower bound or a
-    /// better guess in the axes of the ellipsoid.
     #[inline]
-    fn project_with(&self, z: &Vector<P>, guess: impl Fn(&Vector<P>) -> f64) -> Vector<P> {
-        let local = self.axes.tr_mul(z);
-        let unit = local.component_div(&self.semi_axes);
-        if unit.norm_squared() <= 1.0 {
-            return *z;
-        }
-        let squares = self.semi_axes.component_mul(&self.semi_axes);
-        let stretched = local.component_mul(&self.semi_axes);
-        let mut lowest = f64::max(0.0, stretched.norm() - squares.max());
-        for i in 0..P {
-            lowest = lowest.max(stretched[i].abs() - squares[i]);
-        }
-        // A guess that is no number falls back to the bound.
-        let mut t = guess(&local).max(lowest);
-        let mut on_sphere = stretched.component_div(&squares.map(|s| t + s));
-        for _ in 0..100 {
-            let norm2 = on_sphere.norm_squared();
-            let slope = on_sphere.component_div(&squares.map(|s| t + s)).dot(&on_sphere);
-            let step = norm2 * (norm2.sqrt() - 1.0) / slope;
-            t = f64::max(t + step, lowest);
-            on_sphere = stretched.component_div(&squares.map(|s| t + s));
-            if step.abs() <= 4.0 * f64::EPSILON * (t + squares.min()) {
-                break;
-            }
-        }
-        self.axes * on_sphere.normalize().component_mul(&self.semi_axes)
+    fn squares(&self) -> Vector<P> {
+        self.semi_axes.component_mul(&self.semi_axes)
     }
+
+    /// The boundary point `R (a ∘ w/‖w‖)`.
+    #[inline]
+    fn from_axes(&self, w: &Vector<P>) -> Vector<P> {
+        self.from_ball * (w * (1.0 / w.norm()))
+    }
+}
+
+/// The projection is `xᵢ = aᵢ²zᵢ/(t + aᵢ²)` with `t` the root of the secular equation `‖w‖ = 1`,
+/// `wᵢ = aᵢzᵢ/(t + aᵢ²)`: `w` at `t`, and Newton's step for `1/‖w‖ = 1`, which is nearly linear in `t`.
+#[inline]
+fn secular_step<const P: usize>(
+    stretched: &Vector<P>,
+    squares: &Vector<P>,
+    t: f64,
+) -> (Vector<P>, f64) {
+    let reciprocal = squares.map(|s| 1.0 / (t + s));
+    let w = stretched.component_mul(&reciprocal);
+    let norm2 = w.norm_squared();
+    (w, norm2 * (norm2.sqrt() - 1.0) / w.component_mul(&reciprocal).dot(&w))
 }

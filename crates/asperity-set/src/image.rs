@@ -73,6 +73,13 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
         (self.map * point, self.map * hessian * self.map.transpose())
     }
 
+    #[inline]
+    fn support_derivative(&self, y: &Vector<P>, dy: &Vector<P>) -> (Vector<P>, Vector<P>) {
+        let (y, dy) = (self.map.tr_mul(y), self.map.tr_mul(dy));
+        let (point, derivative) = self.set.support_derivative(&y, &dy);
+        (self.map * point, self.map * derivative)
+    }
+
     fn project(&self, z: &Vector<P>) -> Vector<P> {
         match self.similarity {
             Some(_) => self.map * self.set.project(&(self.inverse * z)),

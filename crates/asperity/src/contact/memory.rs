@@ -31,8 +31,20 @@ impl Phase {
 pub struct ContactState {
     /// Last phase.
     pub phase: Phase,
-    /// Direction of the last slip, unused components zero; need not have unit length.
+    /// Last slip velocity, unused components zero; only its direction counts.
     pub direction: [f64; 3],
+    /// The two slip velocities before that, latest first: extrapolation gives Newton's method a better
+    /// start.
+    pub(crate) earlier: [[f64; 3]; 2],
+    /// How many of them belong to the present slip.
+    pub(crate) known: u8,
+}
+
+impl ContactState {
+    /// A state without further history.
+    pub fn new(phase: Phase, direction: [f64; 3]) -> Self {
+        Self { phase, direction, ..Self::default() }
+    }
 }
 
 /// Start percussions and contact states: a warm start, and the input of the selection rule.
@@ -64,7 +76,7 @@ impl Memory {
                     direction[i] = velocity[row] + problem.restitution[row];
                 }
             }
-            ContactState { phase, direction }
+            ContactState::new(phase, direction)
         });
         Self { percussion: percussion.to_vec(), states: states.collect() }
     }

@@ -92,6 +92,8 @@ pub struct ContactProblem {
     /// `e γ_B`.
     pub(crate) restitution: Vec<f64>,
     pub(crate) contacts: Vec<ContactRows>,
+    /// `ρ = rows/tr G`, the prox parameter of the residual.
+    pub(crate) rho: f64,
 }
 
 impl ContactProblem {
@@ -130,7 +132,8 @@ impl ContactProblem {
                 }
             }
         }
-        Ok(Self { delassus, free_velocity, restitution: vec![0.0; offset], contacts })
+        let rho = offset as f64 / delassus.trace();
+        Ok(Self { delassus, free_velocity, restitution: vec![0.0; offset], contacts, rho })
     }
 
     /// The problem with restitution: coefficients `e_N`, `e_T` per contact and velocities `γ_B` before,
@@ -187,9 +190,14 @@ impl ContactProblem {
     }
 
     /// Velocities `γ_E = G P + b`.
+    #[inline]
     pub fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
-        for (row, value) in velocity.iter_mut().enumerate() {
-            *value = self.row_velocity(row, percussion);
+        velocity.copy_from_slice(&self.free_velocity);
+        let columns = self.delassus.as_slice().chunks_exact(self.rows().max(1));
+        for (column, p) in columns.zip(percussion) {
+            for (value, g) in velocity.iter_mut().zip(column) {
+                *value += g * p;
+            }
         }
     }
 }

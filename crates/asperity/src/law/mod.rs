@@ -8,4 +8,5 @@ mod table;
 pub use any::Law;
 pub use error::LawError;
 pub use extended::FrictionLaw;
-pub use table::{COARSE, Cell, FINE_PER_COARSE, WalkTable};
+pub use table::WalkTable;
+pub(crate) use table::{COARSE, Cell, FINE_PER_COARSE, Node};

@@ -11,13 +11,13 @@ use std::f64::consts::TAU;
 use asperity_set::{Arc, BoundaryPoint, Convex, ConvexSet, Star, StarSet, Vector};
 
 /// Number of coarse cells.
-pub const COARSE: usize = 64;
+pub(crate) const COARSE: usize = 64;
 /// Number of fine cells in a coarse one.
-pub const FINE_PER_COARSE: usize = 16;
+pub(crate) const FINE_PER_COARSE: usize = 16;
 
 /// A node: a point of bdry *D* with its normal, and the point of bdry *C* on the same ray.
 #[derive(Debug, Clone, Copy)]
-pub struct Node {
+pub(crate) struct Node {
     /// The point of bdry *D*.
     pub point: BoundaryPoint,
     /// `x = z/k_C(z)`.
@@ -26,7 +26,7 @@ pub struct Node {
 
 /// Bounds over a cell: `F` differs from a point of its chord by at most `|c₀| normal + |A| product`.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Cell {
+pub(crate) struct Cell {
     /// Largest distance of the normal from its chord.
     pub normal: f64,
     /// Largest distance of the dyad `n ⊗ x` from its chord.
@@ -35,7 +35,7 @@ pub struct Cell {
 
 /// Columns whose linear combinations are `n × v` and `n · v` at the coarse nodes.
 #[derive(Debug, Clone)]
-pub struct Columns {
+pub(crate) struct Columns {
     pub(crate) n: [[f64; COARSE]; 2],
     /// `nx[i][j]` is `nᵢ xⱼ`.
     pub(crate) nx: [[[f64; COARSE]; 2]; 2],

@@ -51,12 +51,13 @@ fn sweep(problem: &ContactProblem, memory: &Memory, workspace: &mut Workspace) -
             Law::One(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
                 let found = line::solve(&local, state);
-                found.map(|found| store(rows, &found, percussion, &mut states[i]))
+                found.map(|found| store(rows, &found, percussion, state, &mut states[i]))
             }
             Law::Two(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                let found = plane::solve(&local, state, &guess(&states[i], &local.b_t), planar);
-                found.map(|found| store(rows, &found, percussion, &mut states[i]))
+                let found =
+                    plane::solve(&local, state, &guess(state, &states[i], &local.b_t), planar);
+                found.map(|found| store(rows, &found, percussion, state, &mut states[i]))
             }
             // Refused where problems are made.
             Law::Three(_) => None,
@@ -69,9 +70,19 @@ fn sweep(problem: &ContactProblem, memory: &Memory, workspace: &mut Workspace) -
     stuck
 }
 
-/// Where Newton's method starts: the last slip direction, else the free velocity.
-fn guess(state: &ContactState, free: &Vector<2>) -> [f64; 3] {
-    if state.direction == [0.0; 3] { [free.x, free.y, 0.0] } else { state.direction }
+/// Where Newton's method starts: the slip velocity extrapolated, else the last one, else the free one.
+#[inline]
+fn guess(history: &ContactState, state: &ContactState, free: &Vector<2>) -> Vector<2> {
+    let planar = |v: &[f64; 3]| Vector::<2>::new(v[0], v[1]);
+    let last = planar(&state.direction);
+    // Only in the first sweep is the last slip that of the step before.
+    if history.known == 0 || state.direction != history.direction {
+        return if last.amax() == 0.0 { *free } else { last };
+    }
+    let [one, two] = [planar(&history.earlier[0]), planar(&history.earlier[1])];
+    let ahead = if history.known == 1 { last * 2.0 - one } else { (last - one) * 3.0 + two };
+    // Where the slip ceases, extrapolation would turn it round.
+    if ahead.dot(&last) > 0.5 * last.norm_squared() { ahead } else { last }
 }
 
 /// Keeps a solution; whether there were others.
@@ -79,6 +90,7 @@ fn store<const P: usize>(
     rows: &ContactRows,
     found: &Selection<P>,
     percussion: &mut [f64],
+    history: &ContactState,
     state: &mut ContactState,
 ) -> bool {
     let solution = &found.solution;
@@ -88,8 +100,15 @@ fn store<const P: usize>(
     state.phase = solution.phase;
     for j in 0..P {
         percussion[rows.tangent() + j] = solution.tangent[j];
-        if solution.phase == Phase::Slip {
+    }
+    state.known = 0;
+    if solution.phase == Phase::Slip {
+        for j in 0..P {
             state.direction[j] = solution.slip[j];
+        }
+        if history.phase == Phase::Slip {
+            state.earlier = [history.direction, history.earlier[0]];
+            state.known = (history.known + 1).min(2);
         }
     }
     found.ambiguous
@@ -107,7 +126,7 @@ pub(super) fn mark_ambiguous(problem: &ContactProblem, memory: &Memory, workspac
             }
             Law::Two(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                let guess = guess(state, &local.b_t);
+                let guess = guess(state, state, &local.b_t);
                 plane::solve(&local, state, &guess, planar).is_some_and(|s| s.ambiguous)
             }
             Law::Three(_) => false,

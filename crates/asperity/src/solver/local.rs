@@ -18,6 +18,9 @@ pub(super) struct Block {
     /// pseudo-inverse where that is singular.
     pub(super) schur_inverse: Matrix<2>,
     pub(super) singular: bool,
+    /// What is known of the slip equation before the loads are: only where the normal force is
+    /// prescribed is its matrix `A` a multiple of `G_TT`.
+    pub(super) shape: Shape,
 }
 
 impl Block {
@@ -40,7 +43,51 @@ impl Block {
             (_, false) => schur.try_inverse().unwrap_or_default(),
             (_, true) => pseudo_inverse(&schur),
         };
-        Self { g_nn, g_nt, g_tn, g_tt, schur_inverse, singular }
+        let shape = match &rows.law {
+            Law::Two(law) if !unilateral => Shape::new(&g_tt, law.table().smallest_sine),
+            _ => Shape::General,
+        };
+        Self { g_nn, g_nt, g_tn, g_tt, schur_inverse, singular, shape }
+    }
+}
+
+/// What the matrix `A` of the slip equation `n × (c₀ − A x) = 0` says of the number of its solutions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// Never more than one solution.
+    Monotone,
+    /// `A = aI`: one solution but for loads of certain gauges.
+    Scalar,
+    /// Nothing.
+    General,
+}
+
+impl Shape {
+    /// The O(1) certificate of uniqueness: `n × (A x') > 0` all along the boundary.
+    ///
+    /// The angle from `n` to the tangent `x'` of *C* has a sine of at least `m`; `A` is a rotation by δ
+    /// times r plus a trace-free part of norm d, so it turns `x'` by at most `|δ| + asin(d/r)`, which
+    /// must be less than `asin m`.
+    #[inline]
+    pub(super) fn new(a: &Matrix<2>, smallest_sine: f64) -> Self {
+        let (along, across) = (0.5 * (a.m11 + a.m22), 0.5 * (a.m21 - a.m12));
+        let r = along.hypot(across);
+        let d = (0.5 * (a.m11 - a.m22)).hypot(0.5 * (a.m12 + a.m21));
+        if !(along > 0.0 && d < r) {
+            return Self::General;
+        }
+        let (sine_delta, cosine_delta) = (across.abs() / r, along / r);
+        let sine_d = d / r;
+        let cosine_d = (1.0 - sine_d * sine_d).sqrt();
+        let sine = sine_delta * cosine_d + cosine_delta * sine_d;
+        let cosine = cosine_delta * cosine_d - sine_delta * sine_d;
+        if cosine > 0.0 && sine < smallest_sine - 1e-9 {
+            Self::Monotone
+        } else if sine_delta.max(sine_d) <= 1e-14 {
+            Self::Scalar
+        } else {
+            Self::General
+        }
     }
 }
 
@@ -81,6 +128,8 @@ pub(super) struct LocalSolution<const P: usize> {
 
 /// The stick solution, if it is one, and the gauge `k_C(−P_T/P_N)` of the force it needs.
 pub(super) struct Stick<const P: usize> {
+    /// `−P_T/P_N`.
+    pub(super) load: Vector<P>,
     pub(super) solution: Option<LocalSolution<P>>,
     pub(super) gauge: f64,
 }
@@ -105,7 +154,7 @@ fn cut_matrix<const P: usize>(m: &Matrix<2>) -> Matrix<P> {
 
 impl<'a, const P: usize> Local<'a, P> {
     /// The problem of `rows` with the other contacts' percussions held.
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(
         law: &'a FrictionLaw<P>,
         problem: &ContactProblem,
@@ -116,15 +165,12 @@ impl<'a, const P: usize> Local<'a, P> {
         let own = rows.offset..rows.offset + rows.len();
         let alone = own.len() == percussion.len();
         let held = |row: usize| {
-            let mut sum = problem.free_velocity[row] + problem.restitution[row];
-            if !alone {
-                for (j, p) in percussion.iter().enumerate() {
-                    if !own.contains(&j) {
-                        sum += problem.delassus[(row, j)] * p;
-                    }
-                }
+            let free = problem.free_velocity[row] + problem.restitution[row];
+            if alone {
+                return free;
             }
-            sum
+            let others = percussion.iter().enumerate().filter(|(j, _)| !own.contains(j));
+            others.fold(free, |sum, (j, p)| sum + problem.delassus[(row, j)] * p)
         };
         let (prescribed, b_n) = match rows.normal {
             NormalForce::Prescribed(value) => (Some(value), 0.0),
@@ -170,7 +216,8 @@ impl<'a, const P: usize> Local<'a, P> {
         let denominator = self.denominator(x);
         let normal = self.prescribed.unwrap_or(-self.b_n / denominator);
         let tangent = x * -normal;
-        LocalSolution { phase: Phase::Slip, normal, tangent, slip: v / denominator, degenerate }
+        let slip = v * (1.0 / denominator);
+        LocalSolution { phase: Phase::Slip, normal, tangent, slip, degenerate }
     }
 
     /// Open contact with the tangential velocity it then has.
@@ -180,7 +227,7 @@ impl<'a, const P: usize> Local<'a, P> {
     }
 
     /// The percussion with `γ = 0`, whether or not the contact can transmit it.
-    #[inline]
+    #[inline(always)]
     pub(super) fn stick(&self) -> Stick<P> {
         let block = self.block;
         let inverse: Matrix<P> = cut_matrix(&block.schur_inverse);
@@ -192,14 +239,19 @@ impl<'a, const P: usize> Local<'a, P> {
         let normal = self
             .prescribed
             .unwrap_or_else(|| -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) / block.g_nn);
-        let gauge = self.law.reservoir().gauge(&(tangent / -normal));
+        let load = tangent * (-1.0 / normal);
+        let gauge = self.law.reservoir().gauge(&load);
         // The comparisons also turn away NaN.
         let inside = normal > 0.0 && gauge <= 1.0 + 4.0 * f64::EPSILON;
         if !inside || block.singular && !self.sticks(normal, &tangent) {
-            return Stick { solution: None, gauge };
+            return Stick { load, solution: None, gauge };
         }
         let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), block.singular);
-        Stick { solution: Some(LocalSolution { phase, normal, tangent, slip, degenerate }), gauge }
+        Stick {
+            solution: Some(LocalSolution { phase, normal, tangent, slip, degenerate }),
+            load,
+            gauge,
+        }
     }
 
     /// Whether these percussions do stop the slip, which is not certain with a singular block.

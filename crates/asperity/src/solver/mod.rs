@@ -61,8 +61,7 @@ pub struct Stop {
 /// Buffers that live as long as the problem keeps its size.
 #[derive(Debug, Clone, Default)]
 pub struct Workspace {
-    /// `P` at the last call.
-    pub percussion: Vec<f64>,
+    percussion: Vec<f64>,
     /// `γ_E` at the last call.
     pub velocity: Vec<f64>,
     /// Contacts that had more than one solution at the last call.
@@ -98,7 +97,8 @@ impl Solver {
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
-        workspace.percussion.copy_from_slice(&memory.percussion);
+        // The workspace holds the percussions meanwhile, the memory the states of before.
+        std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
         workspace.states.clone_from(&memory.states);
         workspace.ambiguous.fill(false);
         let (iterations, status) = match *self {
@@ -119,8 +119,8 @@ impl Solver {
             local::classify(problem, workspace);
         }
         let report = SolveReport::new(status, iterations, residual, stop.tolerance, workspace);
-        memory.percussion.copy_from_slice(&workspace.percussion);
-        memory.states.clone_from(&workspace.states);
+        std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
+        std::mem::swap(&mut workspace.states, &mut memory.states);
         report
     }
 }

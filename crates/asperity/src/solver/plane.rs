@@ -6,9 +6,9 @@
 
 use asperity_set::{Arc, BoundaryPoint, ConvexSet, Matrix, StarSet, Vector};
 
-use super::local::{Local, LocalSolution, Selection};
+use super::local::{Local, LocalSolution, Selection, Shape};
 use crate::contact::{ContactState, Phase};
-use crate::law::{COARSE, Cell, FINE_PER_COARSE, WalkTable};
+use crate::law::{COARSE, Cell, FINE_PER_COARSE, Node, WalkTable};
 
 type V = Vector<2>;
 
@@ -27,6 +27,8 @@ struct Slip<'a, 'b> {
     norm_a: f64,
     /// `|F|` below this value is rounding.
     rounding: f64,
+    /// Square of a radius of curvature that is not extreme.
+    mild_bend: f64,
 }
 
 impl<'a, 'b> Slip<'a, 'b> {
@@ -36,7 +38,8 @@ impl<'a, 'b> Slip<'a, 'b> {
         let norm_c = c0.x.abs() + c0.y.abs();
         let norm_a = a.m11.abs() + a.m12.abs() + a.m21.abs() + a.m22.abs();
         let rounding = 8.0 * f64::EPSILON * (norm_c + norm_a * table.largest_radius);
-        Self { local, c0, a, sign: local.sign(), norm_c, norm_a, rounding }
+        let mild_bend = (10.0 * table.largest_radius).powi(2);
+        Self { local, c0, a, sign: local.sign(), norm_c, norm_a, rounding, mild_bend }
     }
 
     #[inline]
@@ -56,6 +59,16 @@ impl<'a, 'b> Slip<'a, 'b> {
     #[inline]
     fn stray(&self, cell: &Cell) -> f64 {
         self.norm_c * cell.normal + self.norm_a * cell.product
+    }
+
+    /// Whether `F` or `n·v` rules out a solution between two nodes.
+    fn excluded_between(&self, first: &Node, last: &Node, stray: f64) -> bool {
+        let [(f, along_f), (g, along_g)] = [first, last].map(|node| {
+            let v = self.velocity(&node.x);
+            (cross(&node.point.normal, &v), self.sign * node.point.normal.dot(&v))
+        });
+        let no_root = (f >= 0.0) == (g >= 0.0) && f.abs().min(g.abs()) > stray;
+        no_root || along_f.max(along_g) < -stray
     }
 
     /// The slip solution at a root, if it is one: `v` along `n` and the normal force positive.
@@ -95,8 +108,11 @@ pub(super) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) {
             continue;
         }
         for j in i * FINE_PER_COARSE..(i + 1) * FINE_PER_COARSE {
-            let arc = Arc { start: table.nodes[j].point, end: table.nodes[j + 1].point };
-            search(&slip, &arc, slip.stray(&table.fine[j]), 0, out);
+            let (first, last) = (&table.nodes[j], &table.nodes[j + 1]);
+            let stray = slip.stray(&table.fine[j]);
+            if !slip.excluded_between(first, last, stray) {
+                search(&slip, &Arc { start: first.point, end: last.point }, stray, 0, out);
+            }
         }
     }
     merge(local, out);
@@ -224,10 +240,11 @@ impl Scan {
 }
 
 /// The solution that continues `state`, by the fast path where uniqueness is certain.
+#[inline]
 pub(super) fn solve(
     local: &Local<'_, 2>,
     state: &ContactState,
-    guess: &[f64; 3],
+    guess: &V,
     buffer: &mut Vec<LocalSolution<2>>,
 ) -> Option<Selection<2>> {
     if local.prescribed == Some(0.0) {
@@ -243,7 +260,8 @@ pub(super) fn solve(
 }
 
 /// The solution, if it is found quickly and certainly the only one.
-fn fast(local: &Local<'_, 2>, guess: &[f64; 3]) -> Option<LocalSolution<2>> {
+#[inline(always)]
+fn fast(local: &Local<'_, 2>, guess: &V) -> Option<LocalSolution<2>> {
     let table = local.law.table();
     if local.prescribed.is_none() {
         let pressed = local.block.g_nn > local.block.g_nt.norm() * table.largest_radius;
@@ -254,11 +272,15 @@ fn fast(local: &Local<'_, 2>, guess: &[f64; 3]) -> Option<LocalSolution<2>> {
             return Some(local.open());
         }
     }
-    let slip = Slip::new(local, table);
     let stick = local.stick();
-    let certain = monotone_law(&slip.a, table.smallest_sine) || {
-        let (low, high) = table.ambiguous;
-        is_scalar(&slip.a) && !(low..=high).contains(&(stick.gauge))
+    let shape = match local.prescribed {
+        Some(_) => local.block.shape,
+        None => Shape::new(&local.affine().1, table.smallest_sine),
+    };
+    let certain = match shape {
+        Shape::Monotone => true,
+        Shape::Scalar => !(table.ambiguous.0..=table.ambiguous.1).contains(&stick.gauge),
+        Shape::General => false,
     };
     if let Some(solution) = stick.solution {
         if solution.degenerate || stick.gauge >= 1.0 - 1e-12 {
@@ -267,71 +289,49 @@ fn fast(local: &Local<'_, 2>, guess: &[f64; 3]) -> Option<LocalSolution<2>> {
         if certain {
             return Some(solution);
         }
+        let slip = Slip::new(local, table);
         let scan = Scan::new(&slip, table);
         return (0..COARSE).all(|i| scan.excluded(&slip, table, i)).then_some(solution);
     }
-    let solution = newton(&slip, guess)?;
+    let slip = Slip::new(local, table);
+    let mut found = newton(&slip, guess);
+    if found.is_none() {
+        // Where the last direction is far off, the normal below the load is a good start.
+        found = newton(&slip, &local.law.direction().gauge_jet(&stick.load).1);
+    }
+    let solution = found?;
     (certain || Scan::new(&slip, table).has_one_root(&slip, table)).then_some(solution)
-}
-
-fn is_scalar(a: &Matrix<2>) -> bool {
-    let tolerance = 1e-14 * a.m11.abs();
-    (a.m11 - a.m22).abs() <= tolerance && a.m12.abs().max(a.m21.abs()) <= tolerance
-}
-
-/// The O(1) certificate of uniqueness: `n × (A x') > 0` all along the boundary.
-///
-/// The angle from `n` to the tangent `x'` of *C* has a sine of at least `m`; `A` is a rotation by δ
-/// times r plus a trace-free part of norm d, so it turns `x'` by at most `|δ| + asin(d/r)`, which must
-/// be less than `asin m`.
-#[inline]
-fn monotone_law(a: &Matrix<2>, smallest_sine: f64) -> bool {
-    if smallest_sine <= 0.0 {
-        return false;
-    }
-    let (along, across) = (0.5 * (a.m11 + a.m22), 0.5 * (a.m21 - a.m12));
-    let r = along.hypot(across);
-    let d = (0.5 * (a.m11 - a.m22)).hypot(0.5 * (a.m12 + a.m21));
-    if !(along > 0.0 && d < r) {
-        return false;
-    }
-    let (sine_delta, cosine_delta) = (across.abs() / r, along / r);
-    let sine_d = d / r;
-    let cosine_d = (1.0 - sine_d * sine_d).sqrt();
-    let sine = sine_delta * cosine_d + cosine_delta * sine_d;
-    let cosine = cosine_delta * cosine_d - sine_delta * sine_d;
-    cosine > 0.0 && sine < smallest_sine - 1e-9
 }
 
 /// Newton's method for `F = 0` in the angle of the normal, from the last slip direction.
 ///
 /// `dF/dφ = −n·v − n × (A x')`, `x' = (z' − x (∇k_C·z'))/k_C`, `z' = ∇²h_D n⊥`.
-fn newton(slip: &Slip<'_, '_>, guess: &[f64; 3]) -> Option<LocalSolution<2>> {
+fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
     let law = slip.local.law;
-    let mut n = V::new(guess[0], guess[1]).try_normalize(0.0)?;
+    let mut n = guess.try_normalize(0.0)?;
     for _ in 0..10 {
-        let (z, hessian) = law.direction().support_jet(&n);
+        let turn = V::new(-n.y, n.x);
+        let (z, dz) = law.direction().support_derivative(&n, &turn);
         let (gauge, gradient) = law.reservoir().gauge_jet(&z);
-        let x = z / gauge;
+        let reciprocal = 1.0 / gauge;
+        let x = z * reciprocal;
         let v = slip.velocity(&x);
         let value = cross(&n, &v);
         if value.abs() <= slip.rounding {
             return slip.admit_root(&n, &x, &v, false);
         }
-        let turn = V::new(-n.y, n.x);
-        let dz = hessian * turn;
-        let dx = (dz - x * gradient.dot(&dz)) / gauge;
+        let dx = (dz - x * gradient.dot(&dz)) * reciprocal;
         let dv = slip.a * dx;
         let step = value / (n.dot(&v) + cross(&n, &dv));
-        // What is left after the last step is its square.
-        if step.abs() < 1e-9 {
+        // What is left after the last step is its square, unless the boundary is nearly flat here.
+        if step.abs() < 1e-8 && dx.norm_squared() < slip.mild_bend {
             return slip.admit_root(&n, &(x + dx * step), &(v - dv * step), false);
         }
         // The comparison also turns away NaN from flats, where the Hessian is infinite.
         if !(step.abs() < 0.3) {
             return None;
         }
-        n = (n + turn * step).normalize();
+        n = (n + turn * step) * (1.0 / (1.0 + step * step).sqrt());
     }
     None
 }

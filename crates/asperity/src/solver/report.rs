@@ -58,7 +58,7 @@ impl SolveReport {
             Ended::TimeLimit => (Status::TimeLimit, residual.worst_contact),
             Ended::Done | Ended::MaxIterations => (Status::MaxIterations, residual.worst_contact),
         };
-        let ambiguous = workspace.ambiguous.contains(&true);
+        let ambiguous = workspace.ambiguous.iter().any(|&several| several);
         Self { status, iterations, residual: residual.value, worst_contact, ambiguous }
     }
 }

@@ -24,8 +24,7 @@ pub fn natural_residual(
     percussion: &[f64],
     velocity: &[f64],
 ) -> Residual {
-    let rows = problem.rows();
-    let rho = rows as f64 / problem.delassus.trace();
+    let rho = problem.rho;
     let (mut sum, mut worst, mut worst_contact) = (0.0, -1.0, 0);
     for (i, contact) in problem.contacts.iter().enumerate() {
         let xi = |row: usize| velocity[row] + problem.restitution[row];
@@ -69,7 +68,7 @@ fn tangential_defect<const P: usize>(
         return tangent.norm_squared();
     }
     let slip = Vector::<P>::from_fn(|j, _| xi(first + j));
-    let x = -tangent / normal;
+    let x = tangent * (-1.0 / normal);
     let direction = law.direction();
     let (k_d, k_c) = (direction.gauge(&x), law.reservoir().gauge(&x));
     let alpha = 1.0 / (k_d - k_c + 1.0);

@@ -6,6 +6,17 @@ use super::mass::MassFactor;
 use crate::contact::{ContactProblem, ContactRows, NormalForce};
 use crate::system::{System, SystemError};
 
+/// What has changed in the contact problem besides the velocities.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Change {
+    /// Nothing.
+    None,
+    /// The Delassus operator.
+    Operator,
+    /// The set of closed contacts, and with it everything.
+    Contacts,
+}
+
 /// The contact problem of the present step with what it was made from.
 #[derive(Debug)]
 pub(super) struct Assembly {
@@ -13,6 +24,8 @@ pub(super) struct Assembly {
     /// Contacts that are closed at the midpoint, and those of the last step.
     active: Vec<usize>,
     closed: Vec<usize>,
+    /// Place of every contact in the problem.
+    places: Vec<Option<usize>>,
     /// Whether the problem has been assembled at all.
     ready: bool,
     /// Whether contacts neither open, close nor change their directions.
@@ -38,6 +51,7 @@ impl Assembly {
             dof,
             active: Vec::with_capacity(contacts),
             closed: Vec::with_capacity(contacts),
+            places: vec![None; contacts],
             ready: false,
             fixed: system.constancy().contacts
                 && system.contacts().iter().all(|contact| contact.normal_force.is_some()),
@@ -61,10 +75,15 @@ impl Assembly {
         &self.active
     }
 
-    /// Rows of a contact, if it is closed.
-    pub(super) fn rows(&self, contact: usize) -> Option<&ContactRows> {
-        let place = self.active.iter().position(|&c| c == contact)?;
-        self.problem.contacts.get(place)
+    /// Contacts that were in the problem before the last change.
+    pub(super) fn before(&self) -> &[usize] {
+        &self.closed
+    }
+
+    /// Place of a contact in the problem, if it is closed.
+    #[inline]
+    pub(super) fn place(&self, contact: usize) -> Option<usize> {
+        self.places[contact]
     }
 
     /// `γ = Wᵀu + χ` of any contact.
@@ -86,7 +105,7 @@ impl Assembly {
         Ok(slip)
     }
 
-    /// Brings the Delassus operator up to date; whether it has changed.
+    /// Brings the Delassus operator up to date.
     pub(super) fn update(
         &mut self,
         system: &dyn System,
@@ -95,22 +114,22 @@ impl Assembly {
         dt: f64,
         factor: &MassFactor,
         new_mass: bool,
-    ) -> Result<bool, SystemError> {
+    ) -> Result<Change, SystemError> {
         if self.ready && self.fixed && !new_mass {
-            return Ok(false);
+            return Ok(Change::None);
         }
         self.find_closed(system, t, q)?;
         let same_contacts = self.ready && self.closed == self.active;
         if same_contacts && system.constancy().contacts && !new_mass {
-            return Ok(false);
+            return Ok(Change::None);
         }
-        std::mem::swap(&mut self.active, &mut self.closed);
         if !same_contacts {
+            std::mem::swap(&mut self.active, &mut self.closed);
             self.resize(system, dt);
         }
         self.fill(system, t, q, factor)?;
         self.ready = true;
-        Ok(true)
+        Ok(if same_contacts { Change::Operator } else { Change::Contacts })
     }
 
     fn find_closed(&mut self, system: &dyn System, t: f64, q: &[f64]) -> Result<(), SystemError> {
@@ -134,6 +153,10 @@ impl Assembly {
         self.problem = ContactProblem::blank(
             self.active.iter().map(|&c| (laws[c].law.clone(), normal_force(c))),
         );
+        self.places.fill(None);
+        for (place, &contact) in self.active.iter().enumerate() {
+            self.places[contact] = Some(place);
+        }
         let rows = self.problem.rows();
         self.jacobian.resize(rows * self.dof, 0.0);
         self.response.resize(rows * self.dof, 0.0);
@@ -176,6 +199,7 @@ impl Assembly {
                 self.problem.delassus[(i, j)] = dot(row, &self.response[j * n..(j + 1) * n]);
             }
         }
+        self.problem.rho = rows as f64 / self.problem.delassus.trace();
         Ok(())
     }
 
@@ -220,6 +244,7 @@ impl ContactProblem {
             free_velocity: vec![0.0; rows],
             restitution: vec![0.0; rows],
             contacts,
+            rho: 0.0,
         }
     }
 }

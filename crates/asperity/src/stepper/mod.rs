@@ -12,7 +12,7 @@ use thiserror::Error;
 use crate::contact::{ContactState, Memory, Phase};
 use crate::solver::{SolveReport, Solver, Stop, Workspace};
 use crate::system::{System, SystemError};
-use assembly::Assembly;
+use assembly::{Assembly, Change};
 use mass::MassFactor;
 
 /// A step could not be made.
@@ -64,14 +64,15 @@ pub struct Stepper<'a> {
     q: Vec<f64>,
     u: Vec<f64>,
     q_mid: Vec<f64>,
-    forces: Vec<f64>,
+    /// Forces, then velocities without contact forces, then the new velocities.
     free: Vec<f64>,
     mass: DMatrix<f64>,
     factor: Option<MassFactor>,
     assembly: Assembly,
     memory: Memory,
     workspace: Workspace,
-    /// States of all contacts, also the open ones.
+    /// States of all contacts at the last change of the closed ones; since then those of the closed
+    /// ones are in `memory`.
     states: Vec<ContactState>,
 }
 
@@ -98,7 +99,6 @@ impl<'a> Stepper<'a> {
             q: q0.to_vec(),
             u: u0.to_vec(),
             q_mid: vec![0.0; n],
-            forces: vec![0.0; n],
             free: vec![0.0; n],
             mass: DMatrix::zeros(n, n),
             factor: None,
@@ -110,7 +110,7 @@ impl<'a> Stepper<'a> {
         for contact in 0..stepper.states.len() {
             let slip = stepper.slip(contact)?;
             if slip.iter().any(|&v| v != 0.0) {
-                stepper.states[contact] = ContactState { phase: Phase::Slip, direction: slip };
+                stepper.states[contact] = ContactState::new(Phase::Slip, slip);
             }
         }
         Ok(stepper)
@@ -138,7 +138,7 @@ impl<'a> Stepper<'a> {
 
     /// Phase of a contact in the last step.
     pub fn phase(&self, contact: usize) -> Phase {
-        self.states[contact].phase
+        self.assembly.place(contact).map_or(Phase::Open, |place| self.memory.states[place].phase)
     }
 
     /// Number of components of a contact's friction force.
@@ -155,35 +155,36 @@ impl<'a> Stepper<'a> {
     pub fn step(&mut self) -> Result<SolveReport, StepError> {
         let (dt, half) = (self.dt, 0.5 * self.dt);
         let t_mid = (self.steps as f64 + 0.5) * dt;
-        for i in 0..self.q.len() {
-            self.q_mid[i] = self.q[i] + half * self.u[i];
+        for (mid, (q, u)) in self.q_mid.iter_mut().zip(self.q.iter().zip(&self.u)) {
+            *mid = q + half * u;
         }
         let new_mass = self.update_mass(t_mid)?;
-        self.system.forces(t_mid, &self.q_mid, &self.u, &mut self.forces)?;
-        self.free.copy_from_slice(&self.forces);
+        self.system.forces(t_mid, &self.q_mid, &self.u, &mut self.free)?;
         let Some(factor) = &self.factor else {
             return Err(StepError::SingularMass { time: t_mid });
         };
         factor.solve(&mut self.free);
-        for i in 0..self.free.len() {
-            self.free[i] = self.u[i] + dt * self.free[i];
+        for (free, u) in self.free.iter_mut().zip(&self.u) {
+            *free = u + dt * *free;
         }
         let system = self.system;
-        if self.assembly.update(system, t_mid, &self.q_mid, dt, factor, new_mass)? {
-            self.workspace.prepare(self.assembly.problem());
-            self.resize_memory();
+        match self.assembly.update(system, t_mid, &self.q_mid, dt, factor, new_mass)? {
+            Change::None => {}
+            Change::Operator => self.workspace.prepare(self.assembly.problem()),
+            Change::Contacts => {
+                self.workspace.prepare(self.assembly.problem());
+                self.carry_over();
+            }
         }
         self.assembly.load(&self.u, &self.free);
-        self.gather();
         let stop = Stop { tolerance: self.tolerance, deadline: None };
         let problem = self.assembly.problem();
         let report = self.solver.solve(problem, stop, &mut self.memory, &mut self.workspace);
         self.assembly.apply(&self.memory.percussion, &mut self.free);
         std::mem::swap(&mut self.u, &mut self.free);
-        for i in 0..self.q.len() {
-            self.q[i] = self.q_mid[i] + half * self.u[i];
+        for (q, (mid, u)) in self.q.iter_mut().zip(self.q_mid.iter().zip(&self.u)) {
+            *q = mid + half * u;
         }
-        self.scatter();
         self.steps += 1;
         self.check_finite()?;
         Ok(report)
@@ -197,11 +198,12 @@ impl<'a> Stepper<'a> {
 
     /// What a contact does after the last step.
     pub fn output(&mut self, contact: usize) -> Result<ContactOutput, StepError> {
-        let phase = self.states[contact].phase;
-        let Some(rows) = self.assembly.rows(contact) else {
+        let phase = self.phase(contact);
+        let Some(place) = self.assembly.place(contact) else {
             let slip = self.slip(contact)?;
             return Ok(ContactOutput { phase, slip, force: [0.0; 3], normal_force: 0.0 });
         };
+        let rows = &self.assembly.problem().contacts()[place];
         let (percussion, velocity) = (&self.memory.percussion, &self.workspace.velocity);
         let (mut slip, mut force) = ([0.0; 3], [0.0; 3]);
         for i in 0..rows.law.dimension() {
@@ -227,31 +229,18 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Percussions of contacts that stay closed are kept as the warm start, those of others cleared.
-    fn resize_memory(&mut self) {
-        let problem = self.assembly.problem();
-        let same = self.memory.percussion.len() == problem.rows()
-            && self.memory.states.len() == problem.contacts().len();
-        if !same {
-            self.memory = Memory::new(problem.rows(), problem.contacts().len());
-        }
-    }
-
-    /// States of the closed contacts into the memory of the solver.
-    fn gather(&mut self) {
-        for (state, &contact) in self.memory.states.iter_mut().zip(self.assembly.active()) {
-            *state = self.states[contact];
-        }
-    }
-
-    fn scatter(&mut self) {
-        if self.assembly.active().len() < self.states.len() {
-            for state in &mut self.states {
-                state.phase = Phase::Open;
-            }
-        }
-        for (state, &contact) in self.memory.states.iter().zip(self.assembly.active()) {
+    /// A new memory for a new set of closed contacts: states are kept, percussions start from zero.
+    fn carry_over(&mut self) {
+        for (state, &contact) in self.memory.states.iter().zip(self.assembly.before()) {
             self.states[contact] = *state;
+        }
+        let problem = self.assembly.problem();
+        self.memory = Memory::new(problem.rows(), problem.contacts().len());
+        for contact in 0..self.states.len() {
+            match self.assembly.place(contact) {
+                Some(place) => self.memory.states[place] = self.states[contact],
+                None => self.states[contact].phase = Phase::Open,
+            }
         }
     }
 

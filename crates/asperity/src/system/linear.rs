@@ -179,7 +179,7 @@ impl System for LinearSystem {
 
     #[inline]
     fn forces(&self, _t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
-        forces.copy_from_slice(&self.force);
+        forces.clone_from_slice(&self.force);
         for &(i, j, k, b) in &self.internal {
             forces[i] += k * q[j] + b * u[j];
         }

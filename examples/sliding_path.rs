@@ -1,0 +1,42 @@
+//! A disk sliding on ground steel (Walker & Leine 2019, Fig. 27): the path bends towards the grooves.
+//!
+//! Run: cargo run --release -p asperity --example sliding_path
+
+use std::error::Error;
+use std::ops::ControlFlow;
+
+use asperity::law::FrictionLaw;
+use asperity::set::{Convex, Superellipse, Vector};
+use asperity::simulate::{Options, simulate};
+use asperity::solver::Solver;
+use asperity::system::sliding_point;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // Table 1: forces at a normal load of 9.3 N, the first axis across the grooves.
+    let reservoir = Superellipse::new(Vector::<2>::new(4.99 / 9.3, 4.25 / 9.3), 2.94)?;
+    let direction = Convex::try_from(Superellipse::new(Vector::<2>::new(1.84, 1.19), 2.51)?)?;
+    let law = FrictionLaw::new(reservoir.into(), direction)?;
+    let disk = sliding_point(0.018, law, 9.81)?;
+    let (sine, cosine) = 32f64.to_radians().sin_cos();
+    let options = Options {
+        dt: 1e-4,
+        steps: 10_000,
+        q0: vec![0.0; 2],
+        u0: vec![1.52 * cosine, 1.52 * sine],
+        solver: Solver::Exact { max_sweeps: 1 },
+        tolerance: 1e-10,
+        save_every: 10,
+        until_rest: true,
+        stop_on_failure: true,
+    };
+    let run = simulate(&disk, &options, &mut |_, _| ControlFlow::Continue(()))?;
+    let path = &run.trajectory;
+    let (x, y) = (path.q[path.q.len() - 2], path.q[path.q.len() - 1]);
+    println!("{:?} after {:.4} s", run.outcome, path.t[path.t.len() - 1]);
+    println!("end point {:.3} mm across, {:.3} mm along the grooves", 1e3 * x, 1e3 * y);
+    println!("deflection {:.3} mm", 1e3 * (y * cosine - x * sine));
+    println!("{} samples, {} ambiguous steps", path.t.len(), path.ambiguous_steps);
+    // The converged end point.
+    assert!((x - 0.165_171_6).hypot(y - 0.140_954_7) < 5e-5);
+    Ok(())
+}
