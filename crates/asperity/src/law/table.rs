@@ -52,8 +52,10 @@ pub struct WalkTable {
     /// Smallest sine of the angle from the normal of *D* to the tangent of *C*: 1 for associated laws,
     /// negative where the sliding velocity may point into the reservoir.
     pub(crate) smallest_sine: f64,
-    /// Gauges between which a load may have several solutions with `A ∝ I`, see [`ambiguous_gauges`].
-    pub(crate) ambiguous: (f64, f64),
+    /// Sector by sector, the gauges between which a load may have several solutions with `A ∝ I`.
+    ambiguous: [(f64, f64); SECTORS],
+    /// The same over all sectors.
+    ambiguous_anywhere: (f64, f64),
     /// Largest radius of *C*.
     pub(crate) largest_radius: f64,
 }
@@ -94,7 +96,17 @@ impl WalkTable {
         let largest_radius = nodes.iter().map(|node| node.x.norm()).fold(0.0, f64::max);
         let smallest_sine = smallest_sine(&nodes);
         let ambiguous = ambiguous_gauges(&nodes, reservoir);
-        Self { nodes, fine, coarse, columns, smallest_sine, ambiguous, largest_radius }
+        let ambiguous_anywhere = ambiguous.iter().fold(EMPTY, |all, sector| join(all, *sector));
+        Self {
+            nodes,
+            fine,
+            coarse,
+            columns,
+            smallest_sine,
+            ambiguous,
+            ambiguous_anywhere,
+            largest_radius,
+        }
     }
 }
 
@@ -219,28 +231,61 @@ fn smallest_sine(nodes: &[Node]) -> f64 {
     smallest
 }
 
+/// Number of sectors that loads are sorted into.
+const SECTORS: usize = 128;
+
+/// The empty interval.
+const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
+/// The smallest interval that holds both.
+fn join(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+/// Sector of a point other than the origin, by the place of its ray on the square `|x₁| + |x₂| = 1`.
+#[inline]
+fn sector(y: &Vector<2>) -> usize {
+    let along = y.x / (y.x.abs() + y.y.abs());
+    let turn = if y.y >= 0.0 { 1.0 - along } else { 3.0 + along };
+    (turn * (SECTORS / 4) as f64) as usize % SECTORS
+}
+
+impl WalkTable {
+    /// Whether a load `y = c₀/a` with gauge `k_C(y)` may have several solutions with `A = aI`.
+    #[inline]
+    pub(crate) fn may_be_ambiguous(&self, load: &Vector<2>, gauge: f64) -> bool {
+        let within = |(low, high): (f64, f64)| low <= gauge && gauge <= high;
+        within(self.ambiguous_anywhere) && within(self.ambiguous[sector(load)])
+    }
+}
+
 /// Smallest and largest gauge of the loads that have several solutions with `A = aI`, with a margin.
 ///
-/// The load `y = c₀/a` has the slip solutions `y = x + s n`, `s > 0`: rays from bdry *C*. A ray is met
-/// by its neighbours at `s_c = −n × dx/dφ`, and its points nearer than that are the solutions with
-/// index −1. The indices of all solutions add up to one, so that there are several only if one of them
-/// is −1: if `y` lies on a piece `0 < s < s_c` of some ray.
-fn ambiguous_gauges(nodes: &[Node], reservoir: &Star<2>) -> (f64, f64) {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+/// The load `y` has the slip solutions `y = x + s n`, `s > 0`: rays from bdry *C*. A ray is met by its
+/// neighbours at `s_c = −n × dx/dφ`, and its points nearer than that are the solutions with index −1.
+/// The indices of all solutions add up to one, so that there are several only if one of them is −1: if
+/// `y` lies on a piece `0 < s < s_c` of some ray.
+fn ambiguous_gauges(nodes: &[Node], reservoir: &Star<2>) -> [(f64, f64); SECTORS] {
+    let mut sectors = [EMPTY; SECTORS];
     for pair in nodes.windows(2) {
         let (n, chord) = (pair[0].point.normal, pair[1].x - pair[0].x);
         let opening = n.x * chord.y - n.y * chord.x;
         if opening >= 0.0 {
             continue;
         }
-        let reach = -opening / angle(&n, &pair[1].point.normal).max(f64::MIN_POSITIVE);
-        for node in pair {
-            for share in [0.0, 0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0, 1.1] {
-                let gauge = reservoir.gauge(&(node.x + node.point.normal * (reach * share)));
-                (low, high) = (low.min(gauge), high.max(gauge));
+        let reach = -1.1 * opening / angle(&n, &pair[1].point.normal).max(f64::MIN_POSITIVE);
+        for (node, k) in pair.iter().flat_map(|node| (0..=64).map(move |k| (node, k))) {
+            let y = node.x + node.point.normal * (reach * f64::from(k) / 64.0);
+            let (gauge, centre) = (reservoir.gauge(&y), sector(&y));
+            for near in [centre + SECTORS - 1, centre, centre + 1] {
+                let sector = &mut sectors[near % SECTORS];
+                *sector = join(*sector, (gauge, gauge));
             }
         }
     }
     // Between the sampled points the gauge may go further by a fraction of what it has gone.
-    (low - 0.1 * (1.0 - low).abs(), high + 0.1 * (high - 1.0).abs())
+    sectors.map(|(low, high)| match low <= high {
+        true => (low - 0.1 * (1.0 - low).abs(), high + 0.1 * (high - 1.0).abs()),
+        false => (low, high),
+    })
 }

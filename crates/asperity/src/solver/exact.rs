@@ -55,8 +55,8 @@ fn sweep(problem: &ContactProblem, memory: &Memory, workspace: &mut Workspace) -
             }
             Law::Two(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                let found =
-                    plane::solve(&local, state, &guess(state, &states[i], &local.b_t), planar);
+                let guess = || guess(state, &states[i], &local.b_t);
+                let found = plane::solve(&local, state, guess, planar);
                 found.map(|found| store(rows, &found, percussion, state, &mut states[i]))
             }
             // Refused where problems are made.
@@ -126,8 +126,8 @@ pub(super) fn mark_ambiguous(problem: &ContactProblem, memory: &Memory, workspac
             }
             Law::Two(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                let guess = guess(state, state, &local.b_t);
-                plane::solve(&local, state, &guess, planar).is_some_and(|s| s.ambiguous)
+                let guess = || guess(state, state, &local.b_t);
+                plane::solve(&local, state, guess, planar).is_some_and(|s| s.ambiguous)
             }
             Law::Three(_) => false,
         };

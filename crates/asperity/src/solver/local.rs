@@ -144,12 +144,24 @@ pub(super) struct Selection<const P: usize> {
 }
 
 /// Vectors of R² cut to R^P.
+#[inline(always)]
 fn cut<const P: usize>(v: &Vector<2>) -> Vector<P> {
-    Vector::from_fn(|i, _| v[i])
+    let mut out = Vector::zeros();
+    for i in 0..P {
+        out[i] = v[i];
+    }
+    out
 }
 
+#[inline(always)]
 fn cut_matrix<const P: usize>(m: &Matrix<2>) -> Matrix<P> {
-    Matrix::from_fn(|i, j| m[(i, j)])
+    let mut out = Matrix::<P>::zeros();
+    for j in 0..P {
+        for i in 0..P {
+            out[(i, j)] = m[(i, j)];
+        }
+    }
+    out
 }
 
 impl<'a, const P: usize> Local<'a, P> {
@@ -176,7 +188,10 @@ impl<'a, const P: usize> Local<'a, P> {
             NormalForce::Prescribed(value) => (Some(value), 0.0),
             NormalForce::Unilateral => (None, held(rows.offset)),
         };
-        let b_t = Vector::from_fn(|i, _| held(rows.tangent() + i));
+        let mut b_t = Vector::<P>::zeros();
+        for i in 0..P {
+            b_t[i] = held(rows.tangent() + i);
+        }
         Self { law, block, prescribed, b_n, b_t }
     }
 

@@ -160,21 +160,28 @@ fn merge(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) {
     let sticks = out.iter().any(|s| s.phase == Phase::Stick);
     let scale = local.b_t.norm();
     out.retain(|s| s.phase != Phase::Slip || !sticks || s.slip.norm() > 1e-12 * scale);
-    let same = |a: &LocalSolution<2>, b: &LocalSolution<2>| {
-        a.phase == Phase::Slip
-            && b.phase == Phase::Slip
-            && (a.tangent - b.tangent).norm() <= 1e-12 * a.tangent.norm()
-            && (a.slip - b.slip).norm() <= 1e-12 * scale
-    };
-    out.dedup_by(|a, b| same(a, b));
-    // The walk is closed: the last root may be the first.
-    let first = out.iter().position(|s| s.phase == Phase::Slip);
-    if let Some(first) = first
-        && out.len() > first + 1
-        && same(&out[first], &out[out.len() - 1])
-    {
-        out.pop();
+    let first = out.iter().position(|s| s.phase == Phase::Slip).unwrap_or(out.len());
+    let mut kept = first;
+    for i in first..out.len() {
+        let candidate = out[i];
+        match out[first..kept].iter().position(|s| same_root(s, &candidate, scale)) {
+            // A root at the end of a cell is seen from the next cell as a double root.
+            Some(place) if out[first + place].degenerate => out[first + place] = candidate,
+            Some(_) => {}
+            None => {
+                out[kept] = candidate;
+                kept += 1;
+            }
+        }
     }
+    out.truncate(kept);
+}
+
+/// Whether two slip solutions are one; double roots are located to the size of the last bisection.
+fn same_root(a: &LocalSolution<2>, b: &LocalSolution<2>, scale: f64) -> bool {
+    let tolerance = if a.degenerate || b.degenerate { 1e-7 } else { 1e-12 };
+    (a.tangent - b.tangent).norm() <= tolerance * a.tangent.norm()
+        && (a.slip - b.slip).norm() <= tolerance * scale
 }
 
 /// `F` and `n·v` at all coarse nodes.
@@ -240,20 +247,27 @@ impl Scan {
 }
 
 /// The solution that continues `state`, by the fast path where uniqueness is certain.
-#[inline]
+#[inline(always)]
 pub(super) fn solve(
     local: &Local<'_, 2>,
     state: &ContactState,
-    guess: &V,
+    guess: impl Fn() -> V,
     buffer: &mut Vec<LocalSolution<2>>,
 ) -> Option<Selection<2>> {
-    if local.prescribed == Some(0.0) {
-        return Some(Selection { solution: local.open(), ambiguous: false });
+    match fast(local, guess) {
+        Some(solution) => Some(Selection { solution, ambiguous: false }),
+        None => select_among_all(*local, state, buffer),
     }
-    if let Some(solution) = fast(local, guess) {
-        return Some(Selection { solution, ambiguous: false });
-    }
-    solutions(local, buffer);
+}
+
+#[cold]
+#[inline(never)]
+fn select_among_all(
+    local: Local<'_, 2>,
+    state: &ContactState,
+    buffer: &mut Vec<LocalSolution<2>>,
+) -> Option<Selection<2>> {
+    solutions(&local, buffer);
     let solution = local.select(buffer, state)?;
     let continuum = buffer.iter().any(|s| s.degenerate && s.phase == Phase::Slip);
     Some(Selection { solution, ambiguous: buffer.len() > 1 || continuum })
@@ -261,7 +275,10 @@ pub(super) fn solve(
 
 /// The solution, if it is found quickly and certainly the only one.
 #[inline(always)]
-fn fast(local: &Local<'_, 2>, guess: &V) -> Option<LocalSolution<2>> {
+fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
+    if local.prescribed == Some(0.0) {
+        return Some(local.open());
+    }
     let table = local.law.table();
     if local.prescribed.is_none() {
         let pressed = local.block.g_nn > local.block.g_nt.norm() * table.largest_radius;
@@ -279,7 +296,7 @@ fn fast(local: &Local<'_, 2>, guess: &V) -> Option<LocalSolution<2>> {
     };
     let certain = match shape {
         Shape::Monotone => true,
-        Shape::Scalar => !(table.ambiguous.0..=table.ambiguous.1).contains(&stick.gauge),
+        Shape::Scalar => !table.may_be_ambiguous(&stick.load, stick.gauge),
         Shape::General => false,
     };
     if let Some(solution) = stick.solution {
@@ -294,7 +311,7 @@ fn fast(local: &Local<'_, 2>, guess: &V) -> Option<LocalSolution<2>> {
         return (0..COARSE).all(|i| scan.excluded(&slip, table, i)).then_some(solution);
     }
     let slip = Slip::new(local, table);
-    let mut found = newton(&slip, guess);
+    let mut found = newton(&slip, &guess());
     if found.is_none() {
         // Where the last direction is far off, the normal below the load is a good start.
         found = newton(&slip, &local.law.direction().gauge_jet(&stick.load).1);

@@ -26,8 +26,8 @@ pub fn natural_residual(
 ) -> Residual {
     let rho = problem.rho;
     let (mut sum, mut worst, mut worst_contact) = (0.0, -1.0, 0);
+    let xi = |row: usize| velocity[row] + problem.restitution[row];
     for (i, contact) in problem.contacts.iter().enumerate() {
-        let xi = |row: usize| velocity[row] + problem.restitution[row];
         let (normal_defect, normal) = match contact.normal {
             NormalForce::Prescribed(value) => (0.0, value),
             NormalForce::Unilateral => {
@@ -48,9 +48,9 @@ pub fn natural_residual(
             (worst, worst_contact) = (defect, i);
         }
     }
-    let norm = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let scale = norm(percussion).max(rho * norm(&problem.free_velocity));
-    let value = if sum == 0.0 { 0.0 } else { sum.sqrt() / scale };
+    let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+    let scale = square(percussion).max(rho * rho * square(&problem.free_velocity));
+    let value = if sum == 0.0 { 0.0 } else { (sum / scale).sqrt() };
     Residual { value, worst_contact }
 }
 
@@ -68,12 +68,13 @@ fn tangential_defect<const P: usize>(
         return tangent.norm_squared();
     }
     let slip = Vector::<P>::from_fn(|j, _| xi(first + j));
-    let x = tangent * (-1.0 / normal);
+    let reciprocal = 1.0 / normal;
+    let x = tangent * -reciprocal;
     let direction = law.direction();
     let (k_d, k_c) = (direction.gauge(&x), law.reservoir().gauge(&x));
     let alpha = 1.0 / (k_d - k_c + 1.0);
     let z = x * alpha;
-    let moved = z + slip * (rho / normal);
+    let moved = z + slip * (rho * reciprocal);
     let projected = direction.project_from(&moved, &z);
     (z - projected).norm_squared() * normal * normal
 }
