@@ -1,0 +1,134 @@
+//! Random contact problems and the laws they are tested with.
+#![allow(dead_code)] // Every test binary uses its own part.
+
+use asperity::contact::{ContactProblem, NormalForce};
+use asperity::law::{FrictionLaw, Law};
+use asperity::set::{Ball, Convex, Cuboid, Ellipse, Star, Superellipse, Vector};
+use nalgebra::DMatrix;
+
+pub type V = Vector<2>;
+
+/// A 64-bit linear congruential generator: reproducible everywhere.
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Standard normal, by the sum of twelve.
+    pub fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
+    }
+}
+
+fn ellipse(a: f64, b: f64, degrees: f64) -> Convex<2> {
+    let ellipse = Convex::from(Ellipse::new(V::new(a, b)).unwrap());
+    ellipse.rotated(degrees.to_radians()).unwrap()
+}
+
+fn rectangle(a: f64, b: f64, degrees: f64) -> Convex<2> {
+    let rectangle = Convex::from(Cuboid::symmetric(V::new(a, b)).unwrap());
+    rectangle.rotated(degrees.to_radians()).unwrap()
+}
+
+fn superellipse(a: f64, b: f64, s: f64, degrees: f64) -> Star<2> {
+    let set = Star::from(Superellipse::new(V::new(a, b), s).unwrap());
+    set.rotated(degrees.to_radians()).unwrap()
+}
+
+fn convex(set: Star<2>) -> Convex<2> {
+    set.as_convex().unwrap().clone()
+}
+
+/// Laws of every kind: associated, collinear, extended; smooth, with flats, with corners, with cusps.
+pub fn laws() -> Vec<(&'static str, FrictionLaw<2>)> {
+    let extended = |c: Star<2>, d: Convex<2>| FrictionLaw::new(c, d).unwrap();
+    let smooth = |s, degrees| superellipse(0.5, 0.3, s, degrees);
+    vec![
+        ("isotropic", FrictionLaw::isotropic(0.4).unwrap()),
+        ("ellipse 3:1", FrictionLaw::associated(ellipse(0.6, 0.2, 0.0))),
+        ("ellipses 3:1 at 30°", extended(ellipse(0.6, 0.2, 30.0).into(), ellipse(3.0, 1.0, 0.0))),
+        (
+            "Table 1",
+            extended(
+                superellipse(0.5366, 0.4570, 2.94, 0.0),
+                convex(superellipse(1.84, 1.19, 2.51, 0.0)),
+            ),
+        ),
+        ("superellipse 1.2", FrictionLaw::associated(convex(smooth(1.2, 0.0)))),
+        ("superellipse 20", FrictionLaw::associated(convex(smooth(20.0, 0.0)))),
+        ("C 1.2 at 20°, D 20", extended(smooth(1.2, 20.0), convex(smooth(20.0, 0.0)))),
+        ("C 20 at 30°, D 1.2", extended(smooth(20.0, 30.0), convex(smooth(1.2, 0.0)))),
+        ("rectangle", FrictionLaw::associated(rectangle(0.5, 0.3, 0.0))),
+        ("rectangles at 30°", extended(rectangle(0.5, 0.3, 30.0).into(), rectangle(0.5, 0.3, 0.0))),
+        (
+            "C rectangle at 30°, D ellipse",
+            extended(rectangle(0.5, 0.3, 30.0).into(), ellipse(3.0, 1.0, 0.0)),
+        ),
+        ("rhombus", FrictionLaw::associated(convex(smooth(1.0, 10.0)))),
+        ("collinear, C star-shaped", FrictionLaw::collinear(smooth(0.7, 15.0)).unwrap()),
+        (
+            "C disk, D rectangle",
+            extended(Convex::from(Ball::new(0.4).unwrap()).into(), rectangle(0.5, 0.3, 25.0)),
+        ),
+    ]
+}
+
+/// How the Delassus block of a random one-contact problem is made.
+#[derive(Debug, Clone, Copy)]
+pub enum Family {
+    /// Prescribed normal percussion, `G = I`.
+    Plain,
+    /// A rigid body touched at a random lever arm.
+    RigidBody,
+    /// A random Gram matrix, slightly unsymmetric.
+    Gram,
+}
+
+pub const FAMILIES: [Family; 3] = [Family::Plain, Family::RigidBody, Family::Gram];
+
+/// A random problem of one contact.
+pub fn one_contact(law: Law, family: Family, random: &mut Random) -> ContactProblem {
+    match family {
+        Family::Plain => {
+            let free = vec![random.within(-1.5, 1.5), random.within(-1.5, 1.5)];
+            let contacts = [(law, NormalForce::Prescribed(1.0))];
+            ContactProblem::new(DMatrix::identity(2, 2), free, contacts).unwrap()
+        }
+        _ => {
+            let delassus = match family {
+                Family::RigidBody => rigid_body(random),
+                _ => gram(3, 5, random) + DMatrix::from_fn(3, 3, |_, _| 1e-3 * random.normal()),
+            };
+            let pressed = if random.unit() < 0.8 { -1.0 } else { 1.0 };
+            let free =
+                vec![pressed * random.unit(), random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
+            ContactProblem::new(delassus, free, [(law, NormalForce::Unilateral)]).unwrap()
+        }
+    }
+}
+
+/// `1/m I + [r]ᵀ Θ⁻¹ [r]` with the cross-product matrix of a random lever arm.
+fn rigid_body(random: &mut Random) -> DMatrix<f64> {
+    let r = [0.7 * random.normal(), 0.7 * random.normal(), 0.7 * random.normal()];
+    let lever =
+        DMatrix::from_row_slice(3, 3, &[0.0, -r[2], r[1], r[2], 0.0, -r[0], -r[1], r[0], 0.0]);
+    DMatrix::identity(3, 3) + lever.transpose() * lever
+}
+
+/// `AᵀA/m` with a random `m × n` matrix.
+pub fn gram(n: usize, m: usize, random: &mut Random) -> DMatrix<f64> {
+    let a = DMatrix::from_fn(m, n, |_, _| random.normal());
+    a.transpose() * a / m as f64
+}

@@ -1,0 +1,250 @@
+//! The exact one-contact solver against a brute-force scan.
+//!
+//! `cargo test --release -p asperity -- --ignored` runs 10⁶ problems per law.
+
+mod common;
+
+use asperity::contact::{ContactProblem, ContactState, Memory, NormalForce, Phase};
+use asperity::law::{FrictionLaw, Law};
+use asperity::set::{BoundaryPoint, ConvexSet, StarSet};
+use asperity::solver::{ContactSolution, Solver, Stop, Workspace, natural_residual, solutions};
+use common::{FAMILIES, Random, V, laws, one_contact};
+use nalgebra::DMatrix;
+
+const STOP: Stop = Stop { tolerance: 1e-10, deadline: None };
+const NODES: usize = 16_384;
+
+/// Nodes along bdry *D*: half of them equidistant in the normal angle, half in the position angle.
+fn nodes(law: &FrictionLaw<2>) -> Vec<BoundaryPoint> {
+    let direction = law.direction();
+    let angle = |k: usize| std::f64::consts::TAU * (k as f64 + 0.123) / (NODES / 2) as f64;
+    let ray = |k: usize| V::new(angle(k).cos(), angle(k).sin());
+    let mut nodes: Vec<BoundaryPoint> = (0..NODES / 2)
+        .flat_map(|k| {
+            let by_normal = BoundaryPoint::at_normal(direction, &ray(k));
+            [by_normal, BoundaryPoint::at_position(direction, &ray(k))]
+        })
+        .collect();
+    for corner in direction.corners() {
+        let cone = direction.normal_cone(&corner, 1e-9).unwrap();
+        let at = |&normal: &V| BoundaryPoint { position: corner, normal };
+        nodes.extend(cone.generators().iter().map(at));
+    }
+    for corner in law.reservoir().corners() {
+        nodes.push(BoundaryPoint::at_position(direction, &corner));
+    }
+    let turn = |p: &BoundaryPoint| {
+        let theta = p.position.y.atan2(p.position.x).rem_euclid(std::f64::consts::TAU);
+        let cross = p.position.x * p.normal.y - p.position.y * p.normal.x;
+        2.0 * theta + cross.atan2(p.position.dot(&p.normal))
+    };
+    nodes.sort_by(|a, b| turn(a).total_cmp(&turn(b)));
+    nodes.push(nodes[0]);
+    nodes
+}
+
+/// The slip equation written from the problem, not from the solver: `n × γ·den`, `n·γ·den`, `den`.
+struct Equation<'a> {
+    problem: &'a ContactProblem,
+    law: &'a FrictionLaw<2>,
+}
+
+impl Equation<'_> {
+    fn percussion(&self, x: &V) -> (Vec<f64>, f64) {
+        match self.problem.contacts()[0].normal {
+            NormalForce::Prescribed(normal) => (vec![-normal * x.x, -normal * x.y], 1.0),
+            NormalForce::Unilateral => {
+                let g = self.problem.delassus();
+                let den = g[(0, 0)] - g[(0, 1)] * x.x - g[(0, 2)] * x.y;
+                // Times den: the pole at den = 0 must not look like a change of sign.
+                let scaled = -self.problem.free_velocity()[0];
+                (vec![scaled, -scaled * x.x, -scaled * x.y], den)
+            }
+        }
+    }
+
+    fn evaluate(&self, n: &V, x: &V) -> (f64, f64, f64) {
+        let (percussion, den) = self.percussion(x);
+        let (g, b) = (self.problem.delassus(), self.problem.free_velocity());
+        let first = self.problem.contacts()[0].tangent();
+        let row = |i: usize| {
+            den * b[i] + percussion.iter().enumerate().map(|(j, p)| g[(i, j)] * p).sum::<f64>()
+        };
+        let v = V::new(row(first), row(first + 1));
+        (n.x * v.y - n.y * v.x, n.dot(&v), den)
+    }
+
+    fn at(&self, point: &BoundaryPoint) -> (f64, f64, f64) {
+        let x = point.position / self.law.reservoir().gauge(&point.position);
+        self.evaluate(&point.normal, &x)
+    }
+}
+
+/// Tangential percussions per normal percussion, `x`, of all slip solutions that the scan finds.
+fn scan(equation: &Equation<'_>, nodes: &[BoundaryPoint], xs: &[V]) -> Vec<V> {
+    let mut found = Vec::new();
+    let pressed = match equation.problem.contacts()[0].normal {
+        NormalForce::Prescribed(_) => 1.0,
+        NormalForce::Unilateral => -equation.problem.free_velocity()[0].signum(),
+    };
+    let mut last = equation.evaluate(&nodes[0].normal, &xs[0]).0;
+    for k in 1..nodes.len() {
+        let value = equation.evaluate(&nodes[k].normal, &xs[k]).0;
+        if (value >= 0.0) != (last >= 0.0) {
+            let root = bisect(equation, nodes[k - 1], nodes[k]);
+            let (_, along, den) = equation.at(&root);
+            if pressed * along > 0.0 && pressed * den > 0.0 {
+                found.push(root.position / equation.law.reservoir().gauge(&root.position));
+            }
+        }
+        last = value;
+    }
+    found
+}
+
+/// Plain bisection, of the normals and of the positions in turn.
+fn bisect(equation: &Equation<'_>, mut a: BoundaryPoint, mut b: BoundaryPoint) -> BoundaryPoint {
+    let direction = equation.law.direction();
+    let positive = equation.at(&a).0 >= 0.0;
+    let mut best = (equation.at(&a).0.abs(), a);
+    for k in 0..140 {
+        let turned = (a.normal - b.normal).norm() > 1e-15;
+        let middle = if k % 2 == 0 && turned || (a.position - b.position).norm() == 0.0 {
+            BoundaryPoint::at_normal(direction, &(a.normal + b.normal))
+        } else {
+            BoundaryPoint::at_position(direction, &(a.position + b.position))
+        };
+        let value = equation.at(&middle).0;
+        if value.abs() < best.0 {
+            best = (value.abs(), middle);
+        }
+        if (value >= 0.0) == positive { a = middle } else { b = middle }
+    }
+    best.1
+}
+
+fn residual(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
+    natural_residual(problem, &solution.percussion, &solution.velocity).value
+}
+
+/// Every solution of the scan is listed, every listed one solves the problem, and a contact that is
+/// called unambiguous has exactly one.
+fn compare(count: usize) {
+    for (place, (name, law)) in laws().into_iter().enumerate() {
+        let nodes = nodes(&law);
+        let xs: Vec<V> =
+            nodes.iter().map(|p| p.position / law.reservoir().gauge(&p.position)).collect();
+        let law = Law::from(law);
+        let Law::Two(planar) = &law else { unreachable!() };
+        for family in FAMILIES {
+            let mut random = Random::new(place as u64 + 1);
+            let (mut missed, mut several, mut none) = (0, 0, 0);
+            for _ in 0..count {
+                let problem = one_contact(law.clone(), family, &mut random);
+                let equation = Equation { problem: &problem, law: planar };
+                let listed = solutions(&problem, 0, &vec![0.0; problem.rows()]);
+                for solution in &listed {
+                    let residual = residual(&problem, solution);
+                    assert!(
+                        residual < 1e-12,
+                        "{name} {family:?}: {residual:e} {solution:?} {problem:?}"
+                    );
+                }
+                let first = problem.contacts()[0].normal_rows();
+                let ratio = |s: &ContactSolution| {
+                    let normal = if first == 1 { s.percussion[0] } else { 1.0 };
+                    V::new(-s.percussion[first] / normal, -s.percussion[first + 1] / normal)
+                };
+                for x in scan(&equation, &nodes, &xs) {
+                    let near = |s: &&ContactSolution| {
+                        s.phase != Phase::Open && (ratio(s) - x).norm() < 1e-7
+                    };
+                    missed += usize::from(!listed.iter().any(|s| near(&s)));
+                }
+                several += usize::from(listed.len() > 1);
+                none += usize::from(listed.is_empty());
+                check_selection(&problem, &listed, &mut random, name);
+            }
+            assert_eq!(missed, 0, "{name} {family:?}: solutions missed of {count} problems");
+            println!("{name}, {family:?}: {several} with several solutions, {none} without");
+        }
+    }
+}
+
+/// The fast path from a random state against the list of all solutions.
+fn check_selection(
+    problem: &ContactProblem,
+    listed: &[ContactSolution],
+    random: &mut Random,
+    name: &str,
+) {
+    let phase = [Phase::Unknown, Phase::Stick, Phase::Slip][(3.0 * random.unit()) as usize];
+    let direction = [random.normal(), random.normal(), 0.0];
+    let mut memory = Memory::new(problem.rows(), 1);
+    memory.states[0] = ContactState::new(phase, direction);
+    let mut workspace = Workspace::default();
+    workspace.prepare(problem);
+    let solver = Solver::Exact { max_sweeps: 1 };
+    let report = solver.solve(problem, STOP, &mut memory, &mut workspace);
+    if listed.is_empty() {
+        assert_eq!(report.status.name(), "no_solution", "{name}");
+        return;
+    }
+    assert_eq!(report.status.name(), "converged", "{name} {problem:?}");
+    assert_eq!(report.ambiguous, listed.len() > 1, "{name} {listed:?} {problem:?}");
+    let same = |s: &&ContactSolution| {
+        s.percussion.iter().zip(&memory.percussion).all(|(a, b)| (a - b).abs() < 1e-9)
+    };
+    let chosen = listed.iter().find(same).expect("the result is one of the list");
+    let has = |phase| listed.iter().any(|s| s.phase == phase);
+    let expected = match phase {
+        _ if has(Phase::Open) => Phase::Open,
+        Phase::Slip if has(Phase::Slip) => Phase::Slip,
+        _ if has(Phase::Stick) => Phase::Stick,
+        _ => Phase::Slip,
+    };
+    assert_eq!(chosen.phase, expected, "{name} {listed:?}");
+}
+
+#[test]
+fn no_solution_is_missed() {
+    compare(10_000 / FAMILIES.len());
+}
+
+#[test]
+#[ignore = "a quarter of an hour: part of `make long`"]
+fn no_solution_is_missed_in_a_million_problems() {
+    compare(1_000_000 / FAMILIES.len());
+}
+
+/// Loads along the axes put roots exactly on nodes of the table: none is listed twice.
+#[test]
+fn roots_on_nodes_are_listed_once() {
+    for (name, law) in laws() {
+        let law = Law::from(law);
+        for k in 0..720 {
+            let angle = std::f64::consts::TAU * k as f64 / 720.0;
+            let free = vec![3.0 * angle.cos(), 3.0 * angle.sin()];
+            let contacts = [(law.clone(), NormalForce::Prescribed(1.0))];
+            let problem = ContactProblem::new(DMatrix::identity(2, 2), free, contacts).unwrap();
+            let listed = solutions(&problem, 0, &[0.0; 2]);
+            assert_eq!(listed.len(), 1, "{name} at {angle}: {listed:?}");
+        }
+    }
+}
+
+/// Two loads inside the reservoir of an unstable law: stick and two slips, or stick alone.
+#[test]
+fn stick_is_not_always_the_only_solution() {
+    let (_, law) = laws().swap_remove(2);
+    let direction = V::new(60f64.to_radians().cos(), 60f64.to_radians().sin());
+    // The load of slip in an unstable direction, a little further along that direction.
+    let force = -law.force(&direction, 1.0).unwrap();
+    let load = force + direction * 0.002;
+    assert!(law.reservoir().gauge(&load) < 1.0);
+    let contacts = [(Law::from(law), NormalForce::Prescribed(1.0))];
+    let problem =
+        ContactProblem::new(DMatrix::identity(2, 2), vec![load.x, load.y], contacts).unwrap();
+    let phases: Vec<Phase> = solutions(&problem, 0, &[0.0; 2]).iter().map(|s| s.phase).collect();
+    assert_eq!(phases, [Phase::Stick, Phase::Slip, Phase::Slip]);
+}
