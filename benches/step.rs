@@ -1,6 +1,8 @@
 //! Cost of a time step, as a ratio to a hand-written loop for the same problem.
 //!
-//! `cargo bench` prints the ratios after criterion's own report.
+//! `cargo bench` prints the ratios after criterion's own report. With the argument `million` it only
+//! prints the nanoseconds per step of a million belt steps with every 100th saved, the floor that
+//! `python_overhead.py` compares Python with.
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -37,7 +39,7 @@ fn disk() -> LinearSystem {
     sliding_point(0.018, law, 9.81).unwrap()
 }
 
-fn run(system: &LinearSystem, u0: [f64; 2], steps: usize) -> f64 {
+fn run(system: &LinearSystem, u0: [f64; 2], steps: usize, save_every: usize) -> f64 {
     let options = Options {
         dt: DT,
         steps,
@@ -45,7 +47,7 @@ fn run(system: &LinearSystem, u0: [f64; 2], steps: usize) -> f64 {
         u0: u0.to_vec(),
         solver: Solver::Exact { max_sweeps: 1 },
         tolerance: 1e-10,
-        save_every: steps,
+        save_every,
         until_rest: false,
         stop_on_failure: true,
     };
@@ -133,15 +135,21 @@ fn nanoseconds(candidates: &[&dyn Fn() -> f64]) -> Vec<f64> {
 
 fn main() {
     let (belt, disk) = (belt(), disk());
-    let difference = (floor(STEPS) - run(&belt, [0.0; 2], STEPS)).abs();
+    if std::env::args().any(|argument| argument == "million") {
+        let steps = 5 * STEPS;
+        let million = || run(&belt, [0.0; 2], steps, 100);
+        println!("{}", nanoseconds(&[&million])[0] * STEPS as f64 / steps as f64);
+        return;
+    }
+    let difference = (floor(STEPS) - run(&belt, [0.0; 2], STEPS, STEPS)).abs();
     assert!(difference < 1e-6, "the floor solves another problem: {difference:e} m apart");
     let mut criterion = Criterion::default().configure_from_args().sample_size(10);
     criterion.bench_function("belt/floor", |b| b.iter(|| floor(STEPS)));
-    criterion.bench_function("belt/exact", |b| b.iter(|| run(&belt, [0.0; 2], STEPS)));
-    criterion.bench_function("disk/exact", |b| b.iter(|| run(&disk, [1e3, 5e2], STEPS)));
+    criterion.bench_function("belt/exact", |b| b.iter(|| run(&belt, [0.0; 2], STEPS, STEPS)));
+    criterion.bench_function("disk/exact", |b| b.iter(|| run(&disk, [1e3, 5e2], STEPS, STEPS)));
     criterion.final_summary();
-    let times = nanoseconds(&[&|| floor(STEPS), &|| run(&belt, [0.0; 2], STEPS), &|| {
-        run(&disk, [1e3, 5e2], STEPS)
+    let times = nanoseconds(&[&|| floor(STEPS), &|| run(&belt, [0.0; 2], STEPS, STEPS), &|| {
+        run(&disk, [1e3, 5e2], STEPS, STEPS)
     }]);
     println!("\nstep                        ns    ratio   allowed");
     println!("belt, hand-written   {:9.1}", times[0]);

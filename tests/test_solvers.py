@@ -19,38 +19,45 @@ def problems(seed, count):
         yield random_problem(rng, LAWS, contacts, rng.random(contacts) < 0.5)
 
 
-def check_agreement(count):
-    compared = differing = 0
-    for problem in problems(2019, count):
+def test_solvers_agree_where_the_solution_is_unique():
+    """10,000 problems of one to five contacts, unilateral and prescribed, p = 1 and 2."""
+    compared = different = unsolved = ambiguous = 0
+    for problem in problems(2019, 10_000):
         solutions = [
             problem.solve(solver, tolerance=1e-12, on_failure="record") for solver in SOLVERS
         ]
         for solution in solutions:
-            assert solution.residual == pytest.approx(
-                problem.residual(solution.percussion), rel=1e-6, abs=1e-13
-            )
-        if any(one.ambiguous or not one.converged for one in solutions):
-            continue
-        compared += 1
-        if len({tuple(solution.phase) for solution in solutions}) > 1:
-            # Several contacts together may have several solutions though each alone has one.
-            differing += 1
-            continue
-        for solution in solutions[1:]:
-            np.testing.assert_allclose(
-                solution.percussion, solutions[0].percussion, rtol=1e-9, atol=1e-9
-            )
-    assert compared > 0.9 * count
-    assert differing <= count // 1000
+            assert solution.converged == (problem.residual(solution.percussion) <= 1e-12)
+            check_ambiguity(problem, solution)
+        unsolved += not all(solution.converged for solution in solutions)
+        if any(one.ambiguous for one in solutions):
+            ambiguous += 1
+        elif all(one.converged for one in solutions):
+            if len({tuple(solution.phase) for solution in solutions}) > 1:
+                # Contacts together may have several solutions though each of them alone has one.
+                different += 1
+                continue
+            compared += 1
+            for solution in solutions[1:]:
+                np.testing.assert_allclose(
+                    solution.percussion, solutions[0].percussion, rtol=0, atol=1e-9
+                )
+    assert compared >= 9_900
+    assert ambiguous > 0
+    assert unsolved <= 20
+    assert different <= 5
 
 
-def test_solvers_agree_where_the_solution_is_unique():
-    check_agreement(300)
-
-
-@pytest.mark.long
-def test_solvers_agree_on_many_problems():
-    check_agreement(10_000)
+def check_ambiguity(problem, solution):
+    """What is reported of a contact is what the list of its solutions says."""
+    if not solution.converged:
+        return
+    for contact in np.flatnonzero(solution.ambiguous_contacts):
+        listed = problem.solutions(contact, solution.percussion)
+        assert len(listed) > 1 or listed[0].degenerate
+        rows = problem.row_slices[contact]
+        distances = [np.abs(one.percussion - solution.percussion[rows]).max() for one in listed]
+        assert min(distances) < 1e-9
 
 
 @every_solver

@@ -45,32 +45,40 @@ fn nodes(law: &FrictionLaw<2>) -> Vec<BoundaryPoint> {
 
 /// The slip equation written from the problem, not from the solver: `n × γ·den`, `n·γ·den`, `den`.
 struct Equation<'a> {
-    problem: &'a ContactProblem,
     law: &'a FrictionLaw<2>,
+    /// Rows of `G` and `b` with a normal row in front, zero for a prescribed normal percussion.
+    g: [[f64; 3]; 3],
+    b: [f64; 3],
+    prescribed: Option<f64>,
 }
 
-impl Equation<'_> {
-    fn percussion(&self, x: &V) -> (Vec<f64>, f64) {
-        match self.problem.contacts()[0].normal {
-            NormalForce::Prescribed(normal) => (vec![-normal * x.x, -normal * x.y], 1.0),
-            NormalForce::Unilateral => {
-                let g = self.problem.delassus();
-                let den = g[(0, 0)] - g[(0, 1)] * x.x - g[(0, 2)] * x.y;
-                // Times den: the pole at den = 0 must not look like a change of sign.
-                let scaled = -self.problem.free_velocity()[0];
-                (vec![scaled, -scaled * x.x, -scaled * x.y], den)
-            }
-        }
+impl<'a> Equation<'a> {
+    fn new(problem: &ContactProblem, law: &'a FrictionLaw<2>) -> Self {
+        let skip = 1 - problem.contacts()[0].normal_rows();
+        let (delassus, free) = (problem.delassus(), problem.free_velocity());
+        let row = |i: usize| i.checked_sub(skip);
+        let b = std::array::from_fn(|i| row(i).map_or(0.0, |i| free[i]));
+        let entry = |i, j| row(i).zip(row(j)).map_or(0.0, |at| delassus[at]);
+        let g = std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
+        let prescribed = match problem.contacts()[0].normal {
+            NormalForce::Prescribed(normal) => Some(normal),
+            NormalForce::Unilateral => None,
+        };
+        Self { law, g, b, prescribed }
     }
 
     fn evaluate(&self, n: &V, x: &V) -> (f64, f64, f64) {
-        let (percussion, den) = self.percussion(x);
-        let (g, b) = (self.problem.delassus(), self.problem.free_velocity());
-        let first = self.problem.contacts()[0].tangent();
-        let row = |i: usize| {
-            den * b[i] + percussion.iter().enumerate().map(|(j, p)| g[(i, j)] * p).sum::<f64>()
+        let [[g_nn, g_n1, g_n2], ..] = self.g;
+        // Times den: the pole at den = 0 must not look like a change of sign.
+        let (den, normal) = match self.prescribed {
+            Some(normal) => (1.0, normal),
+            None => (g_nn - g_n1 * x.x - g_n2 * x.y, -self.b[0]),
         };
-        let v = V::new(row(first), row(first + 1));
+        let row = |i: usize| {
+            let [g_in, g_i1, g_i2] = self.g[i];
+            den * self.b[i] + normal * (g_in - g_i1 * x.x - g_i2 * x.y)
+        };
+        let v = V::new(row(1), row(2));
         (n.x * v.y - n.y * v.x, n.dot(&v), den)
     }
 
@@ -83,10 +91,7 @@ impl Equation<'_> {
 /// Tangential percussions per normal percussion, `x`, of all slip solutions that the scan finds.
 fn scan(equation: &Equation<'_>, nodes: &[BoundaryPoint], xs: &[V]) -> Vec<V> {
     let mut found = Vec::new();
-    let pressed = match equation.problem.contacts()[0].normal {
-        NormalForce::Prescribed(_) => 1.0,
-        NormalForce::Unilateral => -equation.problem.free_velocity()[0].signum(),
-    };
+    let pressed = if equation.prescribed.is_some() { 1.0 } else { -equation.b[0].signum() };
     let mut last = equation.evaluate(&nodes[0].normal, &xs[0]).0;
     for k in 1..nodes.len() {
         let value = equation.evaluate(&nodes[k].normal, &xs[k]).0;
@@ -141,7 +146,7 @@ fn compare(count: usize) {
             let (mut missed, mut several, mut none) = (0, 0, 0);
             for _ in 0..count {
                 let problem = one_contact(law.clone(), family, &mut random);
-                let equation = Equation { problem: &problem, law: planar };
+                let equation = Equation::new(&problem, planar);
                 let listed = solutions(&problem, 0, &vec![0.0; problem.rows()]);
                 for solution in &listed {
                     let residual = residual(&problem, solution);
