@@ -57,7 +57,8 @@ def check_ambiguity(problem, solution):
         assert len(listed) > 1 or listed[0].degenerate
         rows = problem.row_slices[contact]
         distances = [np.abs(one.percussion - solution.percussion[rows]).max() for one in listed]
-        assert min(distances) < 1e-9
+        # Next to a double root the tolerance of an iteration counts with its square root.
+        assert min(distances) < 1e-7
 
 
 @every_solver

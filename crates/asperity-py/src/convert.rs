@@ -60,6 +60,6 @@ pub fn points<'a, const P: usize>(
 
 /// An array of shape `(n, width)` from its numbers, row by row.
 pub fn rows(py: Python<'_>, values: Vec<f64>, width: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let len = if width == 0 { 0 } else { values.len() / width };
+    let len = values.len() / width;
     PyArray1::from_vec(py, values).reshape([len, width])
 }

@@ -172,11 +172,11 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
         for _ in 0..100 {
             let (on_sphere, step) = secular_step(&stretched, &squares, t);
             if step <= 4.0 * f64::EPSILON * (t + squares.min()) {
-                return self.from_axes(&on_sphere);
+                return self.boundary_point(&on_sphere);
             }
             t += step;
         }
-        self.from_axes(&secular_step(&stretched, &squares, t).0)
+        self.boundary_point(&secular_step(&stretched, &squares, t).0)
     }
 
     /// On the boundary `z = x + t x/a²` in the axes, which gives `t` to second order.
@@ -196,7 +196,7 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
             }
             let (on_sphere, step) = secular_step(&stretched, &squares, t);
             if step.abs() <= 4.0 * f64::EPSILON * (t + squares.min()) {
-                return self.from_axes(&on_sphere);
+                return self.boundary_point(&on_sphere);
             }
             t += step;
         }
@@ -212,7 +212,7 @@ impl<const P: usize> Ellipsoid<P> {
 
     /// The boundary point `R (a ∘ w/‖w‖)`.
     #[inline]
-    fn from_axes(&self, w: &Vector<P>) -> Vector<P> {
+    fn boundary_point(&self, w: &Vector<P>) -> Vector<P> {
         self.from_ball * (w * (1.0 / w.norm()))
     }
 }

@@ -151,9 +151,10 @@ impl ContactProblem {
         check_finite("tangential_restitution", tangential)?;
         check_finite("initial_velocity", initial_velocity)?;
         for ((contact, e_n), e_t) in self.contacts.iter().zip(normal).zip(tangential) {
-            for row in contact.offset..contact.offset + contact.len() {
-                let e = if row < contact.tangent() { e_n } else { e_t };
-                self.restitution[row] = e * initial_velocity[row];
+            let own = contact.offset..contact.offset + contact.len();
+            let terms = self.restitution[own.clone()].iter_mut().zip(&initial_velocity[own]);
+            for (k, (term, velocity)) in terms.enumerate() {
+                *term = velocity * if k < contact.normal_rows() { e_n } else { e_t };
             }
         }
         Ok(self)
