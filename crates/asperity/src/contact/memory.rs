@@ -32,18 +32,41 @@ pub struct ContactState {
     /// Last phase.
     pub phase: Phase,
     /// Last slip velocity, unused components zero; only its direction counts.
-    pub direction: [f64; 3],
-    /// The two slip velocities before that, latest first: extrapolation gives Newton's method a better
-    /// start.
-    pub(crate) earlier: [[f64; 3]; 2],
+    pub slip: [f64; 3],
+    /// The two slip velocities before that, latest first.
+    earlier: [[f64; 3]; 2],
     /// How many of them belong to the present slip.
-    pub(crate) known: u8,
+    known: u8,
 }
 
 impl ContactState {
     /// A state without further history.
-    pub fn new(phase: Phase, direction: [f64; 3]) -> Self {
-        Self { phase, direction, ..Self::default() }
+    pub fn new(phase: Phase, slip: [f64; 3]) -> Self {
+        Self { phase, slip, ..Self::default() }
+    }
+
+    /// The state after a further step.
+    #[inline]
+    pub(crate) fn after(&self, phase: Phase, slip: [f64; 3]) -> Self {
+        if phase != Phase::Slip {
+            return Self::new(phase, self.slip);
+        }
+        let known = if self.phase == Phase::Slip { (self.known + 1).min(2) } else { 0 };
+        Self { phase, slip, earlier: [self.slip, self.earlier[0]], known }
+    }
+
+    /// The slip velocity extrapolated by a step, a good start for Newton's method.
+    #[inline]
+    pub(crate) fn ahead(&self) -> [f64; 3] {
+        let (last, [one, two]) = (&self.slip, &self.earlier);
+        let ahead: [f64; 3] = match self.known {
+            0 => return self.slip,
+            1 => std::array::from_fn(|i| 2.0 * last[i] - one[i]),
+            _ => std::array::from_fn(|i| 3.0 * (last[i] - one[i]) + two[i]),
+        };
+        let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        // Where the slip ceases, extrapolation would turn it round.
+        if dot(&ahead, last) > 0.5 * dot(last, last) { ahead } else { self.slip }
     }
 }
 
@@ -70,13 +93,13 @@ impl Memory {
         phases: impl IntoIterator<Item = Phase>,
     ) -> Self {
         let states = problem.contacts.iter().zip(phases).map(|(rows, phase)| {
-            let mut direction = [0.0; 3];
+            let mut slip = [0.0; 3];
             if phase == Phase::Slip {
                 for (i, row) in (rows.tangent()..rows.offset + rows.len()).enumerate() {
-                    direction[i] = velocity[row] + problem.restitution[row];
+                    slip[i] = velocity[row] + problem.restitution[row];
                 }
             }
-            ContactState::new(phase, direction)
+            ContactState::new(phase, slip)
         });
         Self { percussion: percussion.to_vec(), states: states.collect() }
     }

@@ -194,9 +194,9 @@ impl ContactProblem {
     #[inline]
     pub fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
         velocity.copy_from_slice(&self.free_velocity);
-        let columns = self.delassus.as_slice().chunks_exact(self.rows().max(1));
-        for (column, p) in columns.zip(percussion) {
-            for (value, g) in velocity.iter_mut().zip(column) {
+        let (entries, n) = (self.delassus.as_slice(), self.rows());
+        for (j, p) in percussion.iter().enumerate() {
+            for (value, g) in velocity.iter_mut().zip(&entries[j * n..(j + 1) * n]) {
                 *value += g * p;
             }
         }

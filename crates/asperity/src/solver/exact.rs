@@ -7,7 +7,7 @@ use asperity_set::Vector;
 use super::local::{Block, Local, LocalSolution, Selection};
 use super::report::Ended;
 use super::{Stop, Workspace, line, natural_residual, plane};
-use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce, Phase};
+use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce};
 use crate::law::Law;
 
 /// Sweeps until the natural residual is below the tolerance.
@@ -18,17 +18,11 @@ pub(super) fn solve(
     memory: &Memory,
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
+    let mut stuck = sweep(problem, memory, workspace, true);
     if problem.contacts.len() == 1 {
-        let ended = match sweep(problem, memory, workspace) {
-            Some(contact) => Ended::NoSolution(contact),
-            None => Ended::Done,
-        };
-        return (1, ended);
+        return (1, stuck.map_or(Ended::Done, Ended::NoSolution));
     }
-    // Contacts without a solution may find one when the others have moved.
-    let mut stuck = None;
     for sweeps in 1..=max_sweeps {
-        stuck = sweep(problem, memory, workspace);
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
         let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity);
         if residual.value <= 0.1 * stop.tolerance || residual.value <= 4.0 * f64::EPSILON {
@@ -37,55 +31,61 @@ pub(super) fn solve(
         if stop.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
             return (sweeps, Ended::TimeLimit);
         }
+        if sweeps < max_sweeps {
+            // Contacts without a solution may find one when the others have moved.
+            stuck = sweep(problem, memory, workspace, false);
+        }
     }
     (max_sweeps, stuck.map_or(Ended::MaxIterations, Ended::NoSolution))
 }
 
 /// One sweep; the last contact that had no solution.
-fn sweep(problem: &ContactProblem, memory: &Memory, workspace: &mut Workspace) -> Option<usize> {
+///
+/// The states before the step, in `memory`, decide between several solutions; Newton's method starts
+/// from them in the first sweep and from the last sweep's slip in later ones.
+fn sweep(
+    problem: &ContactProblem,
+    memory: &Memory,
+    workspace: &mut Workspace,
+    first: bool,
+) -> Option<usize> {
     let mut stuck = None;
     for (i, rows) in problem.contacts.iter().enumerate() {
-        let state = &memory.states[i];
+        let history = &memory.states[i];
         let Workspace { percussion, blocks, planar, ambiguous, states, .. } = &mut *workspace;
         let found = match &rows.law {
             Law::One(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                let found = line::solve(&local, state);
-                found.map(|found| store(rows, &found, percussion, state, &mut states[i]))
+                let found = line::solve(&local, history);
+                found.map(|found| store(rows, &found, percussion, history, &mut states[i]))
             }
             Law::Two(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                let guess = || guess(state, &states[i], &local.b_t);
-                let found = plane::solve(&local, state, guess, planar);
-                found.map(|found| store(rows, &found, percussion, state, &mut states[i]))
+                let guess = || start(if first { history.ahead() } else { states[i].slip }, &local);
+                let found = plane::solve(&local, history, guess, planar);
+                found.map(|found| store(rows, &found, percussion, history, &mut states[i]))
             }
             // Refused where problems are made.
             Law::Three(_) => None,
         };
-        match found {
-            Some(several) => ambiguous[i] = several,
-            None => stuck = Some(i),
+        ambiguous[i] = found == Some(true);
+        if found.is_none() {
+            stuck = Some(i);
+            states[i] = *history;
         }
     }
     stuck
 }
 
-/// Where Newton's method starts: the slip velocity extrapolated, else the last one, else the free one.
+/// A start of Newton's method: a slip velocity, or the free velocity if the contact has never slipped.
 #[inline]
-fn guess(history: &ContactState, state: &ContactState, free: &Vector<2>) -> Vector<2> {
-    let planar = |v: &[f64; 3]| Vector::<2>::new(v[0], v[1]);
-    let last = planar(&state.direction);
-    // Only in the first sweep is the last slip that of the step before.
-    if history.known == 0 || state.direction != history.direction {
-        return if last.amax() == 0.0 { *free } else { last };
-    }
-    let [one, two] = [planar(&history.earlier[0]), planar(&history.earlier[1])];
-    let ahead = if history.known == 1 { last * 2.0 - one } else { (last - one) * 3.0 + two };
-    // Where the slip ceases, extrapolation would turn it round.
-    if ahead.dot(&last) > 0.5 * last.norm_squared() { ahead } else { last }
+fn start(slip: [f64; 3], local: &Local<'_, 2>) -> Vector<2> {
+    let slip = Vector::<2>::new(slip[0], slip[1]);
+    if slip.amax() == 0.0 { local.b_t } else { slip }
 }
 
 /// Keeps a solution; whether there were others.
+#[inline]
 fn store<const P: usize>(
     rows: &ContactRows,
     found: &Selection<P>,
@@ -97,20 +97,12 @@ fn store<const P: usize>(
     if rows.normal == NormalForce::Unilateral {
         percussion[rows.offset] = solution.normal;
     }
-    state.phase = solution.phase;
+    let mut slip = [0.0; 3];
     for j in 0..P {
         percussion[rows.tangent() + j] = solution.tangent[j];
+        slip[j] = solution.slip[j];
     }
-    state.known = 0;
-    if solution.phase == Phase::Slip {
-        for j in 0..P {
-            state.direction[j] = solution.slip[j];
-        }
-        if history.phase == Phase::Slip {
-            state.earlier = [history.direction, history.earlier[0]];
-            state.known = (history.known + 1).min(2);
-        }
-    }
+    *state = history.after(solution.phase, slip);
     found.ambiguous
 }
 
@@ -126,7 +118,7 @@ pub(super) fn mark_ambiguous(problem: &ContactProblem, memory: &Memory, workspac
             }
             Law::Two(law) => {
                 let local = Local::new(law, problem, rows, &blocks[i], percussion);
-                let guess = || guess(state, state, &local.b_t);
+                let guess = || start(state.ahead(), &local);
                 plane::solve(&local, state, guess, planar).is_some_and(|s| s.ambiguous)
             }
             Law::Three(_) => false,

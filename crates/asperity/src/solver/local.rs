@@ -288,7 +288,7 @@ impl<'a, const P: usize> Local<'a, P> {
         state: &ContactState,
     ) -> Option<LocalSolution<P>> {
         let of = |phase: Phase| all.iter().find(|s| s.phase == phase).copied();
-        let last = Vector::<P>::from_fn(|i, _| state.direction[i]);
+        let last = Vector::<P>::from_fn(|i, _| state.slip[i]);
         let aim = if last.amax() > 0.0 { last } else { self.b_t };
         let nearness = |s: &LocalSolution<P>| s.slip.normalize().dot(&aim);
         let nearest = all
@@ -328,16 +328,14 @@ pub(super) fn classify(problem: &ContactProblem, workspace: &mut Workspace) {
                 .max(problem.free_velocity[first + i].abs())
                 .max((problem.delassus[(first + i, first + i)] * percussion[first + i]).abs());
         }
-        state.phase = if normal <= 0.0 {
+        let phase = if normal <= 0.0 {
             Phase::Open
         } else if gauge >= 1.0 - 1e-9 && moving > 1e-13 * reference {
             Phase::Slip
         } else {
             Phase::Stick
         };
-        if state.phase == Phase::Slip {
-            state.direction = slip;
-        }
+        *state = state.after(phase, slip);
     }
 }
 

@@ -81,6 +81,7 @@ impl Workspace {
         self.velocity.resize(rows, 0.0);
         self.next.resize(rows, 0.0);
         self.ambiguous.resize(contacts, false);
+        self.states.resize(contacts, ContactState::default());
         self.blocks.clear();
         self.blocks.extend(problem.contacts().iter().map(|rows| Block::new(problem, rows)));
     }
@@ -99,8 +100,6 @@ impl Solver {
     ) -> SolveReport {
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
-        workspace.states.clone_from(&memory.states);
-        workspace.ambiguous.fill(false);
         let (iterations, status) = match *self {
             Self::Exact { max_sweeps } => {
                 exact::solve(problem, stop, max_sweeps, memory, workspace)
@@ -116,6 +115,7 @@ impl Solver {
         let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity);
         if !matches!(self, Self::Exact { .. }) {
             exact::mark_ambiguous(problem, memory, workspace);
+            workspace.states.clone_from(&memory.states);
             local::classify(problem, workspace);
         }
         let report = SolveReport::new(status, iterations, residual, stop.tolerance, workspace);

@@ -205,7 +205,9 @@ impl Assembly {
 
     /// Free velocities and restitution terms from the velocities before and without contact forces.
     pub(super) fn load(&mut self, before: &[f64], free: &[f64]) {
-        for (i, row) in self.jacobian.chunks_exact(self.dof).enumerate() {
+        let n = self.dof;
+        for i in 0..self.problem.rows() {
+            let row = &self.jacobian[i * n..(i + 1) * n];
             self.problem.free_velocity[i] = dot(row, free) + self.chi[i];
             if self.bounces {
                 self.problem.restitution[i] =
@@ -216,8 +218,9 @@ impl Assembly {
 
     /// `velocity ← velocity + M⁻¹W P`.
     pub(super) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
-        for (column, p) in self.response.chunks_exact(self.dof).zip(percussion) {
-            for (value, c) in velocity.iter_mut().zip(column) {
+        let n = self.dof;
+        for (j, p) in percussion.iter().enumerate() {
+            for (value, c) in velocity.iter_mut().zip(&self.response[j * n..(j + 1) * n]) {
                 *value += c * p;
             }
         }
