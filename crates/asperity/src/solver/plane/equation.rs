@@ -1,0 +1,92 @@
+//! The slip equation of one contact.
+
+use asperity_set::{BoundaryPoint, Matrix, StarSet, Vector};
+
+use super::super::local::{Local, LocalSolution};
+use crate::law::{Cell, Node, WalkTable};
+
+pub(super) type V = Vector<2>;
+
+#[inline]
+pub(super) fn cross(a: &V, b: &V) -> f64 {
+    a.x * b.y - a.y * b.x
+}
+
+/// The slip equation of one contact.
+pub(super) struct Slip<'a, 'b> {
+    pub(super) local: &'a Local<'b, 2>,
+    pub(super) c0: V,
+    pub(super) a: Matrix<2>,
+    pub(super) sign: f64,
+    pub(super) norm_c: f64,
+    pub(super) norm_a: f64,
+    /// `|F|` below this value is rounding.
+    pub(super) rounding: f64,
+    /// Square of a radius of curvature that is not extreme.
+    pub(super) mild_bend: f64,
+}
+
+impl<'a, 'b> Slip<'a, 'b> {
+    pub(super) fn new(local: &'a Local<'b, 2>, table: &WalkTable) -> Self {
+        let (c0, a) = local.affine();
+        // Sums of magnitudes bound the norms and need no roots.
+        let norm_c = c0.x.abs() + c0.y.abs();
+        let norm_a = a.m11.abs() + a.m12.abs() + a.m21.abs() + a.m22.abs();
+        let rounding = 8.0 * f64::EPSILON * (norm_c + norm_a * table.largest_radius);
+        let mild_bend = (10.0 * table.largest_radius).powi(2);
+        Self { local, c0, a, sign: local.sign(), norm_c, norm_a, rounding, mild_bend }
+    }
+
+    #[inline]
+    pub(super) fn velocity(&self, x: &V) -> V {
+        self.c0 - self.a * x
+    }
+
+    pub(super) fn on_reservoir(&self, point: &BoundaryPoint) -> V {
+        point.position / self.local.law.reservoir().gauge(&point.position)
+    }
+
+    pub(super) fn value(&self, point: &BoundaryPoint) -> f64 {
+        cross(&point.normal, &self.velocity(&self.on_reservoir(point)))
+    }
+
+    /// How far `F` and `n·v` may stray from their chords over a cell.
+    #[inline]
+    pub(super) fn stray(&self, cell: &Cell) -> f64 {
+        self.norm_c * cell.normal + self.norm_a * cell.product
+    }
+
+    /// Whether `F` or `n·v` rules out a solution between two nodes.
+    pub(super) fn excluded_between(&self, first: &Node, last: &Node, stray: f64) -> bool {
+        let [(f, along_f), (g, along_g)] = [first, last].map(|node| {
+            let v = self.velocity(&node.x);
+            (cross(&node.point.normal, &v), self.sign * node.point.normal.dot(&v))
+        });
+        let no_root = (f >= 0.0) == (g >= 0.0) && f.abs().min(g.abs()) > stray;
+        no_root || along_f.max(along_g) < -stray
+    }
+
+    /// The slip solution at a root, if it is one: `v` along `n` and the normal force positive.
+    pub(super) fn admit(
+        &self,
+        point: &BoundaryPoint,
+        degenerate: bool,
+    ) -> Option<LocalSolution<2>> {
+        let x = self.on_reservoir(point);
+        let v = self.velocity(&x);
+        self.admit_root(&point.normal, &x, &v, degenerate)
+    }
+
+    #[inline]
+    pub(super) fn admit_root(
+        &self,
+        n: &V,
+        x: &V,
+        v: &V,
+        degenerate: bool,
+    ) -> Option<LocalSolution<2>> {
+        let outward = self.sign * n.dot(v) > 0.0;
+        let pressed = self.sign * self.local.denominator(x) > 0.0;
+        (outward && pressed).then(|| self.local.slip(x, v, degenerate))
+    }
+}

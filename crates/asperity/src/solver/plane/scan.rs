@@ -1,0 +1,66 @@
+//! The coarse scan of the walk, which rules out most of the boundary at once.
+
+use super::equation::{Slip, cross};
+use crate::law::{COARSE, FINE_PER_COARSE, WalkTable};
+
+/// `F` and `n·v` at all coarse nodes.
+pub(super) struct Scan {
+    value: [f64; COARSE],
+    along: [f64; COARSE],
+}
+
+impl Scan {
+    pub(super) fn new(slip: &Slip<'_, '_>, table: &WalkTable) -> Self {
+        let (c0, a) = (&slip.c0, &slip.a);
+        let ([n0, n1], [[n0x0, n0x1], [n1x0, n1x1]]) = (&table.columns.n, &table.columns.nx);
+        let (mut value, mut along) = ([0.0; COARSE], [0.0; COARSE]);
+        for i in 0..COARSE {
+            let v0 = a.m11 * n0x0[i] + a.m12 * n0x1[i];
+            let v1 = a.m21 * n1x0[i] + a.m22 * n1x1[i];
+            along[i] = slip.sign * (c0.x * n0[i] + c0.y * n1[i] - v0 - v1);
+            let w0 = a.m21 * n0x0[i] + a.m22 * n0x1[i];
+            let w1 = a.m11 * n1x0[i] + a.m12 * n1x1[i];
+            value[i] = c0.y * n0[i] - c0.x * n1[i] - w0 + w1;
+        }
+        Self { value, along }
+    }
+
+    /// Whether cell `i` certainly holds no solution.
+    #[inline]
+    pub(super) fn excluded(&self, slip: &Slip<'_, '_>, table: &WalkTable, i: usize) -> bool {
+        let next = (i + 1) % COARSE;
+        let stray = slip.stray(&table.coarse[i]);
+        let (f, g) = (self.value[i], self.value[next]);
+        let no_root = (f >= 0.0) == (g >= 0.0) && f.abs().min(g.abs()) > stray;
+        no_root || self.along[i].max(self.along[next]) < -stray
+    }
+
+    /// Whether exactly one cell is left, and that with a change of sign.
+    pub(super) fn has_one_root(&self, slip: &Slip<'_, '_>, table: &WalkTable) -> bool {
+        let mut open = (0..COARSE).filter(|&i| !self.excluded(slip, table, i));
+        let Some(cell) = open.next() else { return false };
+        let changes = (self.value[cell] >= 0.0) != (self.value[(cell + 1) % COARSE] >= 0.0);
+        // One change of sign may still be three roots unless F is monotone within its bound there.
+        changes && open.next().is_none() && self.monotone(slip, table, cell)
+    }
+
+    /// Whether `F` changes more over the cell than its derivative's sign allows for further roots:
+    /// checked on the fine nodes.
+    pub(super) fn monotone(&self, slip: &Slip<'_, '_>, table: &WalkTable, cell: usize) -> bool {
+        let range = cell * FINE_PER_COARSE..(cell + 1) * FINE_PER_COARSE;
+        let value = |j: usize| {
+            let node = &table.nodes[j];
+            cross(&node.point.normal, &slip.velocity(&node.x))
+        };
+        let mut changes = 0;
+        for j in range {
+            let (f, g) = (value(j), value(j + 1));
+            if (f >= 0.0) != (g >= 0.0) {
+                changes += 1;
+            } else if f.abs().min(g.abs()) <= slip.stray(&table.fine[j]) {
+                return false;
+            }
+        }
+        changes == 1
+    }
+}

@@ -1,0 +1,51 @@
+//! Data walks one way: set ← law ← contact ← {solver, system} ← stepper ← simulate.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Modules and what they may use.
+const ALLOWED: [(&str, &[&str]); 7] = [
+    ("law", &[]),
+    ("contact", &["law"]),
+    ("solver", &["law", "contact"]),
+    ("system", &["law", "contact"]),
+    ("stepper", &["law", "contact", "solver", "system"]),
+    ("trajectory", &["contact", "stepper"]),
+    ("simulate", &["solver", "stepper", "system", "trajectory"]),
+];
+
+fn sources(path: &Path) -> Vec<PathBuf> {
+    if path.is_file() {
+        return vec![path.to_path_buf()];
+    }
+    let entries = fs::read_dir(path).unwrap();
+    entries.flat_map(|entry| sources(&entry.unwrap().path())).collect()
+}
+
+#[test]
+fn modules_depend_in_one_direction() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    for (module, allowed) in ALLOWED {
+        let folder = root.join(module);
+        let place = if folder.is_dir() { folder } else { root.join(module).with_extension("rs") };
+        for file in sources(&place) {
+            let text = fs::read_to_string(&file).unwrap();
+            for used in text.split("crate::").skip(1) {
+                let name: String = used.chars().take_while(|c| c.is_alphanumeric()).collect();
+                let known = name == module || allowed.contains(&name.as_str());
+                assert!(known, "{} uses crate::{name}", file.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn files_fit_on_a_few_screens() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let files =
+        ["asperity-set", "asperity", "asperity-py"].map(|name| crates.join(name).join("src"));
+    for file in files.iter().flat_map(|folder| sources(folder)) {
+        let lines = fs::read_to_string(&file).unwrap().lines().count();
+        assert!(lines <= 350, "{} has {lines} lines", file.display());
+    }
+}
