@@ -181,6 +181,8 @@ EXCEPTIONS = [
     asp.DimensionError("q0", "must have shape (2,), got (3,)"),
     asp.ConvergenceError("not solved", 3, 0.3, 1, 1e-3, "Try less"),
     asp.ConvergenceError("not solved", 3, 0.3, 1, 1e-3, "Try less", MOTION),
+    asp.DivergenceError("no longer finite"),
+    asp.DivergenceError("no longer finite", MOTION),
     asp.NoSolutionError("no solution", contact=0, residual=1.0),
     asp.SimulationInterrupted(MOTION),
 ]

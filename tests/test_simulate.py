@@ -214,3 +214,12 @@ def test_same_input_same_bits():
         for _ in range(2)
     ]
     assert runs[0] == runs[1]
+
+
+def test_divergence_keeps_the_part_before():
+    runaway = asp.LinearSystem(1.0, -1e6)
+    with pytest.raises(asp.DivergenceError, match="coordinate 0") as caught:
+        asp.simulate(runaway, dt=1.0, t_end=1000.0, q0=[1.0])
+    kept = caught.value.trajectory
+    assert 0 < kept.steps < 1000
+    assert np.isfinite(kept.q).all()

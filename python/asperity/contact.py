@@ -229,7 +229,10 @@ class ContactProblem(Value):
         return solution
 
     def residual(self, percussion: ArrayLike) -> float:
-        """Return the natural-map residual of percussions, the largest over the contacts.
+        """Return the natural-map residual of percussions, relative to max(‖P‖, ρ‖b‖).
+
+        With ρ = rows/tr G: P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ), z = −αP, of all
+        contacts; it does not depend on units ([WL19] (12), (69)).
 
         Args:
             percussion: in N s, shape ``(rows,)``.

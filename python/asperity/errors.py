@@ -84,6 +84,23 @@ class NoSolutionError(ConvergenceError):
     """A contact has no solution at all (Painlevé paradox)."""
 
 
+class DivergenceError(AsperityError, ArithmeticError):
+    """The state of a simulation is no longer finite.
+
+    Attributes:
+        message: where and when.
+        trajectory: the part before, if there is one.
+    """
+
+    def __init__(self, message: str, trajectory: Trajectory | None = None) -> None:
+        super().__init__(message, trajectory)
+        self.message = message
+        self.trajectory = trajectory
+
+    def __str__(self) -> str:
+        return f"{self.message}. Try a smaller dt, or look for forces that grow without bound"
+
+
 class SimulationInterrupted(KeyboardInterrupt):
     """A simulation was stopped by Ctrl-C.
 

@@ -14,6 +14,7 @@ from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity.errors import (
     ConvergenceError,
+    DivergenceError,
     NoSolutionError,
     ParameterError,
     SimulationInterrupted,
@@ -84,6 +85,7 @@ def simulate(
         NoSolutionError: a contact has no solution (Painlevé).
         ConvergenceError: a contact problem was not solved to `tolerance`. Either holds the step,
             the time, the contact, the residual and the part before as ``trajectory``.
+        DivergenceError: the state is no longer finite, with the part before as ``trajectory``.
         SimulationInterrupted: on Ctrl-C, with the part before as ``trajectory``.
 
     Reference: [WL19] (19)–(22).
@@ -150,6 +152,8 @@ def _raise(exception: BaseException, trajectory: Trajectory) -> None:
     """Raise what stopped the run from outside: Ctrl-C or an exception in the user's code."""
     if isinstance(exception, KeyboardInterrupt):
         raise SimulationInterrupted(trajectory) from exception
+    if isinstance(exception, DivergenceError):
+        raise DivergenceError(exception.message, trajectory)
     exception.add_note(
         f"asperity: raised in step {trajectory.steps + 1}, "
         f"after t = {trajectory.steps * trajectory.dt:.9g} s"

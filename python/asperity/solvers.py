@@ -44,9 +44,10 @@ class ProxJacobi(Solver):
     All contacts are updated at once from the last iterate.
 
     Args:
-        r: step length of the friction rows, a number > 0 used as it stands, or ``"adaptive"`` for
-            r = α_k r̃ with r̃ from the largest eigenvalue of the contact's own block. A number
-            converges only while r λ_max(G) < 2 α_min.
+        r: prox parameter, a number > 0 used as it stands in all rows, or ``"adaptive"``: r̃ is the
+            reciprocal of the largest row sum of abs(G), a bound of λ_max(G), and is halved when the
+            residual stops falling; the friction rows take r = α_k r̃. In stick a number converges
+            for certain only while r λ_max(G) < 2 α_min.
         max_iterations: limit of iterations.
 
     Reference: [WL19] (20)–(22), (69)(70).
@@ -72,7 +73,7 @@ class ProxGaussSeidel(Solver):
     """The iteration of `ProxJacobi`, contact after contact with the newest percussions.
 
     Args:
-        r: step length as in `ProxJacobi`.
+        r: as in `ProxJacobi`, with the row sums of each contact's own block.
         max_iterations: limit of sweeps over the contacts.
 
     >>> from asperity import ProxGaussSeidel

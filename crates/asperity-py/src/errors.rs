@@ -8,25 +8,28 @@ use asperity::stepper::StepError;
 use asperity::system::SystemError;
 use pyo3::prelude::*;
 
-/// `asperity.errors.<kind>(argument, message)`.
-fn raise(kind: &str, argument: &str, message: &str) -> PyErr {
+/// `asperity.errors.<kind>(*arguments)`.
+fn make<A>(kind: &str, arguments: A) -> PyErr
+where
+    A: for<'py> pyo3::call::PyCallArgs<'py>,
+{
     Python::attach(|py| {
         let made = py
             .import("asperity.errors")
             .and_then(|module| module.getattr(kind))
-            .and_then(|class| class.call1((argument, message)));
+            .and_then(|class| class.call1(arguments));
         made.map_or_else(|error| error, PyErr::from_value)
     })
 }
 
 /// The value of an argument is not allowed.
 pub fn parameter(argument: &str, message: &str) -> PyErr {
-    raise("ParameterError", argument, message)
+    make("ParameterError", (argument, message))
 }
 
 /// The shape of an argument is wrong.
 pub fn dimension(argument: &str, message: &str) -> PyErr {
-    raise("DimensionError", argument, message)
+    make("DimensionError", (argument, message))
 }
 
 /// The core writes `argument: message`; Python keeps the two apart.
@@ -102,7 +105,7 @@ impl From<StepError> for Failure {
             StepError::System(error) => error.into(),
             StepError::SingularMass { .. } => Self(split("mass", &text)),
             StepError::Drilling => Self(split("contacts", &text)),
-            StepError::NotFinite { .. } => Self(raise("DivergenceError", "system", &text)),
+            StepError::NotFinite { .. } => Self(make("DivergenceError", (text,))),
         }
     }
 }
