@@ -84,6 +84,11 @@ impl Law {
     }
 
     #[getter]
+    fn is_associated(&self) -> bool {
+        each!(&self.0, law => law.reservoir().as_convex() == Some(law.direction()))
+    }
+
+    #[getter]
     fn alpha_min(&self) -> f64 {
         self.0.alpha_min()
     }

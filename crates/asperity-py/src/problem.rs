@@ -100,7 +100,9 @@ impl Problem {
         };
         let mut workspace = Workspace::default();
         let report = py.detach(|| {
-            let deadline = time_limit.map(|s| Instant::now() + Duration::from_secs_f64(s));
+            // A limit beyond the range of the clock is none.
+            let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
+            let deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
             workspace.prepare(problem);
             let stop = Stop { tolerance, deadline };
             solver.0.solve(problem, stop, &mut memory, &mut workspace)

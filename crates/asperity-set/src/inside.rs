@@ -17,6 +17,22 @@ pub fn largest_scale_inside<const P: usize>(
     1.0 / largest[0].max(largest[1])
 }
 
+/// The largest ratio of two gauges over all directions, `max k_a(x)/k_b(x)`.
+pub fn largest_ratio<const P: usize>(a: &dyn StarSet<P>, b: &dyn StarSet<P>) -> f64 {
+    let ratio = |d: &Vector<P>| a.gauge(d) / b.gauge(d);
+    let mut ranked: Vec<(f64, Vector<P>)> = match P {
+        1 => [1.0, -1.0].map(Vector::repeat).map(|d| (ratio(&d), d)).to_vec(),
+        _ => {
+            let corners = a.corners().into_iter().chain(b.corners());
+            directions::<P>(720).into_iter().chain(corners).map(|d| (ratio(&d), d)).collect()
+        }
+    };
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.truncate(24);
+    let refined = ranked.into_iter().map(|(value, d)| search(&ratio, value, d));
+    refined.fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Largest gauge of `outer` on `inner`: from many directions, `x ← inner.support_point(∇k_outer(x))`,
 /// which never descends for a convex `outer`, then a search that shrinks around the best points.
 fn climb<const P: usize>(inner: &dyn ConvexSet<P>, outer: &dyn StarSet<P>) -> f64 {

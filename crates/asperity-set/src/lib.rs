@@ -41,7 +41,7 @@ pub use cuboid::{Cuboid, Interval};
 pub use ellipsoid::{Ellipse, Ellipsoid};
 pub use error::SetError;
 pub use image::Image;
-pub use inside::largest_scale_inside;
+pub use inside::{largest_ratio, largest_scale_inside};
 pub use star::StarSet;
 pub use superellipsoid::{Superellipse, Superellipsoid};
 

@@ -233,7 +233,40 @@ fn roots_on_nodes_are_listed_once() {
             let contacts = [(law.clone(), NormalForce::Prescribed(1.0))];
             let problem = ContactProblem::new(DMatrix::identity(2, 2), free, contacts).unwrap();
             let listed = solutions(&problem, 0, &[0.0; 2]);
-            assert_eq!(listed.len(), 1, "{name} at {angle}: {listed:?}");
+            // With G = I the indices of all solutions add up to one: their number is odd.
+            assert_eq!(listed.len() % 2, 1, "{name} at {angle}: {listed:?}");
+            for (i, one) in listed.iter().enumerate() {
+                let x = V::new(one.percussion[0], one.percussion[1]);
+                let near = |s: &ContactSolution| {
+                    (V::new(s.percussion[0], s.percussion[1]) - x).norm() < 1e-6
+                };
+                assert!(!listed[..i].iter().any(near), "{name} at {angle}: {listed:?}");
+            }
+        }
+    }
+}
+
+/// Loads next to bdry *C*, where several solutions are frequent: none is overlooked by the fast path.
+#[test]
+fn ambiguity_is_never_overlooked() {
+    for (name, law) in laws() {
+        let nodes = nodes(&law);
+        let reservoir = law.reservoir().clone();
+        let law = Law::from(law);
+        let mut random = Random::new(11);
+        for k in 0..4000 {
+            let node = &nodes[(random.unit() * NODES as f64) as usize];
+            let x = node.position / reservoir.gauge(&node.position);
+            let s = 10f64.powf(random.within(-5.0, 0.5)) * x.norm();
+            let load = x + node.normal * s;
+            let (problem, free) = match k % 2 {
+                0 => (DMatrix::identity(2, 2), vec![load.x, load.y]),
+                _ => (DMatrix::identity(3, 3), vec![-1.0, load.x, load.y]),
+            };
+            let normal = [NormalForce::Prescribed(1.0), NormalForce::Unilateral][k % 2];
+            let problem = ContactProblem::new(problem, free, [(law.clone(), normal)]).unwrap();
+            let listed = solutions(&problem, 0, &vec![0.0; problem.rows()]);
+            check_selection(&problem, &listed, &mut random, name);
         }
     }
 }

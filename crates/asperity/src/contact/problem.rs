@@ -92,8 +92,8 @@ pub struct ContactProblem {
     /// `e γ_B`.
     pub(crate) restitution: Vec<f64>,
     pub(crate) contacts: Vec<ContactRows>,
-    /// `ρ = rows/tr G`, the prox parameter of the residual.
-    pub(crate) rho: f64,
+    /// `ρ = rows/tr G` of every contact's own block, the prox parameter of the residual.
+    pub(crate) rho: Vec<f64>,
 }
 
 impl ContactProblem {
@@ -118,6 +118,11 @@ impl ContactProblem {
         check_finite("delassus", delassus.as_slice())?;
         check_finite("free_velocity", &free_velocity)?;
         for contact in &contacts {
+            let dimension = contact.law.dimension();
+            if dimension > 2 {
+                let (allowed, value) = ("laws of dimension 1 or 2", dimension as f64);
+                return Err(ProblemError::Value { argument: "laws", allowed, value });
+            }
             if let NormalForce::Prescribed(value) = contact.normal
                 && !(value.is_finite() && value >= 0.0)
             {
@@ -132,8 +137,10 @@ impl ContactProblem {
                 }
             }
         }
-        let rho = offset as f64 / delassus.trace();
-        Ok(Self { delassus, free_velocity, restitution: vec![0.0; offset], contacts, rho })
+        let (restitution, rho) = (vec![0.0; offset], vec![0.0; contacts.len()]);
+        let mut problem = Self { delassus, free_velocity, restitution, contacts, rho };
+        problem.update_rho();
+        Ok(problem)
     }
 
     /// The problem with restitution: coefficients `e_N`, `e_T` per contact and velocities `γ_B` before,
@@ -158,6 +165,14 @@ impl ContactProblem {
             }
         }
         Ok(self)
+    }
+
+    /// Brings `ρ` up to date with the Delassus operator.
+    pub(crate) fn update_rho(&mut self) {
+        for (rho, contact) in self.rho.iter_mut().zip(&self.contacts) {
+            let own = contact.offset..contact.offset + contact.len();
+            *rho = contact.len() as f64 / own.map(|row| self.delassus[(row, row)]).sum::<f64>();
+        }
     }
 
     /// Number of rows.

@@ -12,6 +12,9 @@ pub enum LawError {
     /// The force at rest is not unique.
     #[error("slip: must not be zero, at rest every force in the reservoir is admissible")]
     AtRest,
+    /// The force jumps where the boundary of the direction set is flat.
+    #[error("slip: the direction set is flat in this direction, where the force has no derivative")]
+    Flat,
     /// A force that the contact cannot transmit.
     #[error("force: lies outside the reservoir, its gauge is {gauge}")]
     OutsideReservoir {
@@ -25,7 +28,7 @@ impl LawError {
     pub fn argument(&self) -> &'static str {
         match self {
             Self::Set(error) => error.argument(),
-            Self::AtRest => "slip",
+            Self::AtRest | Self::Flat => "slip",
             Self::OutsideReservoir { .. } => "force",
         }
     }

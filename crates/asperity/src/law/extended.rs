@@ -3,7 +3,8 @@
 use std::sync::OnceLock;
 
 use asperity_set::{
-    Ball, Convex, ConvexSet, Matrix, SetError, Star, StarSet, Vector, largest_scale_inside,
+    Ball, Convex, ConvexSet, Matrix, SetError, Star, StarSet, Vector, largest_ratio,
+    largest_scale_inside,
 };
 
 use super::{LawError, WalkTable};
@@ -45,7 +46,11 @@ impl<const P: usize> FrictionLaw<P> {
             scale = 1.0;
         }
         let direction = if scale == 1.0 { direction } else { direction.scaled(scale)? };
-        let alpha_min = smallest_ratio(&direction, &reservoir);
+        if let Some(same) = reservoir.as_convex().filter(|c| are_equal(*c, &direction)) {
+            // D = aC up to rounding is the associated law.
+            return Ok(Self { direction_scale: scale, ..Self::associated(same.clone()) });
+        }
+        let alpha_min = 1.0 / largest_ratio(&direction, &reservoir);
         Ok(Self { reservoir, direction, direction_scale: scale, alpha_min, table: OnceLock::new() })
     }
 
@@ -101,7 +106,8 @@ impl<const P: usize> FrictionLaw<P> {
         if slip.amax() == 0.0 {
             return Err(LawError::AtRest);
         }
-        let z = self.direction.support_point(slip);
+        // Only the direction counts; scaled, tiny slips do not underflow.
+        let z = self.direction.support_point(&(slip / slip.amax()));
         Ok(z * (-normal_force / self.reservoir.gauge(&z)))
     }
 
@@ -114,12 +120,16 @@ impl<const P: usize> FrictionLaw<P> {
         normal_force: f64,
         tolerance: f64,
     ) -> Result<Vector<P>, LawError> {
+        if !(normal_force.is_finite() && normal_force > 0.0) {
+            let (argument, allowed) = ("normal_force", "finite and positive");
+            return Err(SetError::Parameter { argument, allowed, value: normal_force }.into());
+        }
         let x = -force / normal_force;
         let gauge = self.reservoir.gauge(&x);
         if gauge < 1.0 - tolerance {
             return Ok(Vector::zeros());
         }
-        // The comparison also turns away the NaN of a zero normal force.
+        // The comparison also turns away NaN.
         if !(gauge <= 1.0 + tolerance) {
             return Err(LawError::OutsideReservoir { gauge });
         }
@@ -131,10 +141,14 @@ impl<const P: usize> FrictionLaw<P> {
         if slip.amax() == 0.0 {
             return Err(LawError::AtRest);
         }
-        let (z, hessian) = self.direction.support_jet(slip);
+        let size = slip.amax();
+        let (z, hessian) = self.direction.support_jet(&(slip / size));
+        if !hessian.iter().all(|v| v.is_finite()) {
+            return Err(LawError::Flat);
+        }
         let (gauge, gradient) = self.reservoir.gauge_jet(&z);
         let across = Matrix::identity() - z * gradient.transpose() / gauge;
-        Ok(across * hessian * (-normal_force / gauge))
+        Ok(across * hessian * (-normal_force / (gauge * size)))
     }
 
     /// Dissipation rate `−λᵀγ = λ_N Ψ*_D(γ)/k_C(z)` (\[WL19\] Prop. 5), zero at rest.
@@ -178,7 +192,8 @@ fn check_size<const P: usize>(
     }
 }
 
-/// `min r_D/r_C`, to the accuracy of a scan: it steers iterations and decides nothing.
-fn smallest_ratio<const P: usize>(direction: &Convex<P>, reservoir: &Star<P>) -> f64 {
-    probes().map(|d| reservoir.gauge(&d) / direction.gauge(&d)).fold(1.0, f64::min)
+/// Whether two sets are the same up to rounding.
+fn are_equal<const P: usize>(a: &Convex<P>, b: &Convex<P>) -> bool {
+    let close = |x: f64, y: f64| (x - y).abs() <= 1e-13 * x.abs();
+    probes::<P>().all(|d| close(a.gauge(&d), b.gauge(&d)) && close(a.support(&d), b.support(&d)))
 }

@@ -95,7 +95,7 @@ impl WalkTable {
         });
         let largest_radius = nodes.iter().map(|node| node.x.norm()).fold(0.0, f64::max);
         let smallest_sine = smallest_sine(&nodes);
-        let ambiguous = ambiguous_gauges(&nodes, reservoir);
+        let ambiguous = ambiguous_gauges(&nodes, reservoir, direction);
         let ambiguous_anywhere = ambiguous.iter().fold(EMPTY, |all, sector| join(all, *sector));
         Self {
             nodes,
@@ -259,33 +259,104 @@ impl WalkTable {
     }
 }
 
-/// Smallest and largest gauge of the loads that have several solutions with `A = aI`, with a margin.
+/// Gauges of the loads that may have several solutions with `A = aI`, sector by sector.
 ///
 /// The load `y` has the slip solutions `y = x + s n`, `s > 0`: rays from bdry *C*. A ray is met by its
 /// neighbours at `s_c = −n × dx/dφ`, and its points nearer than that are the solutions with index −1.
 /// The indices of all solutions add up to one, so that there are several only if one of them is −1: if
-/// `y` lies on a piece `0 < s < s_c` of some ray.
-fn ambiguous_gauges(nodes: &[Node], reservoir: &Star<2>) -> [(f64, f64); SECTORS] {
+/// `y` lies on a piece `0 < s < s_c` of some ray. The pieces of neighbouring nodes are joined to strips,
+/// with `s_c` the largest that the nodes or their chord give and half as much again.
+fn ambiguous_gauges(
+    nodes: &[Node],
+    reservoir: &Star<2>,
+    direction: &Convex<2>,
+) -> [(f64, f64); SECTORS] {
     let mut sectors = [EMPTY; SECTORS];
+    // The bounds of the gauge between two points hold for a convex gauge.
+    if reservoir.as_convex().is_none() {
+        return [(f64::NEG_INFINITY, f64::INFINITY); SECTORS];
+    }
     for pair in nodes.windows(2) {
-        let (n, chord) = (pair[0].point.normal, pair[1].x - pair[0].x);
-        let opening = n.x * chord.y - n.y * chord.x;
-        if opening >= 0.0 {
+        let reach = 1.5 * reach(pair, reservoir, direction);
+        if reach <= 0.0 {
             continue;
         }
-        let reach = -1.1 * opening / angle(&n, &pair[1].point.normal).max(f64::MIN_POSITIVE);
-        for (node, k) in pair.iter().flat_map(|node| (0..=64).map(move |k| (node, k))) {
-            let y = node.x + node.point.normal * (reach * f64::from(k) / 64.0);
-            let (gauge, centre) = (reservoir.gauge(&y), sector(&y));
-            for near in [centre + SECTORS - 1, centre, centre + 1] {
-                let sector = &mut sectors[near % SECTORS];
-                *sector = join(*sector, (gauge, gauge));
+        let size = pair[0].x.norm();
+        // Geometric beyond the size of the set; what lies farther counts as infinitely far.
+        let last = reach.min(1e6 * size);
+        let at = |node: &Node, k: i32| {
+            let s = if last > size {
+                1.4_f64.powi(k) - 1.0
+            } else {
+                f64::from(k) * last / (24.0 * size)
+            };
+            node.x + node.point.normal * (s * size).min(last)
+        };
+        let steps = if last > size { (last / size + 1.0).log(1.4).ceil() as i32 } else { 24 };
+        for k in 0..steps {
+            let [a, b] = [0, 1].map(|n| [at(&pair[n], k), at(&pair[n], k + 1)]);
+            for (from, to) in [(a[0], a[1]), (b[0], b[1]), (a[0], b[0]), (a[1], b[1])] {
+                cover(&mut sectors, reservoir, &from, &to);
+            }
+        }
+        if last < reach {
+            for node in pair {
+                let beyond = at(node, steps);
+                mark(&mut sectors, &beyond, &node.point.normal, (1.0, f64::INFINITY));
             }
         }
     }
-    // Between the sampled points the gauge may go further by a fraction of what it has gone.
-    sectors.map(|(low, high)| match low <= high {
-        true => (low - 0.1 * (1.0 - low).abs(), high + 0.1 * (high - 1.0).abs()),
-        false => (low, high),
-    })
+    sectors
+}
+
+/// The largest `s_c` in a cell, not positive where neighbouring rays open.
+fn reach(pair: &[Node], reservoir: &Star<2>, direction: &Convex<2>) -> f64 {
+    let chord = pair[1].x - pair[0].x;
+    let along = |node: &Node, dx: &Vector<2>| {
+        let n = node.point.normal;
+        n.y * dx.x - n.x * dx.y
+    };
+    let turned = angle(&pair[0].point.normal, &pair[1].point.normal).max(f64::MIN_POSITIVE);
+    let mut reach = along(&pair[0], &chord).max(along(&pair[1], &chord)) / turned;
+    for node in pair {
+        let n = node.point.normal;
+        let (z, dz) = direction.support_derivative(&n, &Vector::<2>::new(-n.y, n.x));
+        let (gauge, gradient) = reservoir.gauge_jet(&z);
+        let dx = (dz - z * (gradient.dot(&dz) / gauge)) / gauge;
+        let local = along(node, &dx);
+        // No derivative where D is flat: the chord has seen that.
+        if local.is_finite() {
+            reach = reach.max(local);
+        }
+    }
+    reach
+}
+
+/// Joins the gauges on a segment to all sectors that it crosses.
+fn cover(
+    sectors: &mut [(f64, f64); SECTORS],
+    reservoir: &Star<2>,
+    from: &Vector<2>,
+    to: &Vector<2>,
+) {
+    let (first, last) = (reservoir.gauge(from), reservoir.gauge(to));
+    let step = to - from;
+    let dip = reservoir.gauge(&step).max(reservoir.gauge(&-step));
+    mark(sectors, from, to, (first.min(last) - dip, first.max(last) + dip));
+}
+
+/// Joins an interval to all sectors from one ray to another, the short way, and one more at each end.
+fn mark(
+    sectors: &mut [(f64, f64); SECTORS],
+    from: &Vector<2>,
+    to: &Vector<2>,
+    interval: (f64, f64),
+) {
+    let (a, b) = (sector(from), sector(to));
+    let ahead = (b + SECTORS - a) % SECTORS;
+    let (start, count) = if ahead <= SECTORS / 2 { (a, ahead) } else { (b, SECTORS - ahead) };
+    for k in 0..count + 3 {
+        let place = &mut sectors[(start + SECTORS - 1 + k) % SECTORS];
+        *place = join(*place, interval);
+    }
 }

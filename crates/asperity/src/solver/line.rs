@@ -40,5 +40,6 @@ pub(super) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<Select
         count += 1;
     }
     let solution = local.select(&found[..count], state)?;
-    Some(Selection { solution, ambiguous: count > 1 })
+    let continuum = found[..count].iter().any(|s| s.degenerate);
+    Some(Selection { solution, ambiguous: count > 1 || continuum })
 }

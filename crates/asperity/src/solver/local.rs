@@ -37,9 +37,13 @@ impl Block {
         let g_tt = Matrix::<2>::from_fn(|i, j| pick(within(i) && within(j), t + i, t + j));
         let schur = if unilateral { g_tt - g_tn * g_nt.transpose() / g_nn } else { g_tt };
         let determinant = schur.determinant();
-        let singular = p == 2 && determinant.abs() <= 1e-13 * schur.norm_squared();
+        let singular = match p {
+            1 => schur.m11.abs() <= 1e-13 * g_tt.m11,
+            _ => determinant.abs() <= 1e-13 * g_tt.norm_squared(),
+        };
         let schur_inverse = match (p, singular) {
-            (1, _) => Matrix::<2>::new(1.0 / schur.m11, 0.0, 0.0, 0.0),
+            (1, false) => Matrix::<2>::new(1.0 / schur.m11, 0.0, 0.0, 0.0),
+            (1, true) => Matrix::zeros(),
             (_, false) => schur.try_inverse().unwrap_or_default(),
             (_, true) => pseudo_inverse(&schur),
         };

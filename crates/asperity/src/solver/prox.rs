@@ -7,6 +7,7 @@
 //!
 //! `r` is one number per contact: one per component would change the law.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use asperity_set::{ConvexSet, StarSet, Vector};
@@ -19,8 +20,8 @@ use crate::law::{FrictionLaw, Law};
 /// Prox parameter of the friction rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProxStep {
-    /// `r = α_k r̃` with `r̃` about `1/λ_max(G)`: the scale of *D* drops out of the step. `r̃` is
-    /// halved when the residual has stopped falling.
+    /// `r = α_k r̃` with `r̃` the reciprocal of the largest row sum of `|G|` over the contact's rows: the
+    /// scale of *D* drops out of the step. All `r̃` are halved when the residual has stopped falling.
     Adaptive,
     /// A constant `r`, also for the normal rows: the paper's plain form.
     Constant(f64),
@@ -39,12 +40,12 @@ pub(super) fn jacobi(
     max_iterations: usize,
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
-    let radius = spectral_radius_bound(problem, 0..problem.rows());
     iterate(problem, stop, step, max_iterations, workspace, |workspace, factor| {
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
-        let rate = Rate::new(step, factor, radius);
         for rows in &problem.contacts {
-            let Workspace { percussion, velocity, next, .. } = workspace;
+            let own = rows.offset..rows.offset + rows.len();
+            let rate = Rate::new(step, factor, row_sum_bound(problem, own, 0..problem.rows()));
+            let Workspace { percussion, velocity, next, .. } = &mut *workspace;
             let xi = |row: usize| velocity[row] + problem.restitution[row];
             update(rows, rate, xi, percussion, next);
         }
@@ -63,7 +64,8 @@ pub(super) fn gauss_seidel(
     iterate(problem, stop, step, max_iterations, workspace, |workspace, factor| {
         for rows in &problem.contacts {
             let own = rows.offset..rows.offset + rows.len();
-            let rate = Rate::new(step, factor, spectral_radius_bound(problem, own.clone()));
+            let bound = row_sum_bound(problem, own.clone(), own.clone());
+            let rate = Rate::new(step, factor, bound);
             for row in own.clone() {
                 workspace.velocity[row] = problem.row_velocity(row, &workspace.percussion);
             }
@@ -127,10 +129,11 @@ impl Rate {
     }
 }
 
-/// Upper bound of the largest eigenvalue of a diagonal block of `G`: the largest row sum.
-fn spectral_radius_bound(problem: &ContactProblem, rows: std::ops::Range<usize>) -> f64 {
-    let sum = |i: usize| rows.clone().map(|j| problem.delassus[(i, j)].abs()).sum::<f64>();
-    rows.clone().map(sum).fold(0.0, f64::max)
+/// Largest sum of magnitudes over some rows and columns of `G`: with its reciprocal as the step of
+/// every contact, the eigenvalues of the iteration lie within the unit circle (Gershgorin).
+fn row_sum_bound(problem: &ContactProblem, rows: Range<usize>, columns: Range<usize>) -> f64 {
+    let sum = |i: usize| columns.clone().map(|j| problem.delassus[(i, j)].abs()).sum::<f64>();
+    rows.map(sum).fold(0.0, f64::max)
 }
 
 /// (21), then (69), (70) for one contact, from `percussion` to `next`.

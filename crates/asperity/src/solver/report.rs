@@ -11,6 +11,8 @@ pub enum Status {
     MaxIterations,
     /// The time limit came first.
     TimeLimit,
+    /// The solver is done, but rounding keeps the residual above the tolerance.
+    Inexact,
     /// A contact has no solution at all (Painlevé's paradox), the others held.
     NoSolution,
 }
@@ -22,6 +24,7 @@ impl Status {
             Self::Converged => "converged",
             Self::MaxIterations => "max_iterations",
             Self::TimeLimit => "time_limit",
+            Self::Inexact => "inexact",
             Self::NoSolution => "no_solution",
         }
     }
@@ -56,7 +59,8 @@ impl SolveReport {
             _ if solved => (Status::Converged, residual.worst_contact),
             Ended::NoSolution(contact) => (Status::NoSolution, contact),
             Ended::TimeLimit => (Status::TimeLimit, residual.worst_contact),
-            Ended::Done | Ended::MaxIterations => (Status::MaxIterations, residual.worst_contact),
+            Ended::Done => (Status::Inexact, residual.worst_contact),
+            Ended::MaxIterations => (Status::MaxIterations, residual.worst_contact),
         };
         let ambiguous = workspace.ambiguous.iter().any(|&several| several);
         Self { status, iterations, residual: residual.value, worst_contact, ambiguous }

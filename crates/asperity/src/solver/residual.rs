@@ -8,26 +8,29 @@ use crate::law::{FrictionLaw, Law};
 /// Natural residual of a problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
-    /// `‖defect‖ / max(‖P‖, ρ‖b‖)`, independent of units.
+    /// The largest relative defect of a contact, independent of units.
     pub value: f64,
     /// Contact with the largest defect.
     pub worst_contact: usize,
 }
 
-/// Defect of the projections that the contact laws are, with `ρ = rows/tr G`:
+/// Defect of the projections that the contact laws are, contact by contact:
 ///
-/// `P_N − max(0, P_N − ρξ_N)` and, for `z = −αP`, `z − prox_{P_N D}(z + ργ)` (\[WL19\] (12), (69)).
+/// `P_N − max(0, P_N − ρξ_N)` and, for `z = −αP`, `z − prox_{P_N D}(z + ργ)` (\[WL19\] (12), (69)),
+/// with `ρ = rows/tr G` of the contact's own block.
 ///
-/// It vanishes exactly at solutions: the second is zero iff `k_C(−P/P_N) ≤ 1` and `γ ∈ N_D(z)`.
+/// It vanishes exactly at solutions: the second is zero iff `k_C(−P/P_N) ≤ 1` and `γ ∈ N_D(z)`. The
+/// defect of a contact is taken relative to its own percussion and loads, so that a light contact
+/// cannot hide the defect of a heavy one.
 pub fn natural_residual(
     problem: &ContactProblem,
     percussion: &[f64],
     velocity: &[f64],
 ) -> Residual {
-    let rho = problem.rho;
-    let (mut sum, mut worst, mut worst_contact) = (0.0, -1.0, 0);
     let xi = |row: usize| velocity[row] + problem.restitution[row];
+    let (mut worst, mut worst_contact) = (-1.0, 0);
     for (i, contact) in problem.contacts.iter().enumerate() {
+        let rho = problem.rho[i];
         let (normal_defect, normal) = match contact.normal {
             NormalForce::Prescribed(value) => (0.0, value),
             NormalForce::Unilateral => {
@@ -42,16 +45,33 @@ pub fn natural_residual(
             Law::Three(law) => tangential_defect(law, normal, rho, first, percussion, xi),
         };
         let defect = normal_defect * normal_defect + tangential;
-        sum += defect;
+        let relative = if defect == 0.0 { 0.0 } else { defect / scale(problem, i, percussion) };
         // Not-a-number counts as the worst of all.
-        if !(defect <= worst) {
-            (worst, worst_contact) = (defect, i);
+        if !(relative <= worst) {
+            (worst, worst_contact) = (relative, i);
         }
     }
-    let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
-    let scale = square(percussion).max(rho * rho * square(&problem.free_velocity));
-    let value = if sum == 0.0 { 0.0 } else { (sum / scale).sqrt() };
+    let value = if worst < 0.0 { 0.0 } else { f64::sqrt(worst) };
     Residual { value, worst_contact }
+}
+
+/// Square of what the defect of a contact is compared with: its percussion, its free velocity and the
+/// velocities that the other contacts bring, the latter times ρ.
+#[inline]
+fn scale(problem: &ContactProblem, i: usize, percussion: &[f64]) -> f64 {
+    let (contact, rho) = (&problem.contacts[i], problem.rho[i]);
+    let (mut own, mut brought) = (0.0, 0.0);
+    for row in contact.offset..contact.offset + contact.len() {
+        own += percussion[row] * percussion[row];
+        let mut load = problem.free_velocity[row].abs() + problem.restitution[row].abs();
+        if problem.contacts.len() > 1 {
+            for (j, p) in percussion.iter().enumerate() {
+                load += (problem.delassus[(row, j)] * p).abs();
+            }
+        }
+        brought += load * load;
+    }
+    f64::max(own, rho * rho * brought)
 }
 
 /// Square of the tangential defect of one contact.

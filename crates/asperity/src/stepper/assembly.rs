@@ -105,20 +105,20 @@ impl Assembly {
         Ok(slip)
     }
 
-    /// Brings the Delassus operator up to date.
+    /// Brings the Delassus operator up to date. `drift` is a length that a resting contact may be lifted
+    /// by rounding without being taken for open.
     pub(super) fn update(
         &mut self,
         system: &dyn System,
-        t: f64,
-        q: &[f64],
-        dt: f64,
+        (t, q, dt): (f64, &[f64], f64),
+        drift: f64,
         factor: &MassFactor,
         new_mass: bool,
     ) -> Result<Change, SystemError> {
         if self.ready && self.fixed && !new_mass {
             return Ok(Change::None);
         }
-        self.find_closed(system, t, q)?;
+        self.find_closed(system, t, q, drift)?;
         let same_contacts = self.ready && self.closed == self.active;
         if same_contacts && system.constancy().contacts && !new_mass {
             return Ok(Change::None);
@@ -132,11 +132,22 @@ impl Assembly {
         Ok(if same_contacts { Change::Operator } else { Change::Contacts })
     }
 
-    fn find_closed(&mut self, system: &dyn System, t: f64, q: &[f64]) -> Result<(), SystemError> {
+    fn find_closed(
+        &mut self,
+        system: &dyn System,
+        t: f64,
+        q: &[f64],
+        drift: f64,
+    ) -> Result<(), SystemError> {
         self.closed.clear();
         for (contact, law) in system.contacts().iter().enumerate() {
             let row = &mut self.normals[contact * self.dof..(contact + 1) * self.dof];
-            if law.normal_force.is_some() || system.gap(t, q, contact, row)? <= 0.0 {
+            let closed = law.normal_force.is_some() || {
+                let gap = system.gap(t, q, contact, row)?;
+                let lift = if self.places[contact].is_some() { drift * largest(row) } else { 0.0 };
+                gap <= lift
+            };
+            if closed {
                 self.closed.push(contact);
             }
         }
@@ -199,7 +210,19 @@ impl Assembly {
                 self.problem.delassus[(i, j)] = dot(row, &self.response[j * n..(j + 1) * n]);
             }
         }
-        self.problem.rho = rows as f64 / self.problem.delassus.trace();
+        self.problem.update_rho();
+        self.check_directions()
+    }
+
+    /// A direction that moves nothing would make the friction force meaningless.
+    fn check_directions(&self) -> Result<(), SystemError> {
+        for (contact, c) in self.problem.contacts.iter().zip(&self.active) {
+            let own = contact.offset..contact.offset + contact.len();
+            if own.into_iter().any(|row| !(self.problem.delassus[(row, row)] > 0.0)) {
+                let message = format!("must be finite and not zero, is not at contact {c}");
+                return Err(SystemError::argument("direction", message));
+            }
+        }
         Ok(())
     }
 
@@ -242,14 +265,19 @@ impl ContactProblem {
                 contact
             })
             .collect();
+        let count = contacts.len();
         Self {
             delassus: DMatrix::zeros(rows, rows),
             free_velocity: vec![0.0; rows],
             restitution: vec![0.0; rows],
             contacts,
-            rho: 0.0,
+            rho: vec![0.0; count],
         }
     }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }
 
 #[inline]

@@ -17,7 +17,8 @@ impl MassFactor {
         let n = mass.nrows();
         let diagonal = (0..n).all(|j| (0..n).all(|i| i == j || mass[(i, j)] == 0.0));
         if !diagonal {
-            return mass.clone().cholesky().map(Self::Dense);
+            let symmetric = (mass - mass.transpose()).amax() <= 1e-12 * mass.amax();
+            return mass.clone().cholesky().filter(|_| symmetric).map(Self::Dense);
         }
         let positive = mass.diagonal().iter().all(|&m| m > 0.0 && m.is_finite());
         positive.then(|| Self::Diagonal(mass.diagonal().iter().map(|m| 1.0 / m).collect()))

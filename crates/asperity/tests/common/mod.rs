@@ -82,6 +82,17 @@ pub fn laws() -> Vec<(&'static str, FrictionLaw<2>)> {
             "C disk, D rectangle",
             extended(Convex::from(Ball::new(0.4).unwrap()).into(), rectangle(0.5, 0.3, 25.0)),
         ),
+        (
+            "C ellipse, D rectangle",
+            extended(ellipse(1.0, 0.4, 28.6).into(), rectangle(1.0, 0.4, 0.0)),
+        ),
+        (
+            "C rectangle, D superellipse 100",
+            extended(rectangle(1.0, 0.2, 40.0).into(), convex(superellipse(1.0, 0.4, 100.0, 0.0))),
+        ),
+        ("thin ellipses", extended(ellipse(1.0, 0.01, 28.6).into(), ellipse(1.0, 0.01, 0.0))),
+        ("C 0.5, D ellipse", extended(superellipse(1.0, 0.5, 0.5, 23.0), ellipse(1.0, 0.2, 0.0))),
+        ("thin D", extended(ellipse(1.0, 0.3, 28.6).into(), ellipse(1.0, 1e-3, 0.0))),
     ]
 }
 

@@ -11,7 +11,7 @@ mod scan;
 use asperity_set::{ConvexSet, StarSet};
 
 use super::local::{Local, LocalSolution, Selection, Shape};
-use crate::contact::{ContactState, Phase};
+use crate::contact::ContactState;
 use crate::law::COARSE;
 pub(super) use all::solutions;
 use equation::{Slip, V, cross};
@@ -40,7 +40,7 @@ fn select_among_all(
 ) -> Option<Selection<2>> {
     solutions(&local, buffer);
     let solution = local.select(buffer, state)?;
-    let continuum = buffer.iter().any(|s| s.degenerate && s.phase == Phase::Slip);
+    let continuum = buffer.iter().any(|s| s.degenerate);
     Some(Selection { solution, ambiguous: buffer.len() > 1 || continuum })
 }
 
