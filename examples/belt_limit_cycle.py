@@ -15,4 +15,4 @@ motion = asp.simulate(belt, dt=1e-3, t_end=200.0)
 print(motion.summary())
 
 ax = asp.plot.plot_phase(motion.slice(150.0, 200.0))
-asp.plot.save_figure(ax.figure, sys.argv[1])
+asp.plot.save_figure(ax.figure, sys.argv[1] if len(sys.argv) > 1 else "belt_limit_cycle.png")

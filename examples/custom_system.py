@@ -43,4 +43,4 @@ with asp.plot.style():
     figure, ax = plt.subplots(layout="constrained")
 ax.plot(motion.t, np.rad2deg(motion.q[:, 0]))
 ax.set(xlabel="time in s", ylabel="angle in degrees")
-asp.plot.save_figure(figure, sys.argv[1])
+asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "custom_system.png")

@@ -28,4 +28,4 @@ for name, law in laws.items():
     print(f"{name:<11} stops after {path.t[-1]:.4f} s at ({x:.2f}, {y:.2f}) mm")
     ax = asp.plot.plot_path(path, ax, label=name)
 ax.legend()
-asp.plot.save_figure(ax.figure, sys.argv[1])
+asp.plot.save_figure(ax.figure, sys.argv[1] if len(sys.argv) > 1 else "sliding_path.png")

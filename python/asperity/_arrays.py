@@ -122,14 +122,17 @@ def fraction(value: Any, argument: str) -> float:
     return converted
 
 
+_LARGEST_COUNT = 2**53
+
+
 def count(value: Any, argument: str, least: int = 1) -> int:
     """Return an integer not below `least`."""
     try:
         converted = operator.index(value)
     except TypeError:
         raise ParameterError(argument, f"must be an integer, got {value!r}") from None
-    if converted < least:
-        raise ParameterError(argument, f"must be at least {least}, got {converted}")
+    if not least <= converted <= _LARGEST_COUNT:
+        raise ParameterError(argument, f"must lie in {least}..2**53, got {converted}")
     return converted
 
 

@@ -229,10 +229,11 @@ class ContactProblem(Value):
         return solution
 
     def residual(self, percussion: ArrayLike) -> float:
-        """Return the natural-map residual of percussions, relative to max(‖P‖, ρ‖b‖).
+        """Return the natural-map residual of percussions, the largest over the contacts.
 
-        With ρ = rows/tr G: P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ), z = −αP, of all
-        contacts; it does not depend on units ([WL19] (12), (69)).
+        The defects P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ), z = −αP, of a contact,
+        ρ = rows/tr G of its own block, are taken relative to its percussion and ρ times its loads:
+        independent of units and of the other contacts' sizes ([WL19] (12), (69)).
 
         Args:
             percussion: in N s, shape ``(rows,)``.

@@ -52,7 +52,9 @@ class FrictionLaw(Value):
         if not direction.is_convex:
             raise ParameterError("direction", f"must be convex, {direction!r} is star-shaped only")
         core = _core.Law(reservoir._core, direction._core)
-        if core.direction_scale != 1.0:
+        if core.is_associated:
+            direction = reservoir
+        elif core.direction_scale != 1.0:
             direction = direction.scaled(core.direction_scale)
             core = _core.Law(reservoir._core, direction._core)
         self._set(reservoir=reservoir, direction=direction)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
@@ -74,7 +74,8 @@ def simulate(
         solver: contact solver. Default `Exact`.
         tolerance: of each step's contact problem, see `ContactProblem.solve`.
         save_every: keep every so-many-th step; the initial and the last state are kept always.
-        until_rest: stop when all is at rest.
+        until_rest: stop after two steps in which all velocities vanish; a load that starts to act
+            later does not start the motion again.
         on_failure: ``"raise"``, or ``"record"`` to go on with the best iterate and count the step.
         progress: a function of (step, steps) called a few times a second, or ``True`` for tqdm.
 
@@ -126,7 +127,7 @@ def simulate(
 
 def _step_count(dt: float, t_end: float) -> int:
     ratio = t_end / dt
-    if not math.isfinite(ratio):
+    if not ratio < 2.0**53:
         raise ParameterError("dt", f"is too small for t_end = {t_end!r}, got {dt!r}")
     nearest = round(ratio)
     return nearest if abs(ratio - nearest) <= _MULTIPLE * nearest else math.ceil(ratio)
@@ -154,6 +155,8 @@ def _raise(exception: BaseException, trajectory: Trajectory) -> None:
         raise SimulationInterrupted(trajectory) from exception
     if isinstance(exception, DivergenceError):
         raise DivergenceError(exception.message, trajectory)
+    with suppress(AttributeError):  # an exception of the user's may refuse new attributes
+        exception.trajectory = trajectory  # type: ignore[attr-defined]
     exception.add_note(
         f"asperity: raised in step {trajectory.steps + 1}, "
         f"after t = {trajectory.steps * trajectory.dt:.9g} s"

@@ -45,9 +45,9 @@ class ProxJacobi(Solver):
 
     Args:
         r: prox parameter, a number > 0 used as it stands in all rows, or ``"adaptive"``: r̃ is the
-            reciprocal of the largest row sum of abs(G), a bound of λ_max(G), and is halved when the
-            residual stops falling; the friction rows take r = α_k r̃. In stick a number converges
-            for certain only while r λ_max(G) < 2 α_min.
+            reciprocal of the largest row sum of abs(G) over the contact's rows, and is halved when
+            the residual stops falling; the friction rows take r = α_k r̃. In stick a number
+            converges for certain only while r λ_max(G) < 2 α_min.
         max_iterations: limit of iterations.
 
     Reference: [WL19] (20)–(22), (69)(70).
@@ -73,7 +73,7 @@ class ProxGaussSeidel(Solver):
     """The iteration of `ProxJacobi`, contact after contact with the newest percussions.
 
     Args:
-        r: as in `ProxJacobi`, with the row sums of each contact's own block.
+        r: as in `ProxJacobi`, with row sums over the contact's own columns.
         max_iterations: limit of sweeps over the contacts.
 
     >>> from asperity import ProxGaussSeidel

@@ -43,6 +43,7 @@ class Status(StrEnum):
     CONVERGED = "converged"
     MAX_ITERATIONS = "max_iterations"
     TIME_LIMIT = "time_limit"
+    INEXACT = "inexact"
     NO_SOLUTION = "no_solution"
 
     def __repr__(self) -> str:
@@ -63,6 +64,7 @@ _MESSAGES = {
     Status.CONVERGED: "converged",
     Status.MAX_ITERATIONS: "the solver reached its iteration limit before the tolerance",
     Status.TIME_LIMIT: "the solver reached its time limit before the tolerance",
+    Status.INEXACT: "the solver is done, but rounding keeps the residual above the tolerance",
     Status.NO_SOLUTION: "a contact has no solution (Painlevé paradox)",
 }
 
@@ -72,6 +74,7 @@ _ADVICE = {
         "Try solver=Exact(), a smaller dt, a higher iteration limit or a looser tolerance"
     ),
     Status.TIME_LIMIT: "Try a longer time_limit or a looser tolerance",
+    Status.INEXACT: "Try a looser tolerance, or sets and masses of less extreme proportions",
     Status.NO_SOLUTION: (
         "Friction and normal force enforce each other: no percussion satisfies the laws. "
         "Try smaller friction coefficients, another geometry or a compliant contact"

@@ -105,19 +105,23 @@ impl Assembly {
         Ok(slip)
     }
 
-    /// Brings the Delassus operator up to date. `drift` is a length that a resting contact may be lifted
-    /// by rounding without being taken for open.
+    /// Brings the Delassus operator up to date; `before` and `free` are the velocities before the step
+    /// and without contact forces.
     pub(super) fn update(
         &mut self,
         system: &dyn System,
         (t, q, dt): (f64, &[f64], f64),
-        drift: f64,
+        (before, free): (&[f64], &[f64]),
         factor: &MassFactor,
         new_mass: bool,
     ) -> Result<Change, SystemError> {
         if self.ready && self.fixed && !new_mass {
             return Ok(Change::None);
         }
+        // A resting contact may be lifted by rounding: by a millionth of the way that the contact forces
+        // have to make up for in a step it is not open yet.
+        let pairs = free.iter().zip(before);
+        let drift = 1e-6 * dt * pairs.fold(0.0, |d: f64, (free, u)| d.max((free - u).abs()));
         self.find_closed(system, t, q, drift)?;
         let same_contacts = self.ready && self.closed == self.active;
         if same_contacts && system.constancy().contacts && !new_mass {

@@ -168,11 +168,8 @@ impl<'a> Stepper<'a> {
             *free = u + dt * *free;
         }
         let system = self.system;
-        // A millionth of what the contact forces have to make up for in a step.
-        let pairs = self.free.iter().zip(&self.u);
-        let drift = 1e-6 * dt * pairs.fold(0.0, |d: f64, (free, u)| d.max((free - u).abs()));
         let at = (t_mid, self.q_mid.as_slice(), dt);
-        match self.assembly.update(system, at, drift, factor, new_mass)? {
+        match self.assembly.update(system, at, (&self.u, &self.free), factor, new_mass)? {
             Change::None => {}
             Change::Operator => self.workspace.prepare(self.assembly.problem()),
             Change::Contacts => {
