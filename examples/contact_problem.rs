@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut memory = Memory::new(problem.rows(), problem.contacts().len());
         let mut workspace = Workspace::default();
         workspace.prepare(&problem);
-        let stop = Stop { tolerance: 1e-12, deadline: None };
+        let stop = Stop::at(1e-12);
         let report = solver.solve(&problem, stop, &mut memory, &mut workspace);
         println!("{solver:?}");
         println!("  {} iterations, residual {:.1e}", report.iterations, report.residual);

@@ -1,4 +1,4 @@
-"""Ctrl-C stops a simulation at once and keeps what was computed."""
+"""Ctrl-C stops a simulation or a solve at once; a simulation keeps what was computed."""
 
 import os
 import signal
@@ -8,32 +8,48 @@ import time
 
 import pytest
 
-SCRIPT = """
-import sys
+SIMULATE = """
+import time
 import asperity as asp
 belt = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(0.5), 1.0, [0.1, 0.0])
 print("ready", flush=True)
 try:
     asp.simulate(belt, dt=1e-6, t_end=1e6, save_every=1000)
 except asp.SimulationInterrupted as stopped:
+    print(time.time(), flush=True)
     trajectory = stopped.trajectory
     assert trajectory.steps > 0
     assert len(trajectory) >= trajectory.steps // 1000
     assert trajectory.phase_counts.sum() == trajectory.steps
-    sys.exit(42)
+    raise SystemExit(42)
+"""
+
+SOLVE = """
+import time
+import asperity as asp
+import numpy as np
+law = asp.FrictionLaw.isotropic(0.5)
+problem = asp.ContactProblem(np.eye(2), [1.0, 0.3], law, normal_force=1.0)
+print("ready", flush=True)
+try:
+    problem.solve(asp.ProxJacobi(max_iterations=10**15), tolerance=1e-300)
+except KeyboardInterrupt:
+    print(time.time(), flush=True)
+    raise SystemExit(42)
 """
 
 
 @pytest.mark.skipif(os.name == "nt", reason="sends SIGINT")
-def test_interrupt_keeps_the_part_before():
-    process = subprocess.Popen([sys.executable, "-c", SCRIPT], stdout=subprocess.PIPE, text=True)
+@pytest.mark.parametrize("script", [SIMULATE, SOLVE], ids=["simulate", "solve"])
+def test_interrupt_is_answered_at_once(script):
+    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout.readline() == "ready\n"
         time.sleep(0.5)
-        sent = time.monotonic()
+        sent = time.time()
         process.send_signal(signal.SIGINT)
+        assert float(process.stdout.readline()) - sent < 0.2
         assert process.wait(timeout=10.0) == 42
-        assert time.monotonic() - sent < 1.0
     finally:
         process.kill()
         process.stdout.close()

@@ -1,5 +1,6 @@
 //! Contact problems and their solvers.
 
+use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
@@ -39,6 +40,32 @@ impl Solver {
     #[staticmethod]
     fn prox_gauss_seidel(r: Option<f64>, max_iterations: usize) -> Result<Self, Failure> {
         Ok(Self(solver::Solver::ProxGaussSeidel { step: step(r)?, max_iterations }))
+    }
+}
+
+/// Looks at Python's signals about every 50 ms.
+struct Signals {
+    last: Cell<Instant>,
+    raised: RefCell<Option<PyErr>>,
+}
+
+impl Default for Signals {
+    fn default() -> Self {
+        Self { last: Cell::new(Instant::now()), raised: RefCell::new(None) }
+    }
+}
+
+impl Signals {
+    /// Whether a signal handler has raised, Ctrl-C above all.
+    fn pending(&self) -> bool {
+        if self.last.get().elapsed() < Duration::from_millis(50) {
+            return false;
+        }
+        self.last.set(Instant::now());
+        let error = Python::attach(|py| py.check_signals()).err();
+        let pending = error.is_some();
+        *self.raised.borrow_mut() = error;
+        pending
     }
 }
 
@@ -104,9 +131,12 @@ impl Problem {
             let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
             let deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
             workspace.prepare(problem);
-            let stop = Stop { tolerance, deadline };
-            solver.0.solve(problem, stop, &mut memory, &mut workspace)
-        });
+            let signals = Signals::default();
+            let cancelled = || signals.pending();
+            let stop = Stop { tolerance, deadline, cancelled: Some(&cancelled) };
+            let report = solver.0.solve(problem, stop, &mut memory, &mut workspace);
+            signals.raised.into_inner().map_or(Ok(report), Err)
+        })?;
         let phases: Vec<i64> = memory.states.iter().map(|state| state.phase as i64).collect();
         let out = PyDict::new(py);
         out.set_item("percussion", PyArray1::from_vec(py, memory.percussion))?;

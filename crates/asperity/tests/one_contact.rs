@@ -11,7 +11,7 @@ use asperity::solver::{ContactSolution, Solver, Stop, Workspace, natural_residua
 use common::{FAMILIES, Random, V, laws, one_contact};
 use nalgebra::DMatrix;
 
-const STOP: Stop = Stop { tolerance: 1e-10, deadline: None };
+const TOLERANCE: f64 = 1e-10;
 const NODES: usize = 16_384;
 
 /// Nodes along bdry *D*: half of them equidistant in the normal angle, half in the position angle.
@@ -190,7 +190,7 @@ fn check_selection(
     let mut workspace = Workspace::default();
     workspace.prepare(problem);
     let solver = Solver::Exact { max_sweeps: 1 };
-    let report = solver.solve(problem, STOP, &mut memory, &mut workspace);
+    let report = solver.solve(problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
     if listed.is_empty() {
         assert_eq!(report.status.name(), "no_solution", "{name}");
         return;

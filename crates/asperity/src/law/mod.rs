@@ -1,5 +1,6 @@
 //! Friction laws: a force reservoir, a direction set, and what follows from the pair.
 
+mod ambiguity;
 mod any;
 mod error;
 mod extended;

@@ -1,7 +1,5 @@
 //! Block Gauss–Seidel whose one-contact solve is exact.
 
-use std::time::Instant;
-
 use asperity_set::Vector;
 
 use super::local::{Block, Local, LocalSolution, Selection};
@@ -13,7 +11,7 @@ use crate::law::Law;
 /// Sweeps until the natural residual is below the tolerance.
 pub(super) fn solve(
     problem: &ContactProblem,
-    stop: Stop,
+    stop: Stop<'_>,
     max_sweeps: usize,
     memory: &Memory,
     workspace: &mut Workspace,
@@ -28,7 +26,7 @@ pub(super) fn solve(
         if residual.value <= 0.1 * stop.tolerance || residual.value <= 4.0 * f64::EPSILON {
             return (sweeps, Ended::Done);
         }
-        if stop.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+        if stop.early() {
             return (sweeps, Ended::TimeLimit);
         }
         if sweeps < max_sweeps {

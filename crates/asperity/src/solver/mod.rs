@@ -50,12 +50,27 @@ pub enum Solver {
 }
 
 /// When a solver stops.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stop {
+#[derive(Clone, Copy)]
+pub struct Stop<'a> {
     /// Largest natural residual that counts as solved, see [`natural_residual`].
     pub tolerance: f64,
     /// Wall clock limit.
     pub deadline: Option<Instant>,
+    /// Asked between sweeps; the solver gives up when it answers yes.
+    pub cancelled: Option<&'a dyn Fn() -> bool>,
+}
+
+impl Stop<'_> {
+    /// Stops at the tolerance only.
+    pub fn at(tolerance: f64) -> Self {
+        Self { tolerance, deadline: None, cancelled: None }
+    }
+
+    /// Whether to give up before the tolerance is reached.
+    fn early(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+            || self.cancelled.is_some_and(|cancelled| cancelled())
+    }
 }
 
 /// Buffers that live as long as the problem keeps its size.
@@ -94,7 +109,7 @@ impl Solver {
     pub fn solve(
         &self,
         problem: &ContactProblem,
-        stop: Stop,
+        stop: Stop<'_>,
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {

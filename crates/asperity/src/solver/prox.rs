@@ -7,10 +7,8 @@
 //!
 //! `r` is one number per contact: one per component would change the law.
 
-use std::ops::Range;
-use std::time::Instant;
-
 use asperity_set::{ConvexSet, StarSet, Vector};
+use std::ops::Range;
 
 use super::report::Ended;
 use super::{Stop, Workspace, natural_residual};
@@ -35,7 +33,7 @@ const PATIENCE: usize = 30;
 /// All contacts at once, `γ` from the percussions of the last iteration.
 pub(super) fn jacobi(
     problem: &ContactProblem,
-    stop: Stop,
+    stop: Stop<'_>,
     step: ProxStep,
     max_iterations: usize,
     workspace: &mut Workspace,
@@ -56,7 +54,7 @@ pub(super) fn jacobi(
 /// Contact after contact, `γ` from the newest percussions.
 pub(super) fn gauss_seidel(
     problem: &ContactProblem,
-    stop: Stop,
+    stop: Stop<'_>,
     step: ProxStep,
     max_iterations: usize,
     workspace: &mut Workspace,
@@ -80,7 +78,7 @@ pub(super) fn gauss_seidel(
 /// Repeats `sweep` until the residual is below the tolerance.
 fn iterate(
     problem: &ContactProblem,
-    stop: Stop,
+    stop: Stop<'_>,
     step: ProxStep,
     max_iterations: usize,
     workspace: &mut Workspace,
@@ -105,7 +103,7 @@ fn iterate(
         if stalled > PATIENCE && step == ProxStep::Adaptive {
             (factor, stalled, best) = (0.5 * factor, 0, residual);
         }
-        if stop.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+        if stop.early() {
             return (iteration, Ended::TimeLimit);
         }
     }

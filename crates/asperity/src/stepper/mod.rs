@@ -178,7 +178,7 @@ impl<'a> Stepper<'a> {
             }
         }
         self.assembly.load(&self.u, &self.free);
-        let stop = Stop { tolerance: self.tolerance, deadline: None };
+        let stop = Stop::at(self.tolerance);
         let problem = self.assembly.problem();
         let report = self.solver.solve(problem, stop, &mut self.memory, &mut self.workspace);
         self.assembly.apply(&self.memory.percussion, &mut self.free);

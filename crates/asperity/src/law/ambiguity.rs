@@ -1,0 +1,148 @@
+//! Loads that may have several solutions.
+
+use asperity_set::{Convex, ConvexSet, Star, StarSet, Vector};
+
+use super::table::{Node, angle};
+
+/// Number of sectors that loads are sorted into.
+const SECTORS: usize = 128;
+
+/// The empty interval.
+const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
+/// The smallest interval that holds both.
+fn join(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+/// Sector of a point other than the origin, by the place of its ray on the square `|x₁| + |x₂| = 1`.
+#[inline]
+fn sector(y: &Vector<2>) -> usize {
+    let along = y.x / (y.x.abs() + y.y.abs());
+    let turn = if y.y >= 0.0 { 1.0 - along } else { 3.0 + along };
+    (turn * (SECTORS / 4) as f64) as usize % SECTORS
+}
+
+/// Gauges of the loads `y = c₀/a` that may have several solutions with `A = aI`, sector by sector.
+#[derive(Debug, Clone)]
+pub(super) struct AmbiguousLoads {
+    sectors: [(f64, f64); SECTORS],
+    /// The same over all sectors.
+    anywhere: (f64, f64),
+}
+
+impl AmbiguousLoads {
+    pub(super) fn new(nodes: &[Node], reservoir: &Star<2>, direction: &Convex<2>) -> Self {
+        let sectors = ambiguous_gauges(nodes, reservoir, direction);
+        Self { anywhere: sectors.iter().fold(EMPTY, |all, sector| join(all, *sector)), sectors }
+    }
+
+    /// Whether a load with gauge `k_C(y)` may have several solutions.
+    #[inline]
+    pub(super) fn may_hold(&self, load: &Vector<2>, gauge: f64) -> bool {
+        let within = |(low, high): (f64, f64)| low <= gauge && gauge <= high;
+        within(self.anywhere) && within(self.sectors[sector(load)])
+    }
+}
+
+/// The intervals of all sectors.
+///
+/// The load `y` has the slip solutions `y = x + s n`, `s > 0`: rays from bdry *C*. A ray is met by its
+/// neighbours at `s_c = −n × dx/dφ`, and its points nearer than that are the solutions with index −1.
+/// The indices of all solutions add up to one, so that there are several only if one of them is −1: if
+/// `y` lies on a piece `0 < s < s_c` of some ray. The pieces of neighbouring nodes are joined to strips,
+/// with `s_c` the largest that the nodes or their chord give and half as much again.
+fn ambiguous_gauges(
+    nodes: &[Node],
+    reservoir: &Star<2>,
+    direction: &Convex<2>,
+) -> [(f64, f64); SECTORS] {
+    let mut sectors = [EMPTY; SECTORS];
+    // The bounds of the gauge between two points hold for a convex gauge.
+    if reservoir.as_convex().is_none() {
+        return [(f64::NEG_INFINITY, f64::INFINITY); SECTORS];
+    }
+    for pair in nodes.windows(2) {
+        let reach = 1.5 * reach(pair, reservoir, direction);
+        if reach <= 0.0 {
+            continue;
+        }
+        let size = pair[0].x.norm();
+        // Geometric beyond the size of the set; what lies farther counts as infinitely far.
+        let last = reach.min(1e6 * size);
+        let at = |node: &Node, k: i32| {
+            let s = if last > size {
+                1.4_f64.powi(k) - 1.0
+            } else {
+                f64::from(k) * last / (24.0 * size)
+            };
+            node.x + node.point.normal * (s * size).min(last)
+        };
+        let steps = if last > size { (last / size + 1.0).log(1.4).ceil() as i32 } else { 24 };
+        for k in 0..steps {
+            let [a, b] = [0, 1].map(|n| [at(&pair[n], k), at(&pair[n], k + 1)]);
+            for (from, to) in [(a[0], a[1]), (b[0], b[1]), (a[0], b[0]), (a[1], b[1])] {
+                cover(&mut sectors, reservoir, &from, &to);
+            }
+        }
+        if last < reach {
+            for node in pair {
+                let beyond = at(node, steps);
+                mark(&mut sectors, &beyond, &node.point.normal, (1.0, f64::INFINITY));
+            }
+        }
+    }
+    sectors
+}
+
+/// The largest `s_c` in a cell, not positive where neighbouring rays open.
+fn reach(pair: &[Node], reservoir: &Star<2>, direction: &Convex<2>) -> f64 {
+    let chord = pair[1].x - pair[0].x;
+    let along = |node: &Node, dx: &Vector<2>| {
+        let n = node.point.normal;
+        n.y * dx.x - n.x * dx.y
+    };
+    let turned = angle(&pair[0].point.normal, &pair[1].point.normal).max(f64::MIN_POSITIVE);
+    let mut reach = along(&pair[0], &chord).max(along(&pair[1], &chord)) / turned;
+    for node in pair {
+        let n = node.point.normal;
+        let (z, dz) = direction.support_derivative(&n, &Vector::<2>::new(-n.y, n.x));
+        let (gauge, gradient) = reservoir.gauge_jet(&z);
+        let dx = (dz - z * (gradient.dot(&dz) / gauge)) / gauge;
+        let local = along(node, &dx);
+        // No derivative where D is flat: the chord has seen that.
+        if local.is_finite() {
+            reach = reach.max(local);
+        }
+    }
+    reach
+}
+
+/// Joins the gauges on a segment to all sectors that it crosses.
+fn cover(
+    sectors: &mut [(f64, f64); SECTORS],
+    reservoir: &Star<2>,
+    from: &Vector<2>,
+    to: &Vector<2>,
+) {
+    let (first, last) = (reservoir.gauge(from), reservoir.gauge(to));
+    let step = to - from;
+    let dip = reservoir.gauge(&step).max(reservoir.gauge(&-step));
+    mark(sectors, from, to, (first.min(last) - dip, first.max(last) + dip));
+}
+
+/// Joins an interval to all sectors from one ray to another, the short way, and one more at each end.
+fn mark(
+    sectors: &mut [(f64, f64); SECTORS],
+    from: &Vector<2>,
+    to: &Vector<2>,
+    interval: (f64, f64),
+) {
+    let (a, b) = (sector(from), sector(to));
+    let ahead = (b + SECTORS - a) % SECTORS;
+    let (start, count) = if ahead <= SECTORS / 2 { (a, ahead) } else { (b, SECTORS - ahead) };
+    for k in 0..count + 3 {
+        let place = &mut sectors[(start + SECTORS - 1 + k) % SECTORS];
+        *place = join(*place, interval);
+    }
+}
