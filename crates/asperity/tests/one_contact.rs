@@ -132,6 +132,16 @@ fn residual(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
     natural_residual(problem, &solution.percussion, &solution.velocity).value
 }
 
+/// How much larger the terms of the normal row are than its load: where they nearly cancel (den close to
+/// zero), their rounding counts with this factor.
+fn amplification(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
+    if problem.contacts()[0].normal_rows() == 0 {
+        return 1.0;
+    }
+    let percussion = solution.percussion.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
+    problem.delassus().norm() * percussion / problem.free_velocity()[0].abs()
+}
+
 /// Every solution of the scan is listed, every listed one solves the problem, and a contact that is
 /// called unambiguous has exactly one.
 fn compare(count: usize) {
@@ -150,10 +160,8 @@ fn compare(count: usize) {
                 let listed = solutions(&problem, 0, &vec![0.0; problem.rows()]);
                 for solution in &listed {
                     let residual = residual(&problem, solution);
-                    assert!(
-                        residual < 1e-12,
-                        "{name} {family:?}: {residual:e} {solution:?} {problem:?}"
-                    );
+                    let bound = 1e-12 + 1e-14 * amplification(&problem, solution);
+                    assert!(residual < bound, "{name} {family:?}: {residual:e} {solution:?}");
                 }
                 let first = problem.contacts()[0].normal_rows();
                 let ratio = |s: &ContactSolution| {
