@@ -1,13 +1,15 @@
 //! Friction laws.
 
-use asperity::law::{FrictionLaw, Law as CoreLaw, LawError};
+use asperity::law::{Fall, FrictionLaw, Law as CoreLaw, LawError, Stribeck, flow_sets};
 use asperity::set::{Convex, Star, Vector};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
+use crate::any_star::AnyStar;
+use crate::batch::{Answer, answer};
 use crate::convert::{Numbers, Points, numbers, points, rows};
 use crate::errors::{Failure, dimension, parameter};
-use crate::set::{AnyStar, Set};
+use crate::set::Set;
 
 /// A friction law.
 #[pyclass(frozen, module = "asperity._core")]
@@ -27,11 +29,28 @@ macro_rules! each {
 fn make<const P: usize>(
     reservoir: &Star<P>,
     direction: &Star<P>,
+    rate: Option<Stribeck>,
 ) -> Result<FrictionLaw<P>, Failure> {
     let direction: Option<&Convex<P>> = direction.as_convex();
     let direction =
         direction.ok_or_else(|| parameter("direction", "must be convex, is star-shaped only"))?;
-    Ok(FrictionLaw::new(reservoir.clone(), direction.clone())?)
+    let law = FrictionLaw::new(reservoir.clone(), direction.clone())?;
+    Ok(match rate {
+        Some(rate) => law.with_rate(rate),
+        None => law,
+    })
+}
+
+/// Shape, speed, ratio, exponent, viscous factor.
+type Rate = (String, f64, f64, f64, f64);
+
+fn stribeck((shape, speed, ratio, exponent, viscous): Rate) -> Result<Stribeck, Failure> {
+    let fall = match shape.as_str() {
+        "exponential" => Fall::Exponential,
+        "hyperbolic" => Fall::Hyperbolic,
+        _ => return Err(parameter("shape", "must be 'exponential' or 'hyperbolic'").into()),
+    };
+    Ok(Stribeck::new(fall, speed, ratio, exponent, viscous)?)
 }
 
 /// `f(point, number)` for all points, as rows.
@@ -60,11 +79,13 @@ fn components<const P: usize>(v: Vector<P>) -> [f64; P] {
 #[pymethods]
 impl Law {
     #[new]
-    fn new(reservoir: &Set, direction: &Set) -> Result<Self, Failure> {
+    #[pyo3(signature = (reservoir, direction, rate))]
+    fn new(reservoir: &Set, direction: &Set, rate: Option<Rate>) -> Result<Self, Failure> {
+        let rate = rate.map(stribeck).transpose()?;
         let law: CoreLaw = match (&reservoir.0, &direction.0) {
-            (AnyStar::One(c), AnyStar::One(d)) => make(c, d)?.into(),
-            (AnyStar::Two(c), AnyStar::Two(d)) => make(c, d)?.into(),
-            (AnyStar::Three(c), AnyStar::Three(d)) => make(c, d)?.into(),
+            (AnyStar::One(c), AnyStar::One(d)) => make(c, d, rate)?.into(),
+            (AnyStar::Two(c), AnyStar::Two(d)) => make(c, d, rate)?.into(),
+            (AnyStar::Three(c), AnyStar::Three(d)) => make(c, d, rate)?.into(),
             _ => {
                 let message = "must have the dimension of the reservoir";
                 return Err(dimension("direction", message).into());
@@ -86,6 +107,22 @@ impl Law {
     #[getter]
     fn is_associated(&self) -> bool {
         each!(&self.0, law => law.reservoir().as_convex() == Some(law.direction()))
+    }
+
+    fn associativity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
+        each!(&self.0, law => answer(py, &law.associativity()))
+    }
+
+    fn collinearity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
+        each!(&self.0, law => answer(py, &law.collinearity()))
+    }
+
+    fn dissipativity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
+        each!(&self.0, law => answer(py, &law.dissipativity()))
+    }
+
+    fn monotonicity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
+        each!(&self.0, law => answer(py, &law.monotonicity()))
     }
 
     #[getter]
@@ -154,4 +191,32 @@ impl Law {
         })?;
         Ok(PyArray1::from_vec(py, out))
     }
+}
+
+type Array<'py> = Bound<'py, PyArray1<f64>>;
+/// Angles and radii of *C*, normal angles and support of *D*, and `(closure, convexity defect, smallest
+/// resistance, repair)`.
+type Flow<'py> = (Array<'py>, Array<'py>, Array<'py>, Array<'py>, (f64, f64, f64, f64));
+
+/// Both sets of a law from its force over the sliding direction.
+#[pyfunction]
+pub fn flow_law<'py>(
+    py: Python<'py>,
+    phi: Numbers<'py>,
+    force: Points<'py>,
+    closure_tolerance: f64,
+    convexity_tolerance: f64,
+) -> Result<Flow<'py>, Failure> {
+    let force: Vec<_> = points(&force, "force")?.collect();
+    let phi = numbers(&phi, "phi")?;
+    let sets = flow_sets(phi, &force, closure_tolerance, convexity_tolerance)?;
+    let report = sets.report;
+    let array = |values| PyArray1::from_vec(py, values);
+    Ok((
+        array(sets.theta),
+        array(sets.radius),
+        array(sets.phi),
+        array(sets.support),
+        (report.closure, report.convexity_defect, report.smallest_resistance, report.repair),
+    ))
 }

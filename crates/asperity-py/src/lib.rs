@@ -1,5 +1,8 @@
 //! Python binding: converts arguments, releases the interpreter, maps errors. No formula, no default.
 
+mod any_star;
+mod batch;
+mod cones;
 mod convert;
 mod errors;
 mod law;
@@ -14,7 +17,9 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use crate::law::Law;
+    use crate::cones::{cone_polar, cone_projection, star_shape};
+    #[pymodule_export]
+    use crate::law::{Law, flow_law};
     #[pymodule_export]
     use crate::problem::{Problem, Solver};
     #[pymodule_export]

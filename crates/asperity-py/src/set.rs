@@ -1,92 +1,21 @@
 //! Sets.
 
 use asperity::set::{
-    Ball, Convex, ConvexSet, Cuboid, Ellipse, Ellipsoid, Star, StarSet, Superellipsoid, Vector,
+    Ball, CappedRectangle, Convex, ConvexSet, CoulombContensou, Cuboid, Ellipse, Ellipsoid,
+    PolarCurve, Polygon, Pressure, Star, StarSet, Superellipsoid, SupportCurve, Vector,
+    WedgeAsperity, convexity, largest_ratio, strict_convexity, symmetry, tangent_cone,
 };
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
+use crate::any_star::{AnyStar, build, combined, each};
+use crate::batch::{Answer, answer, convex, each_number, each_vector, flat, nonzero, touching};
 use crate::convert::{Numbers, Points, numbers, points, rows, square, vector};
 use crate::errors::{Failure, dimension, parameter};
-
-/// A set of any dimension.
-#[derive(Debug, Clone)]
-pub enum AnyStar {
-    One(Star<1>),
-    Two(Star<2>),
-    Three(Star<3>),
-}
 
 /// A star-shaped set.
 #[pyclass(frozen, module = "asperity._core")]
 pub struct Set(pub AnyStar);
-
-/// Does the same with the set inside, whatever its dimension.
-macro_rules! each {
-    ($any:expr, $set:ident => $call:expr) => {
-        match $any {
-            AnyStar::One($set) => $call,
-            AnyStar::Two($set) => $call,
-            AnyStar::Three($set) => $call,
-        }
-    };
-}
-
-/// Builds the set of a dimension known at run time only.
-macro_rules! build {
-    ($dimension:expr, $argument:expr, $P:ident => $make:expr) => {
-        match $dimension {
-            1 => {
-                const $P: usize = 1;
-                AnyStar::One($make)
-            }
-            2 => {
-                const $P: usize = 2;
-                AnyStar::Two($make)
-            }
-            3 => {
-                const $P: usize = 3;
-                AnyStar::Three($make)
-            }
-            other => {
-                let message = format!("must give a set of dimension 1, 2 or 3, gives {other}");
-                return Err(dimension($argument, &message).into());
-            }
-        }
-    };
-}
-
-/// The convex set inside, or the error that names the missing property.
-fn convex<const P: usize>(set: &Star<P>) -> PyResult<&Convex<P>> {
-    set.as_convex().ok_or_else(|| parameter("set", "must be convex for this, is star-shaped only"))
-}
-
-fn each_number<const P: usize>(
-    x: &Points<'_>,
-    argument: &str,
-    f: impl Fn(&Vector<P>) -> f64,
-) -> PyResult<Vec<f64>> {
-    Ok(points::<P>(x, argument)?.map(|x| f(&x)).collect())
-}
-
-fn each_vector<const P: usize>(
-    x: &Points<'_>,
-    argument: &str,
-    f: impl Fn(&Vector<P>) -> Vector<P>,
-) -> PyResult<(Vec<f64>, usize)> {
-    let mut out = Vec::with_capacity(x.as_array().len());
-    for x in points::<P>(x, argument)? {
-        out.extend_from_slice(f(&x).as_slice());
-    }
-    Ok((out, P))
-}
-
-fn nonzero<const P: usize>(y: &Points<'_>, argument: &str) -> PyResult<()> {
-    if points::<P>(y, argument)?.any(|y| y.amax() == 0.0) {
-        return Err(parameter(argument, "must not be zero"));
-    }
-    Ok(())
-}
 
 #[pymethods]
 impl Set {
@@ -121,6 +50,86 @@ impl Set {
         Ok(Self(build!(numbers(&semi_axes, "semi_axes")?.len(), "semi_axes", P => {
             Superellipsoid::<P>::new(vector(&semi_axes, "semi_axes")?, exponent)?.into()
         })))
+    }
+
+    #[staticmethod]
+    fn capped_rectangle(a: f64, b: f64, cap: f64) -> Result<Self, Failure> {
+        Ok(Self::planar(Convex::from(CappedRectangle::new(a, b, cap)?).into()))
+    }
+
+    #[staticmethod]
+    fn wedge_asperity(mu: f64, beta: f64) -> Result<Self, Failure> {
+        Ok(Self::planar(WedgeAsperity::new(mu, beta)?.into()))
+    }
+
+    #[staticmethod]
+    fn polygon(vertices: Points<'_>) -> Result<Self, Failure> {
+        let vertices: Vec<_> = points(&vertices, "vertices")?.collect();
+        Ok(Self::planar(Polygon::new(&vertices)?.into()))
+    }
+
+    #[staticmethod]
+    fn polar_curve(angle: Numbers<'_>, radius: Numbers<'_>) -> Result<Self, Failure> {
+        let curve = PolarCurve::new(numbers(&angle, "angle")?, numbers(&radius, "radius")?)?;
+        Ok(Self::planar(curve.into()))
+    }
+
+    #[staticmethod]
+    fn support_curve(angle: Numbers<'_>, support: Numbers<'_>) -> Result<Self, Failure> {
+        let curve = SupportCurve::new(numbers(&angle, "angle")?, numbers(&support, "support")?)?;
+        Ok(Self::planar(Convex::from(curve).into()))
+    }
+
+    #[staticmethod]
+    fn coulomb_contensou(mu: f64, pressure: &str) -> Result<Self, Failure> {
+        let pressure = match pressure {
+            "hertz" => Pressure::Hertz,
+            "uniform" => Pressure::Uniform,
+            _ => return Err(parameter("pressure", "must be 'hertz' or 'uniform'").into()),
+        };
+        let set = Convex::from(CoulombContensou::new(mu, pressure)?);
+        Ok(Self(AnyStar::Three(set.into())))
+    }
+
+    #[staticmethod]
+    fn intersection(sets: Vec<PyRef<'_, Self>>) -> Result<Self, Failure> {
+        Ok(Self(combined!(sets, Star::intersection)))
+    }
+
+    #[staticmethod]
+    fn union(sets: Vec<PyRef<'_, Self>>) -> Result<Self, Failure> {
+        Ok(Self(combined!(sets, Star::union)))
+    }
+
+    #[staticmethod]
+    fn minkowski_sum(sets: Vec<PyRef<'_, Self>>) -> Result<Self, Failure> {
+        Ok(Self(combined!(sets, Star::minkowski_sum)))
+    }
+
+    fn convexity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
+        each!(&self.0, set => answer(py, &convexity(set)))
+    }
+
+    fn strict_convexity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
+        each!(&self.0, set => answer(py, &strict_convexity(set)))
+    }
+
+    fn symmetry<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
+        each!(&self.0, set => answer(py, &symmetry(set)))
+    }
+
+    fn scale_inside<'py>(
+        &self,
+        py: Python<'py>,
+        outer: &Self,
+    ) -> Result<(f64, Bound<'py, PyArray1<f64>>), Failure> {
+        let (ratio, at) = match (&self.0, &outer.0) {
+            (AnyStar::One(a), AnyStar::One(b)) => touching(largest_ratio(b, a)),
+            (AnyStar::Two(a), AnyStar::Two(b)) => touching(largest_ratio(b, a)),
+            (AnyStar::Three(a), AnyStar::Three(b)) => touching(largest_ratio(b, a)),
+            _ => return Err(dimension("outer", "must have the dimension of the set").into()),
+        };
+        Ok((1.0 / ratio, PyArray1::from_vec(py, at)))
     }
 
     fn rotated(&self, angle: f64) -> Result<Self, Failure> {
@@ -245,15 +254,34 @@ impl Set {
         x: Numbers<'_>,
         tolerance: f64,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        fn generators<const P: usize>(
-            set: &Star<P>,
-            x: &Numbers<'_>,
-            tolerance: f64,
-        ) -> PyResult<Option<Vec<f64>>> {
-            let cone = convex(set)?.normal_cone(&vector(x, "x")?, tolerance);
-            Ok(cone.map(|c| c.generators().iter().flat_map(|g| g.as_slice().to_vec()).collect()))
-        }
-        let found = each!(&self.0, set => generators(set, &x, tolerance))?;
+        let found: Option<Vec<f64>> = each!(&self.0, set => {
+            let cone = convex(set)?.normal_cone(&vector(&x, "x")?, tolerance);
+            cone.map(|cone| flat(cone.generators()))
+        });
         found.map(|out| rows(py, out, self.dimension())).transpose()
+    }
+
+    fn tangent_cone<'py>(
+        &self,
+        py: Python<'py>,
+        x: Numbers<'_>,
+        tolerance: f64,
+    ) -> PyResult<Option<Vec<Bound<'py, PyArray2<f64>>>>> {
+        let found: Option<Vec<Vec<f64>>> = each!(&self.0, set => {
+            let parts = tangent_cone(set, &vector(&x, "x")?, tolerance);
+            parts.map(|parts| parts.iter().map(|part| flat(part.generators())).collect())
+        });
+        let Some(parts) = found else { return Ok(None) };
+        parts
+            .into_iter()
+            .map(|part| rows(py, part, self.dimension()))
+            .collect::<PyResult<_>>()
+            .map(Some)
+    }
+}
+
+impl Set {
+    fn planar(set: Star<2>) -> Self {
+        Self(AnyStar::Two(set))
     }
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use crate::error::positive;
 use crate::{
-    Ball, ConvexSet, Cuboid, Ellipsoid, Image, Matrix, NormalCone, SetError, StarSet,
-    Superellipsoid, Vector,
+    Ball, Cone, ConvexSet, CoulombContensou, Cuboid, Ellipsoid, Embedded, Image, Intersection,
+    Matrix, MinkowskiSum, Planar, SetError, StarSet, Superellipsoid, Union, Vector,
 };
 
 /// A convex set of a crate user; two are equal if they are the same object.
@@ -41,6 +41,14 @@ pub enum Convex<const P: usize> {
     Ellipsoid(Ellipsoid<P>),
     /// Superellipsoid with exponent ≥ 1.
     Superellipsoid(Superellipsoid<P>),
+    /// A set of the plane.
+    Planar(Embedded<Planar, 2>),
+    /// Coulomb–Contensou friction in R³.
+    Contensou(Embedded<CoulombContensou, 3>),
+    /// Intersection of convex sets.
+    Intersection(Box<Intersection<Convex<P>, P>>),
+    /// Minkowski sum of convex sets.
+    Sum(Box<MinkowskiSum<P>>),
     /// Linear image of a convex set.
     Image(Box<Image<Convex<P>, P>>),
     /// A set of the user.
@@ -54,6 +62,12 @@ pub enum Star<const P: usize> {
     Convex(Convex<P>),
     /// Superellipsoid with exponent < 1.
     Superellipsoid(Superellipsoid<P>),
+    /// A set of the plane that is not convex.
+    Planar(Embedded<Planar, 2>),
+    /// Intersection of sets that are not all convex.
+    Intersection(Box<Intersection<Star<P>, P>>),
+    /// Union of sets.
+    Union(Box<Union<P>>),
     /// Linear image of a star-shaped set.
     Image(Box<Image<Star<P>, P>>),
     /// A set of the user.
@@ -68,6 +82,10 @@ macro_rules! each_convex {
             Convex::Cuboid($set) => $call,
             Convex::Ellipsoid($set) => $call,
             Convex::Superellipsoid($set) => $call,
+            Convex::Planar($set) => $call,
+            Convex::Contensou($set) => $call,
+            Convex::Intersection($set) => $call,
+            Convex::Sum($set) => $call,
             Convex::Image($set) => $call,
             Convex::Custom(CustomConvex($set)) => $call,
         }
@@ -79,6 +97,9 @@ macro_rules! each_star {
         match $self {
             Star::Convex($set) => $call,
             Star::Superellipsoid($set) => $call,
+            Star::Planar($set) => $call,
+            Star::Intersection($set) => $call,
+            Star::Union($set) => $call,
             Star::Image($set) => $call,
             Star::Custom(CustomStar($set)) => $call,
         }
@@ -94,6 +115,7 @@ impl<const P: usize> Convex<P> {
             Self::Cuboid(cuboid) => cuboid.scaled(factor)?.into(),
             Self::Ellipsoid(ellipsoid) => ellipsoid.scaled(factor)?.into(),
             Self::Superellipsoid(set) => Self::Superellipsoid(set.scaled(factor)?),
+            Self::Contensou(set) => Self::Contensou(Embedded::new(set.set().scaled(factor)?)),
             other => other.mapped(&(Matrix::identity() * factor))?,
         })
     }
@@ -140,6 +162,30 @@ impl<const P: usize> Star<P> {
             Self::Convex(set) => Some(set),
             _ => None,
         }
+    }
+}
+
+impl<const P: usize> Star<P> {
+    /// The intersection of some sets; convex if all are.
+    pub fn intersection(sets: &[Self]) -> Result<Self, SetError> {
+        let convex: Option<Vec<Convex<P>>> = sets.iter().map(|s| s.as_convex().cloned()).collect();
+        Ok(match convex {
+            Some(sets) => Self::Convex(Convex::Intersection(Box::new(Intersection::new(sets)?))),
+            None => Self::Intersection(Box::new(Intersection::new(sets.to_vec())?)),
+        })
+    }
+
+    /// The union of some sets.
+    pub fn union(sets: &[Self]) -> Result<Self, SetError> {
+        Ok(Self::Union(Box::new(Union::new(sets.to_vec())?)))
+    }
+
+    /// The Minkowski sum of some convex sets.
+    pub fn minkowski_sum(sets: &[Self]) -> Result<Self, SetError> {
+        let convex: Option<Vec<Convex<P>>> = sets.iter().map(|s| s.as_convex().cloned()).collect();
+        let reason = String::from("the sum of star-shaped sets is not star-shaped in general");
+        let sets = convex.ok_or(SetError::NotConvex { argument: "sets", reason })?;
+        Ok(Self::Convex(Convex::Sum(Box::new(MinkowskiSum::new(sets)?))))
     }
 }
 
@@ -222,7 +268,7 @@ impl<const P: usize> ConvexSet<P> for Convex<P> {
         each_convex!(self, set => set.project_from(z, start))
     }
 
-    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<NormalCone<P>> {
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         each_convex!(self, set => set.normal_cone(x, tolerance))
     }
 }
@@ -240,51 +286,5 @@ impl<const P: usize> StarSet<P> for Star<P> {
 
     fn corners(&self) -> Vec<Vector<P>> {
         each_star!(self, set => set.corners())
-    }
-}
-
-impl<const P: usize> From<Ball> for Convex<P> {
-    fn from(set: Ball) -> Self {
-        Self::Ball(set)
-    }
-}
-
-impl<const P: usize> From<Cuboid<P>> for Convex<P> {
-    fn from(set: Cuboid<P>) -> Self {
-        Self::Cuboid(set)
-    }
-}
-
-impl<const P: usize> From<Ellipsoid<P>> for Convex<P> {
-    fn from(set: Ellipsoid<P>) -> Self {
-        Self::Ellipsoid(set)
-    }
-}
-
-impl<const P: usize> TryFrom<Superellipsoid<P>> for Convex<P> {
-    type Error = SetError;
-
-    fn try_from(set: Superellipsoid<P>) -> Result<Self, SetError> {
-        if set.is_convex() {
-            return Ok(Self::Superellipsoid(set));
-        }
-        let reason = format!("but the exponent {} is below 1", set.exponent());
-        Err(SetError::NotConvex { argument: "set", reason })
-    }
-}
-
-impl<const P: usize> From<Superellipsoid<P>> for Star<P> {
-    fn from(set: Superellipsoid<P>) -> Self {
-        if set.is_convex() {
-            Self::Convex(Convex::Superellipsoid(set))
-        } else {
-            Self::Superellipsoid(set)
-        }
-    }
-}
-
-impl<const P: usize, T: Into<Convex<P>>> From<T> for Star<P> {
-    fn from(set: T) -> Self {
-        Self::Convex(set.into())
     }
 }

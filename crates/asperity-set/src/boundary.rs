@@ -6,6 +6,8 @@
 //! points the one of the two that turns more is interpolated and the other follows from the set, which
 //! keeps full accuracy where the curvature is very small or very large. No trigonometry is needed.
 
+use crate::plane::cross;
+use crate::root::{Bracket, Sample};
 use crate::{ConvexSet, Vector};
 
 /// A point of the boundary together with one of its unit outward normals.
@@ -24,12 +26,6 @@ pub enum Side {
     Normal,
     /// The position; the normal is the gradient of the gauge.
     Position,
-}
-
-/// `a × b`.
-#[inline]
-pub(crate) fn cross(a: &Vector<2>, b: &Vector<2>) -> f64 {
-    a.x * b.y - a.y * b.x
 }
 
 /// `1 − cos` of the angle between two vectors, a monotone measure of how far they are apart.
@@ -102,78 +98,26 @@ impl Arc {
         S: ConvexSet<2> + ?Sized,
         F: FnMut(&BoundaryPoint) -> f64,
     {
-        let values = (f(&self.start), f(&self.end));
-        let best = if values.0.abs() <= values.1.abs() { self.start } else { self.end };
-        let smallest = values.0.abs().min(values.1.abs());
-        let mut bracket = Bracket { arc: *self, values, best, smallest };
+        let sample = |at, point: BoundaryPoint, value| Sample { at, value, data: point };
+        let (first, last) = (f(&self.start), f(&self.end));
+        let mut bracket = Bracket::new(sample(0.0, self.start, first), sample(1.0, self.end, last));
         // Once one side is resolved the other may still turn: a corner next to a flat.
         for _ in 0..4 {
-            let before = bracket.arc;
-            if bracket.smallest <= tolerance {
-                break;
+            let arc = Self { start: bracket.a.data, end: bracket.b.data };
+            (bracket.a.at, bracket.b.at) = (0.0, 1.0);
+            let side = arc.side();
+            bracket.refine(tolerance, f64::EPSILON, |weight| {
+                let point = arc.point(set, side, weight);
+                (f(&point), point)
+            });
+            if bracket.a.at > bracket.b.at {
+                (bracket.a, bracket.b) = (bracket.b, bracket.a);
             }
-            bracket.refine(set, tolerance, &mut f);
-            if bracket.arc == before {
+            let unchanged = (arc.start, arc.end) == (bracket.a.data, bracket.b.data);
+            if unchanged || bracket.best.value.abs() <= tolerance {
                 break;
             }
         }
-        bracket.best
-    }
-}
-
-/// An arc with a change of sign of some function, whose values at the ends are kept.
-struct Bracket {
-    arc: Arc,
-    values: (f64, f64),
-    /// The point with the smallest value that was seen, and that value.
-    best: BoundaryPoint,
-    smallest: f64,
-}
-
-impl Bracket {
-    /// Chandrupatla's method (inverse quadratic interpolation, bisection where that is not safe) in
-    /// the side that turns more now.
-    fn refine<S, F>(&mut self, set: &S, tolerance: f64, f: &mut F)
-    where
-        S: ConvexSet<2> + ?Sized,
-        F: FnMut(&BoundaryPoint) -> f64,
-    {
-        let (arc, side) = (self.arc, self.arc.side());
-        let (mut a, mut fa, mut at_a) = (0.0, self.values.0, arc.start);
-        let (mut b, mut fb, mut at_b) = (1.0, self.values.1, arc.end);
-        let mut weight = 0.5;
-        while f64::abs(b - a) > f64::EPSILON {
-            let x = a + weight * (b - a);
-            let at_x = arc.point(set, side, x);
-            let fx = f(&at_x);
-            let (c, fc);
-            if (fx > 0.0) == (fa > 0.0) {
-                (c, fc) = (a, fa);
-            } else {
-                (c, fc) = (b, fb);
-                (b, fb, at_b) = (a, fa, at_a);
-            }
-            (a, fa, at_a) = (x, fx, at_x);
-            if fa.abs() < self.smallest {
-                (self.smallest, self.best) = (fa.abs(), at_a);
-            }
-            if self.smallest <= tolerance {
-                break;
-            }
-            let (xi, phi) = ((a - b) / (c - b), (fa - fb) / (fc - fb));
-            let margin = f64::min(0.5, 0.5 * f64::EPSILON / f64::abs(b - a));
-            weight = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
-                let quadratic = fa / (fb - fa) * (fc / (fb - fc))
-                    + (c - a) / (b - a) * (fa / (fc - fa)) * (fb / (fc - fb));
-                quadratic.clamp(margin, 1.0 - margin)
-            } else {
-                0.5
-            };
-        }
-        if a <= b {
-            (self.arc, self.values) = (Arc { start: at_a, end: at_b }, (fa, fb));
-        } else {
-            (self.arc, self.values) = (Arc { start: at_b, end: at_a }, (fb, fa));
-        }
+        bracket.best.data
     }
 }

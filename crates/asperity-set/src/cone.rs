@@ -1,17 +1,24 @@
-//! Normal cones.
+//! Normal and tangent cones.
 
-use crate::{StarSet, Vector};
+use crate::plane::{cast, cross_3, quarter_turn};
+use crate::polar::tangents;
+use crate::{ConvexSet, Matrix, Star, StarSet, Vector, along};
 
 /// A convex cone given by unit generators: `{Σ cᵢ gᵢ : cᵢ ≥ 0}`; no generators: the origin alone.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NormalCone<const P: usize> {
+pub struct Cone<const P: usize> {
     generators: Vec<Vector<P>>,
 }
 
-impl<const P: usize> NormalCone<P> {
+impl<const P: usize> Cone<P> {
     /// The cone with these generators, scaled to unit length; zero vectors are left out.
     pub fn new(generators: impl IntoIterator<Item = Vector<P>>) -> Self {
         Self { generators: generators.into_iter().filter_map(|g| g.try_normalize(0.0)).collect() }
+    }
+
+    /// The whole space.
+    pub fn whole() -> Self {
+        Self::new((0..P).flat_map(|i| [along(i, 1.0), along(i, -1.0)]))
     }
 
     /// Normal cone of a set with smooth boundary: a ray on the boundary, the origin inside.
@@ -27,13 +34,162 @@ impl<const P: usize> NormalCone<P> {
         }
     }
 
+    /// Normal cone of a set with listed corners: at a planar corner between the gradients just beside it.
+    pub(crate) fn beside_corner<S>(set: &S, x: &Vector<P>, tolerance: f64) -> Option<Self>
+    where
+        S: StarSet<P> + ?Sized,
+    {
+        let near = |c: &Vector<P>| (c - x).norm() <= tolerance.max(1e-12) * c.norm();
+        match set.corners().into_iter().find(near) {
+            Some(corner) if P == 2 => {
+                Some(Self::new([1.0, -1.0].map(|side| set.gauge_jet(&aside(&corner, side)).1)))
+            }
+            _ => Self::smooth(set, x, tolerance),
+        }
+    }
+
     /// Unit generators.
     pub fn generators(&self) -> &[Vector<P>] {
         &self.generators
     }
 
+    /// The point of the cone that is nearest to `y`.
+    ///
+    /// It lies in the span of at most `P` generators with coefficients that are not negative
+    /// (Carathéodory), and every such combination lies in the cone: the nearest of them is the point.
+    pub fn project(&self, y: &Vector<P>) -> Vector<P> {
+        let count = self.generators.len();
+        let mut best = (y.norm_squared(), Vector::zeros());
+        let mut consider = |chosen: &[usize]| {
+            if let Some(x) = self.within_span(chosen, y) {
+                let distance = (y - x).norm_squared();
+                if distance < best.0 {
+                    best = (distance, x);
+                }
+            }
+        };
+        for i in 0..count {
+            consider(&[i]);
+            for j in i + 1..count {
+                consider(&[i, j]);
+                for k in j + 1..count {
+                    consider(&[i, j, k]);
+                }
+            }
+        }
+        best.1
+    }
+
+    /// Orthogonal projection onto the span of some generators, if all coefficients are positive.
+    fn within_span(&self, chosen: &[usize], y: &Vector<P>) -> Option<Vector<P>> {
+        if chosen.len() > P {
+            return None;
+        }
+        let n = chosen.len();
+        let basis = |i: usize| &self.generators[chosen[i]];
+        let gram = Matrix::<3>::from_fn(|i, j| match (i < n, j < n) {
+            (true, true) => basis(i).dot(basis(j)),
+            _ => f64::from(i == j),
+        });
+        let right = Vector::<3>::from_fn(|i, _| if i < n { basis(i).dot(y) } else { 0.0 });
+        if gram.determinant() < 1e-14 {
+            return None;
+        }
+        let weights = gram.try_inverse()? * right;
+        let positive = (0..n).all(|i| weights[i] >= 0.0);
+        positive.then(|| (0..n).map(|i| basis(i) * weights[i]).sum())
+    }
+
+    /// Distance of `y` from the cone.
+    pub fn distance(&self, y: &Vector<P>) -> f64 {
+        (y - self.project(y)).norm()
+    }
+
+    /// The polar cone `{t : tᵀy ≤ 0 for all y in the cone}`.
+    pub fn polar(&self) -> Self {
+        let normals = &self.generators;
+        let Some(first) = normals.first() else { return Self::whole() };
+        let sum: Vector<P> = normals.iter().sum();
+        // Extreme rays and lines, found among the vectors orthogonal to one or two generators.
+        let mut candidates: Vec<Vector<P>> = vec![-sum];
+        match P {
+            1 => {}
+            2 => candidates.extend(normals.iter().map(|n| cast(&quarter_turn(&cast(n))))),
+            _ => {
+                for (i, a) in normals.iter().enumerate() {
+                    let others = normals[..i].iter().map(|b| cross_3(a, b));
+                    candidates.extend(others.filter(|c| c.norm() > 1e-9).map(|c| c.normalize()));
+                }
+                let lines = candidates[1..].to_vec();
+                candidates.extend(normals.iter().flat_map(|n| lines.iter().map(|c| cross_3(c, n))));
+                if lines.is_empty() {
+                    candidates.extend(tangents(first));
+                }
+            }
+        }
+        let both = candidates.into_iter().flat_map(|c| [c, -c]);
+        let inside = |t: &Vector<P>| normals.iter().all(|n| n.dot(t) <= 1e-12 * t.norm());
+        let mut rays: Vec<Vector<P>> = Vec::new();
+        for ray in both.filter(|t| t.norm() > 1e-9 && inside(t)).map(|t| t.normalize()) {
+            if rays.iter().all(|r| (r - ray).norm() > 1e-9) {
+                rays.push(ray);
+            }
+        }
+        Self { generators: rays }
+    }
+
     /// The cone's image under `map`.
-    pub(crate) fn mapped(&self, map: &crate::Matrix<P>) -> Self {
+    pub(crate) fn mapped(&self, map: &Matrix<P>) -> Self {
         Self::new(self.generators.iter().map(|g| map * g))
     }
+
+    /// The same cone under another constant dimension.
+    pub(crate) fn cast<const Q: usize>(&self) -> Cone<Q> {
+        Cone { generators: self.generators.iter().map(cast).collect() }
+    }
+}
+
+/// Tangent cone `T_C(x)` (\[WL19\] Def. 7, (10)) as convex cones whose union it is; `None` outside.
+///
+/// Points with `|k(x) − 1| ≤ tolerance` count as boundary points. For a convex set it is the polar of the
+/// normal cone. At a corner of a planar set that is star-shaped only, it is the sector between the
+/// tangents on both sides, which may exceed a half turn; in space it is the half-space below the
+/// gradient.
+pub fn tangent_cone<const P: usize>(
+    set: &Star<P>,
+    x: &Vector<P>,
+    tolerance: f64,
+) -> Option<Vec<Cone<P>>> {
+    if let Some(convex) = set.as_convex() {
+        return Some(vec![convex.normal_cone(x, tolerance)?.polar()]);
+    }
+    let corner = set.corners().into_iter().find(|c| (c - x).norm() <= 1e-6 * c.norm());
+    match corner {
+        Some(corner) if P == 2 && (set.gauge(x) - 1.0).abs() <= tolerance => {
+            Some(sector(set, &corner))
+        }
+        _ => Some(vec![Cone::smooth(set, x, tolerance)?.polar()]),
+    }
+}
+
+/// The sector at a corner of a planar set, from the tangents just beside it, through `−x`.
+fn sector<const P: usize>(set: &Star<P>, x: &Vector<P>) -> Vec<Cone<P>> {
+    let inward = -x.normalize();
+    let tangent = |side: f64| {
+        let normal = set.gauge_jet(&aside(x, side)).1;
+        cast::<2, P>(&(quarter_turn(&cast(&normal)) * side)).normalize()
+    };
+    let (ahead, behind) = (tangent(1.0), tangent(-1.0));
+    let sweep =
+        ahead.dot(&inward).clamp(-1.0, 1.0).acos() + behind.dot(&inward).clamp(-1.0, 1.0).acos();
+    if sweep <= std::f64::consts::PI + 1e-6 {
+        vec![Cone::new([ahead, inward, behind])]
+    } else {
+        vec![Cone::new([ahead, inward]), Cone::new([inward, behind])]
+    }
+}
+
+/// A planar point turned a little to one side.
+fn aside<const P: usize>(x: &Vector<P>, side: f64) -> Vector<P> {
+    cast(&(cast::<P, 2>(x) + quarter_turn(&cast(x)) * (1e-9 * side)))
 }

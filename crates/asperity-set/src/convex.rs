@@ -1,15 +1,18 @@
 //! Convex sets: support function, projection, normal cone.
 
-use crate::{Matrix, NormalCone, StarSet, Vector, project};
+use crate::{Cone, Matrix, StarSet, Vector, polar, project};
 
 /// A compact convex set with the origin in its interior.
 ///
-/// Only [`support_point`](Self::support_point) has to be given besides the gauge.
+/// Nothing has to be given besides the gauge; a support point, where it is known, makes all the rest faster.
 pub trait ConvexSet<const P: usize>: StarSet<P> {
     /// A point of the set that is farthest in direction `y ≠ 0`: `argmax{xᵀy : x ∈ C}`.
     ///
-    /// Where a whole face is farthest, the point is the face's most symmetric one.
-    fn support_point(&self, y: &Vector<P>) -> Vector<P>;
+    /// Where a whole face is farthest, closed forms give its most symmetric point. The default finds the
+    /// point from the gauge.
+    fn support_point(&self, y: &Vector<P>) -> Vector<P> {
+        polar::support_point(self, y)
+    }
 
     /// Support function `h(y) = sup{xᵀy : x ∈ C}` (\[WL19\] Def. 5).
     fn support(&self, y: &Vector<P>) -> f64 {
@@ -64,7 +67,7 @@ pub trait ConvexSet<const P: usize>: StarSet<P> {
     ///
     /// Points with `|k(x) − 1| ≤ tolerance` count as boundary points. The default holds for smooth
     /// boundaries.
-    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<NormalCone<P>> {
-        NormalCone::smooth(self, x, tolerance)
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
+        Cone::smooth(self, x, tolerance)
     }
 }

@@ -1,6 +1,6 @@
 //! The axis-parallel box, in one dimension the interval.
 
-use crate::{ConvexSet, Matrix, NormalCone, SetError, StarSet, Vector, along};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along};
 
 /// `{x : lowerᵢ ≤ xᵢ ≤ upperᵢ}` with `lower < 0 < upper`: the X–Y table (\[WL19\] (36)), and in one
 /// dimension friction that differs between forward and backward sliding.
@@ -94,10 +94,10 @@ impl<const P: usize> ConvexSet<P> for Cuboid<P> {
         Vector::from_fn(|i, _| z[i].clamp(self.lower[i], self.upper[i]))
     }
 
-    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<NormalCone<P>> {
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         let ratio = |i: usize| x[i] / self.face(x, i);
         let touched = (0..P).filter(|&i| ratio(i) >= 1.0 - tolerance);
         (self.gauge(x) <= 1.0 + tolerance)
-            .then(|| NormalCone::new(touched.map(|i| along(i, self.face(x, i).signum()))))
+            .then(|| Cone::new(touched.map(|i| along(i, self.face(x, i).signum()))))
     }
 }

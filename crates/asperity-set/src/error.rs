@@ -15,6 +15,14 @@ pub enum SetError {
         /// The value that was given.
         value: f64,
     },
+    /// Data that are not the outline of a set; the message holds a witness point.
+    #[error("{argument}: {message}")]
+    Shape {
+        /// Name of the argument.
+        argument: &'static str,
+        /// What is wrong, and where.
+        message: String,
+    },
     /// A linear map that does not preserve the dimension of a set.
     #[error("matrix: must be finite and regular")]
     SingularMap,
@@ -47,6 +55,7 @@ impl SetError {
         match self {
             Self::Parameter { argument, .. }
             | Self::NotConvex { argument, .. }
+            | Self::Shape { argument, .. }
             | Self::Degenerate { argument, .. } => argument,
             Self::SingularMap => "matrix",
             Self::Origin => "x",

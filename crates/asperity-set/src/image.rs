@@ -1,6 +1,6 @@
 //! Linear images of sets.
 
-use crate::{ConvexSet, Matrix, NormalCone, SetError, StarSet, Vector, project};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, project};
 
 /// The image `{A x : x ∈ S}` under a regular map: `k(x) = k_S(A⁻¹x)`, `h(y) = h_S(Aᵀy)`
 /// (\[WL19\] (9)).
@@ -98,7 +98,7 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
         }
     }
 
-    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<NormalCone<P>> {
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         let cone = self.set.normal_cone(&(self.inverse * x), tolerance)?;
         Some(cone.mapped(&self.inverse.transpose()))
     }

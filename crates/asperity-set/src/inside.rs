@@ -17,8 +17,9 @@ pub fn largest_scale_inside<const P: usize>(
     1.0 / largest[0].max(largest[1])
 }
 
-/// The largest ratio of two gauges over all directions, `max k_a(x)/k_b(x)`.
-pub fn largest_ratio<const P: usize>(a: &dyn StarSet<P>, b: &dyn StarSet<P>) -> f64 {
+/// The largest ratio of two gauges over all directions, `max k_a(x)/k_b(x)`, and a unit direction that has
+/// it: `b` scaled by the reciprocal lies inside `a` and touches it there.
+pub fn largest_ratio<const P: usize>(a: &dyn StarSet<P>, b: &dyn StarSet<P>) -> (f64, Vector<P>) {
     let ratio = |d: &Vector<P>| a.gauge(d) / b.gauge(d);
     let mut ranked: Vec<(f64, Vector<P>)> = match P {
         1 => [1.0, -1.0].map(Vector::repeat).map(|d| (ratio(&d), d)).to_vec(),
@@ -28,9 +29,10 @@ pub fn largest_ratio<const P: usize>(a: &dyn StarSet<P>, b: &dyn StarSet<P>) -> 
         }
     };
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    ranked.truncate(24);
+    ranked.truncate(12);
     let refined = ranked.into_iter().map(|(value, d)| search(&ratio, value, d));
-    refined.fold(f64::NEG_INFINITY, f64::max)
+    let largest = refined.max_by(|p, q| p.0.total_cmp(&q.0));
+    largest.unwrap_or((f64::NEG_INFINITY, Vector::zeros()))
 }
 
 /// Largest gauge of `outer` on `inner`: from many directions, `x ← inner.support_point(∇k_outer(x))`,
@@ -46,10 +48,10 @@ fn climb<const P: usize>(inner: &dyn ConvexSet<P>, outer: &dyn StarSet<P>) -> f6
         .map(|x| (outer.gauge(&x), x))
         .collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    ranked.truncate(24);
+    ranked.truncate(12);
     let climbed = ranked.iter().map(|(value, x)| {
         let (mut best, mut at) = (*value, *x);
-        for _ in 0..200 {
+        for _ in 0..50 {
             let next = inner.support_point(&outer.gauge_jet(&at).1);
             let gauge = outer.gauge(&next);
             if !(gauge > best) {
@@ -57,20 +59,25 @@ fn climb<const P: usize>(inner: &dyn ConvexSet<P>, outer: &dyn StarSet<P>) -> f6
             }
             (best, at) = (gauge, next);
         }
-        search(&|d| outer.gauge(&on_boundary(d)), best, at)
+        search(&|d| outer.gauge(&on_boundary(d)), best, at).0
     });
     climbed.fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Local maximum over directions around `at` by a pattern of shrinking steps.
-fn search<const P: usize>(value: &dyn Fn(&Vector<P>) -> f64, best: f64, at: Vector<P>) -> f64 {
+fn search<const P: usize>(
+    value: &dyn Fn(&Vector<P>) -> f64,
+    best: f64,
+    at: Vector<P>,
+) -> (f64, Vector<P>) {
     let (mut best, mut at, mut step) = (best, at.normalize(), 0.02);
-    while step > 1e-9 {
+    while step > 1e-13 {
         let mut moved = false;
         for i in 0..2 * P {
             let trial = at + along(i / 2, if i % 2 == 0 { step } else { -step });
             let gauge = value(&trial);
-            if gauge > best {
+            // A gain of the size of rounding errors would lead nowhere.
+            if gauge > best * (1.0 + 8.0 * f64::EPSILON) {
                 (best, at, moved) = (gauge, trial.normalize(), true);
             }
         }
@@ -78,11 +85,15 @@ fn search<const P: usize>(value: &dyn Fn(&Vector<P>) -> f64, best: f64, at: Vect
             step *= 0.5;
         }
     }
-    best
+    (best, at)
 }
 
-/// Directions spread evenly over the circle or the sphere.
-fn directions<const P: usize>(count: usize) -> Vec<Vector<P>> {
+/// Unit vectors all around: both ends of a line, equidistant angles from `e₁` on in the plane, a Fibonacci
+/// spiral in space.
+pub fn directions<const P: usize>(count: usize) -> Vec<Vector<P>> {
+    if P == 1 {
+        return [1.0, -1.0].map(Vector::repeat).to_vec();
+    }
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     let direction = |k: usize| {
         let (height, angle) = match P {

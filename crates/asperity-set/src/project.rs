@@ -1,7 +1,8 @@
 //! Projections without a closed form.
 
 use crate::boundary::{Arc, BoundaryPoint};
-use crate::{ConvexSet, Matrix, StarSet, Superellipsoid, Vector};
+use crate::plane::{InPlane, cast, quarter_turn};
+use crate::{ConvexSet, Matrix, StarSet, Superellipsoid, Vector, polar};
 
 /// Projection onto any convex set from its support points and gauge.
 pub(crate) fn by_bracket<const P: usize, S: ConvexSet<P> + ?Sized>(
@@ -18,42 +19,13 @@ pub(crate) fn by_bracket<const P: usize, S: ConvexSet<P> + ?Sized>(
     }
 }
 
-/// The same vector under another constant dimension, equal to the first one at run time.
-fn cast<const P: usize, const Q: usize>(x: &Vector<P>) -> Vector<Q> {
-    Vector::from_fn(|i, _| x[i])
-}
-
-/// A `ConvexSet<P>` with `P = 2` at run time, seen as a planar set.
-#[derive(Debug)]
-struct InPlane<'a, const P: usize, S: ?Sized> {
-    set: &'a S,
-}
-
-impl<const P: usize, S: ConvexSet<P> + ?Sized> StarSet<2> for InPlane<'_, P, S> {
-    fn gauge(&self, x: &Vector<2>) -> f64 {
-        self.set.gauge(&cast(x))
-    }
-
-    fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
-        let (gauge, gradient) = self.set.gauge_jet(&cast(x));
-        (gauge, cast(&gradient))
-    }
-}
-
-impl<const P: usize, S: ConvexSet<P> + ?Sized> ConvexSet<2> for InPlane<'_, P, S> {
-    fn support_point(&self, y: &Vector<2>) -> Vector<2> {
-        cast(&self.set.support_point(&cast(y)))
-    }
-}
-
 /// Projection of a point outside onto a planar set.
 ///
 /// The height `g = n·z − h(n)` of `z` above the tangent line is quasi-concave where it is positive and
 /// is largest at the projection; its slope along the boundary is `n⊥·(z − x)`. The walk starts below
 /// `z` as seen from the origin, where `g > 0`.
 fn onto_planar<S: ConvexSet<2> + ?Sized>(set: &S, z: &Vector<2>) -> Vector<2> {
-    let tangent = |p: &BoundaryPoint| Vector::<2>::new(-p.normal.y, p.normal.x);
-    let slope = |p: &BoundaryPoint| tangent(p).dot(&(z - p.position));
+    let slope = |p: &BoundaryPoint| quarter_turn(&p.normal).dot(&(z - p.position));
     let start = BoundaryPoint::at_position(set, z);
     let sign = slope(&start).signum();
     if slope(&start) == 0.0 {
@@ -64,14 +36,14 @@ fn onto_planar<S: ConvexSet<2> + ?Sized>(set: &S, z: &Vector<2>) -> Vector<2> {
         let above = p.normal.dot(&(z - p.position)) > 0.0;
         if above { slope(p) } else { -sign * slope(p).abs() }
     };
-    let quarter_turn = |v: &Vector<2>| Vector::<2>::new(-v.y, v.x) * sign;
+    let turned = |v: &Vector<2>| quarter_turn(v) * sign;
     let mut arc = Arc { start, end: start };
     // An eighth of a turn of the normal at a time, a quarter of the position at the most.
     for _ in 0..8 {
         arc.start = arc.end;
-        let normal = arc.start.normal + quarter_turn(&arc.start.normal);
+        let normal = arc.start.normal + turned(&arc.start.normal);
         arc.end = BoundaryPoint::at_normal(set, &normal);
-        let ahead = quarter_turn(&arc.start.position);
+        let ahead = turned(&arc.start.position);
         if arc.start.position.dot(&arc.end.position) < 0.0 {
             arc.end = BoundaryPoint::at_position(set, &ahead);
         }
@@ -107,7 +79,22 @@ fn by_dual_newton<const P: usize, S: ConvexSet<P> + ?Sized>(set: &S, z: &Vector<
         y += step * length;
     }
     // z − y loses digits for points far away, the support point for flat boundaries nearby.
-    if y.norm() > z.norm() * 0.5 { set.support_point(&y) } else { z - y }
+    let x = if y.norm() > z.norm() * 0.5 { set.support_point(&y) } else { z - y };
+    let normal = z - x;
+    let gap = set.support(&normal) - x.dot(&normal);
+    if gap <= 1e-12 * x.norm() * normal.norm() { x } else { by_dual_ellipsoids(set, z) }
+}
+
+/// The same for sets with edges and flat faces, where the dual has no Hessian, from subgradients alone.
+fn by_dual_ellipsoids<const P: usize, S: ConvexSet<P> + ?Sized>(
+    set: &S,
+    z: &Vector<P>,
+) -> Vector<P> {
+    let descent = |y: &Vector<P>| if y.amax() > 0.0 { set.support_point(y) + y - z } else { -z };
+    // The origin is in the set, so that the solution is no longer than z.
+    let y = polar::by_ellipsoids(&(z * 0.5), 0.5 * z.norm(), &descent);
+    let x = z - y;
+    x / set.gauge(&x).max(1.0)
 }
 
 /// Projection onto an image `{A u : u ∈ S}` in the preimage: `min ‖A u − z‖` over `u ∈ S` by Nesterov's

@@ -1,8 +1,6 @@
 //! The superellipsoid, in the plane the superellipse (Lamé curve).
 
-use crate::{
-    ConvexSet, Matrix, NormalCone, SetError, StarSet, Vector, along, error::positive, project,
-};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along, error::positive, project};
 
 /// `{x : Σ|xᵢ/aᵢ|^s ≤ 1}` (\[WL19\] (37)): rhombus at `s = 1`, ellipse at `s = 2`, box as `s → ∞`.
 ///
@@ -182,16 +180,16 @@ impl<const P: usize> ConvexSet<P> for Superellipsoid<P> {
         project::by_newton(self, z, start).unwrap_or_else(|| self.project(z))
     }
 
-    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<NormalCone<P>> {
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         if !self.is_polytope() {
-            return NormalCone::smooth(self, x, tolerance);
+            return Cone::smooth(self, x, tolerance);
         }
         let gauge = self.gauge(x);
         if gauge > 1.0 + tolerance {
             return None;
         }
         if gauge < 1.0 - tolerance {
-            return Some(NormalCone::new([]));
+            return Some(Cone::new([]));
         }
         // A facet normal for every choice of signs that the vanishing coordinates leave open.
         let signs = |i: usize| match x[i] / self.semi_axes[i] {
@@ -213,6 +211,6 @@ impl<const P: usize> ConvexSet<P> for Superellipsoid<P> {
                 })
                 .collect();
         }
-        Some(NormalCone::new(normals))
+        Some(Cone::new(normals))
     }
 }

@@ -2,81 +2,33 @@
 //!
 //! `PROPTEST_CASES=100000 cargo test -p asperity-set --release` is the long profile.
 
+mod common;
+
+use std::collections::BTreeSet;
+
 use asperity_set::{
-    Ball, Convex, ConvexSet, Cuboid, Ellipsoid, Matrix, Star, StarSet, Superellipsoid, Vector,
-    largest_scale_inside,
+    Convex, ConvexSet, Ellipsoid, Matrix, Star, StarSet, Superellipsoid, largest_scale_inside,
 };
+use common::*;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 
-type V = Vector<2>;
-
-fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> {
-    (low.ln()..high.ln()).prop_map(f64::exp)
-}
-
-/// Semi-axes within `1/spread..spread`.
-fn semi_axes(spread: f64) -> impl Strategy<Value = V> {
-    let axis = move || log_uniform(1.0 / spread, spread);
-    (axis(), axis()).prop_map(|(a, b)| V::new(a, b))
-}
-
-fn exponent() -> impl Strategy<Value = f64> {
-    prop_oneof![Just(1.0), Just(2.0), log_uniform(1.02, 3.0), log_uniform(3.0, 1e3)]
-}
-
-fn plain(spread: f64) -> impl Strategy<Value = Convex<2>> {
-    let ball = log_uniform(1e-4, 1e4).prop_map(|r| Ball::new(r).unwrap().into());
-    let cuboid = (semi_axes(spread), semi_axes(spread))
-        .prop_map(|(lower, upper)| Cuboid::new(-lower, upper).unwrap().into());
-    let ellipsoid = semi_axes(spread).prop_map(|a| Ellipsoid::new(a).unwrap().into());
-    let superellipsoid = (semi_axes(spread), exponent())
-        .prop_map(|(a, s)| Convex::try_from(Superellipsoid::new(a, s).unwrap()).unwrap());
-    prop_oneof![ball, cuboid, ellipsoid, superellipsoid]
-}
-
-/// Every kind of convex set: plain with axis ratios up to 1e8; rotated and sheared with ratios up to
-/// 1e3, for the rotation of a point alone costs the ratio times the rounding error.
-fn convex() -> impl Strategy<Value = Convex<2>> {
-    let rotated = (plain(30.0), -4.0..4.0).prop_map(|(set, angle)| set.rotated(angle).unwrap());
-    let sheared = (plain(30.0), -0.7..0.7, -0.7..0.7)
-        .prop_map(|(set, p, q)| set.mapped(&Matrix::<2>::new(1.0, p, q, 1.0 + p * q)).unwrap());
-    prop_oneof![plain(1e4), rotated, sheared]
-}
-
-fn star() -> impl Strategy<Value = Star<2>> {
-    let cusped = (semi_axes(30.0), log_uniform(0.2, 0.98), -4.0..4.0).prop_map(|(a, s, angle)| {
-        Star::from(Superellipsoid::new(a, s).unwrap()).rotated(angle).unwrap()
-    });
-    prop_oneof![convex().prop_map(Star::from), cusped]
-}
-
-fn direction() -> impl Strategy<Value = V> {
-    let axes = prop_oneof![
-        Just(V::new(1.0, 0.0)),
-        Just(V::new(0.0, 1.0)),
-        Just(V::new(-1.0, 0.0)),
-        Just(V::new(0.0, -1.0))
-    ];
-    prop_oneof![9 => (-4.0..4.0_f64).prop_map(|t| V::new(t.cos(), t.sin())), 1 => axes]
-}
-
-/// A point at `k` times the boundary, `k` from deep inside to 1e12 away.
-fn point_of(set: &impl StarSet<2>, direction: &V, k: f64) -> V {
-    direction * (k / set.gauge(direction))
-}
-
-fn multiples() -> impl Strategy<Value = f64> {
-    prop_oneof![log_uniform(1e-6, 1.0), log_uniform(1.0, 1e3), log_uniform(1e3, 1e12), Just(1.0)]
-}
-
-fn close(a: f64, b: f64, tolerance: f64) -> bool {
-    (a - b).abs() <= tolerance * a.abs().max(b.abs())
+/// A kind that no strategy makes would be tested by nothing.
+#[test]
+fn every_kind_of_set_is_among_the_cases() {
+    let mut runner = TestRunner::deterministic();
+    let mut seen = BTreeSet::new();
+    for _ in 0..2000 {
+        seen.extend(kinds(&star().new_tree(&mut runner).unwrap().current()));
+        let in_space = convex_in_space().new_tree(&mut runner).unwrap().current();
+        seen.extend(kinds(&Star::Convex(in_space)));
+    }
+    assert_eq!(seen.into_iter().collect::<Vec<_>>(), KINDS);
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: std::env::var("PROPTEST_CASES")
-        .ok().and_then(|v| v.parse().ok()).unwrap_or(1000), failure_persistence: None,
-        ..ProptestConfig::default() })]
+    #![proptest_config(cases(1.0))]
 
     #[test]
     fn gauge_is_homogeneous_and_one_on_the_boundary(set in star(), d in direction(), s in multiples()) {
@@ -222,6 +174,10 @@ proptest! {
         prop_assert!(close(image.support(&y), (map * x).dot(&y), 1e-10));
         prop_assert!(close(image.gauge(&(map * y)), set.gauge(&y), 1e-7));
     }
+}
+
+proptest! {
+    #![proptest_config(cases(1.0))]
 
     #[test]
     fn largest_scale_touches_and_stays_inside(inner in convex(), outer in star(), d in direction()) {
@@ -230,33 +186,4 @@ proptest! {
         prop_assert!(outer.gauge(&x) <= 1.0 + 1e-6, "{}", outer.gauge(&x));
     }
 
-}
-
-proptest! {
-    // Skew images in space are projected by a slow iteration.
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
-
-    #[test]
-    fn space_projection_satisfies_its_variational_inequality(
-        a in (0.3..3.0, 0.3..3.0, 0.3..3.0), s in 1.0..8.0, d in (-1.0..1.0, -1.0..1.0, -1.0..1.0),
-        k in 1.01..50.0, p in -0.5..0.5, q in -0.5..0.5
-    ) {
-        type W = Vector<3>;
-        let axes = W::new(a.0, a.1, a.2);
-        let shear = Matrix::<3>::new(1.0, p, 0.0, q, 1.0 + p * q, p, 0.0, 0.0, 1.0);
-        let plain: [Convex<3>; 3] = [
-            Cuboid::symmetric(axes).unwrap().into(),
-            Ellipsoid::new(axes).unwrap().into(),
-            Convex::try_from(Superellipsoid::new(axes, s).unwrap()).unwrap(),
-        ];
-        for set in plain.iter().flat_map(|set| [set.clone(), set.mapped(&shear).unwrap()]) {
-            let d = W::new(d.0, d.1, d.2 + 1e-3);
-            let z = d * (k / set.gauge(&d));
-            let x = set.project(&z);
-            let normal = z - x;
-            prop_assert!(set.gauge(&x) <= 1.0 + 1e-11);
-            let gap = set.support(&normal) - x.dot(&normal);
-            prop_assert!(gap <= 1e-12 * x.norm() * normal.norm(), "{set:?} gap {gap:e}");
-        }
-    }
 }

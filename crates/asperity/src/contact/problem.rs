@@ -60,6 +60,9 @@ pub enum ProblemError {
         /// Length that was given.
         got: usize,
     },
+    /// A law depends on the speed, which one step takes as given.
+    #[error("laws: must not have a factor of the speed; scale the tangential columns of G by it")]
+    Rated,
     /// A number is out of range.
     #[error("{argument}: must be {allowed}, got {value}")]
     Value {
@@ -77,6 +80,7 @@ impl ProblemError {
     pub fn argument(&self) -> &'static str {
         match self {
             Self::Length { argument, .. } | Self::Value { argument, .. } => argument,
+            Self::Rated => "laws",
         }
     }
 }
@@ -122,6 +126,9 @@ impl ContactProblem {
             if dimension > 2 {
                 let (allowed, value) = ("laws of dimension 1 or 2", dimension as f64);
                 return Err(ProblemError::Value { argument: "laws", allowed, value });
+            }
+            if contact.law.rate().is_some() {
+                return Err(ProblemError::Rated);
             }
             if let NormalForce::Prescribed(value) = contact.normal
                 && !(value.is_finite() && value >= 0.0)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::FrictionLaw;
+use super::{FrictionLaw, Stribeck};
 
 /// A shared friction law of any dimension.
 #[derive(Debug, Clone)]
@@ -22,6 +22,15 @@ impl Law {
             Self::One(_) => 1,
             Self::Two(_) => 2,
             Self::Three(_) => 3,
+        }
+    }
+
+    /// The factor of the sliding speed, if there is one.
+    pub fn rate(&self) -> Option<&Stribeck> {
+        match self {
+            Self::One(law) => law.rate(),
+            Self::Two(law) => law.rate(),
+            Self::Three(law) => law.rate(),
         }
     }
 

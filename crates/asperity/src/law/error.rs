@@ -15,6 +15,9 @@ pub enum LawError {
     /// The force jumps where the boundary of the direction set is flat.
     #[error("slip: the direction set is flat in this direction, where the force has no derivative")]
     Flat,
+    /// The force of a law with a factor of the speed is that of stick or of slip at an unknown speed.
+    #[error("force: does not tell stick from slip in a law whose friction depends on the speed")]
+    SpeedUnknown,
     /// A force that the contact cannot transmit.
     #[error("force: lies outside the reservoir, its gauge is {gauge}")]
     OutsideReservoir {
@@ -29,7 +32,7 @@ impl LawError {
         match self {
             Self::Set(error) => error.argument(),
             Self::AtRest | Self::Flat => "slip",
-            Self::OutsideReservoir { .. } => "force",
+            Self::SpeedUnknown | Self::OutsideReservoir { .. } => "force",
         }
     }
 }

@@ -3,11 +3,11 @@
 use std::sync::OnceLock;
 
 use asperity_set::{
-    Ball, Convex, ConvexSet, Matrix, SetError, Star, StarSet, Vector, largest_ratio,
+    Ball, Convex, ConvexSet, Matrix, SetError, Star, StarSet, Vector, directions, largest_ratio,
     largest_scale_inside,
 };
 
-use super::{LawError, WalkTable};
+use super::{LawError, Stribeck, WalkTable};
 
 /// The law `γ ∈ N_D(−αλ)`, `α(x) = 1/(k_D(x) − k_C(x) + 1)` at `x = −λ` (\[WL19\] (55), (56)), for
 /// unit normal force.
@@ -20,12 +20,15 @@ pub struct FrictionLaw<const P: usize> {
     direction: Convex<P>,
     direction_scale: f64,
     alpha_min: f64,
+    rate: Option<Stribeck>,
     table: OnceLock<Box<WalkTable>>,
 }
 
 impl<const P: usize> PartialEq for FrictionLaw<P> {
     fn eq(&self, other: &Self) -> bool {
-        self.reservoir == other.reservoir && self.direction == other.direction
+        self.reservoir == other.reservoir
+            && self.direction == other.direction
+            && self.rate == other.rate
     }
 }
 
@@ -50,8 +53,9 @@ impl<const P: usize> FrictionLaw<P> {
             // D = aC up to rounding is the associated law.
             return Ok(Self { direction_scale: scale, ..Self::associated(same.clone()) });
         }
-        let alpha_min = 1.0 / largest_ratio(&direction, &reservoir);
-        Ok(Self { reservoir, direction, direction_scale: scale, alpha_min, table: OnceLock::new() })
+        let alpha_min = 1.0 / largest_ratio(&direction, &reservoir).0;
+        let table = OnceLock::new();
+        Ok(Self { reservoir, direction, direction_scale: scale, alpha_min, rate: None, table })
     }
 
     /// The associated law `D = C` (\[WL19\] Def. 12): maximal dissipation, maximal monotone.
@@ -61,6 +65,7 @@ impl<const P: usize> FrictionLaw<P> {
             direction: reservoir,
             direction_scale: 1.0,
             alpha_min: 1.0,
+            rate: None,
             table: OnceLock::new(),
         }
     }
@@ -73,6 +78,17 @@ impl<const P: usize> FrictionLaw<P> {
     /// Isotropic Coulomb friction (\[WL19\] (33)).
     pub fn isotropic(mu: f64) -> Result<Self, LawError> {
         Ok(Self::associated(Ball::new(mu)?.into()))
+    }
+
+    /// The law whose force in slip is multiplied by a factor of the sliding speed; in stick all of `C`
+    /// stays admissible.
+    pub fn with_rate(self, rate: Stribeck) -> Self {
+        Self { rate: Some(rate), ..self }
+    }
+
+    /// The factor of the sliding speed, if there is one.
+    pub fn rate(&self) -> Option<&Stribeck> {
+        self.rate.as_ref()
     }
 
     /// Force reservoir `C` per unit normal force.
@@ -101,14 +117,15 @@ impl<const P: usize> FrictionLaw<P> {
     }
 
     /// Friction force λ while sliding with `slip` γ: `−λ = λ_N z/k_C(z)`, `z = ∇Ψ*_D(γ)`
-    /// (\[WL19\] (84)).
+    /// (\[WL19\] (84)), times the factor of the speed.
     pub fn force(&self, slip: &Vector<P>, normal_force: f64) -> Result<Vector<P>, LawError> {
         if slip.amax() == 0.0 {
             return Err(LawError::AtRest);
         }
         // Only the direction counts; scaled, tiny slips do not underflow.
         let z = self.direction.support_point(&(slip / slip.amax()));
-        Ok(z * (-normal_force / self.reservoir.gauge(&z)))
+        let factor = self.rate.map_or(1.0, |rate| rate.factor(slip.norm()));
+        Ok(z * (-normal_force * factor / self.reservoir.gauge(&z)))
     }
 
     /// Unit sliding direction that goes with the friction force λ, or zero where it sticks.
@@ -124,6 +141,9 @@ impl<const P: usize> FrictionLaw<P> {
             let (argument, allowed) = ("normal_force", "finite and positive");
             return Err(SetError::Parameter { argument, allowed, value: normal_force }.into());
         }
+        if self.rate.is_some() {
+            return Err(LawError::SpeedUnknown);
+        }
         let x = -force / normal_force;
         let gauge = self.reservoir.gauge(&x);
         if gauge < 1.0 - tolerance {
@@ -136,7 +156,8 @@ impl<const P: usize> FrictionLaw<P> {
         Ok(self.direction.gauge_jet(&x).1.normalize())
     }
 
-    /// `∂λ/∂γ` while sliding: `−λ_N/k_C(z) (I − z∇k_C(z)ᵀ/k_C(z)) ∇²Ψ*_D(γ)` (\[WL19\] (87), (88)).
+    /// `∂λ/∂γ` while sliding: `−λ_N/k_C(z) (I − z∇k_C(z)ᵀ/k_C(z)) ∇²Ψ*_D(γ)` (\[WL19\] (87), (88)), and
+    /// with a factor `f` of the speed `f` times that and `f′/f λ γᵀ/‖γ‖`.
     pub fn jacobian(&self, slip: &Vector<P>, normal_force: f64) -> Result<Matrix<P>, LawError> {
         if slip.amax() == 0.0 {
             return Err(LawError::AtRest);
@@ -148,7 +169,12 @@ impl<const P: usize> FrictionLaw<P> {
         }
         let (gauge, gradient) = self.reservoir.gauge_jet(&z);
         let across = Matrix::identity() - z * gradient.transpose() / gauge;
-        Ok(across * hessian * (-normal_force / (gauge * size)))
+        let plain = across * hessian * (-normal_force / (gauge * size));
+        Ok(self.rate.map_or(plain, |rate| {
+            let speed = slip.norm();
+            let falling = z * (-normal_force / gauge) * (slip / speed).transpose();
+            plain * rate.factor(speed) + falling * rate.slope(speed)
+        }))
     }
 
     /// Dissipation rate `−λᵀγ = λ_N Ψ*_D(γ)/k_C(z)` (\[WL19\] Prop. 5), zero at rest.
@@ -160,7 +186,8 @@ impl<const P: usize> FrictionLaw<P> {
 impl FrictionLaw<2> {
     /// The law turned counter-clockwise by `angle` in rad.
     pub fn rotated(&self, angle: f64) -> Result<Self, LawError> {
-        Self::new(self.reservoir.rotated(angle)?, self.direction.rotated(angle)?)
+        let turned = Self::new(self.reservoir.rotated(angle)?, self.direction.rotated(angle)?)?;
+        Ok(Self { rate: self.rate, ..turned })
     }
 
     /// The table of the exact one-contact solver, made when it is first needed.
@@ -170,15 +197,8 @@ impl FrictionLaw<2> {
 }
 
 /// Directions along which sizes are compared.
-fn probes<const P: usize>() -> impl Iterator<Item = Vector<P>> {
-    let steps = if P == 1 { 2 } else { 360 };
-    (0..steps * if P == 3 { steps / 2 } else { 1 }).map(move |k| {
-        let angle = std::f64::consts::TAU * (k % steps) as f64 / steps as f64;
-        let height = if P == 3 { 2.0 * (k / steps) as f64 / (steps / 2) as f64 - 1.0 } else { 0.0 };
-        let radius = f64::sqrt(1.0 - height * height);
-        let point = [radius * angle.cos(), radius * angle.sin(), height];
-        Vector::from_fn(|i, _| point[i])
-    })
+fn probes<const P: usize>() -> Vec<Vector<P>> {
+    directions(if P == 3 { 4000 } else { 360 })
 }
 
 /// Refuses a set that a user's gauge makes flat, unbounded or undefined in some direction.
@@ -186,7 +206,7 @@ fn check_size<const P: usize>(
     argument: &'static str,
     set: &dyn StarSet<P>,
 ) -> Result<(), SetError> {
-    match probes().map(|d| set.gauge(&d)).find(|&k| !(k.is_finite() && k > 0.0)) {
+    match probes().iter().map(|d| set.gauge(d)).find(|&k| !(k.is_finite() && k > 0.0)) {
         Some(gauge) => Err(SetError::Degenerate { argument, gauge }),
         None => Ok(()),
     }
@@ -195,5 +215,5 @@ fn check_size<const P: usize>(
 /// Whether two sets are the same up to rounding.
 fn are_equal<const P: usize>(a: &Convex<P>, b: &Convex<P>) -> bool {
     let close = |x: f64, y: f64| (x - y).abs() <= 1e-13 * x.abs();
-    probes::<P>().all(|d| close(a.gauge(&d), b.gauge(&d)) && close(a.support(&d), b.support(&d)))
+    probes::<P>().iter().all(|d| close(a.gauge(d), b.gauge(d)) && close(a.support(d), b.support(d)))
 }

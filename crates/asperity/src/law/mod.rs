@@ -2,12 +2,17 @@
 
 mod ambiguity;
 mod any;
+mod classify;
 mod error;
 mod extended;
+mod flow;
+mod rate;
 mod table;
 
 pub use any::Law;
 pub use error::LawError;
 pub use extended::FrictionLaw;
+pub use flow::{FlowReport, FlowSets, flow_sets};
+pub use rate::{Fall, Stribeck};
 pub use table::WalkTable;
 pub(crate) use table::{COARSE, Cell, FINE_PER_COARSE, Node};

@@ -15,6 +15,9 @@ use super::ambiguity::AmbiguousLoads;
 
 /// Number of coarse cells.
 pub(crate) const COARSE: usize = 64;
+/// Most corners that are nodes. Where there are more, a polygon with hundreds of corners, the others turn by
+/// less than a degree and lie within cells.
+const SHARPEST: usize = 384;
 /// Number of fine cells in a coarse one.
 pub(crate) const FINE_PER_COARSE: usize = 16;
 
@@ -154,6 +157,27 @@ impl Ord for Pending {
     }
 }
 
+/// The corners of both sets, those of *D* with their first and last normals; of very many the sharpest ones.
+fn sharpest_corners(reservoir: &Star<2>, direction: &Convex<2>) -> Vec<BoundaryPoint> {
+    let mut found: Vec<(f64, Vec<BoundaryPoint>)> = Vec::new();
+    for position in direction.corners() {
+        let cone = direction.normal_cone(&position, 1e-9);
+        let normals = cone.as_ref().map_or(&[][..], |cone| cone.generators());
+        let turn = normals.first().zip(normals.last()).map_or(0.0, |(a, b)| angle(a, b));
+        let points = normals.iter().map(|&normal| BoundaryPoint { position, normal });
+        found.push((turn, points.collect()));
+    }
+    for x in reservoir.corners() {
+        let aside = Vector::<2>::new(-x.y, x.x) * 1e-9;
+        let turn =
+            angle(&reservoir.gauge_jet(&(x + aside)).1, &reservoir.gauge_jet(&(x - aside)).1);
+        found.push((turn, vec![BoundaryPoint::at_position(direction, &x)]));
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.truncate(SHARPEST);
+    found.into_iter().flat_map(|corner| corner.1).collect()
+}
+
 /// Nodes at all corners of both sets, then wherever the walk turns most until the table is full.
 fn nodes(reservoir: &Star<2>, direction: &Convex<2>) -> Vec<Node> {
     let mut chain: Vec<BoundaryPoint> = (0..16)
@@ -162,12 +186,7 @@ fn nodes(reservoir: &Star<2>, direction: &Convex<2>) -> Vec<Node> {
             BoundaryPoint::at_position(direction, &Vector::<2>::new(cosine, sine))
         })
         .collect();
-    for corner in direction.corners() {
-        let cone = direction.normal_cone(&corner, 1e-9);
-        let normals = cone.iter().flat_map(|cone| cone.generators());
-        chain.extend(normals.map(|&normal| BoundaryPoint { position: corner, normal }));
-    }
-    chain.extend(reservoir.corners().iter().map(|x| BoundaryPoint::at_position(direction, x)));
+    chain.extend(sharpest_corners(reservoir, direction));
     chain.sort_by(|a, b| walk_angle(a).total_cmp(&walk_angle(b)));
     chain.dedup_by(|a, b| walk_angle(a) - walk_angle(b) < 1e-12);
     let next = |i: usize| chain[(i + 1) % chain.len()];
@@ -208,7 +227,8 @@ fn deviation(first: &Node, last: &Node, inner: &[Node]) -> Cell {
         cell.normal = cell.normal.max((n - dn * weight).norm());
         cell.product = cell.product.max((m - dm * weight).norm());
     }
-    Cell { normal: 1.25 * cell.normal, product: 1.25 * cell.product }
+    // A corner between the inner nodes may stray twice as far as they do.
+    Cell { normal: 2.5 * cell.normal, product: 2.5 * cell.product }
 }
 
 /// Smallest `n × t` with `t` the unit tangent of bdry *C*, taken as the chords next to every node.

@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::mass::MassFactor;
+use super::rated::Factors;
 use crate::contact::{ContactProblem, ContactRows, NormalForce};
 use crate::system::{System, SystemError};
 
@@ -38,6 +39,7 @@ pub(super) struct Assembly {
     /// `e_N`, `e_T` row by row.
     restitution: Vec<f64>,
     bounces: bool,
+    factors: Factors,
     /// Rows of `W_Nᵀ` of all unilateral contacts at the midpoint, and a row of scratch for each.
     normals: Vec<f64>,
     scratch: Vec<f64>,
@@ -60,6 +62,7 @@ impl Assembly {
             chi: Vec::new(),
             restitution: Vec::new(),
             bounces: false,
+            factors: Factors::default(),
             normals: vec![0.0; dof * contacts],
             scratch: vec![0.0; dof * 3],
             problem: ContactProblem::empty(),
@@ -116,7 +119,7 @@ impl Assembly {
         new_mass: bool,
     ) -> Result<Change, SystemError> {
         if self.ready && self.fixed && !new_mass {
-            return Ok(Change::None);
+            return Ok(self.rate(before));
         }
         // A resting contact may be lifted by rounding: by a millionth of the way that the contact forces
         // have to make up for in a step it is not open yet.
@@ -125,15 +128,35 @@ impl Assembly {
         self.find_closed(system, t, q, drift)?;
         let same_contacts = self.ready && self.closed == self.active;
         if same_contacts && system.constancy().contacts && !new_mass {
-            return Ok(Change::None);
+            return Ok(self.rate(before));
         }
         if !same_contacts {
             std::mem::swap(&mut self.active, &mut self.closed);
             self.resize(system, dt);
         }
         self.fill(system, t, q, factor)?;
+        self.factors.keep(&self.problem);
+        self.rate(before);
         self.ready = true;
         Ok(if same_contacts { Change::Operator } else { Change::Contacts })
+    }
+
+    /// Factors of the friction force at the velocities before the step, where laws have them.
+    #[inline]
+    fn rate(&mut self, before: &[f64]) -> Change {
+        if !self.factors.any() {
+            return Change::None;
+        }
+        let (n, jacobian, chi) = (self.dof, &self.jacobian, &self.chi);
+        let slip = |row: usize| dot(&jacobian[row * n..(row + 1) * n], before) + chi[row];
+        self.factors.apply(&mut self.problem, slip);
+        Change::Operator
+    }
+
+    /// Friction percussion of a row from the one that the solver gives.
+    #[inline]
+    pub(super) fn percussion(&self, row: usize, solved: f64) -> f64 {
+        solved * self.factors.of(row)
     }
 
     fn find_closed(
@@ -168,6 +191,7 @@ impl Assembly {
         self.problem = ContactProblem::blank(
             self.active.iter().map(|&c| (laws[c].law.clone(), normal_force(c))),
         );
+        self.factors.reset(&self.problem);
         self.places.fill(None);
         for (place, &contact) in self.active.iter().enumerate() {
             self.places[contact] = Some(place);
@@ -247,6 +271,7 @@ impl Assembly {
     pub(super) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
         let n = self.dof;
         for (j, p) in percussion.iter().enumerate() {
+            let p = self.percussion(j, *p);
             for (value, c) in velocity.iter_mut().zip(&self.response[j * n..(j + 1) * n]) {
                 *value += c * p;
             }

@@ -5,6 +5,7 @@
 
 mod assembly;
 mod mass;
+mod rated;
 
 use nalgebra::DMatrix;
 use thiserror::Error;
@@ -209,7 +210,8 @@ impl<'a> Stepper<'a> {
         let (mut slip, mut force) = ([0.0; 3], [0.0; 3]);
         for i in 0..rows.law.dimension() {
             slip[i] = velocity[rows.tangent() + i];
-            force[i] = percussion[rows.tangent() + i] / self.dt;
+            let row = rows.tangent() + i;
+            force[i] = self.assembly.percussion(row, percussion[row]) / self.dt;
         }
         let normal_force = match self.system.contacts()[contact].normal_force {
             Some(value) => value,

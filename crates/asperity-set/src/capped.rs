@@ -1,0 +1,82 @@
+//! The rectangle with two half-ellipses.
+
+use crate::{ConvexSet, Ellipse, Matrix, SetError, StarSet, Vector, error::positive};
+
+/// Rectangle `|x₁| ≤ a, |x₂| ≤ b` with a half-ellipse of semi-axes `cap` and `b` on either end (\[WL19\]
+/// Fig. 7b: the runner of a bobsleigh): the sum of the segment from `−a e₁` to `a e₁` and an ellipse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CappedRectangle {
+    a: f64,
+    b: f64,
+    cap: f64,
+    ellipse: Ellipse,
+}
+
+impl CappedRectangle {
+    /// Half-length `a` and half-width `b` of the rectangle, semi-axis `cap` of the half-ellipses along it.
+    pub fn new(a: f64, b: f64, cap: f64) -> Result<Self, SetError> {
+        let (a, b, cap) = (positive("a", a)?, positive("b", b)?, positive("cap", cap)?);
+        Ok(Self { a, b, cap, ellipse: Ellipse::new(Vector::<2>::new(cap, b))? })
+    }
+
+    /// Two points of the upper flat side, whose middle is on the boundary.
+    pub(crate) fn flat(&self) -> [Vector<2>; 2] {
+        [Vector::<2>::new(-self.a, self.b), Vector::<2>::new(self.a, self.b)]
+    }
+
+    /// Centre of the half-ellipse on the side of `x₁`.
+    fn centre(&self, along: f64) -> Vector<2> {
+        Vector::<2>::new(self.a.copysign(along), 0.0)
+    }
+}
+
+impl StarSet<2> for CappedRectangle {
+    /// On the caps `((|x₁|/k − a)/c)² + (x₂/(kb))² = 1`, a quadratic equation for `k`.
+    #[inline]
+    fn gauge(&self, x: &Vector<2>) -> f64 {
+        let (u, v) = (x.x.abs(), x.y.abs() / self.b);
+        if u <= self.a * v {
+            return v;
+        }
+        // c²k² = (u − ak)² + c²v², solved without cancellation for either sign of c² − a².
+        let (a, c) = (self.a, self.cap);
+        let root = c * (u * u + (c - a) * (c + a) * v * v).max(0.0).sqrt();
+        (u * u + c * c * v * v) / (a * u + root)
+    }
+
+    #[inline]
+    fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
+        let gauge = self.gauge(x);
+        let point = x / gauge;
+        if point.x.abs() <= self.a {
+            return (gauge, Vector::<2>::new(0.0, (1.0 / self.b).copysign(x.y)));
+        }
+        let normal = self.ellipse.gauge_jet(&(point - self.centre(x.x))).1;
+        (gauge, normal / normal.dot(&point))
+    }
+}
+
+impl ConvexSet<2> for CappedRectangle {
+    #[inline]
+    fn support_point(&self, y: &Vector<2>) -> Vector<2> {
+        let point = self.ellipse.support_point(y);
+        if y.x == 0.0 { point } else { point + self.centre(y.x) }
+    }
+
+    fn support_jet(&self, y: &Vector<2>) -> (Vector<2>, Matrix<2>) {
+        let (_, mut hessian) = self.ellipse.support_jet(y);
+        if y.x == 0.0 {
+            hessian[(0, 0)] = f64::INFINITY;
+        }
+        (self.support_point(y), hessian)
+    }
+
+    /// Beside the rectangle the nearest point lies straight across, beyond it on a cap.
+    fn project(&self, z: &Vector<2>) -> Vector<2> {
+        if z.x.abs() <= self.a {
+            return Vector::<2>::new(z.x, z.y.clamp(-self.b, self.b));
+        }
+        let centre = self.centre(z.x);
+        self.ellipse.project(&(z - centre)) + centre
+    }
+}

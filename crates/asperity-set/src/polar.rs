@@ -1,0 +1,143 @@
+//! Polarity: the support function from the gauge, the gauge from the support function.
+//!
+//! For convex sets `h(y) = max{x·y : k(x) ≤ 1}` and `k(x) = max{x·y : h(y) ≤ 1}`: the two functions are
+//! polar to each other, and one algorithm gives either from the other.
+
+use crate::plane::{cast, cross, cross_3, quarter_turn};
+use crate::root::{Bracket, Sample};
+use crate::{ConvexSet, StarSet, Vector, along};
+
+/// Support point of a convex set from its gauge.
+pub(crate) fn support_point<const P: usize, S>(set: &S, y: &Vector<P>) -> Vector<P>
+where
+    S: StarSet<P> + ?Sized,
+{
+    farthest(&|x: &Vector<P>| set.gauge_jet(x), y)
+}
+
+/// Gauge and its gradient from the support function: the gradient is the normal with `h = 1` along which
+/// `x` is farthest.
+pub(crate) fn gauge_jet<const P: usize, S>(set: &S, x: &Vector<P>) -> (f64, Vector<P>)
+where
+    S: ConvexSet<P> + ?Sized,
+{
+    let size = x.amax();
+    if !(size > 0.0) {
+        return (size, Vector::zeros());
+    }
+    let support_jet = |y: &Vector<P>| {
+        let point = set.support_point(y);
+        (y.dot(&point), point)
+    };
+    let gradient = farthest(&support_jet, x);
+    (gradient.dot(x), gradient)
+}
+
+/// The point `x` with `f(x) = 1` that is farthest in direction `y ≠ 0`, from the jet (value, gradient) of
+/// a convex gauge `f`.
+///
+/// Where a whole face is farthest, it is one point of the face.
+fn farthest<const P: usize, F>(jet: &F, y: &Vector<P>) -> Vector<P>
+where
+    F: Fn(&Vector<P>) -> (f64, Vector<P>) + ?Sized,
+{
+    let y = y / y.amax();
+    match P {
+        1 => y / jet(&y).0,
+        2 => {
+            let planar = |x: &Vector<2>| {
+                let (value, gradient) = jet(&cast(x));
+                (value, cast(&gradient))
+            };
+            cast(&farthest_in_plane(&planar, &cast(&y)))
+        }
+        _ => farthest_in_space(jet, &y),
+    }
+}
+
+/// Along the curve `f = 1`, `x·y` rises counter-clockwise where `∇f × y > 0`: a change of sign.
+fn farthest_in_plane(jet: &dyn Fn(&Vector<2>) -> (f64, Vector<2>), y: &Vector<2>) -> Vector<2> {
+    let y = y.normalize();
+    let rise = |d: &Vector<2>| {
+        let (value, gradient) = jet(d);
+        (cross(&gradient, &y) / gradient.norm(), d / value)
+    };
+    let (slope, below) = rise(&y);
+    if slope == 0.0 {
+        return below;
+    }
+    // The point lies within a quarter turn of y, for x·y > 0.
+    let end = quarter_turn(&y) * slope.signum();
+    let (value, last) = rise(&end);
+    let wrong = value == 0.0 || value.signum() == slope.signum();
+    let value = if wrong { -slope } else { value };
+    let mut bracket = Bracket::new(
+        Sample { at: 0.0, value: slope, data: below },
+        Sample { at: 1.0, value, data: last },
+    );
+    bracket.refine(0.5 * f64::EPSILON, 0.5 * f64::EPSILON, |weight| {
+        rise(&(y * (1.0 - weight) + end * weight))
+    });
+    // At a corner the slope jumps, and the sample with the smallest slope may be far from it.
+    let best = bracket.best.data;
+    let lower = (1.0 - 1e-12) * bracket.a.data.dot(&y).max(bracket.b.data.dot(&y));
+    if best.dot(&y) >= lower { best } else { bracket.a.data }
+}
+
+/// The smallest `f` on the plane `x·y = 1`, in two coordinates of that plane.
+fn farthest_in_space<const P: usize, F>(jet: &F, y: &Vector<P>) -> Vector<P>
+where
+    F: Fn(&Vector<P>) -> (f64, Vector<P>) + ?Sized,
+{
+    let y = y.normalize();
+    let axes = tangents(&y);
+    let point = |t: &Vector<2>| y + axes[0] * t.x + axes[1] * t.y;
+    let slope = |t: &Vector<2>| {
+        let gradient = jet(&point(t)).1;
+        Vector::<2>::new(axes[0].dot(&gradient), axes[1].dot(&gradient))
+    };
+    let (mut centre, mut radius) = (Vector::<2>::zeros(), 1.0);
+    loop {
+        let next = by_ellipsoids(&centre, radius, &slope);
+        if (next - centre).norm() < 0.5 * radius || radius > 1e12 {
+            let x = point(&next);
+            return x / jet(&x).0;
+        }
+        (centre, radius) = (next, 8.0 * radius);
+    }
+}
+
+/// Two unit vectors orthogonal to the unit vector `y` of R³ and to each other.
+pub(crate) fn tangents<const P: usize>(y: &Vector<P>) -> [Vector<P>; 2] {
+    let e = along::<P>(y.iamin(), 1.0);
+    let first = (e - y * y.dot(&e)).normalize();
+    let second = cross_3(y, &first);
+    [first, second]
+}
+
+/// Minimiser of a convex function of `N ≥ 2` variables that lies within a ball, from subgradients alone:
+/// the ellipsoid method, whose volume shrinks by a constant factor per step whatever the function.
+pub(crate) fn by_ellipsoids<const N: usize>(
+    centre: &Vector<N>,
+    radius: f64,
+    subgradient: &dyn Fn(&Vector<N>) -> Vector<N>,
+) -> Vector<N> {
+    let n = N as f64;
+    let mut x = *centre;
+    let mut shape = crate::Matrix::<N>::identity() * (radius * radius);
+    for _ in 0..400 * (N - 1) {
+        let gradient = subgradient(&x);
+        let step = shape * gradient;
+        let length = gradient.dot(&step).sqrt();
+        let size = shape.trace().sqrt();
+        // The comparison also ends at a vanishing gradient.
+        if !(length > 0.0) || size <= f64::EPSILON * (x.norm() + f64::MIN_POSITIVE) {
+            break;
+        }
+        let step = step / length;
+        x -= step / (n + 1.0);
+        shape = (shape - step * step.transpose() * (2.0 / (n + 1.0))) * (n * n / (n * n - 1.0));
+        shape = (shape + shape.transpose()) * 0.5;
+    }
+    x
+}

@@ -1,0 +1,59 @@
+//! Star-shaped sets whose boundary is measured or computed point by point.
+
+use crate::curve::Curve;
+use crate::{Cone, ConvexSet, SetError, StarSet, Vector};
+
+/// The set inside a smooth closed curve through the points `r(θ_i) (cos θ_i, sin θ_i)`.
+///
+/// The gauge on the unit circle is `w = 1/r`, with `w + w″` continuous and linear between the samples; the
+/// set is convex where the points are, with corners at points where that cannot be had otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PolarCurve {
+    inverse_radius: Curve,
+}
+
+impl PolarCurve {
+    /// The curve through radii at angles in rad, in any order, within one turn.
+    pub fn new(angle: &[f64], radius: &[f64]) -> Result<Self, SetError> {
+        if let Some(bad) = radius.iter().find(|r| !(r.is_finite() && **r > 0.0)) {
+            let message = format!("must be finite and positive, holds {bad}");
+            return Err(SetError::Shape { argument: "radius", message });
+        }
+        let inverse: Vec<f64> = radius.iter().map(|r| 1.0 / r).collect();
+        Ok(Self { inverse_radius: Curve::new(angle, &inverse, "radius")? })
+    }
+
+    /// Whether `w + w″ ≥ 0`.
+    pub fn is_convex(&self) -> bool {
+        self.inverse_radius.lowest().0 >= 0.0
+    }
+
+    /// The direction in which `w + w″` is smallest.
+    pub(crate) fn least_curved(&self) -> Vector<2> {
+        self.inverse_radius.lowest().1
+    }
+}
+
+impl StarSet<2> for PolarCurve {
+    #[inline]
+    fn gauge(&self, x: &Vector<2>) -> f64 {
+        self.inverse_radius.value(x)
+    }
+
+    #[inline]
+    fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
+        let jet = self.inverse_radius.jet(x);
+        (jet.value, jet.gradient)
+    }
+
+    fn corners(&self) -> Vec<Vector<2>> {
+        self.inverse_radius.corners().iter().map(|d| d / self.gauge(d)).collect()
+    }
+}
+
+/// Meaningful where [`PolarCurve::is_convex`]; [`Convex`](crate::Convex) admits no other.
+impl ConvexSet<2> for PolarCurve {
+    fn normal_cone(&self, x: &Vector<2>, tolerance: f64) -> Option<Cone<2>> {
+        Cone::beside_corner(self, x, tolerance)
+    }
+}

@@ -1,0 +1,252 @@
+//! Star-shaped polygons.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use crate::curve::diamond;
+use crate::plane::{cross, quarter_turn};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
+
+/// The set inside a closed polygon that is star-shaped with respect to the origin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polygon {
+    /// Counter-clockwise, from the first polar angle on.
+    vertices: Arc<[Vector<2>]>,
+    /// Normal of the edge from each vertex to the next, with `nᵀx = 1` on the edge.
+    normals: Arc<[Vector<2>]>,
+    convex: bool,
+}
+
+impl Polygon {
+    /// The polygon with these corners, in either sense.
+    ///
+    /// Refused with a witness point if it crosses itself, does not hold the origin in its interior, or is
+    /// not star-shaped.
+    pub fn new(vertices: &[Vector<2>]) -> Result<Self, SetError> {
+        let refuse = |message| Err(SetError::Shape { argument: "vertices", message });
+        if let Some(bad) = vertices.iter().find(|v| !v.iter().all(|x| x.is_finite())) {
+            return refuse(format!("must be finite, holds {}", text(bad)));
+        }
+        let outline = distinct(vertices);
+        if outline.len() < 3 {
+            return refuse(format!("must hold at least 3 different points, has {}", outline.len()));
+        }
+        if let Some(fault) = fault(&outline) {
+            return refuse(fault.to_string());
+        }
+        let mut vertices = outline;
+        if winding(&vertices) < 0.0 {
+            vertices.reverse();
+        }
+        let first = (0..vertices.len())
+            .min_by(|&i, &j| diamond(&vertices[i]).total_cmp(&diamond(&vertices[j])));
+        vertices.rotate_left(first.unwrap_or(0));
+        let n = vertices.len();
+        let normals: Arc<[Vector<2>]> = (0..n)
+            .map(|i| {
+                let (a, b) = (vertices[i], vertices[(i + 1) % n]);
+                -quarter_turn(&(b - a)) / cross(&a, &b)
+            })
+            .collect();
+        let convex = (0..n).all(|i| {
+            let (before, after) = (normals[(i + n - 1) % n], normals[i]);
+            cross(&before, &after) >= -4.0 * f64::EPSILON * before.norm() * after.norm()
+        });
+        Ok(Self { vertices: vertices.into(), normals, convex })
+    }
+
+    /// Corners, counter-clockwise.
+    pub fn vertices(&self) -> &[Vector<2>] {
+        &self.vertices
+    }
+
+    /// Whether no corner points inwards.
+    pub fn is_convex(&self) -> bool {
+        self.convex
+    }
+
+    /// A corner that points inwards, between its neighbours.
+    pub(crate) fn reentrant(&self) -> Option<[Vector<2>; 2]> {
+        let n = self.vertices.len();
+        let deepest = (0..n).min_by(|&i, &j| {
+            let turn = |k: usize| cross(&self.normals[(k + n - 1) % n], &self.normals[k]);
+            turn(i).total_cmp(&turn(j))
+        })?;
+        Some([self.vertices[(deepest + n - 1) % n], self.vertices[(deepest + 1) % n]])
+    }
+
+    /// Number of the edge that the ray through `x` meets.
+    #[inline]
+    fn edge(&self, x: &Vector<2>) -> usize {
+        let turn = diamond(x);
+        let started = self.vertices.partition_point(|v| diamond(v) <= turn);
+        if started == 0 { self.vertices.len() - 1 } else { started - 1 }
+    }
+}
+
+/// What keeps a closed outline from being that of a star-shaped set, and where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OutlineFault {
+    /// Two edges meet at a point that is not a corner they share.
+    Crossing(Vector<2>),
+    /// The origin is not inside; the point is the nearest one of the outline.
+    OriginOutside(Vector<2>),
+    /// The point lies in the set, but the way to it from the origin does not.
+    Hidden(Vector<2>),
+}
+
+impl OutlineFault {
+    /// The witness point.
+    pub fn witness(&self) -> Vector<2> {
+        match self {
+            Self::Crossing(x) | Self::OriginOutside(x) | Self::Hidden(x) => *x,
+        }
+    }
+}
+
+impl std::fmt::Display for OutlineFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let at = text(&self.witness());
+        match self {
+            Self::Crossing(_) => write!(f, "must not cross or touch itself, does at {at}"),
+            Self::OriginOutside(_) => {
+                write!(f, "must hold the origin in its interior, its nearest point is {at}")
+            }
+            Self::Hidden(_) => write!(f, "must be star-shaped, the origin does not see {at}"),
+        }
+    }
+}
+
+fn text(x: &Vector<2>) -> String {
+    format!("({}, {})", x.x, x.y)
+}
+
+/// The points without repetitions next to each other.
+fn distinct(points: &[Vector<2>]) -> Vec<Vector<2>> {
+    let mut kept: Vec<Vector<2>> = points.to_vec();
+    kept.dedup();
+    while kept.len() > 1 && kept.first() == kept.last() {
+        kept.pop();
+    }
+    kept
+}
+
+/// Signed angle by which the outline turns around the origin.
+fn winding(outline: &[Vector<2>]) -> f64 {
+    edges(outline).map(|(a, b)| cross(&a, &b).atan2(a.dot(&b))).sum()
+}
+
+fn edges(outline: &[Vector<2>]) -> impl Iterator<Item = (Vector<2>, Vector<2>)> + '_ {
+    (0..outline.len()).map(|i| (outline[i], outline[(i + 1) % outline.len()]))
+}
+
+/// Why a closed outline does not bound a set that is star-shaped with respect to the origin, if so.
+pub fn fault(outline: &[Vector<2>]) -> Option<OutlineFault> {
+    // An outline that turns around the origin once and never backwards cannot cross itself.
+    let turn = winding(outline);
+    let sense = turn.signum();
+    let hidden = edges(outline).find(|(a, b)| cross(a, b) * sense <= 0.0);
+    if hidden.is_none() && (turn.abs() - TAU).abs() < 1.0 {
+        return None;
+    }
+    if let Some(point) = crossing(outline) {
+        return Some(OutlineFault::Crossing(point));
+    }
+    let nearest = edges(outline)
+        .map(|(a, b)| {
+            let along = b - a;
+            a + along * (-a.dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
+        })
+        .min_by(|p, q| p.norm().total_cmp(&q.norm()))?;
+    if turn.abs() < 1.0 || nearest.norm() == 0.0 {
+        return Some(OutlineFault::OriginOutside(nearest));
+    }
+    hidden.map(|(a, b)| OutlineFault::Hidden((a + b) * 0.5))
+}
+
+/// A point that two edges share without being neighbours.
+fn crossing(outline: &[Vector<2>]) -> Option<Vector<2>> {
+    let n = outline.len();
+    let all: Vec<_> = edges(outline).collect();
+    for i in 0..n {
+        for j in i + 2..n {
+            if i == 0 && j == n - 1 {
+                continue;
+            }
+            let ((a, b), (c, d)) = (all[i], all[j]);
+            let (u, v, w) = (b - a, d - c, c - a);
+            let size = cross(&u, &v);
+            if size == 0.0 {
+                continue;
+            }
+            let (s, t) = (cross(&w, &v) / size, cross(&w, &u) / size);
+            if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
+                return Some(a + u * s);
+            }
+        }
+    }
+    None
+}
+
+impl StarSet<2> for Polygon {
+    #[inline]
+    fn gauge(&self, x: &Vector<2>) -> f64 {
+        self.normals[self.edge(x)].dot(x)
+    }
+
+    #[inline]
+    fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
+        let normal = self.normals[self.edge(x)];
+        (normal.dot(x), normal)
+    }
+
+    fn corners(&self) -> Vec<Vector<2>> {
+        self.vertices.to_vec()
+    }
+}
+
+/// Meaningful where [`Polygon::is_convex`]; [`Convex`](crate::Convex) admits no other.
+impl ConvexSet<2> for Polygon {
+    #[inline]
+    fn support_point(&self, y: &Vector<2>) -> Vector<2> {
+        let height = |v: &Vector<2>| y.dot(v);
+        let highest = self
+            .vertices
+            .iter()
+            .fold(self.vertices[0], |best, v| if height(v) > height(&best) { *v } else { best });
+        // The middle of the edge if both of its ends are farthest.
+        let n = self.vertices.len();
+        let level = height(&highest);
+        let ends = (0..n)
+            .filter(|&i| level - height(&self.vertices[i]) <= 2.0 * f64::EPSILON * level.abs());
+        let (count, sum) = ends
+            .fold((0.0, Vector::zeros()), |(count, sum), i| (count + 1.0, sum + self.vertices[i]));
+        if count > 1.0 { sum / count } else { highest }
+    }
+
+    fn support_jet(&self, y: &Vector<2>) -> (Vector<2>, Matrix<2>) {
+        (self.support_point(y), Matrix::zeros())
+    }
+
+    fn project(&self, z: &Vector<2>) -> Vector<2> {
+        if self.gauge(z) <= 1.0 {
+            return *z;
+        }
+        let nearest = edges(&self.vertices).map(|(a, b)| {
+            let along = b - a;
+            a + along * ((z - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
+        });
+        let distance = |p: &Vector<2>| (z - p).norm_squared();
+        nearest
+            .fold(self.vertices[0], |best, p| if distance(&p) < distance(&best) { p } else { best })
+    }
+
+    fn normal_cone(&self, x: &Vector<2>, tolerance: f64) -> Option<Cone<2>> {
+        let gauge = self.gauge(x);
+        if gauge > 1.0 + tolerance {
+            return None;
+        }
+        let touched = self.normals.iter().filter(|n| n.dot(x) >= 1.0 - tolerance);
+        Some(Cone::new(touched.copied()))
+    }
+}

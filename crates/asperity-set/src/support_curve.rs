@@ -1,0 +1,67 @@
+//! Convex sets whose support function is measured or computed.
+
+use crate::curve::Curve;
+use crate::plane::quarter_turn;
+use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, polar};
+
+/// The convex set with a smooth support function through the samples `h(φ_i)`.
+///
+/// The radius of curvature `h + h″` of the boundary is continuous and linear between the samples. Its
+/// boundary point with the normal angle `φ` is `h e + h′ e⊥`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SupportCurve {
+    support: Curve,
+}
+
+impl SupportCurve {
+    /// The curve through values of the support function at normal angles in rad, in any order, within one
+    /// turn; refused where `h + h″ < 0`.
+    pub fn new(angle: &[f64], support: &[f64]) -> Result<Self, SetError> {
+        let support = Curve::new(angle, support, "support")?;
+        let (rho, at) = support.lowest();
+        if rho < 0.0 {
+            let message = format!(
+                "must be that of a convex set, its radius of curvature is {rho} at the normal angle {} rad",
+                at.y.atan2(at.x)
+            );
+            return Err(SetError::Shape { argument: "support", message });
+        }
+        Ok(Self { support })
+    }
+
+    /// The ends of a straight piece of the boundary, where the support function has a corner.
+    pub(crate) fn flat(&self) -> Option<[Vector<2>; 2]> {
+        let normal = self.support.corners().first()?;
+        let turned = quarter_turn(normal) * 1e-9;
+        Some([normal - turned, normal + turned].map(|n| self.support_point(&n)))
+    }
+}
+
+impl StarSet<2> for SupportCurve {
+    fn gauge(&self, x: &Vector<2>) -> f64 {
+        self.gauge_jet(x).0
+    }
+
+    fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
+        polar::gauge_jet(self, x)
+    }
+}
+
+impl ConvexSet<2> for SupportCurve {
+    #[inline]
+    fn support_point(&self, y: &Vector<2>) -> Vector<2> {
+        self.support.jet(y).gradient
+    }
+
+    #[inline]
+    fn support(&self, y: &Vector<2>) -> f64 {
+        self.support.value(y)
+    }
+
+    #[inline]
+    fn support_jet(&self, y: &Vector<2>) -> (Vector<2>, Matrix<2>) {
+        let jet = self.support.jet(y);
+        let across = quarter_turn(y) / y.norm();
+        (jet.gradient, across * across.transpose() * (jet.rho / y.norm()))
+    }
+}

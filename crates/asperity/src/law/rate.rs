@@ -1,0 +1,67 @@
+//! Friction that depends on the speed of sliding.
+
+use asperity_set::SetError;
+
+/// How the rest of the friction falls from its value at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fall {
+    /// `s(x) = e^−x`.
+    Exponential,
+    /// `s(x) = 1/(1 + x)`.
+    Hyperbolic,
+}
+
+/// Stribeck characteristic: a factor of the friction force,
+/// `f(v) = ratio + (1 − ratio) s((v/speed)^exponent) + viscous·v`, one at rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stribeck {
+    fall: Fall,
+    speed: f64,
+    ratio: f64,
+    exponent: f64,
+    viscous: f64,
+}
+
+impl Stribeck {
+    /// The characteristic with `speed > 0` in m/s, `ratio ≥ 0`, `exponent > 0` and `viscous ≥ 0` in s/m.
+    pub fn new(
+        fall: Fall,
+        speed: f64,
+        ratio: f64,
+        exponent: f64,
+        viscous: f64,
+    ) -> Result<Self, SetError> {
+        let check = |argument, value: f64, positive: bool| {
+            if value.is_finite() && (value > 0.0 || !positive && value == 0.0) {
+                return Ok(());
+            }
+            let allowed = if positive { "finite and positive" } else { "finite and not negative" };
+            Err(SetError::Parameter { argument, allowed, value })
+        };
+        check("speed", speed, true)?;
+        check("ratio", ratio, false)?;
+        check("exponent", exponent, true)?;
+        check("viscous", viscous, false)?;
+        Ok(Self { fall, speed, ratio, exponent, viscous })
+    }
+
+    /// `f(v)` at the speed `v ≥ 0` in m/s.
+    pub fn factor(&self, v: f64) -> f64 {
+        let x = (v / self.speed).powf(self.exponent);
+        let rest = match self.fall {
+            Fall::Exponential => (-x).exp(),
+            Fall::Hyperbolic => 1.0 / (1.0 + x),
+        };
+        self.ratio + (1.0 - self.ratio) * rest + self.viscous * v
+    }
+
+    /// `f′(v)` at `v > 0`.
+    pub fn slope(&self, v: f64) -> f64 {
+        let x = (v / self.speed).powf(self.exponent);
+        let rest = match self.fall {
+            Fall::Exponential => -(-x).exp(),
+            Fall::Hyperbolic => -1.0 / ((1.0 + x) * (1.0 + x)),
+        };
+        (1.0 - self.ratio) * rest * x * self.exponent / v + self.viscous
+    }
+}

@@ -1,0 +1,70 @@
+//! Friction that depends on the speed, within a step.
+//!
+//! A factor `f` of the friction force, taken at the speed at the beginning of the step, makes the law
+//! `−P ∈ f C(P_N)`. In `P̃ = P/f` it is the law without a factor again, and `G P = G F P̃` with the factors on
+//! the diagonal of `F`: the columns of the Delassus operator are scaled and no solver needs to know.
+
+use asperity_set::Vector;
+use nalgebra::DMatrix;
+
+use crate::contact::ContactProblem;
+
+/// The factors of all rows of a contact problem.
+#[derive(Debug, Default)]
+pub(super) struct Factors {
+    rows: Vec<f64>,
+    /// The Delassus operator without factors.
+    plain: DMatrix<f64>,
+    /// Whether some law depends on the speed.
+    any: bool,
+}
+
+impl Factors {
+    /// Forgets the factors: the problem has new contacts.
+    pub(super) fn reset(&mut self, problem: &ContactProblem) {
+        self.any = problem.contacts.iter().any(|contact| contact.law.rate().is_some());
+        self.rows.clear();
+        self.rows.resize(problem.rows(), 1.0);
+        if self.any {
+            self.plain = problem.delassus.clone();
+        }
+    }
+
+    /// Whether some law depends on the speed.
+    #[inline]
+    pub(super) fn any(&self) -> bool {
+        self.any
+    }
+
+    /// Remembers an operator that has just been filled in.
+    pub(super) fn keep(&mut self, problem: &ContactProblem) {
+        if self.any {
+            self.plain.copy_from(&problem.delassus);
+        }
+    }
+
+    /// Scales the columns of the operator by the factors for relative velocities `slip(row)`.
+    pub(super) fn apply(&mut self, problem: &mut ContactProblem, slip: impl Fn(usize) -> f64) {
+        for contact in &problem.contacts {
+            let Some(rate) = contact.law.rate() else { continue };
+            let own = contact.tangent()..contact.offset + contact.len();
+            let mut velocity = Vector::<3>::zeros();
+            for (value, row) in velocity.iter_mut().zip(own.clone()) {
+                *value = slip(row);
+            }
+            let factor = rate.factor(velocity.norm());
+            for column in own {
+                self.rows[column] = factor;
+                let scaled = self.plain.column(column) * factor;
+                problem.delassus.set_column(column, &scaled);
+            }
+        }
+        problem.update_rho();
+    }
+
+    /// The factor of a row, one for rows without.
+    #[inline]
+    pub(super) fn of(&self, row: usize) -> f64 {
+        self.rows[row]
+    }
+}
