@@ -8,8 +8,11 @@ from pathlib import Path
 import asperity as asp
 import matplotlib.pyplot as plt
 import numpy as np
-from asperity.plot.look import BLUE, GREEN, INK, ORANGE
+from asperity.paper import redraw
+from asperity.plot.look import BLUE, GREEN, GREY, INK, ORANGE, PURPLE
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -146,6 +149,128 @@ def draw_several(ax: Axes, n: int = 640) -> None:
     ax.fill([], [], color=ORANGE, label="several solutions")
 
 
+def sets() -> None:
+    """Draw one set of each planar kind and of each combination."""
+    theta = 2.0 * np.pi * np.arange(12) / 12
+    gallery = {
+        "Disk": asp.Disk(0.8),
+        "Ellipse": asp.Ellipse(1.0, 0.5, angle=0.4),
+        "Rectangle": asp.Rectangle(0.9, 0.5),
+        "Superellipse, $s = 4$": asp.Superellipse(1.0, 0.6, 4.0),
+        "Superellipse, $s = 0.6$": asp.Superellipse(1.0, 0.8, 0.6),
+        "CappedRectangle": asp.CappedRectangle(0.5, 0.5, 0.45),
+        "WedgeAsperity": asp.WedgeAsperity(1.2, np.deg2rad(35.0)).scaled(0.16),
+        "Polygon": asp.Polygon([[1.0, -0.5], [0.4, 0.2], [0.8, 0.9], [-0.9, 0.5], [-0.5, -0.8]]),
+        "PolarCurve": asp.PolarCurve(theta, 0.75 + 0.2 * np.cos(3.0 * theta)),
+        "Intersection  &": asp.Ellipse(1.0, 0.6) & asp.Rectangle(0.7, 0.9, angle=0.3),
+        "Union  |": asp.Ellipse(1.0, 0.35) | asp.Ellipse(0.35, 0.8),
+        "MinkowskiSum  +": asp.Rectangle(0.5, 0.3) + asp.Ellipse(0.4, 0.2, angle=0.7),
+    }
+    with asp.plot.style():
+        figure, axes = plt.subplots(3, 4, figsize=(10.0, 7.0), layout="constrained")
+        for ax, (name, star) in zip(axes.flat, gallery.items(), strict=True):
+            asp.plot.plot_set(star, ax, color=BLUE if star.is_convex else ORANGE)
+            ax.plot(0.0, 0.0, "o", color=INK, markersize=3.0)
+            ax.set(title=name, xlabel="", ylabel="", xlim=(-1.25, 1.25), ylim=(-1.0, 1.0))
+            ax.tick_params(labelbottom=False, labelleft=False)
+        figure.legend(
+            [Line2D([], [], color=BLUE), Line2D([], [], color=ORANGE)],
+            ["convex", "star-shaped only"],
+            loc="outside lower center",
+            ncols=2,
+        )
+    asp.plot.save_figure(figure, IMAGES / "sets.png", dpi=110)
+
+
+def cones() -> None:
+    """Draw the cones of docs/geometry.md."""
+    lens = asp.Ellipse(1.0, 0.7) & asp.Rectangle(0.8, 1.0)
+    cross = asp.Rectangle(1.0, 0.4) | asp.Rectangle(0.4, 1.0)
+    with asp.plot.style():
+        figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.6), layout="constrained")
+        asp.plot.plot_set(lens, left, label="$C$")
+        smooth = lens.radius(2.0) * np.array([np.cos(2.0), np.sin(2.0)])
+        for point in ([0.8, 0.42], smooth):
+            asp.plot.plot_cones(lens, point, left, size=0.35)
+        asp.plot.plot_projection(lens, [[1.2, -0.75], [0.3, -1.1], [-1.25, 0.1]], left)
+        left.set_title("Convex: normal and tangent cones, projections")
+        asp.plot.plot_set(cross, right)
+        for point in ([0.4, 0.4], [1.0, -0.4], [-0.4, 0.75]):
+            asp.plot.plot_cones(cross, point, right, normal=False, size=0.35)
+        right.set_title("Star-shaped: tangent cones")
+        handles, labels = left.get_legend_handles_labels()
+        handles += [Patch(color=GREEN, alpha=0.4), Patch(color=PURPLE, alpha=0.4)]
+        labels += ["normal cone", "tangent cone"]
+        figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    asp.plot.save_figure(figure, IMAGES / "cones.png", dpi=110)
+
+
+def made_laws() -> dict[str, asp.FrictionLaw]:
+    """Return the laws of docs/laws.md by title."""
+    fourth = np.zeros((2, 2, 2, 2))
+    fourth[0, 0, 0, 0] = fourth[1, 1, 1, 1] = 0.1
+    fourth[0, 0, 1, 1] = fourth[1, 1, 0, 0] = -0.1
+    surface = asp.FrictionLaw(
+        asp.Superellipse(0.537, 0.457, 2.94), asp.Superellipse(1.84, 1.19, 2.51)
+    )
+    phi = np.deg2rad(np.arange(0.0, 360.0, 10.0))
+    slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    noise = 0.01 * np.random.default_rng(7).normal(size=slip.shape)
+    return {
+        "asperity(0.6, 30°)": asp.FrictionLaw.asperity(0.6, np.deg2rad(30.0)),
+        "asperity(0.5, (15°, 50°))": asp.FrictionLaw.asperity(0.5, np.deg2rad([15.0, 50.0])),
+        "tensor(F, K)": asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth),
+        "from_samples, 36 noisy ones": asp.FrictionLaw.from_samples(
+            phi, noise - surface.force(slip)
+        ),
+    }
+
+
+def laws() -> None:
+    """Draw laws from asperities, tensors and samples."""
+    with asp.plot.style():
+        figure, axes = plt.subplots(2, 2, figsize=(9.6, 8.4), layout="constrained")
+        for ax, (title, law) in zip(axes.flat, made_laws().items(), strict=True):
+            asp.plot.plot_law(law, ax, angles=24, legend=False)
+            ax.set_title(title)
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    asp.plot.save_figure(figure, IMAGES / "laws.png", dpi=110)
+
+
+def directions() -> None:
+    """Draw coefficients, deflection and trace criterion of three laws over the direction."""
+    ellipse = asp.Ellipse(0.3, 0.1)
+    chosen = {
+        "associated ellipse": asp.FrictionLaw.associated(asp.Ellipse(0.3, 0.15)),
+        "tensor diag(0.3, 0.1)": asp.FrictionLaw.tensor([[0.3, 0.0], [0.0, 0.1]]),
+        "tilted ellipses": asp.FrictionLaw(ellipse.rotated(np.pi / 6), asp.Ellipse(3.0, 1.0)),
+    }
+    phi = np.linspace(0.0, 2.0 * np.pi, 721)
+    with asp.plot.style():
+        figure, axes = plt.subplots(1, 3, figsize=(12.6, 4.2), layout="constrained")
+        for (name, law), color in zip(chosen.items(), (BLUE, GREEN, ORANGE), strict=True):
+            asp.plot.plot_friction_coefficient(law, axes[0], label=name, color=color)
+            asp.plot.plot_deflection(law, axes[1], color=color)
+            axes[2].plot(np.rad2deg(phi), law.trace_criterion(phi), color=color)
+        handles, labels = axes[0].get_legend_handles_labels()
+        axes[0].get_legend().remove()
+        axes[0].set_title("$l_t$ against sliding, $l_p$ across")
+        axes[1].set_title("Deflection")
+        axes[2].set(title="Trace criterion", ylabel=r"$l_t + dl_p/d\varphi$")
+        axes[2].set(xticks=axes[1].get_xticks(), xlim=(0.0, 360.0), xlabel=axes[1].get_xlabel())
+        axes[2].axhspan(axes[2].get_ylim()[0], 0.0, color=GREY, alpha=0.15, linewidth=0.0)
+        axes[2].margins(y=0.0)
+        figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    asp.plot.save_figure(figure, IMAGES / "directions.png", dpi=110)
+
+
+def paper() -> None:
+    """Draw the figures of the paper that the documentation shows."""
+    for number in (10, 12):
+        figure = redraw.FIGURES[number]().figure
+        asp.plot.save_figure(figure, IMAGES / f"fig{number}.png", dpi=110)
+
+
 if __name__ == "__main__":
-    prox_constant_r()
-    selection()
+    for draw in (prox_constant_r, selection, sets, cones, laws, directions, paper):
+        draw()

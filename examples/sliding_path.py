@@ -15,7 +15,10 @@ laws = {
     "extended": asp.FrictionLaw(reservoir, asp.Superellipse(1.84, 1.19, 2.51)),
 }
 angle = np.deg2rad(58.0)
-ax = None
+with asp.plot.style():
+    import matplotlib.pyplot as plt
+
+    figure, ax = plt.subplots(layout="constrained")
 for name, law in laws.items():
     path = asp.simulate(
         asp.SlidingPoint(0.018, law),
@@ -26,6 +29,6 @@ for name, law in laws.items():
     )
     x, y = 1e3 * path.q[-1]
     print(f"{name:<11} stops after {path.t[-1]:.4f} s at ({x:.2f}, {y:.2f}) mm")
-    ax = asp.plot.plot_path(path, ax, label=name)
+    asp.plot.plot_path(path, ax, label=name)
 ax.legend()
-asp.plot.save_figure(ax.figure, sys.argv[1] if len(sys.argv) > 1 else "sliding_path.png")
+asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "sliding_path.png")

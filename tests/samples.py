@@ -3,36 +3,87 @@
 import asperity as asp
 import numpy as np
 
+ANGLES = np.arange(60) * np.pi / 30
+TURN = np.arange(24) * np.pi / 12
+
+PENTAGON = asp.Polygon([[1.5, -0.4], [1.2, 0.9], [-0.3, 1.1], [-1.0, 0.1], [-0.2, -1.0]])
+STAR_POLYGON = asp.Polygon([[2.0, 0.0], [0.5, 0.4], [0.0, 1.5], [-1.0, 0.1], [0.1, -1.2]])
+EGG = asp.SupportCurve(TURN, 1.0 + 0.2 * np.cos(TURN) + 0.05 * np.cos(3 * TURN))
+BEAN = asp.PolarCurve(ANGLES, 0.2 + 0.05 * np.cos(4 * ANGLES))
+ROUND = asp.PolarCurve(ANGLES[::-1], asp.Superellipse(0.6, 0.4, 2.4).radius(ANGLES[::-1]))
+
 CONVEX_PLANE = [
     asp.Disk(0.4),
     asp.Ellipse(3.0, 1.0),
     asp.Ellipse(0.5, 2.0, angle=0.7),
     asp.Ellipse.from_intercepts(2.0, 1.0, 0.6),
+    asp.Ellipsoid([0.3, 0.8]),
     asp.Rectangle(2.0, 1.0),
     asp.Rectangle(0.3, 1.2, angle=-0.4),
     asp.Box([1.5, 0.5]),
+    asp.CappedRectangle(0.3, 0.1, 0.2),
+    asp.CappedRectangle(0.5, 1.2, 0.9, angle=2.0),
     asp.Superellipse(3.0, 1.0, 1.0),
     asp.Superellipse(4.99, 4.25, 2.94),
     asp.Superellipse(1.0, 2.0, 1.3, angle=1.1),
     asp.Superellipse(1.0, 2.0, 20.0),
+    asp.WedgeAsperity(0.5, 0.6),
+    asp.WedgeAsperity(1.0, 0.3, angle=0.4),
+    PENTAGON,
+    EGG,
+    ROUND,
     asp.Mapped(asp.Superellipse(1.0, 0.5, 3.0), [[1.0, 0.4], [-0.2, 0.8]]),
+    asp.Mapped(EGG, [[1.0, 0.2], [0.3, 0.5]]),
     asp.Ball(1.5, dimension=2),
+    asp.Disk(1.0) & asp.Rectangle(0.8, 2.0),
+    asp.Ellipse(3.0, 1.0) & asp.Ellipse(1.0, 3.0, angle=0.3) & PENTAGON.scaled(1.2),
+    asp.Rectangle(2.0, 1.0) + asp.Disk(0.5),
+    asp.Ellipse(1.0, 0.3, angle=0.5) + PENTAGON + EGG,
 ]
-STAR_PLANE = [asp.Superellipse(2.0, 1.0, 0.5), asp.Superellipse(1.0, 1.0, 0.8, angle=0.3)]
-LINE = [asp.Interval(-0.2, 0.3), asp.Box([0.7]), asp.Ball(0.4, dimension=1)]
+STAR_PLANE = [
+    asp.Superellipse(2.0, 1.0, 0.5),
+    asp.Superellipse(1.0, 1.0, 0.8, angle=0.3),
+    asp.WedgeAsperity(1.2, np.deg2rad(36.0)),
+    asp.WedgeAsperity(0.9, 0.7, angle=-1.0),
+    STAR_POLYGON,
+    BEAN,
+    asp.Mapped(BEAN, [[2.0, 0.0], [1.0, 1.0]]),
+    asp.Ellipse(3.0, 1.0) | asp.Ellipse(1.0, 3.0),
+    STAR_POLYGON | asp.Disk(0.7),
+    STAR_POLYGON & asp.Disk(0.9),
+]
+LINE = [
+    asp.Interval(-0.2, 0.3),
+    asp.Box([0.7]),
+    asp.Ball(0.4, dimension=1),
+    asp.Ellipsoid([0.6]),
+    asp.Interval(-0.2, 0.3) & asp.Interval(-0.4, 0.1),
+    asp.Interval(-0.2, 0.3) + asp.Interval(-0.4, 0.1),
+]
 SPACE = [
     asp.Ball(2.0),
     asp.Box([1.0, 2.0, 0.5]),
+    asp.Ellipsoid([3.0, 1.0, 2.0]),
     asp.Mapped(asp.Ball(1.0), np.diag([3.0, 1.0, 2.0])),
+    asp.CoulombContensou(0.3),
+    asp.CoulombContensou(1.5, "uniform"),
+    asp.Box([1.0, 2.0, 0.5]) & asp.Ball(1.2),
+    asp.Ellipsoid([1.0, 0.4, 0.6]) + asp.CoulombContensou(0.5),
 ]
+STAR_SPACE = [asp.Ellipsoid([3.0, 1.0, 2.0]) | asp.Box([0.5, 1.5, 0.5])]
 
 CONVEX = CONVEX_PLANE + LINE + SPACE
-ALL_SETS = CONVEX + STAR_PLANE
+PLANE = CONVEX_PLANE + STAR_PLANE
+ALL_SETS = CONVEX + STAR_PLANE + STAR_SPACE
 
 SUPERELLIPSES = asp.FrictionLaw(
     asp.Superellipse(0.54, 0.46, 2.94), asp.Superellipse(1.84, 1.19, 2.51)
 )
 TILTED_ELLIPSES = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+
+FOURTH_ORDER = np.zeros((2, 2, 2, 2))
+FOURTH_ORDER[0, 0, 0, 0] = FOURTH_ORDER[1, 1, 1, 1] = 0.1
+FOURTH_ORDER[0, 0, 1, 1] = FOURTH_ORDER[1, 1, 0, 0] = -0.1
 
 PLANE_LAWS = [
     asp.FrictionLaw.isotropic(0.3),
@@ -40,8 +91,37 @@ PLANE_LAWS = [
     asp.FrictionLaw.collinear(asp.Superellipse(0.5, 0.3, 0.7)),
     TILTED_ELLIPSES,
     SUPERELLIPSES,
+    asp.FrictionLaw.collinear(BEAN),
+    asp.FrictionLaw(STAR_POLYGON.scaled(0.25), asp.Ellipse(2.0, 1.0)),
+    asp.FrictionLaw.asperity(0.3, 0.5),
+    asp.FrictionLaw.tensor(np.diag([0.3, 0.1])),
 ]
-"""Laws with a smooth strictly convex D."""
+"""Laws with a smooth strictly convex D, with which all solvers are tested."""
+
+CURVE_LAWS = [
+    asp.FrictionLaw.asperity(1.2, np.deg2rad(36.0)),
+    asp.FrictionLaw.asperity(0.4, (0.3, 0.6)),
+    asp.FrictionLaw.tensor(0.2 * np.eye(2), FOURTH_ORDER),
+    asp.FrictionLaw.associated(EGG.scaled(0.3)),
+    asp.FrictionLaw(STAR_POLYGON, asp.Ellipse(2.0, 1.0) + EGG),
+]
+"""Smooth too, with very strong friction or a D that takes longer to solve for."""
+
+SMOOTH_LAWS = PLANE_LAWS + CURVE_LAWS
+SPACE_LAWS = [
+    asp.FrictionLaw.isotropic(0.2, dimension=3),
+    asp.FrictionLaw.associated(asp.CoulombContensou(0.3)),
+    asp.FrictionLaw(asp.CoulombContensou(0.3), asp.Ellipsoid([1.0, 1.0, 0.5])),
+]
+LINE_LAWS = [
+    asp.FrictionLaw.isotropic(0.2, dimension=1),
+    asp.FrictionLaw.associated(asp.Interval(-0.2, 0.3)),
+]
+CORNERED_LAWS = [
+    asp.FrictionLaw.associated(asp.Rectangle(0.4, 0.2)),
+    asp.FrictionLaw(asp.Disk(0.5), PENTAGON),
+]
+LAWS = SMOOTH_LAWS + SPACE_LAWS + LINE_LAWS + CORNERED_LAWS
 
 
 def identify(value):
@@ -52,6 +132,23 @@ def identify(value):
 def random_directions(rng, n, dimension):
     x = rng.normal(size=(n, dimension))
     return x / np.linalg.norm(x, axis=1)[:, None]
+
+
+def random_matrix(rng, dimension):
+    """Well conditioned."""
+    return np.eye(dimension) + 0.3 * rng.normal(size=(dimension, dimension))
+
+
+def assert_breaks_monotonicity(law, verdict):
+    """The witness γ, λ, γ*, λ* consists of two pairs of the law with (γ − γ*)ᵀ(λ − λ*) > 0."""
+    assert not verdict
+    slip, force, other, other_force = verdict.witness
+    assert (slip - other) @ (force - other_force) > 0.0
+    for gamma, lam in ((slip, force), (other, other_force)):
+        if gamma.any():
+            np.testing.assert_allclose(law.force(gamma), lam, atol=1e-9)
+        else:
+            assert law.reservoir.contains(-lam, tolerance=1e-9)
 
 
 def random_problem(rng, laws, contacts, unilateral):

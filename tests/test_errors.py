@@ -16,6 +16,9 @@ BLOCK = asp.SlidingPoint(1.0, LAW)
 PROBLEM = asp.ContactProblem(np.eye(2), [1.0, 0.0], LAW, normal_force=1.0)
 NAN = float("nan")
 INF = float("inf")
+PHI = np.arange(12) * np.pi / 6
+UNIT = np.stack([np.cos(PHI), np.sin(PHI)], axis=-1)
+from_samples = asp.FrictionLaw.from_samples
 
 
 def linear(mass=1.0, **arguments):
@@ -64,7 +67,57 @@ BAD_INPUT = [
     ("set", DimensionError, lambda: asp.Ball(1.0).radius(0.0)),
     ("set", DimensionError, lambda: asp.Interval(-1.0, 1.0).rotated(0.1)),
     ("set", ParameterError, lambda: asp.Superellipse(1.0, 1.0, 0.5).normal_cone([1.0, 0.0])),
+    ("set", ParameterError, lambda: asp.Superellipse(1, 1, 0.5).fenchel_gap([0, 0], [1, 0])),
+    ("y", DimensionError, lambda: DISK.fenchel_gap(np.ones((3, 2)), np.ones((4, 2)))),
+    ("x", DimensionError, lambda: DISK.normal_cone([[1.0, 0.0]])),
+    ("x", DimensionError, lambda: DISK.tangent_cone([1.0])),
+    ("tolerance", ParameterError, lambda: DISK.tangent_cone([1.0, 0.0], tolerance=-1.0)),
+    ("matrix", ParameterError, lambda: DISK.preimage([[1.0, 1.0], [1.0, 1.0]])),
+    ("outer", DimensionError, lambda: DISK.scale_inside(asp.Ball(1.0))),
+    ("outer", ParameterError, lambda: DISK.margin_inside(0.3)),
     ("n", ParameterError, lambda: DISK.boundary(0)),
+    ("semi_axes", ParameterError, lambda: asp.Ellipsoid([1.0, -1.0])),
+    ("semi_axes", DimensionError, lambda: asp.Ellipsoid(np.ones(4))),
+    ("cap", ParameterError, lambda: asp.CappedRectangle(1.0, 1.0, 0.0)),
+    ("mu", ParameterError, lambda: asp.WedgeAsperity(0.0, 0.3)),
+    ("beta", ParameterError, lambda: asp.WedgeAsperity(0.3, -0.1)),
+    ("beta", ParameterError, lambda: asp.WedgeAsperity(1.2, 0.7)),
+    ("beta", ParameterError, lambda: asp.WedgeAsperity(0.3, 1.6)),
+    ("mu", ParameterError, lambda: asp.CoulombContensou(-0.3)),
+    ("pressure", ParameterError, lambda: asp.CoulombContensou(0.3, "parabolic")),
+    ("vertices", DimensionError, lambda: asp.Polygon([[1.0, 0.0, 0.0]])),
+    ("vertices", ParameterError, lambda: asp.Polygon([[1.0, -1.0], [0.0, 1.0]])),
+    ("vertices", ParameterError, lambda: asp.Polygon([[1.0, NAN], [0.0, 1.0], [-1.0, -1.0]])),
+    ("vertices", DimensionError, lambda: asp.star_shape([1.0, 2.0])),
+    ("sets", ParameterError, lambda: asp.Union([1.0])),
+    ("sets", ParameterError, lambda: asp.Intersection(DISK)),
+    ("sets", ParameterError, lambda: asp.MinkowskiSum(DISK)),
+    ("parts", ParameterError, lambda: asp.Cone(1.0, dimension=2)),
+    ("radius", ParameterError, lambda: asp.PolarCurve(PHI, np.zeros(12))),
+    ("radius", ParameterError, lambda: asp.PolarCurve(PHI, np.cos(PHI))),
+    ("radius", ParameterError, lambda: asp.PolarCurve(PHI, np.full(12, NAN))),
+    ("radius", ParameterError, lambda: asp.PolarCurve(PHI, np.ones(11))),
+    ("angle", ParameterError, lambda: asp.PolarCurve([*PHI[:-1], NAN], np.ones(12))),
+    ("angle", ParameterError, lambda: asp.PolarCurve([*PHI[:-1], PHI[0]], np.ones(12))),
+    ("angle", ParameterError, lambda: asp.PolarCurve([*PHI[:-1], 2 * np.pi], np.ones(12))),
+    ("angle", ParameterError, lambda: asp.PolarCurve(PHI[:6], np.ones(6))),
+    ("angle", ParameterError, lambda: asp.PolarCurve(PHI[::4], np.ones(3))),
+    ("angle", ParameterError, lambda: asp.PolarCurve(np.ones((2, 6)), np.ones(12))),
+    ("support", ParameterError, lambda: asp.SupportCurve(PHI, 1.0 + 0.4 * np.cos(2 * PHI))),
+    ("support", ParameterError, lambda: asp.SupportCurve(PHI, np.cos(PHI))),
+    ("support", ParameterError, lambda: asp.SupportCurve(PHI, np.full(12, NAN))),
+    # cones and rates
+    ("dimension", DimensionError, lambda: asp.Cone([])),
+    ("dimension", DimensionError, lambda: asp.Cone([np.eye(4)])),
+    ("parts", DimensionError, lambda: asp.Cone([np.eye(2), np.eye(3)])),
+    ("y", DimensionError, lambda: asp.Cone([np.eye(2)]).distance([1.0])),
+    ("cone", ParameterError, lambda: asp.Cone([], dimension=2).project([1.0, 0.0])),
+    ("cone", ParameterError, lambda: asp.Cone([], dimension=2).polar()),
+    ("speed", ParameterError, lambda: asp.Stribeck(0.0)),
+    ("ratio", ParameterError, lambda: asp.Stribeck(0.1, 1.2)),
+    ("shape", ParameterError, lambda: asp.Stribeck(0.1, shape="linear")),
+    ("exponent", ParameterError, lambda: asp.Stribeck(0.1, exponent=0.0)),
+    ("viscous", ParameterError, lambda: asp.Stribeck(0.1, viscous=-1.0)),
     ("tolerance", ParameterError, lambda: DISK.contains([0.0, 0.0], tolerance=-1.0)),
     # laws
     ("mu", ParameterError, lambda: asp.FrictionLaw.isotropic(-0.3)),
@@ -73,6 +126,10 @@ BAD_INPUT = [
     ("direction", ParameterError, lambda: asp.FrictionLaw(DISK, 0.3)),
     ("direction", DimensionError, lambda: asp.FrictionLaw(DISK, asp.Ball(1.0))),
     ("direction", ParameterError, lambda: asp.FrictionLaw(DISK, asp.Superellipse(1, 1, 0.5))),
+    ("rate", ParameterError, lambda: LAW.replace(rate=0.1)),
+    ("report", ParameterError, lambda: LAW.replace(report="good")),
+    ("phi", ParameterError, lambda: LAW.deflection(NAN)),
+    ("law", DimensionError, lambda: LINE.resistance(0.1)),
     ("slip", ParameterError, lambda: LAW.force([0.0, 0.0])),
     ("slip", ParameterError, lambda: LAW.jacobian([[1.0, 0.0], [0.0, 0.0]])),
     ("slip", ParameterError, lambda: LAW.force([NAN, 0.0])),
@@ -80,6 +137,26 @@ BAD_INPUT = [
     ("normal_force", ParameterError, lambda: LAW.force([1.0, 0.0], -1.0)),
     ("normal_force", DimensionError, lambda: LAW.force(np.ones((3, 2)), np.ones(4))),
     ("force", ParameterError, lambda: LAW.slip_direction([1.0, 0.0])),
+    # laws from flow rules
+    ("phi", ParameterError, lambda: from_samples([[0.0]], [[1.0, 0.0]])),
+    ("phi", ParameterError, lambda: from_samples(["a"], [[1.0, 0.0]])),
+    ("force", ParameterError, lambda: from_samples(PHI, UNIT[:-1])),
+    ("force", ParameterError, lambda: from_samples(PHI, np.full((12, 2), NAN))),
+    ("force", ParameterError, lambda: from_samples(PHI, -UNIT)),
+    ("force", ParameterError, lambda: from_samples(PHI, np.zeros((12, 2)))),
+    ("phi", ParameterError, lambda: from_samples(np.zeros(12), UNIT)),
+    ("phi", ParameterError, lambda: from_samples(PHI[:9], UNIT[:9])),
+    ("f", ParameterError, lambda: asp.FrictionLaw.from_flow_rule(lambda phi: phi)),
+    ("n", ParameterError, lambda: asp.FrictionLaw.from_flow_rule(np.cos, n=3)),
+    ("tensor", ParameterError, lambda: asp.FrictionLaw.tensor_function(np.eye(2))),
+    ("tensor", ParameterError, lambda: asp.FrictionLaw.tensor_function(lambda phi: np.eye(2))),
+    ("fourth_order", ParameterError, lambda: asp.FrictionLaw.tensor(np.eye(2), np.eye(2))),
+    ("second_order", ParameterError, lambda: asp.FrictionLaw.tensor(np.eye(3))),
+    ("weights", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, (0.2, 0.3), (-1.0, 1.0))),
+    ("weights", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, (0.2, 0.3), (0.0, 0.0))),
+    ("beta", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, (0.2, -0.3))),
+    ("beta", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, (0.2, 0.3, 0.4))),
+    ("mu", ParameterError, lambda: asp.FrictionLaw.asperity(0.0, (0.2, 0.3))),
     # contact problems
     (
         "delassus",
@@ -154,7 +231,7 @@ BAD_INPUT = [
     ("system", ParameterError, lambda: asp.simulate(LAW, dt=0.1, t_end=1.0)),
     # plots
     ("set", DimensionError, lambda: plot_set(asp.Ball(1.0))),
-    ("path", ParameterError, lambda: save_figure(plot_set(DISK).figure, "plot.xyz")),
+    ("path", ParameterError, lambda: save_figure(plot_set(DISK)[0].figure, "plot.xyz")),
 ]
 
 

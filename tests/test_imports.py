@@ -12,6 +12,7 @@ PACKAGE = Path(asp.__file__).parent
 LAYERS = [
     {"errors", "_files"},
     {"_arrays", "_value", "_progress", "status", "_core"},
+    {"verdict", "rate"},
     {"sets"},
     {"law", "solvers"},
     {"contact", "system"},

@@ -3,65 +3,91 @@
 import asperity as asp
 import numpy as np
 import pytest
-from samples import PLANE_LAWS, TILTED_ELLIPSES, identify, random_directions
+from samples import (
+    CORNERED_LAWS,
+    LAWS,
+    SMOOTH_LAWS,
+    SPACE_LAWS,
+    TILTED_ELLIPSES,
+    identify,
+    random_directions,
+)
 
-plane_laws = pytest.mark.parametrize("law", PLANE_LAWS, ids=identify)
+plane_laws = pytest.mark.parametrize("law", SMOOTH_LAWS, ids=identify)
+smooth_laws = pytest.mark.parametrize("law", SMOOTH_LAWS + SPACE_LAWS, ids=identify)
 
 
-@pytest.fixture
-def slip():
-    return random_directions(np.random.default_rng(55), 40, 2)
+def directions(law, n=40):
+    return random_directions(np.random.default_rng(55), n, law.dimension)
 
 
-@plane_laws
-def test_force_satisfies_the_inclusion(law, slip):
+@smooth_laws
+def test_force_satisfies_the_inclusion(law):
+    slip = directions(law)
     x = -law.force(slip)
-    np.testing.assert_allclose(law.reservoir.gauge(x), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(law.reservoir.gauge(x), 1.0, rtol=1e-10)
     on_direction = x / law.direction.gauge(x)[:, None]
     normals = law.direction.gauge_gradient(on_direction)
     normals /= np.linalg.norm(normals, axis=1)[:, None]
-    np.testing.assert_allclose(normals, slip, atol=1e-7)
+    np.testing.assert_allclose(normals, slip, atol=1e-6)
+    # The same without gradients: Fenchel's equality for γ ∈ N_D(−αλ).
+    gap = law.direction.fenchel_gap(on_direction, slip, tolerance=1e-9)
+    np.testing.assert_allclose(gap, 0.0, atol=1e-10)
 
 
-@plane_laws
-def test_slip_direction_inverts_force(law, slip):
-    np.testing.assert_allclose(law.slip_direction(law.force(slip)), slip, atol=1e-7)
+@smooth_laws
+def test_slip_direction_inverts_force(law):
+    slip = directions(law)
+    np.testing.assert_allclose(law.slip_direction(law.force(slip)), slip, atol=1e-6)
     assert not law.slip_direction(0.9 * law.force(slip)).any()
     with pytest.raises(asp.ParameterError, match="force"):
         law.slip_direction(1.1 * law.force(slip))
 
 
-@plane_laws
-def test_force_is_dry_and_scales_with_the_normal_force(law, slip):
+@pytest.mark.parametrize("law", CORNERED_LAWS, ids=identify)
+def test_slip_direction_at_a_corner_is_an_element_of_the_normal_cone(law):
+    slip = directions(law)
+    force = law.force(slip)
+    for x, direction in zip(-force, law.slip_direction(force), strict=True):
+        cone = law.direction.normal_cone(x / law.direction.gauge(x))
+        assert cone.contains(direction)
+
+
+@smooth_laws
+def test_force_is_dry_and_scales_with_the_normal_force(law):
+    slip = directions(law)
     np.testing.assert_allclose(law.force(1e-6 * slip), law.force(slip), rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(law.force(slip, 7.0), 7.0 * law.force(slip), rtol=1e-14)
     normal = np.arange(1.0, 4.0)[:, None]
-    assert law.force(slip, normal).shape == (3, 40, 2)
+    assert law.force(slip, normal).shape == (3, 40, law.dimension)
     np.testing.assert_array_equal(law.force(slip, normal)[2], law.force(slip, 3.0))
 
 
-@plane_laws
-def test_dissipation_is_strictly_positive(law, slip):
+@pytest.mark.parametrize("law", LAWS, ids=identify)
+def test_dissipation_is_strictly_positive(law):
+    """Prop. 5: −λᵀγ = Ψ*_D(γ)/α."""
+    slip = directions(law)
     dissipation = law.dissipation(slip, 2.0)
-    np.testing.assert_allclose(dissipation, -(law.force(slip, 2.0) * slip).sum(1), rtol=1e-12)
+    np.testing.assert_allclose(dissipation, -(law.force(slip, 2.0) * slip).sum(1), rtol=1e-10)
     assert dissipation.min() > 0.0
     x = -law.force(slip)
     alpha = 1 / (law.direction.gauge(x) - law.reservoir.gauge(x) + 1)
-    np.testing.assert_allclose(dissipation, 2.0 * law.direction.support(slip) / alpha, rtol=1e-10)
+    np.testing.assert_allclose(dissipation, 2.0 * law.direction.support(slip) / alpha, rtol=1e-9)
 
 
-@plane_laws
-def test_jacobian_is_the_derivative_of_the_force(law, slip):
+@smooth_laws
+def test_jacobian_is_the_derivative_of_the_force(law):
+    slip = directions(law)
     jacobian = law.jacobian(slip, 3.0)
-    for j in range(2):
-        step = 1e-6 * np.eye(2)[j]
-        column = (law.force(slip + step, 3.0) - law.force(slip - step, 3.0)) / 2e-6
-        np.testing.assert_allclose(jacobian[:, :, j], column, rtol=1e-5, atol=1e-6)
-    np.testing.assert_allclose(np.einsum("nij,nj->ni", jacobian, slip), 0.0, atol=1e-9)
+    for j, e in enumerate(1e-6 * np.eye(law.dimension)):
+        column = (law.force(slip + e, 3.0) - law.force(slip - e, 3.0)) / 2e-6
+        np.testing.assert_allclose(jacobian[..., j], column, rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(np.einsum("nij,nj->ni", jacobian, slip), 0.0, atol=1e-8)
 
 
-def test_ellipses_have_the_closed_form(slip):
+def test_ellipses_have_the_closed_form():
     law = TILTED_ELLIPSES
+    slip = directions(law)
     z = slip @ np.diag([9.0, 1.0])
     expected = -z / law.reservoir.gauge(z)[:, None]
     np.testing.assert_allclose(law.force(slip), expected, rtol=1e-12)
@@ -71,9 +97,10 @@ def test_ellipses_have_the_closed_form(slip):
 def test_direction_is_the_largest_scale_inside_the_reservoir(law):
     theta = np.linspace(0.0, 2 * np.pi, 20_001)
     ratio = law.direction.radius(theta) / law.reservoir.radius(theta)
-    assert ratio.max() == pytest.approx(1.0, abs=1e-6)
-    assert ratio.max() <= 1.0 + 1e-12
+    assert ratio.max() == pytest.approx(1.0, abs=1e-4)
+    assert ratio.max() <= 1.0 + 1e-9
     assert law.alpha_min == pytest.approx(ratio.min(), rel=1e-4)
+    assert law.direction.scale_inside(law.reservoir) == pytest.approx(1.0, rel=1e-9)
 
 
 def test_scale_of_the_direction_set_does_not_matter():
@@ -85,8 +112,9 @@ def test_scale_of_the_direction_set_does_not_matter():
         assert asp.FrictionLaw(law.reservoir, law.direction) == law
 
 
-def test_collinear_law_opposes_sliding_and_associated_law_dissipates_most(slip):
+def test_collinear_law_opposes_sliding_and_associated_law_dissipates_most():
     reservoir = asp.Ellipse(0.6, 0.2)
+    slip = directions(TILTED_ELLIPSES)
     force = asp.FrictionLaw.collinear(reservoir).force(slip)
     np.testing.assert_allclose(force[:, 0] * slip[:, 1], force[:, 1] * slip[:, 0], atol=1e-12)
     admissible = reservoir.boundary(5000)
@@ -97,11 +125,14 @@ def test_collinear_law_opposes_sliding_and_associated_law_dissipates_most(slip):
 
 
 @plane_laws
-def test_rotation_commutes_with_the_law(law, slip):
+def test_rotation_commutes_with_the_law(law):
     angle = 0.6
+    slip = directions(law)
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    turned = law.rotated(angle)
+    assert turned.report == law.report
     np.testing.assert_allclose(
-        law.rotated(angle).force(slip @ turn.T), law.force(slip) @ turn.T, rtol=1e-8, atol=1e-9
+        turned.force(slip @ turn.T), law.force(slip) @ turn.T, rtol=1e-7, atol=1e-8
     )
 
 
@@ -112,7 +143,9 @@ def test_one_and_three_dimensions():
     np.testing.assert_allclose(drilling.force([0.0, 3.0, 4.0]), [0.0, -0.3, -0.4])
     with pytest.raises(asp.DimensionError):
         one_way.rotated(0.1)
+    with pytest.raises(asp.DimensionError, match="law: must be planar"):
+        drilling.deflection(0.1)
 
 
-def test_reservoir_per_unit_normal_force_at_zero_load(slip):
-    assert not TILTED_ELLIPSES.force(slip, 0.0).any()
+def test_reservoir_per_unit_normal_force_at_zero_load():
+    assert not TILTED_ELLIPSES.force([[1.0, 0.3]], 0.0).any()

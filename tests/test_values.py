@@ -8,7 +8,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity._value import Value
-from samples import ALL_SETS, PLANE_LAWS, identify
+from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 
 LAW = PLANE_LAWS[3]
 PROBLEM = asp.ContactProblem(np.eye(3), [-1.0, 0.2, 3.0], LAW, normal_restitution=0.5)
@@ -17,9 +17,15 @@ MOTION = asp.simulate(asp.SlidingPoint(1.0, LAW), dt=0.01, t_end=0.1, u0=[1.0, 0
 
 VALUES = [
     *ALL_SETS,
-    *PLANE_LAWS,
-    asp.FrictionLaw.isotropic(0.2, dimension=1),
-    asp.FrictionLaw.isotropic(0.2, dimension=3),
+    *LAWS,
+    LAW.replace(rate=asp.Stribeck(0.1)),
+    asp.FlowReport(1.001, 0.0, 0.1, 1e-3, 36),
+    asp.Stribeck(0.1, 0.5, shape="hyperbolic", exponent=2.0, viscous=0.1),
+    asp.Cone([[[1.0, 0.0], [0.0, 1.0]]]),
+    asp.Cone([[]], dimension=2),
+    asp.Cone([], dimension=2),
+    asp.Verdict(True, exact=True, tolerance=0.0, defect=0.0, witness=None),
+    asp.Verdict(False, exact=False, tolerance=1e-9, defect=0.1, witness=[[1.0, 0.0]]),
     PROBLEM,
     asp.ContactProblem(np.eye(4), np.ones(4), LAW, normal_force=[1.0, 2.0]),
     PROBLEM.solve(),

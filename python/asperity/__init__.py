@@ -25,48 +25,71 @@ from asperity.errors import (
     ParameterError,
     SimulationInterrupted,
 )
-from asperity.law import FrictionLaw
+from asperity.law import FlowReport, FrictionLaw
+from asperity.rate import Stribeck
 from asperity.sets import (
     Ball,
     Box,
+    CappedRectangle,
+    Cone,
+    CoulombContensou,
     Disk,
     Ellipse,
+    Ellipsoid,
+    Intersection,
     Interval,
     Mapped,
+    MinkowskiSum,
+    PolarCurve,
+    Polygon,
     Rectangle,
     StarSet,
     Superellipse,
+    SupportCurve,
+    Union,
+    WedgeAsperity,
+    star_shape,
 )
 from asperity.simulate import simulate
 from asperity.solvers import Exact, ProxGaussSeidel, ProxJacobi, Solver
 from asperity.status import Outcome, Phase, Status
 from asperity.system import Contact, ContactLaw, LinearSystem, MassOnBelt, SlidingPoint, System
 from asperity.trajectory import Trajectory
+from asperity.verdict import Verdict
 
 __all__ = [
     "AsperityError",
     "Ball",
     "Box",
+    "CappedRectangle",
+    "Cone",
     "Contact",
     "ContactLaw",
     "ContactProblem",
     "ContactSolution",
     "ConvergenceError",
+    "CoulombContensou",
     "DimensionError",
     "Disk",
     "DivergenceError",
     "Ellipse",
+    "Ellipsoid",
     "Exact",
+    "FlowReport",
     "FrictionLaw",
+    "Intersection",
     "Interval",
     "LinearSystem",
     "LocalSolution",
     "Mapped",
     "MassOnBelt",
+    "MinkowskiSum",
     "NoSolutionError",
     "Outcome",
     "ParameterError",
     "Phase",
+    "PolarCurve",
+    "Polygon",
     "ProxGaussSeidel",
     "ProxJacobi",
     "Rectangle",
@@ -75,11 +98,17 @@ __all__ = [
     "Solver",
     "StarSet",
     "Status",
+    "Stribeck",
     "Superellipse",
+    "SupportCurve",
     "System",
     "Trajectory",
+    "Union",
+    "Verdict",
+    "WedgeAsperity",
     "__version__",
     "simulate",
+    "star_shape",
 ]
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import DimensionError, ParameterError
 
 Array = NDArray[np.float64]
+Word = TypeVar("Word", bound=str)
 
 _NUMERIC_KINDS = "iufb"
 
@@ -74,6 +75,19 @@ def points_with_scalars(
     )
 
 
+def point_pairs(
+    x: ArrayLike, argument: str, y: ArrayLike, other: str, dimension: int
+) -> tuple[Array, Array]:
+    """Return two arrays of points ``(..., p)`` whose leading shapes broadcast."""
+    flat, lead = points(x, argument, dimension)
+    partner, shape = points(y, other, dimension)
+    try:
+        np.broadcast_shapes(lead, shape)
+    except ValueError:
+        raise DimensionError(other, f"must broadcast with {argument} {lead}, got {shape}") from None
+    return flat.reshape(*lead, dimension), partner.reshape(*shape, dimension)
+
+
 def unflatten(values: Array, lead: tuple[int, ...]) -> Array:
     """Give the results ``(n, ...)`` the leading shape back; shape ``()`` becomes a NumPy scalar."""
     result: Array = values.reshape(lead + values.shape[1:])[()]
@@ -90,12 +104,28 @@ def square(value: ArrayLike, argument: str, size: int) -> Array:
     return array(converted, argument, (size, size))
 
 
+def inverse(value: ArrayLike, argument: str, size: int) -> Array:
+    """Return the inverse of a regular matrix."""
+    try:
+        inverted = np.linalg.inv(array(value, argument, (size, size)))
+    except np.linalg.LinAlgError:
+        raise ParameterError(argument, "must be regular, its determinant vanishes") from None
+    return np.asarray(inverted, dtype=np.float64)
+
+
 def number(value: Any, argument: str) -> float:
     """Return a finite Python float."""
     converted = array(value, argument)
     if converted.ndim:
         raise DimensionError(argument, f"must be a number, got an array of shape {converted.shape}")
     return float(converted)
+
+
+def several(values: Any, argument: str) -> tuple[Any, ...]:
+    """Return what an iterable holds."""
+    if not isinstance(values, Iterable):
+        raise ParameterError(argument, f"must be a sequence, got {values!r}")
+    return tuple(values)
 
 
 def positive(value: Any, argument: str) -> float:
@@ -111,6 +141,16 @@ def non_negative(value: Any, argument: str) -> float:
     converted = number(value, argument)
     if converted < 0.0:
         raise ParameterError(argument, f"must not be negative, got {converted!r}")
+    return converted
+
+
+def extents(value: ArrayLike, argument: str) -> Array:
+    """Return one, two or three positive numbers."""
+    converted = array(value, argument, (None,))
+    if not 1 <= converted.size <= 3:
+        raise DimensionError(argument, f"must hold 1 to 3 numbers, got {converted.size}")
+    if converted.min() <= 0.0:
+        raise ParameterError(argument, f"must be positive, got {converted.tolist()}")
     return converted
 
 
@@ -136,12 +176,17 @@ def count(value: Any, argument: str, least: int = 1) -> int:
     return converted
 
 
-def choice(value: str, argument: str, allowed: Sequence[str]) -> str:
+def choice(value: Word, argument: str, allowed: Sequence[Word]) -> Word:
     """Return `value` if it is one of the allowed words."""
     if value not in allowed:
         words = " or ".join(repr(word) for word in allowed)
         raise ParameterError(argument, f"must be {words}, got {value!r}")
     return value
+
+
+def unit_vectors(angle: Array | float) -> Array:
+    """Return (cos φ, sin φ) for angles of any shape."""
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
 def read_only(values: NDArray[Any]) -> NDArray[Any]:

@@ -77,11 +77,13 @@ def _is_default(value: Any, parameter: inspect.Parameter) -> bool:
     return (
         default is not inspect.Parameter.empty
         and type(value) is type(default)
-        and (value is default or bool(value == default))
+        and (value is default or _same(value, default))
     )
 
 
 def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(map(_same, a, b))
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return np.array_equal(a, b, equal_nan=a.dtype.kind == b.dtype.kind == "f")
     return type(a) is type(b) and bool(a == b)
@@ -91,8 +93,12 @@ def _hashable(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         # Adding zero turns -0.0, which equals 0.0, into it.
         return value.shape, (value + 0).tobytes()
+    if isinstance(value, tuple):
+        return tuple(map(_hashable, value))
     return value
 
 
 def _text(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_text, value))}{',' * (len(value) == 1)})"
     return repr(value.tolist()) if isinstance(value, np.ndarray) else repr(value)

@@ -190,6 +190,6 @@ fn sector<const P: usize>(set: &Star<P>, x: &Vector<P>) -> Vec<Cone<P>> {
 }
 
 /// A planar point turned a little to one side.
-fn aside<const P: usize>(x: &Vector<P>, side: f64) -> Vector<P> {
+pub(crate) fn aside<const P: usize>(x: &Vector<P>, side: f64) -> Vector<P> {
     cast(&(cast::<P, 2>(x) + quarter_turn(&cast(x)) * (1e-9 * side)))
 }

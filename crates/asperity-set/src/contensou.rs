@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::positive, polar};
+use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::positive, polar, project};
 
 /// How the normal pressure is spread over the contact's disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -202,6 +202,10 @@ impl ConvexSet<2> for Meridian {
 
     fn support_jet(&self, y: &Vector<2>) -> (Vector<2>, Matrix<2>) {
         self.parts(y)
+    }
+
+    fn project(&self, z: &Vector<2>) -> Vector<2> {
+        project::by_normals(self, z, None)
     }
 }
 

@@ -51,9 +51,9 @@ pub trait ConvexSet<const P: usize>: StarSet<P> {
 
     /// Proximal point `prox_C(z) = argmin{‖z − x‖ : x ∈ C}` (\[WL19\] (11)).
     ///
-    /// The default refines a bracket on the boundary in the plane and is not made for speed.
+    /// The default walks along the boundary in the plane and is not made for speed in space.
     fn project(&self, z: &Vector<P>) -> Vector<P> {
-        project::by_bracket(self, z)
+        project::onto_any(self, z)
     }
 
     /// [`project`](Self::project), told a point that is likely to lie near the result.

@@ -76,8 +76,14 @@ impl Curve {
         let mut corner = vec![false; n];
         loop {
             let mut rho = solve(&angle, &jump, &corner);
-            // In a dent ρ takes back what its neighbours bring.
-            let dents: Vec<usize> = (0..n).filter(|&i| !corner[i] && rho[i] < 0.0).collect();
+            // In a dent ρ, or the jump at a corner, takes back what the neighbours bring.
+            let least = |i: usize| if corner[i] { -rounding[i] } else { 0.0 };
+            let dents: Vec<usize> = (0..n)
+                .filter(|&i| {
+                    rho[i] < least(i)
+                        && !(corner[i] && corner[(i + 1) % n] && corner[(i + n - 1) % n])
+                })
+                .collect();
             if !convex || dents.is_empty() {
                 for i in 0..n {
                     if corner[i] {
@@ -243,7 +249,7 @@ fn jumps(angle: &[f64], value: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (before, after) = ((i + n - 1) % n, (i + 1) % n);
         let jump =
             side(value[before], value[i], step[before]) + side(value[after], value[i], step[i]);
-        (jump, 4.0 * f64::EPSILON * largest * (1.0 / step[before] + 1.0 / step[i]))
+        (jump, 16.0 * f64::EPSILON * largest * (1.0 / step[before] + 1.0 / step[i]))
     };
     (0..n).map(at).unzip()
 }

@@ -84,7 +84,7 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
         match self.similarity {
             Some(_) => self.map * self.set.project(&(self.inverse * z)),
             // In the plane the bracket does not care how skew the map is.
-            None if P <= 2 => project::by_bracket(self, z),
+            None if P <= 2 => project::onto_any(self, z),
             None => project::onto_image(&self.set, &self.map, &self.inverse, z),
         }
     }

@@ -64,25 +64,29 @@ fn climb<const P: usize>(inner: &dyn ConvexSet<P>, outer: &dyn StarSet<P>) -> f6
     climbed.fold(f64::NEG_INFINITY, f64::max)
 }
 
+/// Moves of one length before a shorter one is tried.
+const MOVES: usize = 30;
+
 /// Local maximum over directions around `at` by a pattern of shrinking steps.
 fn search<const P: usize>(
     value: &dyn Fn(&Vector<P>) -> f64,
     best: f64,
     at: Vector<P>,
 ) -> (f64, Vector<P>) {
-    let (mut best, mut at, mut step) = (best, at.normalize(), 0.02);
+    let (mut best, mut at, mut step, mut moves) = (best, at.normalize(), 0.02, 0);
     while step > 1e-13 {
         let mut moved = false;
         for i in 0..2 * P {
             let trial = at + along(i / 2, if i % 2 == 0 { step } else { -step });
             let gauge = value(&trial);
-            // A gain of the size of rounding errors would lead nowhere.
-            if gauge > best * (1.0 + 8.0 * f64::EPSILON) {
+            if gauge > best {
                 (best, at, moved) = (gauge, trial.normalize(), true);
             }
         }
-        if !moved {
-            step *= 0.5;
+        // On rounding errors there is always a way up.
+        moves += 1;
+        if !moved || moves > MOVES {
+            (step, moves) = (0.5 * step, 0);
         }
     }
     (best, at)

@@ -62,6 +62,11 @@ impl<const P: usize, S: ConvexSet<P> + ?Sized> ConvexSet<2> for InPlane<'_, P, S
     fn support_point(&self, y: &Vector<2>) -> Vector<2> {
         cast(&self.set.support_point(&cast(y)))
     }
+
+    fn support_jet(&self, y: &Vector<2>) -> (Vector<2>, Matrix<2>) {
+        let (point, hessian) = self.set.support_jet(&cast(y));
+        (cast(&point), cast_matrix(&hessian))
+    }
 }
 
 /// A set of R^Q as an arm of the enums over all sets; made for `P = Q` only.

@@ -58,6 +58,9 @@ where
 /// Along the curve `f = 1`, `x·y` rises counter-clockwise where `∇f × y > 0`: a change of sign.
 fn farthest_in_plane(jet: &dyn Fn(&Vector<2>) -> (f64, Vector<2>), y: &Vector<2>) -> Vector<2> {
     let y = y.normalize();
+    if let Some(point) = by_newton(jet, &y) {
+        return point;
+    }
     let rise = |d: &Vector<2>| {
         let (value, gradient) = jet(d);
         (cross(&gradient, &y) / gradient.norm(), d / value)
@@ -82,6 +85,32 @@ fn farthest_in_plane(jet: &dyn Fn(&Vector<2>) -> (f64, Vector<2>), y: &Vector<2>
     let best = bracket.best.data;
     let lower = (1.0 - 1e-12) * bracket.a.data.dot(&y).max(bracket.b.data.dot(&y));
     if best.dot(&y) >= lower { best } else { bracket.a.data }
+}
+
+/// Newton's method along a smooth curve for the angle between `∇f` and the unit vector `y`, with the curvature
+/// from a second gradient nearby; `None` if that does not converge at once.
+fn by_newton(jet: &dyn Fn(&Vector<2>) -> (f64, Vector<2>), y: &Vector<2>) -> Option<Vector<2>> {
+    let mut x = *y;
+    for _ in 0..10 {
+        let (value, gradient) = jet(&x);
+        x /= value;
+        let (n, size) = (gradient.normalize(), x.norm());
+        let angle = cross(&n, y).atan2(n.dot(y));
+        if angle.abs() <= 4.0 * f64::EPSILON {
+            return Some(x);
+        }
+        let (tangent, probe) = (quarter_turn(&n), 1e-7 * size);
+        let turned = jet(&(x + tangent * probe)).1;
+        let step = angle * probe * turned.norm() / cross(&n, &turned);
+        if !(step.abs() < size) {
+            return None;
+        }
+        if step.abs() <= f64::EPSILON * size {
+            return Some(x);
+        }
+        x += tangent * step;
+    }
+    None
 }
 
 /// The smallest `f` on the plane `x·y = 1`, in two coordinates of that plane.

@@ -1,7 +1,8 @@
 //! Star-shaped sets whose boundary is measured or computed point by point.
 
 use crate::curve::Curve;
-use crate::{Cone, ConvexSet, SetError, StarSet, Vector};
+use crate::plane::quarter_turn;
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
 
 /// The set inside a smooth closed curve through the points `r(θ_i) (cos θ_i, sin θ_i)`.
 ///
@@ -53,6 +54,16 @@ impl StarSet<2> for PolarCurve {
 
 /// Meaningful where [`PolarCurve::is_convex`]; [`Convex`](crate::Convex) admits no other.
 impl ConvexSet<2> for PolarCurve {
+    /// `∇²h = t tᵀ/(κ‖y‖)` with the curvature `κ = tᵀ∇²k t/‖∇k‖` of the boundary, `∇²k = (w + w″) e⊥e⊥ᵀ/‖x‖`.
+    fn support_jet(&self, y: &Vector<2>) -> (Vector<2>, Matrix<2>) {
+        let x = self.support_point(y);
+        let jet = self.inverse_radius.jet(&x);
+        let (tangent, size) = (quarter_turn(&y.normalize()), x.norm());
+        let along = tangent.dot(&quarter_turn(&x)) / size;
+        let curvature = jet.rho * along * along / (size * jet.gradient.norm());
+        (x, tangent * tangent.transpose() / (curvature * y.norm()))
+    }
+
     fn normal_cone(&self, x: &Vector<2>, tolerance: f64) -> Option<Cone<2>> {
         Cone::beside_corner(self, x, tolerance)
     }

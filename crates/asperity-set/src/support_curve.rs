@@ -2,7 +2,7 @@
 
 use crate::curve::Curve;
 use crate::plane::quarter_turn;
-use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, polar};
+use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
 
 /// The convex set with a smooth support function through the samples `h(φ_i)`.
 ///
@@ -63,5 +63,13 @@ impl ConvexSet<2> for SupportCurve {
         let jet = self.support.jet(y);
         let across = quarter_turn(y) / y.norm();
         (jet.gradient, across * across.transpose() * (jet.rho / y.norm()))
+    }
+
+    fn project(&self, z: &Vector<2>) -> Vector<2> {
+        project::by_normals(self, z, None)
+    }
+
+    fn project_from(&self, z: &Vector<2>, start: &Vector<2>) -> Vector<2> {
+        project::by_normals(self, z, Some(&(z - start)))
     }
 }

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from asperity._files import atomic
+import numpy as np
+
 from asperity.paper import fig17, fig27
 from asperity.paper.checks import Check
+from asperity.paper.data import write_csv
 
 
 def run(folder: Path) -> list[Check]:
@@ -25,7 +25,7 @@ def run(folder: Path) -> list[Check]:
     cycle.trajectory.to_csv(folder / "fig17.csv")
     save_figure(figures.draw_fig17(cycle), folder / "fig17.png")
     runs = [fig27.run(dt) for dt in fig27.TIME_STEPS]
-    _write_paths(runs[-1], folder / "fig27.csv")
+    write_csv(folder / "fig27.csv", _columns(runs[-1]))
     save_figure(figures.draw_fig27(runs[-1]), folder / "fig27.png")
     return [
         *fig17.checks(cycle, fig17.system()),
@@ -34,13 +34,16 @@ def run(folder: Path) -> list[Check]:
     ]
 
 
-def _write_paths(paths: Sequence[fig27.SlidingPath], target: Path) -> None:
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["law", "angle [deg]", "t [s]", "x [m]", "y [m]", "u_x [m/s]", "u_y [m/s]"])
-    for path in paths:
-        motion = path.trajectory
-        for t, q, u in zip(motion.t.tolist(), motion.q.tolist(), motion.u.tolist(), strict=True):
-            writer.writerow([path.law, path.angle, t, *q, *u])
-    with atomic(target) as file:
-        file.write(text.getvalue().encode())
+def _columns(paths: Sequence[fig27.SlidingPath]) -> dict[str, list[object]]:
+    motions = [path.trajectory for path in paths]
+    lengths = [len(motion.t) for motion in motions]
+    t, q, u = (np.concatenate([getattr(motion, name) for motion in motions]) for name in "tqu")
+    return {
+        "law": np.repeat([path.law for path in paths], lengths).tolist(),
+        "angle [deg]": np.repeat([path.angle for path in paths], lengths).tolist(),
+        "t [s]": t.tolist(),
+        "x [m]": q[:, 0].tolist(),
+        "y [m]": q[:, 1].tolist(),
+        "u_x [m/s]": u[:, 0].tolist(),
+        "u_y [m/s]": u[:, 1].tolist(),
+    }

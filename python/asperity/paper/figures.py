@@ -21,12 +21,14 @@ def draw_fig17(cycle: fig17.LimitCycle) -> Figure:
     with style():
         figure = plt.figure(figsize=(11.0, 7.4), layout="constrained")
         grid = figure.add_gridspec(2, 2, height_ratios=(1.8, 1.0))
-        orbit = plot_phase(once, figure.add_subplot(grid[0, 0]))
+        orbit = figure.add_subplot(grid[0, 0])
+        plot_phase(once, orbit)
         equilibrium = fig17.system().equilibrium
         orbit.plot(*equilibrium, "+", color="black", markersize=9, label="sliding equilibrium")
         orbit.set(title="Limit cycle", xlabel="$x$ in m", ylabel="$y$ in m")
         orbit.legend(loc="upper left")
-        forces = plot_forces_in_reservoir(once, fig17.LAW, figure.add_subplot(grid[0, 1]))
+        forces = figure.add_subplot(grid[0, 1])
+        plot_forces_in_reservoir(once, fig17.LAW, forces)
         forces.set_title("Friction force within the reservoir")
         _draw_time(once, figure.add_subplot(grid[1, :]))
         figure.suptitle(

@@ -1,17 +1,27 @@
 """Plots of sets, laws and trajectories; needs matplotlib (``pip install "asperity[plot]"``).
 
-Every function draws into `ax`, or into new axes, and returns the axes.
+Every function draws into `ax`, or into new axes, and returns the list of artists it has drawn, as
+``Axes.plot`` does; the axes are ``artists[0].axes``.
 """
 
+from asperity.plot.cones import plot_cones, plot_projection
+from asperity.plot.direction import plot_deflection, plot_friction_coefficient
+from asperity.plot.gauge import plot_gauge
+from asperity.plot.law import plot_law
 from asperity.plot.look import save_figure, style
-from asperity.plot.sets import plot_law, plot_set
+from asperity.plot.sets import plot_set
 from asperity.plot.trajectory import plot_forces_in_reservoir, plot_path, plot_phase
 
 __all__ = [
+    "plot_cones",
+    "plot_deflection",
     "plot_forces_in_reservoir",
+    "plot_friction_coefficient",
+    "plot_gauge",
     "plot_law",
     "plot_path",
     "plot_phase",
+    "plot_projection",
     "plot_set",
     "save_figure",
     "style",

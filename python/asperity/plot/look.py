@@ -1,4 +1,4 @@
-"""Colours, looks and files."""
+"""Colours, looks, arrows and files."""
 
 from __future__ import annotations
 
@@ -8,10 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+from matplotlib.quiver import Quiver
 
+from asperity._arrays import Array, unit_vectors
 from asperity._files import atomic
 from asperity.errors import ParameterError
 
@@ -19,7 +23,8 @@ from asperity.errors import ParameterError
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 SKY, INK, GREY = "#56B4E9", "#222222", "#8A8A8A"
 
-RESERVOIR, DIRECTION = BLUE, ORANGE
+RESERVOIR, DIRECTION, SLIDING = BLUE, ORANGE, GREEN
+NORMAL, TANGENT = GREEN, PURPLE
 STICK, SLIP, OPEN = BLUE, ORANGE, GREY
 
 _LOOK: dict[Any, Any] = {
@@ -49,14 +54,38 @@ def style() -> AbstractContextManager[None]:
     return mpl.rc_context(_LOOK)
 
 
-def axes_or_new(ax: Axes | None) -> Axes:
-    """Return `ax`, or the axes of a new figure."""
+def axes_or_new(ax: Axes | None, **kwargs: Any) -> Axes:
+    """Return `ax`, or the axes of a new figure, made with `kwargs`."""
     if ax is not None:
         return ax
     import matplotlib.pyplot as plt
 
     with style():
-        return plt.subplots(layout="constrained")[1]
+        new: Axes = plt.figure(layout="constrained").add_subplot(**kwargs)
+    return new
+
+
+def draw_arrows(ax: Axes, tails: Array, vectors: Array, **kwargs: Any) -> Quiver:
+    """Draw arrows in units of the axes, whose limits grow with them."""
+    look = {"units": "inches", "width": 0.018, "headwidth": 4.5, "headlength": 6.0, "zorder": 3.0}
+    arrows = ax.quiver(
+        *tails.T, *vectors.T, angles="xy", scale_units="xy", scale=1.0, **{**look, **kwargs}
+    )
+    ax.update_datalim(tails + vectors)
+    ax.autoscale_view()
+    return arrows
+
+
+def draw_sector(
+    ax: Axes, apex: Array, start: float, sweep: float, radius: float, **kwargs: Any
+) -> Polygon:
+    """Fill the sector of a disk between two angles."""
+    arc = np.linspace(start, start + sweep, 60)
+    rim = apex + radius * unit_vectors(arc)
+    sector = Polygon(np.vstack([apex, rim]), closed=True, **{"linewidth": 0.0, **kwargs})
+    ax.add_patch(sector)
+    ax.autoscale_view()
+    return sector
 
 
 def save_figure(figure: Figure, path: str | os.PathLike[str], *, dpi: float = 150) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
@@ -30,7 +31,7 @@ def plot_path(
     *,
     coordinates: tuple[int, int] = (0, 1),
     **kwargs: Any,
-) -> Axes:
+) -> list[Artist]:
     """Draw two coordinates against each other; a dot marks the end.
 
     Args:
@@ -39,18 +40,23 @@ def plot_path(
         coordinates: numbers of the two.
         **kwargs: as for ``Axes.plot``.
 
+    Returns:
+        The path and the dot.
+
     >>> import matplotlib
     >>> matplotlib.use("Agg")
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
     >>> from asperity.plot import plot_path
     >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5))
-    >>> ax = plot_path(simulate(block, dt=1e-3, t_end=1.0, u0=[1.0, 1.0]), label="isotropic")
+    >>> path = simulate(block, dt=1e-3, t_end=1.0, u0=[1.0, 1.0])
+    >>> line, end = plot_path(path, label="isotropic")
     """
     ax = look.axes_or_new(ax)
     x, y = _two(trajectory, coordinates)
     (line,) = ax.plot(x, y, **kwargs)
-    ax.plot(x[-1:], y[-1:], "o", color=line.get_color(), markersize=4.5)
-    return _labelled(ax, coordinates)
+    (end,) = ax.plot(x[-1:], y[-1:], "o", color=line.get_color(), markersize=4.5)
+    _label(ax, coordinates)
+    return [line, end]
 
 
 def plot_phase(
@@ -59,7 +65,7 @@ def plot_phase(
     *,
     coordinates: tuple[int, int] = (0, 1),
     contact: int = 0,
-) -> Axes:
+) -> list[Artist]:
     """Draw two coordinates against each other, coloured by the phase of a contact.
 
     Args:
@@ -68,28 +74,35 @@ def plot_phase(
         coordinates: numbers of the two.
         contact: number of the contact.
 
+    Returns:
+        One collection of lines per phase that occurs.
+
     >>> import matplotlib
     >>> matplotlib.use("Agg")
     >>> from asperity import FrictionLaw, MassOnBelt, simulate
     >>> from asperity.plot import plot_phase
     >>> belt = MassOnBelt(1.0, 1.0, FrictionLaw.isotropic(0.5), 1.0, [0.1, 0.0])
-    >>> ax = plot_phase(simulate(belt, dt=1e-2, t_end=10.0))
+    >>> [lines.get_label() for lines in plot_phase(simulate(belt, dt=1e-2, t_end=10.0))]
+    ['stick', 'slip']
     """
     ax = look.axes_or_new(ax)
     points = np.stack(_two(trajectory, coordinates), axis=-1)
     phases = trajectory.phase[:, _contact(trajectory, contact)]
+    artists: list[Artist] = []
     for phase, (color, label) in _LOOK.items():
         segments = _segments(points, phases == phase)
         if segments:
-            ax.add_collection(LineCollection(segments, colors=color, linewidths=2.0, label=label))
+            lines = LineCollection(segments, colors=color, linewidths=2.0, label=label)
+            artists.append(ax.add_collection(lines))
     ax.autoscale_view()
     ax.legend(frameon=False)
-    return _labelled(ax, coordinates)
+    _label(ax, coordinates)
+    return artists
 
 
 def plot_forces_in_reservoir(
     trajectory: Trajectory, law: FrictionLaw, ax: Axes | None = None, *, contact: int = 0
-) -> Axes:
+) -> list[Artist]:
     """Draw the friction forces −λ of a contact within the force reservoir λ_N C.
 
     The reservoir is that of the largest normal force that occurs.
@@ -100,29 +113,32 @@ def plot_forces_in_reservoir(
         ax: axes; default new ones.
         contact: number of the contact.
 
+    Returns:
+        Outline and filling of the reservoir, then one line of dots per phase that occurs.
+
     >>> import matplotlib
     >>> matplotlib.use("Agg")
     >>> from asperity import FrictionLaw, MassOnBelt, simulate
     >>> from asperity.plot import plot_forces_in_reservoir
     >>> law = FrictionLaw.isotropic(0.5)
     >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [0.1, 0.0])
-    >>> ax = plot_forces_in_reservoir(simulate(belt, dt=1e-2, t_end=10.0), law)
+    >>> outline, *_ = plot_forces_in_reservoir(simulate(belt, dt=1e-2, t_end=10.0), law)
     """
     ax = look.axes_or_new(ax)
     contact = _contact(trajectory, contact)
     largest = np.nanmax(trajectory.normal_force[1:, contact], initial=0.0)
     if largest <= 0.0:
         raise ParameterError("contact", f"must have carried load, contact {contact} never did")
-    plot_set(law.reservoir.scaled(largest), ax, color=look.INK, label=r"$\lambda_N C$")
+    artists = plot_set(law.reservoir.scaled(largest), ax, color=look.INK, label=r"$\lambda_N C$")
     for phase, (color, label) in _LOOK.items():
         chosen = trajectory.phase[:, contact] == phase
         force = -trajectory.force[chosen, contact, :2]
         if chosen.any():
-            ax.plot(*force.T, ".", color=color, markersize=3.0, label=label)
+            artists += ax.plot(*force.T, ".", color=color, markersize=3.0, label=label)
     ax.set_xlabel(r"$-\lambda_1$ in N")
     ax.set_ylabel(r"$-\lambda_2$ in N")
     ax.legend(frameon=False)
-    return ax
+    return artists
 
 
 def _two(trajectory: Trajectory, coordinates: tuple[int, int]) -> tuple[Array, Array]:
@@ -147,8 +163,7 @@ def _segments(points: Array, chosen: Any) -> list[Array]:
     return [points[max(start - 1, 0) : end] for start, end in edges.reshape(-1, 2)]
 
 
-def _labelled(ax: Axes, coordinates: tuple[int, int]) -> Axes:
+def _label(ax: Axes, coordinates: tuple[int, int]) -> None:
     ax.set_aspect("equal")
     ax.set_xlabel(f"$q_{coordinates[0] + 1}$ in m")
     ax.set_ylabel(f"$q_{coordinates[1] + 1}$ in m")
-    return ax

@@ -1,4 +1,4 @@
-"""Sets with flat faces: interval, box, rectangle."""
+"""Sets with flat faces: interval, box, rectangle, capped rectangle."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from asperity import _arrays, _core
 from asperity._arrays import Array
-from asperity.errors import DimensionError, ParameterError
+from asperity.errors import ParameterError
 from asperity.sets.star import StarSet
 from asperity.sets.turned import TurnedSet
 
@@ -57,11 +57,7 @@ class Box(StarSet):
     half_widths: Array
 
     def __init__(self, half_widths: ArrayLike) -> None:
-        widths = _arrays.array(half_widths, "half_widths", (None,))
-        if not 1 <= widths.size <= 3:
-            raise DimensionError("half_widths", f"must hold 1 to 3 numbers, got {widths.size}")
-        if widths.min() <= 0.0:
-            raise ParameterError("half_widths", f"must be positive, got {widths.tolist()}")
+        widths = _arrays.extents(half_widths, "half_widths")
         self._set_core(_core.Set.cuboid(-widths, widths), half_widths=_arrays.read_only(widths))
 
     def scaled(self, factor: float) -> Box:
@@ -87,4 +83,38 @@ class Rectangle(TurnedSet):
     def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
         a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
         upright = _core.Set.cuboid(np.array([-a, -b]), np.array([a, b]))
-        self._set_turned(upright, a, b, angle)
+        self._set_angled(upright, angle, a=a, b=b)
+
+
+class CappedRectangle(TurnedSet):
+    """The rectangle with half-widths a, b and a half-ellipse on each of its ends, turned.
+
+    {x : |x₂| ≤ b √(1 − (max(|x₁| − a, 0)/c)²)}, c the semi-axis of the caps along the first axis:
+    the force reservoir of a bobsleigh's runner on ice.
+
+    Args:
+        a: half-width of the rectangle along the first axis.
+        b: half-width along the second axis.
+        cap: semi-axis c of the half-ellipses, by which each end sticks out.
+        angle: of the first axis from e₁, counter-clockwise, in rad.
+
+    Reference: [WL19] Fig. 7b.
+
+    >>> from asperity import CappedRectangle
+    >>> runner = CappedRectangle(0.3, 0.1, cap=0.2)
+    >>> runner.gauge([[0.5, 0.0], [0.3, 0.1]]).round(12).tolist()
+    [1.0, 1.0]
+    """
+
+    cap: float
+
+    def __init__(self, a: float, b: float, cap: float, angle: float = 0.0) -> None:
+        a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
+        cap = _arrays.positive(cap, "cap")
+        upright = _core.Set.capped_rectangle(a, b, cap)
+        self._set_angled(upright, angle, a=a, b=b, cap=cap)
+
+    def scaled(self, factor: float) -> CappedRectangle:
+        """Return the set {s x : x ∈ C}."""
+        factor = _arrays.positive(factor, "factor")
+        return self.replace(a=factor * self.a, b=factor * self.b, cap=factor * self.cap)

@@ -1,10 +1,12 @@
-"""Sets with round boundary: ball, disk, ellipse, superellipse."""
+"""Sets with round boundary: ball, disk, ellipse, ellipsoid, superellipse."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asperity import _arrays, _core
+from asperity._arrays import Array
 from asperity.errors import DimensionError
 from asperity.sets.star import StarSet
 from asperity.sets.turned import TurnedSet
@@ -85,7 +87,7 @@ class Ellipse(TurnedSet):
     def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
         a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
         upright = _core.Set.ellipsoid(np.array([a, b]))
-        self._set_turned(upright, a, b, angle)
+        self._set_angled(upright, angle, a=a, b=b)
 
     @classmethod
     def from_intercepts(cls, n1: float, n2: float, nu: float) -> Ellipse:
@@ -113,6 +115,30 @@ class Ellipse(TurnedSet):
         )
 
 
+class Ellipsoid(StarSet):
+    """The ellipsoid {x : Σ (xᵢ/aᵢ)² ≤ 1} of R¹, R² or R³ with its axes along the coordinates.
+
+    Args:
+        semi_axes: aᵢ > 0, shape ``(p,)`` with p ≤ 3.
+
+    Reference: [WL19] (34).
+
+    >>> from asperity import Ellipsoid
+    >>> Ellipsoid([3.0, 1.0, 2.0]).support_point([0.0, 0.0, 5.0]).tolist()
+    [0.0, 0.0, 2.0]
+    """
+
+    semi_axes: Array
+
+    def __init__(self, semi_axes: ArrayLike) -> None:
+        axes = _arrays.extents(semi_axes, "semi_axes")
+        self._set_core(_core.Set.ellipsoid(axes), semi_axes=_arrays.read_only(axes))
+
+    def scaled(self, factor: float) -> Ellipsoid:
+        """Return the set {s x : x ∈ C}."""
+        return Ellipsoid(_arrays.positive(factor, "factor") * self.semi_axes)
+
+
 class Superellipse(TurnedSet):
     """The superellipse {x : |x₁/a|^s + |x₂/b|^s ≤ 1}, turned by an angle.
 
@@ -128,7 +154,7 @@ class Superellipse(TurnedSet):
     Reference: [WL19] (37).
 
     >>> from asperity import Superellipse
-    >>> Superellipse(3.0, 1.0, 0.5).is_convex
+    >>> bool(Superellipse(3.0, 1.0, 0.5).is_convex)
     False
     >>> float(Superellipse(3.0, 1.0, 1.0).gauge([3.0, 1.0]))
     2.0
@@ -140,4 +166,4 @@ class Superellipse(TurnedSet):
         a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
         exponent = _arrays.positive(exponent, "exponent")
         upright = _core.Set.superellipsoid(np.array([a, b]), exponent)
-        self._set_turned(upright, a, b, angle, exponent=exponent)
+        self._set_angled(upright, angle, a=a, b=b, exponent=exponent)

@@ -1,253 +1,135 @@
-"""What every set can do, and the image of a set under a linear map."""
+"""What every set can do."""
 
 from __future__ import annotations
 
-import math
-from typing import Any
+from collections.abc import Iterable
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity import _arrays
-from asperity._arrays import Array
-from asperity._core import Set as CoreSet
-from asperity._value import Value
 from asperity.errors import DimensionError, ParameterError
+from asperity.sets.cone import Cone
+from asperity.sets.support import SupportMethods
+from asperity.verdict import Verdict, verdict
 
-_GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
+if TYPE_CHECKING:
+    from asperity.sets.combined import Intersection, MinkowskiSum, Union
+    from asperity.sets.mapped import Mapped
 
 
-class StarSet(Value):
+class StarSet(SupportMethods):
     """A compact star-shaped set C with the origin in its interior.
 
     Methods take points of shape ``(..., p)`` and answer with arrays of the same leading shape.
-    Support function, projection and normal cone need a convex set (`is_convex`) and raise
-    `ParameterError` on others.
+    Support function, projection and normal cone need a set that is convex by construction and
+    raise `ParameterError` on others. ``A & B`` is the intersection of two sets, ``A | B`` their
+    union, ``A + B`` the Minkowski sum of two convex ones.
 
     Reference: [WL19] Def. 2, 3.
     """
 
-    _core: CoreSet
+    @cached_property
+    def is_convex(self) -> Verdict:
+        """Whether the set is convex; the witness is two of its points with the middle outside.
 
-    def _set_core(self, core: CoreSet, **parameters: Any) -> None:
-        self._set(**parameters)
-        self._keep(_core=core)
+        Reference: [WL19] Def. 1.
 
-    @property
-    def dimension(self) -> int:
-        """Dimension p of the space, 1, 2 or 3."""
-        return self._core.dimension
-
-    @property
-    def is_convex(self) -> bool:
-        """Whether the set is convex."""
-        return self._core.is_convex
-
-    def gauge(self, x: ArrayLike) -> Array:
-        """Return the gauge k_C(x) = inf{s > 0 : x ∈ sC}; C = {k_C ≤ 1}.
-
-        Args:
-            x: points, shape ``(..., p)``.
-
-        Returns:
-            Shape ``(...)``, dimensionless.
-
-        Reference: [WL19] Def. 3.
-
-        >>> from asperity import Ellipse
-        >>> float(Ellipse(3.0, 1.0).gauge([6.0, 0.0]))
-        2.0
+        >>> from asperity import Disk, Superellipse
+        >>> bool(Disk(1.0).is_convex), bool(Superellipse(1.0, 1.0, 0.9).is_convex)
+        (True, False)
         """
-        flat, lead = _arrays.points(x, "x", self.dimension)
-        return _arrays.unflatten(self._core.gauge(flat), lead)
+        return verdict(self._core.convexity())
 
-    def gauge_gradient(self, x: ArrayLike) -> Array:
-        """Return the gradient ∇k_C(x), an outward normal of the boundary.
+    @cached_property
+    def is_strictly_convex(self) -> Verdict:
+        """Whether no boundary segment is straight; the witness is the ends of one, or of a dent.
 
-        At a corner it is one element of the generalised gradient.
+        Reference: [WL19] Def. 1.
 
-        Args:
-            x: points other than the origin, shape ``(..., p)``.
+        >>> from asperity import Disk, Rectangle
+        >>> bool(Disk(1.0).is_strictly_convex), bool(Rectangle(1.0, 1.0).is_strictly_convex)
+        (True, False)
+        """
+        return verdict(self._core.strict_convexity())
 
-        Returns:
-            Shape ``(..., p)``, in the inverse unit of `x`.
+    @cached_property
+    def is_star_shaped(self) -> Verdict:
+        """Whether the set is star-shaped with respect to the origin, which every set here is.
 
-        Raises:
-            ParameterError: at the origin, where the gauge has no gradient.
+        What is not star-shaped cannot be made into a set; `star_shape` tests an outline.
+
+        Reference: [WL19] Def. 2.
 
         >>> from asperity import Disk
-        >>> Disk(2.0).gauge_gradient([3.0, 4.0]).tolist()
-        [0.3, 0.4]
+        >>> bool(Disk(1.0).is_star_shaped)
+        True
         """
-        flat, lead = _arrays.points(x, "x", self.dimension)
-        return _arrays.unflatten(self._core.gauge_gradient(flat), lead)
+        return Verdict(True, exact=True, tolerance=0.0, defect=0.0, witness=None)
 
-    def radius(self, theta: ArrayLike) -> Array:
-        """Return the radius r_C(θ) = 1/k_C(cos θ, sin θ) of a planar set.
+    @cached_property
+    def is_symmetric(self) -> Verdict:
+        """Whether C = −C; the witness is a boundary point x with k_C(−x) ≠ k_C(x).
 
-        Args:
-            theta: polar angles in rad, any shape.
-
-        Returns:
-            Distances from the origin to the boundary, shape of `theta`.
-
-        >>> import math
-        >>> from asperity import Rectangle
-        >>> float(Rectangle(2.0, 1.0).radius(math.pi))
-        2.0
+        >>> from asperity import Interval
+        >>> bool(Interval(-1.0, 1.0).is_symmetric), bool(Interval(-1.0, 2.0).is_symmetric)
+        (True, False)
         """
-        self._require_plane("radius")
-        angle = _arrays.array(theta, "theta")
-        directions = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        return 1.0 / self.gauge(directions)
+        return verdict(self._core.symmetry())
 
-    def contains(self, x: ArrayLike, *, tolerance: float = 1e-12) -> NDArray[np.bool_]:
-        """Return whether k_C(x) ≤ 1 + `tolerance`.
-
-        Args:
-            x: points, shape ``(..., p)``.
-            tolerance: relative, dimensionless.
-
-        Returns:
-            Shape ``(...)``.
-
-        >>> from asperity import Disk
-        >>> Disk(1.0).contains([[0.5, 0.5], [1.0, 1.0]]).tolist()
-        [True, False]
-        """
-        inside: NDArray[np.bool_] = self.gauge(x) <= 1.0 + _arrays.non_negative(
-            tolerance, "tolerance"
-        )
-        return inside
-
-    def boundary(self, n: int = 360) -> Array:
-        """Return points of the boundary.
-
-        Args:
-            n: number of points; an interval has two whatever `n`.
-
-        Returns:
-            Shape ``(n, p)``. In the plane counter-clockwise at equidistant polar angles from 0 on,
-            the first point not repeated; in space along a Fibonacci spiral.
-
-        >>> from asperity import Disk
-        >>> Disk(2.0).boundary(4).round(12).tolist()[:2]
-        [[2.0, 0.0], [0.0, 2.0]]
-        """
-        directions = _directions(self.dimension, _arrays.count(n, "n"))
-        return directions / self.gauge(directions)[:, None]
-
-    def support(self, y: ArrayLike) -> Array:
-        """Return the support function Ψ*_C(y) = sup{xᵀy : x ∈ C} of a convex set.
-
-        Args:
-            y: normals, shape ``(..., p)``, of any length.
-
-        Returns:
-            Shape ``(...)``.
-
-        Raises:
-            ParameterError: if the set is not convex.
-
-        Reference: [WL19] Def. 5.
-
-        >>> from asperity import Ellipse
-        >>> float(Ellipse(3.0, 1.0).support([2.0, 0.0]))
-        6.0
-        """
-        flat, lead = _arrays.points(y, "y", self.dimension)
-        return _arrays.unflatten(self._convex("support").support(flat), lead)
-
-    def support_point(self, y: ArrayLike) -> Array:
-        """Return the point ∇Ψ*_C(y) of a convex set that is farthest in direction y.
-
-        Where a whole face is farthest, it is the face's most symmetric point.
-
-        Args:
-            y: normals, shape ``(..., p)``.
-
-        Returns:
-            Shape ``(..., p)``; the origin for y = 0, where every point is farthest.
-
-        Raises:
-            ParameterError: if the set is not convex.
-
-        >>> from asperity import Rectangle
-        >>> Rectangle(2.0, 1.0).support_point([1.0, -1.0]).tolist()
-        [2.0, -1.0]
-        """
-        flat, lead = _arrays.points(y, "y", self.dimension)
-        return _arrays.unflatten(self._convex("support_point").support_point(flat), lead)
-
-    def support_hessian(self, y: ArrayLike) -> Array:
-        """Return the Hessian ∇²Ψ*_C(y) of a convex set; it holds ∇²Ψ*_C(y) y = 0.
-
-        It is infinite where the boundary's curvature vanishes, zero where `y` points at a corner.
-
-        Args:
-            y: normals other than 0, shape ``(..., p)``.
-
-        Returns:
-            Shape ``(..., p, p)``.
-
-        Raises:
-            ParameterError: if the set is not convex or `y` vanishes.
-
-        Reference: [WL19] (88).
-
-        >>> from asperity import Disk
-        >>> Disk(2.0).support_hessian([0.0, 4.0]).tolist()
-        [[0.5, 0.0], [0.0, 0.0]]
-        """
-        flat, lead = _arrays.points(y, "y", self.dimension)
-        return _arrays.unflatten(self._convex("support_hessian").support_hessian(flat), lead)
-
-    def project(self, z: ArrayLike) -> Array:
-        """Return the proximal point prox_C(z) = argmin{‖z − x‖ : x ∈ C} of a convex set.
-
-        Args:
-            z: points, shape ``(..., p)``.
-
-        Returns:
-            Shape ``(..., p)``.
-
-        Raises:
-            ParameterError: if the set is not convex.
-
-        Reference: [WL19] (11).
-
-        >>> from asperity import Rectangle
-        >>> Rectangle(2.0, 1.0).project([5.0, 0.5]).tolist()
-        [2.0, 0.5]
-        """
-        flat, lead = _arrays.points(z, "z", self.dimension)
-        return _arrays.unflatten(self._convex("project").project(flat), lead)
-
-    def normal_cone(self, x: ArrayLike, *, tolerance: float = 1e-9) -> Array | None:
-        """Return the normal cone N_C(x) = {y : yᵀ(x* − x) ≤ 0 ∀x* ∈ C} of a convex set.
+    def tangent_cone(self, x: ArrayLike, *, tolerance: float = 1e-9) -> Cone:
+        """Return the tangent cone T_C(x), of star-shaped sets too.
 
         Args:
             x: one point, shape ``(p,)``.
             tolerance: points with |k_C(x) − 1| ≤ `tolerance` count as boundary points.
 
         Returns:
-            Unit generators, shape ``(m, p)``: m = 0 in the interior (the cone {0}), one normal on a
-            smooth boundary, more at a corner. ``None`` outside, where the cone is empty.
+            The cone: the whole space in the interior, a half-space {y : ∇k_C·y ≤ 0} on a smooth
+            boundary, at a re-entrant corner a union of convex cones; empty outside.
 
-        Raises:
-            ParameterError: if the set is not convex.
+        Reference: [WL19] Def. 7, (10).
 
-        Reference: [WL19] Def. 6.
-
-        >>> from asperity import Disk
-        >>> Disk(1.0).normal_cone([0.0, 1.0]).tolist()
-        [[0.0, 1.0]]
-        >>> Disk(1.0).normal_cone([0.0, 2.0]) is None
-        True
+        >>> from asperity import Rectangle
+        >>> cone = Rectangle(2.0, 1.0).tangent_cone([2.0, 1.0])
+        >>> cone.contains([[-1.0, 0.0], [-1.0, 0.1]]).tolist()
+        [True, False]
         """
         point = _arrays.array(x, "x", (self.dimension,))
-        core = self._convex("normal_cone")
-        return core.normal_cone(point, _arrays.non_negative(tolerance, "tolerance"))
+        parts = self._core.tangent_cone(point, _arrays.non_negative(tolerance, "tolerance"))
+        return Cone(parts or (), dimension=self.dimension)
+
+    def scale_inside(self, outer: StarSet) -> float:
+        """Return the largest s for which s C lies inside another set.
+
+        Args:
+            outer: the other set, of the same dimension.
+
+        >>> from asperity import Disk, Rectangle
+        >>> Disk(0.5).scale_inside(Rectangle(2.0, 1.0))
+        2.0
+        """
+        (other,) = same_dimension((outer,), "outer", self.dimension)
+        return self._core.scale_inside(other._core)[0]
+
+    def margin_inside(self, outer: StarSet) -> float:
+        """Return the largest m with k_D ≥ (1 + m) k_C, D this set and C the other one.
+
+        Args:
+            outer: C, of the same dimension.
+
+        Returns:
+            The margin, dimensionless; not negative exactly where D ⊆ C.
+
+        Reference: [WL19] (63).
+
+        >>> from asperity import Disk, Rectangle
+        >>> Disk(0.5).margin_inside(Rectangle(2.0, 1.0))
+        1.0
+        """
+        return self.scale_inside(outer) - 1.0
 
     def rotated(self, angle: float) -> StarSet:
         """Return the set turned counter-clockwise about the origin of the plane.
@@ -275,7 +157,7 @@ class StarSet(Value):
         return self.mapped(np.eye(self.dimension) * _arrays.positive(factor, "factor"))
 
     def mapped(self, matrix: ArrayLike) -> Mapped:
-        """Return the image {A x : x ∈ C}; for a preimage pass the inverse.
+        """Return the image {A x : x ∈ C}; see `preimage` for {x : A x ∈ C}.
 
         Args:
             matrix: regular A, shape ``(p, p)``.
@@ -284,64 +166,57 @@ class StarSet(Value):
         >>> float(Disk(1.0).mapped([[3.0, 0.0], [0.0, 1.0]]).radius(0.0))
         3.0
         """
+        from asperity.sets.mapped import Mapped
+
         return Mapped(self, matrix)
 
-    def _convex(self, operation: str) -> CoreSet:
-        if not self.is_convex:
-            raise ParameterError(
-                "set", f"must be convex for {operation}, {self!r} is star-shaped only"
-            )
-        return self._core
+    def preimage(self, matrix: ArrayLike) -> Mapped:
+        """Return the preimage A⁻¹C = {x : A x ∈ C}; y ∈ N_C(A x) exactly where Aᵀy is normal to it.
 
-    def _require_plane(self, operation: str) -> None:
-        if self.dimension != 2:
+        Args:
+            matrix: regular A, shape ``(p, p)``.
+
+        Reference: [WL19] (9).
+
+        >>> from asperity import Disk
+        >>> Disk(1.0).preimage([[2.0, 0.0], [0.0, 1.0]]).radius([0.0]).tolist()
+        [0.5]
+        """
+        return self.mapped(_arrays.inverse(matrix, "matrix", self.dimension))
+
+    def __and__(self, other: StarSet) -> Intersection:
+        from asperity.sets.combined import Intersection
+
+        return Intersection((self, other)) if isinstance(other, StarSet) else NotImplemented
+
+    def __or__(self, other: StarSet) -> Union:
+        from asperity.sets.combined import Union
+
+        return Union((self, other)) if isinstance(other, StarSet) else NotImplemented
+
+    def __add__(self, other: StarSet) -> MinkowskiSum:
+        from asperity.sets.combined import MinkowskiSum
+
+        return MinkowskiSum((self, other)) if isinstance(other, StarSet) else NotImplemented
+
+
+def checked_set(value: object, argument: str) -> StarSet:
+    """Return `value` if it is a set."""
+    if not isinstance(value, StarSet):
+        raise ParameterError(argument, f"must be a set such as Disk or Ellipse, got {value!r}")
+    return value
+
+
+def same_dimension(
+    sets: Iterable[object], argument: str, dimension: int | None = None
+) -> tuple[StarSet, ...]:
+    """Return the sets, which must have one dimension, by default that of the first."""
+    listed = tuple(checked_set(one, argument) for one in sets)
+    for one in listed:
+        dimension = dimension or one.dimension
+        if one.dimension != dimension:
             raise DimensionError(
-                "set", f"must be planar for {operation}, this one has dimension {self.dimension}"
+                argument,
+                f"must have dimension {dimension} like the rest, {one!r} has {one.dimension}",
             )
-
-
-class Mapped(StarSet):
-    """The image {A x : x ∈ C} of a set under a regular linear map.
-
-    Args:
-        set: the set C.
-        matrix: A, shape ``(p, p)``.
-
-    Raises:
-        ParameterError: if A is singular.
-
-    Reference: [WL19] (9).
-
-    >>> from asperity import Box, Mapped
-    >>> shear = Mapped(Box([1.0, 1.0]), [[1.0, 0.5], [0.0, 1.0]])
-    >>> bool(shear.contains([1.5, 1.0]))
-    True
-    """
-
-    set: StarSet
-    matrix: Array
-
-    def __init__(self, set: StarSet, matrix: ArrayLike) -> None:
-        if not isinstance(set, StarSet):
-            raise ParameterError("set", f"must be a set, got {set!r}")
-        converted = _arrays.array(matrix, "matrix", (set.dimension, set.dimension))
-        self._set_core(set._core.mapped(converted), set=set, matrix=_arrays.read_only(converted))
-
-    def mapped(self, matrix: ArrayLike) -> Mapped:
-        """Return the image under a further map; the two matrices are multiplied."""
-        outer = _arrays.array(matrix, "matrix", (self.dimension, self.dimension))
-        return Mapped(self.set, outer @ self.matrix)
-
-
-def _directions(dimension: int, n: int) -> Array:
-    if dimension == 1:
-        return np.array([[-1.0], [1.0]])
-    k = np.arange(n)
-    if dimension == 2:
-        theta = 2.0 * np.pi * k / n
-        return np.stack([np.cos(theta), np.sin(theta)], axis=-1)
-    height = 1.0 - (2.0 * k + 1.0) / n
-    ring = np.sqrt(1.0 - height**2)
-    return np.stack(
-        [ring * np.cos(_GOLDEN_ANGLE * k), ring * np.sin(_GOLDEN_ANGLE * k), height], -1
-    )
+    return listed

@@ -9,23 +9,26 @@ from asperity._core import Set as CoreSet
 from asperity.sets.star import StarSet
 
 
-class TurnedSet(StarSet):
-    """A planar set with semi-axes a, b whose first axis is turned by an angle from e₁."""
+class AngledSet(StarSet):
+    """A planar set whose first axis is turned by an angle from e₁."""
 
-    a: float
-    b: float
     angle: float
 
-    def _set_turned(
-        self, upright: CoreSet, a: float, b: float, angle: float, **parameters: Any
-    ) -> None:
+    def _set_angled(self, upright: CoreSet, angle: float, **parameters: Any) -> None:
         angle = _arrays.number(angle, "angle")
         core = upright.rotated(angle) if angle else upright
-        self._set_core(core, a=a, b=b, angle=angle, **parameters)
+        self._set_core(core, angle=angle, **parameters)
 
     def rotated(self, angle: float) -> Self:
         """Return the set turned counter-clockwise by `angle` in rad."""
         return self.replace(angle=self.angle + _arrays.number(angle, "angle"))
+
+
+class TurnedSet(AngledSet):
+    """A planar set with semi-axes a, b, turned by an angle."""
+
+    a: float
+    b: float
 
     def scaled(self, factor: float) -> Self:
         """Return the set {s x : x ∈ C}."""

@@ -128,8 +128,12 @@ impl Solver {
         };
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
         let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity);
-        if !matches!(self, Self::Exact { .. }) {
+        let exact = matches!(self, Self::Exact { .. });
+        // A sweep marks contacts before the last ones have moved.
+        if !exact || problem.contacts.len() > 1 {
             exact::mark_ambiguous(problem, memory, workspace);
+        }
+        if !exact {
             workspace.states.clone_from(&memory.states);
             local::classify(problem, workspace);
         }

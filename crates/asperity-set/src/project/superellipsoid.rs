@@ -1,133 +1,7 @@
-//! Projections without a closed form.
+//! Projection onto superellipsoids.
 
-use crate::boundary::{Arc, BoundaryPoint};
-use crate::plane::{InPlane, cast, quarter_turn};
-use crate::{ConvexSet, Matrix, StarSet, Superellipsoid, Vector, polar};
-
-/// Projection onto any convex set from its support points and gauge.
-pub(crate) fn by_bracket<const P: usize, S: ConvexSet<P> + ?Sized>(
-    set: &S,
-    z: &Vector<P>,
-) -> Vector<P> {
-    if set.gauge(z) <= 1.0 {
-        return *z;
-    }
-    match P {
-        1 => set.support_point(z),
-        2 => cast(&onto_planar(&InPlane { set }, &cast(z))),
-        _ => by_dual_newton(set, z),
-    }
-}
-
-/// Projection of a point outside onto a planar set.
-///
-/// The height `g = n·z − h(n)` of `z` above the tangent line is quasi-concave where it is positive and
-/// is largest at the projection; its slope along the boundary is `n⊥·(z − x)`. The walk starts below
-/// `z` as seen from the origin, where `g > 0`.
-fn onto_planar<S: ConvexSet<2> + ?Sized>(set: &S, z: &Vector<2>) -> Vector<2> {
-    let slope = |p: &BoundaryPoint| quarter_turn(&p.normal).dot(&(z - p.position));
-    let start = BoundaryPoint::at_position(set, z);
-    let sign = slope(&start).signum();
-    if slope(&start) == 0.0 {
-        return start.position;
-    }
-    // Past the crest, g may turn negative and its slope positive again: that still counts as past.
-    let signed_slope = |p: &BoundaryPoint| {
-        let above = p.normal.dot(&(z - p.position)) > 0.0;
-        if above { slope(p) } else { -sign * slope(p).abs() }
-    };
-    let turned = |v: &Vector<2>| quarter_turn(v) * sign;
-    let mut arc = Arc { start, end: start };
-    // An eighth of a turn of the normal at a time, a quarter of the position at the most.
-    for _ in 0..8 {
-        arc.start = arc.end;
-        let normal = arc.start.normal + turned(&arc.start.normal);
-        arc.end = BoundaryPoint::at_normal(set, &normal);
-        let ahead = turned(&arc.start.position);
-        if arc.start.position.dot(&arc.end.position) < 0.0 {
-            arc.end = BoundaryPoint::at_position(set, &ahead);
-        }
-        if signed_slope(&arc.end) * sign <= 0.0 {
-            break;
-        }
-    }
-    let tolerance = f64::EPSILON * f64::EPSILON * z.norm();
-    arc.root(set, tolerance, signed_slope).position
-}
-
-/// Projection in three dimensions by Newton's method on the dual problem
-/// `max z·y − h(y) − ½‖y‖²`, whose solution is `y = z − prox(z)`. Made for strictly convex sets.
-fn by_dual_newton<const P: usize, S: ConvexSet<P> + ?Sized>(set: &S, z: &Vector<P>) -> Vector<P> {
-    let value = |y: &Vector<P>| z.dot(y) - set.support(y) - 0.5 * y.norm_squared();
-    let mut y = z * (1.0 - 1.0 / set.gauge(z));
-    for _ in 0..200 {
-        let (point, hessian) = set.support_jet(&y);
-        let residual = z - point - y;
-        if residual.norm() <= 4.0 * f64::EPSILON * z.norm() {
-            break;
-        }
-        let newton = (hessian + Matrix::identity()).try_inverse().map(|inverse| inverse * residual);
-        let step = newton.filter(|s| s.iter().all(|v| v.is_finite())).unwrap_or(residual);
-        let (before, gain) = (value(&y), 1e-4 * residual.dot(&step));
-        let mut length = 1.0;
-        while value(&(y + step * length)) < before + gain * length && length > 1e-10 {
-            length *= 0.5;
-        }
-        if length <= 1e-10 {
-            break;
-        }
-        y += step * length;
-    }
-    // z − y loses digits for points far away, the support point for flat boundaries nearby.
-    let x = if y.norm() > z.norm() * 0.5 { set.support_point(&y) } else { z - y };
-    let normal = z - x;
-    let gap = set.support(&normal) - x.dot(&normal);
-    if gap <= 1e-12 * x.norm() * normal.norm() { x } else { by_dual_ellipsoids(set, z) }
-}
-
-/// The same for sets with edges and flat faces, where the dual has no Hessian, from subgradients alone.
-fn by_dual_ellipsoids<const P: usize, S: ConvexSet<P> + ?Sized>(
-    set: &S,
-    z: &Vector<P>,
-) -> Vector<P> {
-    let descent = |y: &Vector<P>| if y.amax() > 0.0 { set.support_point(y) + y - z } else { -z };
-    // The origin is in the set, so that the solution is no longer than z.
-    let y = polar::by_ellipsoids(&(z * 0.5), 0.5 * z.norm(), &descent);
-    let x = z - y;
-    x / set.gauge(&x).max(1.0)
-}
-
-/// Projection onto an image `{A u : u ∈ S}` in the preimage: `min ‖A u − z‖` over `u ∈ S` by Nesterov's
-/// accelerated gradient with restarts; the number of steps grows with the condition of `A`.
-pub(crate) fn onto_image<const P: usize, S: ConvexSet<P> + ?Sized>(
-    set: &S,
-    map: &Matrix<P>,
-    inverse: &Matrix<P>,
-    z: &Vector<P>,
-) -> Vector<P> {
-    let gauge = set.gauge(&(inverse * z));
-    if gauge <= 1.0 {
-        return *z;
-    }
-    let rate = 1.0 / (map.transpose() * map).norm();
-    let advance = |u: &Vector<P>| set.project(&(u - map.tr_mul(&(map * u - z)) * rate));
-    let mut u = inverse * z / gauge;
-    let (mut ahead, mut momentum) = (u, 1.0_f64);
-    for _ in 0..100_000 {
-        let next = advance(&ahead);
-        let change = next - u;
-        if change.amax() <= 0.5 * f64::EPSILON * u.amax() {
-            break;
-        }
-        let next_momentum = 0.5 * (1.0 + (1.0 + 4.0 * momentum * momentum).sqrt());
-        let backwards = (ahead - next).dot(&change) > 0.0;
-        let weight = if backwards { 0.0 } else { (momentum - 1.0) / next_momentum };
-        momentum = if backwards { 1.0 } else { next_momentum };
-        ahead = next + change * weight;
-        u = next;
-    }
-    map * u
-}
+use crate::plane::cast;
+use crate::{Matrix, StarSet, Superellipsoid, Vector};
 
 /// Projection onto a superellipsoid with exponent `s ≥ 1`, for any distance and axis ratio.
 ///
@@ -139,6 +13,9 @@ pub(crate) fn onto_superellipsoid<const P: usize>(
     exponent: f64,
     z: &Vector<P>,
 ) -> Vector<P> {
+    if P == 2 && exponent > 1.0 {
+        return cast(&onto_superellipse(&cast(semi_axes), exponent, &cast(z)));
+    }
     let scaled = z.abs().component_div(semi_axes);
     let excess = lp_norm(&scaled, exponent) - 1.0;
     if excess <= 0.0 {
@@ -271,4 +148,80 @@ pub(crate) fn by_newton<const P: usize>(
         x += across - along * (gradient.dot(&across) / gradient.dot(&along));
     }
     None
+}
+
+/// The same in the plane, in one unknown.
+///
+/// With `ξ^s = 1/(1 + e^w)` and `η = ξ e^(w/s)` the boundary needs no further equation. (13) of \[WL19\] then says
+/// `η + R = v` with `R = (u − ξ)(a/b)² (η/ξ)^(s−1)`, where `(u, v) = (z₁/a, z₂/b)`. Both terms are nearly
+/// exponential in `w`, so that `ln(η + R) = ln v` is nearly linear, and Newton's method starts at the point below
+/// `z` as seen from the origin. The coordinate with the larger share there is called ξ.
+fn onto_superellipse(semi_axes: &Vector<2>, s: f64, z: &Vector<2>) -> Vector<2> {
+    let scaled = z.abs().component_div(semi_axes);
+    if lp_norm(&scaled, s) <= 1.0 {
+        return *z;
+    }
+    let swap = scaled.y > scaled.x;
+    let (i, j) = if swap { (1, 0) } else { (0, 1) };
+    let (u, v) = (scaled[i], scaled[j]);
+    let (xi, eta) = if v > 0.0 {
+        balance(u, v, (semi_axes[i] / semi_axes[j]).powi(2), s)
+    } else {
+        // On an axis of symmetry the nearest point is the tip.
+        (1.0, 0.0)
+    };
+    let point = if swap { Vector::<2>::new(eta, xi) } else { Vector::<2>::new(xi, eta) };
+    Vector::<2>::from_fn(|k, _| (point[k] * semi_axes[k]).copysign(z[k]))
+}
+
+/// `(ξ, η)` at the root of `ln(η + R) = ln v`.
+#[inline]
+fn balance(u: f64, v: f64, squares: f64, s: f64) -> (f64, f64) {
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut w = s * (v / u).ln();
+    let (mut xi, mut eta) = (1.0, 0.0);
+    for _ in 0..100 {
+        let share;
+        (xi, eta, share) = on_superellipse(w, s);
+        let left = u - xi;
+        let rest = left * squares * (w * (1.0 - 1.0 / s)).exp();
+        let sum = eta + rest;
+        let value = (sum / v).ln();
+        // Where ξ > u there is no such point: the root lies ahead.
+        if value > 0.0 {
+            high = w
+        } else {
+            low = w
+        }
+        let noise = f64::EPSILON * (2.0 + w.abs() / s + u / left * (rest / sum));
+        if value.abs() <= noise || high - low <= f64::EPSILON * w.abs() {
+            break;
+        }
+        // dη/dw = η (1 − η^s)/s, dξ/dw = −ξ η^s/s.
+        let slope = (eta * (1.0 - share) + rest * (s - 1.0 + xi * share / left)) / (s * sum);
+        let newton = w - value / slope;
+        w = if newton > low && newton < high && left > 0.0 {
+            newton
+        } else if low.is_infinite() {
+            w - 1.0 - w.abs()
+        } else if high.is_infinite() {
+            w + 1.0 + w.abs()
+        } else {
+            0.5 * (low + high)
+        };
+    }
+    (xi, eta)
+}
+
+/// `(ξ, η, η^s)` with `ξ^s = 1/(1 + e^w)`, `η^s = 1/(1 + e^−w)`.
+#[inline]
+fn on_superellipse(w: f64, s: f64) -> (f64, f64, f64) {
+    let small = (-w.abs()).exp();
+    let large = (-small.ln_1p() / s).exp();
+    let other = large * (-w.abs() / s).exp();
+    if w <= 0.0 {
+        (large, other, small / (1.0 + small))
+    } else {
+        (other, large, 1.0 / (1.0 + small))
+    }
 }

@@ -1,0 +1,123 @@
+//! Intersections.
+
+use super::seams::seams;
+use super::some;
+use crate::cone::aside;
+use crate::plane::{cast, cross};
+use crate::{Cone, ConvexSet, SetError, StarSet, Vector, polar, project};
+
+/// The intersection `C₁ ∩ C₂ ∩ …`, whose gauge is the largest one; convex if its members are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Intersection<S, const P: usize> {
+    sets: Vec<S>,
+    corners: Vec<Vector<P>>,
+}
+
+impl<const P: usize, S: StarSet<P>> Intersection<S, P> {
+    /// The intersection of some sets.
+    pub fn new(sets: Vec<S>) -> Result<Self, SetError> {
+        some(&sets)?;
+        let corners = seams(&sets, f64::max);
+        Ok(Self { sets, corners })
+    }
+
+    /// The members.
+    pub fn sets(&self) -> &[S] {
+        &self.sets
+    }
+
+    fn outermost(&self, x: &Vector<P>) -> (f64, Vector<P>) {
+        let jets = self.sets.iter().map(|set| set.gauge_jet(x));
+        jets.reduce(|a, b| if b.0 > a.0 { b } else { a }).unwrap_or((0.0, Vector::zeros()))
+    }
+}
+
+impl<const P: usize, S: StarSet<P>> StarSet<P> for Intersection<S, P> {
+    fn gauge(&self, x: &Vector<P>) -> f64 {
+        self.sets.iter().map(|set| set.gauge(x)).fold(0.0, f64::max)
+    }
+
+    fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
+        self.outermost(x)
+    }
+
+    fn corners(&self) -> Vec<Vector<P>> {
+        self.corners.clone()
+    }
+}
+
+impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
+    /// A member's support point that lies in all others is the farthest; else the farthest point lies where
+    /// boundaries cross.
+    fn support_point(&self, y: &Vector<P>) -> Vector<P> {
+        let mut own = self.sets.iter().map(|set| set.support_point(y));
+        let inside = |x: &Vector<P>| self.gauge(x) <= 1.0 + 4.0 * f64::EPSILON;
+        let height = |x: &&Vector<P>| y.dot(x);
+        let corner = || {
+            let farthest = self.corners.iter().max_by(|a, b| height(a).total_cmp(&height(b)))?;
+            is_normal_at(self, farthest, y).then_some(*farthest)
+        };
+        let point = own.find(inside).or_else(corner);
+        point.unwrap_or_else(|| polar::support_point(self, y))
+    }
+
+    fn project(&self, z: &Vector<P>) -> Vector<P> {
+        if self.gauge(z) <= 1.0 {
+            return *z;
+        }
+        let distance = |x: &&Vector<P>| (z - *x).norm_squared();
+        let nearest = self.corners.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        match nearest {
+            Some(corner) if is_normal_at(self, corner, &(z - corner)) => *corner,
+            _ if P == 3 => alternately(&self.sets, z).unwrap_or_else(|| project::onto_any(self, z)),
+            _ => project::onto_any(self, z),
+        }
+    }
+
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
+        let cones: Option<Vec<Cone<P>>> =
+            self.sets.iter().map(|set| set.normal_cone(x, tolerance)).collect();
+        Some(Cone::new(cones?.iter().flat_map(|cone| cone.generators().to_vec())))
+    }
+}
+
+/// Whether `y` is a normal of a planar set at one of its corners.
+fn is_normal_at<const P: usize, S>(set: &S, corner: &Vector<P>, y: &Vector<P>) -> bool
+where
+    S: StarSet<P>,
+{
+    if P != 2 {
+        return false;
+    }
+    let beside = |side| cast::<P, 2>(&set.gauge_jet(&aside(corner, side)).1);
+    let (first, y, last) = (beside(-1.0), cast(y), beside(1.0));
+    cross(&first, &y) >= 0.0 && cross(&y, &last) >= 0.0
+}
+
+/// Most members that are projected onto in turn.
+const MEMBERS: usize = 8;
+
+/// Projection onto an intersection by Dykstra's method: onto one member after another, each time with that
+/// member's last correction put back first. The corrections `pᵢ` add up to `z − x`; `x` is the projection if
+/// it lies in every member and `pᵢ ∈ N_i(x)`, that is `Σ h_i(pᵢ) = xᵀ(z − x)`. `None` if that takes too long.
+fn alternately<const P: usize, S: ConvexSet<P>>(sets: &[S], z: &Vector<P>) -> Option<Vector<P>> {
+    if sets.len() > MEMBERS {
+        return None;
+    }
+    let mut corrections = [Vector::<P>::zeros(); MEMBERS];
+    let mut x = *z;
+    for _ in 0..20_000 {
+        for (set, correction) in sets.iter().zip(&mut corrections) {
+            let target = x + *correction;
+            x = set.project(&target);
+            *correction = target - x;
+        }
+        let gap: f64 =
+            sets.iter().zip(&corrections).map(|(set, p)| set.support(p) - x.dot(p)).sum();
+        let outside = sets.iter().map(|set| set.gauge(&x)).fold(0.0, f64::max) - 1.0;
+        if outside <= 1e-14 && gap.abs() <= 1e-14 * x.norm() * (z - x).norm() {
+            return Some(x);
+        }
+    }
+    None
+}

@@ -1,0 +1,26 @@
+//! Projections without a closed form.
+
+mod plane;
+mod space;
+mod superellipsoid;
+
+use crate::{ConvexSet, Vector};
+
+pub(crate) use plane::by_normals;
+pub(crate) use space::onto_image;
+pub(crate) use superellipsoid::{by_newton, onto_superellipsoid};
+
+/// Projection onto any convex set from its gauge and support points.
+pub(crate) fn onto_any<const P: usize, S: ConvexSet<P> + ?Sized>(
+    set: &S,
+    z: &Vector<P>,
+) -> Vector<P> {
+    if set.gauge(z) <= 1.0 {
+        return *z;
+    }
+    match P {
+        1 => set.support_point(z),
+        2 => plane::onto_planar(set, z),
+        _ => space::by_dual_newton(set, z),
+    }
+}

@@ -1,0 +1,47 @@
+"""Laws from data: from 36 noisy force measurements, and from a friction tensor.
+
+Run: python laws_from_data.py laws.png
+"""
+
+import sys
+
+import asperity as asp
+import numpy as np
+
+# A surface to be measured: its law is known here, so that the result can be judged.
+surface = asp.FrictionLaw(asp.Superellipse(0.537, 0.457, 2.94), asp.Superellipse(1.84, 1.19, 2.51))
+phi = np.deg2rad(np.arange(0.0, 360.0, 10.0))
+slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+noise = 0.01 * np.random.default_rng(7).normal(size=slip.shape)
+measured = -surface.force(slip) + noise
+
+law = asp.FrictionLaw.from_samples(phi, measured)
+theta = np.linspace(0.0, 2.0 * np.pi, 361)
+error = law.reservoir.radius(theta) / surface.reservoir.radius(theta) - 1.0
+print("36 samples with noise of 0.01 per component:")
+print(f"  r_D(2π)/r_D(0)          {law.report.closure:.4f}, repaired to 1")
+print(f"  convexity defect of D   {np.rad2deg(law.report.convexity_defect):.2f}°")
+print(f"  change of D by repairs  {law.report.repair:.1%}")
+print(f"  error of C              {np.sqrt(np.mean(error**2)):.1%} rms")
+
+tensor = asp.FrictionLaw.tensor([[0.5, 0.0], [0.0, 0.3]])
+across, along = tensor.direction.radius([0.0, np.pi / 2])
+print(f"tensor diag(0.5, 0.3): semi-axes of D as {across / along:.6f} : 1, that is √(0.5/0.3) : 1")
+print(f"  associated: {bool(tensor.is_associated)}, dissipative: {bool(tensor.is_dissipative)}")
+
+try:
+    asp.FrictionLaw.tensor([[0.5, -0.1], [0.1, 0.3]])
+except asp.ParameterError as refused:
+    print(f"a skew part is refused, {refused}")
+
+with asp.plot.style():
+    import matplotlib.pyplot as plt
+
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 5.0), layout="constrained")
+    asp.plot.plot_law(law, left, angles=20, legend=False)
+    left.plot(*measured.T, "x", color="black", label="measured", zorder=4.0)
+    left.set_title("From 36 noisy samples")
+    asp.plot.plot_law(tensor, right, angles=20, legend=False)
+    right.set_title("From the tensor diag(0.5, 0.3)")
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=5)
+asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "laws_from_data.png")

@@ -1,0 +1,320 @@
+"""The friction law and its constructors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity.errors import ParameterError
+from asperity.law import flow
+from asperity.law.questions import Questions
+from asperity.rate import Stribeck
+from asperity.sets import Ball, Disk, Ellipse, Interval, StarSet, WedgeAsperity
+from asperity.sets.star import checked_set, same_dimension
+
+_EXACT = 1e-6
+
+
+class FrictionLaw(Questions):
+    """The extended normal cone inclusion γ ∈ N_D(−αλ), α(x) = 1/(k_D(x) − k_C(x) + 1), x = −λ.
+
+    The contact sticks where k_C(−λ) < 1 and slips where k_C(−λ) = 1, with γ normal to D at −αλ.
+    Both sets hold −λ per unit normal force and are scaled by it. Only the shape of D matters: it is
+    normalised to the largest scale inside C.
+
+    Args:
+        reservoir: force reservoir C, star-shaped.
+        direction: direction set D, convex, of any scale.
+        rate: factor of the force in slip that depends on the speed; none by default.
+        report: how the sets were found, of laws from a flow rule.
+
+    Raises:
+        ParameterError: if D is not convex or C is degenerate.
+        DimensionError: if the two sets differ in dimension.
+
+    Reference: [WL19] Def. 16, (55)(56)(62).
+
+    >>> from asperity import Ellipse, FrictionLaw
+    >>> law = FrictionLaw(Ellipse(0.6, 0.2), Ellipse(3.0, 2.0))
+    >>> round(law.direction.b, 9)
+    0.2
+    >>> law.force([4.0, 9.0], normal_force=10.0).round(3).tolist()
+    [-1.897, -1.897]
+    """
+
+    report: flow.FlowReport | None
+
+    def __init__(
+        self,
+        reservoir: StarSet,
+        direction: StarSet,
+        *,
+        rate: Stribeck | None = None,
+        report: flow.FlowReport | None = None,
+    ) -> None:
+        checked_set(reservoir, "reservoir")
+        same_dimension((direction,), "direction", reservoir.dimension)
+        if not isinstance(rate, Stribeck | None):
+            raise ParameterError("rate", f"must be a Stribeck factor or None, got {rate!r}")
+        if not isinstance(report, flow.FlowReport | None):
+            raise ParameterError("report", f"must be a FlowReport or None, got {report!r}")
+        factor = None if rate is None else rate._core
+        core = _core.Law(reservoir._core, direction._convex("normality", "direction"), factor)
+        if core.is_associated:
+            direction = reservoir
+        elif core.direction_scale != 1.0:
+            direction = direction.scaled(core.direction_scale)
+            core = _core.Law(reservoir._core, direction._core, factor)
+        self._set(reservoir=reservoir, direction=direction, rate=rate, report=report)
+        self._keep(_core=core)
+
+    @classmethod
+    def isotropic(cls, mu: float, *, dimension: int = 2) -> FrictionLaw:
+        """Make Coulomb's isotropic law: C = D = ball of radius μ.
+
+        Args:
+            mu: friction coefficient μ > 0.
+            dimension: p = 1, 2 or 3.
+
+        Reference: [WL19] Def. 14, (33).
+
+        >>> from asperity import FrictionLaw
+        >>> FrictionLaw.isotropic(0.3)
+        FrictionLaw(Disk(0.3), Disk(0.3))
+        """
+        return cls.associated(_round(_arrays.positive(mu, "mu"), dimension))
+
+    @classmethod
+    def associated(cls, reservoir: StarSet) -> FrictionLaw:
+        """Make the associated law D = C, of maximal dissipation: γ ∈ N_C(−λ).
+
+        Args:
+            reservoir: convex C.
+
+        Reference: [WL19] Def. 12.
+
+        >>> from asperity import FrictionLaw, Rectangle
+        >>> FrictionLaw.associated(Rectangle(0.4, 0.2)).force([1.0, -2.0]).tolist()
+        [-0.4, 0.2]
+        """
+        return cls(reservoir, reservoir)
+
+    @classmethod
+    def collinear(cls, reservoir: StarSet) -> FrictionLaw:
+        """Make the collinear law: D a disk, so that friction is opposite to sliding.
+
+        Args:
+            reservoir: any star-shaped C.
+
+        Reference: [WL19] Def. 15, (38)–(44).
+
+        >>> from asperity import FrictionLaw, Superellipse
+        >>> law = FrictionLaw.collinear(Superellipse(0.4, 0.2, 0.5))
+        >>> law.slip_direction(law.force([3.0, 4.0])).round(12).tolist()
+        [0.6, 0.8]
+        """
+        checked_set(reservoir, "reservoir")
+        return cls(reservoir, _round(1.0, reservoir.dimension))
+
+    @classmethod
+    def asperity(
+        cls,
+        mu: float,
+        beta: float | Sequence[float],
+        weights: ArrayLike | None = None,
+    ) -> FrictionLaw:
+        """Make the law of parallel wedges in contact with springs, e₁ across the wedges.
+
+        Equal flanks give C = `WedgeAsperity`, D an ellipse with p₂/p₁ = cos β. Unequal ones give
+        the mean of the flanks' forces.
+
+        Args:
+            mu: friction coefficient μ > 0 of a spring on a flank.
+            beta: inclination β of both flanks in rad, or (β₁, β₂) of the flanks that rise and fall
+                along e₁; μ tan β < 1.
+            weights: shares of the normal force on the two flanks, by default proportional to
+                cot βⱼ, their shares of the profile's length.
+
+        Raises:
+            ParameterError: where the springs lock, or the mean has no direction set.
+
+        Reference: [WL19] §3.3, (45)–(52).
+
+        >>> import math
+        >>> from asperity import FrictionLaw
+        >>> law = FrictionLaw.asperity(1.2, math.radians(36.0))
+        >>> law.force([[1.0, 0.0], [0.0, 1.0]]).round(6).tolist()
+        [[-7.643276, -0.0], [-0.0, -1.483282]]
+        """
+        slopes = _arrays.array(beta, "beta")
+        if slopes.ndim == 0 and weights is None:
+            reservoir = WedgeAsperity(mu, float(slopes))
+            return cls(reservoir, Ellipse(1.0, math.cos(reservoir.beta)))
+        pair = np.full(2, slopes) if slopes.ndim == 0 else slopes
+        return cls.from_flow_rule(flow.wedges(_arrays.positive(mu, "mu"), pair, weights))
+
+    @classmethod
+    def tensor(cls, second_order: ArrayLike, fourth_order: ArrayLike | None = None) -> FrictionLaw:
+        """Make the law −λ/λ_N = F n + K[n, n, n], n = γ/‖γ‖, of constant friction tensors.
+
+        A symmetric F without K has ellipses for C and D, with semi-axes μᵢ and √μᵢ.
+
+        Args:
+            second_order: F, shape ``(2, 2)``.
+            fourth_order: K, shape ``(2, 2, 2, 2)``; K[n, n, n]ᵢ = Σ Kᵢⱼₖₗ nⱼ nₖ nₗ.
+
+        Raises:
+            ParameterError: if no convex D exists, with the closure number or the direction; if the
+                law does not dissipate.
+
+        Reference: [WL19] §3.4, Fig. 12.
+
+        >>> from asperity import FrictionLaw
+        >>> law = FrictionLaw.tensor([[0.3, 0.0], [0.0, 0.1]])
+        >>> law.reservoir, round(law.direction.a / law.direction.b, 7)
+        (Ellipse(0.3, 0.1), 1.7320508)
+        """
+        linear = _arrays.array(second_order, "second_order", (2, 2))
+        if fourth_order is None and linear[0, 1] == linear[1, 0]:
+            return cls(*_ellipses(linear))
+        cubic = None
+        if fourth_order is not None:
+            cubic = _arrays.array(fourth_order, "fourth_order", (2, 2, 2, 2))
+        return cls.from_flow_rule(flow.tensor(linear, cubic))
+
+    @classmethod
+    def tensor_function(
+        cls, tensor: Callable[[Array], ArrayLike] | Sequence[tuple[ArrayLike, ArrayLike]]
+    ) -> FrictionLaw:
+        """Make the law −λ/λ_N = F(φ) n of a friction tensor that depends on the sliding direction.
+
+        Args:
+            tensor: function from angles φ in rad, shape ``(n,)``, to F, ``(n, 2, 2)``; or the pairs
+                (A_k, B_k), k = 0, 1, …, of F(φ) = Σ A_k cos kφ + B_k sin kφ, shape
+                ``(m, 2, 2, 2)``.
+
+        Raises:
+            ParameterError: as for `tensor`.
+
+        Reference: [WL19] §3.4, Fig. 12.
+
+        >>> import numpy as np
+        >>> from asperity import FrictionLaw
+        >>> one, none = np.eye(2), np.zeros((2, 2))
+        >>> law = FrictionLaw.tensor_function([(0.2 * one, none), (none, none), (0.03 * one, none)])
+        >>> bool(law.is_collinear)
+        True
+        """
+        return cls.from_flow_rule(flow.tensor_function(tensor))
+
+    @classmethod
+    def from_flow_rule(cls, f: flow.FlowRule, *, n: int = 1440) -> FrictionLaw:
+        """Make the law whose force −λ/λ_N = f(φ) is a function of the sliding direction.
+
+        C is the curve f. D has the support function h_D(φ) = h_D(0) exp∫(l_p/l_t)dφ, with l_t and
+        l_p the force against sliding and across it; it exists if the integral over a turn
+        vanishes, and is convex if the force's angle θ never falls while φ grows.
+
+        Args:
+            f: function from angles φ in rad, shape ``(n,)``, to −λ/λ_N, shape ``(n, 2)``.
+            n: number of equidistant directions.
+
+        Raises:
+            ParameterError: if no convex D exists, with the closure number r_D(2π)/r_D(0) or the
+                direction; if the law does not dissipate or C is not star-shaped.
+
+        Reference: [WL19] (71), (125).
+
+        >>> import numpy as np
+        >>> from asperity import FrictionLaw
+        >>> rule = lambda phi: np.stack([0.3 * np.cos(phi), 0.1 * np.sin(phi)], axis=-1)
+        >>> law = FrictionLaw.from_flow_rule(rule)
+        >>> law.reservoir.radius([0.0, np.pi / 2]).round(6).tolist()
+        [0.3, 0.1]
+        """
+        phi = 2.0 * math.pi * np.arange(_arrays.count(n, "n", least=8)) / n
+        force = _arrays.array(f(phi), "f", (n, 2))
+        reservoir, direction, report = flow.sets_of(phi, force, _EXACT, _EXACT)
+        return cls(reservoir, direction, report=report)
+
+    @classmethod
+    def from_samples(
+        cls,
+        phi: ArrayLike,
+        force: ArrayLike,
+        *,
+        closure_tolerance: float = 0.1,
+        convexity_tolerance: float = 0.1,
+    ) -> FrictionLaw:
+        """Make the law of forces measured over the sliding direction.
+
+        Small defects are repaired: those of closure spread over the turn, those of convexity
+        levelled. ``law.report`` gives them in numbers.
+
+        Args:
+            phi: angles φ of the sliding directions from e₁ in rad, in any order; shape ``(n,)``.
+            force: −λ/λ_N, shape ``(n, 2)``.
+            closure_tolerance: largest |ln r_D(2π)/r_D(0)| that is repaired.
+            convexity_tolerance: largest decrease of the force's angle θ(φ) that is repaired, in
+                rad.
+
+        Raises:
+            ParameterError: if a defect is larger, with its number; if the law does not dissipate.
+
+        Reference: [WL19] §5.2, (119)–(125).
+
+        >>> import numpy as np
+        >>> from asperity import Ellipse, FrictionLaw
+        >>> phi = 2.0 * np.pi * np.arange(72) / 72
+        >>> slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+        >>> original = FrictionLaw.collinear(Ellipse(0.5, 0.4))
+        >>> law = FrictionLaw.from_samples(phi, -original.force(slip))
+        >>> abs(law.report.closure - 1.0) < 1e-9
+        True
+        """
+        angles = _arrays.array(phi, "phi", (None,))
+        forces = _arrays.array(force, "force", (angles.size, 2))
+        reservoir, direction, report = flow.sets_of(
+            angles, forces, closure_tolerance, convexity_tolerance
+        )
+        return cls(reservoir, direction, report=report)
+
+    def rotated(self, angle: float) -> FrictionLaw:
+        """Return the law of the surface turned counter-clockwise by `angle` in rad (p = 2).
+
+        >>> from asperity import Ellipse, FrictionLaw
+        >>> FrictionLaw.associated(Ellipse(0.6, 0.2)).rotated(0.5).reservoir
+        Ellipse(0.6, 0.2, angle=0.5)
+        """
+        return self.replace(
+            reservoir=self.reservoir.rotated(angle), direction=self.direction.rotated(angle)
+        )
+
+
+def _round(radius: float, dimension: int) -> StarSet:
+    match dimension:
+        case 1:
+            return Interval(-radius, radius)
+        case 2:
+            return Disk(radius)
+        case _:
+            return Ball(radius, dimension=dimension)
+
+
+def _ellipses(tensor: Array) -> tuple[Ellipse, Ellipse]:
+    """Return C and D of a symmetric friction tensor: x = F n on bdry C, z ∝ F n on bdry D."""
+    difference = tensor[0, 0] - tensor[1, 1]
+    angle = 0.5 * math.atan2(math.copysign(1.0, difference) * 2.0 * tensor[0, 1], abs(difference))
+    axes = _arrays.rotation(angle)
+    mu = np.diag(axes.T @ tensor @ axes)
+    if mu.min() <= 0.0:
+        raise ParameterError(
+            "second_order", f"must be positive definite, has the eigenvalue {mu.min()}"
+        )
+    (a, b), (p1, p2) = mu, np.sqrt(mu)
+    return Ellipse(a, b, angle=angle), Ellipse(p1, p2, angle=angle)

@@ -1,0 +1,98 @@
+"""Figures 1–8 and 10–12 with their data and checks: ``asperity figures``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+
+from asperity.errors import ParameterError
+from asperity.paper import associated, convexity, dry, extended, nonassociated
+from asperity.paper.checks import Check
+from asperity.paper.data import write_csv
+from asperity.paper.redrawn import Redrawn
+from asperity.plot import save_figure
+
+FIGURES: dict[int, Callable[[], Redrawn]] = {
+    1: convexity.fig01,
+    2: convexity.fig02,
+    3: dry.fig03,
+    4: associated.fig04,
+    5: associated.fig05,
+    6: associated.fig06,
+    7: associated.fig07,
+    8: nonassociated.fig08,
+    10: nonassociated.fig10,
+    11: extended.fig11,
+    12: extended.fig12,
+}
+"""What draws a figure, by its number in the paper."""
+
+LEFT_OUT = {9: "a sketch of a spring on an inclined plane"}
+"""Figures among them that are not redrawn, and what they show."""
+
+
+def numbers(text: str) -> list[int]:
+    """Return the numbers that a text such as ``1-4,7`` names, ascending, each once.
+
+    Args:
+        text: numbers and ranges of figures, separated by commas.
+
+    Raises:
+        ParameterError: if the text cannot be read or names an unknown figure.
+
+    >>> from asperity.paper.redraw import numbers
+    >>> numbers("7,1-4,3")
+    [1, 2, 3, 4, 7]
+    """
+    named: set[int] = set()
+    for part in text.split(","):
+        ends = [end.strip() for end in part.split("-")]
+        if len(ends) > 2 or not all(end.isascii() and end.isdigit() for end in ends):
+            raise ParameterError("only", f"must hold numbers and ranges like 1-4,7, got {text!r}")
+        first, last = int(ends[0]), int(ends[-1])
+        if first > last:
+            raise ParameterError("only", f"must hold ascending ranges, got {part.strip()!r}")
+        for end in (first, last):
+            _check_known(end)
+        named.update(range(first, last + 1))
+    return sorted(named)
+
+
+def _check_known(number: int) -> None:
+    if number in FIGURES or number in LEFT_OUT:
+        return
+    elsewhere = f"; asperity demo computes Fig. {number}" if number in (17, 27) else ""
+    raise ParameterError("only", f"must name figures from 1-8,10-12, got {number}{elsewhere}")
+
+
+def run(folder: Path, chosen: Sequence[int]) -> list[Check]:
+    """Write figNN.png and figNN.csv of the chosen figures into `folder`; return the checks.
+
+    Raises:
+        ParameterError: if all the chosen figures are left out.
+    """
+    mpl.use("Agg")
+    drawn = [number for number in chosen if number in FIGURES]
+    if not drawn:
+        raise ParameterError("only", "; ".join(left_out(chosen)))
+    folder.mkdir(parents=True, exist_ok=True)
+    checks: list[Check] = []
+    for number in drawn:
+        redrawn = FIGURES[number]()
+        save_figure(redrawn.figure, folder / f"fig{number:02d}.png")
+        write_csv(folder / f"fig{number:02d}.csv", redrawn.curves.columns())
+        plt.close(redrawn.figure)
+        checks += redrawn.checks
+    return checks
+
+
+def left_out(chosen: Sequence[int]) -> list[str]:
+    """Return a sentence for each chosen figure that is not redrawn."""
+    return [
+        f"Fig. {number}, {LEFT_OUT[number]}, is not redrawn"
+        for number in chosen
+        if number in LEFT_OUT
+    ]

@@ -1,0 +1,156 @@
+"""Planar sets from points: polygon, curve through radii, curve through support values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar, Self
+
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity._core import Set as CoreSet
+from asperity.errors import ParameterError
+from asperity.sets.star import StarSet
+from asperity.verdict import Verdict, verdict
+
+
+class Polygon(StarSet):
+    """The polygon with the given vertices, star-shaped with respect to the origin.
+
+    Args:
+        vertices: in order, of either sense, the first not repeated; shape ``(n, 2)`` with n ≥ 3.
+
+    Raises:
+        ParameterError: with a witness point, if the outline crosses itself, is not star-shaped or
+            does not have the origin inside.
+
+    >>> from asperity import Polygon
+    >>> triangle = Polygon([[2.0, -1.0], [0.0, 2.0], [-2.0, -1.0]])
+    >>> triangle.support_point([0.1, 1.0]).tolist()
+    [0.0, 2.0]
+    """
+
+    vertices: Array
+
+    def __init__(self, vertices: ArrayLike) -> None:
+        points = _arrays.array(vertices, "vertices", (None, 2))
+        self._set_core(_core.Set.polygon(points), vertices=_arrays.read_only(points))
+
+    def rotated(self, angle: float) -> Polygon:
+        """Return the polygon turned counter-clockwise by `angle` in rad."""
+        return Polygon(self.vertices @ _arrays.rotation(_arrays.number(angle, "angle")).T)
+
+    def scaled(self, factor: float) -> Polygon:
+        """Return the set {s x : x ∈ C}."""
+        return Polygon(_arrays.positive(factor, "factor") * self.vertices)
+
+
+class CurveSet(StarSet):
+    """A planar set whose smooth boundary is given by values over angles."""
+
+    angle: Array
+    _values: ClassVar[str]
+
+    def _set_curve(
+        self, make: Callable[[Array, Array], CoreSet], angle: ArrayLike, values: ArrayLike
+    ) -> None:
+        angles = _arrays.array(angle, "angle", (None,))
+        numbers = _arrays.array(values, self._values, (angles.size,))
+        if numbers.min(initial=1.0) <= 0.0:
+            raise ParameterError(self._values, f"must be positive, got {numbers.min()}")
+        parameters = {"angle": _arrays.read_only(angles), self._values: _arrays.read_only(numbers)}
+        self._set_core(make(angles, numbers), **parameters)
+
+    def rotated(self, angle: float) -> Self:
+        """Return the set turned counter-clockwise by `angle` in rad."""
+        return self.replace(angle=self.angle + _arrays.number(angle, "angle"))
+
+    def scaled(self, factor: float) -> Self:
+        """Return the set {s x : x ∈ C}."""
+        values = _arrays.positive(factor, "factor") * self._parameters[self._values]
+        return self.replace(**{self._values: values})
+
+
+class PolarCurve(CurveSet):
+    """The set within the periodic C² curve through radii r_C(θᵢ) over polar angles.
+
+    Between the samples w = 1/r_C has piecewise linear w + w″. The set is convex where w + w″ ≥ 0
+    at the samples, and then so is the curve: convex data give a convex set.
+
+    Args:
+        angle: θᵢ in rad, in any order, within one turn and without gap above π/2; shape ``(n,)``
+            with n ≥ 4.
+        radius: r_C(θᵢ) > 0, shape ``(n,)``.
+
+    Raises:
+        ParameterError: if angles coincide or leave a gap, or a radius is not positive, also
+            between the samples.
+
+    Reference: [WL19] §5.2.
+
+    >>> import numpy as np
+    >>> from asperity import PolarCurve
+    >>> theta = np.arange(8) * np.pi / 4
+    >>> circle = PolarCurve(theta, np.full(8, 0.3))
+    >>> circle.radius([0.1, 0.2]).round(9).tolist()
+    [0.3, 0.3]
+    """
+
+    _values = "radius"
+
+    def __init__(self, angle: ArrayLike, radius: ArrayLike) -> None:
+        self._set_curve(_core.Set.polar_curve, angle, radius)
+
+
+class SupportCurve(CurveSet):
+    """The convex set within the periodic C² curve with support values h(φᵢ) over normal angles.
+
+    Between the samples the radius of curvature h + h″ is piecewise linear. It has to be ≥ 0.
+
+    Args:
+        angle: φᵢ in rad, in any order, within one turn and without gap above π/2; shape ``(n,)``
+            with n ≥ 4.
+        support: h(φᵢ) = Ψ*_C(cos φᵢ, sin φᵢ) > 0, shape ``(n,)``.
+
+    Raises:
+        ParameterError: if angles coincide or leave a gap, or the values are those of no convex set
+            with the origin inside.
+
+    Reference: [WL19] Def. 5.
+
+    >>> import numpy as np
+    >>> from asperity import Ellipse, SupportCurve
+    >>> phi = np.arange(72) * np.pi / 36
+    >>> normals = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    >>> curve = SupportCurve(phi, Ellipse(3.0, 2.0).support(normals))
+    >>> curve.radius([0.0, np.pi / 2]).round(4).tolist()
+    [3.0, 2.0]
+    """
+
+    _values = "support"
+
+    def __init__(self, angle: ArrayLike, support: ArrayLike) -> None:
+        self._set_curve(_core.Set.support_curve, angle, support)
+
+
+def star_shape(vertices: ArrayLike) -> Verdict:
+    """Return whether a closed outline bounds a set that is star-shaped with respect to the origin.
+
+    Args:
+        vertices: of the outline in order, of either sense, the first not repeated; shape
+            ``(n, 2)`` with n ≥ 3.
+
+    Returns:
+        The verdict; its witness is a point ``(1, 2)`` of the outline that cannot be seen from the
+        origin, or where the outline passes the origin or crosses itself.
+
+    Reference: [WL19] Def. 2, Fig. 1.
+
+    >>> from asperity import star_shape
+    >>> bool(star_shape([[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]))
+    True
+    >>> bool(star_shape([[2.0, 0.0], [1.0, 2.0], [3.0, 2.0], [3.0, 3.0], [-1.0, 0.0], [0.0, -1.0]]))
+    False
+    """
+    return verdict(_core.star_shape(_arrays.array(vertices, "vertices", (None, 2))))

@@ -1,0 +1,42 @@
+"""The friction reservoir of sliding together with drilling."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from asperity import _arrays, _core
+from asperity.sets.star import StarSet
+
+Pressure = Literal["hertz", "uniform"]
+
+
+class CoulombContensou(StarSet):
+    """The reservoir in R³ of a circular contact area of radius R that slides and drills.
+
+    Slip is (v₁, v₂, Rω), force (λ₁, λ₂, τ/R) per unit normal force. Each point of the area obeys
+    Coulomb's isotropic law, so that the support function is
+    Ψ*_C(v, Rω) = (μ/λ_N) ∫ p(r) ‖v + ω × r‖ dA, p the contact pressure.
+
+    Args:
+        mu: friction coefficient μ > 0.
+        pressure: ``"hertz"`` (elastic sphere) or ``"uniform"`` (flat pad).
+
+    Reference: [LeineGlocker2003].
+
+    >>> from asperity import CoulombContensou
+    >>> sliding, drilling = CoulombContensou(0.3).support([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> round(float(sliding), 9), round(float(drilling), 9)  # 0.3 and 0.3 · 3π/16
+    (0.3, 0.176714587)
+    """
+
+    mu: float
+    pressure: Pressure
+
+    def __init__(self, mu: float, pressure: Pressure = "hertz") -> None:
+        mu = _arrays.positive(mu, "mu")
+        pressure = _arrays.choice(pressure, "pressure", ("hertz", "uniform"))
+        self._set_core(_core.Set.coulomb_contensou(mu, pressure), mu=mu, pressure=pressure)
+
+    def scaled(self, factor: float) -> CoulombContensou:
+        """Return the set {s x : x ∈ C}."""
+        return self.replace(mu=_arrays.positive(factor, "factor") * self.mu)

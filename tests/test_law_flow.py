@@ -1,0 +1,237 @@
+"""Laws from flow rules: asperities, tensors, samples."""
+
+import asperity as asp
+import numpy as np
+import pytest
+from samples import FOURTH_ORDER, PLANE_LAWS, SMOOTH_LAWS, TILTED_ELLIPSES, identify, random_problem
+
+PHI = 2.0 * np.pi * np.arange(720) / 720 + 0.001
+THETA = 2.0 * np.pi * np.arange(1000) / 1000 + 0.0003
+
+
+CUSPED = PLANE_LAWS[2].reservoir
+
+
+def unit(angle):
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+# Asperities
+
+
+@pytest.mark.parametrize(("mu", "degrees"), [(1.2, 36.0), (0.3, 20.0), (0.5, 60.0), (2.0, 25.0)])
+def test_asperity_law_has_the_forces_of_the_springs(mu, degrees):
+    """(49) against (50), and tan θ = cos²β tan φ."""
+    beta = np.deg2rad(degrees)
+    law = asp.FrictionLaw.asperity(mu, beta)
+    length = np.hypot(np.cos(PHI), np.cos(beta) * np.sin(PHI))
+    c1, c2 = np.cos(PHI) / length, np.cos(beta) * np.sin(PHI) / length
+    denominator = np.cos(beta) ** 2 - (mu * c1 * np.sin(beta)) ** 2
+    f = np.stack([mu * c1 / denominator, mu * c2 * np.cos(beta) / denominator], -1)
+    np.testing.assert_allclose(law.reservoir.gauge(f), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(-law.force(unit(PHI)), f, rtol=1e-12, atol=1e-12)
+    tangent = np.cos(beta) ** 2 * np.tan(PHI)
+    np.testing.assert_allclose(f[:, 1] / f[:, 0], tangent, rtol=1e-9)
+
+
+def test_equal_flanks_given_as_a_pair_agree_with_the_closed_form():
+    closed = asp.FrictionLaw.asperity(1.2, 0.6)
+    for law in (
+        asp.FrictionLaw.asperity(1.2, (0.6, 0.6)),
+        asp.FrictionLaw.asperity(1.2, 0.6, (1, 1)),
+    ):
+        np.testing.assert_allclose(law.force(unit(PHI)), closed.force(unit(PHI)), atol=2e-7)
+        assert law.report.closure == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("weights", [None, (1.0, 1.0), (0.2, 0.7)])
+def test_unequal_flanks_across_the_wedges(weights):
+    """Along ±e₁ a spring climbs with tan(β + ρ) and descends with tan(ρ − β), tan ρ = μ."""
+    mu, rising, falling = 0.4, 0.3, 0.6
+    law = asp.FrictionLaw.asperity(mu, (rising, falling), weights)
+    share = np.array(weights or (1 / np.tan(rising), 1 / np.tan(falling)))
+    share /= share.sum()
+    friction = np.arctan(mu)
+    forward = share @ [np.tan(friction + rising), np.tan(friction - falling)]
+    backward = share @ [np.tan(friction - rising), np.tan(friction + falling)]
+    np.testing.assert_allclose(
+        law.force([[1.0, 0.0], [-1.0, 0.0]]), [[-forward, 0], [backward, 0]], atol=1e-7
+    )
+    mirrored = asp.FrictionLaw.asperity(
+        mu, (falling, rising), None if weights is None else weights[::-1]
+    )
+    np.testing.assert_allclose(mirrored.force(-unit(PHI)), -law.force(unit(PHI)), atol=1e-6)
+
+
+def test_without_friction_unequal_flanks_carry_no_mean_force():
+    force = asp.FrictionLaw.asperity(1e-4, (0.2, 0.5)).force(unit(PHI))
+    assert np.linalg.norm(force, axis=1).max() < 2e-4
+
+
+@pytest.mark.parametrize("beta", [0.8, (0.2, 0.8), (0.8, 0.2)])
+def test_locking_springs_are_refused(beta):
+    with pytest.raises(asp.ParameterError, match="beta"):
+        asp.FrictionLaw.asperity(1.2, beta)
+
+
+# Tensors
+
+
+def test_second_order_tensor_gives_ellipses_with_the_root_of_the_ratio():
+    law = asp.FrictionLaw.tensor(np.diag([0.3, 0.1]))
+    assert law.reservoir == asp.Ellipse(0.3, 0.1)
+    assert law.direction.a / law.direction.b == pytest.approx(np.sqrt(3.0), abs=1e-8)
+    np.testing.assert_allclose(law.force(unit(PHI)), -unit(PHI) * [0.3, 0.1], rtol=1e-12)
+
+
+def test_flow_rule_of_a_tensor_gives_the_same_ellipses():
+    law = asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi) * [0.3, 0.1])
+    radius = law.direction.radius([0.0, np.pi / 2])
+    assert radius[0] / radius[1] == pytest.approx(np.sqrt(3.0), abs=1e-8)
+    np.testing.assert_allclose(
+        law.reservoir.radius(THETA), asp.Ellipse(0.3, 0.1).radius(THETA), rtol=1e-8
+    )
+    assert law.report.closure == pytest.approx(1.0, abs=1e-12)
+    assert law.report.smallest_resistance == pytest.approx(0.1, abs=1e-12)
+    assert law.report.samples == 1440
+
+
+@pytest.mark.parametrize(
+    "tensor", [[[0.3, 0.05], [0.05, 0.2]], [[0.2, -0.1], [-0.1, 0.2]], [[0.1, 0.04], [0.04, 0.6]]]
+)
+def test_symmetric_tensors_that_are_not_diagonal(tensor):
+    law = asp.FrictionLaw.tensor(tensor)
+    np.testing.assert_allclose(-law.force(unit(PHI)), unit(PHI) @ np.array(tensor), rtol=1e-10)
+
+
+def test_skew_tensor_has_no_direction_set_and_is_refused_with_its_closure():
+    with pytest.raises(asp.ParameterError, match=r"6\.13"):
+        asp.FrictionLaw.tensor([[0.3, -0.05], [0.05, 0.1]])
+    with pytest.raises(asp.ParameterError, match=r"0\.163"):  # the reciprocal
+        asp.FrictionLaw.tensor([[0.3, 0.05], [-0.05, 0.1]])
+
+
+@pytest.mark.parametrize("tensor", [np.diag([0.3, 0.0]), [[0.1, 0.2], [0.2, 0.1]]])
+def test_tensors_that_do_not_dissipate_are_refused(tensor):
+    with pytest.raises(asp.ParameterError, match="second_order"):
+        asp.FrictionLaw.tensor(tensor)
+    with pytest.raises(asp.ParameterError):
+        asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi) @ np.array(tensor))
+
+
+def test_collinear_tensor_function_with_non_convex_reservoir():
+    """Fig. 12b with own parameters: μ(φ) = 0.2 + 0.05 cos 4φ."""
+    one, none = np.eye(2), np.zeros((2, 2))
+    pairs = [(0.2 * one, none), *[(none, none)] * 3, (0.05 * one, none)]
+    law = asp.FrictionLaw.tensor_function(pairs)
+    by_function = asp.FrictionLaw.tensor_function(
+        lambda phi: (0.2 + 0.05 * np.cos(4 * phi))[:, None, None] * np.eye(2)
+    )
+    np.testing.assert_allclose(
+        law.reservoir.radius(THETA), 0.2 + 0.05 * np.cos(4 * THETA), rtol=1e-7
+    )
+    np.testing.assert_allclose(law.force(unit(PHI)), by_function.force(unit(PHI)), atol=1e-12)
+    assert law.is_collinear
+    assert not law.reservoir.is_convex
+    radius = law.direction.radius(THETA)
+    np.testing.assert_allclose(radius, radius.mean(), rtol=1e-9)
+    flatter = [(0.2 * one, none), *[(none, none)] * 3, (0.2 / 17.5 * one, none)]
+    assert asp.FrictionLaw.tensor_function(flatter).reservoir.is_convex
+
+
+def test_sine_terms_of_a_tensor_function():
+    none = np.zeros((2, 2))
+    pairs = [(0.3 * np.eye(2), none), (none, 0.1 * np.eye(2))]
+    force = asp.FrictionLaw.tensor_function(pairs).force(unit(PHI))
+    expected = -(0.3 + 0.1 * np.sin(PHI))[:, None] * unit(PHI)
+    np.testing.assert_allclose(force, expected, atol=1e-8)
+
+
+def test_fourth_order_tensor_with_non_convex_reservoir_and_convex_direction_set():
+    """Fig. 12c with own parameters."""
+    law = asp.FrictionLaw.tensor(0.2 * np.eye(2), FOURTH_ORDER)
+    c, s = np.cos(PHI), np.sin(PHI)
+    f1 = 0.2 * c + 0.1 * c**3 - 0.1 * c * s**2
+    f2 = 0.2 * s + 0.1 * s**3 - 0.1 * s * c**2
+    np.testing.assert_allclose(-law.force(unit(PHI)), np.stack([f1, f2], -1), atol=1e-7)
+    assert not law.reservoir.is_convex
+    assert law.direction.is_convex
+    assert not law.is_collinear
+
+
+def test_flow_rule_whose_force_turns_back_is_refused_with_the_direction():
+    """A fourth-order tensor so strong that θ(φ) falls: no convex D."""
+    with pytest.raises(asp.ParameterError) as caught:
+        asp.FrictionLaw.tensor(0.2 * np.eye(2), -1.5 * FOURTH_ORDER)
+    assert caught.value.argument == "force"
+    assert "convex" in caught.value.message
+
+
+# Samples
+
+
+def compare(found, law, theta, tolerance):
+    """Relative difference of r_C at some angles and of r_D everywhere."""
+    reservoir = found.reservoir.radius(theta) / law.reservoir.radius(theta) - 1
+    direction = found.direction.radius(THETA) / law.direction.radius(THETA) - 1
+    assert np.abs(reservoir).max() < tolerance
+    assert np.abs(direction).max() < tolerance
+
+
+@pytest.mark.parametrize("law", SMOOTH_LAWS, ids=identify)
+def test_exact_samples_return_the_law(law):
+    phi = 2.0 * np.pi * np.arange(360) / 360
+    found = asp.FrictionLaw.from_samples(phi, -law.force(unit(phi)))
+    # Where C has corners or cusps, samples tell nothing about the boundary between them.
+    corners = isinstance(law.reservoir, asp.Polygon) or law.reservoir == CUSPED
+    theta = phi + law.deflection(phi) if corners else THETA
+    compare(found, law, theta, 1e-4)
+    assert found.report.closure == pytest.approx(1.0, abs=1e-4)
+    assert found.report.samples == 360
+    shuffled = np.random.default_rng(1).permutation(360)
+    again = asp.FrictionLaw.from_samples(
+        phi[shuffled] - 2 * np.pi * (shuffled % 3), -law.force(unit(phi))[shuffled]
+    )
+    np.testing.assert_allclose(again.force(unit(PHI)), found.force(unit(PHI)), atol=1e-9)
+
+
+@pytest.mark.parametrize("law", [PLANE_LAWS[1], TILTED_ELLIPSES, SMOOTH_LAWS[-3]], ids=identify)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_noisy_samples_return_the_law_within_the_noise(law, seed):
+    rng = np.random.default_rng(seed)
+    phi = 2.0 * np.pi * np.arange(36) / 36
+    noise = 0.01
+    force = -law.force(unit(phi)) * (1 + noise * rng.normal(size=(36, 2)))
+    found = asp.FrictionLaw.from_samples(phi, force)
+    compare(found, law, phi + law.deflection(phi), 6 * noise)
+    assert abs(found.report.closure - 1.0) < 0.1
+    assert found.direction.is_convex
+
+
+def test_defects_beyond_the_tolerance_are_refused():
+    phi = 2.0 * np.pi * np.arange(36) / 36
+    skew = unit(phi) @ np.array([[0.3, -0.01], [0.01, 0.3]])
+    closure = np.exp(2 * np.pi * 0.01 / 0.3)
+    loose = asp.FrictionLaw.from_samples(phi, skew, closure_tolerance=0.3)
+    found = loose.report.closure
+    assert max(found, 1 / found) == pytest.approx(closure, rel=1e-6)
+    assert loose.report.repair > 0.0
+    with pytest.raises(asp.ParameterError, match=r"force: .*\d\.\d"):
+        asp.FrictionLaw.from_samples(phi, skew)
+
+
+def test_solvers_agree_on_laws_from_samples():
+    """Both sets are curves; 60 problems of one to three contacts."""
+    rng = np.random.default_rng(7)
+    phi = 2.0 * np.pi * np.arange(72) / 72
+    originals = (TILTED_ELLIPSES, PLANE_LAWS[4])
+    laws = [asp.FrictionLaw.from_samples(phi, -law.force(unit(phi))) for law in originals]
+    unique = 0
+    for _ in range(60):
+        contacts = int(rng.integers(1, 4))
+        problem = random_problem(rng, laws, contacts, rng.random(contacts) < 0.5)
+        exact, prox = (problem.solve(s) for s in (asp.Exact(), asp.ProxGaussSeidel()))
+        if not exact.ambiguous and not prox.ambiguous:
+            unique += 1
+            np.testing.assert_allclose(prox.percussion, exact.percussion, atol=1e-7)
+    assert unique > 50

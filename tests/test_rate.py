@@ -1,0 +1,112 @@
+"""Stribeck's rate factor in laws and in motion."""
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import Stribeck
+from samples import (
+    PLANE_LAWS,
+    TILTED_ELLIPSES,
+    assert_breaks_monotonicity,
+    identify,
+    random_directions,
+)
+
+RATES = [
+    Stribeck(0.1),
+    Stribeck(0.1, 0.4),
+    Stribeck(0.3, 0.5, exponent=2.0, viscous=0.2),
+    Stribeck(0.2, 0.1, shape="hyperbolic"),
+    Stribeck(1.0, 0.0, shape="hyperbolic", exponent=1.5, viscous=0.01),
+]
+all_rates = pytest.mark.parametrize("rate", RATES, ids=identify)
+
+
+@pytest.fixture
+def slip():
+    rng = np.random.default_rng(8)
+    return random_directions(rng, 60, 2) * 10.0 ** rng.uniform(-3, 1, size=(60, 1))
+
+
+@all_rates
+def test_factor_falls_from_one(rate):
+    speed = np.array([0.0, rate.speed, 1e6 * rate.speed])
+    drop = {"exponential": np.exp(-1.0), "hyperbolic": 0.5}[rate.shape]
+    at_speed = rate.ratio + (1 - rate.ratio) * drop + rate.viscous * rate.speed
+    np.testing.assert_allclose(rate(speed)[:2], [1.0, at_speed], rtol=1e-14)
+    assert rate(speed)[2] == pytest.approx(rate.ratio + rate.viscous * speed[2], abs=1e-5)
+    assert rate(0.1).shape == ()
+    with pytest.raises(asp.ParameterError, match="speed"):
+        rate(-0.1)
+
+
+@all_rates
+@pytest.mark.parametrize("law", PLANE_LAWS[:5], ids=identify)
+def test_force_in_slip_is_the_dry_force_times_the_factor(rate, law, slip):
+    rated = law.replace(rate=rate)
+    factor = rate(np.linalg.norm(slip, axis=1))
+    np.testing.assert_allclose(
+        rated.force(slip, 3.0), factor[:, None] * law.force(slip, 3.0), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        rated.dissipation(slip, 3.0), factor * law.dissipation(slip, 3.0), rtol=1e-12
+    )
+
+
+@all_rates
+def test_jacobian_is_the_derivative_of_the_force(rate, slip):
+    law = TILTED_ELLIPSES.replace(rate=rate)
+    slip = slip[np.linalg.norm(slip, axis=1) > 0.01]
+    jacobian = law.jacobian(slip)
+    for j, e in enumerate(1e-7 * np.eye(2)):
+        column = (law.force(slip + e) - law.force(slip - e)) / 2e-7
+        np.testing.assert_allclose(jacobian[..., j], column, rtol=1e-4, atol=1e-5)
+
+
+def test_rate_belongs_to_the_law_but_not_to_its_shape():
+    law = TILTED_ELLIPSES.replace(rate=RATES[0])
+    assert law != TILTED_ELLIPSES
+    assert law.rotated(0.3).rate == RATES[0]
+    with pytest.raises(asp.ParameterError, match="force"):
+        law.slip_direction([0.1, 0.0])
+    phi = np.linspace(0.0, 6.0, 20)
+    np.testing.assert_array_equal(law.resistance(phi), TILTED_ELLIPSES.resistance(phi))
+    np.testing.assert_array_equal(law.trace_criterion(phi), TILTED_ELLIPSES.trace_criterion(phi))
+    assert eval(repr(law), {name: getattr(asp, name) for name in asp.__all__}) == law
+
+
+def test_falling_force_breaks_monotonicity():
+    law = asp.FrictionLaw.isotropic(0.5).replace(rate=Stribeck(0.1, 0.4))
+    assert_breaks_monotonicity(law, law.is_maximal_monotone)
+    assert law.is_dissipative
+
+
+def block_on_belt(dt, t_end):
+    """m = k = F_S = 1, belt 0.2 m/s, F = 1/(1 + 3|γ|)."""
+    rate = Stribeck(1 / 3, shape="hyperbolic")
+    law = asp.FrictionLaw(asp.Interval(-1.0, 1.0), asp.Interval(-1.0, 1.0), rate=rate)
+    contact = asp.Contact(law, [[1.0]], normal_force=1.0, velocity=[-0.2])
+    block = asp.LinearSystem(1.0, stiffness=1.0, contacts=[contact])
+    return asp.simulate(block, dt=dt, t_end=t_end, u0=[0.2])
+
+
+def test_block_on_belt_has_the_known_stick_slip_cycle():
+    dt = 2e-4
+    motion = block_on_belt(dt, 40.0)
+    sticking = motion.phase[:, 0] == asp.Phase.STICK
+    change = np.diff(sticking.astype(int))
+    # The block starts in stick, not on the cycle.
+    starts, releases = np.flatnonzero(change == 1)[1:], np.flatnonzero(change == -1)[1:]
+    period = motion.t[starts[1]] - motion.t[starts[0]]
+    stick = motion.t[releases[0]] - motion.t[starts[0]]
+    assert period == pytest.approx(12.001031, abs=5e-3)
+    assert stick == pytest.approx(7.705032, abs=5e-3)
+    assert period - stick == pytest.approx(4.296, abs=5e-3)
+    assert motion.q[starts[0] :, 0].max() == pytest.approx(1.133944, abs=5e-4)
+
+
+def test_block_on_belt_sticks_while_the_spring_is_weaker_than_static_friction():
+    motion = block_on_belt(1e-3, 6.0)
+    released = np.flatnonzero(motion.phase[1:, 0] != asp.Phase.STICK)[0] + 1
+    assert motion.q[released, 0] == pytest.approx(1.0, abs=2e-3)
+    np.testing.assert_allclose(motion.u[1 : released - 1, 0], 0.2, rtol=1e-9)
