@@ -6,10 +6,13 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 
 export CARGO_TERM_COLOR ?= auto
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test test-rust test-python bench long format clean
+.PHONY: demo figures test test-rust test-python bench long format clean
 
 demo: $(VENV)/.installed
 	$(BIN)/asperity demo --out out/demo
+
+figures: $(VENV)/.installed
+	$(BIN)/asperity figures --out out/figures
 
 test: test-rust test-python
 
@@ -29,10 +32,11 @@ test-python: $(VENV)/.installed
 bench: $(VENV)/.installed
 	cargo bench --locked
 	$(BIN)/python benches/python_overhead.py
+	$(BIN)/python benches/python_sets.py
 
 # The long profile: 10⁵ random cases per set, 10⁶ one-contact problems per law.
 long:
-	PROPTEST_CASES=100000 cargo test --release --locked -p asperity-set --test properties
+	PROPTEST_CASES=100000 cargo test --release --locked -p asperity-set
 	cargo test --release --locked -p asperity -- --ignored
 
 format:

@@ -93,7 +93,8 @@ def test_flow_rule_of_a_tensor_gives_the_same_ellipses():
     )
     assert law.report.closure == pytest.approx(1.0, abs=1e-12)
     assert law.report.smallest_resistance == pytest.approx(0.1, abs=1e-12)
-    assert law.report.samples == 1440
+    assert law.report.samples >= 1440
+    assert law.report.misfit < 1e-8
 
 
 @pytest.mark.parametrize(
@@ -163,19 +164,18 @@ def test_flow_rule_whose_force_turns_back_is_refused_with_the_direction():
     """A fourth-order tensor so strong that θ(φ) falls: no convex D."""
     with pytest.raises(asp.ParameterError) as caught:
         asp.FrictionLaw.tensor(0.2 * np.eye(2), -1.5 * FOURTH_ORDER)
-    assert caught.value.argument == "force"
+    assert caught.value.argument == "fourth_order"
     assert "convex" in caught.value.message
 
 
 # Samples
 
 
-def compare(found, law, theta, tolerance):
-    """Relative difference of r_C at some angles and of r_D everywhere."""
+def errors(found, law, theta):
+    """Largest relative differences of r_C at some angles and of r_D everywhere."""
     reservoir = found.reservoir.radius(theta) / law.reservoir.radius(theta) - 1
     direction = found.direction.radius(THETA) / law.direction.radius(THETA) - 1
-    assert np.abs(reservoir).max() < tolerance
-    assert np.abs(direction).max() < tolerance
+    return np.array([np.abs(reservoir).max(), np.abs(direction).max()])
 
 
 @pytest.mark.parametrize("law", SMOOTH_LAWS, ids=identify)
@@ -185,7 +185,7 @@ def test_exact_samples_return_the_law(law):
     # Where C has corners or cusps, samples tell nothing about the boundary between them.
     corners = isinstance(law.reservoir, asp.Polygon) or law.reservoir == CUSPED
     theta = phi + law.deflection(phi) if corners else THETA
-    compare(found, law, theta, 1e-4)
+    assert errors(found, law, theta).max() < 1e-4
     assert found.report.closure == pytest.approx(1.0, abs=1e-4)
     assert found.report.samples == 360
     shuffled = np.random.default_rng(1).permutation(360)
@@ -195,15 +195,20 @@ def test_exact_samples_return_the_law(law):
     np.testing.assert_allclose(again.force(unit(PHI)), found.force(unit(PHI)), atol=1e-9)
 
 
-@pytest.mark.parametrize("law", [PLANE_LAWS[1], TILTED_ELLIPSES, SMOOTH_LAWS[-3]], ids=identify)
+@pytest.mark.parametrize("law", SMOOTH_LAWS, ids=identify)
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_noisy_samples_return_the_law_within_the_noise(law, seed):
+    """Also between the samples, beyond what 36 exact ones leave open there."""
     rng = np.random.default_rng(seed)
     phi = 2.0 * np.pi * np.arange(36) / 36
-    noise = 0.01
-    force = -law.force(unit(phi)) * (1 + noise * rng.normal(size=(36, 2)))
+    exact, noise = -law.force(unit(phi)), 0.01
+    force = exact * (1 + noise * rng.normal(size=(36, 2)))
     found = asp.FrictionLaw.from_samples(phi, force)
-    compare(found, law, phi + law.deflection(phi), 6 * noise)
+    resolution = errors(asp.FrictionLaw.from_samples(phi, exact, smoothing=None), law, THETA)
+    assert (errors(found, law, THETA) < 6 * noise + 2 * resolution).all()
+    if found.report.order is not None:
+        size = np.abs(force).max()
+        assert 0.2 * noise * size < found.report.noise < 2.0 * noise * size
     assert abs(found.report.closure - 1.0) < 0.1
     assert found.direction.is_convex
 

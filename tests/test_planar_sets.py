@@ -201,8 +201,14 @@ BAD_OUTLINES = {
     "hidden bay": [[2.0, -1.0], [2.0, 2.0], [1.0, 2.0], [1.5, 0.5], [-1.0, 1.0], [-1.0, -1.0]],
     "crossing": [[1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [-1.0, -1.0]],
     "wound twice": SQUARE + [[0.5 * x, 0.5 * y] for x, y in SQUARE],
-    "radial edge": [[1.0, 0.0], [2.0, 0.0], [0.0, 2.0], [-1.0, 0.0], [0.0, -1.0]],
 }
+
+
+def test_edges_along_a_ray_are_star_shaped_but_not_strictly():
+    outline = [[1.0, 0.0], [2.0, 0.0], [0.0, 2.0], [-1.0, 0.0], [0.0, -1.0]]
+    assert asp.star_shape(outline)
+    with pytest.raises(asp.ParameterError, match=r"vertices: .*strictly .*\(1.5, 0\)"):
+        asp.Polygon(outline)
 
 
 @pytest.mark.parametrize("outline", BAD_OUTLINES.values(), ids=BAD_OUTLINES.keys())

@@ -269,6 +269,54 @@ def test_labels_of_several_laws_stay_apart():
     assert labels == ["$l_t$, tilted", "$l_p$, tilted", "$l_t$, isotropic"]
 
 
+def test_short_names_of_options_are_understood():
+    along, across = plot_friction_coefficient(LAW, ls=":", c="r", lw=0.5)
+    assert (along.get_linestyle(), across.get_linestyle()) == (":", "--")
+    assert {(one.get_color(), one.get_linewidth()) for one in (along, across)} == {("r", 0.5)}
+    assert plot_set(RECTANGLE, c="r")[0].get_color() == "r"
+    with pytest.raises(TypeError, match="color"):
+        plot_friction_coefficient(LAW, c="r", color="b")
+
+
+@pytest.mark.parametrize(
+    ("argument", "plot"),
+    [
+        ("set", lambda: plot_set(3)),
+        ("set", lambda: plot_cones(3, [1.0, 0.0])),
+        ("set", lambda: plot_projection(3, [1.0, 0.0])),
+        ("set", lambda: plot_gauge(3)),
+        ("law", lambda: plot_law(3)),
+        ("law", lambda: plot_friction_coefficient(3)),
+        ("law", lambda: plot_deflection(3)),
+        ("trajectory", lambda: plot_path(3)),
+        ("trajectory", lambda: plot_phase(3)),
+        ("trajectory", lambda: plot_forces_in_reservoir(3, LAW)),
+        ("ax", lambda: plot_set(RECTANGLE, 3)),
+        ("ax", lambda: plot_law(LAW, 3)),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused_by_name(argument, plot):
+    with pytest.raises(asp.ParameterError, match="must be") as refused:
+        plot()
+    assert refused.value.argument == argument
+    assert not mpl.pyplot.get_fignums()
+
+
+def test_what_is_not_planar_is_refused_by_name(motion):
+    line, space = asp.FrictionLaw.isotropic(0.3, dimension=1), asp.Ball(1.0)
+    for argument, plot in (
+        ("law", lambda: plot_deflection(line)),
+        ("law", lambda: plot_friction_coefficient(line)),
+        ("law", lambda: plot_forces_in_reservoir(motion, line)),
+        ("set", lambda: plot_projection(space, [1.0, 0.0, 0.0])),
+        ("set", lambda: plot_gauge(space)),
+    ):
+        with pytest.raises(asp.DimensionError, match="planar") as refused:
+            plot()
+        assert refused.value.argument == argument
+    assert not mpl.pyplot.get_fignums()
+
+
 def test_path_and_phase_show_every_sample(motion):
     path, end = plot_path(motion, label="mass")
     np.testing.assert_array_equal(path.get_xydata(), motion.q)

@@ -19,7 +19,7 @@ VALUES = [
     *ALL_SETS,
     *LAWS,
     LAW.replace(rate=asp.Stribeck(0.1)),
-    asp.FlowReport(1.001, 0.0, 0.1, 1e-3, 36),
+    asp.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36, order=7, noise=0.01),
     asp.Stribeck(0.1, 0.5, shape="hyperbolic", exponent=2.0, viscous=0.1),
     asp.Cone([[[1.0, 0.0], [0.0, 1.0]]]),
     asp.Cone([[]], dimension=2),

@@ -29,9 +29,15 @@ def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = 
     converted = np.asarray(raw, dtype=np.float64, order="C")
     if shape is not None:
         _check_shape(converted, argument, shape)
-    if not np.isfinite(converted).all():
+    # The sum of finite numbers is finite unless it overflows: a cheap test for the usual case.
+    if not math.isfinite(_sum(converted)) and not np.isfinite(converted).all():
         raise ParameterError(argument, "must be finite, it holds NaN or infinity")
     return converted
+
+
+def _sum(values: Array) -> float:
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(values.sum())
 
 
 def _check_shape(value: Array, argument: str, shape: Sequence[int | None]) -> None:
@@ -187,6 +193,12 @@ def choice(value: Word, argument: str, allowed: Sequence[Word]) -> Word:
 def unit_vectors(angle: Array | float) -> Array:
     """Return (cos φ, sin φ) for angles of any shape."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def brief(value: object) -> str:
+    """Return the repr, cut if it is long: that of a polygon lists all its corners."""
+    text = repr(value)
+    return text if len(text) <= 100 else f"{text[:97]}..."
 
 
 def read_only(values: NDArray[Any]) -> NDArray[Any]:

@@ -54,9 +54,9 @@ def _parser() -> argparse.ArgumentParser:
         "figures",
         help="redraw Figs. 1-8 and 10-12 of Walker & Leine (2019) and check what they state",
         description="Redraw Figs. 1-8 and 10-12 of Walker & Leine (2019): figNN.png, figNN.csv "
-        "with its data, and a table of the statements that belong to it, Propositions 1-5 among "
-        "them. Parameters the paper does not give are own ones and labelled so. Exit code 1 if a "
-        "statement does not hold.",
+        "with its curves (points x, y) and arrows (from x, y by dx, dy), and a table of the "
+        "statements that belong to it, Propositions 1-5 among them. Parameters the paper does not "
+        "give are own ones; each figure says so. Exit code 1 if a statement does not hold.",
         epilog="example: asperity figures --only 1-4,7 --out out/figures",
     )
     figures.add_argument(

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::batch::{Answer, answer, each_vector, flat};
 use crate::convert::{Points, points, rows};
-use crate::errors::dimension;
+use crate::errors::{Failure, dimension};
 
 /// Nearest points of the convex cone with some generators.
 #[pyfunction]
@@ -33,9 +33,9 @@ pub fn cone_projection<'py>(
 
 /// Whether a closed outline bounds a star-shaped set.
 #[pyfunction]
-pub fn star_shape<'py>(py: Python<'py>, vertices: Points<'py>) -> PyResult<Answer<'py>> {
+pub fn star_shape<'py>(py: Python<'py>, vertices: Points<'py>) -> Result<Answer<'py>, Failure> {
     let outline: Vec<_> = points(&vertices, "vertices")?.collect();
-    answer(py, &outline_verdict(&outline))
+    Ok(answer(py, &outline_verdict(&outline)?)?)
 }
 
 /// Generators of the polar cone of the convex cone with some generators.

@@ -55,7 +55,7 @@ pub fn points<'a, const P: usize>(
         return Err(dimension(argument, &message));
     }
     let values = array.as_slice().map_err(|_| dimension(argument, "must be contiguous"))?;
-    Ok(values.chunks_exact(P).map(Vector::from_column_slice))
+    Ok(values.chunks_exact(P).map(|x| Vector::from(std::array::from_fn::<f64, P, _>(|i| x[i]))))
 }
 
 /// An array of shape `(n, width)` from its numbers, row by row.

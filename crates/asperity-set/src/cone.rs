@@ -1,6 +1,6 @@
 //! Normal and tangent cones.
 
-use crate::plane::{cast, cross_3, quarter_turn};
+use crate::plane::{cast, cross, cross_3, quarter_turn};
 use crate::polar::tangents;
 use crate::{ConvexSet, Matrix, Star, StarSet, Vector, along};
 
@@ -26,11 +26,10 @@ impl<const P: usize> Cone<P> {
     where
         S: StarSet<P> + ?Sized,
     {
-        let (gauge, gradient) = set.gauge_jet(x);
-        match gauge {
+        match set.gauge(x) {
             k if k > 1.0 + tolerance => None,
             k if k < 1.0 - tolerance => Some(Self::new([])),
-            _ => Some(Self::new([gradient])),
+            _ => Some(Self::new([set.gauge_jet(x).1])),
         }
     }
 
@@ -87,6 +86,20 @@ impl<const P: usize> Cone<P> {
         }
         let n = chosen.len();
         let basis = |i: usize| &self.generators[chosen[i]];
+        if n == P {
+            // P generators span the space: y itself, if Cramer's rule gives positive coefficients.
+            let volume = |replaced: usize| {
+                let column = |i: usize| if i == replaced { y } else { basis(i) };
+                match P {
+                    1 => column(0)[0],
+                    2 => cross(&cast(column(0)), &cast(column(1))),
+                    _ => column(0).dot(&cross_3(column(1), column(2))),
+                }
+            };
+            let whole = volume(P);
+            let positive = whole.abs() > 1e-14 && (0..P).all(|i| volume(i) * whole >= 0.0);
+            return positive.then_some(*y);
+        }
         let gram = Matrix::<3>::from_fn(|i, j| match (i < n, j < n) {
             (true, true) => basis(i).dot(basis(j)),
             _ => f64::from(i == j),
@@ -163,12 +176,21 @@ pub fn tangent_cone<const P: usize>(
     if let Some(convex) = set.as_convex() {
         return Some(vec![convex.normal_cone(x, tolerance)?.polar()]);
     }
-    let corner = set.corners().into_iter().find(|c| (c - x).norm() <= 1e-6 * c.norm());
-    match corner {
-        Some(corner) if P == 2 && (set.gauge(x) - 1.0).abs() <= tolerance => {
-            Some(sector(set, &corner))
-        }
+    // The gauge is of no help beside a cusp, where it is steep without bound.
+    let near = |c: &Vector<P>| (c - x).norm() <= tolerance.max(1e-12) * c.norm();
+    match set.corners().into_iter().find(near) {
+        Some(corner) if is_cusped(set) => Some(vec![Cone::new([-corner])]),
+        Some(corner) if P == 2 => Some(sector(set, &corner)),
         _ => Some(vec![Cone::smooth(set, x, tolerance)?.polar()]),
+    }
+}
+
+/// Whether the corners of a set are the tips of cusps, whose tangent cone is a ray.
+fn is_cusped<const P: usize>(set: &Star<P>) -> bool {
+    match set {
+        Star::Superellipsoid(_) => true,
+        Star::Image(image) => is_cusped(image.preimage()),
+        _ => false,
     }
 }
 

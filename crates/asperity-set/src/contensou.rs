@@ -252,6 +252,9 @@ impl ConvexSet<3> for CoulombContensou {
     }
 
     fn project(&self, z: &Vector<3>) -> Vector<3> {
-        around(z, &self.meridian.project(&meridian(z)))
+        let local = meridian(z);
+        let nearest = self.meridian.project(&local);
+        // A point inside comes back as it is.
+        if nearest == local { *z } else { around(z, &nearest) }
     }
 }

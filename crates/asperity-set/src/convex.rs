@@ -25,17 +25,7 @@ pub trait ConvexSet<const P: usize>: StarSet<P> {
     /// boundary's curvature vanishes and zero where `y` points at a corner. The default takes central
     /// differences.
     fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
-        let step = f64::EPSILON.cbrt() * y.amax();
-        let mut hessian = Matrix::<P>::zeros();
-        for j in 0..P {
-            let (mut ahead, mut behind) = (*y, *y);
-            ahead[j] += step;
-            behind[j] -= step;
-            let width = ahead[j] - behind[j];
-            let column = (self.support_point(&ahead) - self.support_point(&behind)) / width;
-            hessian.set_column(j, &column);
-        }
-        (self.support_point(y), (hessian + hessian.transpose()) * 0.5)
+        (self.support_point(y), polar::support_hessian(self, y))
     }
 
     /// Support point at `y ≠ 0` and its derivative `∇²h(y) dy`.

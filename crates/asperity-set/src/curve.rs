@@ -63,7 +63,8 @@ impl Curve {
     /// The curve through positive samples at angles in rad, in any order, within one turn.
     ///
     /// Where the samples are those of a convex `F`, so is the curve. If that cannot be had with a continuous
-    /// `ρ` (a corner beside a flat), the slope jumps at the samples that would bring a dent.
+    /// `ρ` (a corner beside a flat), or if the curve would swing far beyond the samples, the slope jumps at the
+    /// samples concerned.
     pub(crate) fn new(
         angle: &[f64],
         value: &[f64],
@@ -76,29 +77,25 @@ impl Curve {
         let mut corner = vec![false; n];
         loop {
             let mut rho = solve(&angle, &jump, &corner);
-            // In a dent ρ, or the jump at a corner, takes back what the neighbours bring.
-            let least = |i: usize| if corner[i] { -rounding[i] } else { 0.0 };
-            let dents: Vec<usize> = (0..n)
-                .filter(|&i| {
-                    rho[i] < least(i)
-                        && !(corner[i] && corner[(i + 1) % n] && corner[(i + n - 1) % n])
-                })
-                .collect();
-            if !convex || dents.is_empty() {
+            let mut faults = overshoots(&angle, &value, &rho, &corner);
+            if convex {
+                // In a dent ρ, or the jump at a corner, takes back what the neighbours bring.
+                let least = |i: usize| if corner[i] { -rounding[i] } else { 0.0 };
+                faults.extend((0..n).filter(|&i| rho[i] < least(i)));
+            }
+            let around = |i: &usize| [(i + n - 1) % n, *i, (i + 1) % n];
+            faults.retain(|i| around(i).iter().any(|&j| !corner[j]));
+            if faults.is_empty() {
                 for i in 0..n {
                     if corner[i] {
                         // Within a flat the jump vanishes.
-                        corner[i] = rho[i] > 64.0 * rounding[i];
+                        corner[i] = rho[i].abs() > 64.0 * rounding[i];
                         rho[i] = 0.0;
                     }
                 }
                 return Ok(Self::from_samples(&angle, &value, &rho, &corner));
             }
-            for i in dents {
-                for j in [i + n - 1, i, i + 1] {
-                    corner[j % n] = true;
-                }
-            }
+            faults.iter().flat_map(around).for_each(|j| corner[j] = true);
         }
     }
 
@@ -138,6 +135,18 @@ impl Curve {
     /// Directions in which the gradient jumps.
     pub(crate) fn corners(&self) -> &[Vector<2>] {
         &self.corners
+    }
+
+    /// The gradients on pieces where `F` is linear, one for each run of such pieces.
+    pub(crate) fn linear_parts(&self) -> Vec<Vector<2>> {
+        let mut found: Vec<Vector<2>> = Vec::new();
+        for piece in self.pieces.iter().filter(|p| p.rho == 0.0 && p.slope == 0.0) {
+            let new = |x: &Vector<2>| (x - piece.linear).norm() > 1e-9 * piece.linear.norm();
+            if found.iter().all(new) {
+                found.push(piece.linear);
+            }
+        }
+        found
     }
 
     /// The smallest `f + f″` and its direction: the curve is convex if it is not negative.
@@ -252,6 +261,26 @@ fn jumps(angle: &[f64], value: &[f64]) -> (Vec<f64>, Vec<f64>) {
         (jump, 16.0 * f64::EPSILON * largest * (1.0 / step[before] + 1.0 / step[i]))
     };
     (0..n).map(at).unzip()
+}
+
+/// Samples after which the curve swings far beyond its neighbours: below half the smaller value, or half
+/// as much again above the larger one and the straight line between them.
+fn overshoots(angle: &[f64], value: &[f64], rho: &[f64], corner: &[bool]) -> Vec<usize> {
+    let (n, step) = (angle.len(), steps(angle));
+    let own = |i: usize| if corner[i] { 0.0 } else { rho[i] };
+    let swings = |i: usize| {
+        let (j, h) = ((i + 1) % n, step[i]);
+        let between = |at: f64, first: f64, last: f64| {
+            (first * ((1.0 - at) * h).sin() + last * (at * h).sin()) / h.sin()
+        };
+        [0.2, 0.4, 0.6, 0.8].iter().any(|&at| {
+            let particular = own(i) * (1.0 - at) + own(j) * at;
+            let curve = particular + between(at, value[i] - own(i), value[j] - own(j));
+            let highest = value[i].max(value[j]).max(between(at, value[i], value[j]));
+            curve < 0.5 * value[i].min(value[j]) || curve > 1.5 * highest
+        })
+    };
+    (0..n).filter(|&i| swings(i)).collect()
 }
 
 /// `ρ` at the samples, or the jump of the slope where there is a corner.

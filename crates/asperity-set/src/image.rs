@@ -70,7 +70,10 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
     #[inline]
     fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
         let (point, hessian) = self.set.support_jet(&self.map.tr_mul(y));
-        (self.map * point, self.map * hessian * self.map.transpose())
+        if hessian.iter().all(|v| v.is_finite()) {
+            return (self.map * point, self.map * hessian * self.map.transpose());
+        }
+        (self.map * point, flat_hessian(y))
     }
 
     #[inline]
@@ -82,7 +85,12 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
 
     fn project(&self, z: &Vector<P>) -> Vector<P> {
         match self.similarity {
-            Some(_) => self.map * self.set.project(&(self.inverse * z)),
+            Some(_) => {
+                let local = self.inverse * z;
+                let nearest = self.set.project(&local);
+                // A point inside comes back as it is.
+                if nearest == local { *z } else { self.map * nearest }
+            }
             // In the plane the bracket does not care how skew the map is.
             None if P <= 2 => project::onto_any(self, z),
             None => project::onto_image(&self.set, &self.map, &self.inverse, z),
@@ -102,4 +110,15 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
         let cone = self.set.normal_cone(&(self.inverse * x), tolerance)?;
         Some(cone.mapped(&self.inverse.transpose()))
     }
+}
+
+/// `∞ t tᵀ` across the normal `y`, where the boundary of a planar set is flat.
+fn flat_hessian<const P: usize>(y: &Vector<P>) -> Matrix<P> {
+    if P != 2 {
+        return Matrix::repeat(f64::INFINITY);
+    }
+    let n = y.normalize();
+    let tangent = Vector::<P>::from_fn(|i, _| if i == 0 { -n[1] } else { n[0] });
+    let dyad = tangent * tangent.transpose();
+    dyad.map(|v| if v.abs() <= 1e-15 { 0.0 } else { v * f64::INFINITY })
 }

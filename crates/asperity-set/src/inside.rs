@@ -12,6 +12,7 @@ pub fn largest_scale_inside<const P: usize>(
 ) -> f64 {
     let largest = match P {
         1 => [1.0, -1.0].map(|s| outer.gauge(&inner.support_point(&Vector::repeat(s)))),
+        2 => [climb(inner, outer), largest_ratio(outer, inner).0],
         _ => [climb(inner, outer), f64::NEG_INFINITY],
     };
     1.0 / largest[0].max(largest[1])
@@ -21,15 +22,19 @@ pub fn largest_scale_inside<const P: usize>(
 /// it: `b` scaled by the reciprocal lies inside `a` and touches it there.
 pub fn largest_ratio<const P: usize>(a: &dyn StarSet<P>, b: &dyn StarSet<P>) -> (f64, Vector<P>) {
     let ratio = |d: &Vector<P>| a.gauge(d) / b.gauge(d);
-    let mut ranked: Vec<(f64, Vector<P>)> = match P {
-        1 => [1.0, -1.0].map(Vector::repeat).map(|d| (ratio(&d), d)).to_vec(),
-        _ => {
-            let corners = a.corners().into_iter().chain(b.corners());
-            directions::<P>(720).into_iter().chain(corners).map(|d| (ratio(&d), d)).collect()
-        }
+    let mut around = directions::<P>(if P == 3 { 4000 } else { 2880 });
+    let own = around.len();
+    around.extend(a.corners().into_iter().chain(b.corners()));
+    let values: Vec<f64> = around.iter().map(ratio).collect();
+    // Of equidistant angles only those with lower neighbours.
+    let is_peak = |i: usize| {
+        let neighbours = [(i + own - 1) % own, (i + 1) % own];
+        P != 2 || i >= own || neighbours.iter().all(|&j| values[i] >= values[j])
     };
+    let mut ranked: Vec<(f64, Vector<P>)> =
+        (0..around.len()).filter(|&i| is_peak(i)).map(|i| (values[i], around[i])).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    ranked.truncate(12);
+    ranked.truncate(24);
     let refined = ranked.into_iter().map(|(value, d)| search(&ratio, value, d));
     let largest = refined.max_by(|p, q| p.0.total_cmp(&q.0));
     largest.unwrap_or((f64::NEG_INFINITY, Vector::zeros()))

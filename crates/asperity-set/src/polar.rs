@@ -5,7 +5,7 @@
 
 use crate::plane::{cast, cross, cross_3, quarter_turn};
 use crate::root::{Bracket, Sample};
-use crate::{ConvexSet, StarSet, Vector, along};
+use crate::{ConvexSet, Matrix, StarSet, Vector, along};
 
 /// Support point of a convex set from its gauge.
 pub(crate) fn support_point<const P: usize, S>(set: &S, y: &Vector<P>) -> Vector<P>
@@ -13,6 +13,24 @@ where
     S: StarSet<P> + ?Sized,
 {
     farthest(&|x: &Vector<P>| set.gauge_jet(x), y)
+}
+
+/// Hessian of the support function by central differences of the support point.
+pub(crate) fn support_hessian<const P: usize, S>(set: &S, y: &Vector<P>) -> Matrix<P>
+where
+    S: ConvexSet<P> + ?Sized,
+{
+    let step = f64::EPSILON.cbrt() * y.amax();
+    let mut hessian = Matrix::<P>::zeros();
+    for j in 0..P {
+        let (mut ahead, mut behind) = (*y, *y);
+        ahead[j] += step;
+        behind[j] -= step;
+        let width = ahead[j] - behind[j];
+        let column = (set.support_point(&ahead) - set.support_point(&behind)) / width;
+        hessian.set_column(j, &column);
+    }
+    (hessian + hessian.transpose()) * 0.5
 }
 
 /// Gauge and its gradient from the support function: the gradient is the normal with `h = 1` along which
@@ -91,7 +109,7 @@ fn farthest_in_plane(jet: &dyn Fn(&Vector<2>) -> (f64, Vector<2>), y: &Vector<2>
 /// from a second gradient nearby; `None` if that does not converge at once.
 fn by_newton(jet: &dyn Fn(&Vector<2>) -> (f64, Vector<2>), y: &Vector<2>) -> Option<Vector<2>> {
     let mut x = *y;
-    for _ in 0..10 {
+    for _ in 0..16 {
         let (value, gradient) = jet(&x);
         x /= value;
         let (n, size) = (gradient.normalize(), x.norm());
@@ -102,9 +120,7 @@ fn by_newton(jet: &dyn Fn(&Vector<2>) -> (f64, Vector<2>), y: &Vector<2>) -> Opt
         let (tangent, probe) = (quarter_turn(&n), 1e-7 * size);
         let turned = jet(&(x + tangent * probe)).1;
         let step = angle * probe * turned.norm() / cross(&n, &turned);
-        if !(step.abs() < size) {
-            return None;
-        }
+        let step = step.clamp(-0.5 * size, 0.5 * size);
         if step.abs() <= f64::EPSILON * size {
             return Some(x);
         }
@@ -153,7 +169,7 @@ pub(crate) fn by_ellipsoids<const N: usize>(
 ) -> Vector<N> {
     let n = N as f64;
     let mut x = *centre;
-    let mut shape = crate::Matrix::<N>::identity() * (radius * radius);
+    let mut shape = Matrix::<N>::identity() * (radius * radius);
     for _ in 0..400 * (N - 1) {
         let gradient = subgradient(&x);
         let step = shape * gradient;

@@ -29,6 +29,13 @@ impl PolarCurve {
         self.inverse_radius.lowest().0 >= 0.0
     }
 
+    /// The ends of a straight piece of the boundary.
+    pub(crate) fn flat(&self) -> Option<[Vector<2>; 2]> {
+        let normal = *self.inverse_radius.linear_parts().first()?;
+        let turned = quarter_turn(&normal) * 1e-9;
+        Some([normal - turned, normal + turned].map(|n| self.support_point(&n)))
+    }
+
     /// The direction in which `w + w″` is smallest.
     pub(crate) fn least_curved(&self) -> Vector<2> {
         self.inverse_radius.lowest().1

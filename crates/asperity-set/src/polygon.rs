@@ -49,8 +49,12 @@ impl Polygon {
             })
             .collect();
         let convex = (0..n).all(|i| {
-            let (before, after) = (normals[(i + n - 1) % n], normals[i]);
-            cross(&before, &after) >= -4.0 * f64::EPSILON * before.norm() * after.norm()
+            let j = (i + n - 1) % n;
+            let (before, after) = (normals[j], normals[i]);
+            let length = |k: usize| (vertices[(k + 1) % n] - vertices[k]).norm();
+            // The rounding of corners turns short edges.
+            let rounding = vertices[i].norm() * (1.0 / length(i) + 1.0 / length(j));
+            cross(&before, &after) >= -8.0 * f64::EPSILON * rounding * before.norm() * after.norm()
         });
         Ok(Self { vertices: vertices.into(), normals, convex })
     }
@@ -93,13 +97,15 @@ pub enum OutlineFault {
     OriginOutside(Vector<2>),
     /// The point lies in the set, but the way to it from the origin does not.
     Hidden(Vector<2>),
+    /// The point lies on an edge along a ray: star-shaped, but not strictly, so that the radius jumps.
+    Radial(Vector<2>),
 }
 
 impl OutlineFault {
     /// The witness point.
     pub fn witness(&self) -> Vector<2> {
         match self {
-            Self::Crossing(x) | Self::OriginOutside(x) | Self::Hidden(x) => *x,
+            Self::Crossing(x) | Self::OriginOutside(x) | Self::Hidden(x) | Self::Radial(x) => *x,
         }
     }
 }
@@ -113,6 +119,9 @@ impl std::fmt::Display for OutlineFault {
                 write!(f, "must hold the origin in its interior, its nearest point is {at}")
             }
             Self::Hidden(_) => write!(f, "must be star-shaped, the origin does not see {at}"),
+            Self::Radial(_) => {
+                write!(f, "must be strictly star-shaped, an edge through {at} points at the origin")
+            }
         }
     }
 }
@@ -122,7 +131,7 @@ fn text(x: &Vector<2>) -> String {
 }
 
 /// The points without repetitions next to each other.
-fn distinct(points: &[Vector<2>]) -> Vec<Vector<2>> {
+pub(crate) fn distinct(points: &[Vector<2>]) -> Vec<Vector<2>> {
     let mut kept: Vec<Vector<2>> = points.to_vec();
     kept.dedup();
     while kept.len() > 1 && kept.first() == kept.last() {
@@ -158,10 +167,16 @@ pub fn fault(outline: &[Vector<2>]) -> Option<OutlineFault> {
             a + along * (-a.dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
         })
         .min_by(|p, q| p.norm().total_cmp(&q.norm()))?;
-    if turn.abs() < 1.0 || nearest.norm() == 0.0 {
+    let size = outline.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    if turn.abs() < 1.0 || nearest.norm() <= 8.0 * f64::EPSILON * size {
         return Some(OutlineFault::OriginOutside(nearest));
     }
-    hidden.map(|(a, b)| OutlineFault::Hidden((a + b) * 0.5))
+    let backwards = edges(outline).find(|(a, b)| cross(a, b) * sense < 0.0);
+    match (backwards, hidden) {
+        (Some((a, b)), _) => Some(OutlineFault::Hidden((a + b) * 0.5)),
+        (None, Some((a, b))) => Some(OutlineFault::Radial((a + b) * 0.5)),
+        (None, None) => None,
+    }
 }
 
 /// A point that two edges share without being neighbours.
@@ -214,14 +229,17 @@ impl ConvexSet<2> for Polygon {
             .vertices
             .iter()
             .fold(self.vertices[0], |best, v| if height(v) > height(&best) { *v } else { best });
-        // The middle of the edge if both of its ends are farthest.
-        let n = self.vertices.len();
+        // The middle of a side if that is farthest as a whole.
+        let across = quarter_turn(y);
         let level = height(&highest);
-        let ends = (0..n)
-            .filter(|&i| level - height(&self.vertices[i]) <= 2.0 * f64::EPSILON * level.abs());
-        let (count, sum) = ends
-            .fold((0.0, Vector::zeros()), |(count, sum), i| (count + 1.0, sum + self.vertices[i]));
-        if count > 1.0 { sum / count } else { highest }
+        let (mut first, mut last) = (highest, highest);
+        for v in self.vertices.iter() {
+            if level - height(v) <= 2.0 * f64::EPSILON * level.abs() {
+                first = if across.dot(v) < across.dot(&first) { *v } else { first };
+                last = if across.dot(v) > across.dot(&last) { *v } else { last };
+            }
+        }
+        if first == last { highest } else { (first + last) * 0.5 }
     }
 
     fn support_jet(&self, y: &Vector<2>) -> (Vector<2>, Matrix<2>) {

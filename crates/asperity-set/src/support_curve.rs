@@ -2,7 +2,7 @@
 
 use crate::curve::Curve;
 use crate::plane::quarter_turn;
-use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
 
 /// The convex set with a smooth support function through the samples `h(φ_i)`.
 ///
@@ -45,6 +45,10 @@ impl StarSet<2> for SupportCurve {
     fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
         polar::gauge_jet(self, x)
     }
+
+    fn corners(&self) -> Vec<Vector<2>> {
+        self.support.linear_parts()
+    }
 }
 
 impl ConvexSet<2> for SupportCurve {
@@ -63,6 +67,10 @@ impl ConvexSet<2> for SupportCurve {
         let jet = self.support.jet(y);
         let across = quarter_turn(y) / y.norm();
         (jet.gradient, across * across.transpose() * (jet.rho / y.norm()))
+    }
+
+    fn normal_cone(&self, x: &Vector<2>, tolerance: f64) -> Option<Cone<2>> {
+        Cone::beside_corner(self, x, tolerance)
     }
 
     fn project(&self, z: &Vector<2>) -> Vector<2> {

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use crate::plane::{cast, quarter_turn};
-use crate::polygon::{OutlineFault, fault};
-use crate::{Convex, Planar, Star, StarSet, Vector, along, directions};
+use crate::polygon::{OutlineFault, distinct, fault};
+use crate::{Convex, ConvexSet, Planar, SetError, Star, StarSet, Vector, along, directions};
 
 /// Tolerance of the questions that are decided numerically.
 const TOLERANCE: f64 = 1e-9;
@@ -180,13 +180,15 @@ pub fn strict_convexity<const P: usize>(set: &Star<P>) -> Verdict<P> {
                 Some(ends) => Verdict::refuted(0.0, ends.iter().map(cast).collect()),
                 None => Verdict::exact(true),
             },
-            Planar::PolarCurve(_) => sampled_strictness(set),
+            Planar::PolarCurve(curve) => match curve.flat() {
+                Some(ends) => Verdict::refuted(0.0, ends.iter().map(cast).collect()),
+                None => Verdict::exact(true),
+            },
         },
         Convex::Sum(sum) => {
             let members = sum.sets().iter().map(|s| strict_convexity(&Star::Convex(s.clone())));
             match members.into_iter().find(|verdict| !verdict.holds) {
-                // A segment in one member's boundary is one in the sum's.
-                Some(_) => sampled_strictness(set),
+                Some(verdict) => segment_of_sum(convex, &verdict.witness),
                 None => Verdict::exact(true),
             }
         }
@@ -196,6 +198,18 @@ pub fn strict_convexity<const P: usize>(set: &Star<P>) -> Verdict<P> {
         }
         Convex::Custom(_) => sampled_strictness(set),
     }
+}
+
+/// A segment in one member's boundary is one in the sum's, where the sum is farthest along its normal.
+fn segment_of_sum<const P: usize>(sum: &Convex<P>, segment: &[Vector<P>]) -> Verdict<P> {
+    let (2, [a, b]) = (P, segment) else {
+        return sampled_strictness(&Star::Convex(sum.clone()));
+    };
+    let normal = quarter_turn(&cast::<P, 2>(&(b - a)));
+    let normal = if normal.dot(&cast(a)) < 0.0 { -normal } else { normal };
+    let aside = quarter_turn(&normal) * 1e-9;
+    let ends = [normal - aside, normal + aside].map(|n| sum.support_point(&cast(&n)));
+    Verdict::refuted(0.0, ends.to_vec())
 }
 
 /// By the gauge in the middle between boundary points: on a chord of the boundary it is one.
@@ -236,7 +250,14 @@ pub fn symmetry<const P: usize>(set: &Star<P>) -> Verdict<P> {
             | Convex::Contensou(_) => Verdict::exact(true),
             Convex::Cuboid(cuboid) => match -cuboid.lower() == *cuboid.upper() {
                 true => Verdict::exact(true),
-                false => Verdict { exact: true, tolerance: 0.0, ..sampled() },
+                false => {
+                    let defect = |x: &Vector<P>| (set.gauge(&-x) - 1.0).abs();
+                    let faces = (0..P)
+                        .flat_map(|i| [along(i, cuboid.lower()[i]), along(i, cuboid.upper()[i])]);
+                    let worst = faces.max_by(|x, y| defect(x).total_cmp(&defect(y)));
+                    let worst = worst.unwrap_or(Vector::zeros());
+                    Verdict::refuted(defect(&worst), vec![worst])
+                }
             },
             Convex::Image(image) => {
                 symmetry(&Star::Convex(image.preimage().clone())).mapped(image.map())
@@ -264,11 +285,15 @@ pub fn symmetry<const P: usize>(set: &Star<P>) -> Verdict<P> {
 ///
 /// The witness is a point of the set that the origin does not see, the nearest point of the outline if
 /// the origin is not inside, or a point where the outline crosses itself.
-pub fn star_shape(outline: &[Vector<2>]) -> Verdict<2> {
-    match fault(outline) {
-        None => Verdict::exact(true),
-        Some(
-            OutlineFault::Crossing(x) | OutlineFault::OriginOutside(x) | OutlineFault::Hidden(x),
-        ) => Verdict::refuted(0.0, vec![x]),
+pub fn star_shape(outline: &[Vector<2>]) -> Result<Verdict<2>, SetError> {
+    let outline = distinct(outline);
+    if outline.len() < 3 {
+        let message = format!("must hold at least 3 different points, has {}", outline.len());
+        return Err(SetError::Shape { argument: "vertices", message });
     }
+    Ok(match fault(&outline) {
+        // An edge along a ray is allowed, only not in a strictly star-shaped set.
+        None | Some(OutlineFault::Radial(_)) => Verdict::exact(true),
+        Some(fault) => Verdict::refuted(0.0, vec![fault.witness()]),
+    })
 }

@@ -174,10 +174,6 @@ proptest! {
         prop_assert!(close(image.support(&y), (map * x).dot(&y), 1e-10));
         prop_assert!(close(image.gauge(&(map * y)), set.gauge(&y), 1e-7));
     }
-}
-
-proptest! {
-    #![proptest_config(cases(1.0))]
 
     #[test]
     fn largest_scale_touches_and_stays_inside(inner in convex(), outer in star(), d in direction()) {
@@ -185,5 +181,4 @@ proptest! {
         let x = point_of(&inner, &d, scale);
         prop_assert!(outer.gauge(&x) <= 1.0 + 1e-6, "{}", outer.gauge(&x));
     }
-
 }

@@ -13,7 +13,10 @@ from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import ParameterError
-from asperity.sets import PolarCurve, SupportCurve
+from asperity.sets import Ellipse, PolarCurve, SupportCurve
+
+# Directions are inserted until the force turns by less than two of the first steps.
+_ROUNDS, _MOST, _SMALLEST_STEP = 24, 20_000, 1e-6
 
 FlowRule: TypeAlias = Callable[[Array], ArrayLike]
 """From angles φ of the sliding direction, ``(n,)``, to −λ/λ_N, ``(n, 2)``."""
@@ -27,8 +30,14 @@ class FlowReport(Value):
         convexity_defect: largest decrease of the force's angle θ(φ) in rad, where D would not be
             convex; 0 if there is none.
         smallest_resistance: smallest l_t, the force against sliding per unit normal force.
-        repair: largest relative change of r_D made to close D and to keep it convex.
+        repair: bound of the relative change of r_D made to close D and to keep it convex.
+        misfit: largest distance of the law's force from the given ones, between the directions
+            that were used for a flow rule, at all samples for measured forces; relative to the
+            largest force.
         samples: number of sliding directions.
+        order: order of the trigonometric series that smoothed the samples; None if they were
+            interpolated.
+        noise: standard deviation of a force component from the series.
 
     Reference: [WL19] (71), (125).
 
@@ -42,7 +51,10 @@ class FlowReport(Value):
     convexity_defect: float
     smallest_resistance: float
     repair: float
+    misfit: float
     samples: int
+    order: int | None
+    noise: float
 
     def __init__(
         self,
@@ -50,30 +62,74 @@ class FlowReport(Value):
         convexity_defect: float,
         smallest_resistance: float,
         repair: float,
+        *,
+        misfit: float,
         samples: int,
+        order: int | None = None,
+        noise: float = 0.0,
     ) -> None:
         self._set(
             closure=_arrays.positive(closure, "closure"),
             convexity_defect=_arrays.non_negative(convexity_defect, "convexity_defect"),
             smallest_resistance=_arrays.number(smallest_resistance, "smallest_resistance"),
             repair=_arrays.non_negative(repair, "repair"),
+            misfit=_arrays.non_negative(misfit, "misfit"),
             samples=_arrays.count(samples, "samples"),
+            order=None if order is None else _arrays.count(order, "order"),
+            noise=_arrays.non_negative(noise, "noise"),
         )
 
 
+Numbers: TypeAlias = tuple[float, float, float, float]
+"""Closure, convexity defect, smallest resistance, repair."""
+
+
 def sets_of(
-    phi: Array, force: Array, closure_tolerance: float, convexity_tolerance: float
-) -> tuple[PolarCurve, SupportCurve, FlowReport]:
-    """Return C, D and the report of the law with these forces −λ/λ_N over sliding directions."""
-    order = np.argsort(np.mod(phi, 2.0 * math.pi))
-    theta, radius, normal, support, numbers = _core.flow_law(
-        np.mod(phi, 2.0 * math.pi)[order],
-        np.ascontiguousarray(force[order]),
-        _arrays.non_negative(closure_tolerance, "closure_tolerance"),
-        _arrays.non_negative(convexity_tolerance, "convexity_tolerance"),
-    )
-    report = FlowReport(*numbers, samples=len(phi))
-    return PolarCurve(theta, radius), SupportCurve(normal, support), report
+    phi: Array,
+    force: Array,
+    closure_tolerance: float,
+    convexity_tolerance: float,
+    argument: str = "force",
+) -> tuple[PolarCurve, SupportCurve, Numbers]:
+    """Return C, D and the numbers of the report for forces −λ/λ_N at rising directions."""
+    try:
+        theta, radius, normal, support, numbers = _core.flow_law(
+            phi, np.ascontiguousarray(force), closure_tolerance, convexity_tolerance
+        )
+        return PolarCurve(theta, radius), SupportCurve(normal, support), numbers
+    except ParameterError as error:
+        _, message = error.args
+        raise ParameterError(argument, message) from None
+
+
+def resolved(f: FlowRule, n: int, argument: str) -> tuple[Array, Array]:
+    """Return directions and forces of a flow rule, denser where the force turns quickly."""
+    phi = 2.0 * math.pi * np.arange(n) / n
+    force = _values(f, phi, argument)
+    for _ in range(_ROUNDS):
+        theta = np.unwrap(np.arctan2(force[:, 1], force[:, 0]))
+        turn = np.abs(np.diff(theta, append=theta[0] + 2.0 * math.pi))
+        step = np.diff(phi, append=2.0 * math.pi)
+        coarse = (turn > 4.0 * math.pi / n) & (step > _SMALLEST_STEP)
+        if not coarse.any() or len(phi) > _MOST:
+            break
+        middle = phi[coarse] + 0.5 * step[coarse]
+        phi, force = np.append(phi, middle), np.vstack([force, _values(f, middle, argument)])
+        order = np.argsort(phi)
+        phi, force = phi[order], force[order]
+    return phi, force
+
+
+def between(f: FlowRule, phi: Array, argument: str) -> tuple[Array, Array]:
+    """Return the directions in the middle between others, and the forces there."""
+    middle = phi + 0.5 * np.diff(phi, append=2.0 * math.pi)
+    return middle, _values(f, middle, argument)
+
+
+def _values(f: FlowRule, phi: Array, argument: str) -> Array:
+    if not callable(f):
+        raise ParameterError(argument, f"must be a function of the direction, got {f!r}")
+    return _arrays.array(f(phi), argument, (len(phi), 2))
 
 
 def wedges(mu: float, beta: ArrayLike, weights: ArrayLike | None) -> FlowRule:
@@ -141,3 +197,17 @@ def tensor_function(given: Any) -> FlowRule:
         return product
 
     return force
+
+
+def ellipses(tensor: Array) -> tuple[Ellipse, Ellipse]:
+    """Return C and D of a symmetric friction tensor: x = F n on bdry C, z ∝ F n on bdry D."""
+    difference = tensor[0, 0] - tensor[1, 1]
+    angle = 0.5 * math.atan2(math.copysign(1.0, difference) * 2.0 * tensor[0, 1], abs(difference))
+    axes = _arrays.rotation(angle)
+    mu = np.diag(axes.T @ tensor @ axes)
+    if mu.min() <= 0.0:
+        raise ParameterError(
+            "second_order", f"must be positive definite, has the eigenvalue {mu.min()}"
+        )
+    (a, b), (p1, p2) = mu, np.sqrt(mu)
+    return Ellipse(a, b, angle=angle), Ellipse(p1, p2, angle=angle)

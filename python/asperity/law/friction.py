@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,13 +12,15 @@ from numpy.typing import ArrayLike
 from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity.errors import ParameterError
-from asperity.law import flow
+from asperity.law import flow, samples
 from asperity.law.questions import Questions
 from asperity.rate import Stribeck
 from asperity.sets import Ball, Disk, Ellipse, Interval, StarSet, WedgeAsperity
 from asperity.sets.star import checked_set, same_dimension
 
-_EXACT = 1e-6
+# Tolerances of a flow rule's closure and convexity, and of the law that is made of it.
+_EXACT, _RESOLVED = 1e-6, 1e-2
+_DIRECTIONS = 1440
 
 
 class FrictionLaw(Questions):
@@ -156,7 +159,8 @@ class FrictionLaw(Questions):
             reservoir = WedgeAsperity(mu, float(slopes))
             return cls(reservoir, Ellipse(1.0, math.cos(reservoir.beta)))
         pair = np.full(2, slopes) if slopes.ndim == 0 else slopes
-        return cls.from_flow_rule(flow.wedges(_arrays.positive(mu, "mu"), pair, weights))
+        rule = flow.wedges(_arrays.positive(mu, "mu"), pair, weights)
+        return cls._from_rule(rule, _DIRECTIONS, "weights" if weights is not None else "beta")
 
     @classmethod
     def tensor(cls, second_order: ArrayLike, fourth_order: ArrayLike | None = None) -> FrictionLaw:
@@ -181,11 +185,12 @@ class FrictionLaw(Questions):
         """
         linear = _arrays.array(second_order, "second_order", (2, 2))
         if fourth_order is None and linear[0, 1] == linear[1, 0]:
-            return cls(*_ellipses(linear))
+            return cls(*flow.ellipses(linear))
         cubic = None
         if fourth_order is not None:
             cubic = _arrays.array(fourth_order, "fourth_order", (2, 2, 2, 2))
-        return cls.from_flow_rule(flow.tensor(linear, cubic))
+        argument = "second_order" if cubic is None else "fourth_order"
+        return cls._from_rule(flow.tensor(linear, cubic), _DIRECTIONS, argument)
 
     @classmethod
     def tensor_function(
@@ -210,10 +215,10 @@ class FrictionLaw(Questions):
         >>> bool(law.is_collinear)
         True
         """
-        return cls.from_flow_rule(flow.tensor_function(tensor))
+        return cls._from_rule(flow.tensor_function(tensor), _DIRECTIONS, "tensor")
 
     @classmethod
-    def from_flow_rule(cls, f: flow.FlowRule, *, n: int = 1440) -> FrictionLaw:
+    def from_flow_rule(cls, f: flow.FlowRule, *, n: int = _DIRECTIONS) -> FrictionLaw:
         """Make the law whose force −λ/λ_N = f(φ) is a function of the sliding direction.
 
         C is the curve f. D has the support function h_D(φ) = h_D(0) exp∫(l_p/l_t)dφ, with l_t and
@@ -237,10 +242,19 @@ class FrictionLaw(Questions):
         >>> law.reservoir.radius([0.0, np.pi / 2]).round(6).tolist()
         [0.3, 0.1]
         """
-        phi = 2.0 * math.pi * np.arange(_arrays.count(n, "n", least=8)) / n
-        force = _arrays.array(f(phi), "f", (n, 2))
-        reservoir, direction, report = flow.sets_of(phi, force, _EXACT, _EXACT)
-        return cls(reservoir, direction, report=report)
+        return cls._from_rule(f, _arrays.count(n, "n", least=8), "f")
+
+    @classmethod
+    def _from_rule(cls, f: flow.FlowRule, n: int, argument: str) -> FrictionLaw:
+        phi, force = flow.resolved(f, n, argument)
+        *sets, numbers = flow.sets_of(phi, force, _EXACT, _EXACT, argument)
+        misfit = cls(*sets)._misfit(*flow.between(f, phi, argument))
+        if misfit > _RESOLVED:
+            raise ParameterError(
+                argument, f"must be resolved by {len(phi)} directions, the law is {misfit:.2g} off"
+            )
+        report = flow.FlowReport(*numbers, misfit=misfit, samples=len(phi))
+        return cls(*sets, report=report)
 
     @classmethod
     def from_samples(
@@ -248,17 +262,25 @@ class FrictionLaw(Questions):
         phi: ArrayLike,
         force: ArrayLike,
         *,
-        closure_tolerance: float = 0.1,
-        convexity_tolerance: float = 0.1,
+        smoothing: str | int | None = "auto",
+        closure_tolerance: float = 0.2,
+        convexity_tolerance: float = 0.2,
     ) -> FrictionLaw:
         """Make the law of forces measured over the sliding direction.
 
-        Small defects are repaired: those of closure spread over the turn, those of convexity
-        levelled. ``law.report`` gives them in numbers.
+        Samples without noise are interpolated. Noisy ones are fitted by a trigonometric series,
+        whose order has the least generalised cross-validation error. Small defects are repaired:
+        those of closure spread over the turn, those of convexity levelled. ``law.report`` gives
+        them in numbers.
+
+        Where C has a corner or D a straight side, the samples on both sides decide how well it is
+        met: forces in between do not occur in sliding.
 
         Args:
-            phi: angles φ of the sliding directions from e₁ in rad, in any order; shape ``(n,)``.
+            phi: angles φ of the sliding directions from e₁ in rad, in any order, also repeated;
+                shape ``(n,)``.
             force: −λ/λ_N, shape ``(n, 2)``.
+            smoothing: ``"auto"``, the order of the series, or None to interpolate.
             closure_tolerance: largest |ln r_D(2π)/r_D(0)| that is repaired.
             convexity_tolerance: largest decrease of the force's angle θ(φ) that is repaired, in
                 rad.
@@ -274,15 +296,36 @@ class FrictionLaw(Questions):
         >>> slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
         >>> original = FrictionLaw.collinear(Ellipse(0.5, 0.4))
         >>> law = FrictionLaw.from_samples(phi, -original.force(slip))
-        >>> abs(law.report.closure - 1.0) < 1e-9
-        True
+        >>> abs(law.report.closure - 1.0) < 1e-9, law.report.order
+        (True, None)
         """
         angles = _arrays.array(phi, "phi", (None,))
         forces = _arrays.array(force, "force", (angles.size, 2))
-        reservoir, direction, report = flow.sets_of(
-            angles, forces, closure_tolerance, convexity_tolerance
+        data = samples.prepared(angles, forces, smoothing)
+        *sets, numbers = flow.sets_of(
+            data.phi,
+            data.force,
+            _arrays.non_negative(closure_tolerance, "closure_tolerance"),
+            _arrays.non_negative(convexity_tolerance, "convexity_tolerance"),
         )
-        return cls(reservoir, direction, report=report)
+        report = flow.FlowReport(
+            *numbers,
+            misfit=cls(*sets)._misfit(angles, forces),
+            samples=angles.size,
+            order=data.order,
+            noise=data.noise,
+        )
+        return cls(*sets, report=report)
+
+    def _misfit(self, phi: Array, force: Array) -> float:
+        error = np.linalg.norm(-self.force(_arrays.unit_vectors(phi)) - force, axis=-1)
+        return float(error.max() / np.linalg.norm(force, axis=-1).max())
+
+    def replace(self, **changes: Any) -> FrictionLaw:
+        """Return a copy with some parameters changed; other sets come without the report."""
+        if {"reservoir", "direction"} & set(changes):
+            changes = {"report": None, **changes}
+        return super().replace(**changes)
 
     def rotated(self, angle: float) -> FrictionLaw:
         """Return the law of the surface turned counter-clockwise by `angle` in rad (p = 2).
@@ -291,9 +334,8 @@ class FrictionLaw(Questions):
         >>> FrictionLaw.associated(Ellipse(0.6, 0.2)).rotated(0.5).reservoir
         Ellipse(0.6, 0.2, angle=0.5)
         """
-        return self.replace(
-            reservoir=self.reservoir.rotated(angle), direction=self.direction.rotated(angle)
-        )
+        sets = (self.reservoir.rotated(angle), self.direction.rotated(angle))
+        return FrictionLaw(*sets, rate=self.rate, report=self.report)
 
 
 def _round(radius: float, dimension: int) -> StarSet:
@@ -304,17 +346,3 @@ def _round(radius: float, dimension: int) -> StarSet:
             return Disk(radius)
         case _:
             return Ball(radius, dimension=dimension)
-
-
-def _ellipses(tensor: Array) -> tuple[Ellipse, Ellipse]:
-    """Return C and D of a symmetric friction tensor: x = F n on bdry C, z ∝ F n on bdry D."""
-    difference = tensor[0, 0] - tensor[1, 1]
-    angle = 0.5 * math.atan2(math.copysign(1.0, difference) * 2.0 * tensor[0, 1], abs(difference))
-    axes = _arrays.rotation(angle)
-    mu = np.diag(axes.T @ tensor @ axes)
-    if mu.min() <= 0.0:
-        raise ParameterError(
-            "second_order", f"must be positive definite, has the eigenvalue {mu.min()}"
-        )
-    (a, b), (p1, p2) = mu, np.sqrt(mu)
-    return Ellipse(a, b, angle=angle), Ellipse(p1, p2, angle=angle)

@@ -13,7 +13,16 @@ from asperity._arrays import unit_vectors
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
-from asperity.paper.redrawn import Redrawn, circle, cross, note, panels, shared_legend
+from asperity.paper.redrawn import (
+    Redrawn,
+    circle,
+    cross,
+    draw_law,
+    note,
+    panels,
+    record,
+    shared_legend,
+)
 from asperity.paper.sketches import contact_plane, xy_table
 from asperity.paper.statements import (
     never_positive,
@@ -22,7 +31,6 @@ from asperity.paper.statements import (
     truth,
     vanishes,
 )
-from asperity.plot import plot_law
 from asperity.plot.look import (
     BLUE,
     GREEN,
@@ -71,16 +79,14 @@ def fig04() -> Redrawn:
     with style():
         contact_plane(left)
         left.set_title("(a) contact forces on body 1")
-        plot_law(law, right, angles=slip, forces="arrows", legend=False)
-        draw_arrows(right, np.zeros((1, 2)), stick[None], color=INK)
+        draw_law(curves, "b", law, right, angles=slip, forces="arrows")
+        sticking = draw_arrows(right, np.zeros((1, 2)), stick[None], color=INK)
+        record(curves, "b", "force in stick", [sticking])
         note(right, r"stick: $\gamma = 0$", stick, (-24, -14))
         note(right, "slip", MU * unit_vectors(slip[0]), (12, -12))
-        right.set_title(r"(b) isotropic friction, $\mu = 0.3$ (own)")
+        right.set_title(r"(b) isotropic friction, $\mu = 0.3$")
         cross(right)
         shared_legend(figure, [right])
-    curves.add("b", "bdry C", closed_outline(law.reservoir))
-    curves.add("b", "force in stick", stick)
-    curves.add("b", "force in slip", -law.force(unit_vectors(slip)))
     slips = 2.0 * unit_vectors(circle(720))
     checks = [
         vanishes("Fig. 4b (33) λ + μ γ/‖γ‖", law.force(slips) + MU * slips / 2.0, 1e-12),
@@ -101,22 +107,20 @@ def fig05() -> Redrawn:
         until_rest=True,
     )
     with style():
-        _draw_path(left, path)
-        plot_law(ELLIPTIC, right, angles=12, forces="arrows", legend=False)
-        right.set_title(r"(b) $\mu_1 = 0.6$, $\mu_2 = 0.3$ (own)")
+        _draw_path(left, path, curves)
+        draw_law(curves, "b", ELLIPTIC, right, angles=12, forces="arrows")
+        right.set_title(r"(b) $\mu_1 = 0.6$, $\mu_2 = 0.3$")
         cross(right)
         shared_legend(figure, [left, right], columns=3)
-    curves.add("a", "path [m]", path.q)
-    curves.add("b", "bdry C", closed_outline(ELLIPTIC.reservoir))
-    curves.add("b", "force", -ELLIPTIC.force(unit_vectors(circle(72))))
     return Redrawn(figure, curves, [*_path_checks(path), *_associated_checks()])
 
 
-def _draw_path(ax: Axes, path: Trajectory) -> None:
+def _draw_path(ax: Axes, path: Trajectory, curves: Curves) -> None:
     reach = 1.3 * path.q[-1]
     grooves = np.arange(-0.075, reach[0], 0.006)
     ax.vlines(grooves, -0.03, reach[1], color="#E3E3E3", linewidth=0.8)
-    ax.plot(*path.q.T, color=INK, linewidth=1.0, linestyle="--", label="path of the body")
+    line = ax.plot(*path.q.T, color=INK, linewidth=1.0, linestyle="--", label="path of the body")
+    record(curves, "a", "path [m]", line)
     for share in (0.0, 0.3, 0.55, 1.0):
         k = round(share * (len(path.t) - 1))
         ax.add_patch(
@@ -124,8 +128,12 @@ def _draw_path(ax: Axes, path: Trajectory) -> None:
         )
         if share < 1.0:
             direction = path.u[k] / np.linalg.norm(path.u[k])
-            arrows = np.stack([0.05 * direction, 0.09 * ELLIPTIC.force(direction)])
-            draw_arrows(ax, np.tile(path.q[k], (2, 1)), arrows, color=[SLIDING, PURPLE])
+            for name, vector, color in (
+                ("sliding direction", 0.05 * direction, SLIDING),
+                ("force on the body", 0.09 * ELLIPTIC.force(direction), PURPLE),
+            ):
+                arrow = draw_arrows(ax, path.q[[k]], vector[None], color=color)
+                record(curves, "a", name, [arrow])
     ax.plot([], [], color=PURPLE, label=r"force $\lambda$ on the body")
     ax.grid(False)
     ax.set(xlim=(grooves[0], grooves[-1]), ylim=(-0.03, reach[1]), aspect="equal")
@@ -159,11 +167,10 @@ def fig06() -> Redrawn:
     with style():
         xy_table(left)
         left.set_title("(a) two slide bearings, from above")
-        plot_law(law, right, angles=np.arctan2(y, x), legend=False)
-        right.set_title(r"(b) $\mu_1 = 0.6$, $\mu_2 = 0.3$ (own)")
+        draw_law(curves, "b", law, right, angles=np.arctan2(y, x))
+        right.set_title(r"(b) $\mu_1 = 0.6$, $\mu_2 = 0.3$")
         cross(right)
         shared_legend(figure, [right])
-    curves.add("b", "bdry C", closed_outline(law.reservoir))
     slips = np.random.default_rng(3).normal(size=(1000, 2))
     along = np.array([[2.0, 0.0], [0.0, -3.0]])
     checks = [
@@ -191,16 +198,16 @@ def fig07() -> Redrawn:
             curves.add("a", f"s = {s:g}", closed_outline(star))
         left.set(title="(a) superellipses with roundness factor $s$", aspect="equal")
         left.legend(loc="upper center", ncols=3, fontsize="small")
-        plot_law(FrictionLaw.associated(RUNNER), right, angles=20, legend=False)
-        for x in (-RUNNER.a, RUNNER.a):
-            right.plot([x, x], [-RUNNER.b, RUNNER.b], color=GREY, linewidth=0.9, linestyle=":")
+        draw_law(curves, "b", FrictionLaw.associated(RUNNER), right, angles=20)
+        x, y = np.array([[-RUNNER.a], [RUNNER.a]]), np.array([-RUNNER.b, RUNNER.b])
+        seams = [line for at in x for line in right.plot(np.tile(at, 2), y, ":", color=GREY)]
+        record(curves, "b", "end of the rectangle", seams)
         right.set_title("(b) rectangle and two half-ellipses")
         for ax in (left, right):
             cross(ax)
             ax.set(xlabel=r"$-\lambda_1/\lambda_N$", ylabel=r"$-\lambda_2/\lambda_N$")
             ax.set(xlim=(-0.85, 0.85), ylim=(-0.55, 0.62))
         shared_legend(figure, [right])
-    curves.add("b", "bdry C", closed_outline(RUNNER))
     return Redrawn(figure, curves, [*_superellipse_checks(), *_runner_checks()])
 
 

@@ -12,9 +12,10 @@ from matplotlib.path import Path
 from asperity._arrays import Array, unit_vectors
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
-from asperity.paper.redrawn import Redrawn, panels, shared_legend
+from asperity.paper.redrawn import Redrawn, panels, record, shared_legend
 from asperity.paper.statements import never_positive, truth, vanishes
 from asperity.plot import plot_cones, plot_gauge, plot_projection, plot_set
+from asperity.plot.gauge import surface_nodes
 from asperity.plot.look import GREEN, INK, ORANGE, RESERVOIR, style
 from asperity.plot.sets import closed_outline
 from asperity.sets import Ellipse, PolarCurve, Rectangle, StarSet, SupportCurve, star_shape
@@ -32,6 +33,9 @@ CORNERED = Ellipse(1.0, 0.7) & Rectangle(0.8, 1.0)
 
 CORNER = np.array([0.8, 0.42])
 """Corner of `CORNERED`."""
+
+_HEIGHT = 1.3
+"""Value of the gauge at which its surface in Fig. 2a ends."""
 
 
 def hooked(n: int = 720) -> Array:
@@ -74,6 +78,7 @@ def fig01() -> Redrawn:
             ax.set(title=title, xlabel="$x_1$", ylabel="$x_2$", aspect="equal")
             ax.set(xlim=(-1.2, 1.2), ylim=(-1.1, 1.2))
             curves.add(panel, "boundary", closed)
+            curves.add(panel, "origin", np.zeros(2))
         _draw_segment(axes[0], chord, curves, "a", inside=True)
         _draw_segment(axes[1], np.stack([np.zeros(2), ray]), curves, "b", inside=True)
         if leaving is not None:
@@ -115,25 +120,42 @@ def fig02() -> Redrawn:
     """Draw (a) a gauge with its level curve C, (b) normal and tangent cones and proximal points."""
     figure, (left, right) = panels(2, "gauge, cones and proximal points", 2, figsize=(10.4, 4.8))
     left.remove()
-    curves = Curves()
+    curves = Curves(("x", "y", "z"))
     smooth = float(CORNERED.radius(2.1)) * unit_vectors(2.1)
     outside = np.array([CORNER + 0.55 * unit_vectors(0.35), [1.25, -0.2], [-0.35, -1.1]])
     with style():
         space = figure.add_subplot(1, 2, 1, projection="3d")
-        plot_gauge(CORNERED, space)
+        plot_gauge(CORNERED, space, height=_HEIGHT)
         space.set_title(r"(a) gauge $k_C$ and level set $C = \{k_C \leq 1\}$")
         plot_set(CORNERED, right, label="$C$")
-        plot_projection(CORNERED, outside, right)
-        plot_cones(CORNERED, smooth, right, size=0.36)
-        plot_cones(CORNERED, CORNER, right, size=0.36)
+        _draw_projection(right, outside, curves)
+        for name, point in (("smooth point", smooth), ("corner", CORNER)):
+            _draw_cones(right, name, point, curves)
         right.annotate("$N_C(x)$", (1.06, 0.74), color=INK)
         right.annotate("$T_C(x)$", (0.61, 0.22), color=INK, ha="center")
         right.set_title("(b) normal and tangent cones, proximal points")
         right.legend(loc="upper left", bbox_to_anchor=(0.0, -0.13), ncols=3)
-    curves.add("b", "boundary", closed_outline(CORNERED))
-    curves.add("b", "z", outside)
-    curves.add("b", "prox(z)", CORNERED.project(outside))
+    outline = closed_outline(CORNERED)
+    for name, height in (("level curve", 1.0), ("boundary", 0.0)):
+        level = np.full((len(outline), 1), height)
+        curves.add("a", name, np.hstack([outline, level]))
+    curves.add("a", "gauge", surface_nodes(outline, _HEIGHT).reshape(-1, 3))
+    curves.add("b", "boundary", outline)
     return Redrawn(figure, curves, _cone_checks(CORNERED, [smooth, CORNER]))
+
+
+def _draw_projection(ax: Axes, z: Array, curves: Curves) -> None:
+    *lines, points, feet = plot_projection(CORNERED, z, ax)
+    for name, artists in (("z", [points]), ("prox(z)", [feet]), ("line from z to prox(z)", lines)):
+        record(curves, "b", name, artists)
+
+
+def _draw_cones(ax: Axes, name: str, x: Array, curves: Curves) -> None:
+    point, *normals = plot_cones(CORNERED, x, ax, tangent=False, size=0.36)
+    _, *tangents = plot_cones(CORNERED, x, ax, normal=False, size=0.36)
+    record(curves, "b", name, [point])
+    record(curves, "b", f"N_C({name})", normals)
+    record(curves, "b", f"edge of T_C({name})", tangents)
 
 
 def _cone_checks(set: StarSet, points: list[Array]) -> list[Check]:

@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.path import Path
 
-from asperity._arrays import unit_vectors
+from asperity._arrays import Array, unit_vectors
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
 from asperity.paper.convexity import STAR, hidden, hooked
 from asperity.paper.data import Curves
-from asperity.paper.redrawn import Redrawn, cross, note, panels, shared_legend
+from asperity.paper.redrawn import Redrawn, cross, note, panels, record, shared_legend
 from asperity.paper.statements import proposition_1, truth, vanishes
 from asperity.plot import plot_set
 from asperity.plot.look import (
@@ -70,13 +70,14 @@ def _draw_hook(ax: Axes, curves: Curves) -> list[Check]:
     ax.plot(*closed.T, color=RESERVOIR, label="reservoir $C$")
     ax.fill(*closed.T, color=RESERVOIR, alpha=0.08, linewidth=0.0)
     ends = np.outer([1.0, 0.6], hidden(outline))
-    draw_arrows(ax, np.zeros((1, 2)), ends[:1], color=INK)
-    ax.plot(*ends[1], "o", color=ORANGE, markersize=5.0, zorder=4.0)
+    force = draw_arrows(ax, np.zeros((1, 2)), ends[:1], color=INK)
+    dot = ax.plot(*ends[1], "o", color=ORANGE, markersize=5.0, zorder=4.0)
     for name, point in zip("AB", ends, strict=True):
         note(ax, name, point, (5, -12))
     ax.set_title("(a) not star-shaped: not admissible")
     curves.add("a", "bdry C", closed)
-    curves.add("a", "forces A, B", ends)
+    record(curves, "a", "force A", [force])
+    record(curves, "a", "force B", dot)
     # A lies on the boundary: a little of slack counts it in.
     shape = Path(outline)
     inside = [shape.contains_point(ends[0], radius=1e-3), shape.contains_point(ends[1])]
@@ -90,14 +91,16 @@ def _draw_flat(ax: Axes, curves: Curves) -> list[Check]:
     forces = FLAT.b * _NORMAL + np.linspace(-0.28, 0.28, 5)[:, None] * _ALONG
     level = np.stack([forces[0] - 0.35 * _ALONG, forces[-1] + 0.3 * _ALONG])
     plot_set(FLAT, ax, label="reservoir $C$")
-    ax.plot(
+    constant = ax.plot(
         *level.T, color=GREY, linewidth=1.0, linestyle="--", label=r"$-\lambda^T\gamma$ constant"
     )
-    draw_arrows(ax, np.zeros_like(forces), forces, color=INK)
-    draw_arrows(ax, forces, np.tile(0.2 * _NORMAL, (5, 1)), color=SLIDING)
+    arrows = draw_arrows(ax, np.zeros_like(forces), forces, color=INK)
+    slips = draw_arrows(ax, forces, np.tile(0.2 * _NORMAL, (5, 1)), color=SLIDING)
     ax.set_title("(b) one rate of dissipation, many forces")
     curves.add("b", "bdry C", closed_outline(FLAT))
-    curves.add("b", "force", forces)
+    record(curves, "b", "constant dissipation", constant)
+    record(curves, "b", "force", [arrows])
+    record(curves, "b", "sliding direction", [slips])
     power = forces @ _NORMAL
     law = FrictionLaw.associated(FLAT)
     return [
@@ -117,20 +120,27 @@ def _draw_admissible(ax: Axes, curves: Curves) -> list[Check]:
     plot_set(reservoir, ax, label="reservoir $C$")
     label = r"$\{\gamma : -\lambda^T\gamma \geq 0\}$"
     draw_sector(ax, force, _FORCE - 0.5 * np.pi, np.pi, 0.36, color=SLIDING, alpha=0.2, label=label)
-    draw_arrows(ax, np.tile(force, (len(slips), 1)), 0.36 * slips, color=SLIDING, width=0.011)
-    draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK)
+    tails = np.tile(force, (len(slips), 1))
+    chosen = draw_arrows(ax, tails, 0.36 * slips, color=SLIDING, width=0.011)
+    arrow = draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK)
     ax.plot([], [], color=INK, label=r"force $-\lambda$")
     ax.plot([], [], color=SLIDING, label=r"sliding direction $\gamma$")
     ax.set_title("(c) admissible sliding directions")
     curves.add("c", "bdry C", closed_outline(reservoir))
-    curves.add("c", "force", force)
-    curves.add("c", "sliding direction", slips)
+    curves.add("c", "edge of the half-plane", force + 0.36 * _sides(_FORCE))
+    record(curves, "c", "force", [arrow])
+    record(curves, "c", "sliding direction", [chosen])
     return [
         truth("Fig. 3c sliding directions dissipate", (slips @ force).min() > 0.0),
         truth(
             "Fig. 3c laws found dissipative", all(law.is_dissipative for law in _laws(reservoir))
         ),
     ]
+
+
+def _sides(angle: float) -> Array:
+    """Return the two unit vectors at right angles to a direction."""
+    return unit_vectors(angle + np.array([-0.5, 0.5]) * np.pi)
 
 
 def _laws(reservoir: StarSet) -> list[FrictionLaw]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 from scipy.integrate import cumulative_simpson
@@ -17,11 +18,18 @@ from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
-from asperity.paper.redrawn import Redrawn, circle, cross, note, panels, shared_legend
+from asperity.paper.redrawn import (
+    Redrawn,
+    circle,
+    cross,
+    draw_law,
+    note,
+    panels,
+    record,
+    shared_legend,
+)
 from asperity.paper.statements import never_positive, proposition_5, truth, vanishes
-from asperity.plot import plot_law
 from asperity.plot.look import INK, SLIDING, draw_arrows, style
-from asperity.plot.sets import closed_outline
 from asperity.sets import Ellipse, Superellipse
 
 ELLIPSES = FrictionLaw(Ellipse(0.6, 0.3), Ellipse(1.0, 0.85))
@@ -60,37 +68,37 @@ def fig11() -> Redrawn:
     """Draw non-associated laws (a) with elliptic sets, (b) with a reservoir that is not convex."""
     figure, axes = panels(11, "non-associated friction laws", 2)
     curves = Curves()
-    titles = ("(a) elliptic $C$ and $D$ (own)", "(b) non-convex $C$ (own)")
+    titles = ("(a) elliptic $C$ and $D$", "(b) non-convex $C$")
     chosen = np.deg2rad([12.0, 68.0])
     places = (((-4, 9), (-66, 10)), ((9, -7), (-63, -25)))
     with style():
         for ax, panel, law, title, theta, labels in zip(
             axes, "ab", (ELLIPSES, DENTED), titles, chosen, places, strict=True
         ):
-            plot_law(law, ax, angles=[theta, theta + np.pi, np.pi - theta, -theta], legend=False)
-            _draw_scaling(ax, law, theta, labels)
+            draw_law(curves, panel, law, ax, angles=[theta, theta + np.pi, np.pi - theta, -theta])
+            scaling = _draw_scaling(ax, law, theta, labels)
+            for name, artist in scaling.items():
+                record(curves, panel, name, [artist])
             ax.set_title(title)
             cross(ax)
-            curves.add(panel, "bdry C", closed_outline(law.reservoir))
-            curves.add(panel, "bdry D", closed_outline(law.direction))
-            curves.add(panel, "force", -law.force(unit_vectors(circle(72))))
         shared_legend(figure, axes)
     return Redrawn(figure, curves, [*_ellipse_checks(), *_dented_checks()])
 
 
 def _draw_scaling(
     ax: Axes, law: FrictionLaw, theta: float, labels: Sequence[tuple[int, int]]
-) -> None:
+) -> dict[str, Artist]:
     """Draw one force and its point z on bdry D, where the sliding direction is normal."""
     ray = unit_vectors(theta)
     force, z = law.reservoir.radius(theta) * ray, law.direction.radius(theta) * ray
-    draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK)
+    arrow = draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK)
     slip = law.slip_direction(-force)
-    draw_arrows(ax, z[None], 0.15 * slip[None], color=SLIDING)
-    ax.plot(*z, "o", color=INK, markerfacecolor="white", markersize=5.0, zorder=5.0)
+    normal = draw_arrows(ax, z[None], 0.15 * slip[None], color=SLIDING)
+    (dot,) = ax.plot(*z, "o", color=INK, markerfacecolor="white", markersize=5.0, zorder=5.0)
     texts = (r"$-\lambda$", r"$z = -\alpha\lambda$")
     for text, point, place in zip(texts, (force, z), labels, strict=True):
         note(ax, text, point, place)
+    return {"force from the origin": arrow, "z": dot, "sliding direction at z": normal}
 
 
 def _ellipse_checks() -> list[Check]:
@@ -122,7 +130,9 @@ def _dented_checks() -> list[Check]:
 
 def fig12() -> Redrawn:
     """Draw three tensor laws: orthotropic, with non-constant tensor, of fourth order."""
-    figure, axes = panels(12, "tensor laws (own parameters)", 3)
+    figure, axes = panels(
+        12, "tensor laws", 3, parameters="own parameters: those of the paper are not public"
+    )
     curves, laws = Curves(), tensor_laws()
     titles = {
         "a": r"(a) $F = \mathrm{diag}(0.3, 0.1)$",
@@ -131,32 +141,32 @@ def fig12() -> Redrawn:
     }
     with style():
         for ax, (panel, law) in zip(axes, laws.items(), strict=True):
-            plot_law(law, ax, angles=8 if panel == "c" else 20, legend=False)
+            draw_law(curves, panel, law, ax, angles=8 if panel == "c" else 20)
             ax.set_title(titles[panel])
             cross(ax)
-            curves.add(panel, "bdry C", closed_outline(law.reservoir))
-            curves.add(panel, "bdry D", closed_outline(law.direction))
-            curves.add(panel, "force", -law.force(unit_vectors(circle(72))))
-        _draw_angles(axes[2], laws["c"], np.deg2rad(60.0))
+        _draw_angles(axes[2], laws["c"], np.deg2rad(60.0), curves)
         shared_legend(figure, axes)
     return Redrawn(figure, curves, _tensor_checks(laws))
 
 
-def _draw_angles(ax: Axes, law: FrictionLaw, phi: float) -> None:
+def _draw_angles(ax: Axes, law: FrictionLaw, phi: float, curves: Curves) -> None:
     """Mark θ, the angle of a force −λ, and φ, that of its sliding direction γ."""
     slip = unit_vectors(phi)
     force = -law.force(slip)
     theta = float(np.arctan2(force[1], force[0]))
-    draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK)
-    draw_arrows(ax, force[None], 0.09 * slip[None], color=SLIDING)
+    arrow = draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK)
+    record(curves, "c", "force from the origin", [arrow])
+    along = draw_arrows(ax, force[None], 0.09 * slip[None], color=SLIDING)
+    record(curves, "c", "sliding direction of this force", [along])
     for apex, angle, radius, name in (
-        (np.zeros(2), theta, 0.11, r"$\theta$"),
-        (force, phi, 0.05, r"$\varphi$"),
+        (np.zeros(2), theta, 0.11, "theta"),
+        (force, phi, 0.05, "varphi"),
     ):
         ax.add_patch(Arc(tuple(apex), 2 * radius, 2 * radius, theta2=np.rad2deg(angle), color=INK))
-        ax.plot(apex[0] + np.array([0.0, 1.3 * radius]), apex[[1, 1]], color=INK, linewidth=0.8)
+        level = apex + np.array([[0.0, 0.0], [1.3 * radius, 0.0]])
+        record(curves, "c", f"{name} is counted from", ax.plot(*level.T, color=INK, linewidth=0.8))
         middle = apex + 1.35 * radius * unit_vectors(0.45 * angle)
-        note(ax, name, middle, ha="center", va="center")
+        note(ax, rf"$\{name}$", middle, ha="center", va="center")
 
 
 def _tensor_checks(laws: dict[str, FrictionLaw]) -> list[Check]:

@@ -1,6 +1,6 @@
 """Figs. 8 and 10 of [WL19]: the collinear law and the asperity model.
 
-Fig. 10b has the paper's parameters μ = 1.2, β = 36°; those of Fig. 8 are own. Fig. 9, a sketch of
+Fig. 10 has the paper's parameters μ = 1.2, β = 36°; those of Fig. 8 are own. Fig. 9, a sketch of
 a spring on an inclined plane, is left out.
 """
 
@@ -12,12 +12,10 @@ from asperity._arrays import Array, unit_vectors
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
-from asperity.paper.redrawn import Redrawn, circle, cross, panels, shared_legend
+from asperity.paper.redrawn import Redrawn, circle, cross, draw_law, panels, shared_legend
 from asperity.paper.sketches import wedges
 from asperity.paper.statements import never_positive, truth, vanishes
-from asperity.plot import plot_law
 from asperity.plot.look import style
-from asperity.plot.sets import closed_outline
 from asperity.sets import Disk, Ellipse, StarSet, WedgeAsperity, star_shape
 
 PAIR = (0.6, 0.3)
@@ -40,26 +38,18 @@ def fig08() -> Redrawn:
     phi = 2.0 * np.pi * np.arange(16) / 16
     force = -COLLINEAR.force(unit_vectors(phi))
     with style():
-        plot_law(
-            FrictionLaw.isotropic(1.0),
-            left,
-            angles=np.arctan2(*(force / PAIR).T[::-1]),
-            legend=False,
-        )
+        transformed = np.arctan2(*(force / PAIR).T[::-1])
+        draw_law(curves, "a", FrictionLaw.isotropic(1.0), left, prefix="T ", angles=transformed)
         left.set(
             title=r"(a) $T\gamma \in N_{TC}(-T\lambda)$",
             xlabel=r"$-\lambda_1/(\mu_1\lambda_N)$",
             ylabel=r"$-\lambda_2/(\mu_2\lambda_N)$",
         )
-        plot_law(COLLINEAR, right, angles=phi, legend=False)
-        right.set_title(r"(b) $\mu_1 = 0.6$, $\mu_2 = 0.3$ (own)")
+        draw_law(curves, "b", COLLINEAR, right, angles=phi)
+        right.set_title(r"(b) $\mu_1 = 0.6$, $\mu_2 = 0.3$")
         for ax in (left, right):
             cross(ax)
         shared_legend(figure, [right])
-    curves.add("a", "T(-force)", force / PAIR)
-    curves.add("b", "bdry C", closed_outline(COLLINEAR.reservoir))
-    curves.add("b", "bdry D", closed_outline(COLLINEAR.direction))
-    curves.add("b", "force", force)
     return Redrawn(figure, curves, _collinear_checks())
 
 
@@ -94,19 +84,21 @@ def _gap(convex: StarSet, x: Array, y: Array) -> Array:
 def fig10() -> Redrawn:
     """Draw (a) wedge asperities under springs, (b) the non-convex reservoir that they cause."""
     figure, (left, right) = panels(
-        10, "asperity model", 2, figsize=(10.8, 4.3), width_ratios=(1.0, 1.45)
+        10,
+        "asperity model",
+        2,
+        parameters="parameters of the paper",
+        figsize=(10.8, 4.3),
+        width_ratios=(1.0, 1.45),
     )
     law, curves = FrictionLaw.asperity(MU, float(BETA)), Curves()
     with style():
         wedges(left, float(BETA))
         left.set_title("(a) springs on wedge asperities")
-        plot_law(law, right, angles=32, legend=False)
-        right.set_title(r"(b) $\mu = 1.2$, $\beta = 36°$ (of the paper)")
+        draw_law(curves, "b", law, right, angles=32)
+        right.set_title(r"(b) $\mu = 1.2$, $\beta = 36°$")
         cross(right)
         shared_legend(figure, [right])
-    curves.add("b", "bdry C", closed_outline(law.reservoir))
-    curves.add("b", "bdry D", closed_outline(law.direction))
-    curves.add("b", "force", -law.force(unit_vectors(circle(72))))
     return Redrawn(figure, curves, [*_asperity_checks(law), *_convexity_checks(law)])
 
 

@@ -11,10 +11,14 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.quiver import Quiver
 
 from asperity._arrays import Array
+from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
+from asperity.plot import plot_law
 from asperity.plot.look import GREY, INK, style
 
 
@@ -27,12 +31,21 @@ class Redrawn:
     checks: list[Check]
 
 
-def panels(number: int, title: str, count: int, **kwargs: Any) -> tuple[Figure, Sequence[Axes]]:
-    """Return a figure with `count` panels in a row."""
+OWN = "own parameters: the paper gives none"
+"""What a figure says of its parameters unless the paper gives them."""
+
+
+def panels(
+    number: int, title: str, count: int, *, parameters: str = OWN, **kwargs: Any
+) -> tuple[Figure, Sequence[Axes]]:
+    """Return a figure with `count` panels in a row, which says where its parameters come from."""
     look = {"figsize": (4.6 * count, 4.6), "layout": "constrained", "squeeze": False, **kwargs}
     with style():
         figure, axes = plt.subplots(1, count, **look)
-        figure.suptitle(f"Fig. {number} of Walker & Leine (2019), redrawn: {title}", color=INK)
+        heading = f"Fig. {number} of Walker & Leine (2019), redrawn: {title}"
+        figure.suptitle(heading, x=0.01, ha="left", color=INK)
+        top = 1.0 - 0.06 / figure.get_figheight()
+        figure.text(0.99, top, parameters, ha="right", va="top", color=GREY, fontsize="small")
     return figure, axes[0]
 
 
@@ -49,6 +62,35 @@ def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> 
         ncols=min(columns, len(entries)),
         frameon=False,
     )
+
+
+def record(curves: Curves, panel: str, curve: str, artists: Sequence[Artist]) -> None:
+    """Put what lines and arrows show into the table; several lines are numbered."""
+    lines = [one for one in artists if isinstance(one, Line2D)]
+    for k, line in enumerate(lines, start=1):
+        name = curve if len(lines) == 1 else f"{curve} {k}"
+        curves.add(panel, name, np.column_stack(line.get_data(orig=True)))
+    for arrows in artists:
+        if isinstance(arrows, Quiver):
+            vectors = np.column_stack([arrows.U, arrows.V])
+            curves.add_arrows(panel, curve, np.asarray(arrows.get_offsets()), vectors)
+
+
+def draw_law(
+    curves: Curves, panel: str, law: FrictionLaw, ax: Axes, *, prefix: str = "", **options: Any
+) -> None:
+    """Draw a law without legend and record its sets, forces, sliding directions and lines."""
+    outline, *others, force = plot_law(law, ax, legend=False, **options)
+    lines = [one for one in others if isinstance(one, Line2D)]
+    direction = [one for one in lines if str(one.get_label()).startswith("direction set")]
+    for name, artists in (
+        ("bdry C", [outline]),
+        ("bdry D", direction),
+        ("line from D to C", [one for one in lines if one not in direction]),
+        ("sliding direction", [one for one in others if isinstance(one, Quiver)]),
+        ("force", [force]),
+    ):
+        record(curves, panel, prefix + name, artists)
 
 
 def bare(ax: Axes) -> None:

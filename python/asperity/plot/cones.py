@@ -11,7 +11,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import ParameterError
 from asperity.plot import look
-from asperity.plot.sets import closed_outline
+from asperity.plot.sets import closed_outline, planar_set
 from asperity.sets import Cone, StarSet
 
 # Angles that differ by less count as one.
@@ -125,6 +125,7 @@ def plot_projection(set: StarSet, z: ArrayLike, ax: Axes | None = None) -> list[
 
     Raises:
         ParameterError: if the set is not convex.
+        DimensionError: if the set is not planar.
 
     Reference: [WL19] (11)(12), Fig. 2b.
 
@@ -136,8 +137,9 @@ def plot_projection(set: StarSet, z: ArrayLike, ax: Axes | None = None) -> list[
     >>> feet.get_xydata().tolist()
     [[2.0, 0.5], [2.0, 1.0]]
     """
+    planar = planar_set(set)
     points, _ = _arrays.points(z, "z", 2)
-    feet = set.project(points)
+    feet = planar.project(points)
     ax = look.axes_or_new(ax)
     artists: list[Artist] = []
     for line in zip(points, feet, strict=True):

@@ -27,10 +27,13 @@ def plot_friction_coefficient(
         law: planar law.
         ax: axes; default new ones.
         across: whether to draw l_p, as a broken line.
-        **kwargs: of both lines, as for ``Axes.plot``.
+        **kwargs: of both lines, as for ``Axes.plot``; a line style is that of l_t.
 
     Returns:
         The line of l_t, and that of l_p.
+
+    Raises:
+        DimensionError: if the law is not planar.
 
     Reference: [WL19] (119).
 
@@ -43,15 +46,15 @@ def plot_friction_coefficient(
     >>> float(along.get_ydata().max())
     0.6
     """
-    ax = look.axes_or_new(ax)
     phi = _directions()
-    opposing, deflecting = law.resistance(phi)
-    label = kwargs.pop("label", None)
+    opposing, deflecting = look.planar_law(law).resistance(phi)
+    ax, options = look.axes_or_new(ax), look.line_options(kwargs)
+    label = options.pop("label", None)
     suffix = "" if label is None else f", {label}"
     artists: list[Artist] = []
-    artists += ax.plot(np.rad2deg(phi), opposing, label=f"$l_t${suffix}", **kwargs)
+    artists += ax.plot(np.rad2deg(phi), opposing, label=f"$l_t${suffix}", **options)
     if across:
-        look_ = {**kwargs, "color": artists[0].get_color(), "linestyle": "--"}  # type: ignore[attr-defined]
+        look_ = {**options, "color": artists[0].get_color(), "linestyle": "--"}  # type: ignore[attr-defined]
         artists += ax.plot(np.rad2deg(phi), deflecting, label=f"$l_p${suffix}", **look_)
     ax.set_ylabel("friction coefficient")
     ax.legend(frameon=False)
@@ -72,6 +75,9 @@ def plot_deflection(law: FrictionLaw, ax: Axes | None = None, **kwargs: Any) -> 
     Returns:
         The line.
 
+    Raises:
+        DimensionError: if the law is not planar.
+
     Reference: [WL19] (71), Fig. 12c.
 
     >>> import matplotlib
@@ -82,10 +88,11 @@ def plot_deflection(law: FrictionLaw, ax: Axes | None = None, **kwargs: Any) -> 
     >>> float(abs(line.get_ydata()).max()) < 1e-9
     True
     """
-    ax = look.axes_or_new(ax)
     phi = _directions()
+    theta = look.planar_law(law).deflection(phi)
+    ax = look.axes_or_new(ax)
     artists: list[Artist] = []
-    artists += ax.plot(np.rad2deg(phi), np.rad2deg(law.deflection(phi)), **kwargs)
+    artists += ax.plot(np.rad2deg(phi), np.rad2deg(theta), **kwargs)
     ax.set_ylabel(r"$\theta - \varphi$ in degrees")
     _label_directions(ax)
     return artists

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
 from asperity import _arrays
+from asperity._arrays import Array
 from asperity.errors import ParameterError
 from asperity.plot import look
 from asperity.plot.sets import closed_outline
@@ -46,10 +47,9 @@ def plot_gauge(set: StarSet, ax: Axes | None = None, *, height: float = 1.3) -> 
     space: Any = look.axes_or_new(ax, projection="3d")
     if space.name != "3d":
         raise ParameterError("ax", 'must be made with projection="3d"')
-    k = np.linspace(0.0, height, 27)[:, None]
-    x, y = (k * column[::4] for column in outline.T)
+    nodes = surface_nodes(outline, height)
     surface = space.plot_surface(
-        x, y, np.broadcast_to(k, x.shape), color=look.SKY, alpha=0.35, linewidth=0.0, rcount=27
+        *np.moveaxis(nodes, -1, 0), color=look.SKY, alpha=0.35, linewidth=0.0, rcount=len(nodes)
     )
     (level,) = space.plot(*outline.T, 1.0, color=look.RESERVOIR, label="$k_C = 1$")
     (image,) = space.plot(*outline.T, 0.0, color=look.RESERVOIR, linewidth=1.0, linestyle="--")
@@ -61,3 +61,11 @@ def plot_gauge(set: StarSet, ax: Axes | None = None, *, height: float = 1.3) -> 
         axis.set_major_locator(MaxNLocator(4))
     space.set(xlabel="$x_1$", ylabel="$x_2$", zlabel="$k_C(x)$")
     return [surface, level, image, filling]
+
+
+def surface_nodes(outline: Array, height: float) -> Array:
+    """Return points of the surface of a gauge, from 0 up to `height`; shape ``(m, n, 3)``."""
+    k = np.linspace(0.0, height, 27)[:, None, None]
+    flat = k * outline[::4]
+    nodes: Array = np.concatenate([flat, np.broadcast_to(k, (*flat.shape[:2], 1))], axis=-1)
+    return nodes

@@ -57,7 +57,7 @@ def plot_law(
     'reservoir $C$'
     """
     _arrays.choice(forces, "forces", ("dots", "arrows"))
-    theta = _polar_angles(closed_outline(law.reservoir), angles)
+    theta = _polar_angles(closed_outline(look.planar_law(law).reservoir), angles)
     ax = look.axes_or_new(ax)
     force, feet = (_on_boundary(set, theta) for set in (law.reservoir, law.direction))
     artists = _draw_sets(ax, law)

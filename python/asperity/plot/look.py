@@ -11,13 +11,17 @@ import matplotlib as mpl
 import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
+from matplotlib.cbook import normalize_kwargs
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.quiver import Quiver
 
 from asperity._arrays import Array, unit_vectors
 from asperity._files import atomic
-from asperity.errors import ParameterError
+from asperity.errors import DimensionError, ParameterError
+from asperity.law import FrictionLaw
+from asperity.trajectory import Trajectory
 
 # Okabe and Ito's palette, distinguishable with every kind of colour vision.
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
@@ -57,12 +61,35 @@ def style() -> AbstractContextManager[None]:
 def axes_or_new(ax: Axes | None, **kwargs: Any) -> Axes:
     """Return `ax`, or the axes of a new figure, made with `kwargs`."""
     if ax is not None:
+        if not isinstance(ax, Axes):
+            raise ParameterError("ax", f"must be axes of matplotlib or None, got {ax!r}")
         return ax
     import matplotlib.pyplot as plt
 
     with style():
         new: Axes = plt.figure(layout="constrained").add_subplot(**kwargs)
     return new
+
+
+def line_options(kwargs: dict[str, Any]) -> dict[str, Any]:
+    """Return keywords of ``Axes.plot`` with short names such as ``c`` and ``ls`` spelled out."""
+    return normalize_kwargs(kwargs, Line2D)
+
+
+def planar_law(law: FrictionLaw) -> FrictionLaw:
+    """Return `law` if it is a law of the plane."""
+    if not isinstance(law, FrictionLaw):
+        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
+    if law.dimension != 2:
+        raise DimensionError("law", f"must be planar to be drawn, its dimension is {law.dimension}")
+    return law
+
+
+def checked_trajectory(trajectory: Trajectory) -> Trajectory:
+    """Return `trajectory` if it is one."""
+    if not isinstance(trajectory, Trajectory):
+        raise ParameterError("trajectory", f"must be a Trajectory, got {trajectory!r}")
+    return trajectory
 
 
 def draw_arrows(ax: Axes, tails: Array, vectors: Array, **kwargs: Any) -> Quiver:

@@ -12,6 +12,7 @@ from asperity._arrays import Array
 from asperity.errors import DimensionError
 from asperity.plot import look
 from asperity.sets import StarSet
+from asperity.sets.star import checked_set
 
 _NODES = 1440
 
@@ -38,10 +39,11 @@ def plot_set(set: StarSet, ax: Axes | None = None, **kwargs: Any) -> list[Artist
     >>> outline.axes.get_aspect()
     1.0
     """
-    ax = look.axes_or_new(ax)
     outline = closed_outline(set)
+    ax = look.axes_or_new(ax)
     # Round ends would show where the outline closes.
-    (line,) = ax.plot(*outline.T, **{"color": look.RESERVOIR, "solid_capstyle": "butt", **kwargs})
+    options = {"color": look.RESERVOIR, "solid_capstyle": "butt", **look.line_options(kwargs)}
+    (line,) = ax.plot(*outline.T, **options)
     (filling,) = ax.fill(*outline.T, color=line.get_color(), alpha=0.08, linewidth=0.0)
     ax.set_aspect("equal")
     ax.set_xlabel(r"$x_1$")
@@ -49,9 +51,14 @@ def plot_set(set: StarSet, ax: Axes | None = None, **kwargs: Any) -> list[Artist
     return [line, filling]
 
 
+def planar_set(set: StarSet) -> StarSet:
+    """Return `set` if it is a set of the plane."""
+    if checked_set(set, "set").dimension != 2:
+        raise DimensionError("set", f"must be planar to be drawn, its dimension is {set.dimension}")
+    return set
+
+
 def closed_outline(set: StarSet) -> Array:
     """Return boundary points of a planar set, the first one repeated at the end."""
-    if set.dimension != 2:
-        raise DimensionError("set", f"must be planar to be drawn, its dimension is {set.dimension}")
-    outline = set.boundary(_NODES)
+    outline = planar_set(set).boundary(_NODES)
     return np.vstack([outline, outline[:1]])

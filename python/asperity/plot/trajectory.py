@@ -51,8 +51,8 @@ def plot_path(
     >>> path = simulate(block, dt=1e-3, t_end=1.0, u0=[1.0, 1.0])
     >>> line, end = plot_path(path, label="isotropic")
     """
-    ax = look.axes_or_new(ax)
     x, y = _two(trajectory, coordinates)
+    ax = look.axes_or_new(ax)
     (line,) = ax.plot(x, y, **kwargs)
     (end,) = ax.plot(x[-1:], y[-1:], "o", color=line.get_color(), markersize=4.5)
     _label(ax, coordinates)
@@ -85,9 +85,9 @@ def plot_phase(
     >>> [lines.get_label() for lines in plot_phase(simulate(belt, dt=1e-2, t_end=10.0))]
     ['stick', 'slip']
     """
-    ax = look.axes_or_new(ax)
     points = np.stack(_two(trajectory, coordinates), axis=-1)
     phases = trajectory.phase[:, _contact(trajectory, contact)]
+    ax = look.axes_or_new(ax)
     artists: list[Artist] = []
     for phase, (color, label) in _LOOK.items():
         segments = _segments(points, phases == phase)
@@ -124,12 +124,13 @@ def plot_forces_in_reservoir(
     >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [0.1, 0.0])
     >>> outline, *_ = plot_forces_in_reservoir(simulate(belt, dt=1e-2, t_end=10.0), law)
     """
-    ax = look.axes_or_new(ax)
-    contact = _contact(trajectory, contact)
+    contact = _contact(look.checked_trajectory(trajectory), contact)
     largest = np.nanmax(trajectory.normal_force[1:, contact], initial=0.0)
     if largest <= 0.0:
         raise ParameterError("contact", f"must have carried load, contact {contact} never did")
-    artists = plot_set(law.reservoir.scaled(largest), ax, color=look.INK, label=r"$\lambda_N C$")
+    reservoir = look.planar_law(law).reservoir.scaled(largest)
+    ax = look.axes_or_new(ax)
+    artists = plot_set(reservoir, ax, color=look.INK, label=r"$\lambda_N C$")
     for phase, (color, label) in _LOOK.items():
         chosen = trajectory.phase[:, contact] == phase
         force = -trajectory.force[chosen, contact, :2]
@@ -142,12 +143,11 @@ def plot_forces_in_reservoir(
 
 
 def _two(trajectory: Trajectory, coordinates: tuple[int, int]) -> tuple[Array, Array]:
+    shown = look.checked_trajectory(trajectory).q
     i, j = (_arrays.count(index, "coordinates", 0) for index in coordinates)
-    if max(i, j) >= trajectory.q.shape[1]:
-        raise DimensionError(
-            "coordinates", f"must be below {trajectory.q.shape[1]}, got {coordinates}"
-        )
-    return trajectory.q[:, i], trajectory.q[:, j]
+    if max(i, j) >= shown.shape[1]:
+        raise DimensionError("coordinates", f"must be below {shown.shape[1]}, got {coordinates}")
+    return shown[:, i], shown[:, j]
 
 
 def _contact(trajectory: Trajectory, contact: int) -> int:

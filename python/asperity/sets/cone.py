@@ -83,8 +83,9 @@ class Cone(Value):
         >>> Disk(1.0).normal_cone([1.0, 0.0]).contains([[5.0, 0.0], [5.0, 0.1]]).tolist()
         [True, False]
         """
+        distance = self.distance(y)
         length = np.linalg.norm(_arrays.array(y, "y"), axis=-1)
-        inside: NDArray[np.bool_] = self.distance(y) <= length * _arrays.non_negative(
+        inside: NDArray[np.bool_] = distance <= length * _arrays.non_negative(
             tolerance, "tolerance"
         )
         return inside

@@ -79,7 +79,7 @@ class PolarCurve(CurveSet):
     at the samples, and then so is the curve: convex data give a convex set.
 
     Args:
-        angle: θᵢ in rad, in any order, within one turn and without gap above π/2; shape ``(n,)``
+        angle: θᵢ in rad, in any order, taken modulo a turn, without gap above 3 rad; shape ``(n,)``
             with n ≥ 4.
         radius: r_C(θᵢ) > 0, shape ``(n,)``.
 
@@ -109,7 +109,7 @@ class SupportCurve(CurveSet):
     Between the samples the radius of curvature h + h″ is piecewise linear. It has to be ≥ 0.
 
     Args:
-        angle: φᵢ in rad, in any order, within one turn and without gap above π/2; shape ``(n,)``
+        angle: φᵢ in rad, in any order, taken modulo a turn, without gap above 3 rad; shape ``(n,)``
             with n ≥ 4.
         support: h(φᵢ) = Ψ*_C(cos φᵢ, sin φᵢ) > 0, shape ``(n,)``.
 
@@ -143,7 +143,11 @@ def star_shape(vertices: ArrayLike) -> Verdict:
 
     Returns:
         The verdict; its witness is a point ``(1, 2)`` of the outline that cannot be seen from the
-        origin, or where the outline passes the origin or crosses itself.
+        origin, or where the outline passes the origin or crosses itself. An edge along a ray is
+        allowed here; `Polygon` refuses it, for its radius would jump.
+
+    Raises:
+        ParameterError: with fewer than three different points.
 
     Reference: [WL19] Def. 2, Fig. 1.
 

@@ -88,7 +88,8 @@ class StarSet(SupportMethods):
 
         Returns:
             The cone: the whole space in the interior, a half-space {y : ∇k_C·y ≤ 0} on a smooth
-            boundary, at a re-entrant corner a union of convex cones; empty outside.
+            boundary, at a re-entrant corner a union of convex cones; empty outside. In space the
+            half-space is also what edges and corners of star-shaped sets and of sums give.
 
         Reference: [WL19] Def. 7, (10).
 
@@ -203,7 +204,9 @@ class StarSet(SupportMethods):
 def checked_set(value: object, argument: str) -> StarSet:
     """Return `value` if it is a set."""
     if not isinstance(value, StarSet):
-        raise ParameterError(argument, f"must be a set such as Disk or Ellipse, got {value!r}")
+        raise ParameterError(
+            argument, f"must be a set such as Disk or Ellipse, got {_arrays.brief(value)}"
+        )
     return value
 
 

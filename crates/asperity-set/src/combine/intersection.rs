@@ -4,7 +4,7 @@ use super::seams::seams;
 use super::some;
 use crate::cone::aside;
 use crate::plane::{cast, cross};
-use crate::{Cone, ConvexSet, SetError, StarSet, Vector, polar, project};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
 
 /// The intersection `C₁ ∩ C₂ ∩ …`, whose gauge is the largest one; convex if its members are.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +24,17 @@ impl<const P: usize, S: StarSet<P>> Intersection<S, P> {
     /// The members.
     pub fn sets(&self) -> &[S] {
         &self.sets
+    }
+
+    fn holds(&self, x: &Vector<P>) -> bool {
+        self.gauge(x) <= 1.0 + 4.0 * f64::EPSILON
+    }
+
+    /// The corner that is farthest along `y`, if `y` is a normal there.
+    fn farthest_corner(&self, y: &Vector<P>) -> Option<Vector<P>> {
+        let height = |x: &&Vector<P>| y.dot(x);
+        let farthest = self.corners.iter().max_by(|a, b| height(a).total_cmp(&height(b)))?;
+        is_normal_at(self, farthest, y).then_some(*farthest)
     }
 
     fn outermost(&self, x: &Vector<P>) -> (f64, Vector<P>) {
@@ -50,15 +61,17 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
     /// A member's support point that lies in all others is the farthest; else the farthest point lies where
     /// boundaries cross.
     fn support_point(&self, y: &Vector<P>) -> Vector<P> {
-        let mut own = self.sets.iter().map(|set| set.support_point(y));
-        let inside = |x: &Vector<P>| self.gauge(x) <= 1.0 + 4.0 * f64::EPSILON;
-        let height = |x: &&Vector<P>| y.dot(x);
-        let corner = || {
-            let farthest = self.corners.iter().max_by(|a, b| height(a).total_cmp(&height(b)))?;
-            is_normal_at(self, farthest, y).then_some(*farthest)
-        };
-        let point = own.find(inside).or_else(corner);
+        let own = self.sets.iter().map(|set| set.support_point(y)).find(|x| self.holds(x));
+        let point = own.or_else(|| self.farthest_corner(y));
         point.unwrap_or_else(|| polar::support_point(self, y))
+    }
+
+    /// The Hessian is that of the member whose support point it is, and zero at corners.
+    fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let own = self.sets.iter().map(|set| set.support_jet(y)).find(|jet| self.holds(&jet.0));
+        let corner = || Some((self.farthest_corner(y)?, Matrix::zeros()));
+        own.or_else(corner)
+            .unwrap_or_else(|| (polar::support_point(self, y), polar::support_hessian(self, y)))
     }
 
     fn project(&self, z: &Vector<P>) -> Vector<P> {
@@ -94,8 +107,9 @@ where
     cross(&first, &y) >= 0.0 && cross(&y, &last) >= 0.0
 }
 
-/// Most members that are projected onto in turn.
+/// Most members that are projected onto in turn, and most rounds.
 const MEMBERS: usize = 8;
+const SWEEPS: usize = 4000;
 
 /// Projection onto an intersection by Dykstra's method: onto one member after another, each time with that
 /// member's last correction put back first. The corrections `pᵢ` add up to `z − x`; `x` is the projection if
@@ -106,7 +120,7 @@ fn alternately<const P: usize, S: ConvexSet<P>>(sets: &[S], z: &Vector<P>) -> Op
     }
     let mut corrections = [Vector::<P>::zeros(); MEMBERS];
     let mut x = *z;
-    for _ in 0..20_000 {
+    for _ in 0..SWEEPS {
         for (set, correction) in sets.iter().zip(&mut corrections) {
             let target = x + *correction;
             x = set.project(&target);
@@ -115,7 +129,8 @@ fn alternately<const P: usize, S: ConvexSet<P>>(sets: &[S], z: &Vector<P>) -> Op
         let gap: f64 =
             sets.iter().zip(&corrections).map(|(set, p)| set.support(p) - x.dot(p)).sum();
         let outside = sets.iter().map(|set| set.gauge(&x)).fold(0.0, f64::max) - 1.0;
-        if outside <= 1e-14 && gap.abs() <= 1e-14 * x.norm() * (z - x).norm() {
+        let rounding = 1e-14 * x.norm() + 4.0 * f64::EPSILON * z.norm();
+        if outside <= 1e-13 && gap.abs() <= rounding * (z - x).norm() {
             return Some(x);
         }
     }

@@ -97,9 +97,10 @@ fn sums_of_corners<const P: usize>(sets: &[Convex<P>]) -> Vec<Vector<P>> {
 /// First and last unit normal at a corner, counter-clockwise.
 fn fan<const P: usize>(set: &Convex<P>, x: &Vector<P>) -> Option<(Vector<2>, Vector<2>)> {
     let cone = set.normal_cone(x, SAME)?;
-    let [a, b] = cone.generators() else { return None };
-    let (a, b): (Vector<2>, Vector<2>) = (cast(a), cast(b));
-    Some(if cross(&a, &b) >= 0.0 { (a, b) } else { (b, a) })
+    let all: Vec<Vector<2>> = cone.generators().iter().map(cast).collect();
+    let first = *all.iter().find(|a| all.iter().all(|g| cross(a, g) >= -1e-12))?;
+    let last = *all.iter().find(|b| all.iter().all(|g| cross(g, b) >= -1e-12))?;
+    (cross(&first, &last) > SAME).then_some((first, last))
 }
 
 /// The common part of two fans of less than a half turn, if it has an interior.

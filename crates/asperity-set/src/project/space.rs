@@ -32,7 +32,8 @@ pub(super) fn by_dual_newton<const P: usize, S: ConvexSet<P> + ?Sized>(
     let x = if y.norm() > z.norm() * 0.5 { set.support_point(&y) } else { z - y };
     let normal = z - x;
     let gap = set.support(&normal) - x.dot(&normal);
-    if gap <= 1e-12 * x.norm() * normal.norm() { x } else { by_dual_ellipsoids(set, z) }
+    let fits = gap.abs() <= 1e-12 * x.norm() * normal.norm() && set.gauge(&x) <= 1.0 + 1e-12;
+    if fits { x } else { by_dual_ellipsoids(set, z) }
 }
 
 /// The same for sets with edges and flat faces, where the dual has no Hessian, from subgradients alone.

@@ -64,6 +64,9 @@ pub(crate) fn onto_superellipsoid<const P: usize>(
 
 fn lp_norm<const P: usize>(w: &Vector<P>, exponent: f64) -> f64 {
     let largest = w.amax();
+    if largest == 0.0 {
+        return 0.0;
+    }
     largest * w.map(|wi| (wi / largest).powf(exponent)).sum().powf(1.0 / exponent)
 }
 

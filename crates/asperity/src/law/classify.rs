@@ -38,10 +38,14 @@ impl<const P: usize> FrictionLaw<P> {
         Verdict::sampled(worst.0, vec![worst.1])
     }
 
-    /// Whether every sliding motion dissipates (\[WL19\] Def. 11): always so, for the origin is inside
-    /// *D* and `−λᵀγ = λ_N Ψ*_D(γ)/k_C(z) > 0` (Prop. 5).
+    /// Whether every sliding motion dissipates (\[WL19\] Def. 11). It does by Prop. 5, for the origin is
+    /// inside *D* and `−λᵀγ = λ_N Ψ*_D(γ)/k_C(z) > 0`, unless a user's set breaks its promise; the witness is a
+    /// sliding direction then.
     pub fn dissipativity(&self) -> Verdict<P> {
-        Verdict::exact(true)
+        let lack = |e: &Vector<P>| -self.slip_force(e).dot(e);
+        let worst = largest(&self.sliding_directions(), lack);
+        // The comparison also catches NaN.
+        if worst.0 < 0.0 { Verdict::exact(true) } else { Verdict::refuted(worst.0, vec![worst.1]) }
     }
 
     /// Whether the law is maximal monotone, which associated laws are and others are not (\[WL19\] Prop. 3,
@@ -63,10 +67,12 @@ impl<const P: usize> FrictionLaw<P> {
             let own = self.slip_force(e);
             (e.dot(&best) - e.dot(&own)) / e.dot(&best)
         };
-        let worst = largest(&self.sliding_directions(), excess);
-        let slip = worst.1;
-        let best = farthest(self.reservoir(), &outline, &slip);
-        Verdict::sampled(worst.0, vec![slip, -self.slip_force(&slip), Vector::zeros(), -best])
+        let (defect, e) = largest(&self.sliding_directions(), excess);
+        // So slow that the speed does not count.
+        let slip = e * self.rate().map_or(1.0, |rate| 1e-6 * rate.speed());
+        let best = farthest(self.reservoir(), &outline, &e);
+        let witness = vec![slip, -self.slip_force(&e), Vector::zeros(), -best];
+        Verdict { holds: false, defect: defect.max(0.0), witness, ..associated }
     }
 
     /// `−λ/λ_N` in slip, without the factor of the speed.
@@ -78,7 +84,7 @@ impl<const P: usize> FrictionLaw<P> {
     /// A refutation of monotonicity by friction that falls with the speed.
     fn falling_speeds(&self) -> Option<Verdict<P>> {
         let rate = self.rate()?;
-        let speeds: Vec<f64> = (-40..=40).map(|k| 1.25_f64.powi(k)).collect();
+        let speeds: Vec<f64> = (-60..=60).map(|k| rate.speed() * 1.25_f64.powi(k)).collect();
         let drop = |pair: &[f64]| rate.factor(pair[0]) - rate.factor(pair[1]);
         let steepest = speeds.windows(2).max_by(|a, b| drop(a).total_cmp(&drop(b)))?;
         if drop(steepest) <= 0.0 {

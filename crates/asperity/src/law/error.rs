@@ -12,9 +12,6 @@ pub enum LawError {
     /// The force at rest is not unique.
     #[error("slip: must not be zero, at rest every force in the reservoir is admissible")]
     AtRest,
-    /// The force jumps where the boundary of the direction set is flat.
-    #[error("slip: the direction set is flat in this direction, where the force has no derivative")]
-    Flat,
     /// The force of a law with a factor of the speed is that of stick or of slip at an unknown speed.
     #[error("force: does not tell stick from slip in a law whose friction depends on the speed")]
     SpeedUnknown,
@@ -31,7 +28,7 @@ impl LawError {
     pub fn argument(&self) -> &'static str {
         match self {
             Self::Set(error) => error.argument(),
-            Self::AtRest | Self::Flat => "slip",
+            Self::AtRest => "slip",
             Self::SpeedUnknown | Self::OutsideReservoir { .. } => "force",
         }
     }

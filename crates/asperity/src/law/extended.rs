@@ -157,19 +157,21 @@ impl<const P: usize> FrictionLaw<P> {
     }
 
     /// `∂λ/∂γ` while sliding: `−λ_N/k_C(z) (I − z∇k_C(z)ᵀ/k_C(z)) ∇²Ψ*_D(γ)` (\[WL19\] (87), (88)), and
-    /// with a factor `f` of the speed `f` times that and `f′/f λ γᵀ/‖γ‖`.
+    /// with a factor `f` of the speed `f` times that and `f′/f λ γᵀ/‖γ‖`. Infinite where *D* is flat.
     pub fn jacobian(&self, slip: &Vector<P>, normal_force: f64) -> Result<Matrix<P>, LawError> {
         if slip.amax() == 0.0 {
             return Err(LawError::AtRest);
         }
         let size = slip.amax();
         let (z, hessian) = self.direction.support_jet(&(slip / size));
-        if !hessian.iter().all(|v| v.is_finite()) {
-            return Err(LawError::Flat);
-        }
         let (gauge, gradient) = self.reservoir.gauge_jet(&z);
         let across = Matrix::identity() - z * gradient.transpose() / gauge;
-        let plain = across * hessian * (-normal_force / (gauge * size));
+        let factor = -normal_force / (gauge * size);
+        let plain = if hessian.iter().all(|v| v.is_finite()) {
+            across * hessian * factor
+        } else {
+            jump(&across, &(slip / size), factor)
+        };
         Ok(self.rate.map_or(plain, |rate| {
             let speed = slip.norm();
             let falling = z * (-normal_force / gauge) * (slip / speed).transpose();
@@ -196,9 +198,21 @@ impl FrictionLaw<2> {
     }
 }
 
+/// `across ∇²h factor` where the curvature of a planar *D* vanishes and `∇²h = ∞ t tᵀ`; a number is not
+/// to be had in other dimensions.
+fn jump<const P: usize>(across: &Matrix<P>, slip: &Vector<P>, factor: f64) -> Matrix<P> {
+    if P != 2 {
+        return Matrix::repeat(f64::NAN);
+    }
+    let n = slip.normalize();
+    let tangent = Vector::<P>::from_fn(|i, _| if i == 0 { -n[1] } else { n[0] });
+    let dyad = across * tangent * tangent.transpose() * factor;
+    dyad.map(|entry| if entry.abs() <= 1e-14 * factor.abs() { 0.0 } else { entry * f64::INFINITY })
+}
+
 /// Directions along which sizes are compared.
 fn probes<const P: usize>() -> Vec<Vector<P>> {
-    directions(if P == 3 { 4000 } else { 360 })
+    directions(if P == 3 { 500 } else { 1440 })
 }
 
 /// Refuses a set that a user's gauge makes flat, unbounded or undefined in some direction.

@@ -17,6 +17,8 @@ use asperity_set::{SetError, Vector};
 const POINTS: usize = 1440;
 /// Directions closer than this count as one.
 const SAME: f64 = 1e-7;
+/// The force jumps if it turns by more than this between neighbouring directions, in rad.
+const JUMP: f64 = 0.3;
 /// Abscissae and weights of Gauss–Legendre quadrature on [0, 1].
 const GAUSS: [(f64, f64); 3] = [
     (0.112_701_665_379_258_3, 5.0 / 18.0),
@@ -102,7 +104,7 @@ pub fn flow_sets(
     }
     let repaired = convexity_defect > 0.0 || turn != 0.0;
     let repair = if repaired { turn.abs().exp_m1() + convexity_defect.tan() } else { 0.0 };
-    let (theta, radius) = reservoir(force);
+    let (theta, radius) = reservoir(phi, force);
     let highest = points.iter().map(|p| p.1).fold(0.0, f64::max);
     let (phi, support) = points.into_iter().map(|(a, h)| (a, h / highest)).unzip();
     let report = FlowReport { closure, convexity_defect, smallest_resistance, repair };
@@ -169,9 +171,21 @@ fn rising(theta: &[f64]) -> (Vec<f64>, f64, usize) {
 }
 
 /// *C*'s points by rising polar angle, points on one ray joined.
-fn reservoir(force: &[Vector<2>]) -> (Vec<f64>, Vec<f64>) {
-    let mut points: Vec<(f64, f64)> =
-        force.iter().map(|f| (f.y.atan2(f.x).rem_euclid(TAU), f.norm())).collect();
+///
+/// Where *D* is flat the force jumps from one sliding direction to the next; the forces between both occur for
+/// the direction between: that part of *C* is taken as straight.
+fn reservoir(phi: &[f64], force: &[Vector<2>]) -> (Vec<f64>, Vec<f64>) {
+    let n = force.len();
+    let mut points: Vec<(f64, f64)> = Vec::with_capacity(n);
+    for (i, f) in force.iter().enumerate() {
+        let (next, step) = (force[(i + 1) % n], (phi[(i + 1) % n] - phi[i]).rem_euclid(TAU));
+        let turn = f.perp(&next).atan2(f.dot(&next));
+        let parts = if turn > f64::max(JUMP, 10.0 * step) { 8 } else { 1 };
+        points.extend((0..parts).map(|k| {
+            let x = f + (next - f) * (f64::from(k) / f64::from(parts));
+            (x.y.atan2(x.x).rem_euclid(TAU), x.norm())
+        }));
+    }
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     points.dedup_by(|b, a| b.0 - a.0 < SAME);
     if points.len() > 1 && points[0].0 + TAU - points[points.len() - 1].0 < SAME {

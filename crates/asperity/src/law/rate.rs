@@ -45,6 +45,11 @@ impl Stribeck {
         Ok(Self { fall, speed, ratio, exponent, viscous })
     }
 
+    /// Speed in m/s over which the friction falls.
+    pub fn speed(&self) -> f64 {
+        self.speed
+    }
+
     /// `f(v)` at the speed `v ≥ 0` in m/s.
     pub fn factor(&self, v: f64) -> f64 {
         let x = (v / self.speed).powf(self.exponent);
@@ -58,10 +63,15 @@ impl Stribeck {
     /// `f′(v)` at `v > 0`.
     pub fn slope(&self, v: f64) -> f64 {
         let x = (v / self.speed).powf(self.exponent);
-        let rest = match self.fall {
-            Fall::Exponential => -(-x).exp(),
-            Fall::Hyperbolic => -1.0 / ((1.0 + x) * (1.0 + x)),
+        // x s′(x), which vanishes for very large x.
+        let steepness = match self.fall {
+            Fall::Exponential if x > 1e3 => 0.0,
+            Fall::Exponential => -x * (-x).exp(),
+            Fall::Hyperbolic => {
+                let rest = 1.0 / (1.0 + x);
+                -rest * (1.0 - rest)
+            }
         };
-        (1.0 - self.ratio) * rest * x * self.exponent / v + self.viscous
+        (1.0 - self.ratio) * steepness * self.exponent / v + self.viscous
     }
 }

@@ -9,6 +9,9 @@ use nalgebra::DMatrix;
 
 use crate::contact::ContactProblem;
 
+/// Factors below this one count as it.
+const SMALLEST: f64 = 1e-12;
+
 /// The factors of all rows of a contact problem.
 #[derive(Debug, Default)]
 pub(super) struct Factors {
@@ -52,11 +55,14 @@ impl Factors {
             for (value, row) in velocity.iter_mut().zip(own.clone()) {
                 *value = slip(row);
             }
-            let factor = rate.factor(velocity.norm());
+            // Without any friction the contact would have no operator.
+            let factor = rate.factor(velocity.norm()).max(SMALLEST);
             for column in own {
                 self.rows[column] = factor;
-                let scaled = self.plain.column(column) * factor;
-                problem.delassus.set_column(column, &scaled);
+                let plain = self.plain.column(column);
+                for (scaled, entry) in problem.delassus.column_mut(column).iter_mut().zip(&plain) {
+                    *scaled = entry * factor;
+                }
             }
         }
         problem.update_rho();

@@ -1,0 +1,108 @@
+//! The same properties in three dimensions.
+
+mod common;
+
+use asperity_set::{Convex, ConvexSet, Star, StarSet, Vector, convexity};
+use common::*;
+use proptest::prelude::*;
+use proptest::test_runner::TestCaseResult;
+
+type W = Vector<3>;
+
+fn gauge_and_support(set: &Convex<3>, d: &W, e: &W, s: f64) -> TestCaseResult {
+    let x = point_of(set, d, 1.0);
+    prop_assert!(close(set.gauge(&x), 1.0, 1e-11));
+    prop_assert!(close(set.gauge(&(x * s)), s, 1e-11));
+    let gradient = set.gauge_gradient(&x).unwrap();
+    prop_assert!(close(gradient.dot(&x), 1.0, 1e-9));
+    prop_assert!(close(set.support(&gradient), 1.0, 1e-7), "h(∇k) = {}", set.support(&gradient));
+    prop_assert!(d.dot(e) <= set.gauge(d) * set.support(e) * (1.0 + 1e-10));
+    let farthest = set.support_point(e);
+    prop_assert!(close(farthest.dot(e), set.support(e), 1e-10));
+    prop_assert!(close(set.gauge(&farthest), 1.0, 1e-7), "{}", set.gauge(&farthest));
+    let sum = set.support(&(d + e));
+    prop_assert!(sum <= (set.support(d) + set.support(e)) * (1.0 + 1e-10));
+    prop_assert!(close(set.support(&(e * s)), s * set.support(e), 1e-10));
+    Ok(())
+}
+
+/// `slack` is what a projection may miss, relative to the sizes that occur.
+fn projection(set: &Convex<3>, d: &W, e: &W, k: f64, slack: f64) -> TestCaseResult {
+    let z = point_of(set, d, k);
+    let x = set.project(&z);
+    prop_assert!(set.gauge(&x) <= 1.0 + slack, "{}", set.gauge(&x) - 1.0);
+    if set.gauge(&z) <= 1.0 {
+        prop_assert!((x - z).norm() <= 1e-15 * z.norm());
+        return Ok(());
+    }
+    let normal = z - x;
+    if normal.norm() <= 1e-14 * x.norm() {
+        return Ok(());
+    }
+    let gap = set.support(&normal) - x.dot(&normal);
+    let size = x.norm() + normal.norm();
+    prop_assert!(gap <= slack * size * (size + set.support(&normal.normalize())), "gap {gap:e}");
+    prop_assert!((set.project(&x) - x).norm() <= 10.0 * slack * size);
+    let other = point_of(set, e, k);
+    let apart = (set.project(&other) - x).norm();
+    prop_assert!(apart <= (other - z).norm() + 10.0 * slack * (size + other.norm()));
+    Ok(())
+}
+
+fn cones(set: &Convex<3>, d: &W, e: &W) -> TestCaseResult {
+    let corners = set.corners();
+    let x = corners.first().copied().unwrap_or_else(|| point_of(set, d, 1.0));
+    let normals = set.normal_cone(&x, 1e-9).unwrap();
+    let tangents = normals.polar();
+    let (n, t) = (normals.project(e), tangents.project(e));
+    prop_assert!((n + t - e).norm() < 1e-6 && n.dot(&t).abs() < 1e-6, "{n} {t}");
+    for normal in normals.generators() {
+        prop_assert!((set.support(normal) - x.dot(normal)).abs() <= 1e-6 * x.norm());
+    }
+    prop_assert!(convexity(&Star::Convex(set.clone())).holds);
+    Ok(())
+}
+
+fn hessian(set: &Convex<3>, y: &W, e: &W) -> TestCaseResult {
+    let step = e * 1e-6;
+    let hessians = [*y, y + step, y - step].map(|y| set.support_hessian(&y));
+    let smooth = hessians.iter().all(|h| h.iter().all(|v| v.is_finite()));
+    let hessian = hessians[0];
+    let turns = (hessians[1] - hessian).norm().max((hessians[2] - hessian).norm());
+    if !smooth || turns > 0.05 * hessian.norm() {
+        return Ok(());
+    }
+    let slope = (set.support_point(&(y + step)) - set.support_point(&(y - step))) * 0.5;
+    let size = set.support_point(y).norm();
+    prop_assert!((slope - hessian * step).norm() <= 0.05 * (hessian * step).norm() + 1e-8 * size);
+    prop_assert!((hessian * y).norm() <= 1e-6 * hessian.norm() + 1e-8 * size);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(cases(1.0))]
+
+    #[test]
+    fn sets_with_closed_forms(
+        set in convex_in_space(), d in direction_in_space(), e in direction_in_space(), k in multiples()
+    ) {
+        gauge_and_support(&set, &d, &e, k)?;
+        projection(&set, &d, &e, k, 1e-11)?;
+        cones(&set, &d, &e)?;
+        hessian(&set, &d, &e)?;
+    }
+}
+
+proptest! {
+    // Skew images, intersections and sums are projected onto by iterations of up to milliseconds.
+    #![proptest_config(cases(0.1))]
+
+    #[test]
+    fn images_and_combinations(
+        set in slow_in_space(), d in direction_in_space(), e in direction_in_space(), k in log_uniform(0.1, 50.0)
+    ) {
+        gauge_and_support(&set, &d, &e, k)?;
+        projection(&set, &d, &e, k, 1e-8)?;
+        cones(&set, &d, &e)?;
+    }
+}
