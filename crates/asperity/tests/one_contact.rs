@@ -113,7 +113,8 @@ fn bisect(equation: &Equation<'_>, mut a: BoundaryPoint, mut b: BoundaryPoint) -
     let positive = equation.at(&a).0 >= 0.0;
     let mut best = (equation.at(&a).0.abs(), a);
     for k in 0..140 {
-        let turned = (a.normal - b.normal).norm() > 1e-15;
+        // On a flat the normals differ by rounding only, and a support point may be any of its points.
+        let turned = (a.normal - b.normal).norm() > 1e-12;
         let middle = if k % 2 == 0 && turned || (a.position - b.position).norm() == 0.0 {
             BoundaryPoint::at_normal(direction, &(a.normal + b.normal))
         } else {

@@ -2,8 +2,13 @@
 #![allow(dead_code)] // Every test binary uses its own part.
 
 use asperity::contact::{ContactProblem, NormalForce};
-use asperity::law::{FrictionLaw, Law};
-use asperity::set::{Ball, Convex, Cuboid, Ellipse, Star, Superellipse, Vector};
+use std::f64::consts::PI;
+
+use asperity::law::{FrictionLaw, Law, flow_sets};
+use asperity::set::{
+    Ball, CappedRectangle, Convex, Cuboid, Ellipse, PolarCurve, Polygon, Star, Superellipse,
+    SupportCurve, Vector, WedgeAsperity,
+};
 use nalgebra::DMatrix;
 
 pub type V = Vector<2>;
@@ -93,7 +98,46 @@ pub fn laws() -> Vec<(&'static str, FrictionLaw<2>)> {
         ("thin ellipses", extended(ellipse(1.0, 0.01, 28.6).into(), ellipse(1.0, 0.01, 0.0))),
         ("C 0.5, D ellipse", extended(superellipse(1.0, 0.5, 0.5, 23.0), ellipse(1.0, 0.2, 0.0))),
         ("thin D", extended(ellipse(1.0, 0.3, 28.6).into(), ellipse(1.0, 1e-3, 0.0))),
+        (
+            "asperity 36°",
+            extended(
+                WedgeAsperity::new(1.2, 0.2 * PI).unwrap().into(),
+                ellipse(1.0, (0.2 * PI).cos(), 0.0),
+            ),
+        ),
+        ("bobsleigh", FrictionLaw::associated(CappedRectangle::new(0.3, 0.1, 0.1).unwrap().into())),
+        (
+            "C polygon, D sum",
+            extended(
+                Polygon::new(
+                    &[(0.5, 0.0), (0.2, 0.2), (0.1, 0.5), (-0.4, 0.1), (-0.1, -0.3)]
+                        .map(|(x, y)| V::new(x, y)),
+                )
+                .unwrap()
+                .into(),
+                convex(
+                    Star::minkowski_sum(
+                        &[ellipse(1.0, 0.3, 20.0), rectangle(0.4, 0.2, 0.0)].map(Star::Convex),
+                    )
+                    .unwrap(),
+                ),
+            ),
+        ),
+        ("measured", measured()),
     ]
+}
+
+/// Table 1 at 36 directions.
+fn measured() -> FrictionLaw<2> {
+    let direction = convex(superellipse(1.84, 1.19, 2.51, 0.0));
+    let exact = FrictionLaw::new(superellipse(0.5366, 0.4570, 2.94, 0.0), direction).unwrap();
+    let phi: Vec<f64> = (0..36).map(|k| PI * f64::from(k) / 18.0).collect();
+    let force: Vec<V> =
+        phi.iter().map(|a| -exact.force(&V::new(a.cos(), a.sin()), 1.0).unwrap()).collect();
+    let sets = flow_sets(&phi, &force, 0.1, 0.1).unwrap();
+    let reservoir = PolarCurve::new(&sets.theta, &sets.radius).unwrap();
+    let direction = SupportCurve::new(&sets.phi, &sets.support).unwrap();
+    FrictionLaw::new(reservoir.into(), direction.into()).unwrap()
 }
 
 /// How the Delassus block of a random one-contact problem is made.
