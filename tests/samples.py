@@ -11,6 +11,17 @@ STAR_POLYGON = asp.Polygon([[2.0, 0.0], [0.5, 0.4], [0.0, 1.5], [-1.0, 0.1], [0.
 EGG = asp.SupportCurve(TURN, 1.0 + 0.2 * np.cos(TURN) + 0.05 * np.cos(3 * TURN))
 BEAN = asp.PolarCurve(ANGLES, 0.2 + 0.05 * np.cos(4 * ANGLES))
 ROUND = asp.PolarCurve(ANGLES[::-1], asp.Superellipse(0.6, 0.4, 2.4).radius(ANGLES[::-1]))
+EIGHTHS = np.arange(8) * np.pi / 4
+CORNERED = asp.SupportCurve(
+    EIGHTHS,
+    asp.Rectangle(2.0, 1.0).support(np.stack([np.cos(EIGHTHS), np.sin(EIGHTHS)], axis=-1)),
+)
+"""A support curve with corners."""
+DOTTED = asp.Polygon(asp.Rectangle(2.0, 1.0, angle=0.2).boundary(24))
+"""A polygon with points on its edges."""
+UNEVEN = asp.PolarCurve(
+    ANGLES + 0.8 * np.sin(ANGLES), asp.Ellipse(0.5, 0.3).radius(ANGLES + 0.8 * np.sin(ANGLES))
+)
 
 CONVEX_PLANE = [
     asp.Disk(0.4),
@@ -32,6 +43,9 @@ CONVEX_PLANE = [
     PENTAGON,
     EGG,
     ROUND,
+    CORNERED,
+    DOTTED,
+    UNEVEN,
     asp.Mapped(asp.Superellipse(1.0, 0.5, 3.0), [[1.0, 0.4], [-0.2, 0.8]]),
     asp.Mapped(EGG, [[1.0, 0.2], [0.3, 0.5]]),
     asp.Ball(1.5, dimension=2),
@@ -69,6 +83,7 @@ SPACE = [
     asp.CoulombContensou(1.5, "uniform"),
     asp.Box([1.0, 2.0, 0.5]) & asp.Ball(1.2),
     asp.Ellipsoid([1.0, 0.4, 0.6]) + asp.CoulombContensou(0.5),
+    asp.Box([1.0, 1.0, 1.0]) + asp.Ball(0.5),
 ]
 STAR_SPACE = [asp.Ellipsoid([3.0, 1.0, 2.0]) | asp.Box([0.5, 1.5, 0.5])]
 

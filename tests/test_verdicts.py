@@ -7,6 +7,7 @@ from samples import (
     ALL_SETS,
     BEAN,
     CONVEX,
+    CORNERED,
     LINE,
     PENTAGON,
     SPACE,
@@ -61,6 +62,8 @@ def has_straight_parts(star):
             return has_straight_parts(star.set)
         case asp.Superellipse():
             return star.exponent == 1.0
+        case asp.SupportCurve():
+            return star == CORNERED
         case asp.Intersection() | asp.MinkowskiSum():
             return any(has_straight_parts(part) for part in star.sets)
         case _:

@@ -195,12 +195,6 @@ def unit_vectors(angle: Array | float) -> Array:
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def brief(value: object) -> str:
-    """Return the repr, cut if it is long: that of a polygon lists all its corners."""
-    text = repr(value)
-    return text if len(text) <= 100 else f"{text[:97]}..."
-
-
 def read_only(values: NDArray[Any]) -> NDArray[Any]:
     """Return a C-contiguous copy that refuses writing."""
     frozen = np.array(values, order="C")

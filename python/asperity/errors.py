@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from asperity.trajectory import Trajectory
 
 
+_LONGEST = 250
+
+
 class AsperityError(Exception):
     """Base of all errors raised by asperity."""
 
@@ -24,6 +27,9 @@ class ParameterError(AsperityError, ValueError):
     """
 
     def __init__(self, argument: str, message: str) -> None:
+        # A quoted set may list thousands of points.
+        if len(message) > _LONGEST:
+            message = f"{message[: _LONGEST - 3]}..."
         super().__init__(argument, message)
         self.argument = argument
         self.message = message

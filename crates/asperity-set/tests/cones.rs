@@ -77,7 +77,8 @@ proptest! {
         let ends = [x + (near - x) * 1e-3, near].map(|x| normal(&x));
         let step = near - x;
         let distance = parts.iter().map(|part| part.distance(&step)).fold(f64::INFINITY, f64::min);
-        let bends = (ends[0] - ends[1]).norm() > 1e-2 || step.norm() < 1e-9 * x.norm();
+        let bends = (ends[0] - ends[1]).norm() > 1e-2 || step.norm() < 1e-9 * x.norm()
+            || matches!(set, Star::Superellipsoid(_) | Star::Image(_));
         prop_assert!(bends || distance <= 0.1 * step.norm(), "{distance:e} of {:e}", step.norm());
     }
 

@@ -123,9 +123,13 @@ class Questions(Evaluation):
     def _telling_directions(self, other: Evaluation) -> Array:
         """Return directions all around and the normals of both D all around, close at thin ends."""
         around = directions(self.dimension, _DIRECTIONS)
-        normals = [law.direction.gauge_gradient(around) for law in (self, other)]
+        places = [around]
         if self.reservoir.is_convex:
-            normals.append(self.reservoir.gauge_gradient(around))
+            # Where C is thin all its points lie in a few directions.
+            places.append(self.reservoir.support_point(around))
+        sets = [law.direction for law in (self, other)]
+        normals = [d.gauge_gradient(x) for d in sets for x in places]
+        normals += [self.reservoir.gauge_gradient(x) for x in places]
         lengths = [np.linalg.norm(n, axis=-1)[:, None] for n in normals]
         return np.vstack([around, *(n / m for n, m in zip(normals, lengths, strict=True))])
 

@@ -204,9 +204,7 @@ class StarSet(SupportMethods):
 def checked_set(value: object, argument: str) -> StarSet:
     """Return `value` if it is a set."""
     if not isinstance(value, StarSet):
-        raise ParameterError(
-            argument, f"must be a set such as Disk or Ellipse, got {_arrays.brief(value)}"
-        )
+        raise ParameterError(argument, f"must be a set such as Disk or Ellipse, got {value!r}")
     return value
 
 

@@ -158,6 +158,4 @@ class SupportMethods(GaugeMethods):
         why = "is star-shaped only"
         if self._core.convexity()[0]:
             why = "is convex by sampling only; make it a Polygon, PolarCurve or SupportCurve"
-        raise ParameterError(
-            argument, f"must be convex for {operation}, {_arrays.brief(self)} {why}"
-        )
+        raise ParameterError(argument, f"must be convex for {operation}, {self!r} {why}")

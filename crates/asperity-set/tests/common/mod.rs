@@ -44,7 +44,7 @@ fn wedge(slopes: std::ops::Range<f64>) -> impl Strategy<Value = Star<2>> {
 /// Corners on an ellipse or, if `rough`, anywhere between it and a tenth of it.
 fn polygon(rough: bool) -> impl Strategy<Value = Star<2>> {
     let corner = (0.02..1.0, if rough { 0.1..1.0 } else { 1.0..1.0 + 1e-12 });
-    (prop::collection::vec(corner, 4..12), semi_axes::<2>(5.0), -4.0..4.0).prop_map(
+    (prop::collection::vec(corner, 5..12), semi_axes::<2>(5.0), -4.0..4.0).prop_map(
         |(corners, axes, start)| {
             // Steps of less than half a turn each.
             let total: f64 = corners.iter().map(|c| c.0 + 0.4).sum();
