@@ -100,7 +100,7 @@ proptest! {
 
 proptest! {
     // Verdicts by samples look at thousands of points.
-    #![proptest_config(cases(0.2))]
+    #![proptest_config(cases(0.01))]
 
     #[test]
     fn verdicts_come_with_a_witness(set in star()) {

@@ -174,6 +174,11 @@ proptest! {
         prop_assert!(close(image.support(&y), (map * x).dot(&y), 1e-10));
         prop_assert!(close(image.gauge(&(map * y)), set.gauge(&y), 1e-7));
     }
+}
+
+proptest! {
+    // Thousands of gauges each.
+    #![proptest_config(cases(0.02))]
 
     #[test]
     fn largest_scale_touches_and_stays_inside(inner in convex(), outer in star(), d in direction()) {

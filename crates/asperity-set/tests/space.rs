@@ -80,7 +80,8 @@ fn hessian(set: &Convex<3>, y: &W, e: &W) -> TestCaseResult {
 }
 
 proptest! {
-    #![proptest_config(cases(1.0))]
+    // Four kinds.
+    #![proptest_config(cases(0.2))]
 
     #[test]
     fn sets_with_closed_forms(
@@ -95,7 +96,7 @@ proptest! {
 
 proptest! {
     // Skew images, intersections and sums are projected onto by iterations of up to milliseconds.
-    #![proptest_config(cases(0.1))]
+    #![proptest_config(cases(0.03))]
 
     #[test]
     fn images_and_combinations(
