@@ -42,9 +42,9 @@ pub enum Convex<const P: usize> {
     /// Superellipsoid with exponent ≥ 1.
     Superellipsoid(Superellipsoid<P>),
     /// A set of the plane.
-    Planar(Embedded<Planar, 2>),
+    Planar(Box<Embedded<Planar, 2>>),
     /// Coulomb–Contensou friction in R³.
-    Contensou(Embedded<CoulombContensou, 3>),
+    Contensou(Box<Embedded<CoulombContensou, 3>>),
     /// Intersection of convex sets.
     Intersection(Box<Intersection<Convex<P>, P>>),
     /// Minkowski sum of convex sets.
@@ -63,7 +63,7 @@ pub enum Star<const P: usize> {
     /// Superellipsoid with exponent < 1.
     Superellipsoid(Superellipsoid<P>),
     /// A set of the plane that is not convex.
-    Planar(Embedded<Planar, 2>),
+    Planar(Box<Embedded<Planar, 2>>),
     /// Intersection of sets that are not all convex.
     Intersection(Box<Intersection<Star<P>, P>>),
     /// Union of sets.
@@ -74,6 +74,12 @@ pub enum Star<const P: usize> {
     Custom(CustomStar<P>),
 }
 
+/// Keeps the code of the larger sets out of the loops of solvers, where the smaller ones are inlined.
+#[inline(never)]
+fn apart<T>(call: impl FnOnce() -> T) -> T {
+    call()
+}
+
 /// Calls the same method on whatever set is inside.
 macro_rules! each_convex {
     ($self:ident, $set:ident => $call:expr) => {
@@ -82,10 +88,10 @@ macro_rules! each_convex {
             Convex::Cuboid($set) => $call,
             Convex::Ellipsoid($set) => $call,
             Convex::Superellipsoid($set) => $call,
-            Convex::Planar($set) => $call,
-            Convex::Contensou($set) => $call,
-            Convex::Intersection($set) => $call,
-            Convex::Sum($set) => $call,
+            Convex::Planar($set) => apart(|| $call),
+            Convex::Contensou($set) => apart(|| $call),
+            Convex::Intersection($set) => apart(|| $call),
+            Convex::Sum($set) => apart(|| $call),
             Convex::Image($set) => $call,
             Convex::Custom(CustomConvex($set)) => $call,
         }
@@ -97,9 +103,9 @@ macro_rules! each_star {
         match $self {
             Star::Convex($set) => $call,
             Star::Superellipsoid($set) => $call,
-            Star::Planar($set) => $call,
-            Star::Intersection($set) => $call,
-            Star::Union($set) => $call,
+            Star::Planar($set) => apart(|| $call),
+            Star::Intersection($set) => apart(|| $call),
+            Star::Union($set) => apart(|| $call),
             Star::Image($set) => $call,
             Star::Custom(CustomStar($set)) => $call,
         }
@@ -115,7 +121,9 @@ impl<const P: usize> Convex<P> {
             Self::Cuboid(cuboid) => cuboid.scaled(factor)?.into(),
             Self::Ellipsoid(ellipsoid) => ellipsoid.scaled(factor)?.into(),
             Self::Superellipsoid(set) => Self::Superellipsoid(set.scaled(factor)?),
-            Self::Contensou(set) => Self::Contensou(Embedded::new(set.set().scaled(factor)?)),
+            Self::Contensou(set) => {
+                Self::Contensou(Box::new(Embedded::new(set.set().scaled(factor)?)))
+            }
             other => other.mapped(&(Matrix::identity() * factor))?,
         })
     }

@@ -42,7 +42,7 @@ macro_rules! star_from {
             fn from(set: $set) -> Self {
                 let set = Planar::from(set);
                 let convex = set.is_convex();
-                let set = Embedded::new(set);
+                let set = Box::new(Embedded::new(set));
                 if convex { Self::Convex(Convex::Planar(set)) } else { Self::Planar(set) }
             }
         })*
@@ -52,19 +52,19 @@ star_from!(WedgeAsperity, Polygon, PolarCurve);
 
 impl From<CappedRectangle> for Convex<2> {
     fn from(set: CappedRectangle) -> Self {
-        Self::Planar(Embedded::new(set.into()))
+        Self::Planar(Box::new(Embedded::new(set.into())))
     }
 }
 
 impl From<SupportCurve> for Convex<2> {
     fn from(set: SupportCurve) -> Self {
-        Self::Planar(Embedded::new(set.into()))
+        Self::Planar(Box::new(Embedded::new(set.into())))
     }
 }
 
 impl From<CoulombContensou> for Convex<3> {
     fn from(set: CoulombContensou) -> Self {
-        Self::Contensou(Embedded::new(set))
+        Self::Contensou(Box::new(Embedded::new(set)))
     }
 }
 

@@ -67,6 +67,9 @@ pub struct WalkTable {
 impl WalkTable {
     /// The table of a law.
     pub fn new(reservoir: &Star<2>, direction: &Convex<2>) -> Self {
+        let corners = reservoir.corners().len() + direction.corners().len();
+        // A corner between the inner nodes may stray twice as far as they do.
+        let margin = if corners > SHARPEST { 2.5 } else { 1.25 };
         let mut nodes = nodes(reservoir, direction);
         nodes.push(nodes[0]);
         let fine: Vec<Cell> = nodes
@@ -76,14 +79,14 @@ impl WalkTable {
                 let side = arc.side();
                 let inner =
                     [0.25, 0.5, 0.75].map(|w| node(reservoir, arc.point(direction, side, w)));
-                deviation(&pair[0], &pair[1], &inner)
+                deviation(&pair[0], &pair[1], &inner, margin)
             })
             .collect();
         let coarse = (0..COARSE)
             .map(|i| {
                 let range = i * FINE_PER_COARSE..=(i + 1) * FINE_PER_COARSE;
                 let (first, last) = (nodes[*range.start()], nodes[*range.end()]);
-                let own = deviation(&first, &last, &nodes[range.clone()]);
+                let own = deviation(&first, &last, &nodes[range.clone()], margin);
                 let within = &fine[*range.start()..*range.end()];
                 Cell {
                     normal: own.normal + within.iter().map(|c| c.normal).fold(0.0, f64::max),
@@ -213,7 +216,7 @@ fn walk_angle(point: &BoundaryPoint) -> f64 {
 
 /// How far `n` and `n ⊗ x` stray from their chord at the inner nodes, with a margin for what lies
 /// between those.
-fn deviation(first: &Node, last: &Node, inner: &[Node]) -> Cell {
+fn deviation(first: &Node, last: &Node, inner: &[Node], margin: f64) -> Cell {
     let dyad = |node: &Node| node.point.normal * node.x.transpose();
     let (n0, dn) = (first.point.normal, last.point.normal - first.point.normal);
     let (m0, dm) = (dyad(first), dyad(last) - dyad(first));
@@ -227,8 +230,7 @@ fn deviation(first: &Node, last: &Node, inner: &[Node]) -> Cell {
         cell.normal = cell.normal.max((n - dn * weight).norm());
         cell.product = cell.product.max((m - dm * weight).norm());
     }
-    // A corner between the inner nodes may stray twice as far as they do.
-    Cell { normal: 2.5 * cell.normal, product: 2.5 * cell.product }
+    Cell { normal: margin * cell.normal, product: margin * cell.product }
 }
 
 /// Smallest `n × t` with `t` the unit tangent of bdry *C*, taken as the chords next to every node.

@@ -119,7 +119,7 @@ impl Assembly {
         new_mass: bool,
     ) -> Result<Change, SystemError> {
         if self.ready && self.fixed && !new_mass {
-            return Ok(self.rate(before));
+            return Ok(if self.factors.any() { self.rate(before) } else { Change::None });
         }
         // A resting contact may be lifted by rounding: by a millionth of the way that the contact forces
         // have to make up for in a step it is not open yet.
@@ -128,7 +128,7 @@ impl Assembly {
         self.find_closed(system, t, q, drift)?;
         let same_contacts = self.ready && self.closed == self.active;
         if same_contacts && system.constancy().contacts && !new_mass {
-            return Ok(self.rate(before));
+            return Ok(if self.factors.any() { self.rate(before) } else { Change::None });
         }
         if !same_contacts {
             std::mem::swap(&mut self.active, &mut self.closed);
@@ -136,17 +136,17 @@ impl Assembly {
         }
         self.fill(system, t, q, factor)?;
         self.factors.keep(&self.problem);
-        self.rate(before);
+        if self.factors.any() {
+            self.rate(before);
+        }
         self.ready = true;
         Ok(if same_contacts { Change::Operator } else { Change::Contacts })
     }
 
-    /// Factors of the friction force at the velocities before the step, where laws have them.
-    #[inline]
+    /// Factors of the friction force at the velocities before the step.
+    #[cold]
+    #[inline(never)]
     fn rate(&mut self, before: &[f64]) -> Change {
-        if !self.factors.any() {
-            return Change::None;
-        }
         let (n, jacobian, chi) = (self.dof, &self.jacobian, &self.chi);
         let slip = |row: usize| dot(&jacobian[row * n..(row + 1) * n], before) + chi[row];
         self.factors.apply(&mut self.problem, slip);
@@ -270,8 +270,9 @@ impl Assembly {
     /// `velocity ← velocity + M⁻¹W P`.
     pub(super) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
         let n = self.dof;
+        let rated = self.factors.any();
         for (j, p) in percussion.iter().enumerate() {
-            let p = self.percussion(j, *p);
+            let p = if rated { self.percussion(j, *p) } else { *p };
             for (value, c) in velocity.iter_mut().zip(&self.response[j * n..(j + 1) * n]) {
                 *value += c * p;
             }
