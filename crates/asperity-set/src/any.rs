@@ -171,9 +171,7 @@ impl<const P: usize> Star<P> {
             _ => None,
         }
     }
-}
 
-impl<const P: usize> Star<P> {
     /// The intersection of some sets; convex if all are.
     pub fn intersection(sets: &[Self]) -> Result<Self, SetError> {
         let convex: Option<Vec<Convex<P>>> = sets.iter().map(|s| s.as_convex().cloned()).collect();

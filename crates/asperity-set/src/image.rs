@@ -1,5 +1,6 @@
 //! Linear images of sets.
 
+use crate::plane::{cast, quarter_turn};
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, project};
 
 /// The image `{A x : x ∈ S}` under a regular map: `k(x) = k_S(A⁻¹x)`, `h(y) = h_S(Aᵀy)`
@@ -117,8 +118,7 @@ fn flat_hessian<const P: usize>(y: &Vector<P>) -> Matrix<P> {
     if P != 2 {
         return Matrix::repeat(f64::INFINITY);
     }
-    let n = y.normalize();
-    let tangent = Vector::<P>::from_fn(|i, _| if i == 0 { -n[1] } else { n[0] });
+    let tangent: Vector<P> = cast(&quarter_turn(&cast(&y.normalize())));
     let dyad = tangent * tangent.transpose();
     dyad.map(|v| if v.abs() <= 1e-15 { 0.0 } else { v * f64::INFINITY })
 }

@@ -51,11 +51,11 @@ def plot_friction_coefficient(
     ax, options = look.axes_or_new(ax), look.line_options(kwargs)
     label = options.pop("label", None)
     suffix = "" if label is None else f", {label}"
-    artists: list[Artist] = []
-    artists += ax.plot(np.rad2deg(phi), opposing, label=f"$l_t${suffix}", **options)
+    (line,) = ax.plot(np.rad2deg(phi), opposing, label=f"$l_t${suffix}", **options)
+    artists: list[Artist] = [line]
     if across:
-        look_ = {**options, "color": artists[0].get_color(), "linestyle": "--"}  # type: ignore[attr-defined]
-        artists += ax.plot(np.rad2deg(phi), deflecting, label=f"$l_p${suffix}", **look_)
+        dashed = {**options, "color": line.get_color(), "linestyle": "--"}
+        artists += ax.plot(np.rad2deg(phi), deflecting, label=f"$l_p${suffix}", **dashed)
     ax.set_ylabel("friction coefficient")
     ax.legend(frameon=False)
     _label_directions(ax)

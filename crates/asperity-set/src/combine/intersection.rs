@@ -36,11 +36,6 @@ impl<const P: usize, S: StarSet<P>> Intersection<S, P> {
         let farthest = self.corners.iter().max_by(|a, b| height(a).total_cmp(&height(b)))?;
         is_normal_at(self, farthest, y).then_some(*farthest)
     }
-
-    fn outermost(&self, x: &Vector<P>) -> (f64, Vector<P>) {
-        let jets = self.sets.iter().map(|set| set.gauge_jet(x));
-        jets.reduce(|a, b| if b.0 > a.0 { b } else { a }).unwrap_or((0.0, Vector::zeros()))
-    }
 }
 
 impl<const P: usize, S: StarSet<P>> StarSet<P> for Intersection<S, P> {
@@ -49,7 +44,8 @@ impl<const P: usize, S: StarSet<P>> StarSet<P> for Intersection<S, P> {
     }
 
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
-        self.outermost(x)
+        let jets = self.sets.iter().map(|set| set.gauge_jet(x));
+        jets.reduce(|a, b| if b.0 > a.0 { b } else { a }).unwrap_or((0.0, Vector::zeros()))
     }
 
     fn corners(&self) -> Vec<Vector<P>> {

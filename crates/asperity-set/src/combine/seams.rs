@@ -9,6 +9,7 @@ use crate::{StarSet, Vector};
 
 /// Directions in which the boundaries of two sets are compared to find where they cross.
 const DIRECTIONS: usize = 2048;
+
 /// Corners of an intersection (`choose` the larger gauge) or a union (the smaller one): the corners of
 /// the members that stay on the boundary and, in the plane, the points where boundaries cross.
 pub(super) fn seams<const P: usize, S: StarSet<P>>(
