@@ -76,7 +76,8 @@ class PolarCurve(CurveSet):
     """The set within the periodic C² curve through radii r_C(θᵢ) over polar angles.
 
     Between the samples w = 1/r_C has piecewise linear w + w″. The set is convex where w + w″ ≥ 0
-    at the samples, and then so is the curve: convex data give a convex set.
+    at the samples, and then so is the curve: convex data give a convex set. Where that is not to be
+    had, or the curve would swing far beyond its samples, it has corners at them.
 
     Args:
         angle: θᵢ in rad, in any order, taken modulo a turn, without gap above 3 rad; shape ``(n,)``
@@ -84,8 +85,7 @@ class PolarCurve(CurveSet):
         radius: r_C(θᵢ) > 0, shape ``(n,)``.
 
     Raises:
-        ParameterError: if angles coincide or leave a gap, or a radius is not positive, also
-            between the samples.
+        ParameterError: if angles coincide or leave a gap, or a radius is not positive.
 
     Reference: [WL19] §5.2.
 

@@ -102,8 +102,7 @@ pub fn flow_sets(
         );
         return refuse("force", message);
     }
-    let repaired = convexity_defect > 0.0 || turn != 0.0;
-    let repair = if repaired { turn.abs().exp_m1() + convexity_defect.tan() } else { 0.0 };
+    let repair = turn.abs().exp_m1() + convexity_defect.tan();
     let (theta, radius) = reservoir(phi, force);
     let highest = points.iter().map(|p| p.1).fold(0.0, f64::max);
     let (phi, support) = points.into_iter().map(|(a, h)| (a, h / highest)).unzip();
