@@ -13,6 +13,7 @@
 //!
 //! The measures in `residual.rs` and `natural.rs` belong to no solver and grade them all.
 
+mod certificate;
 mod exact;
 mod line;
 mod local;
@@ -26,6 +27,7 @@ mod residual;
 
 use std::time::Instant;
 
+pub use certificate::Certificate;
 pub use natural::natural_map;
 pub use prox::ProxStep;
 pub use report::{Method, SolveReport, Stage, Status};
