@@ -33,10 +33,10 @@ def natural_map(problem: ContactProblem, percussion: Array) -> float:
     """
     free = problem.free_velocity + _restitution(problem)
     rho = free.size / problem.delassus.diagonal().sum()
-    xi = problem.delassus @ percussion + free
-    # A solver may have ended anywhere: no finite measure then.
-    if not np.isfinite(xi).all():
+    # A solver may have ended anywhere.
+    if not np.isfinite(percussion).all():
         return math.inf
+    xi = problem.delassus @ percussion + free
     squares = 0.0
     for law, unilateral, rows, normal in _groups(problem):
         p, v = percussion[rows], rho * xi[rows]

@@ -90,10 +90,11 @@ class ContactProblem(Value):
         contacts = len(chosen_laws)
         normal = normal_forces(normal_force, contacts)
         rows = sum(sizes(chosen_laws, normal))
+        free = _arrays.array(free, "free_velocity", (rows,))
         initial = np.zeros(rows) if initial_velocity is None else initial_velocity
         self._set(
             **operator.parameters(delassus, mass, directions, rows),
-            free_velocity=_arrays.read_only(_arrays.array(free, "free_velocity", (rows,))),
+            free_velocity=_arrays.read_only(free),
             laws=chosen_laws,
             normal_force=normal,
             normal_restitution=fractions(normal_restitution, "normal_restitution", contacts),
@@ -144,10 +145,10 @@ class ContactProblem(Value):
 
         >>> import numpy as np
         >>> from asperity import ContactProblem, FrictionLaw
-        >>> free, law = [-1.0, 0.1, 0.0], FrictionLaw.isotropic(0.3)
+        >>> free, law = [-1.0, 0.1, 0.1], FrictionLaw.isotropic(0.3)
         >>> block = ContactProblem.from_bodies(2.0 * np.eye(3), np.eye(3), free, law)
         >>> block.solve().percussion.round(12).tolist(), block.delassus.diagonal().tolist()
-        ([2.0, -0.2, 0.0], [0.5, 0.5, 0.5])
+        ([2.0, -0.2, -0.2], [0.5, 0.5, 0.5])
         """
         return cls(delassus, free_velocity, laws, mass=mass, directions=directions, **options)
 
