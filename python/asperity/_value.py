@@ -85,6 +85,8 @@ def _is_default(value: Any, parameter: inspect.Parameter) -> bool:
 
 
 def _same(a: Any, b: Any) -> bool:
+    if a is b:
+        return True
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(_same, a, b))
     if _is_sparse(a) and _is_sparse(b):

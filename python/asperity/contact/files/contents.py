@@ -53,7 +53,8 @@ def coefficients(problem: ContactProblem) -> Array | None:
     if len({law.dimension for law in problem.laws}) > 1:
         return None
     # Thousands of contacts share few laws.
-    known = {id(law): coefficient(law) for law in problem.laws}
+    different = {id(law): law for law in problem.laws}
+    known = {number: coefficient(law) for number, law in different.items()}
     mu = [known[id(law)] for law in problem.laws]
     return None if None in mu else np.array(mu, dtype=np.float64)
 
@@ -81,12 +82,15 @@ def isotropic(mu: Array, dimension: int) -> list[FrictionLaw]:
 
 def details(problem: ContactProblem) -> dict[str, NDArray[Any]]:
     """Return what a problem that is not plain needs besides W and q."""
-    different = list(dict.fromkeys(problem.laws))
+    # Hashing a law takes long: contacts that share the object share the number.
+    objects = {id(law): law for law in problem.laws}
+    different = list(dict.fromkeys(objects.values()))
     number = {law: i for i, law in enumerate(different)}
+    place = {key: number[law] for key, law in objects.items()}
     force = [np.nan if force is None else force for force in problem.normal_force]
     return {
         "laws": np.array(law_files.written(different)),
-        "law": np.array([number[law] for law in problem.laws], dtype=np.int64),
+        "law": np.array([place[id(law)] for law in problem.laws], dtype=np.int64),
         "normal_force": np.array(force, dtype=np.float64),
         "normal_restitution": problem.normal_restitution,
         "tangential_restitution": problem.tangential_restitution,
