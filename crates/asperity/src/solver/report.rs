@@ -15,6 +15,8 @@ pub enum Status {
     Inexact,
     /// A contact has no solution at all (Painlevé's paradox), the others held.
     NoSolution,
+    /// The solver does not know all the laws or needs the entries of a matrix-free operator.
+    NotApplicable,
 }
 
 impl Status {
@@ -26,6 +28,7 @@ impl Status {
             Self::TimeLimit => "time_limit",
             Self::Inexact => "inexact",
             Self::NoSolution => "no_solution",
+            Self::NotApplicable => "not_applicable",
         }
     }
 }
@@ -46,21 +49,25 @@ pub struct SolveReport {
 }
 
 impl SolveReport {
-    /// The residual alone decides whether the problem is solved; `ended` says why the solver stopped.
+    /// The residual decides whether the problem is solved, unless a contact goes on approaching; `ended`
+    /// says why the solver stopped.
     pub(super) fn new(
         ended: Ended,
         iterations: usize,
         residual: Residual,
+        approaching: Option<usize>,
         tolerance: f64,
         workspace: &Workspace,
     ) -> Self {
         let solved = residual.value <= tolerance;
-        let (status, worst_contact) = match ended {
-            _ if solved => (Status::Converged, residual.worst_contact),
-            Ended::NoSolution(contact) => (Status::NoSolution, contact),
-            Ended::TimeLimit => (Status::TimeLimit, residual.worst_contact),
-            Ended::Done => (Status::Inexact, residual.worst_contact),
-            Ended::MaxIterations => (Status::MaxIterations, residual.worst_contact),
+        let (status, worst_contact) = match (ended, approaching) {
+            (_, Some(contact)) if solved => (Status::NoSolution, contact),
+            (_, None) if solved => (Status::Converged, residual.worst_contact),
+            (Ended::NoSolution(contact), _) => (Status::NoSolution, contact),
+            (Ended::TimeLimit, _) => (Status::TimeLimit, residual.worst_contact),
+            (Ended::NotApplicable, _) => (Status::NotApplicable, residual.worst_contact),
+            (Ended::Done, _) => (Status::Inexact, residual.worst_contact),
+            (Ended::MaxIterations, _) => (Status::MaxIterations, residual.worst_contact),
         };
         let ambiguous = workspace.ambiguous.iter().any(|&several| several);
         Self { status, iterations, residual: residual.value, worst_contact, ambiguous }
@@ -74,4 +81,49 @@ pub(super) enum Ended {
     MaxIterations,
     TimeLimit,
     NoSolution(usize),
+    NotApplicable,
+}
+
+/// A method that is a phase of [`Solver::Auto`](super::Solver::Auto).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Sweeps of exact one-contact solves.
+    GaussSeidel,
+    /// The paper's prox iterations.
+    Prox,
+    /// Semismooth Newton.
+    Newton,
+    /// Interior point.
+    InteriorPoint,
+    /// Proximal point iteration.
+    ProximalPoint,
+    /// Alternating direction method of multipliers.
+    Admm,
+}
+
+impl Method {
+    /// Name of the method.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::GaussSeidel => "gauss_seidel",
+            Self::Prox => "prox",
+            Self::Newton => "newton",
+            Self::InteriorPoint => "interior_point",
+            Self::ProximalPoint => "proximal_point",
+            Self::Admm => "admm",
+        }
+    }
+}
+
+/// What a phase did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stage {
+    /// Its method.
+    pub method: Method,
+    /// Sweeps, iterations or outer steps.
+    pub iterations: usize,
+    /// Matrices factored.
+    pub factorizations: usize,
+    /// Natural map of the best percussions when it ended.
+    pub residual: f64,
 }
