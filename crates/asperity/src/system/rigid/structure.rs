@@ -1,0 +1,143 @@
+//! What time steps ask of rigid bodies: body by body, or in matrices as of any system.
+
+use nalgebra::{DMatrix, Vector3};
+
+use super::{Pose, RigidBodies, Twist, angular, linear, twist};
+use crate::system::{Constancy, ContactLaw, System, SystemError};
+
+impl RigidBodies {
+    /// Gap and contact point.
+    #[inline]
+    pub(crate) fn gap_at(&self, poses: &[Pose], contact: usize) -> (f64, Vector3<f64>) {
+        let contact = &self.contacts[contact];
+        contact.gap(&poses[contact.body], contact.other.map(|body| &poses[body]))
+    }
+
+    /// Rows of `W_Nᵀ`, if `normal`, and of `Wᵀ` for the first and the second body, and χ.
+    #[inline]
+    pub(crate) fn contact_rows(
+        &self,
+        poses: &[Pose],
+        contact: usize,
+        normal: bool,
+        rows: (&mut [Twist], &mut [Twist]),
+        chi: &mut [f64],
+    ) {
+        let p = self.laws[contact].law.dimension();
+        let contact = &self.contacts[contact];
+        let at = (&poses[contact.body], contact.other.map(|body| &poses[body]));
+        contact.rows(&contact.geometry(at.0, at.1), at, (normal, p), rows, chi);
+    }
+
+    /// Rows of one contact for the whole system, from coordinates.
+    fn wide_rows(
+        &self,
+        q: &[f64],
+        index: usize,
+        (normal, p): (bool, usize),
+        wide: &mut [f64],
+        chi: &mut [f64],
+    ) -> f64 {
+        let contact = &self.contacts[index];
+        let first = self.pose(q, contact.body);
+        let second = contact.other.map(|body| self.pose(q, body));
+        let (mut own, mut others) = ([Twist::zeros(); 3], [Twist::zeros(); 3]);
+        let geometry = contact.geometry(&first, second.as_ref());
+        let rows = (own.as_mut_slice(), others.as_mut_slice());
+        contact.rows(&geometry, (&first, second.as_ref()), (normal, p), rows, chi);
+        wide.fill(0.0);
+        for (k, row) in wide.chunks_exact_mut(self.dof()).enumerate() {
+            self.set_twist(row, contact.body, &own[k]);
+            if let Some(body) = contact.other {
+                self.set_twist(row, body, &others[k]);
+            }
+        }
+        geometry.gap
+    }
+}
+
+impl System for RigidBodies {
+    fn dof(&self) -> usize {
+        self.sizes().1 * self.bodies()
+    }
+
+    fn coordinates(&self) -> usize {
+        self.sizes().0 * self.bodies()
+    }
+
+    fn advance(&self, q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
+        for body in 0..self.bodies() {
+            self.advance_body(q, u, body, dt, out);
+        }
+    }
+
+    fn rigid_bodies(&self) -> Option<&RigidBodies> {
+        Some(self)
+    }
+
+    fn contacts(&self) -> &[ContactLaw] {
+        &self.laws
+    }
+
+    fn constancy(&self) -> Constancy {
+        Constancy { mass: true, contacts: false }
+    }
+
+    fn mass(&self, _q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
+        mass.fill(0.0);
+        let n = self.sizes().1;
+        for (body, inertial) in self.inertial.iter().enumerate() {
+            let first = n * body;
+            for i in 0..3 {
+                mass[(first + i, first + i)] = inertial.mass;
+            }
+            if self.planar {
+                mass[(first + 2, first + 2)] = inertial.inertia.m33;
+            } else {
+                mass.fixed_view_mut::<3, 3>(first + 3, first + 3).copy_from(&inertial.inertia);
+            }
+        }
+        Ok(())
+    }
+
+    fn forces(&self, _t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
+        forces.fill(0.0);
+        self.loads(
+            |body| self.pose(q, body),
+            u,
+            &mut |body, load| {
+                let sum = self.twist(forces, body) + load;
+                self.set_twist(forces, body, &sum);
+            },
+        );
+        for (body, inertial) in self.inertial.iter().enumerate().filter(|(_, i)| !i.isotropic) {
+            let omega = angular(&self.twist(u, body));
+            let gyroscopic = (inertial.inertia * omega).cross(&omega);
+            let load = self.twist(forces, body);
+            self.set_twist(forces, body, &twist(&linear(&load), &(angular(&load) + gyroscopic)));
+        }
+        Ok(())
+    }
+
+    fn tangent(
+        &self,
+        _t: f64,
+        q: &[f64],
+        contact: usize,
+        tangent: &mut [f64],
+        velocity: &mut [f64],
+    ) -> Result<(), SystemError> {
+        self.wide_rows(q, contact, (false, velocity.len()), tangent, velocity);
+        Ok(())
+    }
+
+    fn gap(
+        &self,
+        _t: f64,
+        q: &[f64],
+        contact: usize,
+        normal: &mut [f64],
+    ) -> Result<f64, SystemError> {
+        Ok(self.wide_rows(q, contact, (true, 0), normal, &mut [0.0]))
+    }
+}
