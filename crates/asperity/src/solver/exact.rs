@@ -53,12 +53,12 @@ fn sweep(
         let Workspace { percussion, blocks, planar, ambiguous, states, .. } = &mut *workspace;
         let found = match &rows.law {
             Law::One(law) => {
-                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let local = Local::new(law, problem, i, &blocks[i], percussion);
                 let found = line::solve(&local, history);
                 found.map(|found| store(rows, &found, percussion, history, &mut states[i]))
             }
             Law::Two(law) => {
-                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let local = Local::new(law, problem, i, &blocks[i], percussion);
                 let guess = || start(if first { history.ahead() } else { states[i].slip }, &local);
                 let found = plane::solve(&local, history, guess, planar);
                 found.map(|found| store(rows, &found, percussion, history, &mut states[i]))
@@ -111,11 +111,11 @@ pub(super) fn mark_ambiguous(problem: &ContactProblem, memory: &Memory, workspac
         let state = &memory.states[i];
         ambiguous[i] = match &rows.law {
             Law::One(law) => {
-                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let local = Local::new(law, problem, i, &blocks[i], percussion);
                 line::solve(&local, state).is_some_and(|s| s.ambiguous)
             }
             Law::Two(law) => {
-                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let local = Local::new(law, problem, i, &blocks[i], percussion);
                 let guess = || start(state.ahead(), &local);
                 plane::solve(&local, state, guess, planar).is_some_and(|s| s.ambiguous)
             }
@@ -131,11 +131,11 @@ pub(super) fn all_solutions(
     percussion: &[f64],
 ) -> Vec<LocalSolution<2>> {
     let rows = &problem.contacts[contact];
-    let block = Block::new(problem, rows);
+    let block = Block::new(problem, contact);
     let mut out = Vec::new();
     match &rows.law {
         Law::One(law) => {
-            let local = Local::new(law, problem, rows, &block, percussion);
+            let local = Local::new(law, problem, contact, &block, percussion);
             out.extend(line::solutions(&local).into_iter().flatten().map(|s| LocalSolution {
                 phase: s.phase,
                 normal: s.normal,
@@ -145,7 +145,7 @@ pub(super) fn all_solutions(
             }));
         }
         Law::Two(law) => {
-            let local = Local::new(law, problem, rows, &block, percussion);
+            let local = Local::new(law, problem, contact, &block, percussion);
             plane::solutions(&local, &mut out);
         }
         Law::Three(_) => {}

@@ -98,7 +98,7 @@ impl Workspace {
         self.ambiguous.resize(contacts, false);
         self.states.resize(contacts, ContactState::default());
         self.blocks.clear();
-        self.blocks.extend(problem.contacts().iter().map(|rows| Block::new(problem, rows)));
+        self.blocks.extend((0..contacts).map(|contact| Block::new(problem, contact)));
     }
 }
 
@@ -167,6 +167,10 @@ pub fn solutions(
     let rows = &problem.contacts()[contact];
     let own = rows.offset..rows.offset + rows.len();
     let mut all = percussion.to_vec();
+    let velocity = |all: &[f64]| {
+        let xi = problem.contact_velocity(contact, all, true);
+        own.clone().zip(xi).map(|(row, xi)| xi - problem.restitution[row]).collect()
+    };
     let mut complete = |local: &LocalSolution<2>| {
         if rows.normal_rows() == 1 {
             all[rows.offset] = local.normal;
@@ -176,7 +180,7 @@ pub fn solutions(
         ContactSolution {
             phase: local.phase,
             percussion: all[own.clone()].to_vec(),
-            velocity: own.clone().map(|row| problem.row_velocity(row, &all)).collect(),
+            velocity: velocity(&all),
             degenerate: local.degenerate,
         }
     };
