@@ -153,45 +153,54 @@ impl Inertial {
             torque: torque.into(),
         })
     }
-}
 
-impl Bodies {
-    /// Mass and loads, initial coordinates and initial velocities.
-    pub(super) fn unpack(&self) -> Result<(Vec<Inertial>, Vec<f64>, Vec<f64>), SystemError> {
-        let (mut q, mut u) = (Vec::new(), Vec::new());
-        let inertial: Result<Vec<_>, _> = match self {
-            Self::Planar(bodies) => bodies
-                .iter()
-                .enumerate()
-                .map(|(i, b)| planar(b, &mut q, &mut u).map_err(|e| within("body", i, e)))
-                .collect(),
-            Self::Spatial(bodies) => bodies
-                .iter()
-                .enumerate()
-                .map(|(i, b)| spatial(b, &mut q, &mut u).map_err(|e| within("body", i, e)))
-                .collect(),
-        };
-        inertial.map(|inertial| (inertial, q, u))
+    /// `Ω = J⁻¹ Π`, refined so that `J Ω` gives Π back but for rounding.
+    #[inline]
+    pub(super) fn rate(&self, momentum: &Vector3<f64>) -> Vector3<f64> {
+        let rate = self.inverse_inertia * momentum;
+        rate + self.inverse_inertia * (momentum - self.inertia * rate)
     }
 }
 
-fn planar(
-    body: &PlanarBody,
-    q: &mut Vec<f64>,
-    u: &mut Vec<f64>,
-) -> Result<Inertial, SystemError> {
+/// Bodies taken apart: mass and loads, initial coordinates, initial velocities.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    pub(super) inertial: Vec<Inertial>,
+    pub(super) q0: Vec<f64>,
+    pub(super) u0: Vec<f64>,
+}
+
+impl Bodies {
+    pub(super) fn parts(&self) -> Result<Parts, SystemError> {
+        let mut parts = Parts::default();
+        let count = match self {
+            Self::Planar(bodies) => bodies.len(),
+            Self::Spatial(bodies) => bodies.len(),
+        };
+        for i in 0..count {
+            let inertial = match self {
+                Self::Planar(bodies) => planar(&bodies[i], &mut parts),
+                Self::Spatial(bodies) => spatial(&bodies[i], &mut parts),
+            };
+            parts.inertial.push(inertial.map_err(|error| within("body", i, error))?);
+        }
+        Ok(parts)
+    }
+}
+
+fn planar(body: &PlanarBody, parts: &mut Parts) -> Result<Inertial, SystemError> {
     check("position", &body.position)?;
     check("angle", &[body.angle])?;
     check("velocity", &body.velocity)?;
     check("angular_velocity", &[body.angular_velocity])?;
-    q.extend([body.position[0], body.position[1], body.angle]);
-    u.extend([body.velocity[0], body.velocity[1], body.angular_velocity]);
+    parts.q0.extend([body.position[0], body.position[1], body.angle]);
+    parts.u0.extend([body.velocity[0], body.velocity[1], body.angular_velocity]);
     let inertia = Matrix3::identity() * body.inertia;
     let force = [body.force[0], body.force[1], 0.0];
     Inertial::new(body.mass, inertia, force, [0.0, 0.0, body.torque])
 }
 
-fn spatial(body: &Body, q: &mut Vec<f64>, u: &mut Vec<f64>) -> Result<Inertial, SystemError> {
+fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, SystemError> {
     check("position", &body.position)?;
     check("orientation", &body.orientation)?;
     check("velocity", &body.velocity)?;
@@ -201,10 +210,10 @@ fn spatial(body: &Body, q: &mut Vec<f64>, u: &mut Vec<f64>) -> Result<Inertial, 
         let message = format!("must be a quaternion of length other than zero, has {length}");
         return Err(SystemError::argument("orientation", message));
     }
-    q.extend(body.position);
-    q.extend(normalized(body.orientation.map(|c| c / length)));
-    u.extend(body.velocity);
-    u.extend(body.angular_velocity);
+    parts.q0.extend(body.position);
+    parts.q0.extend(normalized(body.orientation.map(|c| c / length)));
+    parts.u0.extend(body.velocity);
+    parts.u0.extend(body.angular_velocity);
     let inertia = Matrix3::from_fn(|i, j| body.inertia[i][j]);
     Inertial::new(body.mass, inertia, body.force, body.torque)
 }

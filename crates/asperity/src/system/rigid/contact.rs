@@ -89,8 +89,10 @@ impl Contact {
                 let [a, b] = [first.point(&centres[0]), place(second, &centres[1])];
                 let (normal, _) = direction(a - b);
                 let e1 = match &self.frame {
-                    Frame::Body { axis } => tangent(&(first.rotation * Vector3::from(*axis)), &normal)
-                        .unwrap_or_else(|| across(&normal)),
+                    Frame::Body { axis } => {
+                        tangent(&(first.rotation * Vector3::from(*axis)), &normal)
+                            .unwrap_or_else(|| across(&normal))
+                    }
                     // Planar systems.
                     _ => normal.cross(&Vector3::z()),
                 };
@@ -123,7 +125,8 @@ impl Contact {
             }
             Frame::Field(angle) => {
                 let away = point - surface.point;
-                let (sine, cosine) = angle([away.dot(&surface.e1), away.dot(&surface.e2)]).sin_cos();
+                let (sine, cosine) =
+                    angle([away.dot(&surface.e1), away.dot(&surface.e2)]).sin_cos();
                 Some(surface.e1 * cosine + surface.e2 * sine)
             }
         };

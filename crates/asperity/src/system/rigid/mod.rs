@@ -23,7 +23,7 @@ pub use spring::Spring;
 pub use surface::{Field, Frame, Plane};
 
 use super::{ContactLaw, SystemError};
-use body::{Inertial, check};
+use body::{Inertial, Parts, check};
 use contact::Contact;
 
 /// A system of rigid bodies.
@@ -96,7 +96,7 @@ impl RigidBodies {
     ) -> Result<Self, SystemError> {
         let bodies = bodies.into();
         let planar = matches!(bodies, Bodies::Planar(_));
-        let (inertial, q0, u0) = bodies.unpack()?;
+        let Parts { inertial, q0, u0 } = bodies.parts()?;
         check("gravity", &gravity)?;
         if planar && gravity[2] != 0.0 {
             return Err(SystemError::argument("gravity", "must have z = 0 in planar systems"));

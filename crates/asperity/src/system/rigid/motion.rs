@@ -1,17 +1,20 @@
 //! How rigid bodies move within a step.
 //!
 //! Both halves of Moreau's step are taken literally, `q_M = q_B ⊕ ½Δt u_B`, `q_E = q_M ⊕ ½Δt u_E`, with
-//! `R ⊕ Ω = R exp Ω` for rotations. A body that is not a ball (in its inertia) changes its Ω while it turns freely, whereas
-//! its angular momentum `L = R J Ω` stays: so Ω is re-expressed from L wherever the attitude has changed,
+//! `R ⊕ Ω = R exp Ω` for rotations. Unless the inertia is isotropic, Ω changes while a body turns freely,
+//! whereas its angular momentum `L = R J Ω` stays: so L is what is stepped, and Ω is re-expressed from it
+//! wherever the attitude has changed,
 //!
-//! `Ω⁻ = J⁻¹ R_Mᵀ R_B J Ω_B`, `Ω⁺ = Ω⁻ + J⁻¹ R_Mᵀ (Δt τ + W P)`, `J Ω_E = R_Eᵀ R_M J Ω⁺`
+//! `Ω⁻ = J⁻¹ R_Mᵀ L_B`, `Ω⁺ = Ω⁻ + J⁻¹ R_Mᵀ (Δt τ + W P)`, `L_E = L_B + Δt τ + W P`, `Ω_E = J⁻¹ R_Eᵀ L_E`
 //!
 //! where the last is implicit, as `R_E = R_M exp(½Δt Ω_E)`. The scheme then reads the same backwards: it is
 //! of second order without impacts, keeps linear and angular momentum to rounding, and its energy
-//! oscillates without drift. (With `Ω⁺` in the second half it would be explicit and of first order, and tops would
-//! gain energy.) The contact laws hold in Ω⁺ at `q_M`. In the world's axes `R_M Ω⁺` and `R_E Ω_E` differ by
-//! O(Δt) where gyroscopic terms act, and so does the γ at the end from the γ_E of the laws; for isotropic
-//! inertia, for planar bodies and at rest they are the same.
+//! oscillates without drift. (With Ω⁺ in the second half it would be explicit and of first order, and tops
+//! would gain energy.) L is kept from step to step: recovered from Ω, its rounding would add up.
+//!
+//! The contact laws hold in Ω⁺ at `q_M`. In the world's axes `R_M Ω⁺` and `R_E Ω_E` differ by O(Δt) where
+//! gyroscopic terms act, and so do the γ at the end and the γ_E of the laws; for isotropic inertia, for
+//! planar bodies and at rest they are the same.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -72,11 +75,30 @@ impl RigidBodies {
         out[3..].copy_from_slice(&end);
     }
 
-    /// Velocities at the midpoint, from those of before: without and with forces.
+    /// The first half of the step: coordinates and poses at the midpoint.
+    pub(crate) fn midpoint(
+        &self,
+        (q, u): (&[f64], &[f64]),
+        dt: f64,
+        mid: &mut [f64],
+        poses: &mut [Pose],
+    ) {
+        for (body, pose) in poses.iter_mut().enumerate() {
+            self.advance_body(q, u, body, 0.5 * dt, mid);
+            *pose = self.pose(mid, body);
+        }
+    }
+
+    /// Angular momentum `R J Ω` of a body about its centre of mass, in the world's axes.
+    pub(crate) fn spin(&self, q: &[f64], u: &[f64], body: usize) -> Vector3<f64> {
+        self.pose(q, body).rotation * (self.inertial[body].inertia * angular(&self.twist(u, body)))
+    }
+
+    /// Velocities at the midpoint, before the step and with forces but those of the contacts.
     pub(crate) fn free_twists(
         &self,
         poses: &[Pose],
-        u: &[f64],
+        (u, spins): (&[f64], &[Vector3<f64>]),
         dt: f64,
         before: &mut [Twist],
         free: &mut [Twist],
@@ -86,10 +108,8 @@ impl RigidBodies {
         for (body, inertial) in self.inertial.iter().enumerate() {
             let mut start = self.twist(u, body);
             if !inertial.isotropic {
-                let omega = angular(&start);
-                let momentum = inertial.inertia * omega;
-                let now = inertial.inverse_inertia * turned_back(&(omega * (0.5 * dt)), &momentum);
-                start = twist(&linear(&start), &now);
+                let momentum = poses[body].rotation.tr_mul(&spins[body]);
+                start = twist(&linear(&start), &inertial.rate(&momentum));
             }
             before[body] = start;
             free[body] = start + self.response(body, &free[body]) * dt;
@@ -109,45 +129,40 @@ impl RigidBodies {
         twist(&(linear(wrench) * inertial.inverse_mass), &turning)
     }
 
-    /// The second half of the step: coordinates `q` from those at the midpoint and the twist there, and
-    /// velocities at the end.
+    /// The second half of the step: from the twists of before and after the step at the midpoint to
+    /// coordinates and velocities at the end. Takes `L` along.
     pub(crate) fn finish(
         &self,
-        mid: &[f64],
-        twists: &[Twist],
+        (mid, poses): (&[f64], &[Pose]),
+        (before, after): (&[Twist], &[Twist]),
+        spins: &mut [Vector3<f64>],
         half: f64,
-        q: &mut [f64],
-        u: &mut [f64],
+        (q, u): (&mut [f64], &mut [f64]),
     ) {
-        for (body, plus) in twists.iter().enumerate() {
-            if self.inertial[body].isotropic {
-                self.set_twist(u, body, plus);
+        for (body, (inertial, after)) in self.inertial.iter().zip(after).enumerate() {
+            if inertial.isotropic {
+                self.set_twist(u, body, after);
                 self.advance_body(mid, u, body, half, q);
                 continue;
             }
-            let inertial = &self.inertial[body];
-            let momentum = inertial.inertia * angular(plus);
-            let omega = self.end_rate(body, &angular(plus), &momentum, half);
-            self.set_twist(u, body, &twist(&linear(plus), &omega));
+            let change = inertial.inertia * (angular(after) - angular(&before[body]));
+            spins[body] += poses[body].rotation * change;
+            let omega = self.end_rate(body, &angular(after), half);
+            self.set_twist(u, body, &twist(&linear(after), &omega));
             self.advance_body(mid, u, body, half, q);
             // Momentum is kept whatever the iteration has left over.
-            let end = inertial.inverse_inertia * turned_back(&(omega * half), &momentum);
-            self.set_twist(u, body, &twist(&linear(plus), &end));
+            let momentum = self.pose(q, body).rotation.tr_mul(&spins[body]);
+            self.set_twist(u, body, &twist(&linear(after), &inertial.rate(&momentum)));
         }
     }
 
     /// `Ω` with `J Ω = exp(−½Δt Ω) Π` by Newton's method without the terms of second order.
-    fn end_rate(
-        &self,
-        body: usize,
-        start: &Vector3<f64>,
-        momentum: &Vector3<f64>,
-        half: f64,
-    ) -> Vector3<f64> {
+    fn end_rate(&self, body: usize, start: &Vector3<f64>, half: f64) -> Vector3<f64> {
         let inertia = &self.inertial[body].inertia;
+        let momentum = inertia * start;
         let mut omega = *start;
         for _ in 0..20 {
-            let turned = turned_back(&(omega * half), momentum);
+            let turned = turned_back(&(omega * half), &momentum);
             let defect = turned - inertia * omega;
             if !(defect.amax() > 4.0 * f64::EPSILON * momentum.amax()) {
                 break;
@@ -168,11 +183,8 @@ impl RigidBodies {
         for (body, inertial) in self.inertial.iter().enumerate() {
             let force = self.gravity * inertial.mass + inertial.force;
             let turns = inertial.torque.amax() > 0.0;
-            let torque = if turns {
-                pose(body).rotation.tr_mul(&inertial.torque)
-            } else {
-                Vector3::zeros()
-            };
+            let torque =
+                if turns { pose(body).rotation.tr_mul(&inertial.torque) } else { Vector3::zeros() };
             add(body, twist(&force, &torque));
         }
         for spring in &self.springs {

@@ -145,7 +145,11 @@ impl Pair {
     }
 
     /// Its contacts, between `bodies` bodies.
-    pub(super) fn contacts(&self, bodies: usize, planar: bool) -> Result<Vec<Contact>, SystemError> {
+    pub(super) fn contacts(
+        &self,
+        bodies: usize,
+        planar: bool,
+    ) -> Result<Vec<Contact>, SystemError> {
         let (body, other) = self.shape.bodies();
         for (argument, index) in [("body", Some(body)), ("other", other)] {
             if let Some(index) = index.filter(|&index| index >= bodies) {
@@ -200,7 +204,11 @@ impl Shape {
         match self {
             Self::PointPlane { point, plane, .. } => {
                 let surface = surface(plane)?;
-                Ok(vec![Touching::Plane { point: place("point", *point, planar)?, radius: 0.0, surface }])
+                Ok(vec![Touching::Plane {
+                    point: place("point", *point, planar)?,
+                    radius: 0.0,
+                    surface,
+                }])
             }
             Self::SpherePlane { centre, radius, plane, .. } => {
                 let (point, radius) = (place("centre", *centre, planar)?, size("radius", *radius)?);
@@ -215,13 +223,15 @@ impl Shape {
                 }
                 let sign = |k: usize, i: usize| if k >> i & 1 == 1 { 1.0 } else { -1.0 };
                 let corner = |k: usize| Vector3::from_fn(|i, _| sign(k, i) * half[i]);
-                let touching =
-                    |k| Touching::Plane { point: corner(k), radius: 0.0, surface };
+                let touching = |k| Touching::Plane { point: corner(k), radius: 0.0, surface };
                 Ok((0..1 << count).map(touching).collect())
             }
             Self::SphereSphere { centre, radius, other_centre, other_radius, .. } => {
                 Ok(vec![Touching::Spheres {
-                    centres: [place("centre", *centre, planar)?, place("other_centre", *other_centre, planar)?],
+                    centres: [
+                        place("centre", *centre, planar)?,
+                        place("other_centre", *other_centre, planar)?,
+                    ],
                     radii: [size("radius", *radius)?, size("other_radius", *other_radius)?],
                 }])
             }

@@ -6,6 +6,31 @@ use super::{Pose, RigidBodies, Twist, angular, linear, twist};
 use crate::system::{Constancy, ContactLaw, System, SystemError};
 
 impl RigidBodies {
+    /// Laws of the contacts.
+    #[inline]
+    pub(crate) fn contact_laws(&self) -> &[ContactLaw] {
+        &self.laws
+    }
+
+    /// `γ = Wᵀu + χ` of a contact.
+    pub(crate) fn slip(&self, q: &[f64], u: &[f64], index: usize) -> [f64; 3] {
+        let contact = &self.contacts[index];
+        let first = self.pose(q, contact.body);
+        let second = contact.other.map(|body| self.pose(q, body));
+        let (mut own, mut others) = ([Twist::zeros(); 3], [Twist::zeros(); 3]);
+        let (geometry, p) =
+            (contact.geometry(&first, second.as_ref()), self.laws[index].law.dimension());
+        let (at, mut slip) = ((&first, second.as_ref()), [0.0; 3]);
+        contact.rows(&geometry, at, (false, p), (&mut own, &mut others), &mut slip);
+        for (k, slip) in slip.iter_mut().enumerate() {
+            *slip += own[k].dot(&self.twist(u, contact.body));
+            if let Some(body) = contact.other {
+                *slip += others[k].dot(&self.twist(u, body));
+            }
+        }
+        slip
+    }
+
     /// Gap and contact point.
     #[inline]
     pub(crate) fn gap_at(&self, poses: &[Pose], contact: usize) -> (f64, Vector3<f64>) {
@@ -13,17 +38,17 @@ impl RigidBodies {
         contact.gap(&poses[contact.body], contact.other.map(|body| &poses[body]))
     }
 
-    /// Rows of `W_Nᵀ`, if `normal`, and of `Wᵀ` for the first and the second body, and χ.
+    /// Rows of `W_Nᵀ`, unless the normal force is given, and of `Wᵀ` for the first and the second body, and χ.
     #[inline]
     pub(crate) fn contact_rows(
         &self,
         poses: &[Pose],
         contact: usize,
-        normal: bool,
         rows: (&mut [Twist], &mut [Twist]),
         chi: &mut [f64],
     ) {
-        let p = self.laws[contact].law.dimension();
+        let law = &self.laws[contact];
+        let (normal, p) = (law.normal_force.is_none(), law.law.dimension());
         let contact = &self.contacts[contact];
         let at = (&poses[contact.body], contact.other.map(|body| &poses[body]));
         contact.rows(&contact.geometry(at.0, at.1), at, (normal, p), rows, chi);
@@ -102,14 +127,10 @@ impl System for RigidBodies {
 
     fn forces(&self, _t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
         forces.fill(0.0);
-        self.loads(
-            |body| self.pose(q, body),
-            u,
-            &mut |body, load| {
-                let sum = self.twist(forces, body) + load;
-                self.set_twist(forces, body, &sum);
-            },
-        );
+        self.loads(|body| self.pose(q, body), u, &mut |body, load| {
+            let sum = self.twist(forces, body) + load;
+            self.set_twist(forces, body, &sum);
+        });
         for (body, inertial) in self.inertial.iter().enumerate().filter(|(_, i)| !i.isotropic) {
             let omega = angular(&self.twist(u, body));
             let gyroscopic = (inertial.inertia * omega).cross(&omega);
