@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::Delassus;
+use super::{BlockMatrix, Delassus};
 use crate::law::Law;
 
 /// How the normal force of a contact is found.
@@ -178,6 +178,31 @@ impl ContactProblem {
             }
         }
         Ok(self)
+    }
+
+    /// The Delassus operator as blocks, all of them.
+    pub(crate) fn blocks(&self) -> BlockMatrix {
+        let sizes: Vec<usize> = self.contacts.iter().map(ContactRows::len).collect();
+        let all: Vec<usize> = (0..sizes.len()).collect();
+        let mut blocks = BlockMatrix::from_pattern(&sizes, &vec![all; sizes.len()]);
+        self.refill(&mut blocks);
+        blocks
+    }
+
+    /// Copies a dense operator into blocks.
+    pub(crate) fn refill(&self, blocks: &mut BlockMatrix) {
+        let Delassus::Dense(g) = &self.delassus else { return };
+        for (i, contact) in self.contacts.iter().enumerate() {
+            for k in 0..blocks.neighbours(i).len() {
+                let (j, block) = blocks.block_mut(i, k);
+                let other = &self.contacts[j];
+                for (a, row) in block.chunks_exact_mut(other.len()).enumerate() {
+                    for (b, value) in row.iter_mut().enumerate() {
+                        *value = g[(contact.offset + a, other.offset + b)];
+                    }
+                }
+            }
+        }
     }
 
     /// Brings `ρ` up to date with the Delassus operator.

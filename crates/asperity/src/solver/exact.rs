@@ -4,7 +4,7 @@ use asperity_set::Vector;
 
 use super::local::{Block, Local, LocalSolution, Selection};
 use super::report::Ended;
-use super::{Stop, Workspace, line, natural_residual, plane};
+use super::{Stop, Workspace, line, plane};
 use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce};
 use crate::law::Law;
 
@@ -22,7 +22,7 @@ pub(super) fn solve(
     }
     for sweeps in 1..=max_sweeps {
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
-        let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity);
+        let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
         if residual.value <= 0.1 * stop.tolerance || residual.value <= 4.0 * f64::EPSILON {
             return (sweeps, Ended::Done);
         }
@@ -41,7 +41,7 @@ pub(super) fn solve(
 ///
 /// The states before the step, in `memory`, decide between several solutions; Newton's method starts
 /// from them in the first sweep and from the last sweep's slip in later ones.
-fn sweep(
+pub(super) fn sweep(
     problem: &ContactProblem,
     memory: &Memory,
     workspace: &mut Workspace,

@@ -10,7 +10,7 @@
 use asperity_set::{ConvexSet, StarSet, Vector};
 
 use super::report::Ended;
-use super::{Stop, Workspace, natural_residual};
+use super::{Stop, Workspace};
 use crate::contact::{ContactProblem, ContactRows, NormalForce};
 use crate::law::{FrictionLaw, Law};
 
@@ -86,7 +86,7 @@ fn iterate(
             continue;
         }
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
-        let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity).value;
+        let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity).value;
         if residual <= stop.tolerance {
             return (iteration, Ended::Done);
         }

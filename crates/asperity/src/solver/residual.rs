@@ -14,6 +14,19 @@ pub struct Residual {
     pub worst_contact: usize,
 }
 
+/// `ξ = γ_E + e γ_B` row by row.
+pub(super) struct ContactVelocity<'a> {
+    pub(super) velocity: &'a [f64],
+    pub(super) restitution: &'a [f64],
+}
+
+impl ContactVelocity<'_> {
+    #[inline]
+    pub(super) fn of(&self, row: usize) -> f64 {
+        self.velocity[row] + self.restitution[row]
+    }
+}
+
 /// Defect of the projections that the contact laws are, contact by contact:
 ///
 /// `P_N − max(0, P_N − ρξ_N)` and, for `z = −αP`, `z − prox_{P_N D}(z + ργ)` (\[WL19\] (12), (69)),
@@ -27,7 +40,7 @@ pub fn natural_residual(
     percussion: &[f64],
     velocity: &[f64],
 ) -> Residual {
-    let xi = |row: usize| velocity[row] + problem.restitution[row];
+    let xi = ContactVelocity { velocity, restitution: &problem.restitution };
     let (mut worst, mut worst_contact) = (-1.0, 0);
     for (i, contact) in problem.contacts.iter().enumerate() {
         let rho = problem.rho[i];
@@ -35,14 +48,14 @@ pub fn natural_residual(
             NormalForce::Prescribed(value) => (0.0, value),
             NormalForce::Unilateral => {
                 let normal = percussion[contact.offset];
-                (normal - f64::max(0.0, normal - rho * xi(contact.offset)), normal)
+                (normal - f64::max(0.0, normal - rho * xi.of(contact.offset)), normal)
             }
         };
         let first = contact.tangent();
         let tangential = match &contact.law {
-            Law::One(law) => tangential_defect(law, normal, rho, first, percussion, xi),
-            Law::Two(law) => tangential_defect(law, normal, rho, first, percussion, xi),
-            Law::Three(law) => tangential_defect(law, normal, rho, first, percussion, xi),
+            Law::One(law) => tangential_defect(law, normal, rho, first, percussion, &xi),
+            Law::Two(law) => tangential_defect(law, normal, rho, first, percussion, &xi),
+            Law::Three(law) => tangential_defect(law, normal, rho, first, percussion, &xi),
         };
         let defect = normal_defect * normal_defect + tangential;
         let relative =
@@ -109,19 +122,19 @@ fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64
 }
 
 /// Square of the tangential defect of one contact.
-fn tangential_defect<const P: usize>(
+pub(super) fn tangential_defect<const P: usize>(
     law: &FrictionLaw<P>,
     normal: f64,
     rho: f64,
     first: usize,
     percussion: &[f64],
-    xi: impl Fn(usize) -> f64,
+    xi: &ContactVelocity<'_>,
 ) -> f64 {
     let tangent = Vector::<P>::from_fn(|j, _| percussion[first + j]);
     if normal <= 0.0 {
         return tangent.norm_squared();
     }
-    let slip = Vector::<P>::from_fn(|j, _| xi(first + j));
+    let slip = Vector::<P>::from_fn(|j, _| xi.of(first + j));
     let reciprocal = 1.0 / normal;
     let x = tangent * -reciprocal;
     let direction = law.direction();

@@ -132,6 +132,17 @@ impl BlockMatrix {
         &self.columns[self.starts[i]..self.starts[i + 1]]
     }
 
+    /// First block of every block row, and the block columns of all blocks.
+    pub(crate) fn pattern(&self) -> (&[usize], &[usize]) {
+        (&self.starts, &self.columns)
+    }
+
+    /// Entries of a block counted over all rows.
+    #[inline]
+    pub(crate) fn block(&self, k: usize, len: usize) -> &[f64] {
+        &self.values[self.places[k]..self.places[k] + len]
+    }
+
     /// Blocks of a block row: block column and entries.
     #[inline]
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64])> {
