@@ -104,8 +104,7 @@ impl Symbolic {
             }
             rows.sort_unstable();
             let pivots = first[pair[1]] - first[pair[0]];
-            let scalars: Vec<usize> =
-                rows.iter().flat_map(|&i| first[i]..first[i + 1]).collect();
+            let scalars: Vec<usize> = rows.iter().flat_map(|&i| first[i]..first[i + 1]).collect();
             if symbolic.fronts.len() <= s {
                 symbolic.fronts.resize_with(bounds.len() - 1, Front::default);
             }
@@ -170,8 +169,10 @@ impl Symbolic {
         let mut waiting = 0_usize;
         for s in 0..self.fronts.len() {
             let Front { pivots, size, children, .. } = &self.fronts[s];
-            let taken: usize =
-                children.iter().map(|&c| self.fronts[c].rows.len() * self.fronts[c].rows.len()).sum();
+            let taken: usize = children
+                .iter()
+                .map(|&c| self.fronts[c].rows.len() * self.fronts[c].rows.len())
+                .sum();
             let rest = size - pivots;
             waiting = waiting - taken + rest * rest;
             self.waiting = self.waiting.max(waiting);
@@ -204,7 +205,8 @@ fn groups(parent: &[usize], width: &[usize], count: &mut [usize]) -> Vec<usize> 
             let joined = columns + count[pair[0]];
             let zeros = (columns * (joined - count[group])) as f64;
             let entries = ((columns + own) * joined) as f64;
-            let few = zeros <= 0.25 * entries && (columns + own <= NARROW || zeros <= 0.1 * entries);
+            let few =
+                zeros <= 0.25 * entries && (columns + own <= NARROW || zeros <= 0.1 * entries);
             if few || columns + own <= VERY_NARROW {
                 count[group] = joined;
                 columns += own;

@@ -52,9 +52,7 @@ pub(super) fn contact_defect(
     }
     let normal_defect = match contact.normal {
         NormalForce::Prescribed(_) => 0.0,
-        NormalForce::Unilateral => {
-            normal - f64::max(0.0, normal - rho * xi.of(contact.offset))
-        }
+        NormalForce::Unilateral => normal - f64::max(0.0, normal - rho * xi.of(contact.offset)),
     };
     let tangential = match &contact.law {
         Law::One(law) => tangential_defect(law, normal, rho, first, percussion, &xi),

@@ -5,8 +5,9 @@
 use nalgebra::Vector3;
 
 use super::closed::{Change, Closed};
+use super::meetings::Meetings;
 use super::rated::Factors;
-use crate::contact::{BlockMatrix, ContactRows, Delassus};
+use crate::contact::{BlockMatrix, Delassus};
 use crate::system::rigid::{Pose, RigidBodies, Twist};
 
 /// Bodies and closed contacts at the midpoint.
@@ -157,29 +158,8 @@ impl BodyAssembly {
 
     /// Rows and blocks for a new set of closed contacts.
     fn renew(&mut self, bodies: &RigidBodies, dt: f64, closed: &mut Closed) {
-        let mut touching = vec![Vec::new(); bodies.bodies()];
-        for (place, &contact) in closed.found.iter().enumerate() {
-            let (body, other) = bodies.partners(contact);
-            touching[body].push(place);
-            if let Some(other) = other {
-                touching[other].push(place);
-            }
-        }
-        let neighbours = |&contact: &usize| {
-            let (body, other) = bodies.partners(contact);
-            let mut list = touching[body].clone();
-            if let Some(other) = other {
-                list.extend_from_slice(&touching[other]);
-                list.sort_unstable();
-                list.dedup();
-            }
-            list
-        };
-        let neighbours: Vec<Vec<usize>> = closed.found.iter().map(neighbours).collect();
-        closed.renew(bodies.contact_laws(), dt, |contacts| {
-            let sizes: Vec<usize> = contacts.iter().map(ContactRows::len).collect();
-            BlockMatrix::from_pattern(&sizes, &neighbours).into()
-        });
+        let meetings = Meetings::new(bodies, &closed.found);
+        closed.renew(bodies.contact_laws(), dt, |contacts| meetings.delassus(bodies, contacts));
         let mut other_rows = 0;
         self.contacts.clear();
         for (rows, &contact) in closed.problem.contacts.iter().zip(&closed.active) {
@@ -256,15 +236,44 @@ impl BodyAssembly {
                 }
             }
         }
-        if let Delassus::Blocks(blocks) = &mut closed.problem.delassus {
-            for (i, contact) in self.contacts.iter().enumerate() {
-                for k in 0..blocks.neighbours(i).len() {
-                    let (j, block) = blocks.block_mut(i, k);
-                    self.fill_block(contact, &self.contacts[j], block);
+        match &mut closed.problem.delassus {
+            Delassus::Blocks(blocks) => self.fill_blocks(blocks),
+            Delassus::Factored(factored) => {
+                let (_, directions, blocks) = factored.parts_mut();
+                self.fill_directions(bodies, directions);
+                self.fill_blocks(blocks);
+            }
+            _ => {}
+        }
+        closed.problem.update_rho();
+    }
+
+    fn fill_blocks(&self, blocks: &mut BlockMatrix) {
+        for (i, contact) in self.contacts.iter().enumerate() {
+            for k in 0..blocks.neighbours(i).len() {
+                let (j, block) = blocks.block_mut(i, k);
+                self.fill_block(contact, &self.contacts[j], block);
+            }
+        }
+    }
+
+    /// The entries of `Wᵀ`, row by row, the body with the lower number first.
+    fn fill_directions(&self, bodies: &RigidBodies, directions: &mut [f64]) {
+        let n = bodies.velocities_per_body();
+        let mut entries = directions.chunks_exact_mut(n);
+        for contact in &self.contacts {
+            let swapped = contact.other.is_some_and(|(other, _)| other < contact.body);
+            for k in 0..contact.len {
+                let own = &self.own.directions[contact.row + k];
+                let other = contact.other.map(|(_, first)| &self.others.directions[first + k]);
+                let (first, second) = if swapped { (other, Some(own)) } else { (Some(own), other) };
+                for row in first.into_iter().chain(second) {
+                    if let Some(entries) = entries.next() {
+                        bodies.set_twist(entries, 0, row);
+                    }
                 }
             }
         }
-        closed.problem.update_rho();
     }
 
     /// `G_ij`: what the percussions of one contact do to the velocities of another, over the bodies that

@@ -7,6 +7,7 @@ mod bodies;
 mod closed;
 mod dense;
 mod mass;
+mod meetings;
 mod rated;
 
 use thiserror::Error;

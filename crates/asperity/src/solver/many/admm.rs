@@ -98,7 +98,9 @@ impl Run<'_, '_> {
         let Many { admm, cones, matrix, .. } = &mut *self.many;
         let problem = self.problem;
         for (i, rows) in problem.contacts.iter().enumerate() {
-            let load = |k: usize| problem.free_velocity[rows.offset + k] + problem.restitution[rows.offset + k];
+            let load = |k: usize| {
+                problem.free_velocity[rows.offset + k] + problem.restitution[rows.offset + k]
+            };
             let b = V::from_fn(|k, _| if k < rows.len() { load(k) } else { 0.0 });
             let mut right = (admm.y[i] - admm.w[i]) * penalty - cones.k[i] * b;
             right[0] -= penalty * admm.w[i].rows(1, 3).norm();
@@ -108,7 +110,8 @@ impl Run<'_, '_> {
         matrix.solve(problem, &mut admm.step);
         let (mut primal, mut dual, mut size) = (0.0, 0.0, 0.0);
         for (i, rows) in problem.contacts.iter().enumerate() {
-            let p = V::from_fn(|k, _| if k < rows.len() { admm.step[rows.offset + k] } else { 0.0 });
+            let p =
+                V::from_fn(|k, _| if k < rows.len() { admm.step[rows.offset + k] } else { 0.0 });
             let x = cones.t[i] * p;
             let y = project(&(x + admm.w[i]));
             primal += (x - y).norm_squared();
@@ -126,7 +129,8 @@ impl Run<'_, '_> {
         let Many { admm, cones, trial, .. } = &mut *self.many;
         for (i, rows) in self.problem.contacts.iter().enumerate() {
             let p = cones.t_inverse[i] * admm.y[i];
-            trial[rows.offset..rows.offset + rows.len()].copy_from_slice(&p.as_slice()[..rows.len()]);
+            trial[rows.offset..rows.offset + rows.len()]
+                .copy_from_slice(&p.as_slice()[..rows.len()]);
         }
         self.grade_trial();
     }

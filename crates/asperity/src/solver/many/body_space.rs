@@ -84,7 +84,8 @@ impl BodySpace {
             list.sort_unstable();
             list.dedup();
         }
-        let mut space = Self { matrix: BlockMatrix::from_pattern(&sizes, &neighbours), ..Self::default() };
+        let mut space =
+            Self { matrix: BlockMatrix::from_pattern(&sizes, &neighbours), ..Self::default() };
         let offsets = space.matrix.offsets().to_vec();
         let block = |i: usize, j: usize| neighbours[i].partition_point(|&other| other < j);
         for dof in 0..mass.rows() {
@@ -94,7 +95,8 @@ impl BodySpace {
             }
         }
         for (contact, groups) in problem.contacts.iter().zip(touched) {
-            let mut touch = Touch { first_row: contact.offset, rows: contact.len(), ..Touch::default() };
+            let mut touch =
+                Touch { first_row: contact.offset, rows: contact.len(), ..Touch::default() };
             touch.starts.push(0);
             for &i in &groups {
                 touch.velocities.extend(offsets[i]..offsets[i + 1]);
@@ -170,8 +172,7 @@ impl BodySpace {
                 *sum = touch.velocities.iter().zip(row).map(|(&v, w)| self.velocity[v] * w).sum();
             }
             for r in 0..touch.rows {
-                let change: f64 =
-                    (0..touch.rows).map(|c| self.d[i][(r, c)] * brought[c]).sum();
+                let change: f64 = (0..touch.rows).map(|c| self.d[i][(r, c)] * brought[c]).sum();
                 g[touch.first_row + r] -= change;
             }
         }

@@ -69,9 +69,10 @@ fn to_ball<const P: usize>(set: &Convex<P>) -> Option<Matrix<P>> {
     match set {
         Convex::Ball(ball) => Some(Matrix::identity() / ball.size()),
         Convex::Ellipsoid(ellipsoid) => Some(*ellipsoid.to_ball()),
-        Convex::Cuboid(interval) if P == 1 => {
-            Some(Matrix::identity() / asperity_set::ConvexSet::support(interval, &asperity_set::Vector::repeat(1.0)))
-        }
+        Convex::Cuboid(interval) if P == 1 => Some(
+            Matrix::identity()
+                / asperity_set::ConvexSet::support(interval, &asperity_set::Vector::repeat(1.0)),
+        ),
         _ => None,
     }
 }

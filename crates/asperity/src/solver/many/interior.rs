@@ -69,7 +69,8 @@ impl Run<'_, '_> {
         let loads = problem.free_velocity.iter().zip(&problem.restitution);
         let loads = loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>();
         let size = (loads / problem.contacts.len() as f64).sqrt();
-        let units = Units { rho: problem.global_rho(), velocity: if size > 0.0 { size } else { 1.0 } };
+        let units =
+            Units { rho: problem.global_rho(), velocity: if size > 0.0 { size } else { 1.0 } };
         self.many.interior.start(problem);
         let (mut iterations, mut lowest) = (0, f64::INFINITY);
         while iterations < max_iterations && !self.stop.early() {

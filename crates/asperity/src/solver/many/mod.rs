@@ -76,8 +76,7 @@ impl<'a, 'b> Run<'a, 'b> {
         let many = std::mem::take(&mut workspace.many);
         workspace.stages.clear();
         let (grade, solved, stuck, sweeps) = (f64::INFINITY, false, None, 0);
-        let mut run =
-            Self { problem, stop, memory, workspace, many, grade, solved, stuck, sweeps };
+        let mut run = Self { problem, stop, memory, workspace, many, grade, solved, stuck, sweeps };
         let rows = problem.rows();
         let Many { best, centre, trial, velocity, .. } = &mut *run.many;
         for list in [best, centre, trial, velocity] {

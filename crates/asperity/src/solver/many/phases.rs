@@ -1,9 +1,9 @@
 //! In which order the phases come.
 
 use super::{Method, Run};
+use crate::contact::{ContactProblem, Memory};
 use crate::solver::report::Ended;
 use crate::solver::{Stop, Workspace};
-use crate::contact::{ContactProblem, Memory};
 
 /// Sweeps before the first judgement of their rate, and most sweeps at all.
 const TRIAL_SWEEPS: usize = 20;
@@ -104,7 +104,10 @@ impl Run<'_, '_> {
     fn plain_newton(&mut self, max_iterations: usize) {
         let grade = self.adopt_best();
         let goal = self.inner_goal(grade, 0.0, 0.0, max_iterations);
-        let goal = super::Goal { tolerance: goal.tolerance.min(self.floor() * self.scale(&self.many.centre)), ..goal };
+        let goal = super::Goal {
+            tolerance: goal.tolerance.min(self.floor() * self.scale(&self.many.centre)),
+            ..goal
+        };
         let centre = std::mem::take(&mut self.many.centre);
         let mut trial = std::mem::take(&mut self.many.trial);
         trial.copy_from_slice(&centre);

@@ -96,7 +96,13 @@ impl Run<'_, '_> {
     }
 
     /// Accuracy of an inner solve: a hundredth of the present defect, more where the outer step is long.
-    pub(super) fn inner_goal(&self, grade: f64, epsilon: f64, unit: f64, max_iterations: usize) -> Goal {
+    pub(super) fn inner_goal(
+        &self,
+        grade: f64,
+        epsilon: f64,
+        unit: f64,
+        max_iterations: usize,
+    ) -> Goal {
         let scale = self.scale(&self.many.centre);
         let relative = (0.01 * grade * (10.0 * epsilon).min(1.0)).max(self.floor());
         Goal { epsilon: epsilon * unit, tolerance: relative * scale, max_iterations }

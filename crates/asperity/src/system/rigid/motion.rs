@@ -48,7 +48,7 @@ impl RigidBodies {
 
     /// Writes a body's velocities, or what is dual to them.
     #[inline]
-    pub(super) fn set_twist(&self, u: &mut [f64], body: usize, twist: &Twist) {
+    pub(crate) fn set_twist(&self, u: &mut [f64], body: usize, twist: &Twist) {
         if self.planar {
             u[3 * body..3 * body + 3].copy_from_slice(&[twist[0], twist[1], twist[5]]);
         } else {

@@ -3,9 +3,37 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::{Pose, RigidBodies, Twist, angular, linear, twist};
+use crate::contact::Csr;
 use crate::system::{Constancy, ContactLaw, System, SystemError};
 
 impl RigidBodies {
+    /// Number of velocities of a body.
+    #[inline]
+    pub(crate) fn velocities_per_body(&self) -> usize {
+        self.sizes().1
+    }
+
+    /// The mass matrix, body by body.
+    pub(crate) fn sparse_mass(&self) -> Option<Csr> {
+        let (n, bodies) = (self.sizes().1, self.bodies());
+        let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+        for (body, inertial) in self.inertial.iter().enumerate() {
+            for row in 0..n {
+                let unit = Twist::ith(if self.planar && row == 2 { 5 } else { row }, 1.0);
+                let moving = linear(&unit) * inertial.mass;
+                let column = twist(&moving, &(inertial.inertia * angular(&unit)));
+                let mut entries = [0.0; 6];
+                self.set_twist(&mut entries, 0, &column);
+                for (k, &entry) in entries[..n].iter().enumerate().filter(|(_, e)| **e != 0.0) {
+                    indices.push(n * body + k);
+                    values.push(entry);
+                }
+                starts.push(indices.len());
+            }
+        }
+        Csr::new("mass", (n * bodies, n * bodies), starts, indices, values).ok()
+    }
+
     /// Laws of the contacts.
     #[inline]
     pub(crate) fn contact_laws(&self) -> &[ContactLaw] {
