@@ -115,7 +115,7 @@ impl BodyAssembly {
         if !same_contacts {
             self.renew(bodies, dt, closed);
         }
-        let turned = self.refresh(bodies, closed);
+        let turned = self.refresh(bodies, dt, closed);
         self.load(closed);
         let changed = turned || self.factors.any();
         if changed {
@@ -129,8 +129,8 @@ impl BodyAssembly {
         }
     }
 
-    /// A contact is closed where its gap has vanished, or has but for rounding: a millionth of the way
-    /// that the contact forces have to make up for in a step is none.
+    /// A contact is closed where its gap has vanished, or has but for rounding and the solver's
+    /// tolerance: a millionth of the way that the contact forces have to make up for in a step is none.
     fn find_closed(&self, bodies: &RigidBodies, dt: f64, closed: &mut Closed) {
         closed.found.clear();
         for (contact, law) in bodies.contact_laws().iter().enumerate() {
@@ -178,14 +178,20 @@ impl BodyAssembly {
     }
 
     /// Brings the rows up to date; whether any has changed.
-    fn refresh(&mut self, bodies: &RigidBodies, closed: &Closed) -> bool {
+    ///
+    /// A contact that counts as closed above a small gap may close it until the next midpoint: else
+    /// resting contacts would creep open within the tolerance of the solver.
+    fn refresh(&mut self, bodies: &RigidBodies, dt: f64, closed: &Closed) -> bool {
         let mut changed = false;
         for (partners, &contact) in self.contacts.iter().zip(&closed.active) {
             let Partners { other, row, len, .. } = *partners;
             let (mut own, mut others) = ([Twist::zeros(); 4], [Twist::zeros(); 4]);
             let chi = &mut self.chi[row..row + len];
             let rows = (own.as_mut_slice(), others.as_mut_slice());
-            bodies.contact_rows(&self.poses, contact, rows, chi);
+            let gap = bodies.contact_rows(&self.poses, contact, rows, chi);
+            if gap > 0.0 && bodies.contact_laws()[contact].normal_force.is_none() {
+                chi[0] = gap / dt;
+            }
             changed |= self.own.store(row, &own[..len]);
             if let Some((_, first)) = other {
                 changed |= self.others.store(first, &others[..len]);

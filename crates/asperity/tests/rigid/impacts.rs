@@ -57,7 +57,6 @@ fn a_bouncing_ball_comes_to_rest_in_time() {
     };
     for dt in [1e-3, 1e-4, 2e-5] {
         let t = rest(dt);
-        println!("{dt} {}", (t - 1.285_058_8) / dt);
         assert!((t - 1.285_058_8).abs() < 16.0 * dt, "dt = {dt}: {t}");
     }
 }

@@ -66,7 +66,8 @@ impl RigidBodies {
         contact.gap(&poses[contact.body], contact.other.map(|body| &poses[body]))
     }
 
-    /// Rows of `W_Nᵀ`, unless the normal force is given, and of `Wᵀ` for the first and the second body, and χ.
+    /// Rows of `W_Nᵀ`, unless the normal force is given, and of `Wᵀ` for the first and the second body, and
+    /// χ; returns the gap.
     #[inline]
     pub(crate) fn contact_rows(
         &self,
@@ -74,12 +75,14 @@ impl RigidBodies {
         contact: usize,
         rows: (&mut [Twist], &mut [Twist]),
         chi: &mut [f64],
-    ) {
+    ) -> f64 {
         let law = &self.laws[contact];
         let (normal, p) = (law.normal_force.is_none(), law.law.dimension());
         let contact = &self.contacts[contact];
         let at = (&poses[contact.body], contact.other.map(|body| &poses[body]));
-        contact.rows(&contact.geometry(at.0, at.1), at, (normal, p), rows, chi);
+        let geometry = contact.geometry(at.0, at.1);
+        contact.rows(&geometry, at, (normal, p), rows, chi);
+        geometry.gap
     }
 
     /// Rows of one contact for the whole system, from coordinates.
