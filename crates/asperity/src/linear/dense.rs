@@ -31,13 +31,30 @@ pub(super) fn eliminate(
     swaps: &mut [usize],
     packed: &mut Packed,
 ) -> bool {
-    pulp::Arch::new().dispatch(|| {
+    pulp::Arch::new().dispatch(Elimination { front, size, pivots, swaps, packed })
+}
+
+/// A call of [`eliminate`] that the compiler copies into every set of instructions.
+struct Elimination<'a> {
+    front: &'a mut [f64],
+    size: usize,
+    pivots: usize,
+    swaps: &'a mut [usize],
+    packed: &'a mut Packed,
+}
+
+impl pulp::NullaryFnOnce for Elimination<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        let Self { front, size, pivots, swaps, packed } = self;
         if fused() {
             eliminate_with::<true>(front, size, pivots, swaps, packed)
         } else {
             eliminate_with::<false>(front, size, pivots, swaps, packed)
         }
-    })
+    }
 }
 
 /// Whether multiplication and addition are one instruction where `pulp` dispatches to.
@@ -118,8 +135,8 @@ fn panel<const FMA: bool>(
 fn exchange(front: &mut [f64], size: usize, (start, end): (usize, usize), swaps: &[usize]) {
     for (j, column) in front.chunks_exact_mut(size).enumerate() {
         if j < start || j >= end {
-            for c in start..end {
-                column.swap(c, swaps[c]);
+            for (c, &swap) in swaps.iter().enumerate().take(end).skip(start) {
+                column.swap(c, swap);
             }
         }
     }

@@ -4,7 +4,7 @@ use asperity_set::{Matrix, StarSet, Vector};
 use nalgebra::DMatrix;
 
 use super::Workspace;
-use crate::contact::{ContactProblem, ContactRows, ContactState, NormalForce, Phase};
+use crate::contact::{ContactProblem, ContactState, NormalForce, Phase};
 use crate::law::{FrictionLaw, Law};
 
 /// The diagonal block of `G` for one contact, unused components zero.
@@ -299,43 +299,55 @@ impl<'a, const P: usize> Local<'a, P> {
     }
 }
 
-/// Phases and slip directions of the percussions and velocities of an iteration, which come with
-/// errors of the size of its tolerance.
+/// Phases and slip directions of the percussions and velocities of an iteration.
 pub(super) fn classify(problem: &ContactProblem, workspace: &mut Workspace) {
     let Workspace { percussion, velocity, states, .. } = workspace;
-    let own = |contact: usize, rows: &ContactRows, i: usize| {
+    for (contact, state) in states.iter_mut().enumerate() {
+        let (phase, slip) = phase_of(problem, contact, percussion, velocity);
+        *state = state.after(phase, slip);
+    }
+}
+
+/// Phase and slip velocity of a contact, whose percussions and velocities come with errors of the size of
+/// an iteration's tolerance.
+pub(super) fn phase_of(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+    velocity: &[f64],
+) -> (Phase, [f64; 3]) {
+    let rows = &problem.contacts[contact];
+    let own = |i: usize| {
         let i = rows.normal_rows() + i;
         problem.delassus.own(contact, rows.offset, i, i)
     };
-    for (contact, (rows, state)) in problem.contacts.iter().zip(states).enumerate() {
-        let normal = match rows.normal {
-            NormalForce::Prescribed(value) => value,
-            NormalForce::Unilateral => percussion[rows.offset],
-        };
-        let first = rows.tangent();
-        let gauge = match &rows.law {
-            Law::One(law) => reservoir_gauge(law, normal, &percussion[first..]),
-            Law::Two(law) => reservoir_gauge(law, normal, &percussion[first..]),
-            Law::Three(law) => reservoir_gauge(law, normal, &percussion[first..]),
-        };
-        let mut slip = [0.0; 3];
-        let (mut moving, mut reference) = (0.0_f64, 0.0_f64);
-        for (i, component) in slip.iter_mut().enumerate().take(rows.law.dimension()) {
-            *component = velocity[first + i] + problem.restitution[first + i];
-            moving = moving.max(component.abs());
-            reference = reference
-                .max(problem.free_velocity[first + i].abs())
-                .max((own(contact, rows, i) * percussion[first + i]).abs());
-        }
-        let phase = if normal <= 0.0 {
-            Phase::Open
-        } else if gauge >= 1.0 - 1e-9 && moving > 1e-13 * reference {
-            Phase::Slip
-        } else {
-            Phase::Stick
-        };
-        *state = state.after(phase, slip);
+    let normal = match rows.normal {
+        NormalForce::Prescribed(value) => value,
+        NormalForce::Unilateral => percussion[rows.offset],
+    };
+    let first = rows.tangent();
+    let gauge = match &rows.law {
+        Law::One(law) => reservoir_gauge(law, normal, &percussion[first..]),
+        Law::Two(law) => reservoir_gauge(law, normal, &percussion[first..]),
+        Law::Three(law) => reservoir_gauge(law, normal, &percussion[first..]),
+    };
+    let mut slip = [0.0; 3];
+    let (mut moving, mut reference) = (0.0_f64, 0.0_f64);
+    for (i, component) in slip.iter_mut().enumerate().take(rows.law.dimension()) {
+        *component = velocity[first + i] + problem.restitution[first + i];
+        moving = moving.max(component.abs());
+        reference = reference
+            .max(problem.free_velocity[first + i].abs())
+            .max((own(i) * percussion[first + i]).abs());
     }
+    let phase = if normal <= 0.0 {
+        Phase::Open
+    } else if gauge >= 1.0 - 1e-9 && moving > 1e-13 * reference {
+        Phase::Slip
+    } else {
+        Phase::Stick
+    };
+    (phase, slip)
 }
 
 fn reservoir_gauge<const P: usize>(law: &FrictionLaw<P>, normal: f64, tangent: &[f64]) -> f64 {

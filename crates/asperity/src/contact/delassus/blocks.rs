@@ -209,6 +209,21 @@ impl BlockMatrix {
         }
     }
 
+    /// `velocity ← velocity + Gᵀ P`.
+    pub fn add_transposed(&self, percussion: &[f64], velocity: &mut [f64]) {
+        for i in 0..self.contacts() {
+            let own = &percussion[self.offsets[i]..self.offsets[i + 1]];
+            for (j, block) in self.row(i) {
+                let out = &mut velocity[self.offsets[j]..self.offsets[j + 1]];
+                for (p, row) in own.iter().zip(block.chunks_exact(out.len())) {
+                    for (value, g) in out.iter_mut().zip(row) {
+                        *value += g * p;
+                    }
+                }
+            }
+        }
+    }
+
     /// `velocity ← G P`.
     pub fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
         for i in 0..self.contacts() {

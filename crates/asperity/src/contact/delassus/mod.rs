@@ -3,6 +3,7 @@
 mod blocks;
 mod csr;
 mod factored;
+mod spectrum;
 
 use std::fmt::Debug;
 use std::sync::Arc;
