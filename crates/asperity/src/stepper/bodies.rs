@@ -8,16 +8,12 @@ use super::closed::{Change, Closed};
 use super::meetings::Meetings;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
-use crate::system::rigid::{Pose, RigidBodies, Twist};
+use crate::system::rigid::{Contact, Middle, Pose, RigidBodies, Twist};
 
 /// Bodies and closed contacts at the midpoint.
 #[derive(Debug)]
 pub(super) struct BodyAssembly {
-    q_mid: Vec<f64>,
-    poses: Vec<Pose>,
-    /// Velocities at the midpoint before the step, and without contact forces.
-    before: Vec<Twist>,
-    free: Vec<Twist>,
+    middle: Middle,
     /// Angular momenta in the world's axes.
     spins: Vec<Vector3<f64>>,
     contacts: Vec<Partners>,
@@ -25,7 +21,6 @@ pub(super) struct BodyAssembly {
     own: Rows,
     /// The same for the second bodies where there are any.
     others: Rows,
-    chi: Vec<f64>,
     /// Velocities before the step, row by row, where they are needed.
     slip: Vec<f64>,
     factors: Factors,
@@ -86,15 +81,16 @@ impl BodyAssembly {
     pub(super) fn new(bodies: &RigidBodies, q: &[f64], u: &[f64]) -> Self {
         let count = bodies.bodies();
         Self {
-            q_mid: q.to_vec(),
-            poses: (0..count).map(|body| bodies.pose(q, body)).collect(),
+            middle: Middle {
+                q: q.to_vec(),
+                poses: (0..count).map(|body| bodies.pose(q, body)).collect(),
+                before: vec![Twist::zeros(); count],
+                free: vec![Twist::zeros(); count],
+            },
             spins: (0..count).map(|body| bodies.spin(q, u, body)).collect(),
-            before: vec![Twist::zeros(); count],
-            free: vec![Twist::zeros(); count],
             contacts: Vec::new(),
             own: Rows::default(),
             others: Rows::default(),
-            chi: Vec::new(),
             slip: Vec::new(),
             factors: Factors::default(),
         }
@@ -108,19 +104,21 @@ impl BodyAssembly {
         (q, u): (&[f64], &[f64]),
         closed: &mut Closed,
     ) -> Change {
-        bodies.midpoint((q, u), dt, &mut self.q_mid, &mut self.poses);
-        bodies.free_twists(&self.poses, (u, &self.spins), dt, &mut self.before, &mut self.free);
-        self.find_closed(bodies, dt, closed);
-        let same_contacts = closed.ready && closed.found == closed.active;
+        bodies.start((q, u, &self.spins), dt, &mut self.middle);
+        let (same_contacts, mut changed) = self.scan(bodies, dt, closed);
         if !same_contacts {
             self.renew(bodies, dt, closed);
+            changed = true;
         }
-        let turned = self.refresh(bodies, dt, closed);
-        self.load(closed);
-        let changed = turned || self.factors.any();
-        if changed {
+        if self.factors.any() {
             self.factors.update(&closed.problem, |row| self.slip[row]);
+            changed = true;
+        }
+        if changed {
             self.fill(bodies, closed);
+        }
+        if closed.bounces() {
+            closed.bounce(|row| self.slip[row]);
         }
         match (same_contacts, changed) {
             (false, _) => Change::Contacts,
@@ -129,29 +127,41 @@ impl BodyAssembly {
         }
     }
 
+    /// Finds the closed contacts and brings their rows up to date, in one pass while they are those of the
+    /// last step; whether they are, and whether rows have changed.
+    ///
     /// A contact is closed where its gap has vanished, or has but for rounding and the solver's
     /// tolerance: a millionth of the way that the contact forces have to make up for in a step is none.
-    fn find_closed(&self, bodies: &RigidBodies, dt: f64, closed: &mut Closed) {
+    fn scan(&mut self, bodies: &RigidBodies, dt: f64, closed: &mut Closed) -> (bool, bool) {
         closed.found.clear();
-        for (contact, law) in bodies.contact_laws().iter().enumerate() {
-            let touches = law.normal_force.is_some() || {
-                let (gap, point) = bodies.gap_at(&self.poses, contact);
-                gap <= 0.0 || {
-                    let (body, other) = bodies.partners(contact);
-                    let drift = |body| self.drift(body, &point);
-                    gap <= 1e-6 * dt * (drift(body) + other.map_or(0.0, drift))
-                }
+        let (mut same, mut changed) = (closed.ready, false);
+        for (index, contact) in bodies.possible_contacts().iter().enumerate() {
+            let at = contact.gap(self.pose(contact.body), contact.other.map(|b| self.pose(b)));
+            let touches = !contact.unilateral || at.0 <= 0.0 || {
+                let drift = |body| self.drift(body, &at.1);
+                at.0 <= 1e-6 * dt * (drift(contact.body) + contact.other.map_or(0.0, drift))
             };
             if touches {
-                closed.found.push(contact);
+                let place = closed.found.len();
+                closed.found.push(index);
+                same = same && closed.active.get(place) == Some(&index);
+                if same {
+                    changed |= self.refresh(contact, at, dt, place, closed);
+                }
             }
         }
+        (same && closed.found.len() == closed.active.len(), changed)
+    }
+
+    #[inline]
+    fn pose(&self, body: usize) -> &Pose {
+        &self.middle.poses[body]
     }
 
     /// Speed that a point of a body gains in the step from other than contact forces, at the most.
     fn drift(&self, body: usize, point: &Vector3<f64>) -> f64 {
-        let change = self.free[body] - self.before[body];
-        let lever = (point - self.poses[body].position).norm();
+        let change = self.middle.free[body] - self.middle.before[body];
+        let lever = (point - self.pose(body).position).norm();
         let part = |first| change.fixed_rows::<3>(first).norm();
         part(0) + part(3) * lever
     }
@@ -172,61 +182,53 @@ impl BodyAssembly {
         let rows = closed.problem.rows();
         self.own.resize(rows);
         self.others.resize(other_rows);
-        self.chi.resize(rows, 0.0);
         self.slip.resize(rows, 0.0);
         self.factors.reset(&closed.problem);
+        for place in 0..closed.active.len() {
+            let contact = &bodies.possible_contacts()[closed.active[place]];
+            let at = contact.gap(self.pose(contact.body), contact.other.map(|b| self.pose(b)));
+            self.refresh(contact, at, dt, place, closed);
+        }
     }
 
-    /// Brings the rows up to date; whether any has changed.
+    /// Brings the rows and the velocities of a contact up to date; whether rows have changed.
     ///
     /// A contact that counts as closed above a small gap may close it until the next midpoint: else
     /// resting contacts would creep open within the tolerance of the solver.
-    fn refresh(&mut self, bodies: &RigidBodies, dt: f64, closed: &Closed) -> bool {
-        let mut changed = false;
-        for (partners, &contact) in self.contacts.iter().zip(&closed.active) {
-            let Partners { other, row, len, .. } = *partners;
-            let (mut own, mut others) = ([Twist::zeros(); 4], [Twist::zeros(); 4]);
-            let chi = &mut self.chi[row..row + len];
-            let rows = (own.as_mut_slice(), others.as_mut_slice());
-            let gap = bodies.contact_rows(&self.poses, contact, rows, chi);
-            if gap > 0.0 && bodies.contact_laws()[contact].normal_force.is_none() {
-                chi[0] = gap / dt;
-            }
-            changed |= self.own.store(row, &own[..len]);
-            if let Some((_, first)) = other {
-                changed |= self.others.store(first, &others[..len]);
+    #[inline]
+    fn refresh(
+        &mut self,
+        contact: &Contact,
+        at: (f64, Vector3<f64>),
+        dt: f64,
+        place: usize,
+        closed: &mut Closed,
+    ) -> bool {
+        let Partners { body, other, row, len } = self.contacts[place];
+        let (mut own, mut others) = ([Twist::zeros(); 4], [Twist::zeros(); 4]);
+        let mut chi = [0.0; 4];
+        let poses = (self.pose(body), other.map(|(other, _)| self.pose(other)));
+        contact.rows(at, poses, (&mut own, &mut others), &mut chi);
+        if contact.unilateral {
+            chi[0] = at.0.max(0.0) / dt;
+        }
+        let mut changed = self.own.store(row, &own[..len]);
+        if let Some((_, first)) = other {
+            changed |= self.others.store(first, &others[..len]);
+        }
+        let velocity = |twists: &[Twist], k: usize| {
+            let second = other.map_or(0.0, |(other, _)| others[k].dot(&twists[other]));
+            own[k].dot(&twists[body]) + second + chi[k]
+        };
+        for k in 0..len {
+            closed.problem.free_velocity[row + k] = velocity(&self.middle.free, k);
+        }
+        if closed.bounces() || self.factors.any() {
+            for k in 0..len {
+                self.slip[row + k] = velocity(&self.middle.before, k);
             }
         }
         changed
-    }
-
-    /// Free velocities and restitution terms.
-    fn load(&mut self, closed: &mut Closed) {
-        self.velocities(&self.free, &mut closed.problem.free_velocity);
-        if closed.bounces() || self.factors.any() {
-            let mut slip = std::mem::take(&mut self.slip);
-            self.velocities(&self.before, &mut slip);
-            closed.bounce(|row| slip[row]);
-            self.slip = slip;
-        }
-    }
-
-    /// `γ = Wᵀu + χ` of all rows.
-    fn velocities(&self, twists: &[Twist], out: &mut [f64]) {
-        for &Partners { body, other, row, len } in &self.contacts {
-            let (u, chi) = (&twists[body], &self.chi[row..row + len]);
-            let rows = self.own.directions[row..row + len].iter().zip(chi);
-            let out = &mut out[row..row + len];
-            for (out, (direction, chi)) in out.iter_mut().zip(rows) {
-                *out = direction.dot(u) + chi;
-            }
-            if let Some((other, first)) = other {
-                let rows = &self.others.directions[first..first + len];
-                for (out, direction) in out.iter_mut().zip(rows) {
-                    *out += direction.dot(&twists[other]);
-                }
-            }
-        }
     }
 
     /// `M⁻¹W`, scaled by the factors of the speed, and the blocks of the Delassus operator.
@@ -322,13 +324,12 @@ impl BodyAssembly {
     ) {
         for &Partners { body, other, row, len } in &self.contacts {
             for (k, &p) in percussion[row..row + len].iter().enumerate() {
-                self.free[body] += self.own.responses[row + k] * p;
+                self.middle.free[body] += self.own.responses[row + k] * p;
                 if let Some((other, first)) = other {
-                    self.free[other] += self.others.responses[first + k] * p;
+                    self.middle.free[other] += self.others.responses[first + k] * p;
                 }
             }
         }
-        let (mid, twists) = ((&*self.q_mid, &*self.poses), (&*self.before, &*self.free));
-        bodies.finish(mid, twists, &mut self.spins, 0.5 * dt, (q, u));
+        bodies.finish(&self.middle, &mut self.spins, 0.5 * dt, (q, u));
     }
 }

@@ -7,9 +7,13 @@ use super::{Pose, Twist};
 
 /// A possible contact of a body with another one or with the world.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Contact {
-    pub(super) body: usize,
-    pub(super) other: Option<usize>,
+pub(crate) struct Contact {
+    pub(crate) body: usize,
+    pub(crate) other: Option<usize>,
+    /// Whether it may open, and has a normal row.
+    pub(crate) unilateral: bool,
+    /// Number of tangential rows.
+    pub(super) tangential: usize,
     pub(super) touching: Touching,
     pub(super) frame: Frame,
     /// Radius of the patch for drilling friction.
@@ -54,7 +58,7 @@ impl ContactGeometry {
 impl Contact {
     /// Gap and contact point.
     #[inline]
-    pub(super) fn gap(&self, first: &Pose, second: Option<&Pose>) -> (f64, Vector3<f64>) {
+    pub(crate) fn gap(&self, first: &Pose, second: Option<&Pose>) -> (f64, Vector3<f64>) {
         match &self.touching {
             Touching::Plane { point, radius, surface } => {
                 let x = first.point(point);
@@ -74,9 +78,18 @@ impl Contact {
     }
 
     /// Everything of the contact but its rows.
-    #[inline]
     pub(super) fn geometry(&self, first: &Pose, second: Option<&Pose>) -> ContactGeometry {
-        let (gap, point) = self.gap(first, second);
+        self.geometry_at(self.gap(first, second), first, second)
+    }
+
+    /// Everything of the contact but its rows, from its gap and its point.
+    #[inline]
+    fn geometry_at(
+        &self,
+        (gap, point): (f64, Vector3<f64>),
+        first: &Pose,
+        second: Option<&Pose>,
+    ) -> ContactGeometry {
         match &self.touching {
             Touching::Plane { surface, .. } => {
                 let surface = second.map_or(*surface, |pose| surface.at(pose));
@@ -136,11 +149,23 @@ impl Contact {
         }
     }
 
-    /// Rows of the first and of the second body for a unit relative velocity each, and χ.
-    ///
-    /// `rows` are the directions wanted, the normal first if `normal`; `p` of them are tangential.
+    /// Rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ` for the first and the second body, and χ, from its
+    /// gap and its point.
     #[inline]
-    pub(super) fn rows(
+    pub(crate) fn rows(
+        &self,
+        at: (f64, Vector3<f64>),
+        poses: (&Pose, Option<&Pose>),
+        rows: (&mut [Twist], &mut [Twist]),
+        chi: &mut [f64],
+    ) {
+        let geometry = self.geometry_at(at, poses.0, poses.1);
+        self.rows_of(&geometry, poses, (self.unilateral, self.tangential), rows, chi);
+    }
+
+    /// The rows wanted: the normal one if `normal`, and `p` tangential ones.
+    #[inline]
+    pub(super) fn rows_of(
         &self,
         geometry: &ContactGeometry,
         (first, second): (&Pose, Option<&Pose>),

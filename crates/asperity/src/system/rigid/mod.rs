@@ -24,7 +24,8 @@ pub use surface::{Field, Frame, Plane};
 
 use super::{ContactLaw, SystemError};
 use body::{Inertial, Parts, check};
-use contact::Contact;
+pub(crate) use contact::Contact;
+pub(crate) use motion::Middle;
 
 /// A system of rigid bodies.
 ///

@@ -21,6 +21,17 @@ use nalgebra::{Matrix3, Vector3};
 use super::rotation::{matrix, turned, turned_back};
 use super::{Pose, RigidBodies, Twist, angular, linear, twist};
 
+/// The bodies at the midpoint of a step.
+#[derive(Debug)]
+pub(crate) struct Middle {
+    pub(crate) q: Vec<f64>,
+    pub(crate) poses: Vec<Pose>,
+    /// Velocities before the step.
+    pub(crate) before: Vec<Twist>,
+    /// Velocities without contact forces, then with their percussions.
+    pub(crate) free: Vec<Twist>,
+}
+
 impl RigidBodies {
     /// Place and attitude of a body.
     #[inline]
@@ -75,45 +86,34 @@ impl RigidBodies {
         out[3..].copy_from_slice(&end);
     }
 
-    /// The first half of the step: coordinates and poses at the midpoint.
-    pub(crate) fn midpoint(
-        &self,
-        (q, u): (&[f64], &[f64]),
-        dt: f64,
-        mid: &mut [f64],
-        poses: &mut [Pose],
-    ) {
-        for (body, pose) in poses.iter_mut().enumerate() {
-            self.advance_body(q, u, body, 0.5 * dt, mid);
-            *pose = self.pose(mid, body);
-        }
-    }
-
     /// Angular momentum `R J Ω` of a body about its centre of mass, in the world's axes.
     pub(crate) fn spin(&self, q: &[f64], u: &[f64], body: usize) -> Vector3<f64> {
         self.pose(q, body).rotation * (self.inertial[body].inertia * angular(&self.twist(u, body)))
     }
 
-    /// Velocities at the midpoint, before the step and with forces but those of the contacts.
-    pub(crate) fn free_twists(
+    /// The first half of the step: where the bodies are at the midpoint, and their velocities there
+    /// before the step and without contact forces.
+    pub(crate) fn start(
         &self,
-        poses: &[Pose],
-        (u, spins): (&[f64], &[Vector3<f64>]),
+        (q, u, spins): (&[f64], &[f64], &[Vector3<f64>]),
         dt: f64,
-        before: &mut [Twist],
-        free: &mut [Twist],
+        middle: &mut Middle,
     ) {
-        free.fill(Twist::zeros());
-        self.loads(|body| poses[body], u, &mut |body, load| free[body] += load);
+        let Middle { q: mid, poses, before, free } = middle;
         for (body, inertial) in self.inertial.iter().enumerate() {
+            self.advance_body(q, u, body, 0.5 * dt, mid);
+            let pose = self.pose(mid, body);
             let mut start = self.twist(u, body);
             if !inertial.isotropic {
-                let momentum = poses[body].rotation.tr_mul(&spins[body]);
+                let momentum = pose.rotation.tr_mul(&spins[body]);
                 start = twist(&linear(&start), &inertial.rate(&momentum));
             }
+            poses[body] = pose;
             before[body] = start;
-            free[body] = start + self.response(body, &free[body]) * dt;
+            free[body] = start + self.response(body, &self.weight(body, &pose)) * dt;
         }
+        let mut add = |body: usize, load: Twist| free[body] += self.response(body, &load) * dt;
+        self.couplings(|body| poses[body], u, &mut add);
     }
 
     /// `M⁻¹` times what is dual to a twist.
@@ -129,16 +129,16 @@ impl RigidBodies {
         twist(&(linear(wrench) * inertial.inverse_mass), &turning)
     }
 
-    /// The second half of the step: from the twists of before and after the step at the midpoint to
-    /// coordinates and velocities at the end. Takes `L` along.
+    /// The second half of the step: coordinates and velocities at the end, once the percussions are in the
+    /// velocities `free`. Takes `L` along.
     pub(crate) fn finish(
         &self,
-        (mid, poses): (&[f64], &[Pose]),
-        (before, after): (&[Twist], &[Twist]),
+        middle: &Middle,
         spins: &mut [Vector3<f64>],
         half: f64,
         (q, u): (&mut [f64], &mut [f64]),
     ) {
+        let Middle { q: mid, poses, before, free: after } = middle;
         for (body, (inertial, after)) in self.inertial.iter().zip(after).enumerate() {
             if inertial.isotropic {
                 self.set_twist(u, body, after);
@@ -173,20 +173,24 @@ impl RigidBodies {
         omega
     }
 
-    /// Weight, constant forces, springs and prescribed normal forces, body by body.
-    pub(super) fn loads(
+    /// Weight and constant loads of a body.
+    #[inline]
+    pub(super) fn weight(&self, body: usize, pose: &Pose) -> Twist {
+        let inertial = &self.inertial[body];
+        let force = self.gravity * inertial.mass + inertial.force;
+        if inertial.torque == Vector3::zeros() {
+            return twist(&force, &inertial.torque);
+        }
+        pose.wrench(&force, &inertial.torque)
+    }
+
+    /// Springs and prescribed normal forces.
+    pub(super) fn couplings(
         &self,
         pose: impl Fn(usize) -> Pose,
         u: &[f64],
         add: &mut impl FnMut(usize, Twist),
     ) {
-        for (body, inertial) in self.inertial.iter().enumerate() {
-            let force = self.gravity * inertial.mass + inertial.force;
-            let turns = inertial.torque.amax() > 0.0;
-            let torque =
-                if turns { pose(body).rotation.tr_mul(&inertial.torque) } else { Vector3::zeros() };
-            add(body, twist(&force, &torque));
-        }
         for spring in &self.springs {
             spring.load(&pose, |body| self.twist(u, body), add);
         }
@@ -197,7 +201,7 @@ impl RigidBodies {
             let geometry = contact.geometry(&poses.0, poses.1.as_ref());
             let (mut own, mut other) = ([Twist::zeros()], [Twist::zeros()]);
             let at = (&poses.0, poses.1.as_ref());
-            contact.rows(&geometry, at, (true, 0), (&mut own, &mut other), &mut [0.0]);
+            contact.rows_of(&geometry, at, (true, 0), (&mut own, &mut other), &mut [0.0]);
             add(contact.body, own[0] * force);
             if let Some(body) = contact.other {
                 add(body, other[0] * force);

@@ -161,8 +161,15 @@ impl Pair {
             return Err(SystemError::argument("body", "must not touch itself"));
         }
         let frame = self.checked_frame(planar)?;
-        let patch = self.patch_radius.unwrap_or(0.0);
-        let contact = |touching| Contact { body, other, touching, frame: frame.clone(), patch };
+        let contact = |touching| Contact {
+            body,
+            other,
+            unilateral: self.normal_force.is_none(),
+            tangential: self.law.dimension(),
+            touching,
+            frame: frame.clone(),
+            patch: self.patch_radius.unwrap_or(0.0),
+        };
         Ok(self.shape.expand(planar)?.into_iter().map(contact).collect())
     }
 

@@ -1,8 +1,9 @@
 //! What time steps ask of rigid bodies: body by body, or in matrices as of any system.
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::DMatrix;
 
-use super::{Pose, RigidBodies, Twist, angular, linear, twist};
+use super::contact::Contact;
+use super::{RigidBodies, Twist, angular, linear, twist};
 use crate::contact::Csr;
 use crate::system::{Constancy, ContactLaw, System, SystemError};
 
@@ -46,10 +47,10 @@ impl RigidBodies {
         let first = self.pose(q, contact.body);
         let second = contact.other.map(|body| self.pose(q, body));
         let (mut own, mut others) = ([Twist::zeros(); 3], [Twist::zeros(); 3]);
-        let (geometry, p) =
-            (contact.geometry(&first, second.as_ref()), self.laws[index].law.dimension());
         let (at, mut slip) = ((&first, second.as_ref()), [0.0; 3]);
-        contact.rows(&geometry, at, (false, p), (&mut own, &mut others), &mut slip);
+        let geometry = contact.geometry(at.0, at.1);
+        let rows = (own.as_mut_slice(), others.as_mut_slice());
+        contact.rows_of(&geometry, at, (false, contact.tangential), rows, &mut slip);
         for (k, slip) in slip.iter_mut().enumerate() {
             *slip += own[k].dot(&self.twist(u, contact.body));
             if let Some(body) = contact.other {
@@ -59,30 +60,10 @@ impl RigidBodies {
         slip
     }
 
-    /// Gap and contact point.
+    /// The possible contacts.
     #[inline]
-    pub(crate) fn gap_at(&self, poses: &[Pose], contact: usize) -> (f64, Vector3<f64>) {
-        let contact = &self.contacts[contact];
-        contact.gap(&poses[contact.body], contact.other.map(|body| &poses[body]))
-    }
-
-    /// Rows of `W_Nᵀ`, unless the normal force is given, and of `Wᵀ` for the first and the second body, and
-    /// χ; returns the gap.
-    #[inline]
-    pub(crate) fn contact_rows(
-        &self,
-        poses: &[Pose],
-        contact: usize,
-        rows: (&mut [Twist], &mut [Twist]),
-        chi: &mut [f64],
-    ) -> f64 {
-        let law = &self.laws[contact];
-        let (normal, p) = (law.normal_force.is_none(), law.law.dimension());
-        let contact = &self.contacts[contact];
-        let at = (&poses[contact.body], contact.other.map(|body| &poses[body]));
-        let geometry = contact.geometry(at.0, at.1);
-        contact.rows(&geometry, at, (normal, p), rows, chi);
-        geometry.gap
+    pub(crate) fn possible_contacts(&self) -> &[Contact] {
+        &self.contacts
     }
 
     /// Rows of one contact for the whole system, from coordinates.
@@ -100,7 +81,7 @@ impl RigidBodies {
         let (mut own, mut others) = ([Twist::zeros(); 3], [Twist::zeros(); 3]);
         let geometry = contact.geometry(&first, second.as_ref());
         let rows = (own.as_mut_slice(), others.as_mut_slice());
-        contact.rows(&geometry, (&first, second.as_ref()), (normal, p), rows, chi);
+        contact.rows_of(&geometry, (&first, second.as_ref()), (normal, p), rows, chi);
         wide.fill(0.0);
         for (k, row) in wide.chunks_exact_mut(self.dof()).enumerate() {
             self.set_twist(row, contact.body, &own[k]);
@@ -157,11 +138,14 @@ impl System for RigidBodies {
     }
 
     fn forces(&self, _t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
-        forces.fill(0.0);
-        self.loads(|body| self.pose(q, body), u, &mut |body, load| {
+        for body in 0..self.bodies() {
+            self.set_twist(forces, body, &self.weight(body, &self.pose(q, body)));
+        }
+        let mut add = |body: usize, load: Twist| {
             let sum = self.twist(forces, body) + load;
             self.set_twist(forces, body, &sum);
-        });
+        };
+        self.couplings(|body| self.pose(q, body), u, &mut add);
         for (body, inertial) in self.inertial.iter().enumerate().filter(|(_, i)| !i.isotropic) {
             let omega = angular(&self.twist(u, body));
             let gyroscopic = (inertial.inertia * omega).cross(&omega);
