@@ -77,7 +77,10 @@ pub fn simulate<'py>(
     let n_t = trajectory.t.len();
     let out = PyDict::new(py);
     out.set_item("t", PyArray1::from_vec(py, trajectory.t))?;
-    out.set_item("q", PyArray1::from_vec(py, trajectory.q).reshape([n_t, n])?)?;
+    out.set_item(
+        "q",
+        PyArray1::from_vec(py, trajectory.q).reshape([n_t, trajectory.coordinates])?,
+    )?;
     out.set_item("u", PyArray1::from_vec(py, trajectory.u).reshape([n_t, n])?)?;
     out.set_item("slip", PyArray1::from_vec(py, trajectory.slip).reshape([n_t, n_c, p])?)?;
     out.set_item("force", PyArray1::from_vec(py, trajectory.force).reshape([n_t, n_c, p])?)?;
