@@ -18,7 +18,7 @@ def natural_map(problem: ContactProblem, percussion: Array) -> float:
     """Return ‖P − proj(P − ρξ)‖/max(‖P‖, ρ‖b + e∘γ_B‖), ρ = rows/tr G.
 
     Unilateral contacts with disks or balls are projected onto their cones, with μ‖ξ_T‖ added to
-    ξ_N. Of others the defects P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ_T), z = −αP, count.
+    ξ_N. Others have the defects P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ_T), z = −αP.
 
     Args:
         problem: with any laws.
