@@ -12,6 +12,9 @@ pub struct Ball {
 pub type Disk = Ball;
 
 impl Ball {
+    /// The unit ball.
+    pub const UNIT: Self = Self { radius: 1.0 };
+
     /// Ball of the given radius.
     pub fn new(radius: f64) -> Result<Self, SetError> {
         Ok(Self { radius: positive("radius", radius)? })
@@ -51,6 +54,13 @@ impl<const P: usize> ConvexSet<P> for Ball {
         let norm = y.norm();
         let unit = y / norm;
         (unit * self.radius, (Matrix::identity() - unit * unit.transpose()) * (self.radius / norm))
+    }
+
+    fn support_derivative(&self, y: &Vector<P>, dy: &Vector<P>) -> (Vector<P>, Vector<P>) {
+        let reciprocal = 1.0 / y.norm();
+        let unit = y * reciprocal;
+        let across = dy - unit * unit.dot(dy);
+        (unit * self.radius, across * (self.radius * reciprocal))
     }
 
     fn project(&self, z: &Vector<P>) -> Vector<P> {

@@ -17,7 +17,7 @@ pub(super) fn solve(
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
     let mut stuck = sweep(problem, memory, workspace, true);
-    if problem.contacts.len() == 1 {
+    if problem.is_uncoupled() {
         return (1, stuck.map_or(Ended::Done, Ended::NoSolution));
     }
     for sweeps in 1..=max_sweeps {
@@ -41,7 +41,7 @@ pub(super) fn solve(
 ///
 /// The states before the step, in `memory`, decide between several solutions; Newton's method starts
 /// from them in the first sweep and from the last sweep's slip in later ones.
-pub(super) fn sweep(
+fn sweep(
     problem: &ContactProblem,
     memory: &Memory,
     workspace: &mut Workspace,
@@ -77,7 +77,7 @@ pub(super) fn sweep(
 
 /// A start of Newton's method: a slip velocity, or the free velocity if the contact has never slipped.
 #[inline]
-fn start(slip: [f64; 3], local: &Local<'_, 2>) -> Vector<2> {
+pub(super) fn start(slip: [f64; 3], local: &Local<'_, 2>) -> Vector<2> {
     let slip = Vector::<2>::new(slip[0], slip[1]);
     if slip.amax() == 0.0 { local.b_t } else { slip }
 }
