@@ -16,9 +16,9 @@ LAYERS = [
     {"sets"},
     {"law", "solvers"},
     {"contact", "system"},
-    {"trajectory", "problems"},
+    {"trajectory"},
     {"simulate"},
-    {"plot"},
+    {"plot", "problems"},
     {"paper"},
     {"cli"},
 ]
