@@ -15,7 +15,13 @@ Outcome.AT_REST
 from typing import Any as _Any
 
 from asperity._core import __version__
-from asperity.contact import ContactProblem, ContactSolution, LocalSolution
+from asperity.contact import (
+    Certificate,
+    ContactProblem,
+    ContactSolution,
+    LocalSolution,
+    Stage,
+)
 from asperity.errors import (
     AsperityError,
     ConvergenceError,
@@ -51,17 +57,30 @@ from asperity.sets import (
     star_shape,
 )
 from asperity.simulate import simulate
-from asperity.solvers import Exact, ProxGaussSeidel, ProxJacobi, Solver
+from asperity.solvers import (
+    ADMM,
+    Auto,
+    Exact,
+    InteriorPoint,
+    ProxGaussSeidel,
+    ProximalPoint,
+    ProxJacobi,
+    SemismoothNewton,
+    Solver,
+)
 from asperity.status import Outcome, Phase, Status
 from asperity.system import Contact, ContactLaw, LinearSystem, MassOnBelt, SlidingPoint, System
 from asperity.trajectory import Trajectory
 from asperity.verdict import Verdict
 
 __all__ = [
+    "ADMM",
     "AsperityError",
+    "Auto",
     "Ball",
     "Box",
     "CappedRectangle",
+    "Certificate",
     "Cone",
     "Contact",
     "ContactLaw",
@@ -77,6 +96,7 @@ __all__ = [
     "Exact",
     "FlowReport",
     "FrictionLaw",
+    "InteriorPoint",
     "Intersection",
     "Interval",
     "LinearSystem",
@@ -92,10 +112,13 @@ __all__ = [
     "Polygon",
     "ProxGaussSeidel",
     "ProxJacobi",
+    "ProximalPoint",
     "Rectangle",
+    "SemismoothNewton",
     "SimulationInterrupted",
     "SlidingPoint",
     "Solver",
+    "Stage",
     "StarSet",
     "Status",
     "Stribeck",

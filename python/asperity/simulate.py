@@ -71,7 +71,7 @@ def simulate(
         t_end: end time in s; the last step is the first with k Δt ≥ `t_end` (to 1e-9 relative).
         q0: initial coordinates, shape ``(n,)``. Default 0.
         u0: initial velocities, shape ``(n,)``. Default 0.
-        solver: contact solver. Default `Exact`.
+        solver: contact solver. Default `Auto`.
         tolerance: of each step's contact problem, see `ContactProblem.solve`.
         save_every: keep every so-many-th step; the initial and the last state are kept always.
         until_rest: stop after two steps in which all velocities vanish; a load that starts to act
