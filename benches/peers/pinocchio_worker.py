@@ -1,8 +1,9 @@
 """Solve a problem with one contact solver of pinocchio on its Delassus matrix, from r = 0.
 
 The models are point contacts of free particles: they only carry the friction coefficients, the
-matrix is that of the file, scaled by ρ, in pinocchio's order of rows (t₁, t₂, normal). Tolerances
-are absolute and tightened by ten where the measure of the comparison is not reached.
+matrix is that of the file, scaled by ρ, in pinocchio's order of rows (t₁, t₂, normal). ADMM takes
+it for symmetric, which those of some engines are not quite. Tolerances are absolute and tightened
+by ten where the measure of the comparison is not reached.
 """
 
 from argparse import Namespace

@@ -13,7 +13,7 @@ COLUMNS = ["problem", "contacts", "engine", "solver", "best_s", "median_s", "nat
 def head(engines: list[str]) -> str:
     """Return the names of the columns; a residual above the tolerance is marked by "!"."""
     last = "  asperity/siconos" if {"asperity", "siconos"} <= set(engines) else ""
-    return f"{'problem':40} {'contacts':>8} " + "".join(f"{name:>34}" for name in engines) + last
+    return f"{'problem':40} {'contacts':>8} " + "".join(f"{name:>39}" for name in engines) + last
 
 
 def line(row: Row, tolerance: float) -> str:
@@ -23,9 +23,9 @@ def line(row: Row, tolerance: float) -> str:
     for one in answers.values():
         if np.isfinite(one.residual):
             mark = " " if solved(one, tolerance) else "!"
-            parts.append(f"{duration(one.best):>11} {one.residual:8.1e}{mark}{one.label[:12]:>13}")
+            parts.append(f"{duration(one.best):>11} {one.residual:8.1e}{mark}{one.label[:17]:>18}")
         else:
-            parts.append(f"{one.label[:33]:>34}")
+            parts.append(f"{one.label[:38]:>39}")
     ratio = quotient(answers, tolerance)
     last = f"{ratio:18.3f}" if np.isfinite(ratio) else ""
     return f"{name[:40]:40} {contacts:8d} " + "".join(parts) + last
