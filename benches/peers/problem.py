@@ -57,6 +57,13 @@ def grade(problem: Problem, percussion: np.ndarray) -> float:
     """Return ‖r − P_K(r − ρũ)‖ / max(‖r‖, ρ‖q‖), ũ_N = u_N + μ‖u_T‖: independent of units."""
     if percussion.shape != problem.q.shape or not np.isfinite(percussion).all():
         return np.inf
+    with np.errstate(all="ignore"):  # a solver may have diverged
+        defect = natural_map(problem, percussion)
+    return defect if np.isfinite(defect) else np.inf
+
+
+def natural_map(problem: Problem, percussion: np.ndarray) -> float:
+    """Return the relative natural map of finite percussions."""
     scale, mu = rho(problem), problem.mu
     r = percussion.reshape(-1, 3)
     u = (problem.matrix @ percussion + problem.q).reshape(-1, 3)
