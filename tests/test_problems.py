@@ -1,5 +1,7 @@
 """The generated scenes against statics and rigid kinematics, and the problems made of them."""
 
+import pickle
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -140,6 +142,14 @@ def test_boxes_of_a_wall_touch_within_their_faces():
         assert (np.abs(offset[:, 0]) <= half[body[real]] + 1e-12).all()
 
 
+def test_a_scene_is_a_value():
+    scene = scenes.wall(2, 2)
+    assert pickle.loads(pickle.dumps(scene)) == scene == scenes.wall(2, 2)
+    assert scene != scenes.wall(2, 2, mass=2.0)
+    with pytest.raises(AttributeError, match="immutable"):
+        scene.mass = np.ones(5)
+
+
 def test_free_motion():
     scene = scenes.stack(2, mass=2.0)
     velocity = np.arange(12.0).reshape(2, 6)
@@ -227,3 +237,25 @@ def test_restitution_reaches_the_problem():
     falling = [[0.0, 0.0, -2.0, 0.0, 0.0, 0.0]]
     problem = scenes.columns(1, 1).problem(velocity=falling, normal_restitution=0.5)
     assert problem.solve().velocity[0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [
+        problems.stack(20, push=3.0),
+        problems.wall(4, 4, push=2.0),
+        problems.table(12, push=3.0),
+        problems.arch(15),
+        problems.columns(9, 3),
+        problems.columns(4, 3, normal_restitution=0.5),
+        problems.pile(3),
+        problems.sliders(50, coupled=True),
+    ],
+    ids=["stack", "wall", "table", "arch", "columns", "restitution", "pile", "sliders"],
+)
+def test_small_problems_are_solved_and_keep_the_momentum(problem):
+    solution = problem.solve(tolerance=1e-8, measure="global", time_limit=30.0)
+    assert solution.converged
+    change = np.linalg.solve(problem.mass.toarray(), problem.directions @ solution.percussion)
+    velocity = problem.free_velocity + problem.directions.T @ change
+    np.testing.assert_allclose(velocity, solution.velocity, atol=1e-9)
