@@ -136,9 +136,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> _Any:
-    # Matplotlib is imported by the first use of `asperity.plot`, not before.
-    if name == "plot":
+    # Matplotlib and SciPy are imported by the first use of these modules, not before.
+    if name in ("plot", "problems"):
         from importlib import import_module
 
-        return import_module("asperity.plot")
+        return import_module(f"asperity.{name}")
     raise AttributeError(f"module 'asperity' has no attribute {name!r}")
