@@ -53,14 +53,35 @@ from asperity.sets import (
 from asperity.simulate import simulate
 from asperity.solvers import Exact, ProxGaussSeidel, ProxJacobi, Solver
 from asperity.status import Outcome, Phase, Status
-from asperity.system import Contact, ContactLaw, LinearSystem, MassOnBelt, SlidingPoint, System
+from asperity.system import (
+    Body,
+    BodyAxis,
+    BoxPlane,
+    Contact,
+    ContactLaw,
+    Line,
+    LinearSystem,
+    MassOnBelt,
+    PlanarBody,
+    Plane,
+    PointPlane,
+    RigidBodies,
+    SlidingPoint,
+    SpherePlane,
+    SphereSphere,
+    Spring,
+    System,
+)
 from asperity.trajectory import Trajectory
 from asperity.verdict import Verdict
 
 __all__ = [
     "AsperityError",
     "Ball",
+    "Body",
+    "BodyAxis",
     "Box",
+    "BoxPlane",
     "CappedRectangle",
     "Cone",
     "Contact",
@@ -79,6 +100,7 @@ __all__ = [
     "FrictionLaw",
     "Intersection",
     "Interval",
+    "Line",
     "LinearSystem",
     "LocalSolution",
     "Mapped",
@@ -88,14 +110,21 @@ __all__ = [
     "Outcome",
     "ParameterError",
     "Phase",
+    "PlanarBody",
+    "Plane",
+    "PointPlane",
     "PolarCurve",
     "Polygon",
     "ProxGaussSeidel",
     "ProxJacobi",
     "Rectangle",
+    "RigidBodies",
     "SimulationInterrupted",
     "SlidingPoint",
     "Solver",
+    "SpherePlane",
+    "SphereSphere",
+    "Spring",
     "StarSet",
     "Status",
     "Stribeck",

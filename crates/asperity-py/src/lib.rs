@@ -7,6 +7,7 @@ mod convert;
 mod errors;
 mod law;
 mod problem;
+mod rigid;
 mod set;
 mod simulate;
 mod system;
@@ -22,6 +23,8 @@ mod _core {
     use crate::law::{Law, flow_law};
     #[pymodule_export]
     use crate::problem::{Problem, Solver};
+    #[pymodule_export]
+    use crate::rigid::RigidBodies;
     #[pymodule_export]
     use crate::set::Set;
     #[pymodule_export]
