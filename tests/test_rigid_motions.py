@@ -245,7 +245,7 @@ def gained_energy(angle, speed, tangential):
         (-0.5, 0.0),
         asp.Line(),
         asp.FrictionLaw.isotropic(0.5, dimension=1),
-        normal_restitution=0.5,
+        normal_restitution=0.9,
         tangential_restitution=tangential,
     )
     system = asp.RigidBodies([rod], [tip], gravity=(0.0, 0.0))
@@ -258,5 +258,5 @@ def gained_energy(angle, speed, tangential):
 def test_energy_may_grow_where_the_coefficients_of_restitution_differ():
     # Kane's paradox.
     cases = [(a, v) for a in np.linspace(0.1, 1.5, 15) for v in np.linspace(-2.0, 2.0, 21)]
-    assert max(gained_energy(*case, 0.0) for case in cases) > 1e-3
-    assert max(gained_energy(*case, 0.5) for case in cases) < 1e-12
+    assert max(gained_energy(*case, 0.0) for case in cases) > 0.01
+    assert max(gained_energy(*case, 0.9) for case in cases) < 1e-12
