@@ -162,8 +162,8 @@ class PlanarBody(Value):
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import PlanarBody
-    >>> PlanarBody.disk(2.0, 0.1).inertia
-    0.01
+    >>> PlanarBody.disk(2.0, 1.0).inertia
+    1.0
     """
 
     mass: float
