@@ -34,10 +34,12 @@ bench: $(VENV)/.installed
 	$(BIN)/python benches/python_overhead.py
 	$(BIN)/python benches/python_sets.py
 
-# The long profile: 10⁵ random cases per set, 10⁶ one-contact problems per law.
-long:
+# The long profile: 10⁵ random cases per set, 10⁶ one-contact problems per law, 1000 problems of many
+# contacts.
+long: $(VENV)/.installed
 	PROPTEST_CASES=100000 cargo test --release --locked -p asperity-set
 	cargo test --release --locked -p asperity -- --ignored
+	$(BIN)/pytest -m long
 
 format:
 	cargo fmt --all

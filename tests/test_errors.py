@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from asperity import DimensionError, ParameterError
 from asperity.plot import plot_set, save_figure
+from scipy.sparse import csr_array
 
 DISK = asp.Disk(0.5)
 LAW = asp.FrictionLaw.isotropic(0.5)
@@ -24,6 +25,20 @@ from_samples = asp.FrictionLaw.from_samples
 def linear(mass=1.0, **arguments):
     contact = asp.Contact(LAW, np.eye(2), normal_force=1.0)
     return asp.LinearSystem(mass, contacts=[contact], **arguments)
+
+
+def bodies(mass=1.0, directions=1.0, **options):
+    """One contact of a point mass, with arguments to spoil."""
+    mass = np.eye(3) if isinstance(mass, float) else mass
+    directions = np.eye(3) if isinstance(directions, float) else directions
+    return asp.ContactProblem.from_bodies(mass, directions, [-1.0, 0.1, 0.0], LAW, **options)
+
+
+def broken_csr():
+    """SciPy does not look at the indices of a matrix that changes under its hands."""
+    matrix = csr_array(np.eye(2))
+    matrix.indices[1] = 7
+    return matrix
 
 
 def run(**arguments):
@@ -181,6 +196,54 @@ BAD_INPUT = [
     ("tolerance", ParameterError, lambda: PROBLEM.solve(tolerance=0.0)),
     ("time_limit", ParameterError, lambda: PROBLEM.solve(time_limit=-1.0)),
     ("on_failure", ParameterError, lambda: PROBLEM.solve(on_failure="ignore")),
+    ("measure", ParameterError, lambda: PROBLEM.solve(measure="local")),
+    ("percussion", DimensionError, lambda: PROBLEM.natural_map([1.0])),
+    ("percussion", ParameterError, lambda: PROBLEM.certificate([NAN, 0.0])),
+    ("delassus", ParameterError, lambda: PROBLEM.replace(delassus=-np.eye(2))),
+    ("delassus", ParameterError, lambda: PROBLEM.replace(delassus=csr_array(-np.eye(2)))),
+    ("delassus", DimensionError, lambda: PROBLEM.replace(delassus=np.ones((2, 3)))),
+    ("delassus", DimensionError, lambda: PROBLEM.replace(delassus=csr_array(np.ones((2, 3))))),
+    ("delassus", DimensionError, lambda: PROBLEM.replace(delassus=csr_array(np.eye(3)))),
+    ("delassus", DimensionError, lambda: PROBLEM.replace(delassus=np.ones(4))),
+    ("delassus", ParameterError, lambda: PROBLEM.replace(delassus=csr_array(NAN * np.eye(2)))),
+    ("delassus", ParameterError, lambda: PROBLEM.replace(delassus=csr_array(1j * np.eye(2)))),
+    ("delassus", ParameterError, lambda: PROBLEM.replace(delassus=broken_csr())),
+    ("delassus", ParameterError, lambda: PROBLEM.replace(delassus="csr")),
+    ("delassus", ParameterError, lambda: PROBLEM.replace(delassus=None)),
+    ("laws", ParameterError, lambda: PROBLEM.replace(laws=[LAW.replace(rate=asp.Stribeck(0.1))])),
+    (
+        "normal_force",
+        DimensionError,
+        lambda: asp.ContactProblem(np.eye(6), np.ones(6), [LAW] * 2, normal_force=[None]),
+    ),
+    (
+        "free_velocity",
+        DimensionError,
+        lambda: asp.ContactProblem(np.eye(6), np.ones(6), [LAW] * 2, normal_force=[None, 1.0]),
+    ),
+    ("mass", ParameterError, lambda: bodies(mass=np.diag([1.0, -1.0, 1.0]))),
+    ("mass", ParameterError, lambda: bodies(mass=np.eye(3) + np.eye(3, k=1))),
+    ("mass", ParameterError, lambda: bodies(mass=np.eye(3) + 2.0 * (np.ones(3) - np.eye(3)))),
+    ("mass", ParameterError, lambda: bodies(mass=NAN * np.eye(3))),
+    ("mass", DimensionError, lambda: bodies(mass=np.ones((3, 2)))),
+    ("mass", ParameterError, lambda: bodies(mass=None)),
+    ("directions", ParameterError, lambda: bodies(directions=None)),
+    ("directions", DimensionError, lambda: bodies(directions=np.eye(2, 3))),
+    ("directions", DimensionError, lambda: bodies(directions=np.eye(3, 4))),
+    ("directions", ParameterError, lambda: bodies(directions=np.full((3, 3), INF))),
+    ("delassus", ParameterError, lambda: bodies(delassus=2.0 * np.eye(3))),
+    ("threads", ParameterError, lambda: asp.Auto(threads=0)),
+    ("max_iterations", ParameterError, lambda: asp.SemismoothNewton(max_iterations=0)),
+    ("max_iterations", ParameterError, lambda: asp.ProximalPoint(max_iterations=1.5)),
+    ("max_iterations", ParameterError, lambda: asp.ADMM(max_iterations=-1)),
+    ("max_iterations", ParameterError, lambda: asp.InteriorPoint(max_iterations="many")),
+    (
+        "laws",
+        ParameterError,
+        lambda: PROBLEM.replace(laws=asp.FrictionLaw.associated(asp.Rectangle(1.0, 2.0))).solve(
+            asp.InteriorPoint()
+        ),
+    ),
     ("solver", ParameterError, lambda: PROBLEM.solve("exact")),
     ("start", ParameterError, lambda: PROBLEM.solve(start=[0.0, 0.0])),
     ("percussion", DimensionError, lambda: PROBLEM.residual([0.0])),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from asperity._value import Value
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
+from scipy.sparse import coo_array, csc_array, csr_array, csr_matrix
 
 LAW = PLANE_LAWS[3]
 PROBLEM = asp.ContactProblem(np.eye(3), [-1.0, 0.2, 3.0], LAW, normal_restitution=0.5)
@@ -28,12 +29,22 @@ VALUES = [
     asp.Verdict(False, exact=False, tolerance=1e-9, defect=0.1, witness=[[1.0, 0.0]]),
     PROBLEM,
     asp.ContactProblem(np.eye(4), np.ones(4), LAW, normal_force=[1.0, 2.0]),
+    PROBLEM.replace(delassus=csc_array(np.eye(3))),
+    asp.ContactProblem.from_bodies(2.0 * np.eye(3), csr_matrix(np.eye(3)), [-1.0, 0.2, 3.0], LAW),
     PROBLEM.solve(),
+    PROBLEM.solve().certificate,
+    asp.Stage("newton", 7, 6, 1e-9),
     *PROBLEM.solutions(0),
     asp.Exact(),
     asp.Exact(max_sweeps=5),
     asp.ProxJacobi(r=0.1),
     asp.ProxGaussSeidel(),
+    asp.Auto(),
+    asp.Auto(interior_point=False, threads=2),
+    asp.SemismoothNewton(),
+    asp.ProximalPoint(max_iterations=3),
+    asp.InteriorPoint(),
+    asp.ADMM(),
     CONTACT,
     asp.Contact(LAW, np.eye(2), normal=[0.0, 1.0], gap=0.2, normal_restitution=0.4),
     asp.ContactLaw(LAW),
@@ -88,7 +99,7 @@ def test_repr_is_the_constructor_call(value):
     if isinstance(value, asp.Trajectory):
         assert repr(value).startswith("<Trajectory: 11 samples")
     else:
-        assert eval(repr(value), dict(NAMES)) == value
+        assert eval(repr(value), {**NAMES, "csr_array": csr_array}) == value
 
 
 @every_value
@@ -124,6 +135,44 @@ def test_values_cannot_be_changed(value):
 def test_parameters_are_those_of_the_signature(value):
     assert set(value._parameters) == set(inspect.signature(type(value)).parameters)
     assert value.replace() == value
+
+
+@pytest.mark.parametrize("kind", [csr_array, csc_array, coo_array, csr_matrix])
+def test_sparse_operators_of_one_content_are_one_value(kind):
+    dense = np.array([[2.0, 0.5, 0.0], [0.5, 1.0, 0.1], [0.0, 0.1, 1.0]])
+    problem = PROBLEM.replace(delassus=kind(dense))
+    assert problem == PROBLEM.replace(delassus=csr_array(dense))
+    assert hash(problem) == hash(PROBLEM.replace(delassus=csr_array(dense)))
+    assert problem != PROBLEM.replace(delassus=csr_array(dense + np.eye(3)))
+    assert problem.delassus.has_canonical_format
+    with pytest.raises(ValueError, match="read-only"):
+        problem.delassus.data[0] = 1.0
+
+
+def test_duplicates_are_summed_and_the_original_stays():
+    twice = coo_array(([0.5, 1.5, 1.0, 1.0], ([0, 0, 1, 2], [0, 0, 1, 2])), shape=(3, 3))
+    problem = PROBLEM.replace(delassus=twice)
+    assert problem.delassus.toarray().tolist() == [
+        [2.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+    ]
+    assert twice.nnz == 4
+    original = csr_array(np.eye(3))
+    kept = PROBLEM.replace(delassus=original)
+    original.data[:] = 7.0
+    assert kept.delassus.data.tolist() == [1.0, 1.0, 1.0]
+
+
+def test_new_operators_forget_bodies_and_new_bodies_old_operators():
+    free = [-1.0, 0.2, 3.0]
+    bodies = asp.ContactProblem.from_bodies(2.0 * np.eye(3), np.eye(3), free, LAW)
+    assert bodies.delassus.toarray().tolist() == (0.5 * np.eye(3)).tolist()
+    known = bodies.replace(delassus=None, mass=bodies.mass, directions=bodies.directions)
+    assert known == bodies
+    assert bodies.replace(delassus=np.eye(3)).mass is None
+    assert bodies.replace(mass=np.eye(3)).delassus.toarray().tolist() == np.eye(3).tolist()
+    assert bodies.replace(free_velocity=np.zeros(3)).mass is not None
 
 
 def test_replace_makes_a_variant():

@@ -15,7 +15,13 @@ Outcome.AT_REST
 from typing import Any as _Any
 
 from asperity._core import __version__
-from asperity.contact import ContactProblem, ContactSolution, LocalSolution
+from asperity.contact import (
+    Certificate,
+    ContactProblem,
+    ContactSolution,
+    LocalSolution,
+    Stage,
+)
 from asperity.errors import (
     AsperityError,
     ConvergenceError,
@@ -51,7 +57,17 @@ from asperity.sets import (
     star_shape,
 )
 from asperity.simulate import simulate
-from asperity.solvers import Exact, ProxGaussSeidel, ProxJacobi, Solver
+from asperity.solvers import (
+    ADMM,
+    Auto,
+    Exact,
+    InteriorPoint,
+    ProxGaussSeidel,
+    ProximalPoint,
+    ProxJacobi,
+    SemismoothNewton,
+    Solver,
+)
 from asperity.status import Outcome, Phase, Status
 from asperity.system import (
     Body,
@@ -76,13 +92,16 @@ from asperity.trajectory import Trajectory
 from asperity.verdict import Verdict
 
 __all__ = [
+    "ADMM",
     "AsperityError",
+    "Auto",
     "Ball",
     "Body",
     "BodyAxis",
     "Box",
     "BoxPlane",
     "CappedRectangle",
+    "Certificate",
     "Cone",
     "Contact",
     "ContactLaw",
@@ -98,6 +117,7 @@ __all__ = [
     "Exact",
     "FlowReport",
     "FrictionLaw",
+    "InteriorPoint",
     "Intersection",
     "Interval",
     "Line",
@@ -117,14 +137,17 @@ __all__ = [
     "Polygon",
     "ProxGaussSeidel",
     "ProxJacobi",
+    "ProximalPoint",
     "Rectangle",
     "RigidBodies",
+    "SemismoothNewton",
     "SimulationInterrupted",
     "SlidingPoint",
     "Solver",
     "SpherePlane",
     "SphereSphere",
     "Spring",
+    "Stage",
     "StarSet",
     "Status",
     "Stribeck",

@@ -28,7 +28,7 @@ def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = 
         raise ParameterError(argument, f"must hold real numbers, got {value!r}")
     converted = np.asarray(raw, dtype=np.float64, order="C")
     if shape is not None:
-        _check_shape(converted, argument, shape)
+        check_shape(converted, argument, shape)
     # The sum of finite numbers is finite unless it overflows: a cheap test for the usual case.
     if not math.isfinite(_sum(converted)) and not np.isfinite(converted).all():
         raise ParameterError(argument, "must be finite, it holds NaN or infinity")
@@ -40,7 +40,8 @@ def _sum(values: Array) -> float:
         return float(values.sum())
 
 
-def _check_shape(value: Array, argument: str, shape: Sequence[int | None]) -> None:
+def check_shape(value: Any, argument: str, shape: Sequence[int | None]) -> None:
+    """Refuse an array, dense or sparse, that does not have the shape."""
     fits = value.ndim == len(shape) and all(
         wanted in (None, length) for wanted, length in zip(shape, value.shape, strict=True)
     )
@@ -136,6 +137,8 @@ def several(values: Any, argument: str) -> tuple[Any, ...]:
 
 def positive(value: Any, argument: str) -> float:
     """Return a finite float above zero."""
+    if type(value) is float and 0.0 < value < math.inf:
+        return value
     converted = number(value, argument)
     if converted <= 0.0:
         raise ParameterError(argument, f"must be positive, got {converted!r}")

@@ -11,6 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 _Array: TypeAlias = NDArray[np.float64]
+# Row starts, columns and values of a CSR matrix.
+_Indices: TypeAlias = NDArray[np.int64]
+_Triple: TypeAlias = tuple[_Indices, _Indices, _Array]
+# "csr" and G.
+_Sparse: TypeAlias = tuple[str, _Indices, _Indices, _Array]
+# "factored", M, Wᵀ (rows × n) and G if it is known.
+_Factored: TypeAlias = tuple[str, _Triple, _Triple, _Triple | None]
 # Whether it holds, whether that is exact, tolerance, defect, witness points (k, p).
 _Verdict: TypeAlias = tuple[bool, bool, float, float, _Array | None]
 
@@ -125,12 +132,22 @@ class Solver:
     def prox_jacobi(r: float | None, max_iterations: int) -> Solver: ...
     @staticmethod
     def prox_gauss_seidel(r: float | None, max_iterations: int) -> Solver: ...
+    @staticmethod
+    def newton(max_iterations: int) -> Solver: ...
+    @staticmethod
+    def proximal_point(max_iterations: int) -> Solver: ...
+    @staticmethod
+    def interior_point(max_iterations: int) -> Solver: ...
+    @staticmethod
+    def admm(max_iterations: int) -> Solver: ...
+    @staticmethod
+    def auto(interior_point: bool, threads: int) -> Solver: ...
 
 @final
 class Problem:
     def __new__(
         cls,
-        delassus: _Array,
+        delassus: _Array | _Sparse | _Factored,
         free_velocity: _Array,
         laws: Sequence[Law],
         normal_force: Sequence[float | None],
@@ -144,8 +161,12 @@ class Problem:
         tolerance: float,
         time_limit: float | None,
         start: tuple[_Array, Sequence[int], _Array] | None,
+        measure: str,
     ) -> dict[str, Any]: ...
     def residual(self, percussion: _Array) -> tuple[float, int]: ...
+    def natural_map(self, percussion: _Array) -> float: ...
+    def certificate(self, percussion: _Array) -> dict[str, Any]: ...
+    def spectrum(self) -> tuple[float, float]: ...
     def solutions(self, contact: int, percussion: _Array) -> list[dict[str, Any]]: ...
 
 @final

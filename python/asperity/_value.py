@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from typing import Any, NoReturn, Self
+from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 import numpy as np
 
@@ -14,7 +14,10 @@ class Value:
     A subclass hands each parameter of its ``__init__`` to `_set`, and what it derives to `_keep`.
     """
 
-    _parameters: dict[str, Any]
+    if TYPE_CHECKING:
+
+        @property
+        def _parameters(self) -> dict[str, Any]: ...
 
     def _set(self, **parameters: Any) -> None:
         self._keep(_parameters=parameters)
@@ -84,8 +87,12 @@ def _is_default(value: Any, parameter: inspect.Parameter) -> bool:
 
 
 def _same(a: Any, b: Any) -> bool:
+    if a is b:
+        return True
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(_same, a, b))
+    if _is_sparse(a) and _is_sparse(b):
+        return bool(a.shape == b.shape) and all(map(_same, _parts(a), _parts(b)))
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return np.array_equal(a, b, equal_nan=a.dtype.kind == b.dtype.kind == "f")
     return type(a) is type(b) and bool(a == b)
@@ -95,6 +102,8 @@ def _hashable(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         # Adding zero turns -0.0, which equals 0.0, into it.
         return value.shape, (value + 0).tobytes()
+    if _is_sparse(value):
+        return value.shape, *map(_hashable, _parts(value))
     if isinstance(value, tuple):
         return tuple(map(_hashable, value))
     return value
@@ -103,4 +112,16 @@ def _hashable(value: Any) -> Any:
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
         return f"({', '.join(map(_text, value))}{',' * (len(value) == 1)})"
+    if _is_sparse(value):
+        parts = ", ".join(repr(part.tolist()) for part in _parts(value))
+        return f"csr_array(({parts}), shape={value.shape})"
     return repr(value.tolist()) if isinstance(value, np.ndarray) else repr(value)
+
+
+def _is_sparse(value: Any) -> bool:
+    """Whether it is a CSR array, told without importing SciPy; values keep canonical ones."""
+    return hasattr(value, "indptr")
+
+
+def _parts(matrix: Any) -> tuple[Any, Any, Any]:
+    return matrix.data, matrix.indices, matrix.indptr

@@ -11,8 +11,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asperity import __version__
+from asperity import __version__, _arrays
 from asperity.errors import AsperityError
+from asperity.solvers import NAMES, named
 
 if TYPE_CHECKING:
     from asperity.paper.checks import Check
@@ -66,6 +67,28 @@ def _parser() -> argparse.ArgumentParser:
         "--out", metavar="DIR", type=Path, required=True, help="folder to write into"
     )
     figures.set_defaults(run=_figures)
+    solve = commands.add_parser(
+        "solve",
+        help="solve contact problems from files and grade the solutions",
+        description="Solve the contact problems of .npz and HDF5 (FCLIB) files and print a row for "
+        "each: the residual is the natural map ||P - proj(P - rho xi)||/max(||P||, rho ||b||), "
+        "computed apart from the solvers; stages are method:iterations/factorizations. Exit code "
+        "1 if a problem is not solved to the tolerance.",
+        epilog="example: asperity solve problems/ --tolerance 1e-8 --time-limit 30 --csv out.csv",
+    )
+    solve.add_argument(
+        "paths", metavar="FOLDER_OR_FILE", type=Path, nargs="+", help="files, folders of files"
+    )
+    solve.add_argument("--tolerance", type=float, default=1e-8, help="default 1e-8")
+    solve.add_argument(
+        "--time-limit", metavar="SECONDS", type=float, default=30.0, help="of a solve; default 30"
+    )
+    solve.add_argument("--solver", choices=list(NAMES), default="auto", help="default auto")
+    solve.add_argument(
+        "--repeat", metavar="N", type=int, default=1, help="best time of N short solves; default 1"
+    )
+    solve.add_argument("--csv", metavar="FILE", type=Path, help="write the table to a file too")
+    solve.set_defaults(run=_solve)
     info = commands.add_parser("info", help="print versions and the build profile")
     info.set_defaults(run=_info)
     return parser
@@ -87,6 +110,29 @@ def _figures(options: argparse.Namespace) -> int:
     return code
 
 
+def _solve(options: argparse.Namespace) -> int:
+    from asperity import solve_files
+
+    files = solve_files.problem_files(options.paths)
+    width = max(len(path.stem) for path in files)
+    print(solve_files.line(solve_files.COLUMNS, width))
+    rows = []
+    for row in solve_files.solve(
+        files,
+        named(options.solver),
+        tolerance=_arrays.positive(options.tolerance, "--tolerance"),
+        time_limit=_arrays.positive(options.time_limit, "--time-limit"),
+        repeat=_arrays.count(options.repeat, "--repeat"),
+    ):
+        print(solve_files.line(row.cells(), width), flush=True)
+        rows.append(row)
+    solved, seconds = sum(row.solved for row in rows), sum(row.seconds for row in rows)
+    print(f"solved {solved} of {len(rows)} to {options.tolerance:g}, {seconds:.3g} s in all")
+    if options.csv is not None:
+        solve_files.write_csv(rows, options.csv)
+    return SUCCESS if solved == len(rows) else CHECK_FAILED
+
+
 def _report(run: Callable[[], list[Check]], out: Path) -> int:
     """Run, print the table of checks, and return the exit code."""
     from asperity.paper.checks import table
@@ -105,7 +151,7 @@ def _info(options: argparse.Namespace) -> int:
 
     print(f"asperity    {__version__} ({_core.build_profile} build)")
     print(f"python      {platform.python_version()} on {platform.system()} {platform.machine()}")
-    for package in ("numpy", "scipy", "matplotlib", "tqdm"):
+    for package in ("numpy", "scipy", "matplotlib", "h5py", "tqdm"):
         try:
             print(f"{package:<11} {metadata.version(package)}")
         except metadata.PackageNotFoundError:
@@ -115,5 +161,6 @@ def _info(options: argparse.Namespace) -> int:
 
 def _explained(error: Exception) -> str:
     if isinstance(error, ModuleNotFoundError):
-        return f"{error.name} is missing: pip install 'asperity[plot]'"
+        extra = "data" if error.name == "h5py" else "plot"
+        return f"{error.name} is missing: pip install 'asperity[{extra}]'"
     return str(error)

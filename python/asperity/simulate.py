@@ -73,7 +73,7 @@ def simulate(
         q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``. Default 0, of
             `RigidBodies` the state of the bodies.
         u0: initial velocities, shape ``(n,)``; default likewise.
-        solver: contact solver. Default `Exact`.
+        solver: contact solver. Default `Auto`.
         tolerance: of each step's contact problem, see `ContactProblem.solve`.
         save_every: keep every so-many-th step; the initial and the last state are kept always.
         until_rest: stop after two steps in which all velocities vanish; a load that starts to act

@@ -15,12 +15,43 @@ class Solver(Value):
     _core: _core.Solver
 
 
+class Auto(Solver):
+    """The default: one method after the other, each where it is the fastest that is known to work.
+
+    A few sweeps of `Exact` solve single, open and well-conditioned contacts. What is left goes to
+    `SemismoothNewton`, then to `InteriorPoint` where all laws are isotropic or elliptic and
+    associated, then to `ProximalPoint`, the only one that solves problems whose Delassus operator
+    is singular and whose solution is hidden among many. ``ContactSolution.stages`` tells what was
+    done.
+
+    Args:
+        interior_point: whether the interior point may be used.
+        threads: number of threads for large problems; the result does not depend on it.
+
+    >>> from asperity import Auto
+    >>> Auto(threads=2)
+    Auto(threads=2)
+    """
+
+    interior_point: bool
+    threads: int
+
+    def __init__(self, *, interior_point: bool = True, threads: int = 1) -> None:
+        interior_point, threads = bool(interior_point), _arrays.count(threads, "threads")
+        self._set(interior_point=interior_point, threads=threads)
+        self._keep(_core=_core.Solver.auto(interior_point, threads))
+
+
 class Exact(Solver):
     """Block Gauss–Seidel whose one-contact solve is exact: it finds all solutions and selects one.
 
     The rule of selection continues the previous state: a contact that stuck keeps sticking while
     that is admissible; a slipping one takes the slip solution whose direction is nearest to its
     last. A single contact is solved in one sweep.
+
+    The right one for a few contacts, for contacts that hardly feel each other, and wherever the
+    rule of selection matters. Contacts that share one load (a table with four legs, a stack) make
+    it slow.
 
     Args:
         max_sweeps: limit of sweeps over the contacts.
@@ -41,7 +72,8 @@ class Exact(Solver):
 class ProxJacobi(Solver):
     """The paper's fixed-point iteration: P^{k+1} = −(1/α_k) prox_D(−α_k P^k + r γ^k).
 
-    All contacts are updated at once from the last iterate.
+    All contacts are updated at once from the last iterate. For comparison with the paper, and as
+    an independent check.
 
     Args:
         r: prox parameter, a number > 0 used as it stands in all rows, or ``"adaptive"``: r̃ is the
@@ -72,6 +104,8 @@ class ProxJacobi(Solver):
 class ProxGaussSeidel(Solver):
     """The iteration of `ProxJacobi`, contact after contact with the newest percussions.
 
+    Faster than `ProxJacobi`, otherwise like it; `Exact` needs fewer sweeps still.
+
     Args:
         r: as in `ProxJacobi`, with row sums over the contact's own columns.
         max_iterations: limit of sweeps over the contacts.
@@ -93,13 +127,128 @@ class ProxGaussSeidel(Solver):
         self._keep(_core=_core.Solver.prox_gauss_seidel(number, max_iterations))
 
 
+class SemismoothNewton(Solver):
+    """Newton's method on the natural map of all contacts at once, each step one factorisation.
+
+    The right one from a good start, such as the last step's solution, and for problems with a
+    regular Delassus operator: it then takes a handful of steps. From a poor start it may cycle.
+
+    Args:
+        max_iterations: limit of Newton steps.
+
+    Reference: [AcaryBremondHuber2018].
+
+    >>> from asperity import SemismoothNewton
+    >>> SemismoothNewton(max_iterations=20)
+    SemismoothNewton(max_iterations=20)
+    """
+
+    max_iterations: int
+
+    def __init__(self, *, max_iterations: int = 200) -> None:
+        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        self._set(max_iterations=max_iterations)
+        self._keep(_core=_core.Solver.newton(max_iterations))
+
+
+class ProximalPoint(Solver):
+    """A sequence of problems G + εI about the last iterate, each solved by `SemismoothNewton`.
+
+    The right one for singular Delassus operators (more contacts than the bodies can tell apart)
+    and for laws of all kinds. It needs no barrier of the reservoir, only its gauge and projections
+    onto D.
+
+    Args:
+        max_iterations: limit of outer iterations.
+
+    Reference: [AcaryBremondHuber2018].
+
+    >>> from asperity import ProximalPoint
+    >>> ProximalPoint()
+    ProximalPoint()
+    """
+
+    max_iterations: int
+
+    def __init__(self, *, max_iterations: int = 1000) -> None:
+        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        self._set(max_iterations=max_iterations)
+        self._keep(_core=_core.Solver.proximal_point(max_iterations))
+
+
+class InteriorPoint(Solver):
+    """A primal-dual path-following method over the friction cones.
+
+    The right one for hundreds of contacts with isotropic or elliptic associated laws, above all
+    hyperstatic ones: 10 to 40 factorisations, largely independent of size and start. It ends at
+    residuals of 1e-7 to 1e-9. Laws of other kinds have no barrier: solving them raises
+    `ParameterError`.
+
+    Args:
+        max_iterations: limit of iterations.
+
+    >>> from asperity import InteriorPoint
+    >>> InteriorPoint()
+    InteriorPoint()
+    """
+
+    max_iterations: int
+
+    def __init__(self, *, max_iterations: int = 100) -> None:
+        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        self._set(max_iterations=max_iterations)
+        self._keep(_core=_core.Solver.interior_point(max_iterations))
+
+
+class ADMM(Solver):
+    """The alternating direction method of multipliers: one factorisation for many iterations.
+
+    The right one where a factorisation is too dear to repeat, as in problems of many thousand
+    tightly coupled contacts, and 1e-4 to 1e-6 is enough.
+
+    Args:
+        max_iterations: limit of iterations.
+
+    >>> from asperity import ADMM
+    >>> ADMM()
+    ADMM()
+    """
+
+    max_iterations: int
+
+    def __init__(self, *, max_iterations: int = 2000) -> None:
+        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        self._set(max_iterations=max_iterations)
+        self._keep(_core=_core.Solver.admm(max_iterations))
+
+
+_DEFAULT = Auto()
+
+
 def chosen(solver: Solver | None) -> Solver:
-    """Return the solver, `Exact` if none was given."""
+    """Return the solver, `Auto` if none was given."""
     if solver is None:
-        return Exact()
+        return _DEFAULT
     if not isinstance(solver, Solver):
-        raise ParameterError("solver", f"must be a solver such as Exact(), got {solver!r}")
+        raise ParameterError("solver", f"must be a solver such as Auto(), got {solver!r}")
     return solver
+
+
+def named(name: str) -> Solver:
+    """Return the solver of a name such as ``"auto"`` or ``"proximal-point"``, with its defaults."""
+    return NAMES[_arrays.choice(name, "solver", tuple(NAMES))]()
+
+
+NAMES: dict[str, type[Solver]] = {
+    "auto": Auto,
+    "exact": Exact,
+    "prox-jacobi": ProxJacobi,
+    "prox-gauss-seidel": ProxGaussSeidel,
+    "newton": SemismoothNewton,
+    "proximal-point": ProximalPoint,
+    "interior-point": InteriorPoint,
+    "admm": ADMM,
+}
 
 
 def _step_length(r: float | str) -> float | None:

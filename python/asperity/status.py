@@ -71,7 +71,7 @@ _MESSAGES = {
 _ADVICE = {
     Status.CONVERGED: "",
     Status.MAX_ITERATIONS: (
-        "Try solver=Exact(), a smaller dt, a higher iteration limit or a looser tolerance"
+        "Try solver=Auto(), a smaller dt, a higher iteration limit or a looser tolerance"
     ),
     Status.TIME_LIMIT: "Try a longer time_limit or a looser tolerance",
     Status.INEXACT: "Try a looser tolerance, or sets and masses of less extreme proportions",

@@ -74,7 +74,9 @@ impl From<ProblemError> for Failure {
                 let message = text.strip_prefix(argument).unwrap_or(&text);
                 Self(dimension(argument, message.trim_start_matches(": ")))
             }
-            ProblemError::Value { .. } | ProblemError::Rated => Self(split(argument, &text)),
+            ProblemError::Value { .. } | ProblemError::Structure { .. } | ProblemError::Rated => {
+                Self(split(argument, &text))
+            }
         }
     }
 }

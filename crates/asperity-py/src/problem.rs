@@ -88,12 +88,6 @@ impl Problem {
         if normal_force.len() != laws.len() {
             return Err(dimension("normal_force", "must have one entry per law").into());
         }
-        if let Some(law) = laws.iter().find(|law| law.get().0.dimension() > 2) {
-            let p = law.get().0.dimension();
-            return Err(
-                dimension("laws", &format!("must have dimension 1 or 2, one has {p}")).into()
-            );
-        }
         let contacts = laws.iter().zip(&normal_force).map(|(law, force)| {
             let normal = force.map_or(NormalForce::Unilateral, NormalForce::Prescribed);
             (law.get().0.clone(), normal)

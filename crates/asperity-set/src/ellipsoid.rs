@@ -64,6 +64,11 @@ impl<const P: usize> Ellipsoid<P> {
         &self.axes
     }
 
+    /// The map of the set to the unit ball.
+    pub fn to_ball(&self) -> &Matrix<P> {
+        &self.to_ball
+    }
+
     pub(crate) fn scaled(&self, factor: f64) -> Result<Self, SetError> {
         Self::along(self.semi_axes * factor, self.axes)
     }

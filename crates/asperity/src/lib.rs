@@ -23,6 +23,7 @@ pub use asperity_set as set;
 
 pub mod contact;
 pub mod law;
+mod linear;
 pub mod simulate;
 pub mod solver;
 pub mod stepper;

@@ -55,7 +55,7 @@ struct Equation<'a> {
 impl<'a> Equation<'a> {
     fn new(problem: &ContactProblem, law: &'a FrictionLaw<2>) -> Self {
         let skip = 1 - problem.contacts()[0].normal_rows();
-        let (delassus, free) = (problem.delassus(), problem.free_velocity());
+        let (delassus, free) = (problem.delassus().to_dense(), problem.free_velocity());
         let row = |i: usize| i.checked_sub(skip);
         let b = std::array::from_fn(|i| row(i).map_or(0.0, |i| free[i]));
         let entry = |i, j| row(i).zip(row(j)).map_or(0.0, |at| delassus[at]);
@@ -140,7 +140,7 @@ fn amplification(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
         return 1.0;
     }
     let percussion = solution.percussion.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
-    problem.delassus().norm() * percussion / problem.free_velocity()[0].abs()
+    problem.delassus().to_dense().norm() * percussion / problem.free_velocity()[0].abs()
 }
 
 /// Every solution of the scan is listed, every listed one solves the problem, and a contact that is

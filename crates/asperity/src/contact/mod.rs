@@ -1,7 +1,9 @@
 //! The one-step contact problem as data.
 
+mod delassus;
 mod memory;
 mod problem;
 
+pub use delassus::{BlockMatrix, Csr, Delassus, DelassusOperator, Factored};
 pub use memory::{ContactState, Memory, Phase};
 pub use problem::{ContactProblem, ContactRows, NormalForce, ProblemError};

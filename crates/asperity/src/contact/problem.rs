@@ -1,8 +1,8 @@
 //! Delassus operator, free velocities and laws in; percussions out.
 
-use nalgebra::DMatrix;
 use thiserror::Error;
 
+use super::{BlockMatrix, Delassus};
 use crate::law::Law;
 
 /// How the normal force of a contact is found.
@@ -60,6 +60,14 @@ pub enum ProblemError {
         /// Length that was given.
         got: usize,
     },
+    /// A matrix does not have the structure it must have.
+    #[error("{argument}: {message}")]
+    Structure {
+        /// Name of the argument.
+        argument: &'static str,
+        /// What it must have.
+        message: &'static str,
+    },
     /// A law depends on the speed, which one step takes as given.
     #[error("laws: must not have a factor of the speed; scale the tangential columns of G by it")]
     Rated,
@@ -79,7 +87,9 @@ impl ProblemError {
     /// Name of the argument that is wrong.
     pub fn argument(&self) -> &'static str {
         match self {
-            Self::Length { argument, .. } | Self::Value { argument, .. } => argument,
+            Self::Length { argument, .. }
+            | Self::Value { argument, .. }
+            | Self::Structure { argument, .. } => argument,
             Self::Rated => "laws",
         }
     }
@@ -90,7 +100,7 @@ impl ProblemError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactProblem {
     /// `G`, not necessarily symmetric.
-    pub(crate) delassus: DMatrix<f64>,
+    pub(crate) delassus: Delassus,
     /// `b`.
     pub(crate) free_velocity: Vec<f64>,
     /// `e γ_B`.
@@ -103,7 +113,7 @@ pub struct ContactProblem {
 impl ContactProblem {
     /// A problem without restitution.
     pub fn new(
-        delassus: DMatrix<f64>,
+        delassus: impl Into<Delassus>,
         free_velocity: Vec<f64>,
         contacts: impl IntoIterator<Item = (Law, NormalForce)>,
     ) -> Result<Self, ProblemError> {
@@ -116,17 +126,13 @@ impl ContactProblem {
                 rows
             })
             .collect();
+        let delassus = delassus.into();
         check_length("free_velocity", offset, free_velocity.len())?;
-        check_length("delassus", offset, delassus.nrows())?;
-        check_length("delassus", offset, delassus.ncols())?;
-        check_finite("delassus", delassus.as_slice())?;
+        let offsets: Vec<usize> = contacts.iter().map(|c| c.offset).chain([offset]).collect();
+        delassus.check_shape(&offsets)?;
+        check_finite("delassus", delassus.entries())?;
         check_finite("free_velocity", &free_velocity)?;
-        for contact in &contacts {
-            let dimension = contact.law.dimension();
-            if dimension > 2 {
-                let (allowed, value) = ("laws of dimension 1 or 2", dimension as f64);
-                return Err(ProblemError::Value { argument: "laws", allowed, value });
-            }
+        for (i, contact) in contacts.iter().enumerate() {
             if contact.law.rate().is_some() {
                 return Err(ProblemError::Rated);
             }
@@ -136,9 +142,9 @@ impl ContactProblem {
                 let allowed = "finite and not negative";
                 return Err(ProblemError::Value { argument: "normal_force", allowed, value });
             }
-            for row in contact.offset..contact.offset + contact.len() {
-                let value = delassus[(row, row)];
-                if value <= 0.0 {
+            for a in 0..contact.len() {
+                let value = delassus.own(i, contact.offset, a, a);
+                if !(value > 0.0) {
                     let allowed = "positive on its diagonal";
                     return Err(ProblemError::Value { argument: "delassus", allowed, value });
                 }
@@ -174,12 +180,43 @@ impl ContactProblem {
         Ok(self)
     }
 
+    /// The Delassus operator as blocks, all of them.
+    pub(crate) fn blocks(&self) -> BlockMatrix {
+        let sizes: Vec<usize> = self.contacts.iter().map(ContactRows::len).collect();
+        let all: Vec<usize> = (0..sizes.len()).collect();
+        let mut blocks = BlockMatrix::from_pattern(&sizes, &vec![all; sizes.len()]);
+        self.refill(&mut blocks);
+        blocks
+    }
+
+    /// Copies a dense operator into blocks.
+    pub(crate) fn refill(&self, blocks: &mut BlockMatrix) {
+        let Delassus::Dense(g) = &self.delassus else { return };
+        for (i, contact) in self.contacts.iter().enumerate() {
+            for k in 0..blocks.neighbours(i).len() {
+                let (j, block) = blocks.block_mut(i, k);
+                let other = &self.contacts[j];
+                for (a, row) in block.chunks_exact_mut(other.len()).enumerate() {
+                    for (b, value) in row.iter_mut().enumerate() {
+                        *value = g[(contact.offset + a, other.offset + b)];
+                    }
+                }
+            }
+        }
+    }
+
     /// Brings `ρ` up to date with the Delassus operator.
     pub(crate) fn update_rho(&mut self) {
-        for (rho, contact) in self.rho.iter_mut().zip(&self.contacts) {
-            let own = contact.offset..contact.offset + contact.len();
-            *rho = contact.len() as f64 / own.map(|row| self.delassus[(row, row)]).sum::<f64>();
+        for (i, (rho, contact)) in self.rho.iter_mut().zip(&self.contacts).enumerate() {
+            let diagonal = |a| self.delassus.own(i, contact.offset, a, a);
+            *rho = contact.len() as f64 / (0..contact.len()).map(diagonal).sum::<f64>();
         }
+    }
+
+    /// `ρ = rows/tr G` of the whole problem.
+    pub fn global_rho(&self) -> f64 {
+        let traces = self.contacts.iter().zip(&self.rho).map(|(c, rho)| c.len() as f64 / rho);
+        self.rows() as f64 / traces.sum::<f64>()
     }
 
     /// Number of rows.
@@ -193,7 +230,7 @@ impl ContactProblem {
     }
 
     /// Delassus operator `G`.
-    pub fn delassus(&self) -> &DMatrix<f64> {
+    pub fn delassus(&self) -> &Delassus {
         &self.delassus
     }
 
@@ -202,25 +239,75 @@ impl ContactProblem {
         &self.free_velocity
     }
 
-    /// Velocity `(G P + b)` of one row.
+    /// Velocities `ξ = G P + b + e γ_B` of a contact's rows with the percussions of the others only, or
+    /// with all.
     #[inline]
-    pub fn row_velocity(&self, row: usize, percussion: &[f64]) -> f64 {
-        let mut sum = self.free_velocity[row];
-        for (j, p) in percussion.iter().enumerate() {
-            sum += self.delassus[(row, j)] * p;
+    pub(crate) fn contact_velocity(
+        &self,
+        i: usize,
+        percussion: &[f64],
+        with_own: bool,
+    ) -> [f64; 4] {
+        let contact = &self.contacts[i];
+        let own = contact.offset..contact.offset + contact.len();
+        let mut sum = [0.0; 4];
+        for (value, row) in sum.iter_mut().zip(own.clone()) {
+            *value = self.free_velocity[row] + self.restitution[row];
+        }
+        match &self.delassus {
+            Delassus::Dense(g) => {
+                if !with_own && own.len() == percussion.len() {
+                    return sum;
+                }
+                for (j, p) in percussion.iter().enumerate() {
+                    if with_own || !own.contains(&j) {
+                        for (value, row) in sum.iter_mut().zip(own.clone()) {
+                            *value += g[(row, j)] * p;
+                        }
+                    }
+                }
+            }
+            other => {
+                if let Some(blocks) = other.blocks() {
+                    blocks.add_row(i, percussion, with_own, &mut sum);
+                }
+            }
         }
         sum
+    }
+
+    /// Largest sum of magnitudes `|G_ij|` over a contact's rows, over its own columns or all.
+    pub(crate) fn row_sum_bound(&self, i: usize, own_only: bool) -> f64 {
+        let contact = &self.contacts[i];
+        let own = contact.offset..contact.offset + contact.len();
+        match &self.delassus {
+            Delassus::Dense(g) => own
+                .clone()
+                .map(|row| {
+                    let columns = if own_only { own.clone() } else { 0..g.ncols() };
+                    columns.map(|j| g[(row, j)].abs()).sum::<f64>()
+                })
+                .fold(0.0, f64::max),
+            other => {
+                let mut sums = [0.0; 4];
+                let blocks = other.blocks().into_iter().flat_map(|blocks| blocks.row(i));
+                for (_, block) in blocks.filter(|(j, _)| !own_only || *j == i) {
+                    let columns = block.len() / own.len();
+                    for (sum, row) in sums.iter_mut().zip(block.chunks_exact(columns)) {
+                        *sum += row.iter().map(|g| g.abs()).sum::<f64>();
+                    }
+                }
+                sums.into_iter().fold(0.0, f64::max)
+            }
+        }
     }
 
     /// Velocities `γ_E = G P + b`.
     #[inline]
     pub fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
-        velocity.copy_from_slice(&self.free_velocity);
-        let (entries, n) = (self.delassus.as_slice(), self.rows());
-        for (j, p) in percussion.iter().enumerate() {
-            for (value, g) in velocity.iter_mut().zip(&entries[j * n..(j + 1) * n]) {
-                *value += g * p;
-            }
+        self.delassus.apply(percussion, velocity);
+        for (value, free) in velocity.iter_mut().zip(&self.free_velocity) {
+            *value += free;
         }
     }
 }
@@ -232,7 +319,7 @@ fn check_length(argument: &'static str, expected: usize, got: usize) -> Result<(
     Err(ProblemError::Length { argument, expected, got })
 }
 
-fn check_finite(argument: &'static str, values: &[f64]) -> Result<(), ProblemError> {
+pub(super) fn check_finite(argument: &'static str, values: &[f64]) -> Result<(), ProblemError> {
     match values.iter().find(|v| !v.is_finite()) {
         Some(&value) => Err(ProblemError::Value { argument, allowed: "finite", value }),
         None => Ok(()),

@@ -4,7 +4,7 @@ use asperity_set::Vector;
 
 use super::local::{Block, Local, LocalSolution, Selection};
 use super::report::Ended;
-use super::{Stop, Workspace, line, natural_residual, plane};
+use super::{Stop, Workspace, line, plane};
 use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce};
 use crate::law::Law;
 
@@ -22,7 +22,7 @@ pub(super) fn solve(
     }
     for sweeps in 1..=max_sweeps {
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
-        let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity);
+        let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
         if residual.value <= 0.1 * stop.tolerance || residual.value <= 4.0 * f64::EPSILON {
             return (sweeps, Ended::Done);
         }
@@ -41,7 +41,7 @@ pub(super) fn solve(
 ///
 /// The states before the step, in `memory`, decide between several solutions; Newton's method starts
 /// from them in the first sweep and from the last sweep's slip in later ones.
-fn sweep(
+pub(super) fn sweep(
     problem: &ContactProblem,
     memory: &Memory,
     workspace: &mut Workspace,
@@ -53,12 +53,12 @@ fn sweep(
         let Workspace { percussion, blocks, planar, ambiguous, states, .. } = &mut *workspace;
         let found = match &rows.law {
             Law::One(law) => {
-                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let local = Local::new(law, problem, i, &blocks[i], percussion);
                 let found = line::solve(&local, history);
                 found.map(|found| store(rows, &found, percussion, history, &mut states[i]))
             }
             Law::Two(law) => {
-                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let local = Local::new(law, problem, i, &blocks[i], percussion);
                 let guess = || start(if first { history.ahead() } else { states[i].slip }, &local);
                 let found = plane::solve(&local, history, guess, planar);
                 found.map(|found| store(rows, &found, percussion, history, &mut states[i]))
@@ -111,11 +111,11 @@ pub(super) fn mark_ambiguous(problem: &ContactProblem, memory: &Memory, workspac
         let state = &memory.states[i];
         ambiguous[i] = match &rows.law {
             Law::One(law) => {
-                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let local = Local::new(law, problem, i, &blocks[i], percussion);
                 line::solve(&local, state).is_some_and(|s| s.ambiguous)
             }
             Law::Two(law) => {
-                let local = Local::new(law, problem, rows, &blocks[i], percussion);
+                let local = Local::new(law, problem, i, &blocks[i], percussion);
                 let guess = || start(state.ahead(), &local);
                 plane::solve(&local, state, guess, planar).is_some_and(|s| s.ambiguous)
             }
@@ -131,11 +131,11 @@ pub(super) fn all_solutions(
     percussion: &[f64],
 ) -> Vec<LocalSolution<2>> {
     let rows = &problem.contacts[contact];
-    let block = Block::new(problem, rows);
+    let block = Block::new(problem, contact);
     let mut out = Vec::new();
     match &rows.law {
         Law::One(law) => {
-            let local = Local::new(law, problem, rows, &block, percussion);
+            let local = Local::new(law, problem, contact, &block, percussion);
             out.extend(line::solutions(&local).into_iter().flatten().map(|s| LocalSolution {
                 phase: s.phase,
                 normal: s.normal,
@@ -145,7 +145,7 @@ pub(super) fn all_solutions(
             }));
         }
         Law::Two(law) => {
-            let local = Local::new(law, problem, rows, &block, percussion);
+            let local = Local::new(law, problem, contact, &block, percussion);
             plane::solutions(&local, &mut out);
         }
         Law::Three(_) => {}

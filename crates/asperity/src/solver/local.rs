@@ -4,7 +4,7 @@ use asperity_set::{Matrix, StarSet, Vector};
 use nalgebra::DMatrix;
 
 use super::Workspace;
-use crate::contact::{ContactProblem, ContactRows, ContactState, NormalForce, Phase};
+use crate::contact::{ContactProblem, ContactState, NormalForce, Phase};
 use crate::law::{FrictionLaw, Law};
 
 /// The diagonal block of `G` for one contact, unused components zero.
@@ -24,16 +24,17 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub(super) fn new(problem: &ContactProblem, rows: &ContactRows) -> Self {
+    pub(super) fn new(problem: &ContactProblem, contact: usize) -> Self {
+        let rows = &problem.contacts[contact];
         let p = rows.law.dimension().min(2);
-        let (n, t) = (rows.offset, rows.tangent());
-        let g = &problem.delassus;
+        let t = rows.normal_rows();
+        let g = |i: usize, j: usize| problem.delassus.own(contact, rows.offset, i, j);
         let within = |i: usize| i < p;
         let unilateral = rows.normal_rows() == 1;
-        let pick = |used: bool, i: usize, j: usize| if used { g[(i, j)] } else { 0.0 };
-        let g_nn = pick(unilateral, n, n);
-        let g_nt = Vector::<2>::from_fn(|j, _| pick(unilateral && within(j), n, t + j));
-        let g_tn = Vector::<2>::from_fn(|i, _| pick(unilateral && within(i), t + i, n));
+        let pick = |used: bool, i: usize, j: usize| if used { g(i, j) } else { 0.0 };
+        let g_nn = pick(unilateral, 0, 0);
+        let g_nt = Vector::<2>::from_fn(|j, _| pick(unilateral && within(j), 0, t + j));
+        let g_tn = Vector::<2>::from_fn(|i, _| pick(unilateral && within(i), t + i, 0));
         let g_tt = Matrix::<2>::from_fn(|i, j| pick(within(i) && within(j), t + i, t + j));
         let schur = if unilateral { g_tt - g_tn * g_nt.transpose() / g_nn } else { g_tt };
         let determinant = schur.determinant();
@@ -169,33 +170,23 @@ fn cut_matrix<const P: usize>(m: &Matrix<2>) -> Matrix<P> {
 }
 
 impl<'a, const P: usize> Local<'a, P> {
-    /// The problem of `rows` with the other contacts' percussions held.
+    /// The problem of one contact with the other contacts' percussions held.
     #[inline(always)]
     pub(super) fn new(
         law: &'a FrictionLaw<P>,
         problem: &ContactProblem,
-        rows: &ContactRows,
+        contact: usize,
         block: &'a Block,
         percussion: &[f64],
     ) -> Self {
-        let own = rows.offset..rows.offset + rows.len();
-        let alone = own.len() == percussion.len();
-        let held = |row: usize| {
-            let free = problem.free_velocity[row] + problem.restitution[row];
-            if alone {
-                return free;
-            }
-            let others = percussion.iter().enumerate().filter(|(j, _)| !own.contains(j));
-            others.fold(free, |sum, (j, p)| sum + problem.delassus[(row, j)] * p)
-        };
+        let rows = &problem.contacts[contact];
+        let held = problem.contact_velocity(contact, percussion, false);
         let (prescribed, b_n) = match rows.normal {
             NormalForce::Prescribed(value) => (Some(value), 0.0),
-            NormalForce::Unilateral => (None, held(rows.offset)),
+            NormalForce::Unilateral => (None, held[0]),
         };
-        let mut b_t = Vector::<P>::zeros();
-        for i in 0..P {
-            b_t[i] = held(rows.tangent() + i);
-        }
+        let first = rows.normal_rows();
+        let b_t = Vector::<P>::from_fn(|i, _| held[first + i]);
         Self { law, block, prescribed, b_n, b_t }
     }
 
@@ -308,39 +299,55 @@ impl<'a, const P: usize> Local<'a, P> {
     }
 }
 
-/// Phases and slip directions of the percussions and velocities of an iteration, which come with
-/// errors of the size of its tolerance.
+/// Phases and slip directions of the percussions and velocities of an iteration.
 pub(super) fn classify(problem: &ContactProblem, workspace: &mut Workspace) {
     let Workspace { percussion, velocity, states, .. } = workspace;
-    for (rows, state) in problem.contacts.iter().zip(states) {
-        let normal = match rows.normal {
-            NormalForce::Prescribed(value) => value,
-            NormalForce::Unilateral => percussion[rows.offset],
-        };
-        let first = rows.tangent();
-        let gauge = match &rows.law {
-            Law::One(law) => reservoir_gauge(law, normal, &percussion[first..]),
-            Law::Two(law) => reservoir_gauge(law, normal, &percussion[first..]),
-            Law::Three(law) => reservoir_gauge(law, normal, &percussion[first..]),
-        };
-        let mut slip = [0.0; 3];
-        let (mut moving, mut reference) = (0.0_f64, 0.0_f64);
-        for (i, component) in slip.iter_mut().enumerate().take(rows.law.dimension()) {
-            *component = velocity[first + i] + problem.restitution[first + i];
-            moving = moving.max(component.abs());
-            reference = reference
-                .max(problem.free_velocity[first + i].abs())
-                .max((problem.delassus[(first + i, first + i)] * percussion[first + i]).abs());
-        }
-        let phase = if normal <= 0.0 {
-            Phase::Open
-        } else if gauge >= 1.0 - 1e-9 && moving > 1e-13 * reference {
-            Phase::Slip
-        } else {
-            Phase::Stick
-        };
+    for (contact, state) in states.iter_mut().enumerate() {
+        let (phase, slip) = phase_of(problem, contact, percussion, velocity);
         *state = state.after(phase, slip);
     }
+}
+
+/// Phase and slip velocity of a contact, whose percussions and velocities come with errors of the size of
+/// an iteration's tolerance.
+pub(super) fn phase_of(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+    velocity: &[f64],
+) -> (Phase, [f64; 3]) {
+    let rows = &problem.contacts[contact];
+    let own = |i: usize| {
+        let i = rows.normal_rows() + i;
+        problem.delassus.own(contact, rows.offset, i, i)
+    };
+    let normal = match rows.normal {
+        NormalForce::Prescribed(value) => value,
+        NormalForce::Unilateral => percussion[rows.offset],
+    };
+    let first = rows.tangent();
+    let gauge = match &rows.law {
+        Law::One(law) => reservoir_gauge(law, normal, &percussion[first..]),
+        Law::Two(law) => reservoir_gauge(law, normal, &percussion[first..]),
+        Law::Three(law) => reservoir_gauge(law, normal, &percussion[first..]),
+    };
+    let mut slip = [0.0; 3];
+    let (mut moving, mut reference) = (0.0_f64, 0.0_f64);
+    for (i, component) in slip.iter_mut().enumerate().take(rows.law.dimension()) {
+        *component = velocity[first + i] + problem.restitution[first + i];
+        moving = moving.max(component.abs());
+        reference = reference
+            .max(problem.free_velocity[first + i].abs())
+            .max((own(i) * percussion[first + i]).abs());
+    }
+    let phase = if normal <= 0.0 {
+        Phase::Open
+    } else if gauge >= 1.0 - 1e-9 && moving > 1e-13 * reference {
+        Phase::Slip
+    } else {
+        Phase::Stick
+    };
+    (phase, slip)
 }
 
 fn reservoir_gauge<const P: usize>(law: &FrictionLaw<P>, normal: f64, tangent: &[f64]) -> f64 {

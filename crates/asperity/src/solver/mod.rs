@@ -2,15 +2,24 @@
 //!
 //! | solver | file | method |
 //! |---|---|---|
-//! | [`Solver::Exact`] | `exact.rs`, `line.rs`, `plane.rs` | block Gauss–Seidel, every contact solved exactly |
+//! | [`Solver::Auto`] | `many/phases.rs` | sweeps, Newton, interior point, proximal point: what it takes |
+//! | [`Solver::Exact`] | `exact.rs`, `line.rs`, `plane/` | block Gauss–Seidel, every contact solved exactly |
 //! | [`Solver::ProxJacobi`] | `prox.rs` | the iteration of \[WL19\] (20)–(22), (69), (70) |
 //! | [`Solver::ProxGaussSeidel`] | `prox.rs` | the same, contact after contact |
+//! | [`Solver::Newton`] | `many/newton.rs` | semismooth Newton on the natural map |
+//! | [`Solver::ProximalPoint`] | `many/proximal.rs` | Newton within a proximal point iteration |
+//! | [`Solver::InteriorPoint`] | `many/interior.rs` | primal-dual, elliptic laws |
+//! | [`Solver::Admm`] | `many/admm.rs` | one factorisation, elliptic laws |
 //!
-//! The residual in `residual.rs` belongs to no solver and grades them all.
+//! The measures in `residual.rs` and `natural.rs` belong to no solver and grade them all.
 
+mod certificate;
 mod exact;
 mod line;
 mod local;
+mod many;
+mod natural;
+mod natural_map;
 mod plane;
 mod prox;
 mod report;
@@ -18,8 +27,10 @@ mod residual;
 
 use std::time::Instant;
 
+pub use certificate::Certificate;
+pub use natural::natural_map;
 pub use prox::ProxStep;
-pub use report::{SolveReport, Status};
+pub use report::{Method, SolveReport, Stage, Status};
 pub use residual::{Residual, natural_residual};
 
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
@@ -32,6 +43,31 @@ pub enum Solver {
     Exact {
         /// Sweeps after which the solver gives up.
         max_sweeps: usize,
+    },
+    /// The solver for everything: sweeps first, then what the problem needs.
+    Auto {
+        /// Whether the interior point method may be used where the laws allow it.
+        interior_point: bool,
+    },
+    /// Semismooth Newton on the natural map: problems of full rank.
+    Newton {
+        /// Iterations after which the solver gives up.
+        max_iterations: usize,
+    },
+    /// Newton within a proximal point iteration: problems without full rank.
+    ProximalPoint {
+        /// Outer steps after which the solver gives up.
+        max_iterations: usize,
+    },
+    /// Primal-dual interior point method: unilateral contacts with ellipsoids as reservoir and direction set.
+    InteriorPoint {
+        /// Iterations after which the solver gives up.
+        max_iterations: usize,
+    },
+    /// Alternating direction method of multipliers, for the same laws.
+    Admm {
+        /// Iterations after which the solver gives up.
+        max_iterations: usize,
     },
     /// The paper's iteration: all contacts at once.
     ProxJacobi {
@@ -49,11 +85,22 @@ pub enum Solver {
     },
 }
 
+/// What decides whether a problem is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// [`natural_residual`]: the largest relative defect of a contact.
+    Contact,
+    /// [`natural_map`]: the defect of all contacts together.
+    Global,
+}
+
 /// When a solver stops.
 #[derive(Clone, Copy)]
 pub struct Stop<'a> {
-    /// Largest natural residual that counts as solved, see [`natural_residual`].
+    /// Largest residual that counts as solved.
     pub tolerance: f64,
+    /// Which residual.
+    pub measure: Measure,
     /// Wall clock limit.
     pub deadline: Option<Instant>,
     /// Asked between sweeps; the solver gives up when it answers yes.
@@ -63,7 +110,19 @@ pub struct Stop<'a> {
 impl Stop<'_> {
     /// Stops at the tolerance only.
     pub fn at(tolerance: f64) -> Self {
-        Self { tolerance, deadline: None, cancelled: None }
+        Self { tolerance, measure: Measure::Contact, deadline: None, cancelled: None }
+    }
+
+    /// The residual that decides.
+    fn residual(&self, problem: &ContactProblem, percussion: &[f64], velocity: &[f64]) -> Residual {
+        let contact = natural_residual(problem, percussion, velocity);
+        match self.measure {
+            Measure::Contact => contact,
+            Measure::Global => {
+                let value = natural_map(problem, percussion, velocity);
+                Residual { value, ..contact }
+            }
+        }
     }
 
     /// Whether to give up before the tolerance is reached.
@@ -86,6 +145,9 @@ pub struct Workspace {
     planar: Vec<LocalSolution<2>>,
     states: Vec<ContactState>,
     next: Vec<f64>,
+    /// What [`Solver::Auto`] and its phases did at the last call.
+    pub stages: Vec<Stage>,
+    many: Box<many::Many>,
 }
 
 impl Workspace {
@@ -97,8 +159,9 @@ impl Workspace {
         self.next.resize(rows, 0.0);
         self.ambiguous.resize(contacts, false);
         self.states.resize(contacts, ContactState::default());
+        self.many.reset();
         self.blocks.clear();
-        self.blocks.extend(problem.contacts().iter().map(|rows| Block::new(problem, rows)));
+        self.blocks.extend((0..contacts).map(|contact| Block::new(problem, contact)));
     }
 }
 
@@ -119,6 +182,32 @@ impl Solver {
             Self::Exact { max_sweeps } => {
                 exact::solve(problem, stop, max_sweeps, memory, workspace)
             }
+            Self::Auto { .. } if problem.contacts.len() == 1 => {
+                exact::solve(problem, stop, 1, memory, workspace)
+            }
+            Self::Auto { interior_point } => {
+                many::automatic(problem, stop, interior_point, memory, workspace)
+            }
+            Self::Newton { max_iterations } => {
+                many::single(problem, stop, (Method::Newton, max_iterations), memory, workspace)
+            }
+            Self::ProximalPoint { max_iterations } => many::single(
+                problem,
+                stop,
+                (Method::ProximalPoint, max_iterations),
+                memory,
+                workspace,
+            ),
+            Self::InteriorPoint { max_iterations } => many::single(
+                problem,
+                stop,
+                (Method::InteriorPoint, max_iterations),
+                memory,
+                workspace,
+            ),
+            Self::Admm { max_iterations } => {
+                many::single(problem, stop, (Method::Admm, max_iterations), memory, workspace)
+            }
             Self::ProxJacobi { step, max_iterations } => {
                 prox::jacobi(problem, stop, step, max_iterations, workspace)
             }
@@ -127,8 +216,9 @@ impl Solver {
             }
         };
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
-        let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity);
-        let exact = matches!(self, Self::Exact { .. });
+        let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
+        let alone = matches!(self, Self::Auto { .. }) && problem.contacts.len() == 1;
+        let exact = alone || matches!(self, Self::Exact { .. });
         // A sweep marks contacts before the last ones have moved.
         if !exact || problem.contacts.len() > 1 {
             exact::mark_ambiguous(problem, memory, workspace);
@@ -167,6 +257,10 @@ pub fn solutions(
     let rows = &problem.contacts()[contact];
     let own = rows.offset..rows.offset + rows.len();
     let mut all = percussion.to_vec();
+    let velocity = |all: &[f64]| {
+        let xi = problem.contact_velocity(contact, all, true);
+        own.clone().zip(xi).map(|(row, xi)| xi - problem.restitution[row]).collect()
+    };
     let mut complete = |local: &LocalSolution<2>| {
         if rows.normal_rows() == 1 {
             all[rows.offset] = local.normal;
@@ -176,7 +270,7 @@ pub fn solutions(
         ContactSolution {
             phase: local.phase,
             percussion: all[own.clone()].to_vec(),
-            velocity: own.clone().map(|row| problem.row_velocity(row, &all)).collect(),
+            velocity: velocity(&all),
             degenerate: local.degenerate,
         }
     };

@@ -8,10 +8,9 @@
 //! `r` is one number per contact: one per component would change the law.
 
 use asperity_set::{ConvexSet, StarSet, Vector};
-use std::ops::Range;
 
 use super::report::Ended;
-use super::{Stop, Workspace, natural_residual};
+use super::{Stop, Workspace};
 use crate::contact::{ContactProblem, ContactRows, NormalForce};
 use crate::law::{FrictionLaw, Law};
 
@@ -40,9 +39,8 @@ pub(super) fn jacobi(
 ) -> (usize, Ended) {
     iterate(problem, stop, step, max_iterations, workspace, |workspace, factor| {
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
-        for rows in &problem.contacts {
-            let own = rows.offset..rows.offset + rows.len();
-            let rate = Rate::new(step, factor, row_sum_bound(problem, own, 0..problem.rows()));
+        for (i, rows) in problem.contacts.iter().enumerate() {
+            let rate = Rate::new(step, factor, problem.row_sum_bound(i, false));
             let Workspace { percussion, velocity, next, .. } = &mut *workspace;
             let xi = |row: usize| velocity[row] + problem.restitution[row];
             update(rows, rate, xi, percussion, next);
@@ -60,15 +58,12 @@ pub(super) fn gauss_seidel(
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
     iterate(problem, stop, step, max_iterations, workspace, |workspace, factor| {
-        for rows in &problem.contacts {
+        for (i, rows) in problem.contacts.iter().enumerate() {
             let own = rows.offset..rows.offset + rows.len();
-            let bound = row_sum_bound(problem, own.clone(), own.clone());
-            let rate = Rate::new(step, factor, bound);
-            for row in own.clone() {
-                workspace.velocity[row] = problem.row_velocity(row, &workspace.percussion);
-            }
-            let Workspace { percussion, velocity, next, .. } = &mut *workspace;
-            let xi = |row: usize| velocity[row] + problem.restitution[row];
+            let rate = Rate::new(step, factor, problem.row_sum_bound(i, true));
+            let Workspace { percussion, next, .. } = &mut *workspace;
+            let velocity = problem.contact_velocity(i, percussion, true);
+            let xi = |row: usize| velocity[row - rows.offset];
             update(rows, rate, xi, percussion, next);
             percussion[own.clone()].copy_from_slice(&next[own]);
         }
@@ -91,7 +86,7 @@ fn iterate(
             continue;
         }
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
-        let residual = natural_residual(problem, &workspace.percussion, &workspace.velocity).value;
+        let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity).value;
         if residual <= stop.tolerance {
             return (iteration, Ended::Done);
         }
@@ -125,13 +120,6 @@ impl Rate {
             ProxStep::Constant(r) => Self { r, by_alpha: false },
         }
     }
-}
-
-/// Largest sum of magnitudes over some rows and columns of `G`: with its reciprocal as the step of
-/// every contact, the eigenvalues of the iteration lie within the unit circle (Gershgorin).
-fn row_sum_bound(problem: &ContactProblem, rows: Range<usize>, columns: Range<usize>) -> f64 {
-    let sum = |i: usize| columns.clone().map(|j| problem.delassus[(i, j)].abs()).sum::<f64>();
-    rows.map(sum).fold(0.0, f64::max)
 }
 
 /// (21), then (69), (70) for one contact, from `percussion` to `next`.

@@ -15,6 +15,8 @@ pub enum Status {
     Inexact,
     /// A contact has no solution at all (Painlevé's paradox), the others held.
     NoSolution,
+    /// The solver does not know all the laws or needs the entries of a matrix-free operator.
+    NotApplicable,
 }
 
 impl Status {
@@ -26,6 +28,7 @@ impl Status {
             Self::TimeLimit => "time_limit",
             Self::Inexact => "inexact",
             Self::NoSolution => "no_solution",
+            Self::NotApplicable => "not_applicable",
         }
     }
 }
@@ -59,6 +62,7 @@ impl SolveReport {
             _ if solved => (Status::Converged, residual.worst_contact),
             Ended::NoSolution(contact) => (Status::NoSolution, contact),
             Ended::TimeLimit => (Status::TimeLimit, residual.worst_contact),
+            Ended::NotApplicable => (Status::NotApplicable, residual.worst_contact),
             Ended::Done => (Status::Inexact, residual.worst_contact),
             Ended::MaxIterations => (Status::MaxIterations, residual.worst_contact),
         };
@@ -74,4 +78,46 @@ pub(super) enum Ended {
     MaxIterations,
     TimeLimit,
     NoSolution(usize),
+    NotApplicable,
+}
+
+/// A method that is a phase of [`Solver::Auto`](super::Solver::Auto).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Sweeps of exact one-contact solves.
+    GaussSeidel,
+    /// Semismooth Newton.
+    Newton,
+    /// Interior point.
+    InteriorPoint,
+    /// Proximal point iteration.
+    ProximalPoint,
+    /// Alternating direction method of multipliers.
+    Admm,
+}
+
+impl Method {
+    /// Name of the method.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::GaussSeidel => "gauss_seidel",
+            Self::Newton => "newton",
+            Self::InteriorPoint => "interior_point",
+            Self::ProximalPoint => "proximal_point",
+            Self::Admm => "admm",
+        }
+    }
+}
+
+/// What a phase did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stage {
+    /// Its method.
+    pub method: Method,
+    /// Sweeps, iterations or outer steps.
+    pub iterations: usize,
+    /// Matrices factored.
+    pub factorizations: usize,
+    /// Natural map of the best percussions when it ended.
+    pub residual: f64,
 }

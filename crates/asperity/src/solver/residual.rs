@@ -2,7 +2,7 @@
 
 use asperity_set::{ConvexSet, StarSet, Vector};
 
-use crate::contact::{ContactProblem, NormalForce};
+use crate::contact::{ContactProblem, Delassus, NormalForce};
 use crate::law::{FrictionLaw, Law};
 
 /// Natural residual of a problem.
@@ -12,6 +12,19 @@ pub struct Residual {
     pub value: f64,
     /// Contact with the largest defect.
     pub worst_contact: usize,
+}
+
+/// `ξ = γ_E + e γ_B` row by row.
+pub(super) struct ContactVelocity<'a> {
+    pub(super) velocity: &'a [f64],
+    pub(super) restitution: &'a [f64],
+}
+
+impl ContactVelocity<'_> {
+    #[inline]
+    pub(super) fn of(&self, row: usize) -> f64 {
+        self.velocity[row] + self.restitution[row]
+    }
 }
 
 /// Defect of the projections that the contact laws are, contact by contact:
@@ -27,7 +40,7 @@ pub fn natural_residual(
     percussion: &[f64],
     velocity: &[f64],
 ) -> Residual {
-    let xi = |row: usize| velocity[row] + problem.restitution[row];
+    let xi = ContactVelocity { velocity, restitution: &problem.restitution };
     let (mut worst, mut worst_contact) = (-1.0, 0);
     for (i, contact) in problem.contacts.iter().enumerate() {
         let rho = problem.rho[i];
@@ -35,17 +48,18 @@ pub fn natural_residual(
             NormalForce::Prescribed(value) => (0.0, value),
             NormalForce::Unilateral => {
                 let normal = percussion[contact.offset];
-                (normal - f64::max(0.0, normal - rho * xi(contact.offset)), normal)
+                (normal - f64::max(0.0, normal - rho * xi.of(contact.offset)), normal)
             }
         };
         let first = contact.tangent();
         let tangential = match &contact.law {
-            Law::One(law) => tangential_defect(law, normal, rho, first, percussion, xi),
-            Law::Two(law) => tangential_defect(law, normal, rho, first, percussion, xi),
-            Law::Three(law) => tangential_defect(law, normal, rho, first, percussion, xi),
+            Law::One(law) => tangential_defect(law, normal, rho, first, percussion, &xi),
+            Law::Two(law) => tangential_defect(law, normal, rho, first, percussion, &xi),
+            Law::Three(law) => tangential_defect(law, normal, rho, first, percussion, &xi),
         };
         let defect = normal_defect * normal_defect + tangential;
-        let relative = if defect == 0.0 { 0.0 } else { defect / scale(problem, i, percussion) };
+        let relative =
+            if defect == 0.0 { 0.0 } else { defect / scale(problem, i, percussion, velocity) };
         // Not-a-number counts as the worst of all.
         if !(relative <= worst) {
             (worst, worst_contact) = (relative, i);
@@ -58,36 +72,69 @@ pub fn natural_residual(
 /// Square of what the defect of a contact is compared with: its percussion, its free velocity and the
 /// velocities that the other contacts bring, the latter times ρ.
 #[inline]
-fn scale(problem: &ContactProblem, i: usize, percussion: &[f64]) -> f64 {
+fn scale(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64]) -> f64 {
     let (contact, rho) = (&problem.contacts[i], problem.rho[i]);
+    let loads = loads(problem, i, percussion, velocity);
     let (mut own, mut brought) = (0.0, 0.0);
-    for row in contact.offset..contact.offset + contact.len() {
+    for (row, load) in (contact.offset..contact.offset + contact.len()).zip(loads) {
         own += percussion[row] * percussion[row];
-        let mut load = problem.free_velocity[row].abs() + problem.restitution[row].abs();
-        if problem.contacts.len() > 1 {
-            for (j, p) in percussion.iter().enumerate() {
-                load += (problem.delassus[(row, j)] * p).abs();
-            }
-        }
+        let load = load + problem.free_velocity[row].abs() + problem.restitution[row].abs();
         brought += load * load;
     }
     f64::max(own, rho * rho * brought)
 }
 
+/// `Σ_j |G_ij P_j|` over the rows of contact `i`; with products only, `|Σ_j G_ij P_j|`.
+#[inline]
+fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64]) -> [f64; 4] {
+    let contact = &problem.contacts[i];
+    let own = contact.offset..contact.offset + contact.len();
+    let mut loads = [0.0; 4];
+    if problem.contacts.len() == 1 {
+        return loads;
+    }
+    match &problem.delassus {
+        Delassus::Dense(g) => {
+            for (load, row) in loads.iter_mut().zip(own) {
+                for (j, p) in percussion.iter().enumerate() {
+                    *load += (g[(row, j)] * p).abs();
+                }
+            }
+        }
+        Delassus::MatrixFree(..) => {
+            for (load, row) in loads.iter_mut().zip(own) {
+                *load = (velocity[row] - problem.free_velocity[row]).abs();
+            }
+        }
+        other => {
+            let Some(blocks) = other.blocks() else { return loads };
+            for (j, block) in blocks.row(i) {
+                let first = problem.contacts[j].offset;
+                let columns = problem.contacts[j].len();
+                for (load, row) in loads.iter_mut().zip(block.chunks_exact(columns)) {
+                    let terms = row.iter().zip(&percussion[first..]);
+                    *load += terms.map(|(g, p)| (g * p).abs()).sum::<f64>();
+                }
+            }
+        }
+    }
+    loads
+}
+
 /// Square of the tangential defect of one contact.
-fn tangential_defect<const P: usize>(
+pub(super) fn tangential_defect<const P: usize>(
     law: &FrictionLaw<P>,
     normal: f64,
     rho: f64,
     first: usize,
     percussion: &[f64],
-    xi: impl Fn(usize) -> f64,
+    xi: &ContactVelocity<'_>,
 ) -> f64 {
     let tangent = Vector::<P>::from_fn(|j, _| percussion[first + j]);
     if normal <= 0.0 {
         return tangent.norm_squared();
     }
-    let slip = Vector::<P>::from_fn(|j, _| xi(first + j));
+    let slip = Vector::<P>::from_fn(|j, _| xi.of(first + j));
     let reciprocal = 1.0 / normal;
     let x = tangent * -reciprocal;
     let direction = law.direction();

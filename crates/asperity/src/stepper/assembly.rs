@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::mass::MassFactor;
 use super::rated::Factors;
-use crate::contact::{ContactProblem, ContactRows, NormalForce};
+use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
 use crate::system::{System, SystemError};
 
 /// What has changed in the contact problem besides the velocities.
@@ -232,10 +232,12 @@ impl Assembly {
             factor.solve(column);
         }
         let rows = self.problem.rows();
-        for i in 0..rows {
-            let row = &self.jacobian[i * n..(i + 1) * n];
-            for j in 0..rows {
-                self.problem.delassus[(i, j)] = dot(row, &self.response[j * n..(j + 1) * n]);
+        if let Delassus::Dense(delassus) = &mut self.problem.delassus {
+            for i in 0..rows {
+                let row = &self.jacobian[i * n..(i + 1) * n];
+                for j in 0..rows {
+                    delassus[(i, j)] = dot(row, &self.response[j * n..(j + 1) * n]);
+                }
             }
         }
         self.problem.update_rho();
@@ -244,9 +246,9 @@ impl Assembly {
 
     /// A direction that moves nothing would make the friction force meaningless.
     fn check_directions(&self) -> Result<(), SystemError> {
-        for (contact, c) in self.problem.contacts.iter().zip(&self.active) {
-            let own = contact.offset..contact.offset + contact.len();
-            if own.into_iter().any(|row| !(self.problem.delassus[(row, row)] > 0.0)) {
+        for (i, (contact, c)) in self.problem.contacts.iter().zip(&self.active).enumerate() {
+            let diagonal = |a| self.problem.delassus.own(i, contact.offset, a, a);
+            if (0..contact.len()).any(|a| !(diagonal(a) > 0.0)) {
                 let message = format!("must be finite and not zero, is not at contact {c}");
                 return Err(SystemError::argument("direction", message));
             }
@@ -297,7 +299,7 @@ impl ContactProblem {
             .collect();
         let count = contacts.len();
         Self {
-            delassus: DMatrix::zeros(rows, rows),
+            delassus: DMatrix::zeros(rows, rows).into(),
             free_velocity: vec![0.0; rows],
             restitution: vec![0.0; rows],
             contacts,

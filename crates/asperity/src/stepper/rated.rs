@@ -7,7 +7,7 @@
 use asperity_set::Vector;
 use nalgebra::DMatrix;
 
-use crate::contact::ContactProblem;
+use crate::contact::{ContactProblem, Delassus};
 
 /// Factors below this one count as it.
 const SMALLEST: f64 = 1e-12;
@@ -28,8 +28,8 @@ impl Factors {
         self.any = problem.contacts.iter().any(|contact| contact.law.rate().is_some());
         self.rows.clear();
         self.rows.resize(problem.rows(), 1.0);
-        if self.any {
-            self.plain = problem.delassus.clone();
+        if let (true, Delassus::Dense(delassus)) = (self.any, &problem.delassus) {
+            self.plain = delassus.clone();
         }
     }
 
@@ -41,13 +41,14 @@ impl Factors {
 
     /// Remembers an operator that has just been filled in.
     pub(super) fn keep(&mut self, problem: &ContactProblem) {
-        if self.any {
-            self.plain.copy_from(&problem.delassus);
+        if let (true, Delassus::Dense(delassus)) = (self.any, &problem.delassus) {
+            self.plain.copy_from(delassus);
         }
     }
 
     /// Scales the columns of the operator by the factors for relative velocities `slip(row)`.
     pub(super) fn apply(&mut self, problem: &mut ContactProblem, slip: impl Fn(usize) -> f64) {
+        let Delassus::Dense(delassus) = &mut problem.delassus else { return };
         for contact in &problem.contacts {
             let Some(rate) = contact.law.rate() else { continue };
             let own = contact.tangent()..contact.offset + contact.len();
@@ -60,7 +61,7 @@ impl Factors {
             for column in own {
                 self.rows[column] = factor;
                 let plain = self.plain.column(column);
-                for (scaled, entry) in problem.delassus.column_mut(column).iter_mut().zip(&plain) {
+                for (scaled, entry) in delassus.column_mut(column).iter_mut().zip(&plain) {
                     *scaled = entry * factor;
                 }
             }

@@ -1,0 +1,237 @@
+//! Sparse Delassus operators: one block row per contact.
+
+use super::Csr;
+use crate::contact::ProblemError;
+
+/// A sparse matrix of dense blocks `G_ij`, compressed by block rows, one per contact.
+///
+/// A block has as many rows as contact `i` and as many columns as contact `j`, row-major. Diagonal blocks
+/// are always there.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BlockMatrix {
+    /// First row of every contact, and the number of rows.
+    offsets: Vec<usize>,
+    /// First block of every block row, and the number of blocks.
+    starts: Vec<usize>,
+    /// Block column and place among the values of every block.
+    columns: Vec<usize>,
+    places: Vec<usize>,
+    /// Diagonal block of every block row.
+    diagonal: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl BlockMatrix {
+    /// Zeros where contact `i` and the contacts `neighbours[i]` meet; contacts have `sizes` rows.
+    pub fn from_pattern(sizes: &[usize], neighbours: &[Vec<usize>]) -> Self {
+        let mut matrix = Self::default();
+        matrix.reset(sizes, neighbours.iter().map(|row| row.iter().copied()));
+        matrix
+    }
+
+    /// A new pattern in the old buffers; missing diagonal blocks are added.
+    pub fn reset<R: Iterator<Item = usize>>(
+        &mut self,
+        sizes: &[usize],
+        neighbours: impl Iterator<Item = R>,
+    ) {
+        let Self { offsets, starts, columns, places, diagonal, values } = self;
+        for list in [&mut *offsets, starts, columns, places, diagonal] {
+            list.clear();
+        }
+        offsets.push(0);
+        for size in sizes {
+            offsets.push(offsets[offsets.len() - 1] + size);
+        }
+        starts.push(0);
+        let mut place = 0;
+        for (i, row) in neighbours.enumerate() {
+            let mut own = None;
+            let mut add = |j: usize| {
+                columns.push(j);
+                places.push(place);
+                place += sizes[i] * sizes[j];
+                columns.len() - 1
+            };
+            for j in row {
+                if j >= i && own.is_none() {
+                    own = Some(add(i));
+                }
+                if j != i {
+                    add(j);
+                }
+            }
+            let own = own.unwrap_or_else(|| add(i));
+            diagonal.push(own);
+            starts.push(columns.len());
+        }
+        values.clear();
+        values.resize(place, 0.0);
+    }
+
+    /// The blocks of a sparse matrix for contacts with `sizes` rows.
+    pub fn from_csr(matrix: &Csr, sizes: &[usize]) -> Result<Self, ProblemError> {
+        let rows = sizes.iter().sum();
+        for got in [matrix.rows(), matrix.columns()] {
+            if got != rows {
+                return Err(ProblemError::Length { argument: "delassus", expected: rows, got });
+            }
+        }
+        let mut contact_of = Vec::with_capacity(rows);
+        for (i, &size) in sizes.iter().enumerate() {
+            contact_of.extend(std::iter::repeat_n(i, size));
+        }
+        let mut neighbours = vec![Vec::new(); sizes.len()];
+        for (row, &i) in contact_of.iter().enumerate() {
+            neighbours[i].extend(matrix.row(row).0.iter().map(|&column| contact_of[column]));
+            neighbours[i].dedup();
+        }
+        for list in &mut neighbours {
+            list.sort_unstable();
+            list.dedup();
+        }
+        let mut blocks = Self::from_pattern(sizes, &neighbours);
+        for (row, &i) in contact_of.iter().enumerate() {
+            let (columns, values) = matrix.row(row);
+            let mut k = blocks.starts[i];
+            for (&column, value) in columns.iter().zip(values) {
+                while blocks.columns[k] != contact_of[column] {
+                    k += 1;
+                }
+                let j = blocks.columns[k];
+                let at = (row - blocks.offsets[i]) * sizes[j] + column - blocks.offsets[j];
+                blocks.values[blocks.places[k] + at] = *value;
+            }
+        }
+        Ok(blocks)
+    }
+
+    /// Number of block rows.
+    pub fn contacts(&self) -> usize {
+        self.diagonal.len()
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.offsets.last().copied().unwrap_or(0)
+    }
+
+    /// First row of every contact, and the number of rows.
+    pub fn offsets(&self) -> &[usize] {
+        &self.offsets
+    }
+
+    /// Number of rows of a contact.
+    #[inline]
+    pub fn size(&self, i: usize) -> usize {
+        self.offsets[i + 1] - self.offsets[i]
+    }
+
+    /// Block columns of a block row, ascending.
+    pub fn neighbours(&self, i: usize) -> &[usize] {
+        &self.columns[self.starts[i]..self.starts[i + 1]]
+    }
+
+    /// First block of every block row, and the block columns of all blocks.
+    pub(crate) fn pattern(&self) -> (&[usize], &[usize]) {
+        (&self.starts, &self.columns)
+    }
+
+    /// Entries of a block counted over all rows.
+    #[inline]
+    pub(crate) fn block(&self, k: usize, len: usize) -> &[f64] {
+        &self.values[self.places[k]..self.places[k] + len]
+    }
+
+    /// Blocks of a block row: block column and entries.
+    #[inline]
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64])> {
+        let size = self.size(i);
+        (self.starts[i]..self.starts[i + 1]).map(move |k| {
+            let j = self.columns[k];
+            (j, &self.values[self.places[k]..self.places[k] + size * self.size(j)])
+        })
+    }
+
+    /// The `k`-th block of a block row, to be changed.
+    pub fn block_mut(&mut self, i: usize, k: usize) -> (usize, &mut [f64]) {
+        let (k, size) = (self.starts[i] + k, self.size(i));
+        let j = self.columns[k];
+        let len = size * self.size(j);
+        (j, &mut self.values[self.places[k]..self.places[k] + len])
+    }
+
+    /// The diagonal block of a contact.
+    #[inline]
+    pub fn diagonal(&self, i: usize) -> &[f64] {
+        let (size, place) = (self.size(i), self.places[self.diagonal[i]]);
+        &self.values[place..place + size * size]
+    }
+
+    /// All values, block after block.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// All values, to be changed.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// Whether no two contacts meet.
+    pub fn is_block_diagonal(&self) -> bool {
+        self.columns.len() == self.contacts()
+    }
+
+    /// Adds `Σ_j G_ij P_j` to the first entries of `sum`, without `j = i` unless `with_own`.
+    #[inline]
+    pub fn add_row(&self, i: usize, percussion: &[f64], with_own: bool, sum: &mut [f64; 4]) {
+        let size = self.size(i);
+        for k in self.starts[i]..self.starts[i + 1] {
+            let j = self.columns[k];
+            if j == i && !with_own {
+                continue;
+            }
+            let (first, place) = (self.offsets[j], self.places[k]);
+            let columns = self.offsets[j + 1] - first;
+            let block = &self.values[place..place + size * columns];
+            let p = &percussion[first..first + columns];
+            // Contacts in the plane, the bulk of all, with loops that the compiler unrolls.
+            if let (Ok(g), Ok(p)) = (<&[f64; 9]>::try_from(block), <&[f64; 3]>::try_from(p)) {
+                for a in 0..3 {
+                    sum[a] += g[3 * a] * p[0] + g[3 * a + 1] * p[1] + g[3 * a + 2] * p[2];
+                }
+                continue;
+            }
+            for (value, row) in sum.iter_mut().zip(block.chunks_exact(columns)) {
+                *value += row.iter().zip(p).map(|(g, p)| g * p).sum::<f64>();
+            }
+        }
+    }
+
+    /// `velocity ← velocity + Gᵀ P`.
+    pub fn add_transposed(&self, percussion: &[f64], velocity: &mut [f64]) {
+        for i in 0..self.contacts() {
+            let own = &percussion[self.offsets[i]..self.offsets[i + 1]];
+            for (j, block) in self.row(i) {
+                let out = &mut velocity[self.offsets[j]..self.offsets[j + 1]];
+                for (p, row) in own.iter().zip(block.chunks_exact(out.len())) {
+                    for (value, g) in out.iter_mut().zip(row) {
+                        *value += g * p;
+                    }
+                }
+            }
+        }
+    }
+
+    /// `velocity ← G P`.
+    pub fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
+        for i in 0..self.contacts() {
+            let mut sum = [0.0; 4];
+            self.add_row(i, percussion, true, &mut sum);
+            let own = self.offsets[i]..self.offsets[i + 1];
+            let size = own.len();
+            velocity[own].copy_from_slice(&sum[..size]);
+        }
+    }
+}

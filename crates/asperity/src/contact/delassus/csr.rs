@@ -1,0 +1,101 @@
+//! Sparse matrices, compressed by rows.
+
+use crate::contact::ProblemError;
+use crate::contact::problem::check_finite;
+
+/// A sparse matrix, compressed by rows, columns ascending within a row.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Csr {
+    rows: usize,
+    columns: usize,
+    starts: Vec<usize>,
+    indices: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Csr {
+    /// The matrix whose row `i` has its entries at `starts[i]..starts[i + 1]`; `argument` is named in errors.
+    pub fn new(
+        argument: &'static str,
+        (rows, columns): (usize, usize),
+        starts: Vec<usize>,
+        indices: Vec<usize>,
+        values: Vec<f64>,
+    ) -> Result<Self, ProblemError> {
+        let structure = |message| Err(ProblemError::Structure { argument, message });
+        if starts.len() != rows + 1 {
+            return Err(ProblemError::Length { argument, expected: rows + 1, got: starts.len() });
+        }
+        if indices.len() != values.len() {
+            let (expected, got) = (indices.len(), values.len());
+            return Err(ProblemError::Length { argument, expected, got });
+        }
+        if starts[0] != 0 || starts[rows] != indices.len() || starts.windows(2).any(|w| w[0] > w[1])
+        {
+            return structure("must have row starts that ascend from 0 to the number of entries");
+        }
+        if indices.iter().any(|&j| j >= columns) {
+            return structure("must have column indices within its shape");
+        }
+        let ascending = |w: &[usize]| indices[w[0]..w[1]].windows(2).all(|pair| pair[0] < pair[1]);
+        if !starts.windows(2).all(ascending) {
+            return structure("must have ascending columns without duplicates in every row");
+        }
+        check_finite(argument, &values)?;
+        Ok(Self { rows, columns, starts, indices, values })
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Columns and values of a row.
+    pub fn row(&self, i: usize) -> (&[usize], &[f64]) {
+        let own = self.starts[i]..self.starts[i + 1];
+        (&self.indices[own.clone()], &self.values[own])
+    }
+
+    /// Start of every row among the entries, and the number of entries.
+    pub fn starts(&self) -> &[usize] {
+        &self.starts
+    }
+
+    /// Columns of all entries.
+    pub fn indices(&self) -> &[usize] {
+        &self.indices
+    }
+
+    /// All entries.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// All entries, to be changed.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// `y ← A x`.
+    pub fn apply(&self, x: &[f64], y: &mut [f64]) {
+        for (i, value) in y.iter_mut().enumerate() {
+            let (columns, values) = self.row(i);
+            *value = columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum();
+        }
+    }
+
+    /// `y ← y + Aᵀ x`.
+    pub fn add_transposed(&self, x: &[f64], y: &mut [f64]) {
+        for (i, x) in x.iter().enumerate() {
+            let (columns, values) = self.row(i);
+            for (&j, a) in columns.iter().zip(values) {
+                y[j] += a * x;
+            }
+        }
+    }
+}

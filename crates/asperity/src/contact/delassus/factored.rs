@@ -1,0 +1,195 @@
+//! Delassus operators that know where they come from.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{BlockMatrix, Csr};
+use crate::contact::ProblemError;
+
+/// `G = Wᵀ M⁻¹ W` with its factors: solvers may eliminate in contact space or in body space.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Factored {
+    mass: Csr,
+    directions: Csr,
+    blocks: BlockMatrix,
+}
+
+impl Factored {
+    /// From the symmetric positive definite `M` and the rows `Wᵀ` of contacts with `sizes` rows.
+    ///
+    /// `M` may couple few degrees of freedom only: each connected part of it is factored densely.
+    pub fn new(mass: Csr, directions: Csr, sizes: &[usize]) -> Result<Self, ProblemError> {
+        let blocks = assemble(&mass, &directions, sizes)?;
+        Self::with_blocks(mass, directions, blocks)
+    }
+
+    /// With `G` known already.
+    pub fn with_blocks(
+        mass: Csr,
+        directions: Csr,
+        blocks: BlockMatrix,
+    ) -> Result<Self, ProblemError> {
+        check_shapes(&mass, &directions, blocks.rows())?;
+        Ok(Self { mass, directions, blocks })
+    }
+
+    /// `M`.
+    pub fn mass(&self) -> &Csr {
+        &self.mass
+    }
+
+    /// `Wᵀ`, one row per row of the contact problem.
+    pub fn directions(&self) -> &Csr {
+        &self.directions
+    }
+
+    /// `G`.
+    pub fn blocks(&self) -> &BlockMatrix {
+        &self.blocks
+    }
+
+    /// All parts, to be refilled: `M`, `Wᵀ` and `G`.
+    pub fn parts_mut(&mut self) -> (&mut [f64], &mut [f64], &mut BlockMatrix) {
+        (self.mass.values_mut(), self.directions.values_mut(), &mut self.blocks)
+    }
+}
+
+fn check_shapes(mass: &Csr, directions: &Csr, rows: usize) -> Result<(), ProblemError> {
+    let length = |argument, expected, got| match expected == got {
+        true => Ok(()),
+        false => Err(ProblemError::Length { argument, expected, got }),
+    };
+    length("directions", rows, directions.rows())?;
+    length("mass", mass.rows(), mass.columns())?;
+    length("mass", directions.columns(), mass.rows())
+}
+
+/// `G = Wᵀ M⁻¹ W`: the rows of `Wᵀ` that meet a connected part of `M` couple through it.
+fn assemble(mass: &Csr, directions: &Csr, sizes: &[usize]) -> Result<BlockMatrix, ProblemError> {
+    check_shapes(mass, directions, sizes.iter().sum())?;
+    let part_of = parts(mass);
+    let count = part_of.iter().max().map_or(0, |last| last + 1);
+    let mut members = vec![Vec::new(); count];
+    let mut position = vec![0; mass.rows()];
+    for (dof, &part) in part_of.iter().enumerate() {
+        position[dof] = members[part].len();
+        members[part].push(dof);
+    }
+    let mut contacts = vec![Vec::new(); count];
+    let mut row = 0;
+    let mut offsets = Vec::with_capacity(sizes.len());
+    for (i, &size) in sizes.iter().enumerate() {
+        offsets.push(row);
+        for row in row..row + size {
+            for &dof in directions.row(row).0 {
+                contacts[part_of[dof]].push(i);
+            }
+        }
+        row += size;
+    }
+    let mut neighbours = vec![Vec::new(); sizes.len()];
+    for list in &mut contacts {
+        list.sort_unstable();
+        list.dedup();
+        for &i in &*list {
+            neighbours[i].extend_from_slice(list);
+        }
+    }
+    for list in &mut neighbours {
+        list.sort_unstable();
+        list.dedup();
+    }
+    let mut blocks = BlockMatrix::from_pattern(sizes, &neighbours);
+    for (dofs, contacts) in members.iter().zip(&contacts) {
+        add_part(mass, directions, (dofs, &position), (contacts, sizes, &offsets), &mut blocks)?;
+    }
+    Ok(blocks)
+}
+
+/// What the contacts at one connected part of `M` bring: `W_pᵀ M_p⁻¹ W_p`.
+fn add_part(
+    mass: &Csr,
+    directions: &Csr,
+    (dofs, position): (&[usize], &[usize]),
+    (contacts, sizes, offsets): (&[usize], &[usize], &[usize]),
+    blocks: &mut BlockMatrix,
+) -> Result<(), ProblemError> {
+    let n = dofs.len();
+    let mut part = DMatrix::zeros(n, n);
+    for (a, &dof) in dofs.iter().enumerate() {
+        let (columns, values) = mass.row(dof);
+        for (&column, value) in columns.iter().zip(values) {
+            part[(a, position[column])] = *value;
+        }
+    }
+    let symmetric = (&part - part.transpose()).amax() <= 1e-10 * part.amax();
+    let factor = part.cholesky().filter(|_| symmetric);
+    let not_definite = || ProblemError::Structure {
+        argument: "mass",
+        message: "must be symmetric positive definite",
+    };
+    let factor = factor.ok_or_else(not_definite)?;
+    let column = |row: usize| {
+        let mut out = DVector::zeros(n);
+        let (columns, values) = directions.row(row);
+        for (&dof, value) in columns.iter().zip(values) {
+            if dofs.get(position[dof]) == Some(&dof) {
+                out[position[dof]] = *value;
+            }
+        }
+        out
+    };
+    let rows: Vec<usize> =
+        contacts.iter().flat_map(|&i| offsets[i]..offsets[i] + sizes[i]).collect();
+    let columns: Vec<DVector<f64>> = rows.iter().map(|&row| column(row)).collect();
+    let responses: Vec<DVector<f64>> = columns.iter().map(|c| factor.solve(c)).collect();
+    let mut first = 0;
+    for &i in contacts {
+        let mut other = 0;
+        let mut k = 0;
+        for &j in contacts {
+            while blocks.neighbours(i)[k] != j {
+                k += 1;
+            }
+            let (_, block) = blocks.block_mut(i, k);
+            for a in 0..sizes[i] {
+                for b in 0..sizes[j] {
+                    block[a * sizes[j] + b] += columns[first + a].dot(&responses[other + b]);
+                }
+            }
+            other += sizes[j];
+        }
+        first += sizes[i];
+    }
+    Ok(())
+}
+
+/// The connected part of `M` that every degree of freedom belongs to, numbered from zero.
+fn parts(mass: &Csr) -> Vec<usize> {
+    let n = mass.rows();
+    let mut part_of = vec![usize::MAX; n];
+    let mut neighbours = vec![Vec::new(); n];
+    for i in 0..n {
+        for &j in mass.row(i).0 {
+            neighbours[i].push(j);
+            neighbours[j].push(i);
+        }
+    }
+    let (mut count, mut stack) = (0, Vec::new());
+    for seed in 0..n {
+        if part_of[seed] != usize::MAX {
+            continue;
+        }
+        stack.push(seed);
+        part_of[seed] = count;
+        while let Some(i) = stack.pop() {
+            for &j in &neighbours[i] {
+                if part_of[j] == usize::MAX {
+                    part_of[j] = count;
+                    stack.push(j);
+                }
+            }
+        }
+        count += 1;
+    }
+    part_of
+}

@@ -1,0 +1,211 @@
+//! Delassus operators `G`: how percussions change velocities.
+
+mod blocks;
+mod csr;
+mod factored;
+mod spectrum;
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+
+pub use blocks::BlockMatrix;
+pub use csr::Csr;
+pub use factored::Factored;
+
+use super::ProblemError;
+
+/// What an operator must be able to do; the prox iterations need no more.
+pub trait DelassusOperator: Debug + Send + Sync {
+    /// Number of rows.
+    fn rows(&self) -> usize;
+
+    /// `velocity ← G P`.
+    fn apply(&self, percussion: &[f64], velocity: &mut [f64]);
+}
+
+/// A Delassus operator `G`, not necessarily symmetric.
+#[derive(Debug, Clone)]
+pub enum Delassus {
+    /// Every entry.
+    Dense(DMatrix<f64>),
+    /// The blocks of contacts that influence each other.
+    Blocks(BlockMatrix),
+    /// `Wᵀ M⁻¹ W` with its factors.
+    Factored(Factored),
+    /// Products only; the diagonal blocks are kept, found by products.
+    MatrixFree(Arc<dyn DelassusOperator>, BlockMatrix),
+}
+
+impl Delassus {
+    /// An operator that is known by its products only, for contacts with `sizes` rows.
+    pub fn matrix_free(operator: Arc<dyn DelassusOperator>, sizes: &[usize]) -> Self {
+        let rows = operator.rows();
+        let diagonal = probe(operator.as_ref(), sizes, rows, |i| vec![i]);
+        Self::MatrixFree(operator, diagonal)
+    }
+
+    /// The same operator with all its blocks, as most solvers need it.
+    pub fn assembled(&self) -> Self {
+        match self {
+            Self::MatrixFree(operator, diagonal) => {
+                let sizes: Vec<usize> =
+                    diagonal.offsets().windows(2).map(|w| w[1] - w[0]).collect();
+                let all: Vec<usize> = (0..sizes.len()).collect();
+                Self::Blocks(probe(operator.as_ref(), &sizes, operator.rows(), |_| all.clone()))
+            }
+            _ => self.clone(),
+        }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        match self {
+            Self::Dense(matrix) => matrix.nrows(),
+            Self::Blocks(blocks) => blocks.rows(),
+            Self::Factored(factored) => factored.blocks().rows(),
+            Self::MatrixFree(operator, _) => operator.rows(),
+        }
+    }
+
+    /// The blocks, where they are kept: of a matrix-free operator those on the diagonal.
+    #[inline]
+    pub fn blocks(&self) -> Option<&BlockMatrix> {
+        match self {
+            Self::Dense(_) => None,
+            Self::Blocks(blocks) | Self::MatrixFree(_, blocks) => Some(blocks),
+            Self::Factored(factored) => Some(factored.blocks()),
+        }
+    }
+
+    /// Whether only products are known.
+    pub fn is_matrix_free(&self) -> bool {
+        matches!(self, Self::MatrixFree(..))
+    }
+
+    /// `velocity ← G P`.
+    #[inline]
+    pub fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
+        match self {
+            Self::Dense(matrix) => {
+                velocity.fill(0.0);
+                let (entries, n) = (matrix.as_slice(), matrix.nrows());
+                for (j, p) in percussion.iter().enumerate() {
+                    for (value, g) in velocity.iter_mut().zip(&entries[j * n..(j + 1) * n]) {
+                        *value += g * p;
+                    }
+                }
+            }
+            Self::Blocks(blocks) => blocks.apply(percussion, velocity),
+            Self::Factored(factored) => factored.blocks().apply(percussion, velocity),
+            Self::MatrixFree(operator, _) => operator.apply(percussion, velocity),
+        }
+    }
+
+    /// Every entry, from products with unit vectors unless they are kept.
+    pub fn to_dense(&self) -> DMatrix<f64> {
+        if let Self::Dense(matrix) = self {
+            return matrix.clone();
+        }
+        let rows = self.rows();
+        let mut dense = DMatrix::zeros(rows, rows);
+        let mut unit = vec![0.0; rows];
+        for j in 0..rows {
+            unit[j] = 1.0;
+            self.apply(&unit, dense.column_mut(j).as_mut_slice());
+            unit[j] = 0.0;
+        }
+        dense
+    }
+
+    /// Entry in the diagonal block of contact `i`, whose first row is `offset`.
+    #[inline]
+    pub(crate) fn own(&self, i: usize, offset: usize, a: usize, b: usize) -> f64 {
+        match self {
+            Self::Dense(matrix) => matrix[(offset + a, offset + b)],
+            _ => self.blocks().map_or(f64::NAN, |g| g.diagonal(i)[a * g.size(i) + b]),
+        }
+    }
+
+    pub(super) fn entries(&self) -> &[f64] {
+        match self {
+            Self::Dense(matrix) => matrix.as_slice(),
+            _ => self.blocks().map_or(&[], |blocks| blocks.values()),
+        }
+    }
+
+    pub(super) fn check_shape(&self, offsets: &[usize]) -> Result<(), ProblemError> {
+        let rows = offsets[offsets.len() - 1];
+        let mut sizes = vec![self.rows()];
+        if let Self::Dense(matrix) = self {
+            sizes.push(matrix.ncols());
+        }
+        if let Some(&got) = sizes.iter().find(|&&got| got != rows) {
+            return Err(ProblemError::Length { argument: "delassus", expected: rows, got });
+        }
+        if self.blocks().is_some_and(|blocks| blocks.offsets() != offsets) {
+            let message = "must have one block row per contact, with the contact's rows";
+            return Err(ProblemError::Structure { argument: "delassus", message });
+        }
+        Ok(())
+    }
+}
+
+/// The blocks `columns(i)` of every contact, by products with unit vectors.
+fn probe(
+    operator: &dyn DelassusOperator,
+    sizes: &[usize],
+    rows: usize,
+    columns: impl Fn(usize) -> Vec<usize>,
+) -> BlockMatrix {
+    let neighbours: Vec<Vec<usize>> = (0..sizes.len()).map(columns).collect();
+    let mut blocks = BlockMatrix::from_pattern(sizes, &neighbours);
+    let offsets = blocks.offsets().to_vec();
+    let (mut unit, mut response) = (vec![0.0; rows], vec![0.0; rows]);
+    for j in 0..sizes.len() {
+        for b in 0..sizes[j].min(rows.saturating_sub(offsets[j])) {
+            unit[offsets[j] + b] = 1.0;
+            operator.apply(&unit, &mut response);
+            unit[offsets[j] + b] = 0.0;
+            for i in 0..sizes.len() {
+                let Some(k) = blocks.neighbours(i).iter().position(|&c| c == j) else { continue };
+                let (_, block) = blocks.block_mut(i, k);
+                for a in 0..sizes[i] {
+                    block[a * sizes[j] + b] = response[offsets[i] + a];
+                }
+            }
+        }
+    }
+    blocks
+}
+
+impl PartialEq for Delassus {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Dense(a), Self::Dense(b)) => a == b,
+            (Self::Blocks(a), Self::Blocks(b)) => a == b,
+            (Self::Factored(a), Self::Factored(b)) => a == b,
+            (Self::MatrixFree(a, _), Self::MatrixFree(b, _)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+impl From<DMatrix<f64>> for Delassus {
+    fn from(matrix: DMatrix<f64>) -> Self {
+        Self::Dense(matrix)
+    }
+}
+
+impl From<BlockMatrix> for Delassus {
+    fn from(blocks: BlockMatrix) -> Self {
+        Self::Blocks(blocks)
+    }
+}
+
+impl From<Factored> for Delassus {
+    fn from(factored: Factored) -> Self {
+        Self::Factored(factored)
+    }
+}

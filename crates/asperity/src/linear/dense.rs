@@ -1,0 +1,250 @@
+//! Partial elimination of a dense front, the place where all the time goes.
+
+/// Columns of a panel.
+const PANEL: usize = 16;
+/// Rows and columns of a tile that stays in registers.
+const ROWS: usize = 8;
+const COLUMNS: usize = 4;
+
+/// Buffers of [`eliminate`].
+#[derive(Debug, Clone, Default)]
+pub(super) struct Packed {
+    left: Vec<f64>,
+}
+
+impl Packed {
+    /// Room for fronts of `size` rows.
+    pub(super) fn reserve(&mut self, size: usize) {
+        self.left.resize((size + ROWS) * PANEL, 0.0);
+    }
+}
+
+/// `LU` elimination of the first `pivots` columns of a column-major front of `size` rows, rows exchanged
+/// within the pivot rows only; false if a pivot vanishes.
+///
+/// Afterwards the front holds `L` (unit diagonal) below and `U` above the diagonal of the eliminated part,
+/// and the Schur complement of the rest.
+pub(super) fn eliminate(
+    front: &mut [f64],
+    size: usize,
+    pivots: usize,
+    swaps: &mut [usize],
+    packed: &mut Packed,
+) -> bool {
+    pulp::Arch::new().dispatch(Elimination { front, size, pivots, swaps, packed })
+}
+
+/// A call of [`eliminate`] that the compiler copies into every set of instructions.
+struct Elimination<'a> {
+    front: &'a mut [f64],
+    size: usize,
+    pivots: usize,
+    swaps: &'a mut [usize],
+    packed: &'a mut Packed,
+}
+
+impl pulp::NullaryFnOnce for Elimination<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        let Self { front, size, pivots, swaps, packed } = self;
+        if fused() {
+            eliminate_with::<true>(front, size, pivots, swaps, packed)
+        } else {
+            eliminate_with::<false>(front, size, pivots, swaps, packed)
+        }
+    }
+}
+
+/// Whether multiplication and addition are one instruction where `pulp` dispatches to.
+#[inline(always)]
+fn fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("fma");
+    #[cfg(not(target_arch = "x86_64"))]
+    return cfg!(target_arch = "aarch64");
+}
+
+#[inline(always)]
+fn eliminate_with<const FMA: bool>(
+    front: &mut [f64],
+    size: usize,
+    pivots: usize,
+    swaps: &mut [usize],
+    packed: &mut Packed,
+) -> bool {
+    let mut start = 0;
+    while start < pivots {
+        let end = (start + PANEL).min(pivots);
+        if !panel::<FMA>(front, size, pivots, (start, end), swaps) {
+            return false;
+        }
+        exchange(front, size, (start, end), swaps);
+        update::<FMA>(front, size, (start, end), packed);
+        start = end;
+    }
+    true
+}
+
+/// Eliminates the columns of a panel in the panel alone.
+#[inline(always)]
+fn panel<const FMA: bool>(
+    front: &mut [f64],
+    size: usize,
+    pivots: usize,
+    (start, end): (usize, usize),
+    swaps: &mut [usize],
+) -> bool {
+    for c in start..end {
+        let column = &mut front[c * size..(c + 1) * size];
+        let (mut best, mut largest) = (c, column[c].abs());
+        for (r, value) in column.iter().enumerate().take(pivots).skip(c + 1) {
+            if value.abs() > largest {
+                (best, largest) = (r, value.abs());
+            }
+        }
+        swaps[c] = best;
+        if !(largest > 0.0) {
+            return false;
+        }
+        if best != c {
+            for j in start..end {
+                front.swap(j * size + c, j * size + best);
+            }
+        }
+        let (left, right) = front.split_at_mut((c + 1) * size);
+        let column = &mut left[c * size..];
+        let reciprocal = 1.0 / column[c];
+        for value in &mut column[c + 1..] {
+            *value *= reciprocal;
+        }
+        let below = &column[c + 1..];
+        for other in right[..(end - c - 1) * size].chunks_exact_mut(size) {
+            let factor = -other[c];
+            for (value, l) in other[c + 1..].iter_mut().zip(below) {
+                *value = add::<FMA>(*l, factor, *value);
+            }
+        }
+    }
+    true
+}
+
+/// Exchanges the rows of a panel's pivots in all other columns.
+#[inline(always)]
+fn exchange(front: &mut [f64], size: usize, (start, end): (usize, usize), swaps: &[usize]) {
+    for (j, column) in front.chunks_exact_mut(size).enumerate() {
+        if j < start || j >= end {
+            for c in start..end {
+                column.swap(c, swaps[c]);
+            }
+        }
+    }
+}
+
+/// Rows of `U` to the right of a panel, and the Schur complement below them.
+#[inline(always)]
+fn update<const FMA: bool>(
+    front: &mut [f64],
+    size: usize,
+    (start, end): (usize, usize),
+    packed: &mut Packed,
+) {
+    let depth = end - start;
+    let (left, right) = front.split_at_mut(end * size);
+    let rest = size - end;
+    if right.is_empty() {
+        return;
+    }
+    let panel = &left[start * size..];
+    let tiles = rest / ROWS;
+    for (tile, out) in packed.left.chunks_exact_mut(ROWS * depth).take(tiles).enumerate() {
+        let first = end + tile * ROWS;
+        for (column, out) in panel.chunks_exact(size).zip(out.chunks_exact_mut(ROWS)) {
+            out.copy_from_slice(&column[first..first + ROWS]);
+        }
+    }
+    let mut above = [[0.0; COLUMNS]; PANEL];
+    for columns in right.chunks_mut(COLUMNS * size) {
+        for (b, column) in columns.chunks_exact_mut(size).enumerate() {
+            for p in 0..depth {
+                let u = column[start + p];
+                above[p][b] = u;
+                let l = &panel[p * size + start + p + 1..p * size + end];
+                for (value, l) in column[start + p + 1..end].iter_mut().zip(l) {
+                    *value = add::<FMA>(*l, -u, *value);
+                }
+            }
+        }
+        let above = &above[..depth];
+        if columns.len() == COLUMNS * size {
+            tiled::<FMA>(columns, size, end, tiles, above, &packed.left);
+            rows_left_over::<FMA>(columns, size, end + tiles * ROWS, panel, above);
+        } else {
+            rows_left_over::<FMA>(columns, size, end, panel, above);
+        }
+    }
+}
+
+/// `C ← C − L U` for the full tiles of four columns.
+#[inline(always)]
+fn tiled<const FMA: bool>(
+    columns: &mut [f64],
+    size: usize,
+    first: usize,
+    tiles: usize,
+    above: &[[f64; COLUMNS]],
+    left: &[f64],
+) {
+    let mut split = columns.chunks_exact_mut(size);
+    let (Some(c0), Some(c1), Some(c2), Some(c3)) =
+        (split.next(), split.next(), split.next(), split.next())
+    else {
+        return;
+    };
+    let end = first + tiles * ROWS;
+    let outs = c0[first..end]
+        .chunks_exact_mut(ROWS)
+        .zip(c1[first..end].chunks_exact_mut(ROWS))
+        .zip(c2[first..end].chunks_exact_mut(ROWS))
+        .zip(c3[first..end].chunks_exact_mut(ROWS));
+    for ((((o0, o1), o2), o3), l) in outs.zip(left.chunks_exact(ROWS * above.len())) {
+        let mut sum = [[0.0; ROWS]; COLUMNS];
+        for (l, u) in l.chunks_exact(ROWS).zip(above) {
+            for (sum, u) in sum.iter_mut().zip(u) {
+                for (value, l) in sum.iter_mut().zip(l) {
+                    *value = add::<FMA>(*l, *u, *value);
+                }
+            }
+        }
+        for (out, sum) in [o0, o1, o2, o3].into_iter().zip(&sum) {
+            for (value, s) in out.iter_mut().zip(sum) {
+                *value -= s;
+            }
+        }
+    }
+}
+
+/// The same for rows and columns that fill no tile.
+#[inline(always)]
+fn rows_left_over<const FMA: bool>(
+    columns: &mut [f64],
+    size: usize,
+    first: usize,
+    panel: &[f64],
+    above: &[[f64; COLUMNS]],
+) {
+    for (b, column) in columns.chunks_exact_mut(size).enumerate() {
+        for (l, u) in panel.chunks_exact(size).zip(above) {
+            for (value, l) in column[first..].iter_mut().zip(&l[first..]) {
+                *value = add::<FMA>(*l, -u[b], *value);
+            }
+        }
+    }
+}
+
+/// `a b + c`.
+#[inline(always)]
+fn add<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
+    if FMA { a.mul_add(b, c) } else { a * b + c }
+}

@@ -1,0 +1,16 @@
+//! Sparse linear algebra of the contact solvers: an unsymmetric LU factorisation on a symmetric pattern of
+//! small blocks.
+//!
+//! Matrices `A + B G` of Newton's method are small (10² to 10⁴ rows), nearly the same from one iteration to
+//! the next and always of the same pattern: the analysis is done once ([`Symbolic`]), the rest without
+//! allocation ([`Numeric`]). Rows are exchanged within the pivots of a front only.
+
+mod dense;
+mod numeric;
+mod order;
+mod symbolic;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use numeric::Numeric;
+pub(crate) use symbolic::Symbolic;

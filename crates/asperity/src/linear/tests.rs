@@ -1,0 +1,85 @@
+//! The factorisation against dense ones.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{Numeric, Symbolic};
+use crate::contact::BlockMatrix;
+
+/// Reproducible numbers in (−1, 1).
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+/// A matrix of random blocks whose pattern is a chain with random chords.
+fn example(nodes: usize, chords: usize, seed: &mut u64) -> BlockMatrix {
+    let mut neighbours: Vec<Vec<usize>> = (0..nodes).map(|i| vec![i]).collect();
+    let pick = |seed: &mut u64| ((random(seed) + 1.0) * 0.5 * nodes as f64) as usize % nodes;
+    let mut join = |i: usize, j: usize| {
+        neighbours[i].push(j);
+        neighbours[j].push(i);
+    };
+    (1..nodes).filter(|i| i % 7 != 0).for_each(|i| join(i - 1, i));
+    for _ in 0..chords {
+        let (i, j) = (pick(seed), pick(seed));
+        join(i, j);
+    }
+    for list in &mut neighbours {
+        list.sort_unstable();
+        list.dedup();
+    }
+    let sizes: Vec<usize> = (0..nodes).map(|i| 1 + i % 4).collect();
+    let mut matrix = BlockMatrix::from_pattern(&sizes, &neighbours);
+    for value in matrix.values_mut() {
+        *value = random(seed);
+    }
+    for i in 0..nodes {
+        let k = matrix.neighbours(i).iter().position(|&j| j == i).unwrap();
+        let size = sizes[i];
+        let (_, block) = matrix.block_mut(i, k);
+        (0..size).for_each(|a| block[a * size + a] += 4.0);
+    }
+    matrix
+}
+
+fn dense(matrix: &BlockMatrix) -> DMatrix<f64> {
+    let rows = matrix.rows();
+    let mut out = DMatrix::zeros(rows, rows);
+    let mut unit = vec![0.0; rows];
+    for j in 0..rows {
+        unit[j] = 1.0;
+        matrix.apply(&unit, out.column_mut(j).as_mut_slice());
+        unit[j] = 0.0;
+    }
+    out
+}
+
+#[test]
+fn solves_as_a_dense_factorisation_does() {
+    let mut seed = 1;
+    let (mut symbolic, mut numeric);
+    for (nodes, chords) in [(1, 0), (2, 1), (5, 3), (40, 10), (120, 60), (90, 900), (300, 150)] {
+        let mut matrix = example(nodes, chords, &mut seed);
+        symbolic = Symbolic::new(&matrix);
+        numeric = Numeric::default();
+        numeric.reserve(&symbolic);
+        for round in 0..2 {
+            matrix.values_mut().iter_mut().for_each(|value| *value *= 1.0 + 0.1 * round as f64);
+            let b = DVector::from_fn(matrix.rows(), |_, _| random(&mut seed));
+            let mut x = b.clone();
+            assert!(numeric.factor(&symbolic, &matrix));
+            numeric.solve(&symbolic, x.as_mut_slice());
+            let error = (dense(&matrix) * &x - &b).amax() / x.amax();
+            assert!(error < 1e-11, "{nodes} nodes: {error}");
+        }
+    }
+}
+
+#[test]
+fn a_vanishing_pivot_is_reported() {
+    let matrix = BlockMatrix::from_pattern(&[2, 2], &[vec![0, 1], vec![0, 1]]);
+    let symbolic = Symbolic::new(&matrix);
+    let mut numeric = Numeric::default();
+    numeric.reserve(&symbolic);
+    assert!(!numeric.factor(&symbolic, &matrix));
+}

@@ -1,0 +1,185 @@
+//! Problems of many contacts: the phases of [`Solver::Auto`](super::Solver::Auto) and the solvers made of
+//! one phase each.
+//!
+//! Sweeps end most problems and give the others a start; Newton's method ends those of full rank; the
+//! interior point method, where the laws allow it, and the proximal point iteration end the rest. Everything
+//! is cheap against sweeps because a factorisation costs as much as some tens of them.
+
+mod admm;
+mod body_space;
+mod cones;
+mod interior;
+mod newton;
+mod newton_matrix;
+mod phases;
+mod proximal;
+
+use super::exact;
+use super::natural::natural_map;
+use super::report::{Ended, Method, Stage};
+use super::residual::natural_residual;
+use super::{Measure, Stop, Workspace};
+use crate::contact::{ContactProblem, Memory};
+pub(super) use phases::{automatic, single};
+
+use admm::Admm;
+use cones::Cones;
+use interior::Interior;
+use newton::{Goal, Newton, norm};
+use newton_matrix::NewtonMatrix;
+
+/// Buffers of the phases.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Many {
+    newton: Newton,
+    matrix: NewtonMatrix,
+    cones: Cones,
+    interior: Interior,
+    admm: Admm,
+    /// Best percussions so far.
+    best: Vec<f64>,
+    centre: Vec<f64>,
+    trial: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+impl Many {
+    /// Forgets what depends on the pattern of `G`.
+    pub(super) fn reset(&mut self) {
+        self.matrix.reset();
+    }
+}
+
+/// A solve under way.
+pub(super) struct Run<'a, 'b> {
+    problem: &'a ContactProblem,
+    stop: Stop<'b>,
+    memory: &'a Memory,
+    workspace: &'a mut Workspace,
+    many: Box<Many>,
+    /// Natural map of the best percussions.
+    grade: f64,
+    /// Whether they pass the measure of the stop.
+    solved: bool,
+    stuck: Option<usize>,
+    sweeps: usize,
+}
+
+impl<'a, 'b> Run<'a, 'b> {
+    /// Begins with the percussions in the workspace.
+    pub(super) fn new(
+        problem: &'a ContactProblem,
+        stop: Stop<'b>,
+        memory: &'a Memory,
+        workspace: &'a mut Workspace,
+    ) -> Self {
+        let many = std::mem::take(&mut workspace.many);
+        workspace.stages.clear();
+        let (grade, solved, stuck, sweeps) = (f64::INFINITY, false, None, 0);
+        let mut run = Self { problem, stop, memory, workspace, many, grade, solved, stuck, sweeps };
+        let rows = problem.rows();
+        let Many { best, centre, trial, velocity, .. } = &mut *run.many;
+        for list in [best, centre, trial, velocity] {
+            list.resize(rows, 0.0);
+        }
+        run.grade_sweeps();
+        run
+    }
+
+    /// Puts the best percussions back; iterations and why it ended.
+    pub(super) fn finish(self) -> (usize, Ended) {
+        let Self { workspace, many, solved, stuck, stop, .. } = self;
+        workspace.percussion.copy_from_slice(&many.best);
+        workspace.many = many;
+        let iterations = workspace.stages.iter().map(|stage| stage.iterations).sum();
+        let ended = if solved {
+            Ended::Done
+        } else if stop.early() {
+            Ended::TimeLimit
+        } else {
+            stuck.map_or(Ended::MaxIterations, Ended::NoSolution)
+        };
+        (iterations, ended)
+    }
+
+    /// Prepares Newton's method: orderings and buffers.
+    fn prepare_newton(&mut self) {
+        self.many.newton.prepare(self.problem);
+        self.many.matrix.prepare(self.problem);
+    }
+
+    fn newton(&mut self, percussion: &mut [f64], centre: &[f64], goal: Goal) -> (f64, usize) {
+        let Many { newton, matrix, .. } = &mut *self.many;
+        newton.solve(self.problem, matrix, percussion, centre, goal, self.stop)
+    }
+
+    /// One sweep of exact one-contact solves over the workspace's percussions.
+    fn sweep(&mut self) {
+        let first = self.sweeps == 0;
+        self.stuck = exact::sweep(self.problem, self.memory, self.workspace, first);
+        self.sweeps += 1;
+    }
+
+    /// Natural map of the workspace's percussions, kept if they are the best so far.
+    fn grade_sweeps(&mut self) -> f64 {
+        let percussion = std::mem::take(&mut self.workspace.percussion);
+        let grade = self.grade(&percussion);
+        self.workspace.percussion = percussion;
+        grade
+    }
+
+    /// The same for the trial percussions.
+    fn grade_trial(&mut self) -> f64 {
+        let trial = std::mem::take(&mut self.many.trial);
+        let grade = self.grade(&trial);
+        self.many.trial = trial;
+        grade
+    }
+
+    fn grade(&mut self, percussion: &[f64]) -> f64 {
+        self.problem.velocity(percussion, &mut self.many.velocity);
+        let velocity = &self.many.velocity;
+        let grade = natural_map(self.problem, percussion, velocity);
+        let goal = 0.5 * self.stop.tolerance;
+        let solved = match self.stop.measure {
+            Measure::Global => grade <= goal,
+            // A contact's defect is at least that of the problem over the root of their number.
+            Measure::Contact => {
+                grade <= goal * (self.problem.contacts.len() as f64).sqrt()
+                    && natural_residual(self.problem, percussion, velocity).value <= goal
+            }
+        };
+        if solved && !self.solved || grade < self.grade && solved >= self.solved {
+            (self.grade, self.solved) = (grade, solved);
+            self.many.best.copy_from_slice(percussion);
+        }
+        grade
+    }
+
+    /// Starts a phase from the best percussions.
+    fn adopt_best(&mut self) -> f64 {
+        let Many { best, centre, .. } = &mut *self.many;
+        centre.copy_from_slice(best);
+        self.grade
+    }
+
+    /// `max(‖P‖, ρ‖b‖)`, what defects are compared with.
+    fn scale(&self, percussion: &[f64]) -> f64 {
+        let loads = self.problem.free_velocity.iter().zip(&self.problem.restitution);
+        let loads = loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>().sqrt();
+        f64::max(norm(percussion), self.problem.global_rho() * loads)
+    }
+
+    /// Smallest relative `‖F‖` that is asked for.
+    fn floor(&self) -> f64 {
+        match self.stop.measure {
+            Measure::Global => (1e-3 * self.stop.tolerance).clamp(1e-15, 2e-12),
+            Measure::Contact => 1e-15,
+        }
+    }
+
+    fn record(&mut self, method: Method, iterations: usize, factorizations: usize) {
+        let residual = self.grade;
+        self.workspace.stages.push(Stage { method, iterations, factorizations, residual });
+    }
+}

@@ -1,0 +1,119 @@
+//! In which order the phases come.
+
+use super::{Method, Run};
+use crate::contact::{ContactProblem, Memory};
+use crate::solver::report::Ended;
+use crate::solver::{Stop, Workspace};
+
+/// Sweeps before the first judgement of their rate, and most sweeps at all.
+const TRIAL_SWEEPS: usize = 20;
+const MOST_SWEEPS: usize = 400;
+/// Further sweeps that are worth waiting for.
+const WORTHWHILE: f64 = 250.0;
+/// Newton iterations of a step of the first attempt.
+const ATTEMPT: usize = 6;
+const INTERIOR: usize = 40;
+/// Natural map at which the interior point method, whose digits end there, hands over.
+const INTERIOR_GOAL: f64 = 1e-7;
+
+/// Sweeps, then Newton, then interior point and proximal point.
+pub(crate) fn automatic(
+    problem: &ContactProblem,
+    stop: Stop<'_>,
+    with_interior: bool,
+    memory: &Memory,
+    workspace: &mut Workspace,
+) -> (usize, Ended) {
+    let mut run = Run::new(problem, stop, memory, workspace);
+    run.gauss_seidel();
+    if !run.over() {
+        run.prepare_newton();
+        run.newton_attempt(ATTEMPT);
+    }
+    if !run.over() && with_interior && run.cones_fit() {
+        run.interior_point(INTERIOR, INTERIOR_GOAL);
+    }
+    if !run.over() {
+        run.proximal_point(usize::MAX);
+    }
+    run.finish()
+}
+
+/// One phase alone.
+pub(crate) fn single(
+    problem: &ContactProblem,
+    stop: Stop<'_>,
+    (method, max_iterations): (Method, usize),
+    memory: &Memory,
+    workspace: &mut Workspace,
+) -> (usize, Ended) {
+    let mut run = Run::new(problem, stop, memory, workspace);
+    run.prepare_newton();
+    let conic = matches!(method, Method::InteriorPoint | Method::Admm);
+    if conic && !run.cones_fit() {
+        run.finish();
+        return (0, Ended::NotApplicable);
+    }
+    match method {
+        Method::InteriorPoint => run.interior_point(max_iterations, 0.0),
+        Method::Admm => run.admm(max_iterations),
+        Method::Newton => run.plain_newton(max_iterations),
+        _ => run.proximal_point(max_iterations),
+    }
+    run.finish()
+}
+
+impl Run<'_, '_> {
+    fn over(&self) -> bool {
+        self.solved || self.stop.early()
+    }
+
+    /// Sweeps while their rate promises an end.
+    fn gauss_seidel(&mut self) {
+        let (mut last, mut last_at, mut next) = (f64::INFINITY, 0, 1);
+        let mut k = 0;
+        while !self.solved && k < MOST_SWEEPS {
+            self.sweep();
+            k += 1;
+            if k < next {
+                continue;
+            }
+            let grade = self.grade_sweeps();
+            if self.stop.early() {
+                break;
+            }
+            if k >= TRIAL_SWEEPS {
+                let rate = (grade / last).ln() / (k - last_at) as f64;
+                let left = (0.5 * self.stop.tolerance / grade).ln() / rate;
+                // The comparisons also turn away NaN.
+                if !(rate < 0.0) || left > WORTHWHILE {
+                    break;
+                }
+            }
+            (last, last_at) = (grade, k);
+            next = match k {
+                0..5 => k + 1,
+                5..20 => k + 5,
+                _ => k + k * 3 / 10,
+            };
+        }
+        self.record(Method::GaussSeidel, k, 0);
+    }
+
+    /// Newton's method on the problem itself, with as much regularisation as rounding has.
+    fn plain_newton(&mut self, max_iterations: usize) {
+        let grade = self.adopt_best();
+        let goal = self.inner_goal(grade, 0.0, 0.0, max_iterations);
+        let goal = super::Goal {
+            tolerance: goal.tolerance.min(self.floor() * self.scale(&self.many.centre)),
+            ..goal
+        };
+        let centre = std::mem::take(&mut self.many.centre);
+        let mut trial = std::mem::take(&mut self.many.trial);
+        trial.copy_from_slice(&centre);
+        let (_, iterations) = self.newton(&mut trial, &centre, goal);
+        (self.many.centre, self.many.trial) = (centre, trial);
+        self.grade_trial();
+        self.record(Method::Newton, iterations, self.many.newton.factorizations);
+    }
+}

@@ -1,0 +1,73 @@
+"""Arguments of a contact problem that come contact by contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity.errors import DimensionError, ParameterError
+from asperity.law import FrictionLaw
+
+
+def sizes(laws: Sequence[FrictionLaw], normal_force: Sequence[float | None]) -> list[int]:
+    """Return the number of rows of each contact."""
+    return [law.dimension + (force is None) for law, force in zip(laws, normal_force, strict=True)]
+
+
+def listed_laws(laws: Any, rows: int, normal_force: Any) -> tuple[FrictionLaw, ...]:
+    """Return one law per contact."""
+    if isinstance(laws, FrictionLaw):
+        return (laws,) * _contact_count(laws, rows, normal_force)
+    listed = tuple(laws) if isinstance(laws, Sequence) else (laws,)
+    for law in listed:
+        if not isinstance(law, FrictionLaw):
+            raise ParameterError(
+                "laws", f"must be a FrictionLaw or a sequence of them, got {law!r}"
+            )
+    if not listed:
+        raise DimensionError("laws", "must hold at least one law")
+    return listed
+
+
+def _contact_count(law: FrictionLaw, rows: int, normal_force: Any) -> int:
+    """Return the number of contacts that share one law."""
+    if normal_force is not None and np.ndim(normal_force):
+        return len(normal_force)
+    rows_each = law.dimension + (normal_force is None)
+    if rows == 0 or rows % rows_each:
+        raise DimensionError(
+            "free_velocity", f"must have a multiple of {rows_each} rows (one contact), got {rows}"
+        )
+    return rows // rows_each
+
+
+def normal_forces(normal_force: Any, contacts: int) -> tuple[float | None, ...]:
+    """Return one prescribed percussion per contact, ``None`` where it is unilateral."""
+    if normal_force is None or np.ndim(normal_force) == 0:
+        listed = [normal_force] * contacts
+    else:
+        listed = list(normal_force)
+    if len(listed) != contacts:
+        raise DimensionError(
+            "normal_force", f"must have one entry per contact ({contacts}), got {len(listed)}"
+        )
+    return tuple(
+        None if force is None else _arrays.non_negative(force, "normal_force") for force in listed
+    )
+
+
+def fractions(value: ArrayLike, argument: str, contacts: int) -> Array:
+    """Return one number between 0 and 1 per contact."""
+    converted = _arrays.array(value, argument)
+    if converted.ndim == 0:
+        converted = np.full(contacts, converted)
+    converted = _arrays.array(converted, argument, (contacts,))
+    outside = (converted < 0.0) | (converted > 1.0)
+    if outside.any():
+        _arrays.fraction(converted[outside.argmax()], argument)
+    return _arrays.read_only(converted)

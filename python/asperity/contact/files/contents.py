@@ -1,0 +1,174 @@
+"""What files of both formats hold, apart from how they hold it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity.contact import operator
+from asperity.contact.files import laws as law_files
+from asperity.contact.problem import ContactProblem
+from asperity.errors import DimensionError, ParameterError
+from asperity.law import FrictionLaw
+from asperity.sets import Ball, Disk, Interval
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+FRICTIONLESS = 1e-12
+"""Radius of the reservoir that stands for μ = 0: sets have the origin inside."""
+
+
+class Source(Protocol):
+    """An open file."""
+
+    def __contains__(self, key: str) -> bool:
+        """Whether there is something under the key."""
+
+    def __getitem__(self, key: str) -> NDArray[Any]:
+        """Return what is under the key; its absence is an error that names it."""
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Mass and directions with the keys under which they were found."""
+
+    mass: csr_array
+    directions: csr_array
+
+
+def coefficients(problem: ContactProblem) -> Array | None:
+    """Return μ of each contact of a plain problem with one p, ``None`` of any other problem."""
+    restitution = problem.normal_restitution, problem.tangential_restitution
+    if any(values.any() for values in (*restitution, problem.initial_velocity)):
+        return None
+    if any(force is not None for force in problem.normal_force):
+        return None
+    if len({law.dimension for law in problem.laws}) > 1:
+        return None
+    # Thousands of contacts share few laws.
+    different = {id(law): law for law in problem.laws}
+    known = {number: coefficient(law) for number, law in different.items()}
+    mu = [known[id(law)] for law in problem.laws]
+    return None if None in mu else np.array(mu, dtype=np.float64)
+
+
+def coefficient(law: FrictionLaw) -> float | None:
+    """Return μ of an isotropic law, ``None`` of any other."""
+    reservoir = law.reservoir
+    if law != FrictionLaw.associated(reservoir):
+        return None
+    if isinstance(reservoir, Interval):
+        mu = reservoir.upper if reservoir.lower == -reservoir.upper else None
+    else:
+        mu = reservoir._parameters["radius"] if isinstance(reservoir, Ball | Disk) else None
+    return 0.0 if mu == FRICTIONLESS else mu
+
+
+def isotropic(mu: Array, dimension: int) -> list[FrictionLaw]:
+    """Return a law per contact, one object for each coefficient."""
+    made = {
+        value: FrictionLaw.isotropic(value if value > 0.0 else FRICTIONLESS, dimension=dimension)
+        for value in set(mu.tolist())
+    }
+    return [made[value] for value in mu.tolist()]
+
+
+def details(problem: ContactProblem) -> dict[str, NDArray[Any]]:
+    """Return what a problem that is not plain needs besides W and q."""
+    # Hashing a law takes long: contacts that share the object share the number.
+    objects = {id(law): law for law in problem.laws}
+    different = list(dict.fromkeys(objects.values()))
+    number = {law: i for i, law in enumerate(different)}
+    place = {key: number[law] for key, law in objects.items()}
+    force = [np.nan if force is None else force for force in problem.normal_force]
+    return {
+        "laws": np.array(law_files.written(different)),
+        "law": np.array([place[id(law)] for law in problem.laws], dtype=np.int64),
+        "normal_force": np.array(force, dtype=np.float64),
+        "normal_restitution": problem.normal_restitution,
+        "tangential_restitution": problem.tangential_restitution,
+        "initial_velocity": problem.initial_velocity,
+    }
+
+
+def read_details(source: Source, prefix: str = "") -> dict[str, Any]:
+    """Return the arguments that `details` has written."""
+    text = source[f"{prefix}laws"]
+    listed = law_files.read(str(text.item() if text.ndim == 0 else ""), f"{prefix}laws")
+    number = integers(source, f"{prefix}law")
+    if number.size and not 0 <= number.min() <= number.max() < len(listed):
+        raise ParameterError(f"{prefix}law", f"must lie in 0..{len(listed) - 1}")
+    key = f"{prefix}normal_force"
+    force = source[key]
+    if force.dtype.kind != "f" or force.shape != number.shape:
+        raise DimensionError(key, f"must hold {number.size} numbers, one per contact")
+    return {
+        "laws": [listed[i] for i in number.tolist()],
+        "normal_force": [None if np.isnan(one) else one for one in force.tolist()],
+        **{
+            name: numbers(source, f"{prefix}{name}")
+            for name in ("normal_restitution", "tangential_restitution", "initial_velocity")
+        },
+    }
+
+
+def read_coefficients(source: Source, key: str, rows: int, dimension: int) -> dict[str, Any]:
+    """Return the laws of a plain problem."""
+    each = dimension + 1
+    mu = numbers(source, key)
+    if mu.size * each != rows:
+        raise DimensionError(
+            key, f"must have {rows / each:g} entries, {each} rows each, has {mu.size}"
+        )
+    if mu.min(initial=0.0) < 0.0:
+        raise ParameterError(key, f"must not be negative, got {mu.min()}")
+    return {"laws": isotropic(mu, dimension)}
+
+
+def numbers(source: Source, key: str) -> Array:
+    """Return a vector of finite numbers."""
+    return _arrays.array(source[key], key, (None,))
+
+
+def integers(source: Source, key: str) -> NDArray[np.int64]:
+    """Return a vector of integers."""
+    found = source[key]
+    if found.dtype.kind not in "iu" or found.ndim != 1:
+        raise ParameterError(key, f"must be a vector of integers, is {found.dtype} {found.shape}")
+    return found.astype(np.int64)
+
+
+def matrix(parts: tuple[Any, ...], shape: tuple[int, int], kind: str, name: str) -> csr_array:
+    """Return the sparse matrix of ``(data, indices, starts)`` or ``(data, (rows, columns))``."""
+    from scipy import sparse
+
+    try:
+        made = getattr(sparse, f"{kind}_array")(parts, shape=shape)
+        made.check_format() if kind != "coo" else None
+    except (ValueError, TypeError) as error:
+        raise ParameterError(name, f"must be a valid sparse matrix: {error}") from None
+    return operator.sparse(made, name, shape)
+
+
+def built(
+    delassus: csr_array | None,
+    bodies: Bodies | None,
+    free_velocity: Array,
+    options: Mapping[str, Any],
+    keys: Mapping[str, str],
+) -> ContactProblem:
+    """Make the problem; complaints about its arguments name the keys they came from."""
+    known: dict[str, Any] = (
+        {} if bodies is None else {"mass": bodies.mass, "directions": bodies.directions}
+    )
+    try:
+        return ContactProblem(delassus, free_velocity, **options, **known)
+    except ParameterError as error:
+        raise type(error)(keys.get(error.argument, error.argument), error.message) from None

@@ -1,0 +1,174 @@
+"""Contact problems in HDF5 files with the layout of FCLIB, the Friction Contact Library."""
+
+from __future__ import annotations
+
+import importlib
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._files import atomic
+from asperity.contact import operator
+from asperity.contact.files import contents
+from asperity.contact.problem import ContactProblem
+from asperity.errors import ParameterError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+_LOCAL = {
+    "delassus": "fclib_local/W",
+    "free_velocity": "fclib_local/vectors/q",
+    "mass": "fclib_global/M",
+    "directions": "fclib_global/H",
+}
+_GLOBAL = {**_LOCAL, "delassus": "fclib_global/H", "free_velocity": "fclib_global/vectors/w"}
+# The library's marks for compressed columns and rows; from 0 on it is the length of a triplet form.
+_COLUMNS, _ROWS = -1, -2
+
+
+def _h5py() -> Any:
+    try:
+        return importlib.import_module("h5py")
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(
+            "h5py is missing: pip install 'asperity[data]'", name=error.name
+        ) from None
+
+
+class _Group:
+    """An open file whose errors name the path of what is missing."""
+
+    def __init__(self, file: Any, path: Path) -> None:
+        self.file, self.path = file, path
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.file
+
+    def __getitem__(self, key: str) -> NDArray[Any]:
+        if key not in self.file or not hasattr(self.file[key], "shape"):
+            raise ParameterError(key, f"is missing in {self.path}")
+        try:
+            found = self.file[key][()]
+        except OSError as error:
+            raise ParameterError(key, f"cannot be read from {self.path}: {error}") from None
+        return np.array(found.decode() if isinstance(found, bytes) else found)
+
+
+def save(problem: ContactProblem, path: Path) -> None:
+    """Write a problem."""
+    memory = io.BytesIO()
+    with _h5py().File(memory, "w") as file:
+        mu = contents.coefficients(problem)
+        plain = mu is not None and problem.laws[0].dimension <= 2
+        vectors = {"q": problem.free_velocity}
+        _write(file, "fclib_local", {"W": operator.as_sparse(problem.delassus)}, vectors)
+        groups = ["fclib_local"]
+        if problem.mass is not None and problem.directions is not None:
+            matrices = {"M": problem.mass, "H": problem.directions}
+            vectors = {"f": np.zeros(problem.mass.shape[0]), "w": problem.free_velocity}
+            _write(file, "fclib_global", matrices, vectors)
+            groups.append("fclib_global")
+        if plain:
+            for group in groups:
+                file[f"{group}/vectors/mu"] = mu
+                file[f"{group}/spacedim"] = np.array([problem.laws[0].dimension + 1], np.int32)
+        else:
+            for name, values in contents.details(problem).items():
+                file[f"data/{name}"] = str(values) if name == "laws" else values
+    with atomic(path) as target:
+        target.write(memory.getbuffer())
+
+
+def load(path: Path) -> ContactProblem:
+    """Read a problem; without a Delassus operator it is made of the bodies."""
+    h5py = _h5py()
+    with path.open("rb") as opened:
+        try:
+            file = h5py.File(opened, "r")
+        except OSError as error:
+            raise ParameterError("path", f"must be an HDF5 file: {path}: {error}") from None
+        with file:
+            return _load(_Group(file, path))
+
+
+def _load(source: _Group) -> ContactProblem:
+    for name in ("fclib_local/V", "fclib_local/R", "fclib_global/G"):
+        if name in source:
+            raise ParameterError(name, "must be absent: joints are not part of a contact problem")
+    bodies = None
+    if "fclib_global" in source:
+        bodies = contents.Bodies(_read(source, "fclib_global/M"), _read(source, "fclib_global/H"))
+    if "fclib_local" in source or bodies is None:
+        group, keys = "fclib_local", _LOCAL
+        delassus, free = (
+            _read(source, "fclib_local/W"),
+            contents.numbers(source, _LOCAL["free_velocity"]),
+        )
+    else:
+        group, keys, delassus = "fclib_global", _GLOBAL, None
+        free = _free_velocity(source, bodies)
+    if "data" in source:
+        options = contents.read_details(source, "data/")
+    else:
+        dimension = _integer(source, f"{group}/spacedim") - 1
+        if dimension not in (1, 2):
+            raise ParameterError(f"{group}/spacedim", f"must be 2 or 3, got {dimension + 1}")
+        options = contents.read_coefficients(source, f"{group}/vectors/mu", free.size, dimension)
+    return contents.built(delassus, bodies, free, options, keys)
+
+
+def _free_velocity(source: _Group, bodies: contents.Bodies) -> NDArray[np.float64]:
+    """Return b = Wᵀ M⁻¹ f + w."""
+    force = contents.numbers(source, "fclib_global/vectors/f")
+    gap = contents.numbers(source, "fclib_global/vectors/w")
+    for values, size, name in (
+        (force, bodies.directions.shape[0], "f"),
+        (gap, bodies.directions.shape[1], "w"),
+    ):
+        if values.size != size:
+            raise ParameterError(
+                f"fclib_global/vectors/{name}", f"must have {size} entries, has {values.size}"
+            )
+    mass = operator.checked_mass(bodies.mass)
+    free: NDArray[np.float64] = bodies.directions.T @ (operator.inverse(mass) @ force) + gap
+    return free
+
+
+def _write(
+    file: Any, group: str, matrices: dict[str, csr_array], vectors: dict[str, NDArray[Any]]
+) -> None:
+    for name, matrix in matrices.items():
+        parts = {"nzmax": matrix.nnz, "m": matrix.shape[0], "n": matrix.shape[1], "nz": _ROWS}
+        for part, value in parts.items():
+            file[f"{group}/{name}/{part}"] = np.array([value], np.int32)
+        file[f"{group}/{name}/p"] = matrix.indptr.astype(np.int32)
+        file[f"{group}/{name}/i"] = matrix.indices.astype(np.int32)
+        file[f"{group}/{name}/x"] = matrix.data
+    for name, values in vectors.items():
+        file[f"{group}/vectors/{name}"] = values
+
+
+def _read(source: _Group, name: str) -> csr_array:
+    shape = _integer(source, f"{name}/m"), _integer(source, f"{name}/n")
+    form = _integer(source, f"{name}/nz")
+    first = contents.integers(source, f"{name}/p")
+    second = contents.integers(source, f"{name}/i")
+    values = contents.numbers(source, f"{name}/x")
+    if form == _ROWS:
+        return contents.matrix((values, second, first), shape, "csr", name)
+    if form == _COLUMNS:
+        return contents.matrix((values, second, first), shape, "csc", name)
+    if form < _ROWS:
+        raise ParameterError(f"{name}/nz", f"must be -2, -1 or a number of entries, got {form}")
+    return contents.matrix((values[:form], (first, second)), shape, "coo", name)
+
+
+def _integer(source: _Group, key: str) -> int:
+    found = source[key]
+    if found.size != 1 or found.dtype.kind not in "iu":
+        raise ParameterError(key, f"must be an integer, is {found.dtype} {found.shape}")
+    return int(found.reshape(-1)[0])

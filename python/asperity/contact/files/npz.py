@@ -1,0 +1,100 @@
+"""Contact problems in ``.npz`` files of NumPy."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._files import atomic
+from asperity.contact import operator
+from asperity.contact.files import contents
+from asperity.contact.problem import ContactProblem
+from asperity.errors import ParameterError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+_KEYS = {"delassus": "W", "free_velocity": "q", "mass": "M", "directions": "H"}
+
+
+class _Archive:
+    """An open file whose errors name the key."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            opened = np.load(path, allow_pickle=False)
+        except (ValueError, EOFError, zipfile.BadZipFile) as error:
+            raise ParameterError("path", f"must be an .npz file: {path}: {error}") from None
+        if not isinstance(opened, np.lib.npyio.NpzFile):
+            raise ParameterError("path", f"must be an .npz file with keys, {path} is one array")
+        self.file, self.path = opened, path
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.file
+
+    def __getitem__(self, key: str) -> NDArray[Any]:
+        if key not in self.file:
+            raise ParameterError(key, f"is missing in {self.path}")
+        try:
+            return np.asarray(self.file[key])
+        except (ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            raise ParameterError(key, f"cannot be read from {self.path}: {error}") from None
+
+
+def save(problem: ContactProblem, path: Path) -> None:
+    """Write a problem."""
+    arrays = {**_written(operator.as_sparse(problem.delassus), "W"), "q": problem.free_velocity}
+    mu = contents.coefficients(problem)
+    if mu is not None and problem.laws[0].dimension == 2:
+        arrays["mu"] = mu
+    else:
+        arrays.update(contents.details(problem))
+    if problem.mass is not None and problem.directions is not None:
+        arrays.update(_written(problem.mass, "M"))
+        arrays.update(_written(problem.directions, "H"))
+        arrays["f"], arrays["b"] = np.zeros(problem.mass.shape[0]), problem.free_velocity
+    with atomic(path) as file:
+        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+
+
+def load(path: Path) -> ContactProblem:
+    """Read a problem."""
+    source = _Archive(path)
+    with source.file:
+        delassus, free = _read(source, "W"), contents.numbers(source, "q")
+        if "mu" in source or "laws" not in source:
+            options = contents.read_coefficients(source, "mu", free.size, 2)
+        else:
+            options = contents.read_details(source)
+        bodies = None
+        if "M_data" in source:
+            bodies = contents.Bodies(_read(source, "M"), _read(source, "H"))
+        return contents.built(delassus, bodies, free, options, _KEYS)
+
+
+def _written(matrix: csr_array, name: str) -> dict[str, NDArray[Any]]:
+    large = max(*matrix.shape, matrix.nnz) > np.iinfo(np.int32).max
+    index = np.int64 if large else np.int32
+    return {
+        f"{name}_data": matrix.data,
+        f"{name}_indices": matrix.indices.astype(index),
+        f"{name}_indptr": matrix.indptr.astype(index),
+        f"{name}_shape": np.array(matrix.shape, dtype=np.int64),
+    }
+
+
+def _read(source: _Archive, name: str) -> csr_array:
+    shape = contents.integers(source, f"{name}_shape")
+    if shape.size != 2:
+        raise ParameterError(f"{name}_shape", f"must hold two numbers, has {shape.size}")
+    parts = (
+        contents.numbers(source, f"{name}_data"),
+        contents.integers(source, f"{name}_indices"),
+        contents.integers(source, f"{name}_indptr"),
+    )
+    return contents.matrix(parts, (int(shape[0]), int(shape[1])), "csr", name)

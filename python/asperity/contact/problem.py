@@ -1,0 +1,343 @@
+"""The one-step contact problem: Delassus operator, free velocities and laws in, percussions out."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.contact import operator
+from asperity.contact.arguments import fractions, listed_laws, normal_forces, sizes
+from asperity.contact.certificate import Certificate
+from asperity.contact.solution import ContactSolution, LocalSolution
+from asperity.errors import ConvergenceError, DimensionError, NoSolutionError, ParameterError
+from asperity.law import FrictionLaw
+from asperity.solvers import Solver, chosen
+from asperity.status import Status
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array, sparray, spmatrix
+
+Measure = Literal["contact", "global"]
+
+
+class ContactProblem(Value):
+    """Find percussions P with ξ = G P + b + e∘γ_B, ξ_N ∈ N_{R₀⁻}(−P_N), ξ_T ∈ N_D(−αP_T).
+
+    Rows come contact by contact: the normal row first where the contact is unilateral, then the p
+    tangential rows. Nothing in the problem knows the mechanical system.
+
+    Args:
+        delassus: G = [W_N W]ᵀ M⁻¹ [W_N W] in 1/kg, shape ``(rows, rows)``; need not be symmetric.
+            Any sparse array or matrix of SciPy is kept as a ``csr_array`` with sorted columns.
+            ``None`` if `mass` and `directions` tell it.
+        free_velocity: b, the velocities without percussions in m/s, shape ``(rows,)``.
+        laws: one law per contact, or one law for all, of dimension p = 1, 2 or 3.
+        normal_force: prescribed normal percussions P_N ≥ 0 in N s: a number for all contacts, or
+            one entry per contact, ``None`` meaning unilateral. Default: all unilateral.
+        normal_restitution: e_N in [0, 1], a number or shape ``(contacts,)``.
+        tangential_restitution: e_T in [0, 1], a number or shape ``(contacts,)``.
+        initial_velocity: γ_B before the step in m/s, shape ``(rows,)``, for restitution.
+        mass: M of the bodies, see `from_bodies`.
+        directions: [W_N W] of the bodies, see `from_bodies`.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    Reference: [WL19] (19), (55).
+
+    >>> from asperity import ContactProblem, FrictionLaw
+    >>> problem = ContactProblem(
+    ...     [[1.0, 0.0], [0.0, 1.0]], [3.0, 4.0], FrictionLaw.isotropic(0.5), normal_force=1.0
+    ... )
+    >>> solution = problem.solve()
+    >>> solution.status, solution.percussion.round(12).tolist()
+    (Status.CONVERGED, [-0.3, -0.4])
+    """
+
+    free_velocity: Array
+    laws: tuple[FrictionLaw, ...]
+    normal_force: tuple[float | None, ...]
+    normal_restitution: Array
+    tangential_restitution: Array
+    initial_velocity: Array
+    mass: csr_array | None
+    directions: csr_array | None
+    _core: _core.Problem
+
+    def __init__(
+        self,
+        delassus: ArrayLike | sparray | spmatrix | None,
+        free_velocity: ArrayLike,
+        laws: FrictionLaw | Sequence[FrictionLaw],
+        *,
+        normal_force: float | Sequence[float | None] | None = None,
+        normal_restitution: ArrayLike = 0.0,
+        tangential_restitution: ArrayLike = 0.0,
+        initial_velocity: ArrayLike | None = None,
+        mass: ArrayLike | sparray | spmatrix | None = None,
+        directions: ArrayLike | sparray | spmatrix | None = None,
+    ) -> None:
+        free = _arrays.array(free_velocity, "free_velocity", (None,))
+        chosen_laws = listed_laws(laws, free.size, normal_force)
+        contacts = len(chosen_laws)
+        normal = normal_forces(normal_force, contacts)
+        rows = sum(sizes(chosen_laws, normal))
+        free = _arrays.array(free, "free_velocity", (rows,))
+        initial = np.zeros(rows) if initial_velocity is None else initial_velocity
+        self._set(
+            **operator.parameters(delassus, mass, directions, rows),
+            free_velocity=_arrays.read_only(free),
+            laws=chosen_laws,
+            normal_force=normal,
+            normal_restitution=fractions(normal_restitution, "normal_restitution", contacts),
+            tangential_restitution=fractions(
+                tangential_restitution, "tangential_restitution", contacts
+            ),
+            initial_velocity=_arrays.read_only(_arrays.array(initial, "initial_velocity", (rows,))),
+        )
+        core = _core.Problem(
+            operator.for_core(self._parameters["delassus"], self.mass, self.directions),
+            self.free_velocity,
+            [law._core for law in chosen_laws],
+            list(normal),
+            self.normal_restitution,
+            self.tangential_restitution,
+            self.initial_velocity,
+        )
+        self._keep(_core=core)
+
+    @classmethod
+    def from_bodies(
+        cls,
+        mass: ArrayLike | sparray | spmatrix,
+        directions: ArrayLike | sparray | spmatrix,
+        free_velocity: ArrayLike,
+        laws: FrictionLaw | Sequence[FrictionLaw],
+        *,
+        delassus: ArrayLike | sparray | spmatrix | None = None,
+        **options: Any,
+    ) -> Self:
+        """Make the problem with G = WᵀM⁻¹W of the bodies, W = [W_N W].
+
+        Solvers that factor matrices then choose between a matrix over the bodies and one over the
+        contacts: many contacts of few bodies are solved several times faster.
+
+        Args:
+            mass: M in kg and kg m², sparse, symmetric, positive definite, block-diagonal with
+                small blocks; shape ``(n, n)``.
+            directions: W, sparse, shape ``(n, rows)``: the equation of motion's, not Wᵀ.
+            free_velocity: b in m/s, shape ``(rows,)``, best within the range of Wᵀ: contacts of
+                which one alone would do are hard to solve where it is not.
+            laws: as for the class.
+            delassus: G if it is known; default: assembled.
+            options: ``normal_force`` and what follows, as for the class.
+
+        Raises:
+            DimensionError, ParameterError: naming the argument.
+
+        >>> import numpy as np
+        >>> from asperity import ContactProblem, FrictionLaw
+        >>> free, law = [-1.0, 0.1, 0.1], FrictionLaw.isotropic(0.3)
+        >>> block = ContactProblem.from_bodies(2.0 * np.eye(3), np.eye(3), free, law)
+        >>> block.solve().percussion.round(12).tolist(), block.delassus.diagonal().tolist()
+        ([2.0, -0.2, -0.2], [0.5, 0.5, 0.5])
+        """
+        return cls(delassus, free_velocity, laws, mass=mass, directions=directions, **options)
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some parameters changed.
+
+        A new `delassus` forgets the bodies, and new bodies forget the old `delassus`.
+        """
+        if "delassus" in changes:
+            changes = {"mass": None, "directions": None, **changes}
+        elif "mass" in changes or "directions" in changes:
+            changes = {"delassus": None, **changes}
+        return super().replace(**changes)
+
+    @cached_property
+    def delassus(self) -> Array | csr_array:
+        """The Delassus operator G in 1/kg, shape ``(rows, rows)``; of bodies, assembled."""
+        given: Array | csr_array | None = self._parameters["delassus"]
+        if given is not None:
+            return given
+        return operator.assembled(self._parameters["mass"], self._parameters["directions"])
+
+    @property
+    def row_slices(self) -> tuple[slice, ...]:
+        """The rows of each contact."""
+        rows = sizes(self.laws, self.normal_force)
+        ends = np.cumsum(rows).tolist()
+        return tuple(slice(end - size, end) for size, end in zip(rows, ends, strict=True))
+
+    def solve(
+        self,
+        solver: Solver | None = None,
+        *,
+        tolerance: float = 1e-10,
+        time_limit: float | None = None,
+        on_failure: str = "raise",
+        start: ContactSolution | None = None,
+        measure: Measure = "contact",
+    ) -> ContactSolution:
+        """Solve the problem.
+
+        Args:
+            solver: default `Auto`.
+            tolerance: largest admissible value of the measure.
+            time_limit: in s; default none.
+            on_failure: ``"raise"`` or ``"record"``: return the best iterate with its status.
+            start: previous solution, the start of the iteration and of the rule of selection.
+            measure: what has to meet the tolerance: ``"contact"``, the largest relative defect of
+                a contact (`residual`), or ``"global"``, that of the whole problem (`natural_map`).
+
+        Returns:
+            The solution; its measures are computed independently of the solver.
+
+        Raises:
+            NoSolutionError: if a contact has no solution at all (Painlevé).
+            ConvergenceError: if the tolerance is not reached.
+        """
+        _arrays.choice(on_failure, "on_failure", ("raise", "record"))
+        found = self._core.solve(
+            chosen(solver)._core,
+            _arrays.positive(tolerance, "tolerance"),
+            None if time_limit is None else _arrays.positive(time_limit, "time_limit"),
+            None if start is None else self._start(start),
+            _arrays.choice(measure, "measure", ("contact", "global")),
+        )
+        solution = ContactSolution._of(found)
+        if on_failure == "raise" and not solution.converged:
+            raise _failure(solution, measure)
+        return solution
+
+    def residual(self, percussion: ArrayLike) -> float:
+        """Return the natural-map residual of percussions, the largest over the contacts.
+
+        The defects P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ), z = −αP, of a contact,
+        ρ = rows/tr G of its own block, are taken relative to its percussion and ρ times its loads:
+        independent of units and of the other contacts' sizes ([WL19] (12), (69)).
+
+        Args:
+            percussion: in N s, shape ``(rows,)``.
+
+        >>> from asperity import ContactProblem, FrictionLaw
+        >>> law = FrictionLaw.isotropic(0.3, dimension=1)
+        >>> problem = ContactProblem([[1.0]], [0.5], law, normal_force=1.0)
+        >>> problem.residual([-0.3]) < 1e-12 < problem.residual([-0.2])
+        True
+        """
+        return self._core.residual(self._percussion(percussion))[0]
+
+    def natural_map(self, percussion: ArrayLike) -> float:
+        """Return the natural map of the whole problem, ‖P − proj(P − ρξ)‖/max(‖P‖, ρ‖b‖).
+
+        ρ = rows/tr G of the whole operator. Isotropic unilateral contacts are projected onto their
+        cones, with μ‖ξ_T‖ added to ξ_N (De Saxcé); others have the defects of `residual`. It is
+        the measure in which engines are compared, and it lets a contact of small percussions be
+        far off next to one of large ones.
+
+        Args:
+            percussion: in N s, shape ``(rows,)``.
+
+        Reference: [AcaryBremondHuber2018].
+
+        >>> import numpy as np
+        >>> from asperity import ContactProblem, FrictionLaw
+        >>> problem = ContactProblem(np.eye(3), [-1.0, 3.0, 4.0], FrictionLaw.isotropic(0.5))
+        >>> problem.natural_map([1.0, -0.3, -0.4]) < 1e-12
+        True
+        """
+        return self._core.natural_map(self._percussion(percussion))
+
+    def certificate(self, percussion: ArrayLike) -> Certificate:
+        """Return what is left of the contact laws at given percussions, in physical units.
+
+        Args:
+            percussion: in N s, shape ``(rows,)``.
+        """
+        return Certificate(**self._core.certificate(self._percussion(percussion)))
+
+    def spectrum(self) -> tuple[float, float]:
+        """Return estimates of the smallest and largest eigenvalue of ½(G + Gᵀ) in 1/kg."""
+        return self._core.spectrum()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the problem to a file, which `load` reads.
+
+        Args:
+            path: ending in ``.npz``, or in ``.hdf5`` or ``.h5`` for the layout of FCLIB, which
+                needs ``pip install 'asperity[data]'``. What both formats hold:
+                `asperity.contact.files`.
+        """
+        from asperity.contact.files import save
+
+        save(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> ContactProblem:
+        """Read a problem from a file.
+
+        Args:
+            path: ending in ``.npz``, ``.hdf5`` or ``.h5``.
+
+        Raises:
+            ParameterError: naming the key that is missing or wrong.
+        """
+        from asperity.contact.files import load
+
+        return load(path)
+
+    def solutions(self, contact: int, percussion: ArrayLike | None = None) -> list[LocalSolution]:
+        """Return all solutions of one contact, the percussions of the others held.
+
+        Args:
+            contact: its number, from 0; the plane (p = 2) or the line (p = 1).
+            percussion: held percussions in N s, shape ``(rows,)``; default zeros. The rows of
+                `contact` itself do not matter.
+
+        Returns:
+            Open, stick, then slip solutions by increasing direction of slip.
+
+        >>> from asperity import ContactProblem, FrictionLaw
+        >>> problem = ContactProblem(
+        ...     [[1.0, 0.0], [0.0, 1.0]], [0.2, 0.0], FrictionLaw.isotropic(0.3), normal_force=1.0
+        ... )
+        >>> [solution.phase for solution in problem.solutions(0)]
+        [Phase.STICK]
+        """
+        number = _arrays.count(contact, "contact", 0)
+        if number >= len(self.laws):
+            raise ParameterError("contact", f"must be below {len(self.laws)}, got {number}")
+        held = np.zeros(self.free_velocity.size) if percussion is None else percussion
+        found = self._core.solutions(number, self._percussion(held))
+        return [LocalSolution(**solution) for solution in found]
+
+    def _percussion(self, percussion: ArrayLike) -> Array:
+        return _arrays.array(percussion, "percussion", (self.free_velocity.size,))
+
+    def _start(self, start: ContactSolution) -> tuple[Array, list[int], Array]:
+        if not isinstance(start, ContactSolution):
+            raise ParameterError("start", f"must be a ContactSolution, got {start!r}")
+        if start.percussion.shape != self.free_velocity.shape or len(start.phase) != len(self.laws):
+            raise DimensionError("start", "must be a solution of a problem with the same rows")
+        return start.percussion, start.phase.tolist(), start.velocity
+
+
+def _failure(solution: ContactSolution, measure: Measure) -> ConvergenceError:
+    status = solution.status
+    kind = NoSolutionError if status is Status.NO_SOLUTION else ConvergenceError
+    return kind(
+        status.message,
+        contact=solution.worst_contact,
+        residual=solution.residual if measure == "contact" else solution.natural_map,
+        advice=status.advice,
+    )

@@ -1,0 +1,171 @@
+"""Outcome of a solve."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.contact.certificate import Certificate
+from asperity.errors import ParameterError
+from asperity.status import Phase, Status
+
+_STATUS = {status.value: status for status in Status}
+
+
+class Stage(Value):
+    """One method's part of a solve, see `ContactSolution.stages`.
+
+    Attributes:
+        method: its name.
+        iterations: sweeps or iterations.
+        factorizations: matrices factored.
+        residual: at its end, by the measure of the solve.
+    """
+
+    method: str
+    iterations: int
+    factorizations: int
+    residual: float
+
+    def __init__(self, method: str, iterations: int, factorizations: int, residual: float) -> None:
+        self._set(
+            method=str(method),
+            iterations=int(iterations),
+            factorizations=int(factorizations),
+            residual=float(residual),
+        )
+
+
+class ContactSolution(Value):
+    """Outcome of `ContactProblem.solve`.
+
+    Attributes:
+        percussion: P_N and P of all contacts in the problem's row order, in N s.
+        velocity: G P + b, the velocities after the step in m/s.
+        phase: `Phase` of each contact as integers.
+        status: how the solve ended; ``status.advice`` says what to try.
+        residual: `ContactProblem.residual` of `percussion`, the largest over the contacts.
+        iterations: sweeps or iterations used, those of all stages.
+        ambiguous_contacts: whether each contact had several solutions, the others held.
+        worst_contact: contact with the largest residual.
+        natural_map: `ContactProblem.natural_map` of `percussion`, of the whole problem.
+        stages: what each method of the solver did, in order.
+        certificate: what is left of the contact laws, in physical units.
+
+    Neither measure nor certificate comes from the solver: each is computed from the percussions.
+    """
+
+    percussion: Array
+    velocity: Array
+    phase: NDArray[np.int64]
+    status: Status
+    residual: float
+    iterations: int
+    ambiguous_contacts: NDArray[np.bool_]
+    worst_contact: int
+    natural_map: float
+    _found: dict[str, Any]
+
+    def __init__(
+        self,
+        percussion: ArrayLike,
+        velocity: ArrayLike,
+        phase: ArrayLike,
+        status: Status,
+        residual: float,
+        iterations: int,
+        ambiguous_contacts: ArrayLike,
+        worst_contact: int,
+        natural_map: float,
+        stages: Sequence[Stage],
+        certificate: Certificate,
+    ) -> None:
+        for stage in stages:
+            if not isinstance(stage, Stage):
+                raise ParameterError("stages", f"must be a sequence of Stage, got {stage!r}")
+        if not isinstance(certificate, Certificate):
+            raise ParameterError("certificate", f"must be a Certificate, got {certificate!r}")
+        self._keep(
+            percussion=_arrays.read_only(np.asarray(percussion, dtype=np.float64)),
+            velocity=_arrays.read_only(np.asarray(velocity, dtype=np.float64)),
+            phase=_arrays.read_only(np.asarray(phase, dtype=np.int64)),
+            status=Status(status),
+            residual=float(residual),
+            iterations=int(iterations),
+            ambiguous_contacts=_arrays.read_only(np.asarray(ambiguous_contacts, dtype=np.bool_)),
+            worst_contact=int(worst_contact),
+            natural_map=float(natural_map),
+            stages=tuple(stages),
+            certificate=certificate,
+        )
+
+    @classmethod
+    def _of(cls, found: dict[str, Any]) -> Self:
+        """Wrap what the core found, without copies: a step of one contact takes microseconds."""
+        found["status"] = _STATUS[found["status"]]
+        found["ambiguous_contacts"] = found.pop("ambiguous")
+        for name in ("percussion", "velocity", "phase", "ambiguous_contacts"):
+            found[name].setflags(write=False)
+        made = cls.__new__(cls)
+        attributes = made.__dict__
+        attributes.update(found)
+        attributes["_found"] = {name: attributes.pop(name) for name in ("stages", "certificate")}
+        return made
+
+    @cached_property
+    def stages(self) -> tuple[Stage, ...]:
+        """What each method of the solver did, in order."""
+        return tuple(Stage(*stage) for stage in self._found["stages"])
+
+    @cached_property
+    def certificate(self) -> Certificate:
+        """What is left of the contact laws at these percussions."""
+        return Certificate(**self._found["certificate"])
+
+    @cached_property
+    def _parameters(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in inspect.signature(type(self)).parameters}
+
+    @property
+    def ambiguous(self) -> bool:
+        """Whether some contact had several solutions."""
+        return bool(self.ambiguous_contacts.any())
+
+    @property
+    def converged(self) -> bool:
+        """Whether the tolerance was reached."""
+        return self.status is Status.CONVERGED
+
+
+class LocalSolution(Value):
+    """One solution of a single contact, see `ContactProblem.solutions`.
+
+    Attributes:
+        phase: open, stick or slip.
+        percussion: the contact's rows, in N s.
+        velocity: the contact's rows, in m/s.
+        degenerate: whether the solution is a double root or one of a continuum.
+    """
+
+    phase: Phase
+    percussion: Array
+    velocity: Array
+    degenerate: bool
+
+    def __init__(
+        self, phase: Phase, percussion: ArrayLike, velocity: ArrayLike, degenerate: bool = False
+    ) -> None:
+        self._set(
+            phase=Phase(phase),
+            percussion=_arrays.read_only(np.asarray(percussion, dtype=np.float64)),
+            velocity=_arrays.read_only(np.asarray(velocity, dtype=np.float64)),
+            degenerate=bool(degenerate),
+        )

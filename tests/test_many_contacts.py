@@ -1,0 +1,216 @@
+"""Random problems of 10 to 100 contacts with all kinds of laws, bodies and contacts."""
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity.grading import natural_map
+from samples import CORNERED_LAWS, LINE_LAWS, PLANE_LAWS, SPACE_LAWS
+from scipy.sparse import block_diag, csr_array
+
+LAWS = [*PLANE_LAWS, *CORNERED_LAWS, *LINE_LAWS, *SPACE_LAWS]
+ASSOCIATED = [law for law in LAWS if law.is_associated]
+TOLERANCE = 1e-8
+GRAVITY = np.array([0.0, 0.0, -9.81, 0.0, 0.0, 0.0])
+
+
+def rotation(rng, tilt):
+    """Frame (n, t₁, t₂) whose normal is at most `tilt` from e₃."""
+    angle, turn = tilt * rng.random(), 2 * np.pi * rng.random()
+    normal = np.array([np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), np.cos(angle)])
+    first = np.cross(normal, rng.normal(size=3))
+    first /= np.linalg.norm(first)
+    return np.array([normal, first, np.cross(normal, first)])
+
+
+def rows_of_contact(frame, lever, p, unilateral):
+    """Rows of Wᵀ for a body: relative velocity of its point, with the spin for p = 3."""
+    arm = np.array([[0, lever[2], -lever[1]], [-lever[2], 0, lever[0]], [lever[1], -lever[0], 0]])
+    point = np.hstack([frame, frame @ arm])
+    spin = np.hstack([np.zeros(3), 0.05 * frame[0]])
+    rows = [point[1], point[2], spin][:p]
+    return np.array([point[0], *rows] if unilateral else rows)
+
+
+def pile(rng, laws, contacts, per_pair, unilateral=0.8):
+    """Bodies on the ground and on each other; every contact pushes its upper body upwards.
+
+    `per_pair` contacts act between the same two bodies: from three on they cannot be told apart.
+    Free velocities are those of bodies that fall and move, so that a solution exists.
+    """
+    bodies = -(-contacts // per_pair)
+    mass = rng.uniform(0.5, 2.0, size=bodies)
+    blocks = []
+    for m in mass:
+        root = rng.normal(size=(3, 3))
+        inertia = 0.02 * m * (root @ root.T + 2 * np.eye(3))
+        blocks.append(np.block([[m * np.eye(3), np.zeros((3, 3))], [np.zeros((3, 3)), inertia]]))
+    chosen, forces, rows = [], [], []
+    for k in range(contacts):
+        upper = k // per_pair
+        lower = int(rng.integers(-1, upper)) if rng.random() < 0.5 else -1
+        law = laws[int(rng.integers(len(laws)))]
+        closed = bool(rng.random() < unilateral)
+        frame = rotation(rng, tilt=0.3)
+        chosen.append(law)
+        forces.append(None if closed else float(rng.uniform(0.01, 0.1)))
+        for body, sign in ((upper, 1.0), (lower, -1.0)):
+            lever = rng.uniform(-0.3, 0.3, size=3) - sign * np.array([0.0, 0.0, 0.2])
+            part = sign * rows_of_contact(frame, lever, law.dimension, closed)
+            if sign > 0.0:
+                block = np.zeros((len(part), 6 * bodies))
+            if body >= 0:
+                block[:, 6 * body : 6 * body + 6] += part
+        rows.append(block)
+    directions = csr_array(np.vstack(rows).T)
+    velocity = np.tile(0.01 * GRAVITY, bodies) + 0.05 * rng.normal(size=6 * bodies)
+    return asp.ContactProblem.from_bodies(
+        block_diag(blocks, format="csr"),
+        directions,
+        directions.T @ velocity,
+        chosen,
+        normal_force=forces,
+    )
+
+
+def solve_and_check(problem):
+    solution = problem.solve(tolerance=TOLERANCE, time_limit=20.0, on_failure="record")
+    if solution.converged:
+        assert problem.residual(solution.percussion) <= TOLERANCE
+        certificate = solution.certificate
+        size = max(np.abs(solution.percussion).max(), np.abs(solution.velocity).max())
+        assert certificate.tension <= 1e-6 * size
+        assert certificate.penetration_velocity <= 1e-5 * size
+        assert certificate.cone_violation <= 1e-5 * size
+    return solution
+
+
+def mixed(seed):
+    """Problem number `seed`: from well-conditioned to four contacts where one would do."""
+    rng = np.random.default_rng(seed)
+    contacts = int(rng.integers(10, 101))
+    return pile(rng, LAWS, contacts, per_pair=1 + seed % 4)
+
+
+@pytest.mark.parametrize("first", range(0, 60, 10))
+def test_mixed_problems_are_solved(first):
+    unsolved = [
+        seed for seed in range(first, first + 10) if not solve_and_check(mixed(seed)).converged
+    ]
+    assert unsolved == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("first", range(0, 1000, 50))
+def test_a_thousand_mixed_problems_are_solved(first):
+    unsolved = [
+        seed for seed in range(first, first + 50) if not solve_and_check(mixed(seed)).converged
+    ]
+    assert unsolved == []
+
+
+def full_rank(rng, laws, contacts):
+    """Prescribed normal forces and a regular G: with associated laws the solution is unique.
+
+    It minimises ½PᵀGP + bᵀP over all −P in P_N C, a strictly convex function over a convex set.
+    """
+    chosen = [laws[int(rng.integers(len(laws)))] for _ in range(contacts)]
+    rows = sum(law.dimension for law in chosen)
+    jacobian = rng.normal(size=(rows, 2 * rows))
+    return asp.ContactProblem(
+        csr_array(jacobian @ jacobian.T / rows),
+        rng.normal(size=rows),
+        chosen,
+        normal_force=rng.uniform(0.2, 2.0, size=contacts),
+    )
+
+
+SOLVERS = [asp.Auto(), asp.Exact(), asp.ProxGaussSeidel(), asp.ProximalPoint()]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_solvers_agree_where_the_solution_is_unique(seed):
+    rng = np.random.default_rng(1000 + seed)
+    problem = full_rank(rng, ASSOCIATED, int(rng.integers(10, 40)))
+    solutions = [problem.solve(solver, tolerance=1e-10) for solver in SOLVERS]
+    size = np.abs(solutions[0].percussion).max()
+    for solution in solutions[1:]:
+        np.testing.assert_allclose(
+            solution.percussion, solutions[0].percussion, rtol=0, atol=1e-7 * size
+        )
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_unique_solution_is_the_minimum(seed):
+    """No admissible percussions have less ½PᵀGP + bᵀP."""
+    rng = np.random.default_rng(2000 + seed)
+    problem = full_rank(rng, ASSOCIATED, 12)
+
+    def energy(percussion):
+        return (
+            0.5 * percussion @ (problem.delassus @ percussion) + problem.free_velocity @ percussion
+        )
+
+    best = problem.solve().percussion
+    for _ in range(200):
+        other = np.concatenate(
+            [
+                -force
+                * law.reservoir.project(-best[rows] / force + 0.3 * rng.normal(size=law.dimension))
+                for law, force, rows in zip(
+                    problem.laws, problem.normal_force, problem.row_slices, strict=True
+                )
+            ]
+        )
+        assert energy(other) >= energy(best) - 1e-9
+
+
+@pytest.mark.parametrize("solver", [asp.Exact(), asp.ProximalPoint(), asp.Auto()])
+def test_dense_sparse_and_bodies_are_one_problem(solver):
+    rng = np.random.default_rng(5)
+    bodies = pile(rng, LAWS, 12, per_pair=1)
+    sparse = bodies.replace(delassus=bodies.delassus)
+    dense = bodies.replace(delassus=bodies.delassus.toarray())
+    assert sparse.mass is None
+    percussion = rng.normal(size=bodies.free_velocity.size)
+    for other in (sparse, dense):
+        assert other.residual(percussion) == pytest.approx(bodies.residual(percussion))
+        assert other.natural_map(percussion) == pytest.approx(bodies.natural_map(percussion))
+    velocities = [
+        problem.solve(solver, tolerance=1e-9).velocity for problem in (bodies, sparse, dense)
+    ]
+    for velocity in velocities[1:]:
+        np.testing.assert_allclose(velocity, velocities[0], atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_many_isotropic_contacts_by_the_measure_of_other_engines(seed):
+    rng = np.random.default_rng(seed)
+    law = asp.FrictionLaw.isotropic(0.6)
+    problem = pile(rng, [law], 100, per_pair=4, unilateral=1.0)
+    assert np.linalg.matrix_rank(problem.delassus.toarray()) < problem.free_velocity.size
+    solution = problem.solve(tolerance=TOLERANCE, measure="global", time_limit=20.0)
+    assert solution.natural_map <= TOLERANCE
+    assert natural_map(problem, solution.percussion) <= 1.01 * TOLERANCE
+    # Bodies obey M v⁺ = M v + W P.
+    bodies = np.linalg.solve(problem.mass.toarray(), problem.directions @ solution.percussion)
+    np.testing.assert_allclose(
+        problem.directions.T @ bodies + problem.free_velocity, solution.velocity, atol=1e-9
+    )
+
+
+def test_extreme_eigenvalues_are_estimated():
+    problem = full_rank(np.random.default_rng(1), ASSOCIATED, 10)
+    values = np.linalg.eigvalsh(problem.delassus.toarray())
+    low, high = problem.spectrum()
+    assert high == pytest.approx(values[-1], rel=0.1)
+    assert low == pytest.approx(values[0], rel=0.5, abs=0.01 * high)
+
+
+def test_same_input_same_bits_on_any_number_of_threads():
+    problem = mixed(3)
+    first, second, threaded = (
+        problem.solve(asp.Auto(threads=threads), tolerance=TOLERANCE, on_failure="record")
+        for threads in (1, 1, 2)
+    )
+    assert first == second
+    np.testing.assert_array_equal(first.percussion, threaded.percussion)

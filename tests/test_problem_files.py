@@ -1,0 +1,380 @@
+"""Files of contact problems: round trips, the layouts other engines read, errors that name keys."""
+
+import json
+import sys
+from importlib.util import find_spec
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import DimensionError, ParameterError
+from asperity.contact.files import FRICTIONLESS
+from samples import LAWS, TILTED_ELLIPSES, random_problem
+from scipy.sparse import block_diag, csc_array, csr_array, random_array
+
+DISK = asp.FrictionLaw.isotropic(0.5)
+needs_h5py = pytest.mark.skipif(find_spec("h5py") is None, reason="needs h5py")
+SUFFIXES = [".npz", *(pytest.param(suffix, marks=needs_h5py) for suffix in (".h5", ".hdf5"))]
+
+every_format = pytest.mark.parametrize("suffix", SUFFIXES)
+
+
+def blocks(rng, bodies):
+    """Mass matrix of bodies with six coordinates each."""
+    factors = rng.normal(size=(bodies, 6, 6))
+    return block_diag([a @ a.T + np.eye(6) for a in factors], format="csr")
+
+
+def plain(law=DISK, contacts=4):
+    rng = np.random.default_rng(7)
+    rows = contacts * (law.dimension + 1)
+    root = rng.normal(size=(rows, rows))
+    return asp.ContactProblem(csr_array(root @ root.T), rng.normal(size=rows), law)
+
+
+def of_bodies(law=DISK, **options):
+    rng = np.random.default_rng(8)
+    directions = random_array((12, 9), density=0.4, rng=rng) + np.eye(12, 9)
+    free = directions.T @ rng.normal(size=12)
+    return asp.ContactProblem.from_bodies(blocks(rng, 2), directions, free, law, **options)
+
+
+def with_everything():
+    """All laws, restitution, prescribed forces."""
+    rng = np.random.default_rng(9)
+    problem = random_problem(rng, LAWS, 3 * len(LAWS), rng.random(3 * len(LAWS)) < 0.5)
+    contacts, rows = len(problem.laws), problem.free_velocity.size
+    return problem.replace(
+        delassus=csr_array(problem.delassus),
+        normal_restitution=rng.random(contacts),
+        tangential_restitution=rng.random(contacts),
+        initial_velocity=rng.normal(size=rows),
+    )
+
+
+PROBLEMS = {
+    "plain": plain(),
+    "plane": plain(asp.FrictionLaw.isotropic(0.3, dimension=1)),
+    "drilling": plain(asp.FrictionLaw.associated(asp.CoulombContensou(0.3))),
+    "mixed": plain().replace(laws=[DISK, asp.FrictionLaw.isotropic(0.1)] * 2),
+    "extended": plain(TILTED_ELLIPSES),
+    "restitution": plain().replace(normal_restitution=0.5, initial_velocity=np.ones(12)),
+    "initial": plain().replace(initial_velocity=np.ones(12)),
+    "everything": with_everything(),
+}
+
+
+@every_format
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_round_trip_keeps_every_bit(tmp_path, name, suffix):
+    path = tmp_path / f"problem{suffix}"
+    PROBLEMS[name].save(path)
+    assert asp.ContactProblem.load(path) == PROBLEMS[name]
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
+
+
+@every_format
+def test_a_dense_operator_comes_back_sparse(tmp_path, suffix):
+    problem = plain()
+    path = tmp_path / f"problem{suffix}"
+    problem.replace(delassus=problem.delassus.toarray()).save(path)
+    assert asp.ContactProblem.load(path) == problem
+
+
+@every_format
+@pytest.mark.parametrize("law", [DISK, TILTED_ELLIPSES])
+def test_bodies_come_back(tmp_path, law, suffix):
+    problem = of_bodies(law)
+    path = tmp_path / f"problem{suffix}"
+    problem.save(path)
+    read = asp.ContactProblem.load(path)
+    for name in ("mass", "directions", "delassus"):
+        assert (getattr(read, name) != getattr(problem, name)).nnz == 0
+    np.testing.assert_array_equal(read.free_velocity, problem.free_velocity)
+    read.save(path)
+    assert asp.ContactProblem.load(path) == read
+    np.testing.assert_allclose(
+        read.solve(tolerance=1e-9).velocity, problem.solve(tolerance=1e-9).velocity, atol=1e-7
+    )
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: repr(law)[:40])
+def test_every_law_comes_back(tmp_path, law):
+    size = law.dimension
+    problem = asp.ContactProblem(csr_array(np.eye(size)), np.ones(size), law, normal_force=1.0)
+    path = tmp_path / "law.npz"
+    problem.save(path)
+    assert asp.ContactProblem.load(path).laws == (law,)
+
+
+def test_plain_npz_has_the_keys_of_other_engines(tmp_path):
+    path = tmp_path / "plain.npz"
+    plain().save(path)
+    with np.load(path, allow_pickle=False) as data:
+        assert set(data) == {"W_data", "W_indices", "W_indptr", "W_shape", "q", "mu"}
+        assert data["mu"].tolist() == [0.5] * 4
+        assert data["W_indices"].dtype == np.int32
+        assert data["W_shape"].tolist() == [12, 12]
+    of_bodies().save(path)
+    with np.load(path, allow_pickle=False) as data:
+        assert set(data) - {"W_data", "W_indices", "W_indptr", "W_shape", "q", "mu"} == {
+            *(f"{name}_{part}" for name in "MH" for part in ("data", "indices", "indptr", "shape")),
+            "f",
+            "b",
+        }
+        names = [[data[f"{n}_{p}"] for p in ("data", "indices", "indptr")] for n in "MHW"]
+        mass, directions, delassus = (
+            csr_array(tuple(parts), shape=data[f"{n}_shape"])
+            for n, parts in zip("MHW", names, strict=True)
+        )
+        # M v = f + H r, u = Hᵀ v + b is u = W r + q.
+        inverse = np.linalg.inv(mass.toarray())
+        product = directions.T @ inverse @ directions
+        np.testing.assert_allclose(product, delassus.toarray(), atol=1e-12)
+        np.testing.assert_allclose(directions.T @ inverse @ data["f"] + data["b"], data["q"])
+
+
+@pytest.mark.parametrize("name", ["extended", "restitution", "everything", "drilling"])
+def test_other_problems_cannot_be_taken_for_plain_ones(tmp_path, name):
+    path = tmp_path / "other.npz"
+    PROBLEMS[name].save(path)
+    with np.load(path, allow_pickle=False) as data:
+        assert "mu" not in data
+        assert not any(data[key].dtype.hasobject for key in data)
+
+
+@needs_h5py
+def test_fclib_layout(tmp_path):
+    import h5py
+
+    path = tmp_path / "problem.hdf5"
+    of_bodies().save(path)
+    with h5py.File(path) as file:
+        assert file["fclib_local/spacedim"][:].tolist() == [3]
+        for matrix in ("fclib_local/W", "fclib_global/M", "fclib_global/H"):
+            group = file[matrix]
+            assert set(group) == {"nzmax", "m", "n", "nz", "p", "i", "x"}
+            assert group["nz"][:].tolist() == [-2]
+            assert group["p"].shape == (group["m"][0] + 1,)
+            assert group["i"].shape == group["x"].shape == (group["nzmax"][0],)
+            assert group["p"].dtype == group["i"].dtype == np.int32
+        assert set(file["fclib_local/vectors"]) == {"q", "mu"}
+        assert set(file["fclib_global/vectors"]) == {"f", "w", "mu"}
+        assert "data" not in file
+
+
+@needs_h5py
+def test_compressed_columns_and_triplets_are_read(tmp_path):
+    import h5py
+
+    problem = plain()
+    columns, triplets = csc_array(problem.delassus), problem.delassus.tocoo()
+    forms = {
+        -1: (columns.indptr, columns.indices, columns.data),
+        triplets.nnz: (*triplets.coords, triplets.data),
+    }
+    for form, parts in forms.items():
+        path = tmp_path / f"{form}.h5"
+        problem.save(path)
+        with h5py.File(path, "a") as file:
+            for key, value in zip(("nz", "p", "i", "x"), ([form], *parts), strict=True):
+                del file[f"fclib_local/W/{key}"]
+                file[f"fclib_local/W/{key}"] = value
+        assert asp.ContactProblem.load(path) == problem
+
+
+@needs_h5py
+def test_a_global_problem_alone_is_assembled(tmp_path):
+    import h5py
+
+    problem, path = of_bodies(), tmp_path / "global.h5"
+    problem.save(path)
+    force, gap = np.arange(12.0), np.arange(9.0)
+    with h5py.File(path, "a") as file:
+        del file["fclib_local"]
+        file["fclib_global/vectors/f"][:] = force
+        file["fclib_global/vectors/w"][:] = gap
+    read = asp.ContactProblem.load(path)
+    expected = problem.directions.T @ np.linalg.solve(problem.mass.toarray(), force) + gap
+    np.testing.assert_allclose(read.free_velocity, expected, atol=1e-12)
+    np.testing.assert_allclose(read.delassus.toarray(), problem.delassus.toarray(), atol=1e-14)
+
+
+@every_format
+def test_no_friction_is_a_tiny_disk(tmp_path, suffix):
+    path = tmp_path / f"problem{suffix}"
+    problem = plain(asp.FrictionLaw.isotropic(FRICTIONLESS))
+    problem.save(path)
+    read = asp.ContactProblem.load(path)
+    assert read == problem
+    if suffix == ".npz":
+        with np.load(path) as data:
+            assert not data["mu"].any()
+    solution = read.solve(tolerance=1e-9)
+    tangential = np.delete(solution.percussion, np.arange(0, 12, 3))
+    assert np.abs(tangential).max() < 1e-10
+
+
+def changed(path, **changes):
+    """Rewrite a file with some keys changed, without those that are None."""
+    with np.load(path) as data:
+        arrays = {**data, **changes}
+    np.savez(path, **{key: value for key, value in arrays.items() if value is not None})
+
+
+@pytest.mark.parametrize(
+    ("key", "kind", "value"),
+    [
+        *((key, ParameterError, None) for key in ("W_data", "W_indptr", "W_shape", "q", "mu")),
+        ("q", ParameterError, np.full(12, np.nan)),
+        ("q", ParameterError, np.array(["a"] * 12)),
+        ("mu", DimensionError, np.ones(5)),
+        ("mu", ParameterError, np.array([0.5, 0.5, -0.1, 0.5])),
+        ("mu", ParameterError, np.array([0.5, 0.5, np.inf, 0.5])),
+        ("W_shape", ParameterError, np.array([12])),
+        ("W_indices", ParameterError, np.ones(144)),
+    ],
+)
+def test_missing_and_wrong_keys_are_named(tmp_path, key, kind, value):
+    path = tmp_path / "problem.npz"
+    plain().save(path)
+    changed(path, **{key: value})
+    with pytest.raises(kind) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == key
+
+
+@pytest.mark.parametrize(
+    ("argument", "key", "value"),
+    [
+        ("W", "W_shape", np.array([12, 11])),
+        ("W", "W_indices", np.full(144, 99)),
+        ("W", "W_indptr", np.arange(12)),
+        ("W", "W_data", np.full(144, np.nan)),
+        ("W", "W_data", -np.ones(144)),
+    ],
+)
+def test_a_broken_matrix_is_named(tmp_path, argument, key, value):
+    path = tmp_path / "problem.npz"
+    plain().save(path)
+    changed(path, **{key: value})
+    with pytest.raises(ParameterError) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument.startswith(argument)
+
+
+def test_bodies_that_do_not_belong_to_the_operator_are_refused(tmp_path):
+    path = tmp_path / "problem.npz"
+    of_bodies().save(path)
+    with np.load(path) as data:
+        scaled = 1.1 * data["M_data"]
+    changed(path, M_data=scaled)
+    with pytest.raises(ParameterError, match="must be WᵀM⁻¹W") as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == "W"
+
+
+LAW_TREE = {"type": "FrictionLaw", "parameters": {}}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "not json",
+        "{}",
+        "3",
+        '["word"]',
+        "[" * 100_000,
+        json.dumps([LAW_TREE]),
+        json.dumps([{"type": "Path", "parameters": {}}]),
+        json.dumps([{"type": "Disk", "parameters": {"radius": 1.0}}]),
+        json.dumps([{"type": "eval", "parameters": {"source": "1"}}]),
+        json.dumps([{"type": ["Disk"], "parameters": {}}]),
+    ],
+)
+def test_only_laws_are_built_from_a_file(tmp_path, text):
+    path = tmp_path / "problem.npz"
+    PROBLEMS["extended"].save(path)
+    changed(path, laws=np.array(text))
+    with pytest.raises(ParameterError):
+        asp.ContactProblem.load(path)
+
+
+@pytest.mark.parametrize("key", ["law", "normal_force", "initial_velocity"])
+def test_missing_details_are_named(tmp_path, key):
+    path = tmp_path / "problem.npz"
+    PROBLEMS["extended"].save(path)
+    changed(path, **{key: None})
+    with pytest.raises(ParameterError, match="is missing") as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == key
+
+
+@needs_h5py
+@pytest.mark.parametrize(
+    "key", ["fclib_local/W/p", "fclib_local/vectors/q", "fclib_local/spacedim"]
+)
+def test_missing_groups_are_named(tmp_path, key):
+    import h5py
+
+    path = tmp_path / "problem.h5"
+    plain().save(path)
+    with h5py.File(path, "a") as file:
+        del file[key]
+    with pytest.raises(ParameterError, match="is missing") as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == key
+
+
+@needs_h5py
+def test_joints_are_refused(tmp_path):
+    import h5py
+
+    path = tmp_path / "problem.h5"
+    of_bodies().save(path)
+    with h5py.File(path, "a") as file:
+        file.create_group("fclib_global/G")
+    with pytest.raises(ParameterError, match="joints"):
+        asp.ContactProblem.load(path)
+
+
+def test_pickled_arrays_are_not_read(tmp_path):
+    path = tmp_path / "problem.npz"
+    plain().save(path)
+    changed(path, q=np.array([DISK] * 12, dtype=object))
+    with pytest.raises(ParameterError) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == "q"
+
+
+@every_format
+@pytest.mark.parametrize("content", [b"", b"neither of them", b"PK\x03\x04broken"])
+def test_other_files_are_refused(tmp_path, suffix, content):
+    path = tmp_path / f"problem{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(ParameterError) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == "path"
+
+
+def test_a_single_array_is_refused(tmp_path):
+    path = tmp_path / "problem.npz"
+    with path.open("wb") as file:
+        np.save(file, np.eye(3))
+    with pytest.raises(ParameterError, match="one array"):
+        asp.ContactProblem.load(path)
+
+
+def test_unknown_endings_and_absent_files(tmp_path):
+    for use in (plain().save, asp.ContactProblem.load):
+        with pytest.raises(ParameterError, match=r"\.npz, \.h5, \.hdf5"):
+            use(tmp_path / "problem.mat")
+    with pytest.raises(FileNotFoundError):
+        asp.ContactProblem.load(tmp_path / "absent.npz")
+
+
+def test_h5py_is_named_where_it_is_absent(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(ModuleNotFoundError, match=r"asperity\[data\]"):
+        plain().save(tmp_path / "problem.h5")
+    assert not list(tmp_path.iterdir())
