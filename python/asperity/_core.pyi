@@ -14,10 +14,10 @@ _Array: TypeAlias = NDArray[np.float64]
 # Row starts, columns and values of a CSR matrix.
 _Indices: TypeAlias = NDArray[np.int64]
 _Triple: TypeAlias = tuple[_Indices, _Indices, _Array]
-# "csr" and G.
-_Sparse: TypeAlias = tuple[str, _Indices, _Indices, _Array]
-# "factored", M, Wᵀ (rows × n) and G if it is known.
-_Factored: TypeAlias = tuple[str, _Triple, _Triple, _Triple | None]
+# G, sparse.
+_Sparse: TypeAlias = _Triple
+# M, Wᵀ (rows × n) and G if it is known.
+_Factored: TypeAlias = tuple[_Triple, _Triple, _Triple | None]
 # Whether it holds, whether that is exact, tolerance, defect, witness points (k, p).
 _Verdict: TypeAlias = tuple[bool, bool, float, float, _Array | None]
 

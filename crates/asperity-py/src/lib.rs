@@ -4,6 +4,7 @@ mod any_star;
 mod batch;
 mod cones;
 mod convert;
+mod delassus;
 mod errors;
 mod law;
 mod problem;

@@ -4,12 +4,13 @@ use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
-use asperity::solver::{self, ProxStep, Stop, Workspace};
+use asperity::solver::{self, Certificate, Measure, ProxStep, Stop, Workspace};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{Numbers, Points, matrix, numbers};
+use crate::convert::{Numbers, numbers};
+use crate::delassus::Operator;
 use crate::errors::{Failure, dimension, parameter};
 use crate::law::Law;
 
@@ -30,6 +31,31 @@ impl Solver {
     #[staticmethod]
     fn exact(max_sweeps: usize) -> Self {
         Self(solver::Solver::Exact { max_sweeps })
+    }
+
+    #[staticmethod]
+    fn auto(interior_point: bool, threads: usize) -> Self {
+        Self(solver::Solver::Auto { interior_point, threads })
+    }
+
+    #[staticmethod]
+    fn newton(max_iterations: usize) -> Self {
+        Self(solver::Solver::Newton { max_iterations })
+    }
+
+    #[staticmethod]
+    fn proximal_point(max_iterations: usize) -> Self {
+        Self(solver::Solver::ProximalPoint { max_iterations })
+    }
+
+    #[staticmethod]
+    fn interior_point(max_iterations: usize) -> Self {
+        Self(solver::Solver::InteriorPoint { max_iterations })
+    }
+
+    #[staticmethod]
+    fn admm(max_iterations: usize) -> Self {
+        Self(solver::Solver::Admm { max_iterations })
     }
 
     #[staticmethod]
@@ -69,6 +95,21 @@ impl Signals {
     }
 }
 
+fn certified<'py>(py: Python<'py>, found: &Certificate) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("worst_contact", found.worst_contact)?;
+    out.set_item("natural_map", found.natural_map)?;
+    out.set_item("penetration_velocity", found.penetration_velocity)?;
+    out.set_item("complementarity", found.complementarity)?;
+    out.set_item("tension", found.tension)?;
+    out.set_item("cone_violation", found.cone_violation)?;
+    out.set_item("direction_violation", found.direction_violation)?;
+    for (name, count) in ["open", "stick", "slip"].into_iter().zip(found.phases) {
+        out.set_item(name, count)?;
+    }
+    Ok(out)
+}
+
 /// A contact problem.
 #[pyclass(frozen, module = "asperity._core")]
 pub struct Problem(ContactProblem);
@@ -77,7 +118,7 @@ pub struct Problem(ContactProblem);
 impl Problem {
     #[new]
     fn new(
-        delassus: Points<'_>,
+        delassus: Operator<'_>,
         free_velocity: Numbers<'_>,
         laws: Vec<Bound<'_, Law>>,
         normal_force: Vec<Option<f64>>,
@@ -88,12 +129,17 @@ impl Problem {
         if normal_force.len() != laws.len() {
             return Err(dimension("normal_force", "must have one entry per law").into());
         }
+        let sizes: Vec<usize> = laws
+            .iter()
+            .zip(&normal_force)
+            .map(|(law, force)| law.get().0.dimension() + usize::from(force.is_none()))
+            .collect();
         let contacts = laws.iter().zip(&normal_force).map(|(law, force)| {
             let normal = force.map_or(NormalForce::Unilateral, NormalForce::Prescribed);
             (law.get().0.clone(), normal)
         });
         let free = numbers(&free_velocity, "free_velocity")?.to_vec();
-        let problem = ContactProblem::new(matrix(&delassus, "delassus")?, free, contacts)?;
+        let problem = ContactProblem::new(delassus.into_delassus(&sizes)?, free, contacts)?;
         Ok(Self(problem.with_restitution(
             numbers(&normal_restitution, "normal_restitution")?,
             numbers(&tangential_restitution, "tangential_restitution")?,
@@ -108,8 +154,14 @@ impl Problem {
         tolerance: f64,
         time_limit: Option<f64>,
         start: Option<(Numbers<'py>, Vec<i8>, Numbers<'py>)>,
+        measure: &str,
     ) -> Result<Bound<'py, PyDict>, Failure> {
         let problem = &self.0;
+        let measure = match measure {
+            "contact" => Measure::Contact,
+            "global" => Measure::Global,
+            _ => return Err(parameter("measure", "must be contact or global").into()),
+        };
         let mut memory = match start {
             None => Memory::new(problem.rows(), problem.contacts().len()),
             Some((percussion, phases, velocity)) => {
@@ -127,10 +179,14 @@ impl Problem {
             workspace.prepare(problem);
             let signals = Signals::default();
             let cancelled = || signals.pending();
-            let stop = Stop { tolerance, deadline, cancelled: Some(&cancelled) };
+            let stop = Stop { tolerance, measure, deadline, cancelled: Some(&cancelled) };
             let report = solver.0.solve(problem, stop, &mut memory, &mut workspace);
             signals.raised.into_inner().map_or(Ok(report), Err)
         })?;
+        let certificate = Certificate::new(problem, &memory.percussion);
+        let stages = workspace.stages.iter();
+        let stages: Vec<_> =
+            stages.map(|s| (s.method.name(), s.iterations, s.factorizations, s.residual)).collect();
         let phases: Vec<i64> = memory.states.iter().map(|state| state.phase as i64).collect();
         let out = PyDict::new(py);
         out.set_item("percussion", PyArray1::from_vec(py, memory.percussion))?;
@@ -141,7 +197,30 @@ impl Problem {
         out.set_item("iterations", report.iterations)?;
         out.set_item("ambiguous", PyArray1::from_vec(py, workspace.ambiguous))?;
         out.set_item("worst_contact", report.worst_contact)?;
+        out.set_item("natural_map", certificate.natural_map)?;
+        out.set_item("stages", stages)?;
+        out.set_item("certificate", certified(py, &certificate)?)?;
         Ok(out)
+    }
+
+    fn natural_map(&self, percussion: Numbers<'_>) -> Result<f64, Failure> {
+        let percussion = numbers(&percussion, "percussion")?;
+        let mut velocity = vec![0.0; percussion.len()];
+        self.0.velocity(percussion, &mut velocity);
+        Ok(solver::natural_map(&self.0, percussion, &velocity))
+    }
+
+    fn certificate<'py>(
+        &self,
+        py: Python<'py>,
+        percussion: Numbers<'_>,
+    ) -> Result<Bound<'py, PyDict>, Failure> {
+        let percussion = numbers(&percussion, "percussion")?;
+        Ok(certified(py, &Certificate::new(&self.0, percussion))?)
+    }
+
+    fn spectrum(&self, py: Python<'_>) -> (f64, f64) {
+        py.detach(|| self.0.delassus().spectrum())
     }
 
     fn residual(&self, percussion: Numbers<'_>) -> Result<(f64, usize), Failure> {

@@ -50,8 +50,8 @@ def for_core(
     if mass is not None and directions is not None:
         known = None if delassus is None else _triple(delassus)
         transposed = sparse(directions.T, "directions", (None, None))
-        return "factored", _triple(mass), _triple(transposed), known
-    return delassus if isinstance(delassus, np.ndarray) else ("csr", *_triple(delassus))
+        return _triple(mass), _triple(transposed), known
+    return delassus if isinstance(delassus, np.ndarray) else _triple(delassus)
 
 
 def as_sparse(matrix: Array | csr_array) -> csr_array:

@@ -135,8 +135,8 @@ fn panel<const FMA: bool>(
 fn exchange(front: &mut [f64], size: usize, (start, end): (usize, usize), swaps: &[usize]) {
     for (j, column) in front.chunks_exact_mut(size).enumerate() {
         if j < start || j >= end {
-            for c in start..end {
-                column.swap(c, swaps[c]);
+            for (c, &swap) in swaps.iter().enumerate().take(end).skip(start) {
+                column.swap(c, swap);
             }
         }
     }

@@ -46,8 +46,8 @@ impl Graph<'_> {
     fn elimination_tree(&self, node: &[usize], position: &[usize]) -> Vec<usize> {
         let n = self.len();
         let (mut parent, mut ancestor) = (vec![NONE; n], vec![NONE; n]);
-        for k in 0..n {
-            for &neighbour in self.of(node[k]) {
+        for (k, &own) in node.iter().enumerate() {
+            for &neighbour in self.of(own) {
                 let mut i = position[neighbour];
                 while i < k {
                     let next = ancestor[i];

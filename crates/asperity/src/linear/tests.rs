@@ -33,9 +33,8 @@ fn example(nodes: usize, chords: usize, seed: &mut u64) -> BlockMatrix {
     for value in matrix.values_mut() {
         *value = random(seed);
     }
-    for i in 0..nodes {
+    for (i, &size) in sizes.iter().enumerate() {
         let k = matrix.neighbours(i).iter().position(|&j| j == i).unwrap();
-        let size = sizes[i];
         let (_, block) = matrix.block_mut(i, k);
         (0..size).for_each(|a| block[a * size + a] += 4.0);
     }

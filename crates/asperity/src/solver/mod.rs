@@ -48,6 +48,8 @@ pub enum Solver {
     Auto {
         /// Whether the interior point method may be used where the laws allow it.
         interior_point: bool,
+        /// Threads for sweeps over contacts that do not meet; results do not depend on it.
+        threads: usize,
     },
     /// Semismooth Newton on the natural map: problems of full rank.
     Newton {
@@ -185,7 +187,7 @@ impl Solver {
             Self::Auto { .. } if problem.contacts.len() == 1 => {
                 exact::solve(problem, stop, 1, memory, workspace)
             }
-            Self::Auto { interior_point } => {
+            Self::Auto { interior_point, .. } => {
                 many::automatic(problem, stop, interior_point, memory, workspace)
             }
             Self::Newton { max_iterations } => {
@@ -217,8 +219,7 @@ impl Solver {
         };
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
         let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
-        let alone = matches!(self, Self::Auto { .. }) && problem.contacts.len() == 1;
-        let exact = alone || matches!(self, Self::Exact { .. });
+        let exact = self.only_method(problem) == Some(Method::GaussSeidel);
         // A sweep marks contacts before the last ones have moved.
         if !exact || problem.contacts.len() > 1 {
             exact::mark_ambiguous(problem, memory, workspace);
@@ -227,10 +228,28 @@ impl Solver {
             workspace.states.clone_from(&memory.states);
             local::classify(problem, workspace);
         }
+        if let Some(method) = self.only_method(problem) {
+            workspace.stages.clear();
+            let (factorizations, residual) = (0, residual.value);
+            workspace.stages.push(Stage { method, iterations, factorizations, residual });
+        }
         let report = SolveReport::new(status, iterations, residual, stop.tolerance, workspace);
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
         std::mem::swap(&mut workspace.states, &mut memory.states);
         report
+    }
+}
+
+impl Solver {
+    /// The method of a solver that has one and does not report phases.
+    #[inline]
+    fn only_method(&self, problem: &ContactProblem) -> Option<Method> {
+        match self {
+            Self::Exact { .. } => Some(Method::GaussSeidel),
+            Self::Auto { .. } if problem.contacts.len() == 1 => Some(Method::GaussSeidel),
+            Self::ProxJacobi { .. } | Self::ProxGaussSeidel { .. } => Some(Method::Prox),
+            _ => None,
+        }
     }
 }
 

@@ -86,6 +86,8 @@ pub(super) enum Ended {
 pub enum Method {
     /// Sweeps of exact one-contact solves.
     GaussSeidel,
+    /// The paper's prox iterations.
+    Prox,
     /// Semismooth Newton.
     Newton,
     /// Interior point.
@@ -101,6 +103,7 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             Self::GaussSeidel => "gauss_seidel",
+            Self::Prox => "prox",
             Self::Newton => "newton",
             Self::InteriorPoint => "interior_point",
             Self::ProximalPoint => "proximal_point",

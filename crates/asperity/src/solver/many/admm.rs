@@ -50,7 +50,7 @@ impl Run<'_, '_> {
             self.grade_admm();
             let due = iterations < EARLY || iterations % LATE == 0;
             let ratio = primal / dual;
-            if due && (ratio > UNBALANCED || ratio < 1.0 / UNBALANCED) {
+            if due && !(1.0 / UNBALANCED..=UNBALANCED).contains(&ratio) {
                 let factor = ratio.sqrt().clamp(0.1, 10.0);
                 penalty *= factor;
                 self.many.admm.w.iter_mut().for_each(|w| *w /= factor);

@@ -1,0 +1,62 @@
+//! Delassus operators from arrays.
+
+use asperity::contact::{BlockMatrix, Csr, Delassus, Factored};
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+
+use crate::convert::{Numbers, Points, matrix, numbers};
+use crate::errors::Failure;
+
+/// Row starts, columns and values.
+type Triple<'py> = (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, i64>, Numbers<'py>);
+
+/// What Python hands over.
+#[derive(FromPyObject)]
+pub enum Operator<'py> {
+    /// Every entry.
+    Dense(Points<'py>),
+    /// `G`, sparse.
+    Sparse(Triple<'py>),
+    /// `M`, `Wᵀ` and `G` if it is known.
+    Factored((Triple<'py>, Triple<'py>, Option<Triple<'py>>)),
+}
+
+impl Operator<'_> {
+    /// The operator for contacts with `sizes` rows.
+    pub fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, Failure> {
+        let rows = sizes.iter().sum();
+        Ok(match self {
+            Self::Dense(entries) => matrix(&entries, "delassus")?.into(),
+            Self::Sparse(triple) => {
+                let csr = sparse("delassus", (rows, rows), &triple)?;
+                BlockMatrix::from_csr(&csr, sizes)?.into()
+            }
+            Self::Factored((mass, directions, delassus)) => {
+                let n = mass.0.len()?.saturating_sub(1);
+                let directions = sparse("directions", (rows, n), &directions)?;
+                let mass = sparse("mass", (n, n), &mass)?;
+                match delassus {
+                    None => Factored::new(mass, directions, sizes)?.into(),
+                    Some(triple) => {
+                        let csr = sparse("delassus", (rows, rows), &triple)?;
+                        let blocks = BlockMatrix::from_csr(&csr, sizes)?;
+                        Factored::with_blocks(mass, directions, blocks)?.into()
+                    }
+                }
+            }
+        })
+    }
+}
+
+fn sparse(
+    argument: &'static str,
+    shape: (usize, usize),
+    (starts, columns, values): &Triple<'_>,
+) -> Result<Csr, Failure> {
+    let index = |array: &PyReadonlyArray1<'_, i64>| -> Vec<usize> {
+        // Negative numbers become too large ones, which are refused.
+        array.as_array().iter().map(|&k| k as usize).collect()
+    };
+    let values = numbers(values, argument)?.to_vec();
+    Ok(Csr::new(argument, shape, index(starts), index(columns), values)?)
+}
