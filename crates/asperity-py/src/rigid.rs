@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity::system::rigid::{self, Bodies, Body, Frame, Pair, PlanarBody, Plane, Shape, Spring};
 use asperity::system::System;
+use asperity::system::rigid::{self, Bodies, Body, Frame, Pair, PlanarBody, Plane, Shape, Spring};
 use nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
