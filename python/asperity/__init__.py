@@ -69,7 +69,25 @@ from asperity.solvers import (
     Solver,
 )
 from asperity.status import Outcome, Phase, Status
-from asperity.system import Contact, ContactLaw, LinearSystem, MassOnBelt, SlidingPoint, System
+from asperity.system import (
+    Body,
+    BodyAxis,
+    BoxPlane,
+    Contact,
+    ContactLaw,
+    Line,
+    LinearSystem,
+    MassOnBelt,
+    PlanarBody,
+    Plane,
+    PointPlane,
+    RigidBodies,
+    SlidingPoint,
+    SpherePlane,
+    SphereSphere,
+    Spring,
+    System,
+)
 from asperity.trajectory import Trajectory
 from asperity.verdict import Verdict
 
@@ -78,7 +96,10 @@ __all__ = [
     "AsperityError",
     "Auto",
     "Ball",
+    "Body",
+    "BodyAxis",
     "Box",
+    "BoxPlane",
     "CappedRectangle",
     "Certificate",
     "Cone",
@@ -99,6 +120,7 @@ __all__ = [
     "InteriorPoint",
     "Intersection",
     "Interval",
+    "Line",
     "LinearSystem",
     "LocalSolution",
     "Mapped",
@@ -108,16 +130,23 @@ __all__ = [
     "Outcome",
     "ParameterError",
     "Phase",
+    "PlanarBody",
+    "Plane",
+    "PointPlane",
     "PolarCurve",
     "Polygon",
     "ProxGaussSeidel",
     "ProxJacobi",
     "ProximalPoint",
     "Rectangle",
+    "RigidBodies",
     "SemismoothNewton",
     "SimulationInterrupted",
     "SlidingPoint",
     "Solver",
+    "SpherePlane",
+    "SphereSphere",
+    "Spring",
     "Stage",
     "StarSet",
     "Status",
@@ -136,9 +165,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> _Any:
-    # Matplotlib is imported by the first use of `asperity.plot`, not before.
-    if name == "plot":
+    # Matplotlib and SciPy are imported by the first use of these modules, not before.
+    if name in ("plot", "problems"):
         from importlib import import_module
 
-        return import_module("asperity.plot")
+        return import_module(f"asperity.{name}")
     raise AttributeError(f"module 'asperity' has no attribute {name!r}")

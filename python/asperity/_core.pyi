@@ -25,7 +25,9 @@ __all__ = [
     "CallbackSystem",
     "Law",
     "LinearSystem",
+    "Outcome",
     "Problem",
+    "RigidBodies",
     "Set",
     "Solver",
     "__version__",
@@ -143,6 +145,31 @@ class Solver:
     def auto(interior_point: bool, threads: int) -> Solver: ...
 
 @final
+class Outcome:
+    @property
+    def percussion(self) -> _Array: ...
+    @property
+    def velocity(self) -> _Array: ...
+    @property
+    def phase(self) -> NDArray[np.int64]: ...
+    @property
+    def ambiguous_contacts(self) -> NDArray[np.bool_]: ...
+    @property
+    def converged(self) -> bool: ...
+    @property
+    def status(self) -> str: ...
+    @property
+    def residual(self) -> float: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def worst_contact(self) -> int: ...
+    @property
+    def stages(self) -> list[tuple[str, int, int, float]]: ...
+    @property
+    def certificate(self) -> dict[str, Any]: ...
+
+@final
 class Problem:
     def __new__(
         cls,
@@ -161,7 +188,7 @@ class Problem:
         time_limit: float | None,
         start: tuple[_Array, Sequence[int], _Array] | None,
         measure: str,
-    ) -> dict[str, Any]: ...
+    ) -> Outcome: ...
     def residual(self, percussion: _Array) -> tuple[float, int]: ...
     def natural_map(self, percussion: _Array) -> float: ...
     def certificate(self, percussion: _Array) -> dict[str, Any]: ...
@@ -185,8 +212,28 @@ class CallbackSystem:
         cls, system: object, dof: int, contacts: Sequence[dict[str, Any]]
     ) -> CallbackSystem: ...
 
+# Places and vectors have two entries in planar systems where they go in, always three where they
+# come out.
+@final
+class RigidBodies:
+    def __new__(
+        cls,
+        planar: bool,
+        mass: _Array,
+        inertia: _Array,
+        load: _Array,
+        pairs: Sequence[dict[str, Any]],
+        springs: Sequence[dict[str, Any]],
+        gravity: _Array,
+    ) -> RigidBodies: ...
+    def advance(self, q: _Array, u: _Array, dt: float) -> _Array: ...
+    def energy(self, q: _Array, u: _Array) -> _Array: ...
+    def momentum(self, u: _Array) -> _Array: ...
+    def angular_momentum(self, q: _Array, u: _Array, about: _Array) -> _Array: ...
+    def contact_geometry(self, q: _Array) -> tuple[_Array, _Array]: ...
+
 def simulate(
-    system: LinearSystem | CallbackSystem,
+    system: LinearSystem | CallbackSystem | RigidBodies,
     dt: float,
     steps: int,
     q0: _Array,

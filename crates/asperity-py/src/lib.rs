@@ -7,7 +7,9 @@ mod convert;
 mod delassus;
 mod errors;
 mod law;
+mod outcome;
 mod problem;
+mod rigid;
 mod set;
 mod simulate;
 mod system;
@@ -22,7 +24,11 @@ mod _core {
     #[pymodule_export]
     use crate::law::{Law, flow_law};
     #[pymodule_export]
+    use crate::outcome::Outcome;
+    #[pymodule_export]
     use crate::problem::{Problem, Solver};
+    #[pymodule_export]
+    use crate::rigid::RigidBodies;
     #[pymodule_export]
     use crate::set::Set;
     #[pymodule_export]

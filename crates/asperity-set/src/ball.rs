@@ -67,4 +67,16 @@ impl<const P: usize> ConvexSet<P> for Ball {
         let norm = z.norm();
         if norm <= self.radius { *z } else { z * (self.radius / norm) }
     }
+
+    #[inline]
+    fn project_jet(&self, z: &Vector<P>, _start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let square = z.norm_squared();
+        if square <= self.radius * self.radius {
+            return (*z, Matrix::identity());
+        }
+        let reciprocal = 1.0 / square;
+        let ratio = self.radius * reciprocal.sqrt();
+        let across = Matrix::identity() - z * (z * reciprocal).transpose();
+        (z * ratio, across * ratio)
+    }
 }

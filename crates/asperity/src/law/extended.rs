@@ -115,6 +115,12 @@ impl<const P: usize> FrictionLaw<P> {
         self.rate.as_ref()
     }
 
+    /// Whether the direction set is the reservoir.
+    pub fn is_associated(&self) -> bool {
+        // Otherwise D, the largest inside C, leaves some of it out.
+        self.alpha_min == 1.0
+    }
+
     /// The coefficient, if the law is isotropic Coulomb friction.
     pub fn isotropic_coefficient(&self) -> Option<f64> {
         self.isotropic

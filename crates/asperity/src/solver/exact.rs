@@ -4,7 +4,7 @@ use asperity_set::Vector;
 
 use super::local::{Block, Local, LocalSolution, Selection};
 use super::report::Ended;
-use super::{Stop, Workspace, line, plane};
+use super::{Stop, Workspace, line, plane, space};
 use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce};
 use crate::law::Law;
 
@@ -63,8 +63,17 @@ fn sweep(
                 let found = plane::solve(&local, history, guess, planar);
                 found.map(|found| store(rows, &found, percussion, history, &mut states[i]))
             }
-            // Refused where problems are made.
-            Law::Three(_) => None,
+            Law::Three(law) => {
+                let own = rows.offset..rows.offset + rows.len();
+                let held = problem.contact_velocity(i, percussion, false);
+                let start = &percussion[own.clone()];
+                space::solve(problem, i, law, (&held, start), history).map(|found| {
+                    let len = own.len();
+                    percussion[own].copy_from_slice(&found.percussion[..len]);
+                    states[i] = history.after(found.phase, found.slip);
+                    false
+                })
+            }
         };
         ambiguous[i] = found == Some(true);
         if found.is_none() {

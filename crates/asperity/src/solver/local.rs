@@ -360,7 +360,12 @@ pub(super) fn phase_of(
             .max(problem.free_velocity[first + i].abs())
             .max((own(i) * percussion[first + i]).abs());
     }
-    let phase = if normal <= 0.0 {
+    // The switch of the natural map: an iteration leaves tiny percussions at contacts that open.
+    let opens = rows.normal == NormalForce::Unilateral && {
+        let xi = velocity[rows.offset] + problem.restitution[rows.offset];
+        normal <= problem.rho[contact] * xi
+    };
+    let phase = if normal <= 0.0 || opens {
         Phase::Open
     } else if gauge >= 1.0 - 1e-9 && moving > 1e-13 * reference {
         Phase::Slip

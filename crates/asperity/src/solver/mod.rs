@@ -25,6 +25,7 @@ mod prox;
 mod quick;
 mod report;
 mod residual;
+mod space;
 
 use std::time::Instant;
 

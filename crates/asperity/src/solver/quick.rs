@@ -6,7 +6,7 @@
 use asperity_set::Vector;
 
 use super::local::Local;
-use super::{Workspace, exact, line, plane};
+use super::{Workspace, exact, line, plane, space};
 use crate::contact::{ContactProblem, ContactRows, Memory, Phase};
 use crate::law::Law;
 
@@ -48,7 +48,14 @@ pub(super) fn sweep(
                     (s.phase, [s.slip[0], s.slip[1], 0.0])
                 })
             }
-            Law::Three(_) => None,
+            Law::Three(law) => {
+                let own = rows.offset..rows.offset + rows.len();
+                space::solve(problem, i, law, (&held, &percussion[own.clone()]), history).map(|s| {
+                    let len = own.len();
+                    percussion[own].copy_from_slice(&s.percussion[..len]);
+                    (s.phase, s.slip)
+                })
+            }
         };
         match found {
             Some((phase, slip)) => (state.phase, state.slip) = (phase, slip),
