@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 
 DISK = asp.Disk(0.5)
 LAW = asp.FrictionLaw.isotropic(0.5)
+SQUARE = asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.5))
 LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
 BLOCK = asp.SlidingPoint(1.0, LAW)
 PROBLEM = asp.ContactProblem(np.eye(2), [1.0, 0.0], LAW, normal_force=1.0)
@@ -237,13 +238,9 @@ BAD_INPUT = [
     ("max_iterations", ParameterError, lambda: asp.ProximalPoint(max_iterations=1.5)),
     ("max_iterations", ParameterError, lambda: asp.ADMM(max_iterations=-1)),
     ("max_iterations", ParameterError, lambda: asp.InteriorPoint(max_iterations="many")),
-    (
-        "laws",
-        ParameterError,
-        lambda: PROBLEM.replace(laws=asp.FrictionLaw.associated(asp.Rectangle(1.0, 2.0))).solve(
-            asp.InteriorPoint()
-        ),
-    ),
+    ("solver", ParameterError, lambda: bodies().replace(laws=SQUARE).solve(asp.InteriorPoint())),
+    ("solver", ParameterError, lambda: bodies().replace(laws=SQUARE).solve(asp.ADMM())),
+    ("solver", ParameterError, lambda: PROBLEM.solve(asp.InteriorPoint())),
     ("solver", ParameterError, lambda: PROBLEM.solve("exact")),
     ("start", ParameterError, lambda: PROBLEM.solve(start=[0.0, 0.0])),
     ("percussion", DimensionError, lambda: PROBLEM.residual([0.0])),

@@ -174,7 +174,7 @@ def test_failure_keeps_the_part_before():
     assert error.residual > 1e-10
     assert error.trajectory.steps == error.step - 1
     assert "step" in str(error)
-    assert "Exact" in str(error)
+    assert "Auto" in str(error)
     recorded = asp.simulate(
         BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 0.0], solver=weak, on_failure="record"
     )

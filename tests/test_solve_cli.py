@@ -73,7 +73,7 @@ def test_the_table_as_csv(capsys, folder):
 
 
 def test_an_unsolved_problem_exits_with_1(capsys, folder):
-    code, lines, _ = run(capsys, folder, "--tolerance", 1e-300)
+    code, lines, _ = run(capsys, folder, "--tolerance", 1e-300, "--time-limit", 0.1)
     assert code == 1
     assert not lines[-1].startswith("solved 3")
 

@@ -52,6 +52,31 @@ VALUES = [
     asp.SlidingPoint(0.018, LAW),
     asp.MassOnBelt(1.0, 2.0, LAW, 1.0, [1.0, 0.0]),
     MOTION,
+    asp.Body(1.3, (1.0, 2.0, 2.9), orientation=(0.5, 0.1, -0.7, 0.2), torque=(0.0, 0.1, 0.0)),
+    asp.Body.ball(1.0, 0.1),
+    asp.PlanarBody(1.0, 0.1, angle=0.3),
+    asp.Plane(),
+    asp.Plane(normal=(0.3, -0.2, 0.7), axis=(1.0, 0.1, 0.3), spin=1.0, body=1),
+    asp.Line(velocity=0.2),
+    asp.BodyAxis((0.3, 0.1, 0.7)),
+    asp.PointPlane(0, (0.0, 0.1, 0.0), asp.Plane(), LAW, frame=asp.BodyAxis((1.0, 1.0, 0.0))),
+    asp.PointPlane(
+        0,
+        (0.0, 0.0, 0.0),
+        asp.Plane(),
+        asp.FrictionLaw.associated(asp.CoulombContensou(0.3)),
+        frame="polar",
+        patch_radius=0.1,
+    ),
+    asp.SpherePlane(0, 0.1, asp.Line(), asp.FrictionLaw.isotropic(0.3, dimension=1)),
+    asp.BoxPlane(0, (0.1, 0.2, 0.3), asp.Plane(), LAW, normal_restitution=0.3),
+    asp.SphereSphere(0, 0.1, 1, 0.2, LAW, center=(0.1, 0.0, 0.0)),
+    asp.Spring(0, (0.1, 0.0), stiffness=2.0),
+    asp.RigidBodies(
+        [asp.Body.ball(1.0, 0.1), asp.Body.ball(2.0, 0.2)],
+        [asp.SphereSphere(0, 0.1, 1, 0.2, LAW)],
+        springs=[asp.Spring(0, (0.1, 0.0, 0.0), 1, stiffness=2.0)],
+    ),
 ]
 NAMES = {name: getattr(asp, name) for name in asp.__all__}
 

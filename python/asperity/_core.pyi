@@ -26,6 +26,7 @@ __all__ = [
     "Law",
     "LinearSystem",
     "Problem",
+    "RigidBodies",
     "Set",
     "Solver",
     "__version__",
@@ -185,8 +186,28 @@ class CallbackSystem:
         cls, system: object, dof: int, contacts: Sequence[dict[str, Any]]
     ) -> CallbackSystem: ...
 
+# Places and vectors have two entries in planar systems where they go in, always three where they
+# come out.
+@final
+class RigidBodies:
+    def __new__(
+        cls,
+        planar: bool,
+        mass: _Array,
+        inertia: _Array,
+        load: _Array,
+        pairs: Sequence[dict[str, Any]],
+        springs: Sequence[dict[str, Any]],
+        gravity: _Array,
+    ) -> RigidBodies: ...
+    def advance(self, q: _Array, u: _Array, dt: float) -> _Array: ...
+    def energy(self, q: _Array, u: _Array) -> _Array: ...
+    def momentum(self, u: _Array) -> _Array: ...
+    def angular_momentum(self, q: _Array, u: _Array, about: _Array) -> _Array: ...
+    def contact_geometry(self, q: _Array) -> tuple[_Array, _Array]: ...
+
 def simulate(
-    system: LinearSystem | CallbackSystem,
+    system: LinearSystem | CallbackSystem | RigidBodies,
     dt: float,
     steps: int,
     q0: _Array,

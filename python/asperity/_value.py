@@ -77,6 +77,8 @@ def _build(cls: type[Value], parameters: dict[str, Any]) -> Value:
 
 def _is_default(value: Any, parameter: inspect.Parameter) -> bool:
     default = parameter.default
+    if isinstance(value, np.ndarray) and isinstance(default, tuple):
+        return np.array_equal(value, default)
     return (
         default is not inspect.Parameter.empty
         and type(value) is type(default)

@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 from asperity._arrays import Array
 from asperity.contact import ContactProblem
 from asperity.contact.arguments import sizes
-from asperity.contact.files.contents import coefficient
 from asperity.law import FrictionLaw
+from asperity.sets import Ball, Disk
 
 
 def natural_map(problem: ContactProblem, percussion: Array) -> float:
     """Return ‖P − proj(P − ρξ)‖/max(‖P‖, ρ‖b + e∘γ_B‖), ρ = rows/tr G.
 
-    Isotropic unilateral contacts are projected onto their cones, with μ‖ξ_T‖ added to ξ_N. Of
-    others the defects P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ_T), z = −αP, count.
+    Unilateral contacts with disks or balls are projected onto their cones, with μ‖ξ_T‖ added to
+    ξ_N. Others have the defects P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ_T), z = −αP.
 
     Args:
         problem: with any laws.
@@ -43,9 +43,8 @@ def natural_map(problem: ContactProblem, percussion: Array) -> float:
         if not unilateral:
             squares += _tangential(law, normal, p, v)
             continue
-        mu = coefficient(law)
-        if mu is not None:
-            squares += _cone(mu, p, v)
+        if isinstance(law.reservoir, Ball | Disk) and law.reservoir == law.direction:
+            squares += _cone(float(law.reservoir.support(np.eye(law.dimension)[0])), p, v)
             continue
         squares += float(((p[:, 0] - np.maximum(0.0, p[:, 0] - v[:, 0])) ** 2).sum())
         squares += _tangential(law, p[:, 0], p[:, 1:], v[:, 1:])

@@ -21,6 +21,7 @@ from asperity.errors import (
 )
 from asperity.solvers import Solver, chosen
 from asperity.status import Status
+from asperity.system.rigid import RigidBodies
 from asperity.trajectory import Trajectory
 
 Progress = Callable[[int, int], object]
@@ -35,14 +36,14 @@ class Model(Protocol):
 
     @property
     def dof(self) -> int:
-        """Number n of coordinates."""
+        """Number n of velocities."""
 
     @property
     def contacts(self) -> Sequence[Any]:
         """The contacts."""
 
     @property
-    def _core(self) -> _core.LinearSystem | _core.CallbackSystem: ...
+    def _core(self) -> _core.LinearSystem | _core.CallbackSystem | _core.RigidBodies: ...
 
 
 def simulate(
@@ -66,11 +67,12 @@ def simulate(
     location: contact changes are resolved to one step.
 
     Args:
-        system: `LinearSystem`, `SlidingPoint`, `MassOnBelt` or a `System`.
+        system: `LinearSystem`, `SlidingPoint`, `MassOnBelt`, `RigidBodies` or a `System`.
         dt: step Δt > 0 in s.
         t_end: end time in s; the last step is the first with k Δt ≥ `t_end` (to 1e-9 relative).
-        q0: initial coordinates, shape ``(n,)``. Default 0.
-        u0: initial velocities, shape ``(n,)``. Default 0.
+        q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``. Default 0, of
+            `RigidBodies` the state of the bodies.
+        u0: initial velocities, shape ``(n,)``; default likewise.
         solver: contact solver. Default `Auto`.
         tolerance: of each step's contact problem, see `ContactProblem.solve`.
         save_every: keep every so-many-th step; the initial and the last state are kept always.
@@ -102,7 +104,7 @@ def simulate(
     _arrays.choice(on_failure, "on_failure", ["raise", "record"])
     dt = _arrays.positive(dt, "dt")
     steps = _step_count(dt, _arrays.positive(t_end, "t_end"))
-    start = _initial(q0, "q0", system.dof), _initial(u0, "u0", system.dof)
+    start = _start(system, q0, u0)
     with _reporter(progress, steps) as report:
         run, exception = _core.simulate(
             system._core,
@@ -133,8 +135,15 @@ def _step_count(dt: float, t_end: float) -> int:
     return nearest if abs(ratio - nearest) <= _MULTIPLE * nearest else math.ceil(ratio)
 
 
-def _initial(value: ArrayLike | None, argument: str, dof: int) -> Array:
-    return _arrays.array(np.zeros(dof) if value is None else value, argument, (dof,))
+def _start(system: Model, q0: ArrayLike | None, u0: ArrayLike | None) -> tuple[Array, Array]:
+    if isinstance(system, RigidBodies):
+        q, u = system.q0, system.u0
+    else:
+        q = u = np.zeros(system.dof)
+    return (
+        _arrays.array(q if q0 is None else q0, "q0", q.shape),
+        _arrays.array(u if u0 is None else u0, "u0", u.shape),
+    )
 
 
 def _reporter(

@@ -45,6 +45,7 @@ class Status(StrEnum):
     TIME_LIMIT = "time_limit"
     INEXACT = "inexact"
     NO_SOLUTION = "no_solution"
+    NOT_APPLICABLE = "not_applicable"
 
     def __repr__(self) -> str:
         return f"Status.{self.name}"
@@ -66,6 +67,7 @@ _MESSAGES = {
     Status.TIME_LIMIT: "the solver reached its time limit before the tolerance",
     Status.INEXACT: "the solver is done, but rounding keeps the residual above the tolerance",
     Status.NO_SOLUTION: "a contact has no solution (Painlevé paradox)",
+    Status.NOT_APPLICABLE: "the solver cannot take these laws or contacts",
 }
 
 _ADVICE = {
@@ -78,5 +80,9 @@ _ADVICE = {
     Status.NO_SOLUTION: (
         "Friction and normal force enforce each other: no percussion satisfies the laws. "
         "Try smaller friction coefficients, another geometry or a compliant contact"
+    ),
+    Status.NOT_APPLICABLE: (
+        "InteriorPoint and ADMM need unilateral contacts with isotropic or elliptic associated "
+        "laws. Try solver=Auto()"
     ),
 }

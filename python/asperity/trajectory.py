@@ -43,8 +43,8 @@ class Trajectory(Value):
 
     Attributes:
         t: time in s, shape ``(n_t,)``.
-        q: coordinates, shape ``(n_t, n)``.
-        u: velocities, shape ``(n_t, n)``.
+        q: coordinates, shape ``(n_t, n)``; of rigid bodies in space 7 per body.
+        u: velocities, shape ``(n_t, n)``; of rigid bodies in space 6 per body.
         slip: relative velocities γ in m/s, shape ``(n_t, n_contact, p)``.
         force: friction forces λ on the body in N, shape ``(n_t, n_contact, p)``.
         normal_force: λ_N in N, shape ``(n_t, n_contact)``.

@@ -106,7 +106,6 @@ impl From<StepError> for Failure {
         match error {
             StepError::System(error) => error.into(),
             StepError::SingularMass { .. } => Self(split("mass", &text)),
-            StepError::Drilling => Self(split("contacts", &text)),
             StepError::NotFinite { .. } => Self(make("DivergenceError", (text,))),
         }
     }

@@ -8,6 +8,7 @@ mod delassus;
 mod errors;
 mod law;
 mod problem;
+mod rigid;
 mod set;
 mod simulate;
 mod system;
@@ -23,6 +24,8 @@ mod _core {
     use crate::law::{Law, flow_law};
     #[pymodule_export]
     use crate::problem::{Problem, Solver};
+    #[pymodule_export]
+    use crate::rigid::RigidBodies;
     #[pymodule_export]
     use crate::set::Set;
     #[pymodule_export]

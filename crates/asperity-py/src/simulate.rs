@@ -12,6 +12,7 @@ use pyo3::types::PyDict;
 use crate::convert::{Numbers, numbers};
 use crate::errors::{Failure, dimension};
 use crate::problem::Solver;
+use crate::rigid::RigidBodies;
 use crate::system::{CallbackSystem, LinearSystem};
 
 /// The run so far as a dictionary, and the exception that ended it, if one did.
@@ -42,11 +43,15 @@ pub fn simulate<'py>(
         until_rest,
         stop_on_failure: raise_on_failure,
     };
-    let (linear, callback) = (system.cast::<LinearSystem>(), system.cast::<CallbackSystem>());
-    let system: &dyn System = match (&linear, &callback) {
-        (Ok(linear), _) => &linear.get().0,
-        (_, Ok(callback)) => callback.get(),
-        _ => return Err(dimension("system", "must be a system").into()),
+    let rigid = system.cast::<RigidBodies>();
+    let system: &dyn System = if let Ok(linear) = system.cast::<LinearSystem>() {
+        &linear.get().0
+    } else if let Ok(callback) = system.cast::<CallbackSystem>() {
+        callback.get()
+    } else if let Ok(rigid) = &rigid {
+        &rigid.get().system
+    } else {
+        return Err(dimension("system", "must be a system").into());
     };
     let mut raised = None;
     let mut observer = |step: usize, steps: usize| {
@@ -70,6 +75,8 @@ pub fn simulate<'py>(
         Outcome::Failed(failure) => ("failed", Some(failure), None),
         Outcome::Error(error) => ("failed", None, Some(Failure::from(error).0)),
     };
+    // A frame of Python that raised is the cause of whatever ended the run.
+    let error = rigid.ok().and_then(|rigid| rigid.get().raised()).or(error);
     if let Some(f) = progress.as_ref().filter(|_| error.is_none()) {
         f.call1(py, (trajectory.steps, steps))?;
     }
@@ -77,7 +84,10 @@ pub fn simulate<'py>(
     let n_t = trajectory.t.len();
     let out = PyDict::new(py);
     out.set_item("t", PyArray1::from_vec(py, trajectory.t))?;
-    out.set_item("q", PyArray1::from_vec(py, trajectory.q).reshape([n_t, n])?)?;
+    out.set_item(
+        "q",
+        PyArray1::from_vec(py, trajectory.q).reshape([n_t, trajectory.coordinates])?,
+    )?;
     out.set_item("u", PyArray1::from_vec(py, trajectory.u).reshape([n_t, n])?)?;
     out.set_item("slip", PyArray1::from_vec(py, trajectory.slip).reshape([n_t, n_c, p])?)?;
     out.set_item("force", PyArray1::from_vec(py, trajectory.force).reshape([n_t, n_c, p])?)?;

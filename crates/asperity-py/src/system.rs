@@ -15,15 +15,15 @@ use crate::law::Law;
 #[pyclass(frozen, module = "asperity._core")]
 pub struct LinearSystem(pub system::LinearSystem);
 
-fn item<'py>(contact: &Bound<'py, PyDict>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+pub fn item<'py>(contact: &Bound<'py, PyDict>, key: &str) -> PyResult<Bound<'py, PyAny>> {
     contact.get_item(key)?.ok_or_else(|| dimension("contacts", &format!("lacks {key}")))
 }
 
-fn law(contact: &Bound<'_, PyDict>) -> PyResult<CoreLaw> {
+pub fn law(contact: &Bound<'_, PyDict>) -> PyResult<CoreLaw> {
     Ok(item(contact, "law")?.cast::<Law>()?.get().0.clone())
 }
 
-fn restitution(contact: &Bound<'_, PyDict>) -> PyResult<(f64, f64)> {
+pub fn restitution(contact: &Bound<'_, PyDict>) -> PyResult<(f64, f64)> {
     let normal = item(contact, "normal_restitution")?.extract()?;
     Ok((normal, item(contact, "tangential_restitution")?.extract()?))
 }

@@ -274,6 +274,11 @@ impl<const P: usize> ConvexSet<P> for Convex<P> {
         each_convex!(self, set => set.project_from(z, start))
     }
 
+    #[inline(always)]
+    fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        each_convex!(self, set => set.project_jet(z, start))
+    }
+
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         each_convex!(self, set => set.normal_cone(x, tolerance))
     }

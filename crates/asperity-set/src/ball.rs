@@ -12,6 +12,9 @@ pub struct Ball {
 pub type Disk = Ball;
 
 impl Ball {
+    /// The unit ball.
+    pub const UNIT: Self = Self { radius: 1.0 };
+
     /// Ball of the given radius.
     pub fn new(radius: f64) -> Result<Self, SetError> {
         Ok(Self { radius: positive("radius", radius)? })
@@ -53,8 +56,27 @@ impl<const P: usize> ConvexSet<P> for Ball {
         (unit * self.radius, (Matrix::identity() - unit * unit.transpose()) * (self.radius / norm))
     }
 
+    fn support_derivative(&self, y: &Vector<P>, dy: &Vector<P>) -> (Vector<P>, Vector<P>) {
+        let reciprocal = 1.0 / y.norm();
+        let unit = y * reciprocal;
+        let across = dy - unit * unit.dot(dy);
+        (unit * self.radius, across * (self.radius * reciprocal))
+    }
+
     fn project(&self, z: &Vector<P>) -> Vector<P> {
         let norm = z.norm();
         if norm <= self.radius { *z } else { z * (self.radius / norm) }
+    }
+
+    #[inline]
+    fn project_jet(&self, z: &Vector<P>, _start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let square = z.norm_squared();
+        if square <= self.radius * self.radius {
+            return (*z, Matrix::identity());
+        }
+        let reciprocal = 1.0 / square;
+        let ratio = self.radius * reciprocal.sqrt();
+        let across = Matrix::identity() - z * (z * reciprocal).transpose();
+        (z * ratio, across * ratio)
     }
 }

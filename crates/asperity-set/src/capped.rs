@@ -79,4 +79,15 @@ impl ConvexSet<2> for CappedRectangle {
         let centre = self.centre(z.x);
         self.ellipse.project(&(z - centre)) + centre
     }
+
+    fn project_jet(&self, z: &Vector<2>, start: &Vector<2>) -> (Vector<2>, Matrix<2>) {
+        if z.x.abs() <= self.a {
+            let x = self.project(z);
+            return (x, Matrix::<2>::new(1.0, 0.0, 0.0, f64::from(x == *z)));
+        }
+        let centre = self.centre(z.x);
+        let (x, jacobian) = self.ellipse.project_jet(&(z - centre), &(start - centre));
+        // A point inside comes back as it is.
+        (if x == z - centre { *z } else { x + centre }, jacobian)
+    }
 }

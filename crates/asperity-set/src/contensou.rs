@@ -207,6 +207,18 @@ impl ConvexSet<2> for Meridian {
     fn project(&self, z: &Vector<2>) -> Vector<2> {
         project::by_normals(self, z, None)
     }
+
+    fn project_from(&self, z: &Vector<2>, start: &Vector<2>) -> Vector<2> {
+        project::by_normals(self, z, Some(&(z - start)))
+    }
+
+    fn project_jet(&self, z: &Vector<2>, start: &Vector<2>) -> (Vector<2>, Matrix<2>) {
+        let x = self.project_from(z, start);
+        let Some((n, distance)) = project::jet::normal(self, z, &x) else {
+            return (x, Matrix::identity());
+        };
+        (x, project::jet::from_curvature(&n, distance, &self.parts(&n).1))
+    }
 }
 
 /// Distance from the axis and height.
@@ -219,6 +231,19 @@ fn around(x: &Vector<3>, m: &Vector<2>) -> Vector<3> {
     let distance = x.x.hypot(x.y);
     let unit = if distance > 0.0 { x.xy() / distance } else { Vector::<2>::new(1.0, 0.0) };
     Vector::<3>::new(unit.x * m.x, unit.y * m.x, m.y)
+}
+
+/// Derivative of `y ↦ around(y, m(meridian(y)))` from `m` and its derivative `section`: around the axis a vector
+/// turns with `y`, on the axis every direction is in a section.
+fn revolved(y: &Vector<3>, m: &Vector<2>, section: &Matrix<2>) -> Matrix<3> {
+    let (out, up) = (around(y, &Vector::<2>::new(1.0, 0.0)), Vector::<3>::z());
+    let axes = Matrix::<3>::from_columns(&[out, up, Vector::zeros()]);
+    let mut inner = Matrix::<3>::zeros();
+    inner.fixed_view_mut::<2, 2>(0, 0).copy_from(section);
+    let distance = y.x.hypot(y.y);
+    let hoop = if distance > 0.0 { m.x / distance } else { section[(0, 0)] };
+    let across = Vector::<3>::new(-out.y, out.x, 0.0);
+    axes * inner * axes.transpose() + across * across.transpose() * hoop
 }
 
 impl StarSet<3> for CoulombContensou {
@@ -239,16 +264,7 @@ impl ConvexSet<3> for CoulombContensou {
 
     fn support_jet(&self, y: &Vector<3>) -> (Vector<3>, Matrix<3>) {
         let (point, section) = self.meridian.support_jet(&meridian(y));
-        let (out, up) = (around(y, &Vector::<2>::new(1.0, 0.0)), Vector::<3>::z());
-        let axes = Matrix::<3>::from_columns(&[out, up, Vector::zeros()]);
-        let mut inner = Matrix::<3>::zeros();
-        inner.fixed_view_mut::<2, 2>(0, 0).copy_from(&section);
-        // Around the axis the curvature is that of a circle; on the axis it is the section's.
-        let distance = y.x.hypot(y.y);
-        let hoop = if distance > 0.0 { point.x / distance } else { section[(0, 0)] };
-        let across = Vector::<3>::new(-out.y, out.x, 0.0);
-        let hessian = axes * inner * axes.transpose() + across * across.transpose() * hoop;
-        (around(y, &point), hessian)
+        (around(y, &point), revolved(y, &point, &section))
     }
 
     fn project(&self, z: &Vector<3>) -> Vector<3> {
@@ -256,5 +272,20 @@ impl ConvexSet<3> for CoulombContensou {
         let nearest = self.meridian.project(&local);
         // A point inside comes back as it is.
         if nearest == local { *z } else { around(z, &nearest) }
+    }
+
+    fn project_from(&self, z: &Vector<3>, start: &Vector<3>) -> Vector<3> {
+        let local = meridian(z);
+        let nearest = self.meridian.project_from(&local, &meridian(start));
+        if nearest == local { *z } else { around(z, &nearest) }
+    }
+
+    fn project_jet(&self, z: &Vector<3>, start: &Vector<3>) -> (Vector<3>, Matrix<3>) {
+        let local = meridian(z);
+        let (nearest, section) = self.meridian.project_jet(&local, &meridian(start));
+        if nearest == local {
+            return (*z, Matrix::identity());
+        }
+        (around(z, &nearest), revolved(z, &nearest, &section))
     }
 }

@@ -53,6 +53,15 @@ pub trait ConvexSet<const P: usize>: StarSet<P> {
         self.project(z)
     }
 
+    /// Proximal point and an element of the generalised Jacobian of `prox_C` there, from a point that is likely
+    /// to lie near the result.
+    ///
+    /// The Jacobian is the identity inside; outside it is symmetric with eigenvalues between 0 and 1 and
+    /// vanishes along the normal. The default takes differences (error about 1e-8).
+    fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        project::jet::by_differences(self, z, start)
+    }
+
     /// Normal cone `N_C(x) = {y : yᵀ(x* − x) ≤ 0 ∀x* ∈ C}` (\[WL19\] Def. 6); `None` outside the set.
     ///
     /// Points with `|k(x) − 1| ≤ tolerance` count as boundary points. The default holds for smooth

@@ -94,6 +94,11 @@ impl<const P: usize> ConvexSet<P> for Cuboid<P> {
         Vector::from_fn(|i, _| z[i].clamp(self.lower[i], self.upper[i]))
     }
 
+    fn project_jet(&self, z: &Vector<P>, _start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let x = self.project(z);
+        (x, Matrix::from_diagonal(&x.zip_map(z, |x, z| f64::from(x == z))))
+    }
+
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         let ratio = |i: usize| x[i] / self.face(x, i);
         let touched = (0..P).filter(|&i| ratio(i) >= 1.0 - tolerance);

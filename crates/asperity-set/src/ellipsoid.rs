@@ -1,5 +1,6 @@
 //! The ellipsoid, in the plane the ellipse.
 
+use crate::project::jet::on_level;
 use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::positive};
 
 /// `{x : ‖diag(1/a) Rᵀx‖ ≤ 1}` with semi-axes `a` along the columns of the rotation `R`.
@@ -206,6 +207,20 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
             t += step;
         }
         self.project(z)
+    }
+
+    /// In the axes `x + t x/a² = z`.
+    #[inline]
+    fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        if (self.to_ball * z).norm_squared() <= 1.0 {
+            return (*z, Matrix::identity());
+        }
+        let x = self.project_from(z, start);
+        let (squares, local) = (self.squares(), self.axes.tr_mul(&x));
+        let normal = local.component_div(&squares);
+        let t = normal.dot(&(self.axes.tr_mul(z) - local)).max(0.0) / normal.norm_squared();
+        let inner = on_level(&squares.map(|s| s / (s + t)), &normal);
+        (x, self.axes * inner * self.axes.transpose())
     }
 }
 

@@ -107,6 +107,18 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
         }
     }
 
+    fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        if self.similarity.is_none() {
+            return project::jet::by_differences(self, z, start);
+        }
+        let local = self.inverse * z;
+        let (nearest, jacobian) = self.set.project_jet(&local, &(self.inverse * start));
+        if nearest == local {
+            return (*z, Matrix::identity());
+        }
+        (self.map * nearest, self.map * jacobian * self.inverse)
+    }
+
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         let cone = self.set.normal_cone(&(self.inverse * x), tolerance)?;
         Some(cone.mapped(&self.inverse.transpose()))

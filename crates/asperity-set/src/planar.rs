@@ -85,6 +85,10 @@ impl ConvexSet<2> for Planar {
         each!(self, set => set.project_from(z, start))
     }
 
+    fn project_jet(&self, z: &Vector<2>, start: &Vector<2>) -> (Vector<2>, Matrix<2>) {
+        each!(self, set => set.project_jet(z, start))
+    }
+
     fn normal_cone(&self, x: &Vector<2>, tolerance: f64) -> Option<Cone<2>> {
         each!(self, set => set.normal_cone(x, tolerance))
     }

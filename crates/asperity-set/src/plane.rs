@@ -126,6 +126,11 @@ impl<const P: usize, const Q: usize, S: ConvexSet<Q>> ConvexSet<P> for Embedded<
         cast(&self.0.project_from(&cast(z), &cast(start)))
     }
 
+    fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let (point, jacobian) = self.0.project_jet(&cast(z), &cast(start));
+        (cast(&point), cast_matrix(&jacobian))
+    }
+
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         Some(self.0.normal_cone(&cast(x), tolerance)?.cast())
     }

@@ -259,6 +259,18 @@ impl ConvexSet<2> for Polygon {
             .fold(self.vertices[0], |best, p| if distance(&p) < distance(&best) { p } else { best })
     }
 
+    /// Along an edge the nearest point follows, at a corner it stays.
+    fn project_jet(&self, z: &Vector<2>, _start: &Vector<2>) -> (Vector<2>, Matrix<2>) {
+        let x = self.project(z);
+        if x == *z {
+            return (x, Matrix::identity());
+        }
+        // The end of an edge is a corner up to rounding.
+        let corner = self.vertices.iter().any(|v| (v - x).norm() <= 8.0 * f64::EPSILON * v.norm());
+        let t = quarter_turn(&self.normals[self.edge(&x)].normalize());
+        (x, if corner { Matrix::zeros() } else { t * t.transpose() })
+    }
+
     fn normal_cone(&self, x: &Vector<2>, tolerance: f64) -> Option<Cone<2>> {
         let gauge = self.gauge(x);
         if gauge > 1.0 + tolerance {

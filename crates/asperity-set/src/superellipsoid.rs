@@ -180,6 +180,27 @@ impl<const P: usize> ConvexSet<P> for Superellipsoid<P> {
         project::by_newton(self, z, start).unwrap_or_else(|| self.project(z))
     }
 
+    /// `x + β∇k(x) = z`, where `∇²k` is `(s−1) diag(∂ᵢk/xᵢ)` across the normal.
+    fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        if self.gauge(z) <= 1.0 {
+            return (*z, Matrix::identity());
+        }
+        let x = self.project_from(z, start);
+        let normal = self.gauge_jet(&x).1;
+        let beta = normal.dot(&(z - x)).max(0.0) / normal.norm_squared();
+        let curvature = beta * (self.exponent - 1.0);
+        let follows = Vector::from_fn(|i, _| {
+            let bend = match x[i] {
+                0.0 if self.exponent < 2.0 => f64::INFINITY,
+                0.0 if self.exponent > 2.0 => 0.0,
+                0.0 => curvature / self.semi_axes[i].powi(2),
+                xi => curvature * normal[i] / xi,
+            };
+            1.0 / (1.0 + bend)
+        });
+        (x, project::jet::on_level(&follows, &normal))
+    }
+
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         if !self.is_polytope() {
             return Cone::smooth(self, x, tolerance);

@@ -194,9 +194,11 @@ fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
     if options.save_every == 0 {
         return refuse("save_every", "must be at least 1, got 0".into());
     }
-    for (argument, values) in [("q0", &options.q0), ("u0", &options.u0)] {
-        if values.len() != system.dof() {
-            let (expected, got) = (system.dof(), values.len());
+    let (q0, u0) = (&options.q0, &options.u0);
+    for (argument, values, expected) in [("q0", q0, system.coordinates()), ("u0", u0, system.dof())]
+    {
+        if values.len() != expected {
+            let got = values.len();
             return refuse(argument, format!("must have {expected} entries, has {got}"));
         }
         if let Some(value) = values.iter().find(|v| !v.is_finite()) {

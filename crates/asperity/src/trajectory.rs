@@ -7,6 +7,8 @@ use crate::stepper::{StepError, Stepper};
 /// with NaN. Sample 0 is the initial state, which no step has led to: forces NaN, phases unknown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trajectory {
+    /// Number of coordinates.
+    pub coordinates: usize,
     /// Number of degrees of freedom.
     pub dof: usize,
     /// Number of contacts.
@@ -15,9 +17,9 @@ pub struct Trajectory {
     pub p: usize,
     /// Times in s.
     pub t: Vec<f64>,
-    /// Coordinates `(n_t, n)`.
+    /// Coordinates `(n_t, coordinates)`.
     pub q: Vec<f64>,
-    /// Velocities `(n_t, n)`.
+    /// Velocities `(n_t, dof)`.
     pub u: Vec<f64>,
     /// Slip velocities γ `(n_t, n_c, p)`.
     pub slip: Vec<f64>,
@@ -47,9 +49,10 @@ impl Trajectory {
         p: usize,
         contacts: usize,
     ) -> Result<Self, StepError> {
-        let dof = stepper.q().len();
+        let (coordinates, dof) = (stepper.q().len(), stepper.u().len());
         let phase_counts = vec![0; 3 * contacts];
-        let mut trajectory = Self { dof, contacts, p, phase_counts, ..Self::default() };
+        let mut trajectory =
+            Self { coordinates, dof, contacts, p, phase_counts, ..Self::default() };
         trajectory.record(stepper, 0, 0.0)?;
         let first = contacts * p;
         trajectory.residual[0] = f64::NAN;

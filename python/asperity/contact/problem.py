@@ -205,6 +205,7 @@ class ContactProblem(Value):
         Raises:
             NoSolutionError: if a contact has no solution at all (Painlevé).
             ConvergenceError: if the tolerance is not reached.
+            ParameterError: if the solver does not take such laws.
         """
         _arrays.choice(on_failure, "on_failure", ("raise", "record"))
         found = self._core.solve(
@@ -332,8 +333,10 @@ class ContactProblem(Value):
         return start.percussion, start.phase.tolist(), start.velocity
 
 
-def _failure(solution: ContactSolution, measure: Measure) -> ConvergenceError:
+def _failure(solution: ContactSolution, measure: Measure) -> ConvergenceError | ParameterError:
     status = solution.status
+    if status is Status.NOT_APPLICABLE:
+        return ParameterError("solver", f"{status.message}. {status.advice}")
     kind = NoSolutionError if status is Status.NO_SOLUTION else ConvergenceError
     return kind(
         status.message,

@@ -4,12 +4,36 @@ from asperity.system.contacts import Contact, ContactLaw
 from asperity.system.custom import System
 from asperity.system.linear import LinearSystem
 from asperity.system.models import MassOnBelt, SlidingPoint
+from asperity.system.rigid import (
+    Body,
+    BodyAxis,
+    BoxPlane,
+    Line,
+    PlanarBody,
+    Plane,
+    PointPlane,
+    RigidBodies,
+    SpherePlane,
+    SphereSphere,
+    Spring,
+)
 
 __all__ = [
+    "Body",
+    "BodyAxis",
+    "BoxPlane",
     "Contact",
     "ContactLaw",
+    "Line",
     "LinearSystem",
     "MassOnBelt",
+    "PlanarBody",
+    "Plane",
+    "PointPlane",
+    "RigidBodies",
     "SlidingPoint",
+    "SpherePlane",
+    "SphereSphere",
+    "Spring",
     "System",
 ]

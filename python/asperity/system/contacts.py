@@ -41,7 +41,7 @@ class ContactLaw(Value):
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
     ) -> None:
-        self._set(**_checked_laws(law, normal_force, normal_restitution, tangential_restitution))
+        self._set(**checked_laws(law, normal_force, normal_restitution, tangential_restitution))
 
     @property
     def unilateral(self) -> bool:
@@ -96,7 +96,7 @@ class Contact(Value):
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
     ) -> None:
-        laws = _checked_laws(law, normal_force, normal_restitution, tangential_restitution)
+        laws = checked_laws(law, normal_force, normal_restitution, tangential_restitution)
         if (normal_force is None) == (normal is None):
             raise ParameterError(
                 "normal_force", "give either normal_force (prescribed) or normal (unilateral)"
@@ -127,12 +127,13 @@ class Contact(Value):
         return {**self._parameters, "law": self.law._core}
 
 
-def _checked_laws(
+def checked_laws(
     law: FrictionLaw,
     normal_force: float | None,
     normal_restitution: float,
     tangential_restitution: float,
 ) -> dict[str, Any]:
+    """Return the laws of a contact under the names of its parameters."""
     if not isinstance(law, FrictionLaw):
         raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
     return {

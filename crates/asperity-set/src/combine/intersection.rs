@@ -83,6 +83,19 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
         }
     }
 
+    /// Where one boundary alone is met the other members do not matter.
+    fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let x = self.project(z);
+        if x == *z {
+            return (x, Matrix::identity());
+        }
+        let mut touched = self.sets.iter().filter(|set| set.gauge(&x) > 1.0 - 1e-6);
+        match (touched.next(), touched.next()) {
+            (Some(set), None) => (x, set.project_jet(z, &x).1),
+            _ => project::jet::by_differences(self, z, start),
+        }
+    }
+
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         let cones: Option<Vec<Cone<P>>> =
             self.sets.iter().map(|set| set.normal_cone(x, tolerance)).collect();

@@ -1,5 +1,6 @@
 //! Projections without a closed form.
 
+pub(crate) mod jet;
 mod plane;
 mod space;
 mod superellipsoid;

@@ -205,6 +205,16 @@ impl ContactProblem {
         }
     }
 
+    /// Whether no contact influences another.
+    #[inline]
+    pub(crate) fn is_uncoupled(&self) -> bool {
+        match &self.delassus {
+            Delassus::Dense(_) => self.contacts.len() == 1,
+            Delassus::MatrixFree(..) => false,
+            other => other.blocks().is_some_and(BlockMatrix::is_block_diagonal),
+        }
+    }
+
     /// Brings `ρ` up to date with the Delassus operator.
     pub(crate) fn update_rho(&mut self) {
         for (i, (rho, contact)) in self.rho.iter_mut().zip(&self.contacts).enumerate() {

@@ -22,6 +22,24 @@ pub struct FrictionLaw<const P: usize> {
     alpha_min: f64,
     rate: Option<Stribeck>,
     table: OnceLock<Box<WalkTable>>,
+    /// Coefficient of isotropic friction.
+    isotropic: Option<f64>,
+}
+
+/// Bounds over the boundaries of both sets, for the one-contact solver.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*.
+    pub smallest_sine: f64,
+    /// Largest radius of *C*.
+    pub largest_radius: f64,
+}
+
+/// The boundary of a direction set as a table; of isotropic laws, that of the unit disk.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Walk<'a> {
+    pub table: &'a WalkTable,
+    pub direction: &'a Convex<2>,
 }
 
 impl<const P: usize> PartialEq for FrictionLaw<P> {
@@ -55,12 +73,18 @@ impl<const P: usize> FrictionLaw<P> {
         }
         let alpha_min = 1.0 / largest_ratio(&direction, &reservoir).0;
         let table = OnceLock::new();
-        Ok(Self { reservoir, direction, direction_scale: scale, alpha_min, rate: None, table })
+        let (rate, isotropic) = (None, None);
+        Ok(Self { reservoir, direction, direction_scale: scale, alpha_min, rate, table, isotropic })
     }
 
     /// The associated law `D = C` (\[WL19\] Def. 12): maximal dissipation, maximal monotone.
     pub fn associated(reservoir: Convex<P>) -> Self {
+        let isotropic = match &reservoir {
+            Convex::Ball(ball) => Some(ball.size()),
+            _ => None,
+        };
         Self {
+            isotropic,
             reservoir: Star::Convex(reservoir.clone()),
             direction: reservoir,
             direction_scale: 1.0,
@@ -89,6 +113,23 @@ impl<const P: usize> FrictionLaw<P> {
     /// The factor of the sliding speed, if there is one.
     pub fn rate(&self) -> Option<&Stribeck> {
         self.rate.as_ref()
+    }
+
+    /// Whether the direction set is the reservoir.
+    pub fn is_associated(&self) -> bool {
+        // Otherwise D, the largest inside C, leaves some of it out.
+        self.alpha_min == 1.0
+    }
+
+    /// The coefficient, if the law is isotropic Coulomb friction.
+    pub fn isotropic_coefficient(&self) -> Option<f64> {
+        self.isotropic
+    }
+
+    /// Largest radius of `C`.
+    pub(crate) fn largest_radius(&self) -> f64 {
+        let radius = |d: &Vector<P>| 1.0 / self.reservoir.gauge(d);
+        self.isotropic.unwrap_or_else(|| probes().iter().map(radius).fold(0.0, f64::max))
     }
 
     /// Force reservoir `C` per unit normal force.
@@ -192,9 +233,36 @@ impl FrictionLaw<2> {
         Ok(Self { rate: self.rate, ..turned })
     }
 
+    /// Bounds from the table, which isotropic friction does not need.
+    #[inline]
+    pub(crate) fn bounds(&self) -> Bounds {
+        match self.isotropic {
+            Some(mu) => Bounds { smallest_sine: 1.0, largest_radius: mu },
+            None => {
+                let table = self.table();
+                let (smallest_sine, largest_radius) = (table.smallest_sine, table.largest_radius);
+                Bounds { smallest_sine, largest_radius }
+            }
+        }
+    }
+
     /// The table of the exact one-contact solver, made when it is first needed.
-    pub fn table(&self) -> &WalkTable {
+    pub(crate) fn table(&self) -> &WalkTable {
         self.table.get_or_init(|| Box::new(WalkTable::new(&self.reservoir, &self.direction)))
+    }
+
+    /// What the exact one-contact solver walks along; isotropic laws share one walk.
+    pub(crate) fn walk(&self) -> Walk<'_> {
+        if self.isotropic.is_none() {
+            return Walk { table: self.table(), direction: &self.direction };
+        }
+        static UNIT: OnceLock<(Convex<2>, WalkTable)> = OnceLock::new();
+        let (direction, table) = UNIT.get_or_init(|| {
+            let disk = Convex::Ball(Ball::UNIT);
+            let table = WalkTable::new(&Star::Convex(disk.clone()), &disk);
+            (disk, table)
+        });
+        Walk { table, direction }
     }
 }
 

@@ -49,7 +49,7 @@ pub(crate) struct Columns {
 
 /// See the module page.
 #[derive(Debug, Clone)]
-pub struct WalkTable {
+pub(crate) struct WalkTable {
     /// Fine nodes, counter-clockwise, the first repeated at the end.
     pub(crate) nodes: Vec<Node>,
     pub(crate) fine: Vec<Cell>,

@@ -4,7 +4,7 @@ use asperity_set::Vector;
 
 use super::local::{Block, Local, LocalSolution, Selection};
 use super::report::Ended;
-use super::{Stop, Workspace, line, plane};
+use super::{Stop, Workspace, line, plane, space};
 use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce};
 use crate::law::Law;
 
@@ -17,7 +17,7 @@ pub(super) fn solve(
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
     let mut stuck = sweep(problem, memory, workspace, true);
-    if problem.contacts.len() == 1 {
+    if problem.is_uncoupled() {
         return (1, stuck.map_or(Ended::Done, Ended::NoSolution));
     }
     for sweeps in 1..=max_sweeps {
@@ -41,7 +41,7 @@ pub(super) fn solve(
 ///
 /// The states before the step, in `memory`, decide between several solutions; Newton's method starts
 /// from them in the first sweep and from the last sweep's slip in later ones.
-pub(super) fn sweep(
+fn sweep(
     problem: &ContactProblem,
     memory: &Memory,
     workspace: &mut Workspace,
@@ -63,8 +63,17 @@ pub(super) fn sweep(
                 let found = plane::solve(&local, history, guess, planar);
                 found.map(|found| store(rows, &found, percussion, history, &mut states[i]))
             }
-            // Refused where problems are made.
-            Law::Three(_) => None,
+            Law::Three(law) => {
+                let own = rows.offset..rows.offset + rows.len();
+                let held = problem.contact_velocity(i, percussion, false);
+                let start = &percussion[own.clone()];
+                space::solve(problem, i, law, (&held, start), history).map(|found| {
+                    let len = own.len();
+                    percussion[own].copy_from_slice(&found.percussion[..len]);
+                    states[i] = history.after(found.phase, found.slip);
+                    false
+                })
+            }
         };
         ambiguous[i] = found == Some(true);
         if found.is_none() {
@@ -77,7 +86,7 @@ pub(super) fn sweep(
 
 /// A start of Newton's method: a slip velocity, or the free velocity if the contact has never slipped.
 #[inline]
-fn start(slip: [f64; 3], local: &Local<'_, 2>) -> Vector<2> {
+pub(super) fn start(slip: [f64; 3], local: &Local<'_, 2>) -> Vector<2> {
     let slip = Vector::<2>::new(slip[0], slip[1]);
     if slip.amax() == 0.0 { local.b_t } else { slip }
 }

@@ -4,7 +4,7 @@ use asperity_set::{Matrix, StarSet, Vector};
 use nalgebra::DMatrix;
 
 use super::Workspace;
-use crate::contact::{ContactProblem, ContactState, NormalForce, Phase};
+use crate::contact::{ContactProblem, ContactRows, ContactState, NormalForce, Phase};
 use crate::law::{FrictionLaw, Law};
 
 /// The diagonal block of `G` for one contact, unused components zero.
@@ -18,6 +18,8 @@ pub(super) struct Block {
     /// pseudo-inverse where that is singular.
     pub(super) schur_inverse: Matrix<2>,
     pub(super) singular: bool,
+    /// Whether the contact is unilateral and no friction force can pull it towards the surface.
+    pub(super) pressed: bool,
     /// What is known of the slip equation before the loads are: only where the normal force is
     /// prescribed is its matrix `A` a multiple of `G_TT`.
     pub(super) shape: Shape,
@@ -49,10 +51,17 @@ impl Block {
             (_, true) => pseudo_inverse(&schur),
         };
         let shape = match &rows.law {
-            Law::Two(law) if !unilateral => Shape::new(&g_tt, law.table().smallest_sine),
+            Law::Two(law) if !unilateral => Shape::new(&g_tt, law.bounds().smallest_sine),
             _ => Shape::General,
         };
-        Self { g_nn, g_nt, g_tn, g_tt, schur_inverse, singular, shape }
+        let radius = match &rows.law {
+            Law::One(law) => law.largest_radius(),
+            Law::Two(law) => law.bounds().largest_radius,
+            Law::Three(law) => law.largest_radius(),
+        };
+        let beside = (t..rows.len()).map(|j| g(0, j) * g(0, j)).sum::<f64>().sqrt();
+        let pressed = unilateral && g_nn > beside * radius;
+        Self { g_nn, g_nt, g_tn, g_tt, schur_inverse, singular, pressed, shape }
     }
 }
 
@@ -181,6 +190,17 @@ impl<'a, const P: usize> Local<'a, P> {
     ) -> Self {
         let rows = &problem.contacts[contact];
         let held = problem.contact_velocity(contact, percussion, false);
+        Self::from_held(law, rows, block, &held)
+    }
+
+    /// The contact with the velocities `held` that the other contacts leave it.
+    #[inline(always)]
+    pub(super) fn from_held(
+        law: &'a FrictionLaw<P>,
+        rows: &ContactRows,
+        block: &'a Block,
+        held: &[f64; 4],
+    ) -> Self {
         let (prescribed, b_n) = match rows.normal {
             NormalForce::Prescribed(value) => (Some(value), 0.0),
             NormalForce::Unilateral => (None, held[0]),
@@ -340,7 +360,12 @@ pub(super) fn phase_of(
             .max(problem.free_velocity[first + i].abs())
             .max((own(i) * percussion[first + i]).abs());
     }
-    let phase = if normal <= 0.0 {
+    // The switch of the natural map: an iteration leaves tiny percussions at contacts that open.
+    let opens = rows.normal == NormalForce::Unilateral && {
+        let xi = velocity[rows.offset] + problem.restitution[rows.offset];
+        normal <= problem.rho[contact] * xi
+    };
+    let phase = if normal <= 0.0 || opens {
         Phase::Open
     } else if gauge >= 1.0 - 1e-9 && moving > 1e-13 * reference {
         Phase::Slip

@@ -22,8 +22,10 @@ mod natural;
 mod natural_map;
 mod plane;
 mod prox;
+mod quick;
 mod report;
 mod residual;
+mod space;
 
 use std::time::Instant;
 
@@ -184,7 +186,7 @@ impl Solver {
             Self::Exact { max_sweeps } => {
                 exact::solve(problem, stop, max_sweeps, memory, workspace)
             }
-            Self::Auto { .. } if problem.contacts.len() == 1 => {
+            Self::Auto { .. } if problem.is_uncoupled() => {
                 exact::solve(problem, stop, 1, memory, workspace)
             }
             Self::Auto { interior_point, .. } => {
@@ -221,7 +223,7 @@ impl Solver {
         let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
         let exact = self.only_method(problem) == Some(Method::GaussSeidel);
         // A sweep marks contacts before the last ones have moved.
-        if !exact || problem.contacts.len() > 1 {
+        if !exact || !problem.is_uncoupled() {
             exact::mark_ambiguous(problem, memory, workspace);
         }
         if !exact {
@@ -233,7 +235,14 @@ impl Solver {
             let (factorizations, residual) = (0, residual.value);
             workspace.stages.push(Stage { method, iterations, factorizations, residual });
         }
-        let report = SolveReport::new(status, iterations, residual, stop.tolerance, workspace);
+        let report = SolveReport::new(
+            status,
+            iterations,
+            residual,
+            residual::approaching(problem, &workspace.velocity),
+            stop.tolerance,
+            workspace,
+        );
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
         std::mem::swap(&mut workspace.states, &mut memory.states);
         report
@@ -246,7 +255,7 @@ impl Solver {
     fn only_method(&self, problem: &ContactProblem) -> Option<Method> {
         match self {
             Self::Exact { .. } => Some(Method::GaussSeidel),
-            Self::Auto { .. } if problem.contacts.len() == 1 => Some(Method::GaussSeidel),
+            Self::Auto { .. } if problem.is_uncoupled() => Some(Method::GaussSeidel),
             Self::ProxJacobi { .. } | Self::ProxGaussSeidel { .. } => Some(Method::Prox),
             _ => None,
         }

@@ -1,6 +1,6 @@
 //! The natural map of a whole problem, one number for all contacts.
 
-use asperity_set::{Convex, Vector};
+use asperity_set::Vector;
 
 use super::residual::{ContactVelocity, tangential_defect};
 use crate::contact::{ContactProblem, NormalForce};
@@ -71,11 +71,7 @@ fn cone_defect<const P: usize>(
     percussion: &[f64],
     xi: &ContactVelocity<'_>,
 ) -> Option<f64> {
-    let Convex::Ball(ball) = law.direction() else { return None };
-    if law.alpha_min() != 1.0 {
-        return None;
-    }
-    let mu = ball.size();
+    let mu = law.isotropic_coefficient()?;
     let tangent = Vector::<P>::from_fn(|j, _| percussion[first + j]);
     let slip = Vector::<P>::from_fn(|j, _| xi.of(first + j));
     let z_n = normal - rho * (xi_n + mu * slip.norm());

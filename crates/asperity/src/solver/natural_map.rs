@@ -1,143 +1,157 @@
-//! TEMPORARY until helper's version
+//! The natural map of one contact and its generalised Jacobian.
+//!
+//! With `h = P_N − ρ_N ξ_N`, or the prescribed normal percussion, the contact is open where `h ≤ 0`:
+//! `F = P`. Where `h > 0`, `F_N = ρ_N ξ_N`, and the paper's iteration (\[WL19\] (69), (70)) scaled by `h` is
+//!
+//! `x = −P_T/h`, `y = α(x)(x + ρ_T ξ_T/h)`, `z = prox_D(y)`, `F_T = P_T + h z/α(z)`,
+//!
+//! with `1/α(x) = k_D(x) − k_C(x) + 1` (56) and its inverse `α(z) = k_C(z) − k_D(z) + 1` (67). `F = 0` is the
+//! contact law. For isotropic friction this is the map of Alart and Curnier (1991).
+
+use asperity_set::{ConvexSet, Matrix, StarSet, Vector};
+use nalgebra::SMatrix;
+
 use crate::contact::{ContactRows, NormalForce};
 use crate::law::{FrictionLaw, Law};
-use asperity_set::{Convex, ConvexSet, Matrix, StarSet, Vector};
-use nalgebra::SMatrix;
+
+/// Matrices over the rows of a contact, the normal row first where there is one; the rest unused.
 pub(super) type Small = SMatrix<f64, 4, 4>;
-#[derive(Debug, Clone, Copy)]
+
+/// Prox parameters of a contact; the tangential rows share one, or the law would change.
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Rho {
-    pub normal: f64,
-    pub tangent: f64,
+    pub(super) normal: f64,
+    pub(super) tangent: f64,
 }
-pub(super) fn value(rows: &ContactRows, rho: Rho, p: &[f64], xi: &[f64], out: &mut [f64]) {
+
+/// `F` of a contact from its percussions and velocities `ξ`.
+pub(super) fn value(rows: &ContactRows, rho: Rho, percussion: &[f64], xi: &[f64], out: &mut [f64]) {
     match &rows.law {
-        Law::One(l) => map(l, rows, rho, p, xi, out, None),
-        Law::Two(l) => map(l, rows, rho, p, xi, out, None),
-        Law::Three(l) => map(l, rows, rho, p, xi, out, None),
+        Law::One(law) => map(law, rows, rho, (percussion, xi), out, None),
+        Law::Two(law) => map(law, rows, rho, (percussion, xi), out, None),
+        Law::Three(law) => map(law, rows, rho, (percussion, xi), out, None),
     }
 }
+
+/// `F` with `dF = A dP + B dξ`.
 pub(super) fn jet(
     rows: &ContactRows,
     rho: Rho,
-    p: &[f64],
-    xi: &[f64],
+    at: (&[f64], &[f64]),
     out: &mut [f64],
-    a: &mut Small,
-    b: &mut Small,
+    jacobian: (&mut Small, &mut Small),
 ) {
     match &rows.law {
-        Law::One(l) => map(l, rows, rho, p, xi, out, Some((a, b))),
-        Law::Two(l) => map(l, rows, rho, p, xi, out, Some((a, b))),
-        Law::Three(l) => map(l, rows, rho, p, xi, out, Some((a, b))),
+        Law::One(law) => map(law, rows, rho, at, out, Some(jacobian)),
+        Law::Two(law) => map(law, rows, rho, at, out, Some(jacobian)),
+        Law::Three(law) => map(law, rows, rho, at, out, Some(jacobian)),
     }
 }
-fn project_jet<const P: usize>(
-    d: &Convex<P>,
-    y: &Vector<P>,
-    start: &Vector<P>,
-) -> (Vector<P>, Matrix<P>) {
-    if let Convex::Ball(ball) = d {
-        let n = y.norm();
-        let mu = ball.size();
-        if n <= mu {
-            return (*y, Matrix::identity());
-        }
-        let t = y / n;
-        return (t * mu, (Matrix::identity() - t * t.transpose()) * (mu / n));
-    }
-    let z = d.project_from(y, start);
-    if z == *y {
-        return (z, Matrix::identity());
-    }
-    let h = 1e-7 * y.norm().max(z.norm());
-    let mut j = Matrix::<P>::zeros();
-    for k in 0..P {
-        let mut s = *y;
-        s[k] += h;
-        let c = (d.project_from(&s, &z) - z) / h;
-        for i in 0..P {
-            j[(i, k)] = c[i];
-        }
-    }
-    (z, j)
-}
+
+#[inline(always)]
 fn map<const P: usize>(
     law: &FrictionLaw<P>,
     rows: &ContactRows,
     rho: Rho,
-    p: &[f64],
-    xi: &[f64],
+    (percussion, xi): (&[f64], &[f64]),
     out: &mut [f64],
-    jac: Option<(&mut Small, &mut Small)>,
+    jacobian: Option<(&mut Small, &mut Small)>,
 ) {
-    let f = rows.normal_rows();
-    let (h, unil) = match rows.normal {
-        NormalForce::Prescribed(v) => (v, false),
-        NormalForce::Unilateral => (p[0] - rho.normal * xi[0], true),
+    let first = rows.normal_rows();
+    let h = match rows.normal {
+        NormalForce::Prescribed(value) => value,
+        NormalForce::Unilateral => percussion[0] - rho.normal * xi[0],
     };
-    let want = jac.is_some();
-    let (mut za, mut zb) = (Small::zeros(), Small::zeros());
+    // The comparison also turns away NaN.
     if !(h > 0.0) {
-        out[..f + P].copy_from_slice(&p[..f + P]);
-        if let Some((a, b)) = jac {
+        out.copy_from_slice(percussion);
+        if let Some((a, b)) = jacobian {
             *a = Small::identity();
             b.fill(0.0);
         }
         return;
     }
-    if unil {
+    let tangent = Vector::<P>::from_column_slice(&percussion[first..]);
+    let slip = Vector::<P>::from_column_slice(&xi[first..]) * rho.tangent;
+    let scaled = Friction { x: tangent / -h, s: slip / h };
+    if first == 1 {
         out[0] = rho.normal * xi[0];
-        zb[(0, 0)] = rho.normal;
     }
-    let pt = Vector::<P>::from_fn(|i, _| p[f + i]);
-    let g = Vector::<P>::from_fn(|i, _| xi[f + i]);
-    let x = -pt / h;
-    let w = x + g * (rho.tangent / h);
-    let (d, c) = (law.direction(), law.reservoir());
-    let assoc = law.alpha_min() == 1.0;
-    let (alpha, grad) = if assoc || x.amax() == 0.0 {
-        (1.0, Vector::zeros())
-    } else {
-        let (kd, gd) = d.gauge_jet(&x);
-        let (kc, gc) = c.gauge_jet(&x);
-        let a = 1.0 / (kd - kc + 1.0);
-        (a, (gd - gc) * (-a * a))
+    let Some((a, b)) = jacobian else {
+        let g = scaled.value(law);
+        out[first..].copy_from_slice((tangent + g * h).as_slice());
+        return;
     };
-    let y = w * alpha;
-    let (z, j) = if want {
-        project_jet(d, &y, &(x * alpha))
-    } else {
-        (d.project_from(&y, &(x * alpha)), Matrix::zeros())
-    };
-    let (inv, dinv) = if assoc || z.amax() == 0.0 {
-        (1.0, Vector::zeros())
-    } else {
-        let (kd, gd) = d.gauge_jet(&z);
-        let (kc, gc) = c.gauge_jet(&z);
-        let s = kc - kd + 1.0;
-        (1.0 / s, (gc - gd) * (-1.0 / (s * s)))
-    };
-    let gz = z * inv;
-    let ft = pt + gz * h;
-    out[f..f + P].copy_from_slice(ft.as_slice());
-    let Some((a, b)) = jac else { return };
-    // dg = G dy
-    let gm = (Matrix::identity() * inv + z * dinv.transpose()) * j;
-    // dy = alpha dw + w grad.dx ; dx = -dP/h - x dh/h ; dw = dx + rho(dxi/h - xi dh/h^2)
-    let ydx = Matrix::identity() * alpha + w * grad.transpose();
-    let dp = -(gm * ydx); // h*G*ydx*(-1/h)
-    let dxi = gm * (alpha * rho.tangent);
-    let dh = gz - gm * (ydx * x + g * (alpha * rho.tangent / h));
+    let (g, by_x, by_s) = scaled.jet(law);
+    out[first..].copy_from_slice((tangent + g * h).as_slice());
+    // dx = −(dP_T + x dh)/h, ds = (ρ_T dξ_T − s dh)/h, dh = dP_N − ρ_N dξ_N.
+    let by_h = g - by_x * scaled.x - by_s * scaled.s;
+    (*a, *b) = (Small::zeros(), Small::zeros());
     for i in 0..P {
-        for k in 0..P {
-            za[(f + i, f + k)] = dp[(i, k)] + if i == k { 1.0 } else { 0.0 };
-            zb[(f + i, f + k)] = dxi[(i, k)];
+        for j in 0..P {
+            a[(first + i, first + j)] = f64::from(u8::from(i == j)) - by_x[(i, j)];
+            b[(first + i, first + j)] = rho.tangent * by_s[(i, j)];
         }
-        if unil {
-            za[(f + i, 0)] = dh[i];
-            zb[(f + i, 0)] = -rho.normal * dh[i];
+        if first == 1 {
+            a[(1 + i, 0)] = by_h[i];
+            b[(1 + i, 0)] = -rho.normal * by_h[i];
         }
     }
-    *a = za;
-    *b = zb;
+    if first == 1 {
+        b[(0, 0)] = rho.normal;
+    }
+}
+
+/// The tangential part for unit `h`: `x = −P_T/h` and `s = ρ_T ξ_T/h`.
+struct Friction<const P: usize> {
+    x: Vector<P>,
+    s: Vector<P>,
+}
+
+impl<const P: usize> Friction<P> {
+    /// `z/α(z)`.
+    #[inline(always)]
+    fn value(&self, law: &FrictionLaw<P>) -> Vector<P> {
+        let direction = law.direction();
+        if law.is_associated() {
+            return direction.project_from(&(self.x + self.s), &self.x);
+        }
+        let start = self.x * law.alpha(&self.x);
+        let y = start + self.s * law.alpha(&self.x);
+        let z = direction.project_from(&y, &start);
+        z / (law.reservoir().gauge(&z) - direction.gauge(&z) + 1.0)
+    }
+
+    /// `g = z/α(z)` with its derivatives to `x` and `s`.
+    #[inline(always)]
+    fn jet(&self, law: &FrictionLaw<P>) -> (Vector<P>, Matrix<P>, Matrix<P>) {
+        let Self { x, s } = self;
+        let direction = law.direction();
+        if law.is_associated() {
+            let (z, slope) = direction.project_jet(&(x + s), x);
+            return (z, slope, slope);
+        }
+        // ∇α = −α² (∇k_D − ∇k_C).
+        let (excess, gradient) = difference(law, x);
+        let alpha = 1.0 / (excess + 1.0);
+        let w = x + s;
+        let (z, slope) = direction.project_jet(&(w * alpha), &(x * alpha));
+        let (at_z, gradient_z) = difference(law, &z);
+        let inverse = 1.0 / (1.0 - at_z);
+        // dg = dz/α(z) + z (∇k_D − ∇k_C)·dz/α(z)².
+        let outer = (Matrix::identity() + z * gradient_z.transpose() * inverse) * slope * inverse;
+        let by_s = outer * alpha;
+        let by_x = by_s - outer * w * gradient.transpose() * (alpha * alpha);
+        (z * inverse, by_x, by_s)
+    }
+}
+
+/// `k_D − k_C` and its gradient, zero at the origin.
+fn difference<const P: usize>(law: &FrictionLaw<P>, x: &Vector<P>) -> (f64, Vector<P>) {
+    if x.amax() == 0.0 {
+        return (0.0, Vector::zeros());
+    }
+    let (k_d, by_d) = law.direction().gauge_jet(x);
+    let (k_c, by_c) = law.reservoir().gauge_jet(x);
+    (k_d - k_c, by_d - by_c)
 }

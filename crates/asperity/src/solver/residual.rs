@@ -2,7 +2,7 @@
 
 use asperity_set::{ConvexSet, StarSet, Vector};
 
-use crate::contact::{ContactProblem, Delassus, NormalForce};
+use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
 use crate::law::{FrictionLaw, Law};
 
 /// Natural residual of a problem.
@@ -67,6 +67,26 @@ pub fn natural_residual(
     }
     let value = if worst < 0.0 { 0.0 } else { f64::sqrt(worst) };
     Residual { value, worst_contact }
+}
+
+/// A closed contact that approaches nearly as fast as without percussions.
+///
+/// Percussions that grow without bound make every relative defect small: where there is no solution, this is
+/// what tells.
+pub(super) fn approaching(problem: &ContactProblem, velocity: &[f64]) -> Option<usize> {
+    let xi = ContactVelocity { velocity, restitution: &problem.restitution };
+    let unilateral = |rows: &&ContactRows| rows.normal == NormalForce::Unilateral;
+    let mut fastest = None;
+    let mut limit = 0.0;
+    for (i, rows) in problem.contacts.iter().enumerate().filter(|(_, rows)| unilateral(rows)) {
+        let approach = -xi.of(rows.offset);
+        if approach > limit {
+            (limit, fastest) = (approach, Some(i));
+        }
+    }
+    let loads = problem.free_velocity.iter().zip(&problem.restitution);
+    let largest = || loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));
+    fastest.filter(|_| limit > 1e-2 * largest())
 }
 
 /// Square of what the defect of a contact is compared with: its percussion, its free velocity and the

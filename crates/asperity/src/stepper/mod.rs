@@ -3,18 +3,21 @@
 //! `q_M = q_B + ½Δt u_B`; the contacts closed at the midpoint form the contact problem
 //! `M(u_E − u_B) − hΔt = W_N P_N + W P` with the laws in `u_E` (19); `q_E = q_M + ½Δt u_E`.
 
-mod assembly;
+mod bodies;
+mod closed;
+mod dense;
 mod mass;
+mod meetings;
 mod rated;
 
-use nalgebra::DMatrix;
 use thiserror::Error;
 
-use crate::contact::{ContactState, Memory, Phase};
+use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use crate::solver::{SolveReport, Solver, Stop, Workspace};
-use crate::system::{System, SystemError};
-use assembly::{Assembly, Change};
-use mass::MassFactor;
+use crate::system::{RigidBodies, System, SystemError};
+use bodies::BodyAssembly;
+use closed::{Change, Closed};
+use dense::Dense;
 
 /// A step could not be made.
 #[derive(Debug, Error)]
@@ -36,9 +39,6 @@ pub enum StepError {
         /// First coordinate that is not finite.
         coordinate: usize,
     },
-    /// A contact that no solver takes.
-    #[error("contacts: laws with drilling friction are not supported by the time stepping")]
-    Drilling,
 }
 
 /// What one contact does after a step.
@@ -54,6 +54,15 @@ pub struct ContactOutput {
     pub normal_force: f64,
 }
 
+/// How the contact problem is made.
+#[derive(Debug)]
+enum Assembly<'a> {
+    /// With matrices of the size of the system.
+    Dense(Box<Dense>),
+    /// Body by body.
+    Bodies(&'a RigidBodies, Box<BodyAssembly>),
+}
+
 /// The scheme with its state and all its buffers.
 #[derive(Debug)]
 pub struct Stepper<'a> {
@@ -64,17 +73,10 @@ pub struct Stepper<'a> {
     steps: usize,
     q: Vec<f64>,
     u: Vec<f64>,
-    q_mid: Vec<f64>,
-    /// Forces, then velocities without contact forces, then the new velocities.
-    free: Vec<f64>,
-    mass: DMatrix<f64>,
-    factor: Option<MassFactor>,
-    assembly: Assembly,
+    closed: Closed,
+    assembly: Assembly<'a>,
     memory: Memory,
     workspace: Workspace,
-    /// States of all contacts at the last change of the closed ones; since then those of the closed
-    /// ones are in `memory`.
-    states: Vec<ContactState>,
 }
 
 impl<'a> Stepper<'a> {
@@ -87,10 +89,10 @@ impl<'a> Stepper<'a> {
         q0: &[f64],
         u0: &[f64],
     ) -> Result<Self, StepError> {
-        let n = system.dof();
-        if system.contacts().iter().any(|contact| contact.law.dimension() > 2) {
-            return Err(StepError::Drilling);
-        }
+        let assembly = match system.rigid_bodies() {
+            Some(bodies) => Assembly::Bodies(bodies, Box::new(BodyAssembly::new(bodies, q0, u0))),
+            None => Assembly::Dense(Box::new(Dense::new(system))),
+        };
         let mut stepper = Self {
             system,
             solver,
@@ -99,19 +101,15 @@ impl<'a> Stepper<'a> {
             steps: 0,
             q: q0.to_vec(),
             u: u0.to_vec(),
-            q_mid: vec![0.0; n],
-            free: vec![0.0; n],
-            mass: DMatrix::zeros(n, n),
-            factor: None,
-            assembly: Assembly::new(system),
+            closed: Closed::new(system),
+            assembly,
             memory: Memory::default(),
             workspace: Workspace::default(),
-            states: vec![ContactState::default(); system.contacts().len()],
         };
-        for contact in 0..stepper.states.len() {
+        for contact in 0..stepper.closed.states.len() {
             let slip = stepper.slip(contact)?;
             if slip.iter().any(|&v| v != 0.0) {
-                stepper.states[contact] = ContactState::new(Phase::Slip, slip);
+                stepper.closed.states[contact] = ContactState::new(Phase::Slip, slip);
             }
         }
         Ok(stepper)
@@ -139,7 +137,7 @@ impl<'a> Stepper<'a> {
 
     /// Phase of a contact in the last step.
     pub fn phase(&self, contact: usize) -> Phase {
-        self.assembly.place(contact).map_or(Phase::Open, |place| self.memory.states[place].phase)
+        self.closed.place(contact).map_or(Phase::Open, |place| self.memory.states[place].phase)
     }
 
     /// Number of components of a contact's friction force.
@@ -147,45 +145,38 @@ impl<'a> Stepper<'a> {
         self.system.contacts()[contact].law.dimension()
     }
 
+    /// The contact problem of the last step.
+    pub fn problem(&self) -> &ContactProblem {
+        &self.closed.problem
+    }
+
     /// The system's contact behind a contact of the last contact problem.
     pub fn contact_of(&self, place: usize) -> usize {
-        self.assembly.active().get(place).copied().unwrap_or(0)
+        self.closed.active.get(place).copied().unwrap_or(0)
     }
 
     /// One step.
     pub fn step(&mut self) -> Result<SolveReport, StepError> {
-        let (dt, half) = (self.dt, 0.5 * self.dt);
+        let (dt, system) = (self.dt, self.system);
         let t_mid = (self.steps as f64 + 0.5) * dt;
-        for (mid, (q, u)) in self.q_mid.iter_mut().zip(self.q.iter().zip(&self.u)) {
-            *mid = q + half * u;
-        }
-        let new_mass = self.update_mass(t_mid)?;
-        self.system.forces(t_mid, &self.q_mid, &self.u, &mut self.free)?;
-        let Some(factor) = &self.factor else {
-            return Err(StepError::SingularMass { time: t_mid });
+        let (start, closed) = ((self.q.as_slice(), self.u.as_slice()), &mut self.closed);
+        let change = match &mut self.assembly {
+            Assembly::Dense(dense) => dense.update(system, (t_mid, dt), start, closed)?,
+            Assembly::Bodies(bodies, assembly) => assembly.update(bodies, dt, start, closed),
         };
-        factor.solve(&mut self.free);
-        for (free, u) in self.free.iter_mut().zip(&self.u) {
-            *free = u + dt * *free;
+        if change != Change::None {
+            self.workspace.prepare(&self.closed.problem);
         }
-        let system = self.system;
-        let at = (t_mid, self.q_mid.as_slice(), dt);
-        match self.assembly.update(system, at, (&self.u, &self.free), factor, new_mass)? {
-            Change::None => {}
-            Change::Operator => self.workspace.prepare(self.assembly.problem()),
-            Change::Contacts => {
-                self.workspace.prepare(self.assembly.problem());
-                self.carry_over();
-            }
+        if change == Change::Contacts {
+            self.closed.carry_over(&mut self.memory);
         }
-        self.assembly.load(&self.u, &self.free);
-        let stop = Stop::at(self.tolerance);
-        let problem = self.assembly.problem();
+        let (problem, stop) = (&self.closed.problem, Stop::at(self.tolerance));
         let report = self.solver.solve(problem, stop, &mut self.memory, &mut self.workspace);
-        self.assembly.apply(&self.memory.percussion, &mut self.free);
-        std::mem::swap(&mut self.u, &mut self.free);
-        for (q, (mid, u)) in self.q.iter_mut().zip(self.q_mid.iter().zip(&self.u)) {
-            *q = mid + half * u;
+        let percussion = &self.memory.percussion;
+        let (q, u) = (&mut self.q, &mut self.u);
+        match &mut self.assembly {
+            Assembly::Dense(dense) => dense.finish(system, percussion, dt, (q, u)),
+            Assembly::Bodies(bodies, assembly) => assembly.finish(bodies, percussion, dt, (q, u)),
         }
         self.steps += 1;
         self.check_finite()?;
@@ -194,57 +185,37 @@ impl<'a> Stepper<'a> {
 
     /// Slip velocity `γ = Wᵀu + χ` of a contact in the present state.
     fn slip(&mut self, contact: usize) -> Result<[f64; 3], StepError> {
-        let t = self.time();
-        Ok(self.assembly.slip(self.system, t, &self.q, &self.u, contact)?)
+        let (t, state) = (self.time(), (self.q.as_slice(), self.u.as_slice()));
+        match &mut self.assembly {
+            Assembly::Dense(dense) => Ok(dense.slip(self.system, t, state, contact)?),
+            Assembly::Bodies(bodies, _) => Ok(bodies.slip(state.0, state.1, contact)),
+        }
     }
 
     /// What a contact does after the last step.
     pub fn output(&mut self, contact: usize) -> Result<ContactOutput, StepError> {
         let phase = self.phase(contact);
-        let Some(place) = self.assembly.place(contact) else {
+        let Some(place) = self.closed.place(contact) else {
             let slip = self.slip(contact)?;
             return Ok(ContactOutput { phase, slip, force: [0.0; 3], normal_force: 0.0 });
         };
-        let rows = &self.assembly.problem().contacts()[place];
+        let rows = &self.closed.problem.contacts()[place];
         let (percussion, velocity) = (&self.memory.percussion, &self.workspace.velocity);
         let (mut slip, mut force) = ([0.0; 3], [0.0; 3]);
         for i in 0..rows.law.dimension() {
-            slip[i] = velocity[rows.tangent() + i];
             let row = rows.tangent() + i;
-            force[i] = self.assembly.percussion(row, percussion[row]) / self.dt;
+            let factor = match &self.assembly {
+                Assembly::Dense(dense) => dense.factor(row),
+                Assembly::Bodies(_, assembly) => assembly.factor(row),
+            };
+            slip[i] = velocity[row];
+            force[i] = percussion[row] * factor / self.dt;
         }
         let normal_force = match self.system.contacts()[contact].normal_force {
             Some(value) => value,
             None => percussion[rows.offset] / self.dt,
         };
         Ok(ContactOutput { phase, slip, force, normal_force })
-    }
-
-    fn update_mass(&mut self, t_mid: f64) -> Result<bool, StepError> {
-        if self.system.constancy().mass && self.factor.is_some() {
-            return Ok(false);
-        }
-        self.system.mass(&self.q_mid, &mut self.mass)?;
-        self.factor = MassFactor::new(&self.mass);
-        match self.factor {
-            Some(_) => Ok(true),
-            None => Err(StepError::SingularMass { time: t_mid }),
-        }
-    }
-
-    /// A new memory for a new set of closed contacts: states are kept, percussions start from zero.
-    fn carry_over(&mut self) {
-        for (state, &contact) in self.memory.states.iter().zip(self.assembly.before()) {
-            self.states[contact] = *state;
-        }
-        let problem = self.assembly.problem();
-        self.memory = Memory::new(problem.rows(), problem.contacts().len());
-        for contact in 0..self.states.len() {
-            match self.assembly.place(contact) {
-                Some(place) => self.memory.states[place] = self.states[contact],
-                None => self.states[contact].phase = Phase::Open,
-            }
-        }
     }
 
     fn check_finite(&self) -> Result<(), StepError> {

@@ -16,7 +16,7 @@ const SMALLEST: f64 = 1e-12;
 #[derive(Debug, Default)]
 pub(super) struct Factors {
     rows: Vec<f64>,
-    /// The Delassus operator without factors.
+    /// The dense Delassus operator without factors.
     plain: DMatrix<f64>,
     /// Whether some law depends on the speed.
     any: bool,
@@ -39,16 +39,15 @@ impl Factors {
         self.any
     }
 
-    /// Remembers an operator that has just been filled in.
+    /// Remembers a dense operator that has just been filled in.
     pub(super) fn keep(&mut self, problem: &ContactProblem) {
         if let (true, Delassus::Dense(delassus)) = (self.any, &problem.delassus) {
             self.plain.copy_from(delassus);
         }
     }
 
-    /// Scales the columns of the operator by the factors for relative velocities `slip(row)`.
-    pub(super) fn apply(&mut self, problem: &mut ContactProblem, slip: impl Fn(usize) -> f64) {
-        let Delassus::Dense(delassus) = &mut problem.delassus else { return };
+    /// Takes the factors for relative velocities `slip(row)`.
+    pub(super) fn update(&mut self, problem: &ContactProblem, slip: impl Fn(usize) -> f64) {
         for contact in &problem.contacts {
             let Some(rate) = contact.law.rate() else { continue };
             let own = contact.tangent()..contact.offset + contact.len();
@@ -57,13 +56,17 @@ impl Factors {
                 *value = slip(row);
             }
             // Without any friction the contact would have no operator.
-            let factor = rate.factor(velocity.norm()).max(SMALLEST);
-            for column in own {
-                self.rows[column] = factor;
-                let plain = self.plain.column(column);
-                for (scaled, entry) in delassus.column_mut(column).iter_mut().zip(&plain) {
-                    *scaled = entry * factor;
-                }
+            self.rows[own].fill(rate.factor(velocity.norm()).max(SMALLEST));
+        }
+    }
+
+    /// Scales the columns of a dense operator.
+    pub(super) fn apply(&self, problem: &mut ContactProblem) {
+        let Delassus::Dense(delassus) = &mut problem.delassus else { return };
+        for (column, factor) in self.rows.iter().enumerate() {
+            let plain = self.plain.column(column);
+            for (scaled, entry) in delassus.column_mut(column).iter_mut().zip(&plain) {
+                *scaled = entry * factor;
             }
         }
         problem.update_rho();

@@ -2,6 +2,7 @@
 
 mod linear;
 mod models;
+pub mod rigid;
 
 use std::error::Error;
 use std::fmt::Debug;
@@ -11,6 +12,7 @@ use thiserror::Error as ThisError;
 
 pub use linear::{Contact, LinearSystem, Normal};
 pub use models::{mass_on_belt, sliding_point};
+pub use rigid::RigidBodies;
 
 use crate::law::Law;
 
@@ -58,13 +60,32 @@ impl SystemError {
     }
 }
 
-/// `M(q) u̇ − h(t, q, u) = W_N λ_N + W λ`, `q̇ = u`, with `γ_N = W_Nᵀu` and `γ = Wᵀu + χ`
+/// `M(q) u̇ − h(t, q, u) = W_N λ_N + W λ`, `q̇ = u` or what [`System::advance`] makes of it, with `γ_N = W_Nᵀu` and `γ = Wᵀu + χ`
 /// (\[WL19\] §2.2, (23)).
 ///
 /// Immutable: everything that changes lives in the buffers that the methods fill.
 pub trait System: Debug + Sync {
     /// Number of degrees of freedom.
     fn dof(&self) -> usize;
+
+    /// Number of coordinates, more than velocities where rotations of space are among them.
+    fn coordinates(&self) -> usize {
+        self.dof()
+    }
+
+    /// `out ← q ⊕ dt u`, the coordinates after moving with the velocities `u` for `dt`.
+    #[inline]
+    fn advance(&self, q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
+        for (out, (q, u)) in out.iter_mut().zip(q.iter().zip(u)) {
+            *out = q + dt * u;
+        }
+    }
+
+    /// The system as rigid bodies, which are stepped body by body, without matrices of the size of the
+    /// system.
+    fn rigid_bodies(&self) -> Option<&RigidBodies> {
+        None
+    }
 
     /// The contacts, in a fixed order.
     fn contacts(&self) -> &[ContactLaw];

@@ -14,10 +14,10 @@ mod newton_matrix;
 mod phases;
 mod proximal;
 
-use super::exact;
 use super::natural::natural_map;
+use super::quick;
 use super::report::{Ended, Method, Stage};
-use super::residual::natural_residual;
+use super::residual::{approaching, natural_residual};
 use super::{Measure, Stop, Workspace};
 use crate::contact::{ContactProblem, Memory};
 pub(super) use phases::{automatic, single};
@@ -116,7 +116,7 @@ impl<'a, 'b> Run<'a, 'b> {
     /// One sweep of exact one-contact solves over the workspace's percussions.
     fn sweep(&mut self) {
         let first = self.sweeps == 0;
-        self.stuck = exact::sweep(self.problem, self.memory, self.workspace, first);
+        self.stuck = quick::sweep(self.problem, self.memory, self.workspace, first);
         self.sweeps += 1;
     }
 
@@ -141,7 +141,7 @@ impl<'a, 'b> Run<'a, 'b> {
         let velocity = &self.many.velocity;
         let grade = natural_map(self.problem, percussion, velocity);
         let goal = 0.5 * self.stop.tolerance;
-        let solved = match self.stop.measure {
+        let small = match self.stop.measure {
             Measure::Global => grade <= goal,
             // A contact's defect is at least that of the problem over the root of their number.
             Measure::Contact => {
@@ -149,6 +149,7 @@ impl<'a, 'b> Run<'a, 'b> {
                     && natural_residual(self.problem, percussion, velocity).value <= goal
             }
         };
+        let solved = small && approaching(self.problem, velocity).is_none();
         if solved && !self.solved || grade < self.grade && solved >= self.solved {
             (self.grade, self.solved) = (grade, solved);
             self.many.best.copy_from_slice(percussion);

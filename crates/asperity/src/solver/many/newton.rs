@@ -128,9 +128,9 @@ impl Newton {
         for (i, rows) in problem.contacts.iter().enumerate() {
             let own = rows.offset..rows.offset + rows.len();
             let (a, b) = (&mut self.a[i], &mut self.b[i]);
-            let (p, xi) = (&percussion[own.clone()], &self.xi[own.clone()]);
-            natural_map::jet(rows, self.rho[i], p, xi, &mut self.f[own], a, b);
-            *a += *b * epsilon;
+            let at = (&percussion[own.clone()], &self.xi[own.clone()]);
+            natural_map::jet(rows, self.rho[i], at, &mut self.f[own], (a, b));
+            self.a[i] += self.b[i] * epsilon;
         }
         norm(&self.f)
     }

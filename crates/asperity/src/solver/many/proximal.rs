@@ -16,6 +16,9 @@ const FEW: usize = 12;
 const VERY_FEW: usize = 4;
 /// Sweeps after a failed inner solve.
 const SWEEPS: usize = 20;
+/// Outer steps without a new best after which the iteration starts again, from no percussions at all: what
+/// led it astray may be its start.
+const LOST: usize = 300;
 
 impl Run<'_, '_> {
     /// Iterates until the problem is solved, the stop says so or `max_iterations` outer steps are made.
@@ -27,7 +30,8 @@ impl Run<'_, '_> {
         let (mut hold, mut patience, mut turn) = (0_usize, 2, 0);
         self.many.newton.scale_rho(problem, FACTORS[turn]);
         let before = self.many.newton.factorizations;
-        let mut outer = 0;
+        let (mut outer, mut lost) = (0, 0);
+        let mut lowest = grade;
         while !self.solved && outer < max_iterations && !self.stop.early() {
             outer += 1;
             let goal = self.inner_goal(grade, epsilon, unit, INNER);
@@ -39,6 +43,14 @@ impl Run<'_, '_> {
             let found = self.grade_trial();
             if self.solved {
                 break;
+            }
+            lost = if found < lowest { 0 } else { lost + 1 };
+            lowest = lowest.min(found);
+            if lost == LOST {
+                self.many.centre.fill(0.0);
+                self.many.newton.scale_rho(problem, 1.0);
+                (grade, epsilon, hold, patience, turn) = (1.0, 1e-2, 0, 2, 1);
+                continue;
             }
             if norm > goal.tolerance {
                 grade = self.sweep_from_centre(grade);

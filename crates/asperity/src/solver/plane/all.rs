@@ -1,12 +1,12 @@
 //! All solutions of one contact.
 
-use asperity_set::{Arc, BoundaryPoint};
+use asperity_set::{Arc, BoundaryPoint, Convex};
 
 use super::super::local::{Local, LocalSolution};
 use super::equation::Slip;
 use super::scan::Scan;
 use crate::contact::Phase;
-use crate::law::{COARSE, FINE_PER_COARSE};
+use crate::law::{COARSE, FINE_PER_COARSE, Walk};
 
 /// All solutions, in the order open, stick, slips counter-clockwise along bdry *D*.
 pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) {
@@ -22,8 +22,8 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
     if local.prescribed.is_none() && local.b_n == 0.0 {
         return;
     }
-    let table = local.law.table();
-    let slip = Slip::new(local, table);
+    let Walk { table, direction } = local.law.walk();
+    let slip = Slip::new(local, local.law.bounds().largest_radius);
     let scan = Scan::new(&slip, table);
     for i in 0..COARSE {
         if scan.excluded(&slip, table, i) {
@@ -33,7 +33,8 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
             let (first, last) = (&table.nodes[j], &table.nodes[j + 1]);
             let stray = slip.stray(&table.fine[j]);
             if !slip.excluded_between(first, last, stray) {
-                search(&slip, &Arc { start: first.point, end: last.point }, stray, 0, out);
+                let arc = Arc { start: first.point, end: last.point };
+                search(&slip, direction, &arc, (stray, 0), out);
             }
         }
     }
@@ -43,12 +44,11 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
 /// All roots of `F` on an arc from whose chord it strays by at most `stray`.
 fn search(
     slip: &Slip<'_, '_>,
+    direction: &Convex<2>,
     arc: &Arc,
-    stray: f64,
-    depth: usize,
+    (stray, depth): (f64, usize),
     out: &mut Vec<LocalSolution<2>>,
 ) {
-    let direction = slip.local.law.direction();
     let ends = [&arc.start, &arc.end].map(|point| slip.value(point));
     let smallest = ends[0].abs().min(ends[1].abs());
     if (ends[0] >= 0.0) != (ends[1] >= 0.0) {
@@ -73,7 +73,7 @@ fn search(
     // The distance to the chord falls with the square of the length.
     let halves = [Arc { start: arc.start, end: middle }, Arc { start: middle, end: arc.end }];
     for half in &halves {
-        search(slip, half, 0.3 * stray, depth + 1, out);
+        search(slip, direction, half, (0.3 * stray, depth + 1), out);
     }
 }
 

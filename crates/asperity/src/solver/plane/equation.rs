@@ -3,7 +3,7 @@
 use asperity_set::{BoundaryPoint, Matrix, StarSet, Vector};
 
 use super::super::local::{Local, LocalSolution};
-use crate::law::{Cell, Node, WalkTable};
+use crate::law::{Cell, Node};
 
 pub(super) type V = Vector<2>;
 
@@ -20,6 +20,8 @@ pub(super) struct Slip<'a, 'b> {
     pub(super) sign: f64,
     pub(super) norm_c: f64,
     pub(super) norm_a: f64,
+    /// Factor of the table's points of bdry *C*.
+    pub(super) scale: f64,
     /// `|F|` below this value is rounding.
     pub(super) rounding: f64,
     /// Square of a radius of curvature that is not extreme.
@@ -27,14 +29,21 @@ pub(super) struct Slip<'a, 'b> {
 }
 
 impl<'a, 'b> Slip<'a, 'b> {
-    pub(super) fn new(local: &'a Local<'b, 2>, table: &WalkTable) -> Self {
+    pub(super) fn new(local: &'a Local<'b, 2>, largest_radius: f64) -> Self {
         let (c0, a) = local.affine();
         // Sums of magnitudes bound the norms and need no roots.
         let norm_c = c0.x.abs() + c0.y.abs();
         let norm_a = a.m11.abs() + a.m12.abs() + a.m21.abs() + a.m22.abs();
-        let rounding = 8.0 * f64::EPSILON * (norm_c + norm_a * table.largest_radius);
-        let mild_bend = (10.0 * table.largest_radius).powi(2);
-        Self { local, c0, a, sign: local.sign(), norm_c, norm_a, rounding, mild_bend }
+        let rounding = 8.0 * f64::EPSILON * (norm_c + norm_a * largest_radius);
+        let mild_bend = (10.0 * largest_radius).powi(2);
+        let scale = local.law.isotropic_coefficient().unwrap_or(1.0);
+        Self { local, c0, a, sign: local.sign(), norm_c, norm_a, scale, rounding, mild_bend }
+    }
+
+    /// `v(x)` at a node of the table.
+    #[inline]
+    pub(super) fn velocity_at(&self, node: &Node) -> V {
+        self.velocity(&(node.x * self.scale))
     }
 
     #[inline]
@@ -53,13 +62,13 @@ impl<'a, 'b> Slip<'a, 'b> {
     /// How far `F` and `n·v` may stray from their chords over a cell.
     #[inline]
     pub(super) fn stray(&self, cell: &Cell) -> f64 {
-        self.norm_c * cell.normal + self.norm_a * cell.product
+        self.norm_c * cell.normal + self.norm_a * self.scale * cell.product
     }
 
     /// Whether `F` or `n·v` rules out a solution between two nodes.
     pub(super) fn excluded_between(&self, first: &Node, last: &Node, stray: f64) -> bool {
         let [(f, along_f), (g, along_g)] = [first, last].map(|node| {
-            let v = self.velocity(&node.x);
+            let v = self.velocity_at(node);
             (cross(&node.point.normal, &v), self.sign * node.point.normal.dot(&v))
         });
         let no_root = (f >= 0.0) == (g >= 0.0) && f.abs().min(g.abs()) > stray;

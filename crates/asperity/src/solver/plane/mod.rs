@@ -10,8 +10,8 @@ mod scan;
 
 use asperity_set::{ConvexSet, StarSet};
 
-use super::local::{Local, LocalSolution, Selection, Shape};
-use crate::contact::ContactState;
+use super::local::{Local, LocalSolution, Selection, Shape, Stick};
+use crate::contact::{ContactState, Phase};
 use crate::law::COARSE;
 pub(super) use all::solutions;
 use equation::{Slip, V, cross};
@@ -31,6 +31,31 @@ pub(super) fn solve(
     }
 }
 
+/// A solution for sweeps that will come back to the contact: the one that continues `state` as far as the
+/// stick solution and Newton's method from the last direction show, without a proof that there is no other.
+#[inline(always)]
+pub(super) fn quick(
+    local: &Local<'_, 2>,
+    state: &ContactState,
+    guess: impl Fn() -> V,
+    buffer: &mut Vec<LocalSolution<2>>,
+) -> Option<LocalSolution<2>> {
+    if let Some(open) = opens(local)? {
+        return Some(open);
+    }
+    let stick = local.stick();
+    let slips = || {
+        let slip = Slip::new(local, local.law.bounds().largest_radius);
+        newton(&slip, &guess())
+            .or_else(|| newton(&slip, &local.law.direction().gauge_jet(&stick.load).1))
+    };
+    match stick.solution {
+        Some(solution) if state.phase != Phase::Slip || certain(local, &stick) => Some(solution),
+        Some(solution) => slips().or(Some(solution)),
+        None => slips().or_else(|| select_among_all(*local, state, buffer).map(|s| s.solution)),
+    }
+}
+
 #[cold]
 #[inline(never)]
 fn select_among_all(
@@ -47,29 +72,12 @@ fn select_among_all(
 /// The solution, if it is found quickly and certainly the only one.
 #[inline(always)]
 fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
-    if local.prescribed == Some(0.0) {
-        return Some(local.open());
+    if let Some(open) = opens(local)? {
+        return Some(open);
     }
-    let table = local.law.table();
-    if local.prescribed.is_none() {
-        let pressed = local.block.g_nn > local.block.g_nt.norm() * table.largest_radius;
-        if !pressed {
-            return None;
-        }
-        if local.b_n >= 0.0 {
-            return Some(local.open());
-        }
-    }
+    let bounds = local.law.bounds();
     let stick = local.stick();
-    let shape = match local.prescribed {
-        Some(_) => local.block.shape,
-        None => Shape::new(&local.affine().1, table.smallest_sine),
-    };
-    let certain = match shape {
-        Shape::Monotone => true,
-        Shape::Scalar => !table.may_be_ambiguous(&stick.load, stick.gauge),
-        Shape::General => false,
-    };
+    let certain = certain(local, &stick);
     if let Some(solution) = stick.solution {
         if solution.degenerate || stick.gauge >= 1.0 - 1e-12 {
             return None;
@@ -77,18 +85,46 @@ fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>>
         if certain {
             return Some(solution);
         }
-        let slip = Slip::new(local, table);
+        let table = local.law.walk().table;
+        let slip = Slip::new(local, bounds.largest_radius);
         let scan = Scan::new(&slip, table);
         return (0..COARSE).all(|i| scan.excluded(&slip, table, i)).then_some(solution);
     }
-    let slip = Slip::new(local, table);
+    let slip = Slip::new(local, bounds.largest_radius);
     let mut found = newton(&slip, &guess());
     if found.is_none() {
         // Where the last direction is far off, the normal below the load is a good start.
         found = newton(&slip, &local.law.direction().gauge_jet(&stick.load).1);
     }
     let solution = found?;
-    (certain || Scan::new(&slip, table).has_one_root(&slip, table)).then_some(solution)
+    let only = || {
+        let table = local.law.walk().table;
+        Scan::new(&slip, table).has_one_root(&slip, table)
+    };
+    (certain || only()).then_some(solution)
+}
+
+/// The open contact, if it opens; `None` where friction may pull it towards the surface.
+#[inline(always)]
+fn opens(local: &Local<'_, 2>) -> Option<Option<LocalSolution<2>>> {
+    if local.prescribed.is_some() {
+        return Some((local.prescribed == Some(0.0)).then(|| local.open()));
+    }
+    local.block.pressed.then(|| (local.b_n >= 0.0).then(|| local.open()))
+}
+
+/// Whether the contact certainly has one solution only.
+#[inline(always)]
+fn certain(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
+    let shape = match local.prescribed {
+        Some(_) => local.block.shape,
+        None => Shape::new(&local.affine().1, local.law.bounds().smallest_sine),
+    };
+    match shape {
+        Shape::Monotone => true,
+        Shape::Scalar => !local.law.table().may_be_ambiguous(&stick.load, stick.gauge),
+        Shape::General => false,
+    }
 }
 
 /// Newton's method for `F = 0` in the angle of the normal, from the last slip direction.

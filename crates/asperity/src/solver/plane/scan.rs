@@ -11,7 +11,7 @@ pub(super) struct Scan {
 
 impl Scan {
     pub(super) fn new(slip: &Slip<'_, '_>, table: &WalkTable) -> Self {
-        let (c0, a) = (&slip.c0, &slip.a);
+        let (c0, a) = (&slip.c0, slip.a * slip.scale);
         let ([n0, n1], [[n0x0, n0x1], [n1x0, n1x1]]) = (&table.columns.n, &table.columns.nx);
         let (mut value, mut along) = ([0.0; COARSE], [0.0; COARSE]);
         for i in 0..COARSE {
@@ -50,7 +50,7 @@ impl Scan {
         let range = cell * FINE_PER_COARSE..(cell + 1) * FINE_PER_COARSE;
         let value = |j: usize| {
             let node = &table.nodes[j];
-            cross(&node.point.normal, &slip.velocity(&node.x))
+            cross(&node.point.normal, &slip.velocity_at(node))
         };
         let mut changes = 0;
         for j in range {

@@ -1,0 +1,251 @@
+//! Rigid bodies as they are given, and what the equations of motion need of them.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::system::SystemError;
+
+use super::rotation::normalized;
+use super::within;
+
+/// A rigid body in space, described about its centre of mass, with its initial state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Mass in kg.
+    pub mass: f64,
+    /// Inertia tensor in kg m² about the centre of mass, in the body's axes, row by row.
+    pub inertia: [[f64; 3]; 3],
+    /// Centre of mass in m.
+    pub position: [f64; 3],
+    /// Quaternion `(w, x, y, z)` from the body's axes to those of the world; of any length but zero.
+    pub orientation: [f64; 4],
+    /// Velocity of the centre of mass in m/s.
+    pub velocity: [f64; 3],
+    /// Angular velocity Ω in rad/s in the body's axes.
+    pub angular_velocity: [f64; 3],
+    /// Constant force in N at the centre of mass, in the axes of the world.
+    pub force: [f64; 3],
+    /// Constant torque in N m in the axes of the world.
+    pub torque: [f64; 3],
+}
+
+impl Body {
+    /// A body at rest at the origin with principal moments of inertia along its axes.
+    pub fn new(mass: f64, moments: [f64; 3]) -> Self {
+        let [a, b, c] = moments;
+        Self {
+            mass,
+            inertia: [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]],
+            position: [0.0; 3],
+            orientation: [1.0, 0.0, 0.0, 0.0],
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+            force: [0.0; 3],
+            torque: [0.0; 3],
+        }
+    }
+
+    /// A homogeneous ball.
+    pub fn ball(mass: f64, radius: f64) -> Self {
+        Self::new(mass, [0.4 * mass * radius * radius; 3])
+    }
+
+    /// A homogeneous box.
+    pub fn cuboid(mass: f64, half_sizes: [f64; 3]) -> Self {
+        let [a, b, c] = half_sizes.map(|h| h * h);
+        Self::new(mass, [b + c, a + c, a + b].map(|sum| mass * sum / 3.0))
+    }
+}
+
+/// A rigid body of the plane `z = 0`, described about its centre of mass, with its initial state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlanarBody {
+    /// Mass in kg.
+    pub mass: f64,
+    /// Moment of inertia in kg m² about the centre of mass.
+    pub inertia: f64,
+    /// Centre of mass in m.
+    pub position: [f64; 2],
+    /// Angle in rad.
+    pub angle: f64,
+    /// Velocity of the centre of mass in m/s.
+    pub velocity: [f64; 2],
+    /// Angular velocity in rad/s.
+    pub angular_velocity: f64,
+    /// Constant force in N at the centre of mass.
+    pub force: [f64; 2],
+    /// Constant torque in N m.
+    pub torque: f64,
+}
+
+impl PlanarBody {
+    /// A body at rest at the origin.
+    pub fn new(mass: f64, inertia: f64) -> Self {
+        Self {
+            mass,
+            inertia,
+            position: [0.0; 2],
+            angle: 0.0,
+            velocity: [0.0; 2],
+            angular_velocity: 0.0,
+            force: [0.0; 2],
+            torque: 0.0,
+        }
+    }
+}
+
+/// Bodies that all move in space or all in one plane.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Bodies {
+    /// In the plane `z = 0`: coordinates `(x, y, φ)`, velocities `(ẋ, ẏ, φ̇)`.
+    Planar(Vec<PlanarBody>),
+    /// In space: coordinates `(x, y, z, w, x, y, z)`, velocities `(v, Ω)`, Ω in the body's axes.
+    Spatial(Vec<Body>),
+}
+
+impl From<Vec<PlanarBody>> for Bodies {
+    fn from(bodies: Vec<PlanarBody>) -> Self {
+        Self::Planar(bodies)
+    }
+}
+
+impl From<Vec<Body>> for Bodies {
+    fn from(bodies: Vec<Body>) -> Self {
+        Self::Spatial(bodies)
+    }
+}
+
+/// Mass and loads of a body. A planar body is one of space that only turns about z: its inertia is
+/// taken as isotropic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Inertial {
+    pub(super) mass: f64,
+    pub(super) inverse_mass: f64,
+    pub(super) inertia: Matrix3<f64>,
+    pub(super) inverse_inertia: Matrix3<f64>,
+    /// Whether the inertia is a multiple of the identity: Ω is then constant in free flight.
+    pub(super) isotropic: bool,
+    /// Constant force without the weight, and constant torque.
+    pub(super) force: Vector3<f64>,
+    pub(super) torque: Vector3<f64>,
+}
+
+impl Inertial {
+    fn new(
+        mass: f64,
+        inertia: Matrix3<f64>,
+        force: [f64; 3],
+        torque: [f64; 3],
+    ) -> Result<Self, SystemError> {
+        if !(mass.is_finite() && mass > 0.0) {
+            let message = format!("must be finite and positive, got {mass}");
+            return Err(SystemError::argument("mass", message));
+        }
+        check("force", &force)?;
+        check("torque", &torque)?;
+        let inverse_inertia = inverse(&inertia)?;
+        Ok(Self {
+            mass,
+            inverse_mass: 1.0 / mass,
+            inertia,
+            inverse_inertia,
+            isotropic: inertia == Matrix3::identity() * inertia.m11,
+            force: force.into(),
+            torque: torque.into(),
+        })
+    }
+
+    /// `Ω = J⁻¹ Π`, refined so that `J Ω` gives Π back but for rounding.
+    #[inline]
+    pub(super) fn rate(&self, momentum: &Vector3<f64>) -> Vector3<f64> {
+        let rate = self.inverse_inertia * momentum;
+        rate + self.inverse_inertia * (momentum - self.inertia * rate)
+    }
+}
+
+/// Bodies taken apart: mass and loads, initial coordinates, initial velocities.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    pub(super) inertial: Vec<Inertial>,
+    pub(super) q0: Vec<f64>,
+    pub(super) u0: Vec<f64>,
+}
+
+impl Bodies {
+    pub(super) fn parts(&self) -> Result<Parts, SystemError> {
+        let mut parts = Parts::default();
+        let count = match self {
+            Self::Planar(bodies) => bodies.len(),
+            Self::Spatial(bodies) => bodies.len(),
+        };
+        for i in 0..count {
+            let inertial = match self {
+                Self::Planar(bodies) => planar(&bodies[i], &mut parts),
+                Self::Spatial(bodies) => spatial(&bodies[i], &mut parts),
+            };
+            parts.inertial.push(inertial.map_err(|error| within("body", i, error))?);
+        }
+        Ok(parts)
+    }
+}
+
+fn planar(body: &PlanarBody, parts: &mut Parts) -> Result<Inertial, SystemError> {
+    check("position", &body.position)?;
+    check("angle", &[body.angle])?;
+    check("velocity", &body.velocity)?;
+    check("angular_velocity", &[body.angular_velocity])?;
+    parts.q0.extend([body.position[0], body.position[1], body.angle]);
+    parts.u0.extend([body.velocity[0], body.velocity[1], body.angular_velocity]);
+    let inertia = Matrix3::identity() * body.inertia;
+    let force = [body.force[0], body.force[1], 0.0];
+    Inertial::new(body.mass, inertia, force, [0.0, 0.0, body.torque])
+}
+
+fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, SystemError> {
+    check("position", &body.position)?;
+    check("orientation", &body.orientation)?;
+    check("velocity", &body.velocity)?;
+    check("angular_velocity", &body.angular_velocity)?;
+    let length = body.orientation.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if !(length > 1e-100 && length.is_finite()) {
+        let message = format!("must be a quaternion of length other than zero, has {length}");
+        return Err(SystemError::argument("orientation", message));
+    }
+    parts.q0.extend(body.position);
+    parts.q0.extend(normalized(body.orientation.map(|c| c / length)));
+    parts.u0.extend(body.velocity);
+    parts.u0.extend(body.angular_velocity);
+    let inertia = Matrix3::from_fn(|i, j| body.inertia[i][j]);
+    Inertial::new(body.mass, inertia, body.force, body.torque)
+}
+
+/// Inverse of an inertia tensor that some body can have.
+fn inverse(inertia: &Matrix3<f64>) -> Result<Matrix3<f64>, SystemError> {
+    let refuse = |message: String| Err(SystemError::argument("inertia", message));
+    check("inertia", inertia.as_slice())?;
+    if (inertia - inertia.transpose()).amax() > 1e-12 * inertia.amax() {
+        return refuse("must be symmetric".into());
+    }
+    let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    let [a, b, c] = moments;
+    if !(a > 0.0) {
+        return refuse(format!("must be positive definite, has the principal moment {a}"));
+    }
+    if a + b < c * (1.0 - 1e-9) {
+        return refuse(format!(
+            "must be that of a body, but its largest principal moment {c} exceeds the sum of the others"
+        ));
+    }
+    match inertia.try_inverse() {
+        Some(inverse) => Ok(inverse),
+        None => refuse("must be invertible".into()),
+    }
+}
+
+/// Refuses what is not finite.
+pub(super) fn check(argument: &'static str, values: &[f64]) -> Result<(), SystemError> {
+    match values.iter().find(|v| !v.is_finite()) {
+        Some(value) => Err(SystemError::argument(argument, format!("must be finite, got {value}"))),
+        None => Ok(()),
+    }
+}

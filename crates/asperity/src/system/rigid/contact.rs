@@ -1,0 +1,218 @@
+//! One possible contact: gap, place, directions, and its rows of `W_Nᵀ` and `Wᵀ`.
+
+use nalgebra::Vector3;
+
+use super::surface::{Frame, Surface, tangent};
+use super::{Pose, Twist};
+
+/// A possible contact of a body with another one or with the world.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Contact {
+    pub(crate) body: usize,
+    pub(crate) other: Option<usize>,
+    /// Whether it may open, and has a normal row.
+    pub(crate) unilateral: bool,
+    /// Number of tangential rows.
+    pub(super) tangential: usize,
+    pub(super) touching: Touching,
+    pub(super) frame: Frame,
+    /// Radius of the patch for drilling friction.
+    pub(super) patch: f64,
+}
+
+/// The two surfaces, each in the axes of its own body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Touching {
+    /// A sphere, of radius zero for a point, and a plane.
+    Plane { point: Vector3<f64>, radius: f64, surface: Surface },
+    /// Two spheres.
+    Spheres { centres: [Vector3<f64>; 2], radii: [f64; 2] },
+}
+
+/// Where and along which directions a contact acts, in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactGeometry {
+    /// Gap in m.
+    pub gap: f64,
+    /// Contact point in m.
+    pub point: Vector3<f64>,
+    /// Directions of the friction force, `e₂ = n × e₁`.
+    pub e1: Vector3<f64>,
+    /// See `e1`.
+    pub e2: Vector3<f64>,
+    /// Normal, from the plane or the second sphere to the first body.
+    pub normal: Vector3<f64>,
+    /// Velocity in m/s of a moving surface at the contact point, relative to what it is fixed to.
+    pub surface_velocity: Vector3<f64>,
+    /// Angular velocity in rad/s of a moving surface about the normal.
+    pub surface_spin: f64,
+}
+
+impl ContactGeometry {
+    /// World coordinates of a force given by its components along `e₁`, `e₂`, `n`.
+    pub fn world(&self, force: [f64; 3]) -> Vector3<f64> {
+        self.e1 * force[0] + self.e2 * force[1] + self.normal * force[2]
+    }
+}
+
+impl Contact {
+    /// Gap and contact point.
+    #[inline]
+    pub(crate) fn gap(&self, first: &Pose, second: Option<&Pose>) -> (f64, Vector3<f64>) {
+        match &self.touching {
+            Touching::Plane { point, radius, surface } => {
+                let x = first.point(point);
+                let (normal, origin) = match second {
+                    Some(pose) => (pose.rotation * surface.normal, pose.point(&surface.point)),
+                    None => (surface.normal, surface.point),
+                };
+                (normal.dot(&(x - origin)) - radius, x - normal * *radius)
+            }
+            Touching::Spheres { centres, radii } => {
+                let [a, b] = [first.point(&centres[0]), place(second, &centres[1])];
+                let (normal, distance) = direction(a - b);
+                let gap = distance - radii[0] - radii[1];
+                (gap, b + normal * (radii[1] + 0.5 * gap))
+            }
+        }
+    }
+
+    /// Everything of the contact but its rows.
+    pub(super) fn geometry(&self, first: &Pose, second: Option<&Pose>) -> ContactGeometry {
+        self.geometry_at(self.gap(first, second), first, second)
+    }
+
+    /// Everything of the contact but its rows, from its gap and its point.
+    #[inline]
+    fn geometry_at(
+        &self,
+        (gap, point): (f64, Vector3<f64>),
+        first: &Pose,
+        second: Option<&Pose>,
+    ) -> ContactGeometry {
+        match &self.touching {
+            Touching::Plane { surface, .. } => {
+                let surface = second.map_or(*surface, |pose| surface.at(pose));
+                let (e1, e2) = self.directions(&surface, &point, first);
+                let (normal, surface_spin) = (surface.normal, surface.spin);
+                let surface_velocity = surface.material_velocity(&point);
+                ContactGeometry { gap, point, e1, e2, normal, surface_velocity, surface_spin }
+            }
+            Touching::Spheres { centres, .. } => {
+                let [a, b] = [first.point(&centres[0]), place(second, &centres[1])];
+                let (normal, _) = direction(a - b);
+                let e1 = match &self.frame {
+                    Frame::Body { axis } => {
+                        tangent(&(first.rotation * Vector3::from(*axis)), &normal)
+                            .unwrap_or_else(|| across(&normal))
+                    }
+                    // Planar systems.
+                    _ => normal.cross(&Vector3::z()),
+                };
+                let (e2, surface_velocity) = (normal.cross(&e1), Vector3::zeros());
+                let surface_spin = 0.0;
+                ContactGeometry { gap, point, e1, e2, normal, surface_velocity, surface_spin }
+            }
+        }
+    }
+
+    /// `e₁`, `e₂` on a plane; where the frame has no direction, those of the plane.
+    #[inline]
+    fn directions(
+        &self,
+        surface: &Surface,
+        point: &Vector3<f64>,
+        first: &Pose,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let e1 = match &self.frame {
+            Frame::Plane => return (surface.e1, surface.e2),
+            Frame::Body { axis } => {
+                tangent(&(first.rotation * Vector3::from(*axis)), &surface.normal)
+            }
+            Frame::Polar => {
+                let away = point - surface.point;
+                let along = away - surface.normal * surface.normal.dot(&away);
+                // Relative to the place of the origin, so that rounding gives no direction.
+                let size = point.amax().max(surface.point.amax());
+                (along.amax() > 1e-12 * size).then(|| along.normalize())
+            }
+            Frame::Field(angle) => {
+                let away = point - surface.point;
+                let (sine, cosine) =
+                    angle([away.dot(&surface.e1), away.dot(&surface.e2)]).sin_cos();
+                Some(surface.e1 * cosine + surface.e2 * sine)
+            }
+        };
+        match e1 {
+            Some(e1) => (e1, surface.normal.cross(&e1)),
+            None => (surface.e1, surface.e2),
+        }
+    }
+
+    /// Rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ` for the first and the second body, and χ, from its
+    /// gap and its point.
+    #[inline]
+    pub(crate) fn rows(
+        &self,
+        at: (f64, Vector3<f64>),
+        poses: (&Pose, Option<&Pose>),
+        rows: (&mut [Twist], &mut [Twist]),
+        chi: &mut [f64],
+    ) {
+        let geometry = self.geometry_at(at, poses.0, poses.1);
+        self.rows_of(&geometry, poses, (self.unilateral, self.tangential), rows, chi);
+    }
+
+    /// The rows wanted: the normal one if `normal`, and `p` tangential ones.
+    #[inline]
+    pub(super) fn rows_of(
+        &self,
+        geometry: &ContactGeometry,
+        (first, second): (&Pose, Option<&Pose>),
+        (normal, p): (bool, usize),
+        (own, others): (&mut [Twist], &mut [Twist]),
+        chi: &mut [f64],
+    ) {
+        let start = usize::from(normal);
+        let directions = [geometry.normal, geometry.e1, geometry.e2];
+        let directions = &directions[1 - start..1 + p.min(2)];
+        let lever = geometry.point - first.position;
+        for (k, direction) in directions.iter().enumerate() {
+            own[k] = first.wrench(direction, &lever.cross(direction));
+            chi[k] = -direction.dot(&geometry.surface_velocity);
+        }
+        if normal {
+            chi[0] = 0.0;
+        }
+        if p == 3 {
+            own[start + 2] = first.wrench(&Vector3::zeros(), &(geometry.normal * self.patch));
+            chi[start + 2] = -self.patch * geometry.surface_spin;
+        }
+        let Some(second) = second else { return };
+        let lever = geometry.point - second.position;
+        for (k, direction) in directions.iter().enumerate() {
+            others[k] = second.wrench(&-direction, &direction.cross(&lever));
+        }
+        if p == 3 {
+            others[start + 2] = second.wrench(&Vector3::zeros(), &(geometry.normal * -self.patch));
+        }
+    }
+}
+
+/// Direction and length; concentric spheres are pushed apart along x.
+#[inline]
+fn direction(v: Vector3<f64>) -> (Vector3<f64>, f64) {
+    let length = v.norm();
+    if length > 0.0 { (v / length, length) } else { (Vector3::x(), 0.0) }
+}
+
+/// Some unit vector perpendicular to `normal`.
+fn across(normal: &Vector3<f64>) -> Vector3<f64> {
+    let axis = Vector3::ith(normal.iamin(), 1.0);
+    normal.cross(&axis).normalize()
+}
+
+#[inline]
+fn place(pose: Option<&Pose>, point: &Vector3<f64>) -> Vector3<f64> {
+    pose.map_or(*point, |pose| pose.point(point))
+}

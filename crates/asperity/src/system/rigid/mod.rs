@@ -1,0 +1,178 @@
+//! Rigid bodies with contacts, springs and weight, in space or in a plane.
+//!
+//! The body `k` of space has the coordinates `q[7k..]` (centre of mass, unit quaternion `(w, x, y, z)`) and
+//! the velocities `u[6k..]` (velocity of the centre of mass in the world's axes, angular velocity Ω in the
+//! body's), so that the mass matrix is constant. A planar body has `(x, y, φ)` and their rates.
+
+mod body;
+mod contact;
+mod measures;
+mod motion;
+mod pair;
+mod rotation;
+mod spring;
+mod structure;
+mod surface;
+
+use nalgebra::{Matrix3, Vector3, Vector6};
+
+pub use body::{Bodies, Body, PlanarBody};
+pub use contact::ContactGeometry;
+pub use pair::{Pair, Shape};
+pub use spring::Spring;
+pub use surface::{Field, Frame, Plane};
+
+use super::{ContactLaw, SystemError};
+use body::{Inertial, Parts, check};
+pub(crate) use contact::Contact;
+pub(crate) use motion::Middle;
+
+/// A system of rigid bodies.
+///
+/// Contacts are numbered pair after pair, the corners of a box one after another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigidBodies {
+    planar: bool,
+    inertial: Vec<Inertial>,
+    gravity: Vector3<f64>,
+    springs: Vec<Spring>,
+    contacts: Vec<Contact>,
+    laws: Vec<ContactLaw>,
+    /// Pair and number within it of every contact.
+    labels: Vec<(usize, usize)>,
+    /// Contacts whose normal force is given, which loads the bodies like a spring.
+    prescribed: Vec<usize>,
+    q0: Vec<f64>,
+    u0: Vec<f64>,
+}
+
+/// Place and attitude of a body: what carries its axes to those of the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Centre of mass in m.
+    pub position: Vector3<f64>,
+    /// Rotation matrix.
+    pub rotation: Matrix3<f64>,
+}
+
+/// Velocity `(v, Ω)` of a body, or what is dual to it: v in the world's axes, Ω in the body's.
+pub(crate) type Twist = Vector6<f64>;
+
+impl Pose {
+    /// World coordinates of a point of the body.
+    #[inline]
+    pub fn point(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.position + self.rotation * point
+    }
+
+    /// A force and a torque about the centre of mass, both in the world's axes, as dual to the twist.
+    #[inline]
+    fn wrench(&self, force: &Vector3<f64>, torque: &Vector3<f64>) -> Twist {
+        twist(force, &self.rotation.tr_mul(torque))
+    }
+}
+
+#[inline]
+fn twist(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Twist {
+    Twist::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+}
+
+#[inline]
+fn linear(twist: &Twist) -> Vector3<f64> {
+    Vector3::new(twist[0], twist[1], twist[2])
+}
+
+#[inline]
+fn angular(twist: &Twist) -> Vector3<f64> {
+    Vector3::new(twist[3], twist[4], twist[5])
+}
+
+impl RigidBodies {
+    /// A system of bodies, all in space or all in the plane `z = 0`, with gravity in m/s².
+    pub fn new(
+        bodies: impl Into<Bodies>,
+        pairs: &[Pair],
+        springs: Vec<Spring>,
+        gravity: [f64; 3],
+    ) -> Result<Self, SystemError> {
+        let bodies = bodies.into();
+        let planar = matches!(bodies, Bodies::Planar(_));
+        let Parts { inertial, q0, u0 } = bodies.parts()?;
+        check("gravity", &gravity)?;
+        if planar && gravity[2] != 0.0 {
+            return Err(SystemError::argument("gravity", "must have z = 0 in planar systems"));
+        }
+        for (i, spring) in springs.iter().enumerate() {
+            spring.check(inertial.len(), planar).map_err(|error| within("spring", i, error))?;
+        }
+        let (mut contacts, mut laws, mut labels) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, pair) in pairs.iter().enumerate() {
+            let name = |error| within("pair", i, error);
+            let law = pair.contact_law(planar).map_err(name)?;
+            for (k, contact) in
+                pair.contacts(inertial.len(), planar).map_err(name)?.into_iter().enumerate()
+            {
+                contacts.push(contact);
+                laws.push(law.clone());
+                labels.push((i, k));
+            }
+        }
+        let given = |&contact: &usize| laws[contact].normal_force.is_some();
+        let prescribed = (0..laws.len()).filter(given).collect();
+        let gravity = gravity.into();
+        Ok(Self { planar, inertial, gravity, springs, contacts, laws, labels, prescribed, q0, u0 })
+    }
+
+    /// Whether the bodies move in the plane `z = 0`.
+    pub fn is_planar(&self) -> bool {
+        self.planar
+    }
+
+    /// Number of bodies.
+    pub fn bodies(&self) -> usize {
+        self.inertial.len()
+    }
+
+    /// Initial coordinates.
+    pub fn q0(&self) -> &[f64] {
+        &self.q0
+    }
+
+    /// Initial velocities.
+    pub fn u0(&self) -> &[f64] {
+        &self.u0
+    }
+
+    /// Pair that a contact belongs to, and its number within the pair.
+    pub fn label(&self, contact: usize) -> (usize, usize) {
+        self.labels[contact]
+    }
+
+    /// The body of a contact on which its forces act, and the other one if it is not the world.
+    pub fn partners(&self, contact: usize) -> (usize, Option<usize>) {
+        (self.contacts[contact].body, self.contacts[contact].other)
+    }
+
+    /// Gap, place and directions of a contact in the world.
+    pub fn contact_geometry(&self, q: &[f64], contact: usize) -> ContactGeometry {
+        let contact = &self.contacts[contact];
+        let second = contact.other.map(|body| self.pose(q, body));
+        contact.geometry(&self.pose(q, contact.body), second.as_ref())
+    }
+
+    /// Number of coordinates and of velocities per body.
+    #[inline]
+    fn sizes(&self) -> (usize, usize) {
+        if self.planar { (3, 3) } else { (7, 6) }
+    }
+}
+
+/// Says which of several the error is about.
+fn within(what: &str, index: usize, error: SystemError) -> SystemError {
+    match error {
+        SystemError::Argument { argument, message } => {
+            SystemError::Argument { argument, message: format!("of {what} {index} {message}") }
+        }
+        foreign => foreign,
+    }
+}

@@ -1,0 +1,266 @@
+//! What may touch what, as it is given; every pair expands to contacts.
+
+use nalgebra::Vector3;
+
+use super::body::check;
+use super::contact::{Contact, Touching};
+use super::surface::{Frame, Plane, Surface, unit};
+use crate::law::Law;
+use crate::system::{ContactLaw, SystemError};
+
+/// Two surfaces that may touch; bodies are given by their number, places in their axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// A point of a body.
+    PointPlane {
+        /// The body.
+        body: usize,
+        /// The point in m.
+        point: [f64; 3],
+        /// The plane.
+        plane: Plane,
+    },
+    /// A sphere fixed to a body.
+    SpherePlane {
+        /// The body.
+        body: usize,
+        /// Its centre in m.
+        centre: [f64; 3],
+        /// Its radius in m.
+        radius: f64,
+        /// The plane.
+        plane: Plane,
+    },
+    /// The corners of a box about the body's origin: eight contacts, four of a planar body. The signs of
+    /// corner `k` are the bits of `k`, x first, zero for minus.
+    BoxPlane {
+        /// The body.
+        body: usize,
+        /// Half the edges in m.
+        half_sizes: [f64; 3],
+        /// The plane.
+        plane: Plane,
+    },
+    /// Two spheres; the normal points to the first.
+    SphereSphere {
+        /// The body of the first sphere.
+        body: usize,
+        /// Its centre in m.
+        centre: [f64; 3],
+        /// Its radius in m.
+        radius: f64,
+        /// The body of the second sphere.
+        other: usize,
+        /// Its centre in m.
+        other_centre: [f64; 3],
+        /// Its radius in m.
+        other_radius: f64,
+    },
+}
+
+/// Two surfaces with the laws of their contacts.
+///
+/// Newton's restitution multiplies every relative velocity before the step by its coefficient. Impacts do
+/// not bring energy in where all coefficients of all contacts that are closed at the same time agree and
+/// lie in \[0, 1\] and no surface moves: with `ξ = γ_E + eγ_B` and `γ_E − γ_B = GP` the energy grows by
+/// `Pᵀξ/(1+e) − ½ (1−e)/(1+e) PᵀGP ≤ 0`. Where they differ (`e_N ≠ e_T` is enough) it may grow, which is
+/// known as Kane's paradox: Newton's restitution then has no energy balance that holds in general.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pair {
+    /// The surfaces.
+    pub shape: Shape,
+    /// Friction law of every contact: of dimension 1 in the plane, 2 or 3 in space.
+    pub law: Law,
+    /// The directions that an anisotropic law refers to.
+    pub frame: Frame,
+    /// Normal force of every contact in N if it is given, acting on both bodies; `None` for unilateral
+    /// contacts.
+    pub normal_force: Option<f64>,
+    /// Newton's `e_N`.
+    pub normal_restitution: f64,
+    /// `e_T`.
+    pub tangential_restitution: f64,
+    /// Radius `R` of the contact patch in m for laws with drilling, whose third slip is `R ω_N`.
+    pub patch_radius: Option<f64>,
+}
+
+impl Pair {
+    /// Unilateral contacts without restitution, directions given by the plane or, between spheres, by
+    /// the first body's x-axis.
+    pub fn new(shape: Shape, law: impl Into<Law>) -> Self {
+        let frame = match shape {
+            Shape::SphereSphere { .. } => Frame::Body { axis: [1.0, 0.0, 0.0] },
+            _ => Frame::Plane,
+        };
+        Self {
+            shape,
+            law: law.into(),
+            frame,
+            normal_force: None,
+            normal_restitution: 0.0,
+            tangential_restitution: 0.0,
+            patch_radius: None,
+        }
+    }
+
+    /// The laws of its contacts, checked.
+    pub(super) fn contact_law(&self, planar: bool) -> Result<ContactLaw, SystemError> {
+        let refuse = |argument, message: String| Err(SystemError::argument(argument, message));
+        let p = self.law.dimension();
+        if planar != (p == 1) {
+            let (space, allowed) = if planar { ("a plane", "1") } else { ("space", "2 or 3") };
+            return refuse("law", format!("must be of dimension {allowed} in {space}, is of {p}"));
+        }
+        match self.patch_radius {
+            Some(_) if p < 3 => {
+                return refuse("patch_radius", "must be given for drilling friction only".into());
+            }
+            None if p == 3 => {
+                return refuse("patch_radius", "must be given for drilling friction".into());
+            }
+            Some(r) if !(r.is_finite() && r > 0.0) => {
+                return refuse("patch_radius", format!("must be finite and positive, got {r}"));
+            }
+            _ => {}
+        }
+        for (argument, e) in [
+            ("normal_restitution", self.normal_restitution),
+            ("tangential_restitution", self.tangential_restitution),
+        ] {
+            if !(-1.0..=1.0).contains(&e) {
+                return refuse(argument, format!("must lie in [-1, 1], got {e}"));
+            }
+        }
+        match self.normal_force {
+            Some(force) if !(force.is_finite() && force >= 0.0) => {
+                refuse("normal_force", format!("must be finite and not negative, got {force}"))
+            }
+            normal_force => Ok(ContactLaw {
+                law: self.law.clone(),
+                normal_force,
+                normal_restitution: self.normal_restitution,
+                tangential_restitution: self.tangential_restitution,
+            }),
+        }
+    }
+
+    /// Its contacts, between `bodies` bodies.
+    pub(super) fn contacts(
+        &self,
+        bodies: usize,
+        planar: bool,
+    ) -> Result<Vec<Contact>, SystemError> {
+        let (body, other) = self.shape.bodies();
+        for (argument, index) in [("body", Some(body)), ("other", other)] {
+            if let Some(index) = index.filter(|&index| index >= bodies) {
+                let message = format!("must be one of {bodies} bodies, got {index}");
+                return Err(SystemError::argument(argument, message));
+            }
+        }
+        if other == Some(body) {
+            return Err(SystemError::argument("body", "must not touch itself"));
+        }
+        let frame = self.checked_frame(planar)?;
+        let contact = |touching| Contact {
+            body,
+            other,
+            unilateral: self.normal_force.is_none(),
+            tangential: self.law.dimension(),
+            touching,
+            frame: frame.clone(),
+            patch: self.patch_radius.unwrap_or(0.0),
+        };
+        Ok(self.shape.expand(planar)?.into_iter().map(contact).collect())
+    }
+
+    /// The frame; in the plane there is but one.
+    fn checked_frame(&self, planar: bool) -> Result<Frame, SystemError> {
+        match &self.frame {
+            _ if planar => Ok(Frame::Plane),
+            Frame::Body { axis } => Ok(Frame::Body { axis: unit("axis", *axis)?.into() }),
+            _ if matches!(self.shape, Shape::SphereSphere { .. }) => {
+                let message = "must be fixed to a body between two spheres, which have no plane";
+                Err(SystemError::argument("frame", message))
+            }
+            frame => Ok(frame.clone()),
+        }
+    }
+}
+
+impl Shape {
+    fn bodies(&self) -> (usize, Option<usize>) {
+        match *self {
+            Self::PointPlane { body, plane, .. }
+            | Self::SpherePlane { body, plane, .. }
+            | Self::BoxPlane { body, plane, .. } => (body, plane.body),
+            Self::SphereSphere { body, other, .. } => (body, Some(other)),
+        }
+    }
+
+    fn expand(&self, planar: bool) -> Result<Vec<Touching>, SystemError> {
+        let surface = |plane: &Plane| {
+            if planar && (plane.normal[2] != 0.0 || plane.axis[2] != 0.0) {
+                let message = "must have a normal and an axis with z = 0 in planar systems";
+                return Err(SystemError::argument("plane", message));
+            }
+            if planar && plane.spin != 0.0 {
+                return Err(SystemError::argument("spin", "must be zero in planar systems"));
+            }
+            Surface::new(plane)
+        };
+        match self {
+            Self::PointPlane { point, plane, .. } => {
+                let surface = surface(plane)?;
+                Ok(vec![Touching::Plane {
+                    point: place("point", *point, planar)?,
+                    radius: 0.0,
+                    surface,
+                }])
+            }
+            Self::SpherePlane { centre, radius, plane, .. } => {
+                let (point, radius) = (place("centre", *centre, planar)?, size("radius", *radius)?);
+                Ok(vec![Touching::Plane { point, radius, surface: surface(plane)? }])
+            }
+            Self::BoxPlane { half_sizes, plane, .. } => {
+                let surface = surface(plane)?;
+                let count = if planar { 2 } else { 3 };
+                let mut half = [0.0; 3];
+                for (h, &given) in half.iter_mut().zip(&half_sizes[..count]) {
+                    *h = size("half_sizes", given)?;
+                }
+                let sign = |k: usize, i: usize| if k >> i & 1 == 1 { 1.0 } else { -1.0 };
+                let corner = |k: usize| Vector3::from_fn(|i, _| sign(k, i) * half[i]);
+                let touching = |k| Touching::Plane { point: corner(k), radius: 0.0, surface };
+                Ok((0..1 << count).map(touching).collect())
+            }
+            Self::SphereSphere { centre, radius, other_centre, other_radius, .. } => {
+                Ok(vec![Touching::Spheres {
+                    centres: [
+                        place("centre", *centre, planar)?,
+                        place("other_centre", *other_centre, planar)?,
+                    ],
+                    radii: [size("radius", *radius)?, size("other_radius", *other_radius)?],
+                }])
+            }
+        }
+    }
+}
+
+fn place(
+    argument: &'static str,
+    point: [f64; 3],
+    planar: bool,
+) -> Result<Vector3<f64>, SystemError> {
+    check(argument, &point)?;
+    if planar && point[2] != 0.0 {
+        return Err(SystemError::argument(argument, "must have z = 0 in planar systems"));
+    }
+    Ok(point.into())
+}
+
+fn size(argument: &'static str, value: f64) -> Result<f64, SystemError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    Err(SystemError::argument(argument, format!("must be finite and positive, got {value}")))
+}

@@ -1,0 +1,94 @@
+//! Springs with dampers between points of two bodies, or of a body and the world.
+
+use nalgebra::Vector3;
+
+use super::body::check;
+use super::{Pose, Twist};
+use crate::system::SystemError;
+
+/// A spring with a damper along the line between two points.
+///
+/// Of natural length zero it pulls with `k d`, like a spring in every direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spring {
+    /// The first body.
+    pub body: usize,
+    /// Its point in m in the body's axes.
+    pub point: [f64; 3],
+    /// The second body, `None` for the world.
+    pub other: Option<usize>,
+    /// Its point in m.
+    pub other_point: [f64; 3],
+    /// Stiffness in N/m.
+    pub stiffness: f64,
+    /// Damping in N s/m.
+    pub damping: f64,
+    /// Natural length in m.
+    pub length: f64,
+}
+
+impl Spring {
+    pub(super) fn check(&self, bodies: usize, planar: bool) -> Result<(), SystemError> {
+        for (argument, index) in [("body", Some(self.body)), ("other", self.other)] {
+            if let Some(index) = index.filter(|&index| index >= bodies) {
+                let message = format!("must be one of {bodies} bodies, got {index}");
+                return Err(SystemError::argument(argument, message));
+            }
+        }
+        check("point", &self.point)?;
+        check("other_point", &self.other_point)?;
+        if planar && (self.point[2] != 0.0 || self.other_point[2] != 0.0) {
+            return Err(SystemError::argument("point", "must have z = 0 in planar systems"));
+        }
+        for (argument, value) in
+            [("stiffness", self.stiffness), ("damping", self.damping), ("length", self.length)]
+        {
+            if !(value.is_finite() && value >= 0.0) {
+                let message = format!("must be finite and not negative, got {value}");
+                return Err(SystemError::argument(argument, message));
+            }
+        }
+        Ok(())
+    }
+
+    /// Vector from the second point to the first.
+    fn distance(&self, pose: impl Fn(usize) -> Pose) -> Vector3<f64> {
+        let first = pose(self.body).point(&self.point.into());
+        let other = Vector3::from(self.other_point);
+        first - self.other.map_or(other, |body| pose(body).point(&other))
+    }
+
+    /// Energy in J.
+    pub(super) fn energy(&self, pose: impl Fn(usize) -> Pose) -> f64 {
+        let extension = self.distance(pose).norm() - self.length;
+        0.5 * self.stiffness * extension * extension
+    }
+
+    /// Adds its forces to those of the bodies.
+    pub(super) fn load(
+        &self,
+        pose: impl Fn(usize) -> Pose,
+        twist: impl Fn(usize) -> Twist,
+        add: &mut impl FnMut(usize, Twist),
+    ) {
+        let distance = self.distance(&pose);
+        let length = distance.norm();
+        let along = if length > 0.0 { distance / length } else { Vector3::zeros() };
+        let row = |body: usize, point: [f64; 3]| {
+            let at = pose(body);
+            let lever = at.rotation * Vector3::from(point);
+            at.wrench(&along, &lever.cross(&along))
+        };
+        let own = row(self.body, self.point);
+        let other = self.other.map(|body| (body, row(body, self.other_point)));
+        let mut rate = own.dot(&twist(self.body));
+        if let Some((body, row)) = &other {
+            rate -= row.dot(&twist(*body));
+        }
+        let force = -self.stiffness * (length - self.length) - self.damping * rate;
+        add(self.body, own * force);
+        if let Some((body, row)) = other {
+            add(body, row * -force);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Steps do not allocate while the same contacts are closed; in a binary of its own, for the count is of
+//! the whole process.
+
+use std::alloc::System as Allocator;
+
+use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
+use asperity::set::{Convex, Ellipse, Vector};
+use asperity::solver::Solver;
+use asperity::stepper::Stepper;
+use asperity::system::rigid::{Body, Pair, Plane, RigidBodies, Shape};
+use asperity::system::{System, mass_on_belt};
+use nalgebra::{Matrix2, Vector2};
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<Allocator> = &INSTRUMENTED_SYSTEM;
+
+fn ellipse() -> FrictionLaw<2> {
+    let set: Convex<2> = Ellipse::new(Vector::<2>::new(0.5, 0.3)).unwrap().into();
+    FrictionLaw::associated(set)
+}
+
+/// Sliding, resting and spinning bodies, and one that lies on another.
+fn bodies(law: impl Into<Law>) -> RigidBodies {
+    let (law, half) = (law.into(), [0.1, 0.07, 0.05]);
+    let at = |x: f64, z: f64, velocity: f64| Body {
+        position: [x, 0.0, z],
+        velocity: [velocity, 0.1 * velocity, 0.0],
+        ..Body::cuboid(1.0, half)
+    };
+    let on = |body, plane| Shape::BoxPlane { body, half_sizes: half, plane };
+    let top = Plane { point: [0.0, 0.0, 0.05], body: Some(0), ..Plane::floor() };
+    let ball = Body { position: [3.0, 0.0, 0.1], velocity: [1.0; 3], ..Body::ball(1.0, 0.1) };
+    let ball = Body { velocity: [1.0, 0.2, 0.0], angular_velocity: [1.0, 2.0, 3.0], ..ball };
+    let shapes = [
+        on(0, Plane::floor()),
+        on(1, top),
+        on(2, Plane::floor()),
+        Shape::SpherePlane { body: 3, centre: [0.0; 3], radius: 0.1, plane: Plane::floor() },
+    ];
+    let bodies = vec![at(0.0, 0.05, 0.0), at(0.01, 0.15, 0.0), at(1.0, 0.05, 5.0), ball];
+    let pairs = shapes.map(|shape| Pair::new(shape, law.clone()));
+    RigidBodies::new(bodies, &pairs, vec![], [0.0, 0.0, -9.81]).unwrap()
+}
+
+/// Allocations in steps during which the same contacts are closed.
+fn allocations(system: &dyn System, q: &[f64], u: &[f64]) -> usize {
+    let solver = Solver::Exact { max_sweeps: 500 };
+    let mut stepper = Stepper::new(system, solver, 1e-9, 1e-3, q, u).unwrap();
+    // Until the solver's buffers have met every kind of contact.
+    for _ in 0..200 {
+        stepper.step().unwrap();
+    }
+    let rows = stepper.problem().rows();
+    let region = Region::new(ALLOCATOR);
+    for _ in 0..200 {
+        stepper.step().unwrap();
+        assert_eq!(stepper.problem().rows(), rows);
+    }
+    let change = region.change();
+    change.allocations + change.reallocations
+}
+
+#[test]
+fn steps_do_not_allocate_while_contacts_stay() {
+    let rated = || {
+        let rate = Stribeck::new(Fall::Exponential, 0.1, 0.5, 1.0, 0.0).unwrap();
+        ellipse().with_rate(rate)
+    };
+    let laws: [&dyn Fn() -> FrictionLaw<2>; 2] = [&ellipse, &rated];
+    for law in laws {
+        let (stiffness, velocity) = (Matrix2::identity(), Vector2::new(0.3, 0.4));
+        let belt = mass_on_belt(1.0, stiffness, law(), 1.0, velocity).unwrap();
+        assert_eq!(allocations(&belt, &[0.0; 2], &[0.0; 2]), 0, "dense");
+        let system = bodies(law());
+        assert_eq!(allocations(&system, system.q0(), system.u0()), 0, "body by body");
+    }
+}

@@ -1,0 +1,136 @@
+//! Bad input is refused with the argument's name.
+
+use asperity::simulate::{Options, simulate};
+use asperity::system::SystemError;
+use asperity::system::rigid::{Body, Frame, Pair, PlanarBody, Plane, RigidBodies, Shape, Spring};
+use std::ops::ControlFlow;
+
+use crate::support::*;
+
+fn refused(system: Result<RigidBodies, SystemError>) -> (&'static str, String) {
+    match system {
+        Err(SystemError::Argument { argument, message }) => (argument, message),
+        other => panic!("not refused: {other:?}"),
+    }
+}
+
+fn bodies(body: Body) -> Result<RigidBodies, SystemError> {
+    RigidBodies::new(vec![Body::new(1.0, [1.0; 3]), body], &[], vec![], [0.0; 3])
+}
+
+fn pairs(pair: Pair) -> Result<RigidBodies, SystemError> {
+    RigidBodies::new(vec![Body::new(1.0, [1.0; 3])], &[pair], vec![], [0.0; 3])
+}
+
+#[test]
+fn bodies_are_checked() {
+    let good = Body::new(1.0, [1.0, 1.0, 1.5]);
+    assert!(bodies(good).is_ok());
+    for (body, argument) in [
+        (Body { mass: 0.0, ..good }, "mass"),
+        (Body { mass: f64::NAN, ..good }, "mass"),
+        (Body::new(1.0, [1.0, 1.0, 2.5]), "inertia"),
+        (Body::new(1.0, [1.0, 1.0, 0.0]), "inertia"),
+        (Body { inertia: [[1.0, 0.2, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], ..good }, "inertia"),
+        (Body { orientation: [0.0; 4], ..good }, "orientation"),
+        (Body { position: [0.0, f64::INFINITY, 0.0], ..good }, "position"),
+        (Body { torque: [f64::NAN; 3], ..good }, "torque"),
+    ] {
+        let (name, message) = refused(bodies(body));
+        assert_eq!(name, argument);
+        assert!(message.starts_with("of body 1 "), "{message}");
+    }
+}
+
+#[test]
+fn pairs_are_checked() {
+    let on = |plane| Shape::PointPlane { body: 0, point: [0.0; 3], plane };
+    let good = Pair::new(on(Plane::floor()), disk(0.3));
+    assert!(pairs(good.clone()).is_ok());
+    let floor = Plane::floor();
+    let spheres = Shape::SphereSphere {
+        body: 0,
+        centre: [0.0; 3],
+        radius: 1.0,
+        other: 0,
+        other_centre: [0.0; 3],
+        other_radius: 1.0,
+    };
+    for (pair, argument) in [
+        (Pair::new(on(Plane { normal: [0.0; 3], ..floor }), disk(0.3)), "normal"),
+        (Pair::new(on(Plane { axis: [0.0, 0.0, 2.0], ..floor }), disk(0.3)), "axis"),
+        (Pair::new(on(Plane { body: Some(4), ..floor }), disk(0.3)), "other"),
+        (Pair::new(on(Plane { body: Some(0), ..floor }), disk(0.3)), "body"),
+        (Pair::new(spheres, disk(0.3)), "body"),
+        (Pair::new(sphere(0, -1.0, floor), disk(0.3)), "radius"),
+        (Pair::new(on(floor), line(0.3)), "law"),
+        (Pair { normal_force: Some(-1.0), ..good.clone() }, "normal_force"),
+        (Pair { normal_restitution: 1.5, ..good.clone() }, "normal_restitution"),
+        (Pair { tangential_restitution: f64::NAN, ..good.clone() }, "tangential_restitution"),
+        (Pair { patch_radius: Some(0.1), ..good.clone() }, "patch_radius"),
+        (Pair { frame: Frame::Body { axis: [0.0; 3] }, ..good.clone() }, "axis"),
+    ] {
+        assert_eq!(refused(pairs(pair)).0, argument);
+    }
+    let spheres = Shape::SphereSphere {
+        body: 0,
+        centre: [0.0; 3],
+        radius: 1.0,
+        other: 1,
+        other_centre: [0.0; 3],
+        other_radius: 1.0,
+    };
+    let pair = Pair { frame: Frame::Polar, ..Pair::new(spheres, disk(0.3)) };
+    let two = vec![Body::new(1.0, [1.0; 3]); 2];
+    assert_eq!(refused(RigidBodies::new(two, &[pair], vec![], [0.0; 3])).0, "frame");
+}
+
+#[test]
+fn planar_systems_are_planar() {
+    let system = |plane, gravity| {
+        let pair = Pair::new(sphere(0, 0.1, plane), line(0.3));
+        RigidBodies::new(vec![PlanarBody::new(1.0, 0.1)], &[pair], vec![], gravity)
+    };
+    assert!(system(ground(), [0.0, -G, 0.0]).is_ok());
+    assert_eq!(refused(system(ground(), [0.0, 0.0, -G])).0, "gravity");
+    assert_eq!(refused(system(Plane::floor(), [0.0, -G, 0.0])).0, "plane");
+    assert_eq!(refused(system(Plane { spin: 1.0, ..ground() }, [0.0, -G, 0.0])).0, "spin");
+}
+
+#[test]
+fn springs_and_states_are_checked() {
+    let spring = Spring {
+        body: 0,
+        point: [0.0; 3],
+        other: None,
+        other_point: [0.0; 3],
+        stiffness: -1.0,
+        damping: 0.0,
+        length: 0.0,
+    };
+    let body = vec![Body::new(1.0, [1.0; 3])];
+    let system = |spring| RigidBodies::new(body.clone(), &[], vec![spring], [0.0; 3]);
+    assert_eq!(refused(system(spring)).0, "stiffness");
+    assert_eq!(refused(system(Spring { other: Some(1), stiffness: 1.0, ..spring })).0, "other");
+
+    let system = system(Spring { stiffness: 1.0, ..spring }).unwrap();
+    let options = Options {
+        dt: 1e-3,
+        steps: 10,
+        q0: vec![0.0; 6],
+        u0: vec![0.0; 6],
+        solver: EXACT,
+        tolerance: 1e-10,
+        save_every: 1,
+        until_rest: false,
+        stop_on_failure: true,
+    };
+    let mut observer = |_, _| ControlFlow::Continue(());
+    let error = simulate(&system, &options, &mut observer).unwrap_err();
+    assert_eq!(error.to_string(), "q0: must have 7 entries, has 6");
+    let options = Options { q0: system.q0().to_vec(), ..options };
+    let run = simulate(&system, &options, &mut observer).unwrap();
+    let trajectory = run.trajectory;
+    assert_eq!((trajectory.coordinates, trajectory.dof), (7, 6));
+    assert_eq!((trajectory.q.len(), trajectory.u.len()), (7 * 11, 6 * 11));
+}

@@ -1,0 +1,13 @@
+//! Rigid bodies against closed forms, invariants and other ways to compute the same.
+
+mod arguments;
+mod collisions;
+#[path = "../common/mod.rs"]
+mod common;
+mod drilling;
+mod frames;
+mod free_flight;
+mod friction;
+mod impacts;
+mod stepping;
+mod support;

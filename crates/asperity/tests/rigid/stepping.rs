@@ -1,0 +1,108 @@
+//! The body assembly against the dense one, and repeats.
+
+use asperity::stepper::Stepper;
+use asperity::system::rigid::{Body, Pair, PlanarBody, Plane, RigidBodies, Shape};
+use asperity::system::{Constancy, ContactLaw, System, SystemError};
+use nalgebra::DMatrix;
+
+use crate::support::*;
+
+/// Rigid bodies as any system: stepped with dense matrices.
+#[derive(Debug)]
+struct Dense(RigidBodies);
+
+impl System for Dense {
+    fn dof(&self) -> usize {
+        self.0.dof()
+    }
+    fn coordinates(&self) -> usize {
+        self.0.coordinates()
+    }
+    fn advance(&self, q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
+        self.0.advance(q, u, dt, out);
+    }
+    fn contacts(&self) -> &[ContactLaw] {
+        self.0.contacts()
+    }
+    fn constancy(&self) -> Constancy {
+        self.0.constancy()
+    }
+    fn mass(&self, q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
+        self.0.mass(q, mass)
+    }
+    fn forces(&self, t: f64, q: &[f64], u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
+        self.0.forces(t, q, u, h)
+    }
+    fn tangent(
+        &self,
+        t: f64,
+        q: &[f64],
+        contact: usize,
+        rows: &mut [f64],
+        chi: &mut [f64],
+    ) -> Result<(), SystemError> {
+        self.0.tangent(t, q, contact, rows, chi)
+    }
+    fn gap(&self, t: f64, q: &[f64], contact: usize, row: &mut [f64]) -> Result<f64, SystemError> {
+        self.0.gap(t, q, contact, row)
+    }
+}
+
+/// Balls, of isotropic inertia, that fall onto a floor and each other.
+fn balls() -> RigidBodies {
+    let at = |x: f64, z: f64, spin: f64| Body {
+        position: [x, 0.01 * x, z],
+        angular_velocity: [0.2, spin, 0.1],
+        ..Body::ball(1.0 + x, 0.1)
+    };
+    let bodies = vec![at(0.0, 0.1, 5.0), at(0.05, 0.32, -3.0), at(0.3, 0.2, 2.0)];
+    let mut pairs: Vec<Pair> = (0..3)
+        .map(|body| restituting(Pair::new(sphere(body, 0.1, Plane::floor()), disk(0.3)), 0.4, 0.0))
+        .collect();
+    for (body, other) in [(1, 0), (2, 0), (2, 1)] {
+        let shape = Shape::SphereSphere {
+            body,
+            centre: [0.0; 3],
+            radius: 0.1,
+            other,
+            other_centre: [0.0; 3],
+            other_radius: 0.1,
+        };
+        pairs.push(Pair::new(shape, disk(0.2)));
+    }
+    RigidBodies::new(bodies, &pairs, vec![], [0.1, 0.0, -G]).unwrap()
+}
+
+fn planar_boxes() -> RigidBodies {
+    let at =
+        |y: f64, angle: f64| PlanarBody { position: [0.0, y], angle, ..PlanarBody::new(1.0, 0.01) };
+    let lower = Shape::BoxPlane { body: 0, half_sizes: [0.2, 0.1, 0.0], plane: ground() };
+    let top = Plane { body: Some(0), ..Plane::line([0.0, 0.1], [0.0, 1.0]) };
+    let upper = Shape::BoxPlane { body: 1, half_sizes: [0.1, 0.1, 0.0], plane: top };
+    let pairs = [Pair::new(lower, line(0.5)), Pair::new(upper, line(0.2))];
+    RigidBodies::new(vec![at(0.12, 0.05), at(0.36, 0.2)], &pairs, vec![], [1.0, -G, 0.0]).unwrap()
+}
+
+#[test]
+fn bodies_move_as_the_dense_system_does() {
+    for (system, dt) in [(balls(), 1e-3), (planar_boxes(), 1e-3)] {
+        let dense = Dense(system.clone());
+        let (q0, u0) = (system.q0(), system.u0());
+        let mut one = Stepper::new(&system, EXACT, 1e-13, dt, q0, u0).unwrap();
+        let mut two = Stepper::new(&dense, EXACT, 1e-13, dt, q0, u0).unwrap();
+        for step in 0..300 {
+            one.step().unwrap();
+            two.step().unwrap();
+            let apart = one.q().iter().zip(two.q()).map(|(a, b)| (a - b).abs());
+            let apart = apart.fold(0.0, f64::max);
+            assert!(apart < 1e-9, "step {step}: {apart:e}");
+        }
+    }
+}
+
+#[test]
+fn repeats_agree_to_the_bit() {
+    let system = balls();
+    let once = run(&system, 1e-3, 0.5, |_| {});
+    assert_eq!(once, run(&system, 1e-3, 0.5, |_| {}));
+}

@@ -1,0 +1,22 @@
+"""Rigid bodies in the plane and in space, their contacts and springs."""
+
+from asperity.system.rigid.bodies import Body, PlanarBody
+from asperity.system.rigid.pairs import BoxPlane, PointPlane, SpherePlane, SphereSphere
+from asperity.system.rigid.springs import Spring
+from asperity.system.rigid.surfaces import BodyAxis, Line, Plane
+from asperity.system.rigid.system import ContactLabel, RigidBodies
+
+__all__ = [
+    "Body",
+    "BodyAxis",
+    "BoxPlane",
+    "ContactLabel",
+    "Line",
+    "PlanarBody",
+    "Plane",
+    "PointPlane",
+    "RigidBodies",
+    "SpherePlane",
+    "SphereSphere",
+    "Spring",
+]

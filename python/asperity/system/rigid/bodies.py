@@ -1,0 +1,261 @@
+"""Rigid bodies: mass, inertia, initial state and constant loads."""
+
+from __future__ import annotations
+
+from typing import Self, TypedDict, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import ParameterError
+from asperity.system.rigid import rotation
+
+# Relative tolerance of the inequalities that principal moments of inertia obey.
+_MOMENTS = 1e-9
+
+
+class State(TypedDict, total=False):
+    """Initial state and constant loads of a `Body`."""
+
+    position: ArrayLike
+    orientation: ArrayLike
+    velocity: ArrayLike
+    angular_velocity: ArrayLike
+    force: ArrayLike
+    torque: ArrayLike
+
+
+class PlanarState(TypedDict, total=False):
+    """Initial state and constant loads of a `PlanarBody`."""
+
+    position: ArrayLike
+    angle: float
+    velocity: ArrayLike
+    angular_velocity: float
+    force: ArrayLike
+    torque: float
+
+
+class Body(Value):
+    """A rigid body in space, placed by its centre of mass and its orientation.
+
+    Args:
+        mass: m > 0 in kg.
+        inertia: J in kg m² about the centre of mass, in the body's axes: the principal moments
+            ``(3,)`` or the matrix ``(3, 3)``.
+        position: of the centre of mass in m, shape ``(3,)``.
+        orientation: quaternion (w, x, y, z) that turns the body's axes into the world's; it is
+            normalised.
+        velocity: of the centre of mass in m/s, shape ``(3,)``.
+        angular_velocity: ω in rad/s in the world's axes, shape ``(3,)``.
+        force: constant force on the centre of mass in N besides gravity, in the world's axes.
+        torque: constant torque in N m in the world's axes.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from asperity import Body
+    >>> Body.ball(1.0, 0.1, position=(0.0, 0.0, 1.0)).inertia.diagonal().round(9).tolist()
+    [0.004, 0.004, 0.004]
+    """
+
+    mass: float
+    inertia: Array
+    position: Array
+    orientation: Array
+    velocity: Array
+    angular_velocity: Array
+    force: Array
+    torque: Array
+
+    def __init__(
+        self,
+        mass: float,
+        inertia: ArrayLike,
+        *,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        velocity: ArrayLike = (0.0, 0.0, 0.0),
+        angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
+        force: ArrayLike = (0.0, 0.0, 0.0),
+        torque: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> None:
+        self._set(
+            mass=_arrays.positive(mass, "mass"),
+            inertia=_inertia(inertia),
+            position=_vector(position, "position", 3),
+            orientation=rotation.normalised(orientation, "orientation", 4),
+            velocity=_vector(velocity, "velocity", 3),
+            angular_velocity=_vector(angular_velocity, "angular_velocity", 3),
+            force=_vector(force, "force", 3),
+            torque=_vector(torque, "torque", 3),
+        )
+
+    @classmethod
+    def box(cls, mass: float, half_sizes: ArrayLike, **state: Unpack[State]) -> Self:
+        """Return a homogeneous box.
+
+        Args:
+            mass: m > 0 in kg.
+            half_sizes: half of its edges in m, shape ``(3,)``.
+            **state: as of `Body`.
+        """
+        squares = positive_vector(half_sizes, "half_sizes", 3) ** 2
+        return cls(mass, _arrays.positive(mass, "mass") / 3.0 * (squares.sum() - squares), **state)
+
+    @classmethod
+    def ball(cls, mass: float, radius: float, **state: Unpack[State]) -> Self:
+        """Return a homogeneous ball, J = ⅖ m R².
+
+        Args:
+            mass: m > 0 in kg.
+            radius: R > 0 in m.
+            **state: as of `Body`.
+        """
+        square = _arrays.positive(radius, "radius") ** 2
+        return cls(mass, np.full(3, 0.4 * _arrays.positive(mass, "mass") * square), **state)
+
+    @classmethod
+    def cylinder(cls, mass: float, radius: float, height: float, **state: Unpack[State]) -> Self:
+        """Return a homogeneous cylinder about the body's third axis.
+
+        Args:
+            mass: m > 0 in kg.
+            radius: R > 0 in m.
+            height: h > 0 in m.
+            **state: as of `Body`.
+        """
+        mass = _arrays.positive(mass, "mass")
+        square = _arrays.positive(radius, "radius") ** 2
+        across = mass * (3.0 * square + _arrays.positive(height, "height") ** 2) / 12.0
+        return cls(mass, [across, across, 0.5 * mass * square], **state)
+
+    @property
+    def coordinates(self) -> Array:
+        """Initial coordinates: position and orientation, shape ``(7,)``."""
+        return np.concatenate([self.position, self.orientation])
+
+    @property
+    def velocities(self) -> Array:
+        """Initial velocities: v in the world's axes and Ω in the body's, shape ``(6,)``."""
+        turned = rotation.matrices(self.orientation).T @ self.angular_velocity
+        return np.concatenate([self.velocity, turned])
+
+
+class PlanarBody(Value):
+    """A rigid body in a plane, placed by its centre of mass and an angle.
+
+    Args:
+        mass: m > 0 in kg.
+        inertia: J > 0 in kg m² about the centre of mass.
+        position: of the centre of mass in m, shape ``(2,)``.
+        angle: φ in rad, counter-clockwise.
+        velocity: of the centre of mass in m/s, shape ``(2,)``.
+        angular_velocity: ω in rad/s.
+        force: constant force on the centre of mass in N besides gravity, shape ``(2,)``.
+        torque: constant torque in N m.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from asperity import PlanarBody
+    >>> PlanarBody.disk(2.0, 1.0).inertia
+    1.0
+    """
+
+    mass: float
+    inertia: float
+    position: Array
+    angle: float
+    velocity: Array
+    angular_velocity: float
+    force: Array
+    torque: float
+
+    def __init__(
+        self,
+        mass: float,
+        inertia: float,
+        *,
+        position: ArrayLike = (0.0, 0.0),
+        angle: float = 0.0,
+        velocity: ArrayLike = (0.0, 0.0),
+        angular_velocity: float = 0.0,
+        force: ArrayLike = (0.0, 0.0),
+        torque: float = 0.0,
+    ) -> None:
+        self._set(
+            mass=_arrays.positive(mass, "mass"),
+            inertia=_arrays.positive(inertia, "inertia"),
+            position=_vector(position, "position", 2),
+            angle=_arrays.number(angle, "angle"),
+            velocity=_vector(velocity, "velocity", 2),
+            angular_velocity=_arrays.number(angular_velocity, "angular_velocity"),
+            force=_vector(force, "force", 2),
+            torque=_arrays.number(torque, "torque"),
+        )
+
+    @classmethod
+    def box(cls, mass: float, half_sizes: ArrayLike, **state: Unpack[PlanarState]) -> Self:
+        """Return a homogeneous rectangle.
+
+        Args:
+            mass: m > 0 in kg.
+            half_sizes: half of its edges in m, shape ``(2,)``.
+            **state: as of `PlanarBody`.
+        """
+        squares = positive_vector(half_sizes, "half_sizes", 2) ** 2
+        return cls(mass, _arrays.positive(mass, "mass") / 3.0 * squares.sum(), **state)
+
+    @classmethod
+    def disk(cls, mass: float, radius: float, **state: Unpack[PlanarState]) -> Self:
+        """Return a homogeneous disk, J = ½ m R².
+
+        Args:
+            mass: m > 0 in kg.
+            radius: R > 0 in m.
+            **state: as of `PlanarBody`.
+        """
+        square = _arrays.positive(radius, "radius") ** 2
+        return cls(mass, 0.5 * _arrays.positive(mass, "mass") * square, **state)
+
+    @property
+    def coordinates(self) -> Array:
+        """Initial coordinates: position and angle, shape ``(3,)``."""
+        return np.append(self.position, self.angle)
+
+    @property
+    def velocities(self) -> Array:
+        """Initial velocities, shape ``(3,)``."""
+        return np.append(self.velocity, self.angular_velocity)
+
+
+def positive_vector(value: ArrayLike, argument: str, size: int) -> Array:
+    """Return a vector with entries above zero."""
+    vector = _arrays.array(value, argument, (size,))
+    if vector.min() <= 0.0:
+        raise ParameterError(argument, f"must be positive, got {vector.tolist()}")
+    return _arrays.read_only(vector)
+
+
+def _vector(value: ArrayLike, argument: str, size: int) -> Array:
+    return _arrays.read_only(_arrays.array(value, argument, (size,)))
+
+
+def _inertia(value: ArrayLike) -> Array:
+    """Return J; no body has a principal moment above the sum of the other two."""
+    inertia = _arrays.square(value, "inertia", 3)
+    if not np.array_equal(inertia, inertia.T):
+        raise ParameterError("inertia", "must be symmetric")
+    moments = np.linalg.eigvalsh(inertia)
+    if moments[0] <= 0.0:
+        raise ParameterError("inertia", f"must be positive definite, moments {moments.tolist()}")
+    if moments[2] > (moments[0] + moments[1]) * (1.0 + _MOMENTS):
+        raise ParameterError(
+            "inertia",
+            f"must have no principal moment above the sum of the others, {moments.tolist()}",
+        )
+    return _arrays.read_only(inertia)

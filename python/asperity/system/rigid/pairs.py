@@ -1,0 +1,321 @@
+"""Pairs of a body and what it touches; each stands for one contact or, for a box, for several."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import DimensionError, ParameterError
+from asperity.law import FrictionLaw
+from asperity.system.contacts import checked_laws
+from asperity.system.rigid.bodies import positive_vector
+from asperity.system.rigid.surfaces import BodyAxis, Frame, Line, Plane, checked_frame
+
+
+class Pair(Value):
+    """Base of the pairs.
+
+    Attributes:
+        law: friction law: p = 1 in the plane; in space p = 2, or 3 with drilling.
+        normal_force: prescribed λ_N in N of each contact; ``None``: unilateral.
+        normal_restitution: e_N in [0, 1].
+        tangential_restitution: e_T in [0, 1].
+        patch_radius: R in m of the contact patch of a law with drilling, whose slip is
+            (γ₁, γ₂, R ω_n) and whose third force is the torque divided by R.
+    """
+
+    _kind: ClassVar[str]
+
+    body: int
+    law: FrictionLaw
+    normal_force: float | None
+    normal_restitution: float
+    tangential_restitution: float
+    patch_radius: float | None
+
+    @property
+    def planar(self) -> bool:
+        """Whether the pair is one of planar bodies."""
+        return self.law.dimension == 1
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts."""
+        return 1
+
+    def _core_data(self) -> dict[str, Any]:
+        return {**self._parameters, "kind": self._kind, "law": self.law._core}
+
+
+class PlanePair(Pair):
+    """Base of the pairs of a body and a plane, or a line for planar bodies."""
+
+    plane: Plane | Line
+    frame: Frame
+
+    def _core_data(self) -> dict[str, Any]:
+        frame = self.frame.axis if isinstance(self.frame, BodyAxis) else self.frame
+        return {**super()._core_data(), "plane": self.plane._core_data(), "frame": frame}
+
+
+class PointPlane(PlanePair):
+    """A point of a body that touches a plane.
+
+    Args:
+        body: number of the body.
+        point: in the body's axes from its centre of mass in m, shape ``(3,)``, planar ``(2,)``.
+        plane: `Plane`, or `Line` for planar bodies.
+        law: friction law: p = 1 on a line; on a plane p = 2, or 3 with drilling.
+        frame: what carries the law's axes e₁, e₂: ``"plane"``, ``"polar"``, a `BodyAxis`, or a
+            function of the position (x₁, x₂) in the plane that returns the angle of e₁ in rad.
+        normal_restitution: e_N in [0, 1].
+        tangential_restitution: e_T in [0, 1].
+        normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral.
+        patch_radius: R > 0 in m, with p = 3 and only then.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from asperity import FrictionLaw, Plane, PointPlane
+    >>> PointPlane(0, (0.0, 0.0, -0.1), Plane(), FrictionLaw.isotropic(0.3)).contacts
+    1
+    """
+
+    _kind = "point_plane"
+
+    point: Array
+
+    def __init__(
+        self,
+        body: int,
+        point: ArrayLike,
+        plane: Plane | Line,
+        law: FrictionLaw,
+        *,
+        frame: Frame = "plane",
+        normal_restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        normal_force: float | None = None,
+        patch_radius: float | None = None,
+    ) -> None:
+        self._set(
+            **_on_plane(body, plane, law, frame, patch_radius),
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
+            point=_vector(point, "point", len(plane.point)),
+        )
+
+
+class SpherePlane(PlanePair):
+    """A sphere of a body, in a plane a disk, that touches a plane or a line.
+
+    Args:
+        body: number of the body.
+        radius: of the sphere in m, > 0.
+        plane: `Plane`, or `Line` for planar bodies.
+        law: friction law: p = 1 on a line; on a plane p = 2, or 3 with drilling.
+        center: of the sphere, in the body's axes from its centre of mass in m. Default 0.
+        frame: as of `PointPlane`.
+        normal_restitution: e_N in [0, 1].
+        tangential_restitution: e_T in [0, 1].
+        normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral.
+        patch_radius: R > 0 in m, with p = 3 and only then.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from asperity import FrictionLaw, Line, SpherePlane
+    >>> SpherePlane(0, 0.1, Line(), FrictionLaw.isotropic(0.3, dimension=1)).center.tolist()
+    [0.0, 0.0]
+    """
+
+    _kind = "sphere_plane"
+
+    radius: float
+    center: Array
+
+    def __init__(
+        self,
+        body: int,
+        radius: float,
+        plane: Plane | Line,
+        law: FrictionLaw,
+        *,
+        center: ArrayLike | None = None,
+        frame: Frame = "plane",
+        normal_restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        normal_force: float | None = None,
+        patch_radius: float | None = None,
+    ) -> None:
+        self._set(
+            **_on_plane(body, plane, law, frame, patch_radius),
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
+            radius=_arrays.positive(radius, "radius"),
+            center=_vector(center, "center", len(plane.point)),
+        )
+
+
+class BoxPlane(PlanePair):
+    """A box of a body whose corners touch a plane: 8 contacts, in a plane 4.
+
+    Args:
+        body: number of the body, in whose axes the box is centred.
+        half_sizes: half of its edges in m, shape ``(3,)``, planar ``(2,)``.
+        plane: `Plane`, or `Line` for planar bodies.
+        law: friction law of each corner: p = 1 on a line; on a plane p = 2, or 3 with drilling.
+        frame: as of `PointPlane`.
+        normal_restitution: e_N in [0, 1].
+        tangential_restitution: e_T in [0, 1].
+        normal_force: prescribed λ_N ≥ 0 in N of each corner; ``None``: unilateral.
+        patch_radius: R > 0 in m of each corner, with p = 3 and only then.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from asperity import BoxPlane, FrictionLaw, Plane
+    >>> BoxPlane(0, (0.1, 0.2, 0.3), Plane(), FrictionLaw.isotropic(0.3)).contacts
+    8
+    """
+
+    _kind = "box_plane"
+
+    half_sizes: Array
+
+    def __init__(
+        self,
+        body: int,
+        half_sizes: ArrayLike,
+        plane: Plane | Line,
+        law: FrictionLaw,
+        *,
+        frame: Frame = "plane",
+        normal_restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        normal_force: float | None = None,
+        patch_radius: float | None = None,
+    ) -> None:
+        self._set(
+            **_on_plane(body, plane, law, frame, patch_radius),
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
+            half_sizes=positive_vector(half_sizes, "half_sizes", len(plane.point)),
+        )
+
+    @property
+    def contacts(self) -> int:
+        """Number of corners."""
+        return int(2 ** len(self.half_sizes))
+
+
+class SphereSphere(Pair):
+    """Two spheres of different bodies, in a plane disks; the normal points to the first.
+
+    Args:
+        body: number of the first body.
+        radius: of its sphere in m, > 0.
+        other: number of the second body.
+        other_radius: of the second sphere in m, > 0.
+        law: friction law: p = 1 for planar bodies; in space p = 2, or 3 with drilling.
+        center: of the first sphere, in its body's axes from the centre of mass in m. Default 0.
+        other_center: of the second sphere, likewise.
+        frame: axis of the first body that carries the law's e₁. Default ``BodyAxis((1, 0, 0))``,
+            which does not matter to isotropic laws.
+        normal_restitution: e_N in [0, 1].
+        tangential_restitution: e_T in [0, 1].
+        normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral.
+        patch_radius: R > 0 in m, with p = 3 and only then.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from asperity import FrictionLaw, SphereSphere
+    >>> SphereSphere(0, 0.1, 1, 0.2, FrictionLaw.isotropic(0.3)).contacts
+    1
+    """
+
+    _kind = "sphere_sphere"
+
+    radius: float
+    other: int
+    other_radius: float
+    center: Array
+    other_center: Array
+    frame: BodyAxis
+
+    def __init__(
+        self,
+        body: int,
+        radius: float,
+        other: int,
+        other_radius: float,
+        law: FrictionLaw,
+        *,
+        center: ArrayLike | None = None,
+        other_center: ArrayLike | None = None,
+        frame: BodyAxis | None = None,
+        normal_restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        normal_force: float | None = None,
+        patch_radius: float | None = None,
+    ) -> None:
+        checked = checked_laws(law, normal_force, normal_restitution, tangential_restitution)
+        size = 2 if law.dimension == 1 else 3
+        frame = BodyAxis((1.0, 0.0, 0.0)) if frame is None else frame
+        if not isinstance(frame, BodyAxis):
+            raise ParameterError("frame", f"must be a BodyAxis between spheres, got {frame!r}")
+        body, other = _arrays.count(body, "body", 0), _arrays.count(other, "other", 0)
+        if body == other:
+            raise ParameterError("other", f"must be another body than {body}")
+        self._set(
+            **checked,
+            body=body,
+            radius=_arrays.positive(radius, "radius"),
+            other=other,
+            other_radius=_arrays.positive(other_radius, "other_radius"),
+            center=_vector(center, "center", size),
+            other_center=_vector(other_center, "other_center", size),
+            frame=frame,
+            patch_radius=_patch_radius(patch_radius, law),
+        )
+
+    def _core_data(self) -> dict[str, Any]:
+        return {**super()._core_data(), "frame": self.frame.axis}
+
+
+def _on_plane(
+    body: int, plane: Plane | Line, law: FrictionLaw, frame: Frame, patch_radius: float | None
+) -> dict[str, Any]:
+    """Return what every pair with a plane holds, checked."""
+    if not isinstance(plane, Plane | Line):
+        raise ParameterError("plane", f"must be a Plane or a Line, got {plane!r}")
+    if not isinstance(law, FrictionLaw):
+        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
+    allowed = (1,) if isinstance(plane, Line) else (2, 3)
+    if law.dimension not in allowed:
+        words = " or ".join(map(str, allowed))
+        kind = type(plane).__name__
+        raise DimensionError("law", f"must have dimension {words} on a {kind}, has {law.dimension}")
+    body = _arrays.count(body, "body", 0)
+    if plane.body == body:
+        raise ParameterError("plane", f"must not be fixed to the body {body} that touches it")
+    return {
+        "body": body,
+        "plane": plane,
+        "frame": checked_frame(frame, plane),
+        "patch_radius": _patch_radius(patch_radius, law),
+    }
+
+
+def _patch_radius(value: float | None, law: FrictionLaw) -> float | None:
+    if (law.dimension == 3) != (value is not None):
+        raise ParameterError("patch_radius", "goes with a law of dimension 3 and only with one")
+    return None if value is None else _arrays.positive(value, "patch_radius")
+
+
+def _vector(value: ArrayLike | None, argument: str, size: int) -> Array:
+    given = np.zeros(size) if value is None else value
+    return _arrays.read_only(_arrays.array(given, argument, (size,)))

@@ -1,0 +1,39 @@
+"""Unit vectors and quaternions (w, x, y, z)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity.errors import ParameterError
+
+# What is a unit vector to rounding stays as it is, so that normalising twice changes no bit.
+_UNIT = 1e-15
+
+
+def normalised(value: ArrayLike, argument: str, size: int) -> Array:
+    """Return a vector of length 1."""
+    vector = _arrays.array(value, argument, (size,))
+    length = float(np.linalg.norm(vector))
+    if length == 0.0:
+        raise ParameterError(argument, "must not vanish")
+    return _arrays.read_only(vector if abs(length - 1.0) <= _UNIT else vector / length)
+
+
+def matrices(quaternion: Array) -> Array:
+    """Return the rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def planar_matrices(angle: Array) -> Array:
+    """Return the rotation matrices (..., 2, 2) of angles (...)."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)

@@ -1,0 +1,80 @@
+"""Springs and dampers between points of bodies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import DimensionError, ParameterError
+
+
+class Spring(Value):
+    """A spring with a damper between two points: tension k (l − l₀) + d dl/dt.
+
+    Args:
+        body: number of the body.
+        point: in the body's axes from its centre of mass in m, shape ``(3,)``, planar ``(2,)``.
+        other: number of the other body; ``None``: the world.
+        other_point: in the axes of the other body or of the world in m. Default 0.
+        stiffness: k ≥ 0 in N/m.
+        damping: d ≥ 0 in N s/m.
+        length: l₀ ≥ 0 in m, at which the spring is relaxed.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from asperity import Body, RigidBodies, Spring
+    >>> spring = Spring(0, (0.0, 0.0, 0.0), stiffness=100.0)
+    >>> RigidBodies([Body.ball(1.0, 0.1)], springs=[spring]).dof
+    6
+    """
+
+    body: int
+    point: Array
+    other: int | None
+    other_point: Array
+    stiffness: float
+    damping: float
+    length: float
+
+    def __init__(
+        self,
+        body: int,
+        point: ArrayLike,
+        other: int | None = None,
+        other_point: ArrayLike | None = None,
+        *,
+        stiffness: float,
+        damping: float = 0.0,
+        length: float = 0.0,
+    ) -> None:
+        body = _arrays.count(body, "body", 0)
+        other = None if other is None else _arrays.count(other, "other", 0)
+        if body == other:
+            raise ParameterError("other", f"must be another body than {body}")
+        near = _arrays.array(point, "point", (None,))
+        if len(near) not in (2, 3):
+            raise DimensionError("point", f"must have 2 or 3 entries, got {len(near)}")
+        far = np.zeros(len(near)) if other_point is None else other_point
+        self._set(
+            body=body,
+            point=_arrays.read_only(near),
+            other=other,
+            other_point=_arrays.read_only(_arrays.array(far, "other_point", near.shape)),
+            stiffness=_arrays.non_negative(stiffness, "stiffness"),
+            damping=_arrays.non_negative(damping, "damping"),
+            length=_arrays.non_negative(length, "length"),
+        )
+
+    @property
+    def planar(self) -> bool:
+        """Whether it holds planar bodies."""
+        return len(self.point) == 2
+
+    def _core_data(self) -> dict[str, Any]:
+        return self._parameters

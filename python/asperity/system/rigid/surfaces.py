@@ -1,0 +1,169 @@
+"""Surfaces that bodies touch, and the frame in which friction is anisotropic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import ParameterError
+from asperity.system.rigid import rotation
+
+# Sine of the smallest angle between an axis and the normal it is projected along.
+_PARALLEL = 1e-12
+
+
+class Plane(Value):
+    """A plane with the axes e₁, e₂ = n × e₁ and the normal n that points to the touching bodies.
+
+    Its surface may move in itself: a belt with `velocity`, a turntable with `spin` about the normal
+    through `point`. The grooves of such a surface stand still; for grooves that turn along, fix the
+    plane to a body.
+
+    Args:
+        point: a point of the plane in m, shape ``(3,)``; origin of the coordinates (x₁, x₂).
+        normal: n, of any length, shape ``(3,)``.
+        axis: e₁ after projection on the plane, shape ``(3,)``.
+        velocity: v of the surface along e₁ and e₂ in m/s, shape ``(2,)``; enters γ as −v.
+        spin: angular velocity of the surface about n in rad/s.
+        body: number of the body that the plane is fixed to, in whose axes all the above is then
+            given, from its centre of mass; ``None``: fixed to the world.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from asperity import Plane
+    >>> Plane(normal=(0.0, -1.0, 1.0)).axes.round(6).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 0.707107, 0.707107], [0.0, -0.707107, 0.707107]]
+    """
+
+    point: Array
+    normal: Array
+    axis: Array
+    velocity: Array
+    spin: float
+    body: int | None
+    axes: Array
+
+    def __init__(
+        self,
+        *,
+        point: ArrayLike = (0.0, 0.0, 0.0),
+        normal: ArrayLike = (0.0, 0.0, 1.0),
+        axis: ArrayLike = (1.0, 0.0, 0.0),
+        velocity: ArrayLike = (0.0, 0.0),
+        spin: float = 0.0,
+        body: int | None = None,
+    ) -> None:
+        self._set(
+            point=_arrays.read_only(_arrays.array(point, "point", (3,))),
+            normal=rotation.normalised(normal, "normal", 3),
+            axis=rotation.normalised(axis, "axis", 3),
+            velocity=_arrays.read_only(_arrays.array(velocity, "velocity", (2,))),
+            spin=_arrays.number(spin, "spin"),
+            body=None if body is None else _arrays.count(body, "body", 0),
+        )
+        self._keep(axes=_axes(self.normal, self.axis))
+
+    def _core_data(self) -> dict[str, Any]:
+        return self._parameters
+
+
+class Line(Value):
+    """A straight line for planar bodies, with e₁ to the right of the normal n.
+
+    Args:
+        point: a point of the line in m, shape ``(2,)``.
+        normal: n, of any length, towards the touching bodies, shape ``(2,)``.
+        velocity: v of the surface along e₁ = (n₂, −n₁) in m/s; enters γ as −v.
+        body: number of the body that the line is fixed to, in whose axes all the above is then
+            given, from its centre of mass; ``None``: fixed to the world.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from asperity import Line
+    >>> Line(normal=(0.0, 2.0)).axes.tolist()
+    [[1.0, 0.0], [0.0, 1.0]]
+    """
+
+    point: Array
+    normal: Array
+    velocity: float
+    body: int | None
+    axes: Array
+
+    def __init__(
+        self,
+        *,
+        point: ArrayLike = (0.0, 0.0),
+        normal: ArrayLike = (0.0, 1.0),
+        velocity: float = 0.0,
+        body: int | None = None,
+    ) -> None:
+        self._set(
+            point=_arrays.read_only(_arrays.array(point, "point", (2,))),
+            normal=rotation.normalised(normal, "normal", 2),
+            velocity=_arrays.number(velocity, "velocity"),
+            body=None if body is None else _arrays.count(body, "body", 0),
+        )
+        n1, n2 = self.normal.tolist()
+        # Adding zero turns −0 into 0.
+        self._keep(axes=_arrays.read_only(np.array([[n2, -n1], [n1, n2]]) + 0.0))
+
+    def _core_data(self) -> dict[str, Any]:
+        return self._parameters
+
+
+class BodyAxis(Value):
+    """The frame of a law that a body carries: e₁ is an axis of the body, projected on the surface.
+
+    Args:
+        axis: in the body's axes, of any length, shape ``(3,)``; must not become parallel to the
+            normal.
+
+    >>> from asperity import BodyAxis
+    >>> BodyAxis((0.0, 2.0, 0.0))
+    BodyAxis([0.0, 1.0, 0.0])
+    """
+
+    axis: Array
+
+    def __init__(self, axis: ArrayLike) -> None:
+        self._set(axis=rotation.normalised(axis, "axis", 3))
+
+
+Frame: TypeAlias = Literal["plane", "polar"] | BodyAxis | Callable[[float, float], float]
+"""What carries the axes e₁, e₂ of a law: the plane's axis; the direction away from the plane's
+point (grooves that circle it); an axis of the touching body; or a function of the position
+(x₁, x₂) in the plane that returns the angle of e₁ against the plane's axis in rad."""
+
+
+def checked_frame(frame: Frame, surface: Plane | Line) -> Frame:
+    """Return `frame` if a law may be given in it on this surface."""
+    if isinstance(surface, Line):
+        if frame != "plane":
+            raise ParameterError("frame", f"must be 'plane' on a line, got {frame!r}")
+        return frame
+    if isinstance(frame, BodyAxis) or callable(frame):
+        return frame
+    if not isinstance(frame, str) or frame not in ("plane", "polar"):
+        raise ParameterError(
+            "frame", f"must be 'plane', 'polar', a BodyAxis or a function, got {frame!r}"
+        )
+    return frame
+
+
+def _axes(normal: Array, axis: Array) -> Array:
+    """Return the rows e₁, e₂, n."""
+    projected = axis - (axis @ normal) * normal
+    length = float(np.linalg.norm(projected))
+    if length <= _PARALLEL:
+        raise ParameterError("axis", "must not be parallel to normal")
+    e1 = projected / length
+    return _arrays.read_only(np.stack([e1, np.cross(normal, e1), normal]) + 0.0)

@@ -1,0 +1,322 @@
+"""Systems of rigid bodies, and what a trajectory of theirs holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import DimensionError, ParameterError
+from asperity.system.rigid import rotation
+from asperity.system.rigid.bodies import Body, PlanarBody
+from asperity.system.rigid.pairs import Pair
+from asperity.system.rigid.springs import Spring
+
+if TYPE_CHECKING:
+    from asperity.trajectory import Trajectory
+
+
+_Part = TypeVar("_Part", Pair, Spring)
+
+
+class ContactLabel(NamedTuple):
+    """Where a contact comes from.
+
+    Attributes:
+        pair: number of the pair.
+        corner: number of the corner of a box; 0 for pairs with one contact.
+    """
+
+    pair: int
+    corner: int
+
+
+class RigidBodies(Value):
+    """Rigid bodies in space or in a plane, with contacts, springs and gravity.
+
+    In space a body has 7 coordinates, position and unit quaternion (w, x, y, z), and 6 velocities,
+    v of the centre of mass in the world's axes and the angular velocity Ω in the body's. In a plane
+    it has the coordinates (x, y, φ) and their rates.
+
+    Args:
+        bodies: all `Body` or all `PlanarBody`; `simulate` starts from their states.
+        pairs: which parts of bodies may touch what.
+        springs: springs and dampers.
+        gravity: in m/s², shape ``(3,)``, planar ``(2,)``. Default 9.81 downwards, against the last
+            axis.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    Reference: [WL19] (16), (19).
+
+    >>> from asperity import Body, FrictionLaw, Plane, RigidBodies, SpherePlane, simulate
+    >>> ball = Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1), velocity=(0.7, 0.0, 0.0))
+    >>> table = SpherePlane(0, 0.1, Plane(), FrictionLaw.isotropic(0.3))
+    >>> motion = simulate(RigidBodies([ball], [table]), dt=1e-3, t_end=1.0)
+    >>> motion.u[-1, 0].round(9)  # rolls with 5/7 of its velocity
+    np.float64(0.5)
+    """
+
+    bodies: tuple[Body, ...] | tuple[PlanarBody, ...]
+    pairs: tuple[Pair, ...]
+    springs: tuple[Spring, ...]
+    gravity: Array
+    contacts: tuple[ContactLabel, ...]
+    """Where each contact comes from, in the order of a trajectory's contacts."""
+    _core: _core.RigidBodies
+
+    def __init__(
+        self,
+        bodies: Sequence[Body] | Sequence[PlanarBody],
+        pairs: Sequence[Pair] = (),
+        *,
+        springs: Sequence[Spring] = (),
+        gravity: ArrayLike | None = None,
+    ) -> None:
+        listed = _bodies(bodies)
+        planar = isinstance(listed[0], PlanarBody)
+        down = [0.0, -9.81] if planar else [0.0, 0.0, -9.81]
+        self._set(
+            bodies=listed,
+            pairs=_parts(pairs, "pairs", Pair, planar),
+            springs=_parts(springs, "springs", Spring, planar),
+            gravity=_arrays.read_only(
+                _arrays.array(down if gravity is None else gravity, "gravity", (len(down),))
+            ),
+        )
+        core = _core.RigidBodies(
+            planar,
+            np.array([body.mass for body in listed]),
+            np.array([np.ravel(body.inertia) for body in listed]),
+            np.array([np.append(body.force, body.torque) for body in listed]),
+            [pair._core_data() for pair in self.pairs],
+            [spring._core_data() for spring in self.springs],
+            self.gravity,
+        )
+        labels = tuple(
+            ContactLabel(number, corner)
+            for number, pair in enumerate(self.pairs)
+            for corner in range(pair.contacts)
+        )
+        self._keep(_core=core, contacts=labels)
+
+    @property
+    def planar(self) -> bool:
+        """Whether the bodies are planar."""
+        return len(self.gravity) == 2
+
+    @property
+    def dof(self) -> int:
+        """Number of velocities: 6, planar 3, per body."""
+        return len(self.bodies) * (3 if self.planar else 6)
+
+    @property
+    def coordinates(self) -> int:
+        """Number of coordinates: 7, planar 3, per body."""
+        return len(self.bodies) * (3 if self.planar else 7)
+
+    @property
+    def q0(self) -> Array:
+        """Initial coordinates, shape ``(coordinates,)``."""
+        return np.concatenate([body.coordinates for body in self.bodies])
+
+    @property
+    def u0(self) -> Array:
+        """Initial velocities, shape ``(dof,)``."""
+        return np.concatenate([body.velocities for body in self.bodies])
+
+    def positions(self, trajectory: Trajectory) -> Array:
+        """Return the centres of mass in m, shape ``(n_t, n_body, 3)``, planar ``(n_t, n_body, 2)``.
+
+        Args:
+            trajectory: of this system.
+        """
+        return self._states(trajectory)[0][..., : self._space].copy()
+
+    def rotations(self, trajectory: Trajectory) -> Array:
+        """Return the matrices that turn the bodies' axes into the world's.
+
+        Args:
+            trajectory: of this system.
+
+        Returns:
+            Shape ``(n_t, n_body, 3, 3)``, planar ``(n_t, n_body, 2, 2)``.
+        """
+        return self._rotations(self._states(trajectory)[0])
+
+    def angular_velocities(self, trajectory: Trajectory) -> Array:
+        """Return ω in rad/s in the world's axes, shape ``(n_t, n_body, 3)``; planar the numbers.
+
+        Args:
+            trajectory: of this system.
+        """
+        q, u = self._states(trajectory)
+        if self.planar:
+            return u[..., 2].copy()
+        return _turned(self._rotations(q), u[..., 3:])
+
+    def energy(self, trajectory: Trajectory) -> Array:
+        """Return the kinetic energy plus that of the loads in J, shape ``(n_t,)``.
+
+        Loads with a potential are the weight and constant forces, zero for centres of mass at the
+        origin, and springs; constant torques have none.
+
+        Args:
+            trajectory: of this system.
+
+        >>> from asperity import Body, RigidBodies, simulate
+        >>> flight = RigidBodies([Body.ball(2.0, 0.1, velocity=(0.0, 3.0, 4.0))])
+        >>> flight.energy(simulate(flight, dt=0.1, t_end=1.0)).round(9)[[0, -1]].tolist()
+        [25.0, 25.0]
+        """
+        self._states(trajectory)
+        return self._core.energy(trajectory.q, trajectory.u)
+
+    def momentum(self, trajectory: Trajectory) -> Array:
+        """Return Σ m v in N s, shape ``(n_t, 3)``, planar ``(n_t, 2)``.
+
+        Args:
+            trajectory: of this system.
+        """
+        self._states(trajectory)
+        return self._core.momentum(trajectory.u)[:, : self._space]
+
+    def angular_momentum(self, trajectory: Trajectory, *, about: ArrayLike | None = None) -> Array:
+        """Return Σ (x − o) × m v + J ω in N m s, shape ``(n_t, 3)``, planar ``(n_t,)``.
+
+        Args:
+            trajectory: of this system.
+            about: the point o, at rest, in m. Default the origin.
+        """
+        self._states(trajectory)
+        point = np.zeros(3)
+        if about is not None:
+            point[: self._space] = _arrays.array(about, "about", (self._space,))
+        momentum = self._core.angular_momentum(trajectory.q, trajectory.u, point)
+        return momentum[:, 2] if self.planar else momentum
+
+    def contact_points(self, trajectory: Trajectory) -> Array:
+        """Return where the contacts are in m, shape ``(n_t, n_contact, 3)``, planar ``(…, 2)``.
+
+        An open contact with a plane is at the nearest point of the body, one between spheres
+        halfway between them.
+
+        Args:
+            trajectory: of this system.
+        """
+        self._states(trajectory)
+        return self._core.contact_geometry(trajectory.q)[0][..., : self._space]
+
+    def contact_forces(
+        self,
+        trajectory: Trajectory,
+        *,
+        frame: Literal["surface", "world", "body"] = "surface",
+    ) -> Array:
+        """Return the forces of the contacts on their (first) bodies in N.
+
+        World and body axes are those of the midpoint of the step, where the force acted. The torque
+        about the normal in a contact with drilling is not among these forces: it is `patch_radius`
+        times the third component of ``trajectory.force``.
+
+        Args:
+            trajectory: of this system.
+            frame: ``"surface"``: along e₁, e₂, n; ``"world"``; ``"body"``: the first body's axes.
+
+        Returns:
+            Shape ``(n_t, n_contact, 3)``; planar ``(n_t, n_contact, 2)``, along e₁, n. NaN for the
+            initial state.
+
+        >>> from asperity import Body, BoxPlane, FrictionLaw, Plane, RigidBodies, simulate
+        >>> half = (0.1, 0.1, 0.1)
+        >>> block = Body.box(2.0, half, position=(0.0, 0.0, 0.1))
+        >>> table = BoxPlane(0, half, Plane(), FrictionLaw.isotropic(0.3))
+        >>> system = RigidBodies([block], [table])
+        >>> motion = simulate(system, dt=1e-3, t_end=1e-2)
+        >>> system.contact_forces(motion, frame="world")[-1].sum(axis=0).round(6)[2].item()
+        19.62
+        """
+        _arrays.choice(frame, "frame", ["surface", "world", "body"])
+        self._states(trajectory)
+        tangential = trajectory.force[..., : self._space - 1]
+        forces = np.concatenate([tangential, trajectory.normal_force[..., None]], axis=-1)
+        if frame == "surface":
+            return forces
+        middle = self._core.advance(trajectory.q, trajectory.u, -0.5 * trajectory.dt)
+        axes = self._core.contact_geometry(middle)[1][..., self._rows, : self._space]
+        forces = _turned(np.swapaxes(axes, -1, -2), forces)
+        if frame == "world":
+            return forces
+        touching = [self.pairs[label.pair].body for label in self.contacts]
+        attitude = self._rotations(self._per_body(middle))[:, touching]
+        return _turned(np.swapaxes(attitude, -1, -2), forces)
+
+    @property
+    def _space(self) -> int:
+        return len(self.gravity)
+
+    @property
+    def _rows(self) -> list[int]:
+        """Which of e₁, e₂, n there are."""
+        return [0, 2] if self.planar else [0, 1, 2]
+
+    def _per_body(self, values: Array) -> Array:
+        return values.reshape(len(values), len(self.bodies), -1)
+
+    def _states(self, trajectory: Trajectory) -> tuple[Array, Array]:
+        """Return coordinates and velocities per body of a trajectory that may be this system's."""
+        q, u = getattr(trajectory, "q", None), getattr(trajectory, "u", None)
+        if not isinstance(q, np.ndarray) or not isinstance(u, np.ndarray):
+            raise ParameterError("trajectory", f"must be a Trajectory, got {trajectory!r}")
+        found = q.shape[1], u.shape[1], trajectory.phase.shape[1]
+        own = self.coordinates, self.dof, len(self.contacts)
+        if found != own:
+            raise DimensionError(
+                "trajectory",
+                f"must have {own} coordinates, velocities and contacts as the system, has {found}",
+            )
+        return self._per_body(q), self._per_body(u)
+
+    def _rotations(self, q: Array) -> Array:
+        if self.planar:
+            return rotation.planar_matrices(q[..., 2])
+        return rotation.matrices(q[..., 3:])
+
+
+def _turned(matrices: Array, vectors: Array) -> Array:
+    turned: Array = np.einsum("...ij,...j->...i", matrices, vectors)
+    return turned
+
+
+def _bodies(bodies: Sequence[Any]) -> tuple[Any, ...]:
+    listed = _arrays.several(bodies, "bodies")
+    if not listed:
+        raise DimensionError("bodies", "must not be empty")
+    kind = PlanarBody if isinstance(listed[0], PlanarBody) else Body
+    for body in listed:
+        if not isinstance(body, kind):
+            raise ParameterError("bodies", f"must all be Body or all PlanarBody, got {body!r}")
+    return listed
+
+
+def _parts(
+    parts: Sequence[_Part], argument: str, kind: type[_Part], planar: bool
+) -> tuple[_Part, ...]:
+    """Return pairs or springs that fit the bodies."""
+    listed = _arrays.several(parts, argument)
+    for number, part in enumerate(listed):
+        if not isinstance(part, kind):
+            raise ParameterError(argument, f"must hold {kind.__name__} objects, got {part!r}")
+        if part.planar != planar:
+            where = ("space", "a plane")
+            raise DimensionError(
+                argument,
+                f"number {number} is for {where[part.planar]}, the bodies are in {where[planar]}",
+            )
+    return listed

@@ -1,0 +1,331 @@
+"""Rigid bodies: what they are made of, what is refused, what a trajectory holds."""
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import DimensionError, ParameterError
+from scipy.spatial.transform import Rotation
+
+G = 9.81
+NAN = float("nan")
+LAW = asp.FrictionLaw.isotropic(0.5)
+LINE_LAW = asp.FrictionLaw.isotropic(0.5, dimension=1)
+DRILLING = asp.FrictionLaw.associated(asp.CoulombContensou(0.5))
+FLOOR = asp.Plane()
+BALL = asp.Body.ball(1.0, 0.1)
+DISK = asp.PlanarBody.disk(1.0, 0.1)
+POINT = asp.PointPlane(0, (0.0, 0.0, -0.1), FLOOR, LAW)
+SPHERES = asp.SphereSphere(0, 0.1, 1, 0.1, LAW)
+SPRING = asp.Spring(0, (0.0, 0.0, 0.0), stiffness=1.0)
+HALF = (0.3, 0.2, 0.1)
+
+
+def random_rotation(seed):
+    turn = Rotation.random(random_state=seed)
+    x, y, z, w = turn.as_quat()
+    return turn.as_matrix(), (w, x, y, z)
+
+
+def box_on_incline(slope=0.3, mu=0.5):
+    """Return a box at rest on an inclined plane, together with the rotation of the plane."""
+    turn = Rotation.from_euler("x", slope)
+    x, y, z, w = turn.as_quat()
+    axes = turn.as_matrix()
+    body = asp.Body.box(2.0, HALF, position=axes @ [0.0, 0.0, 0.1], orientation=(w, x, y, z))
+    plane = asp.Plane(normal=axes[:, 2], axis=axes[:, 0])
+    system = asp.RigidBodies([body], [asp.BoxPlane(0, HALF, plane, asp.FrictionLaw.isotropic(mu))])
+    return system, axes
+
+
+BAD_INPUT = [
+    # bodies
+    ("mass", ParameterError, lambda: asp.Body(0.0, (1.0, 1.0, 1.0))),
+    ("mass", ParameterError, lambda: asp.Body.box(-1.0, HALF)),
+    ("mass", ParameterError, lambda: asp.Body.ball(NAN, 1.0)),
+    ("inertia", DimensionError, lambda: asp.Body(1.0, (1.0, 1.0))),
+    ("inertia", ParameterError, lambda: asp.Body(1.0, (1.0, 1.0, 0.0))),
+    ("inertia", ParameterError, lambda: asp.Body(1.0, (1.0, 1.0, 2.5))),
+    ("inertia", ParameterError, lambda: asp.Body(1.0, np.eye(3) + np.eye(3, k=1))),
+    ("position", DimensionError, lambda: BALL.replace(position=(0.0, 0.0))),
+    ("orientation", ParameterError, lambda: BALL.replace(orientation=np.zeros(4))),
+    ("orientation", DimensionError, lambda: BALL.replace(orientation=np.eye(3))),
+    ("velocity", ParameterError, lambda: BALL.replace(velocity=(NAN, 0.0, 0.0))),
+    ("angular_velocity", DimensionError, lambda: BALL.replace(angular_velocity=1.0)),
+    ("force", DimensionError, lambda: BALL.replace(force=1.0)),
+    ("torque", ParameterError, lambda: BALL.replace(torque=(0.0, 0.0, NAN))),
+    ("half_sizes", ParameterError, lambda: asp.Body.box(1.0, (1.0, 0.0, 1.0))),
+    ("half_sizes", DimensionError, lambda: asp.Body.box(1.0, (1.0, 1.0))),
+    ("radius", ParameterError, lambda: asp.Body.ball(1.0, -0.1)),
+    ("height", ParameterError, lambda: asp.Body.cylinder(1.0, 0.1, 0.0)),
+    ("inertia", ParameterError, lambda: asp.PlanarBody(1.0, 0.0)),
+    ("angle", DimensionError, lambda: DISK.replace(angle=(0.0, 0.0))),
+    ("half_sizes", DimensionError, lambda: asp.PlanarBody.box(1.0, HALF)),
+    ("radius", ParameterError, lambda: asp.PlanarBody.disk(1.0, 0.0)),
+    # surfaces
+    ("normal", ParameterError, lambda: asp.Plane(normal=np.zeros(3))),
+    ("axis", ParameterError, lambda: asp.Plane(normal=(1.0, 0.0, 0.0))),
+    ("velocity", DimensionError, lambda: asp.Plane(velocity=(1.0, 0.0, 0.0))),
+    ("spin", ParameterError, lambda: asp.Plane(spin=NAN)),
+    ("body", ParameterError, lambda: asp.Plane(body=-1)),
+    ("body", ParameterError, lambda: asp.Line(body=0.5)),
+    ("normal", DimensionError, lambda: asp.Line(normal=(0.0, 0.0, 1.0))),
+    ("axis", ParameterError, lambda: asp.BodyAxis(np.zeros(3))),
+    # pairs
+    ("plane", ParameterError, lambda: POINT.replace(plane=LAW)),
+    ("plane", ParameterError, lambda: POINT.replace(plane=asp.Plane(body=0))),
+    ("law", ParameterError, lambda: POINT.replace(law=0.5)),
+    ("law", DimensionError, lambda: POINT.replace(law=LINE_LAW)),
+    ("law", DimensionError, lambda: asp.SpherePlane(0, 0.1, asp.Line(), LAW)),
+    ("point", DimensionError, lambda: POINT.replace(point=(0.0, 0.0))),
+    ("body", ParameterError, lambda: POINT.replace(body=-1)),
+    ("frame", ParameterError, lambda: POINT.replace(frame="world")),
+    ("frame", ParameterError, lambda: POINT.replace(frame=0.3)),
+    ("frame", ParameterError, lambda: SPHERES.replace(frame="polar")),
+    (
+        "frame",
+        ParameterError,
+        lambda: asp.SpherePlane(0, 0.1, asp.Line(), LINE_LAW, frame="polar"),
+    ),
+    ("patch_radius", ParameterError, lambda: POINT.replace(law=DRILLING)),
+    ("patch_radius", ParameterError, lambda: POINT.replace(patch_radius=0.1)),
+    ("patch_radius", ParameterError, lambda: POINT.replace(law=DRILLING, patch_radius=0.0)),
+    ("normal_restitution", ParameterError, lambda: POINT.replace(normal_restitution=1.1)),
+    ("tangential_restitution", ParameterError, lambda: POINT.replace(tangential_restitution=-0.1)),
+    ("normal_force", ParameterError, lambda: POINT.replace(normal_force=-1.0)),
+    ("radius", ParameterError, lambda: asp.SpherePlane(0, 0.0, FLOOR, LAW)),
+    ("center", DimensionError, lambda: asp.SpherePlane(0, 0.1, FLOOR, LAW, center=(0.0, 0.0))),
+    ("half_sizes", DimensionError, lambda: asp.BoxPlane(0, (0.1, 0.1), FLOOR, LAW)),
+    ("other", ParameterError, lambda: SPHERES.replace(other=0)),
+    ("other_radius", ParameterError, lambda: SPHERES.replace(other_radius=-1.0)),
+    # springs
+    ("stiffness", ParameterError, lambda: SPRING.replace(stiffness=-1.0)),
+    ("damping", ParameterError, lambda: SPRING.replace(damping=NAN)),
+    ("length", ParameterError, lambda: SPRING.replace(length=-0.1)),
+    ("other", ParameterError, lambda: SPRING.replace(other=0)),
+    ("point", DimensionError, lambda: asp.Spring(0, (0.0,), stiffness=1.0)),
+    ("other_point", DimensionError, lambda: SPRING.replace(other_point=(0.0, 0.0))),
+    # systems
+    ("bodies", DimensionError, lambda: asp.RigidBodies([])),
+    ("bodies", ParameterError, lambda: asp.RigidBodies(BALL)),
+    ("bodies", ParameterError, lambda: asp.RigidBodies([BALL, DISK])),
+    ("pairs", ParameterError, lambda: asp.RigidBodies([BALL], [SPRING])),
+    ("pairs", DimensionError, lambda: asp.RigidBodies([DISK], [POINT])),
+    ("springs", ParameterError, lambda: asp.RigidBodies([BALL], springs=[POINT])),
+    ("springs", DimensionError, lambda: asp.RigidBodies([DISK], springs=[SPRING])),
+    ("gravity", DimensionError, lambda: asp.RigidBodies([BALL], gravity=(0.0, -G))),
+    ("body", ParameterError, lambda: asp.RigidBodies([BALL], [POINT.replace(body=1)])),
+    ("other", ParameterError, lambda: asp.RigidBodies([BALL], [SPHERES])),
+    ("other", ParameterError, lambda: asp.RigidBodies([BALL], springs=[SPRING.replace(other=4)])),
+    # simulations
+    ("q0", DimensionError, lambda: asp.simulate(TWO, dt=0.1, t_end=0.1, q0=np.zeros(12))),
+    ("u0", DimensionError, lambda: asp.simulate(TWO, dt=0.1, t_end=0.1, u0=np.zeros(14))),
+    ("trajectory", ParameterError, lambda: TWO.energy(3.0)),
+    ("trajectory", DimensionError, lambda: TWO.positions(FALL)),
+    ("about", DimensionError, lambda: FALLING.angular_momentum(FALL, about=(0.0, 0.0))),
+    ("frame", ParameterError, lambda: FALLING.contact_forces(FALL, frame="plane")),
+]
+TWO = asp.RigidBodies([BALL, BALL.replace(position=(0.5, 0.0, 0.0))], [SPHERES])
+FALLING = asp.RigidBodies([BALL])
+FALL = asp.simulate(FALLING, dt=0.1, t_end=0.2)
+
+
+@pytest.mark.parametrize(
+    ("argument", "kind", "call"),
+    BAD_INPUT,
+    ids=[f"{i}-{case[0]}" for i, case in enumerate(BAD_INPUT)],
+)
+def test_bad_input_is_refused_by_name(argument, kind, call):
+    with pytest.raises(kind) as caught:
+        call()
+    assert caught.value.argument == argument
+    assert len(caught.value.message) > 8
+
+
+def test_moments_of_inertia():
+    np.testing.assert_allclose(
+        asp.Body.box(3.0, HALF).inertia.diagonal(), [0.05, 0.1, 0.13], rtol=1e-14
+    )
+    np.testing.assert_allclose(asp.Body.cylinder(12.0, 0.1, 0.2).inertia[2, 2], 0.06)
+    np.testing.assert_allclose(asp.Body.cylinder(12.0, 0.1, 0.2).inertia[0, 0], 0.07)
+    assert asp.PlanarBody.box(3.0, (0.3, 0.2)).inertia == pytest.approx(0.13)
+    full = asp.Body(1.0, np.diag([1.0, 2.0, 2.5]))
+    assert full == asp.Body(1.0, (1.0, 2.0, 2.5))
+
+
+def test_initial_state_comes_from_the_bodies():
+    axes, orientation = random_rotation(1)
+    body = BALL.replace(
+        position=(1.0, 2.0, 3.0),
+        orientation=2.0 * np.array(orientation),
+        velocity=(4.0, 5.0, 6.0),
+        angular_velocity=(0.1, 0.2, 0.3),
+    )
+    system = asp.RigidBodies([BALL, body])
+    assert (system.dof, system.coordinates) == (12, 14)
+    np.testing.assert_allclose(system.q0[7:], [1.0, 2.0, 3.0, *orientation])
+    np.testing.assert_allclose(system.u0[6:], [4.0, 5.0, 6.0, *(axes.T @ [0.1, 0.2, 0.3])])
+    motion = asp.simulate(system, dt=0.1, t_end=0.2)
+    np.testing.assert_array_equal(motion.q[0], system.q0)
+    np.testing.assert_allclose(system.positions(motion)[0], [[0, 0, 0], [1, 2, 3]])
+    np.testing.assert_allclose(system.rotations(motion)[0, 1], axes, atol=1e-15)
+    np.testing.assert_allclose(system.angular_velocities(motion)[:, 1], [[0.1, 0.2, 0.3]] * 3)
+
+
+def test_planar_bodies_have_an_angle():
+    body = DISK.replace(position=(1.0, 2.0), angle=0.5, velocity=(0.0, 3.0), angular_velocity=2.0)
+    system = asp.RigidBodies([body], gravity=(0.0, 0.0))
+    motion = asp.simulate(system, dt=0.1, t_end=1.0)
+    assert (system.dof, system.coordinates, system.planar) == (3, 3, True)
+    np.testing.assert_allclose(motion.q[-1], [1.0, 5.0, 2.5])
+    turn = system.rotations(motion)[-1, 0]
+    np.testing.assert_allclose(turn, Rotation.from_euler("z", 2.5).as_matrix()[:2, :2])
+    assert system.positions(motion).shape == (11, 1, 2)
+    np.testing.assert_array_equal(system.angular_velocities(motion), 2.0)
+    np.testing.assert_allclose(system.momentum(motion)[-1], [0.0, 3.0])
+    np.testing.assert_allclose(system.angular_momentum(motion), 3.0 + 0.005 * 2.0)
+    np.testing.assert_allclose(system.angular_momentum(motion, about=(1.0, 0.0)), 0.01)
+
+
+def test_loads_accelerate_a_body():
+    body = asp.Body(2.0, (1.0, 2.0, 3.0), force=(4.0, 0.0, 0.0), torque=(0.0, 0.0, 6.0))
+    system = asp.RigidBodies([body])
+    motion = asp.simulate(system, dt=1e-2, t_end=1.0)
+    np.testing.assert_allclose(motion.u[-1], [2.0, 0.0, -G, 0.0, 0.0, 2.0], atol=1e-12)
+    planar = asp.PlanarBody(2.0, 3.0, force=(4.0, 0.0), torque=6.0)
+    motion = asp.simulate(asp.RigidBodies([planar]), dt=1e-2, t_end=1.0)
+    np.testing.assert_allclose(motion.u[-1], [2.0, -G, 2.0], atol=1e-12)
+
+
+def test_angular_momentum_about_a_point():
+    body = asp.Body(2.0, (1.0, 1.0, 1.0), position=(1.0, 0.0, 0.0), velocity=(0.0, 3.0, 0.0))
+    system = asp.RigidBodies([body], gravity=np.zeros(3))
+    motion = asp.simulate(system, dt=0.1, t_end=0.3)
+    np.testing.assert_allclose(system.angular_momentum(motion), [[0.0, 0.0, 6.0]] * 4)
+    about = system.angular_momentum(motion, about=(0.0, 0.0, 1.0))
+    np.testing.assert_allclose(about, [[6.0, 0.0, 6.0]] * 4)
+
+
+def test_contacts_are_labelled():
+    deck = asp.Plane(body=0)
+    system = asp.RigidBodies([BALL, BALL], [SPHERES, asp.BoxPlane(1, HALF, deck, LAW)])
+    assert len(system.contacts) == 9
+    assert system.contacts[0] == (0, 0)
+    assert system.contacts[8].pair == 1
+    assert system.contacts[8].corner == 7
+    points = system.contact_points(asp.simulate(system, dt=1e-3, t_end=1e-3))[0, 1:]
+    signs = [[-1 if k >> i & 1 == 0 else 1 for i in range(3)] for k in range(8)]
+    np.testing.assert_allclose(points, signs * np.array(HALF), atol=1e-15)
+
+
+def test_box_on_an_incline_stays_and_its_forces_balance_the_weight_in_every_frame():
+    system, axes = box_on_incline()
+    motion = asp.simulate(system, dt=1e-2, t_end=2.0)
+    np.testing.assert_allclose(system.positions(motion) - motion.q[0, :3], 0.0, atol=1e-12)
+    surface = system.contact_forces(motion)[1:]
+    world = system.contact_forces(motion, frame="world")[1:]
+    body = system.contact_forces(motion, frame="body")[1:]
+    assert np.isnan(system.contact_forces(motion)[0]).all()
+    np.testing.assert_allclose(world.sum(axis=1), [[0.0, 0.0, 2.0 * G]] * 200, atol=1e-8)
+    np.testing.assert_allclose(surface @ axes.T, world, atol=1e-10)
+    # The body's axes are those of the plane.
+    np.testing.assert_allclose(body, surface, atol=1e-9)
+    np.testing.assert_array_equal(surface[..., 2], motion.normal_force[1:])
+    below = np.flatnonzero(np.array([label.corner for label in system.contacts]) < 4)
+    assert (surface[:, below, 2] >= 0.0).all()
+
+
+def test_contact_forces_are_what_changes_the_momentum_of_a_tumbling_box():
+    _, orientation = random_rotation(3)
+    box = asp.Body.box(
+        1.0,
+        HALF,
+        position=(0.0, 0.0, 0.5),
+        orientation=orientation,
+        velocity=(1.0, 0.5, -2.0),
+        angular_velocity=(3.0, -5.0, 2.0),
+    )
+    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.2), asp.Ellipse(1.0, 0.8))
+    floor = asp.BoxPlane(0, HALF, FLOOR, law, frame=asp.BodyAxis((1.0, 0.3, 0.2)))
+    system = asp.RigidBodies([box], [floor])
+    motion = asp.simulate(system, dt=1e-3, t_end=1.0, save_every=1)
+    forces = system.contact_forces(motion, frame="world")[1:].sum(axis=1)
+    change = np.diff(system.momentum(motion), axis=0) / motion.dt
+    assert np.abs(forces).max() > 10.0
+    np.testing.assert_allclose(forces + np.array([0.0, 0.0, -G]), change, atol=1e-8)
+    body = system.contact_forces(motion, frame="body")[1:].sum(axis=1)
+    np.testing.assert_allclose(np.linalg.norm(body, axis=1), np.linalg.norm(forces, axis=1))
+
+
+def test_planar_forces_in_three_frames():
+    disk = DISK.replace(position=(0.0, 0.1), velocity=(1.0, 0.0), angular_velocity=10.0)
+    system = asp.RigidBodies([disk], [asp.SpherePlane(0, 0.1, asp.Line(), LINE_LAW)])
+    motion = asp.simulate(system, dt=1e-3, t_end=0.05)
+    surface = system.contact_forces(motion)[1:, 0]
+    np.testing.assert_allclose(surface, [[-0.5 * G, G]] * 50)
+    np.testing.assert_allclose(system.contact_forces(motion, frame="world")[1:, 0], surface)
+    body = system.contact_forces(motion, frame="body")[1:, 0]
+    middle = 0.5 * (motion.q[1:, 2] + motion.q[:-1, 2])
+    c, s = np.cos(middle), np.sin(middle)
+    turned = np.stack([c * body[:, 0] - s * body[:, 1], s * body[:, 0] + c * body[:, 1]], axis=-1)
+    np.testing.assert_allclose(turned, surface)
+    np.testing.assert_allclose(system.contact_points(motion)[:, 0, 1], 0.0, atol=1e-12)
+
+
+def test_prescribed_normal_force_presses_without_a_gap():
+    body = BALL.replace(velocity=(1.0, 0.0, 0.0))
+    clamp = asp.PointPlane(0, (0.0, 0.0, 0.0), FLOOR, LAW, normal_force=4.0)
+    system = asp.RigidBodies([body.replace(force=(0.0, 0.0, -4.0))], [clamp], gravity=np.zeros(3))
+    motion = asp.simulate(system, dt=1e-3, t_end=0.4)
+    np.testing.assert_allclose(motion.u[-1, 0], 1.0 - 0.5 * 4.0 * 0.4, rtol=1e-9)
+    np.testing.assert_allclose(motion.q[:, 2], 0.0, atol=1e-12)
+    np.testing.assert_array_equal(motion.normal_force[1:, 0], 4.0)
+
+
+def test_turning_the_whole_system_turns_the_motion():
+    axes, orientation = random_rotation(5)
+    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(2.0, 1.0))
+    box = asp.Body.box(1.0, HALF, position=(0, 0, 0.15), velocity=(1.0, 2.0, 0.0))
+    floor = asp.BoxPlane(0, HALF, FLOOR, law)
+    turned_floor = floor.replace(plane=asp.Plane(normal=axes[:, 2], axis=axes[:, 0]))
+    turned_box = box.replace(
+        position=axes @ box.position, orientation=orientation, velocity=axes @ box.velocity
+    )
+    options = {"dt": 1e-3, "t_end": 0.3}
+    straight = asp.RigidBodies([box], [floor])
+    turned = asp.RigidBodies([turned_box], [turned_floor], gravity=axes @ [0.0, 0.0, -G])
+    path = straight.positions(asp.simulate(straight, **options))
+    turned_path = turned.positions(asp.simulate(turned, **options))
+    np.testing.assert_allclose(turned_path, path @ axes.T, atol=1e-8)
+
+
+def test_exception_in_a_frame_comes_back():
+    def groove(x1, x2):
+        if x1 > 0.1:
+            raise ZeroDivisionError("in the user's code")
+        return 0.0
+
+    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(2.0, 1.0))
+    body = BALL.replace(velocity=(1.0, 0.0, 0.0))
+    system = asp.RigidBodies([body], [asp.PointPlane(0, (0, 0, 0), FLOOR, law, frame=groove)])
+    with pytest.raises(ZeroDivisionError, match="user's code") as caught:
+        asp.simulate(system, dt=1e-2, t_end=1.0)
+    assert caught.value.trajectory.q[-1, 0] < 0.15
+    # It is over with the run.
+    asp.simulate(system, dt=1e-2, t_end=5e-2)
+
+
+def test_frame_that_returns_no_angle_is_named():
+    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(2.0, 1.0))
+    pair = asp.PointPlane(0, (0, 0, 0), FLOOR, law, frame=lambda x1, x2: NAN)
+    with pytest.raises(ParameterError, match="frame: must return a finite angle"):
+        asp.simulate(asp.RigidBodies([BALL], [pair]), dt=1e-2, t_end=0.1)
+
+
+def test_files_of_trajectories_hold_rigid_bodies(tmp_path):
+    system, _ = box_on_incline()
+    motion = asp.simulate(system, dt=1e-2, t_end=0.1)
+    motion.save(tmp_path / "motion.npz")
+    loaded = asp.Trajectory.load(tmp_path / "motion.npz")
+    assert loaded == motion
+    np.testing.assert_array_equal(system.energy(loaded), system.energy(motion))
+    motion.to_csv(tmp_path / "motion.csv")
