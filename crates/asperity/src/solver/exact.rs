@@ -2,7 +2,8 @@
 
 use asperity_set::Vector;
 
-use super::local::{Block, Local, LocalSolution, Selection};
+use super::block::Block;
+use super::local::{Local, LocalSolution, Selection};
 use super::report::Ended;
 use super::{Stop, Workspace, line, plane, space};
 use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce};

@@ -13,6 +13,7 @@
 //!
 //! The measures in `residual.rs` and `natural.rs` belong to no solver and grade them all.
 
+mod block;
 mod certificate;
 mod exact;
 mod line;
@@ -20,6 +21,7 @@ mod local;
 mod many;
 mod natural;
 mod natural_map;
+mod phase;
 mod plane;
 mod prox;
 mod quick;
@@ -36,7 +38,8 @@ pub use report::{Method, SolveReport, Stage, Status};
 pub use residual::{Residual, natural_residual};
 
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
-use local::{Block, LocalSolution};
+use block::Block;
+use local::LocalSolution;
 
 /// A solver and its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -228,7 +231,7 @@ impl Solver {
         }
         if !exact {
             workspace.states.clone_from(&memory.states);
-            local::classify(problem, workspace);
+            phase::classify(problem, workspace);
         }
         if let Some(method) = self.only_method(problem) {
             workspace.stages.clear();

@@ -13,6 +13,8 @@ const WORTHWHILE: f64 = 250.0;
 /// Newton iterations of a step of the first attempt.
 const ATTEMPT: usize = 6;
 const INTERIOR: usize = 40;
+/// Outer steps of the last phase.
+const OUTER: usize = 5000;
 /// Natural map at which the interior point method, whose digits end there, hands over.
 const INTERIOR_GOAL: f64 = 1e-7;
 
@@ -34,7 +36,7 @@ pub(crate) fn automatic(
         run.interior_point(INTERIOR, INTERIOR_GOAL);
     }
     if !run.over() {
-        run.proximal_point(usize::MAX);
+        run.proximal_point(OUTER);
     }
     run.finish()
 }

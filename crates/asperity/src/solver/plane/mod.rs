@@ -10,7 +10,8 @@ mod scan;
 
 use asperity_set::{ConvexSet, StarSet};
 
-use super::local::{Local, LocalSolution, Selection, Shape, Stick};
+use super::block::Shape;
+use super::local::{Local, LocalSolution, Selection, Stick};
 use crate::contact::{ContactState, Phase};
 use crate::law::COARSE;
 pub(super) use all::solutions;
