@@ -10,6 +10,8 @@ use crate::law::Law;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     pub(super) g_nn: f64,
+    /// `1/g_NN`.
+    pub(super) inverse_nn: f64,
     pub(super) g_nt: Vector<2>,
     pub(super) g_tn: Vector<2>,
     pub(super) g_tt: Matrix<2>,
@@ -60,7 +62,8 @@ impl Block {
         };
         let beside = (t..rows.len()).map(|j| g(0, j) * g(0, j)).sum::<f64>().sqrt();
         let pressed = unilateral && g_nn > beside * radius;
-        Self { g_nn, g_nt, g_tn, g_tt, schur_inverse, singular, pressed, shape }
+        let inverse_nn = if unilateral { 1.0 / g_nn } else { 0.0 };
+        Self { g_nn, inverse_nn, g_nt, g_tn, g_tt, schur_inverse, singular, pressed, shape }
     }
 }
 

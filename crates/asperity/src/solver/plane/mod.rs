@@ -6,6 +6,7 @@
 
 mod all;
 mod equation;
+mod isotropic;
 mod scan;
 
 use asperity_set::{ConvexSet, StarSet};
@@ -43,6 +44,11 @@ pub(super) fn quick(
 ) -> Option<LocalSolution<2>> {
     if let Some(open) = opens(local)? {
         return Some(open);
+    }
+    if state.phase != Phase::Slip
+        && let Some(found) = isotropic::quick(local, &guess)
+    {
+        return Some(found);
     }
     let stick = local.stick();
     let slips = || {
@@ -135,7 +141,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
     let law = slip.local.law;
     let mut n = guess.try_normalize(0.0)?;
     if let Some(mu) = law.isotropic_coefficient() {
-        return isotropic_newton(slip, n, mu);
+        return isotropic::newton(slip, n, mu);
     }
     for _ in 0..10 {
         let turn = V::new(-n.y, n.x);
@@ -160,29 +166,6 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
             return None;
         }
         n = (n + turn * step) * (1.0 / (1.0 + step * step).sqrt());
-    }
-    None
-}
-
-/// The same for isotropic friction, where `x = μ n`.
-#[inline]
-fn isotropic_newton(slip: &Slip<'_, '_>, mut n: V, mu: f64) -> Option<LocalSolution<2>> {
-    let a = slip.a * mu;
-    for _ in 0..10 {
-        let v = slip.c0 - a * n;
-        let value = cross(&n, &v);
-        if value.abs() <= slip.rounding {
-            return slip.admit_root(&n, &(n * mu), &v, false);
-        }
-        let turn = V::new(-n.y, n.x);
-        let step = value / (n.dot(&v) + cross(&n, &(a * turn)));
-        if !(step.abs() < 0.3) {
-            return None;
-        }
-        n = (n + turn * step) * (1.0 / (1.0 + step * step).sqrt());
-        if step.abs() < 1e-8 {
-            return slip.admit_root(&n, &(n * mu), &(slip.c0 - a * n), false);
-        }
     }
     None
 }
