@@ -7,6 +7,7 @@ mod convert;
 mod delassus;
 mod errors;
 mod law;
+mod outcome;
 mod problem;
 mod rigid;
 mod set;
@@ -22,6 +23,8 @@ mod _core {
     use crate::cones::{cone_polar, cone_projection, star_shape};
     #[pymodule_export]
     use crate::law::{Law, flow_law};
+    #[pymodule_export]
+    use crate::outcome::Outcome;
     #[pymodule_export]
     use crate::problem::{Problem, Solver};
     #[pymodule_export]

@@ -13,6 +13,7 @@ use crate::convert::{Numbers, numbers};
 use crate::delassus::Operator;
 use crate::errors::{Failure, dimension, parameter};
 use crate::law::Law;
+use crate::outcome::{Outcome, certified};
 
 /// A solver and its options.
 #[pyclass(frozen, module = "asperity._core")]
@@ -95,24 +96,9 @@ impl Signals {
     }
 }
 
-fn certified<'py>(py: Python<'py>, found: &Certificate) -> PyResult<Bound<'py, PyDict>> {
-    let out = PyDict::new(py);
-    out.set_item("worst_contact", found.worst_contact)?;
-    out.set_item("natural_map", found.natural_map)?;
-    out.set_item("penetration_velocity", found.penetration_velocity)?;
-    out.set_item("complementarity", found.complementarity)?;
-    out.set_item("tension", found.tension)?;
-    out.set_item("cone_violation", found.cone_violation)?;
-    out.set_item("direction_violation", found.direction_violation)?;
-    for (name, count) in ["open", "stick", "slip"].into_iter().zip(found.phases) {
-        out.set_item(name, count)?;
-    }
-    Ok(out)
-}
-
 /// A contact problem.
 #[pyclass(frozen, module = "asperity._core")]
-pub struct Problem(ContactProblem);
+pub struct Problem(pub ContactProblem);
 
 #[pymethods]
 impl Problem {
@@ -148,15 +134,15 @@ impl Problem {
     }
 
     fn solve<'py>(
-        &self,
+        slf: &Bound<'py, Self>,
         py: Python<'py>,
         solver: &Solver,
         tolerance: f64,
         time_limit: Option<f64>,
         start: Option<(Numbers<'py>, Vec<i8>, Numbers<'py>)>,
         measure: &str,
-    ) -> Result<Bound<'py, PyDict>, Failure> {
-        let problem = &self.0;
+    ) -> Result<Outcome, Failure> {
+        let problem = &slf.get().0;
         let measure = match measure {
             "contact" => Measure::Contact,
             "global" => Measure::Global,
@@ -183,24 +169,7 @@ impl Problem {
             let report = solver.0.solve(problem, stop, &mut memory, &mut workspace);
             signals.raised.into_inner().map_or(Ok(report), Err)
         })?;
-        let certificate = Certificate::new(problem, &memory.percussion);
-        let stages = workspace.stages.iter();
-        let stages: Vec<_> =
-            stages.map(|s| (s.method.name(), s.iterations, s.factorizations, s.residual)).collect();
-        let phases: Vec<i64> = memory.states.iter().map(|state| state.phase as i64).collect();
-        let out = PyDict::new(py);
-        out.set_item("percussion", PyArray1::from_vec(py, memory.percussion))?;
-        out.set_item("velocity", PyArray1::from_vec(py, workspace.velocity))?;
-        out.set_item("phase", PyArray1::from_vec(py, phases))?;
-        out.set_item("status", report.status.name())?;
-        out.set_item("residual", report.residual)?;
-        out.set_item("iterations", report.iterations)?;
-        out.set_item("ambiguous", PyArray1::from_vec(py, workspace.ambiguous))?;
-        out.set_item("worst_contact", report.worst_contact)?;
-        out.set_item("natural_map", certificate.natural_map)?;
-        out.set_item("stages", stages)?;
-        out.set_item("certificate", certified(py, &certificate)?)?;
-        Ok(out)
+        Ok(Outcome::new(slf.clone().unbind(), memory, workspace, report))
     }
 
     fn natural_map(&self, percussion: Numbers<'_>) -> Result<f64, Failure> {

@@ -216,7 +216,7 @@ class ContactProblem(Value):
             _arrays.choice(measure, "measure", ("contact", "global")),
         )
         solution = ContactSolution._of(found)
-        if on_failure == "raise" and not solution.converged:
+        if not found.converged and on_failure == "raise":
             raise _failure(solution, measure)
         return solution
 

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays
+from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.contact.certificate import Certificate
@@ -52,7 +52,7 @@ class ContactSolution(Value):
         velocity: G P + b, the velocities after the step in m/s.
         phase: `Phase` of each contact as integers.
         status: how the solve ended; ``status.advice`` says what to try.
-        residual: `ContactProblem.residual` of `percussion`, the largest over the contacts.
+        residual: value of the measure that decided, `ContactProblem.residual` by default.
         iterations: sweeps or iterations used, those of all stages.
         ambiguous_contacts: whether each contact had several solutions, the others held.
         worst_contact: contact with the largest residual.
@@ -63,16 +63,7 @@ class ContactSolution(Value):
     Neither measure nor certificate comes from the solver: each is computed from the percussions.
     """
 
-    percussion: Array
-    velocity: Array
-    phase: NDArray[np.int64]
-    status: Status
-    residual: float
-    iterations: int
-    ambiguous_contacts: NDArray[np.bool_]
-    worst_contact: int
-    natural_map: float
-    _found: dict[str, Any]
+    _outcome: _core.Outcome
 
     def __init__(
         self,
@@ -108,27 +99,66 @@ class ContactSolution(Value):
         )
 
     @classmethod
-    def _of(cls, found: dict[str, Any]) -> Self:
-        """Wrap what the core found, without copies: a step of one contact takes microseconds."""
-        found["status"] = _STATUS[found["status"]]
-        found["ambiguous_contacts"] = found.pop("ambiguous")
-        for name in ("percussion", "velocity", "phase", "ambiguous_contacts"):
-            found[name].setflags(write=False)
+    def _of(cls, outcome: _core.Outcome) -> Self:
+        """Wrap what the core found; a step of one contact takes microseconds, so nothing is read."""
         made = cls.__new__(cls)
-        attributes = made.__dict__
-        attributes.update(found)
-        attributes["_found"] = {name: attributes.pop(name) for name in ("stages", "certificate")}
+        made.__dict__["_outcome"] = outcome
         return made
+
+    @cached_property
+    def percussion(self) -> Array:
+        """P_N and P of all contacts in N s."""
+        return self._outcome.percussion
+
+    @cached_property
+    def velocity(self) -> Array:
+        """G P + b in m/s."""
+        return self._outcome.velocity
+
+    @cached_property
+    def phase(self) -> NDArray[np.int64]:
+        """`Phase` of each contact as integers."""
+        return self._outcome.phase
+
+    @cached_property
+    def status(self) -> Status:
+        """How the solve ended."""
+        return _STATUS[self._outcome.status]
+
+    @cached_property
+    def residual(self) -> float:
+        """Value of the measure that decided."""
+        return self._outcome.residual
+
+    @cached_property
+    def iterations(self) -> int:
+        """Sweeps or iterations of all stages."""
+        return self._outcome.iterations
+
+    @cached_property
+    def ambiguous_contacts(self) -> NDArray[np.bool_]:
+        """Whether each contact had several solutions, the others held."""
+        return self._outcome.ambiguous_contacts
+
+    @cached_property
+    def worst_contact(self) -> int:
+        """Contact with the largest relative defect."""
+        return self._outcome.worst_contact
+
+    @cached_property
+    def natural_map(self) -> float:
+        """`ContactProblem.natural_map` of the percussions."""
+        return self.certificate.natural_map
 
     @cached_property
     def stages(self) -> tuple[Stage, ...]:
         """What each method of the solver did, in order."""
-        return tuple(Stage(*stage) for stage in self._found["stages"])
+        return tuple(Stage(*stage) for stage in self._outcome.stages)
 
     @cached_property
     def certificate(self) -> Certificate:
         """What is left of the contact laws at these percussions."""
-        return Certificate(**self._found["certificate"])
+        return Certificate(**self._outcome.certificate)
 
     @cached_property
     def _parameters(self) -> dict[str, Any]:

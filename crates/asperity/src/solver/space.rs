@@ -18,8 +18,14 @@ const ITERATIONS: usize = 40;
 const HALVINGS: usize = 10;
 const ROUNDS: usize = 12;
 const PROX: usize = 50;
+/// Proximal points for one ε.
+const PROXIMAL: usize = 3;
 /// Relative `‖F‖` that counts as solved.
 const SOLVED: f64 = 1e-12;
+
+/// Largest condition of a matrix that counts as regular.
+const REGULAR: f64 = 1e10;
+const SVD_ITERATIONS: usize = 100;
 
 /// A solution on the contact's own rows.
 pub(super) struct SpaceSolution {
@@ -29,6 +35,7 @@ pub(super) struct SpaceSolution {
 }
 
 /// The contact with the velocities that the others leave it.
+#[derive(Clone, Copy)]
 struct Single<'a> {
     rows: &'a ContactRows,
     law: &'a FrictionLaw<3>,
@@ -50,10 +57,14 @@ pub(super) fn solve(
 ) -> Option<SpaceSolution> {
     let rows = &problem.contacts[contact];
     let single = Single::new(problem, contact, law, held);
-    if rows.normal == NormalForce::Prescribed(0.0) {
+    let opens = match rows.normal {
+        NormalForce::Prescribed(value) => value == 0.0,
+        NormalForce::Unilateral => single.b[0] >= 0.0,
+    };
+    if opens {
         return Some(single.open());
     }
-    let stick = single.g.try_inverse().map(|inverse| -(inverse * single.b));
+    let stick = solution(&single.g, &-single.b);
     let sticks = stick.filter(|p| single.admits(p));
     if state.phase != Phase::Slip
         && let Some(p) = sticks
@@ -74,7 +85,22 @@ pub(super) fn solve(
     let starts = [given, towards(b_t), stick.unwrap_or(given), V::zeros()];
     let found = starts.into_iter().find_map(|p| single.newton(p));
     let found = found.or_else(|| single.spread().find_map(|p| single.newton(p)));
-    found.or_else(|| single.prox(given)).map(|p| single.classified(&p))
+    let found = found.or_else(|| single.prox(given)).or_else(|| single.proximal_point(given));
+    found.map(|p| single.classified(&p))
+}
+
+/// The shortest solution of a linear system that may be singular.
+fn solution(matrix: &Small, right: &V) -> Option<V> {
+    let size = matrix.norm();
+    // The comparisons also turn away NaN.
+    if let Some(inverse) = matrix.try_inverse()
+        && inverse.norm() * size <= REGULAR
+    {
+        return Some(inverse * right);
+    }
+    let svd =
+        matrix.try_svd(true, true, f64::EPSILON, SVD_ITERATIONS).filter(|_| size < f64::MAX)?;
+    svd.solve(right, size / REGULAR).ok()
 }
 
 impl<'a> Single<'a> {
@@ -115,10 +141,11 @@ impl<'a> Single<'a> {
         }
     }
 
-    /// Whether the reservoir holds the percussions.
+    /// Whether the reservoir holds the percussions and they stop the contact, which is not certain with a singular
+    /// block.
     fn admits(&self, p: &V) -> bool {
-        let normal = self.normal(p);
-        normal > 0.0 && self.gauge(p) <= 1.0 + 4.0 * f64::EPSILON
+        let still = (self.g * p + self.b).norm() <= 1e-10 * self.b.norm();
+        self.normal(p) > 0.0 && self.gauge(p) <= 1.0 + 4.0 * f64::EPSILON && still
     }
 
     fn gauge(&self, p: &V) -> f64 {
@@ -196,7 +223,7 @@ impl<'a> Single<'a> {
             if norm <= 1e-15 * scale {
                 return Some(p);
             }
-            let step = -(matrix.try_inverse()? * f);
+            let step = solution(&matrix, &-f)?;
             let mut length = 1.0;
             let mut next = p + step;
             while !(self.map(&next, self.rho).norm() < (1.0 - 1e-4 * length) * norm) {
@@ -224,6 +251,24 @@ impl<'a> Single<'a> {
             }
             if let Some(found) = self.newton(p) {
                 return Some(found);
+            }
+        }
+        None
+    }
+    /// Newton's method where the block is singular: on `G + εI` with the load `b − εP`, which the solution of the
+    /// singular problem satisfies too, for falling ε.
+    fn proximal_point(&self, mut p: V) -> Option<V> {
+        for round in 0..ROUNDS {
+            let small = 0.1_f64.powi(round as i32) / self.rho.tangent;
+            for _ in 0..PROXIMAL {
+                let g = self.g + Small::identity() * small;
+                let Some(next) = (Self { g, b: self.b - p * small, ..*self }).newton(p) else {
+                    break;
+                };
+                p = next;
+                if let Some(found) = self.newton(p) {
+                    return Some(found);
+                }
             }
         }
         None

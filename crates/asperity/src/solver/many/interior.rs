@@ -66,9 +66,7 @@ impl Run<'_, '_> {
     /// Iterates until the natural map is below `goal`, the problem is solved or the iterations are made.
     pub(super) fn interior_point(&mut self, max_iterations: usize, goal: f64) {
         let problem = self.problem;
-        let loads = problem.free_velocity.iter().zip(&problem.restitution);
-        let loads = loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>();
-        let size = (loads / problem.contacts.len() as f64).sqrt();
+        let size = self.loads() / (problem.contacts.len() as f64).sqrt();
         let units =
             Units { rho: problem.global_rho(), velocity: if size > 0.0 { size } else { 1.0 } };
         self.many.interior.start(problem);

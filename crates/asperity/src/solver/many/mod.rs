@@ -166,9 +166,13 @@ impl<'a, 'b> Run<'a, 'b> {
 
     /// `max(‖P‖, ρ‖b‖)`, what defects are compared with.
     fn scale(&self, percussion: &[f64]) -> f64 {
+        f64::max(norm(percussion), self.problem.global_rho() * self.loads())
+    }
+
+    /// `‖b + e γ_B‖`.
+    fn loads(&self) -> f64 {
         let loads = self.problem.free_velocity.iter().zip(&self.problem.restitution);
-        let loads = loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>().sqrt();
-        f64::max(norm(percussion), self.problem.global_rho() * loads)
+        loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>().sqrt()
     }
 
     /// Smallest relative `‖F‖` that is asked for.

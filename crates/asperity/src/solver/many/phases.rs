@@ -3,6 +3,7 @@
 use super::{Method, Run};
 use crate::contact::{ContactProblem, Memory};
 use crate::solver::report::Ended;
+use crate::solver::threads::Threads;
 use crate::solver::{Stop, Workspace};
 
 /// Sweeps before the first judgement of their rate, and most sweeps at all.
@@ -13,6 +14,8 @@ const WORTHWHILE: f64 = 250.0;
 /// Newton iterations of a step of the first attempt.
 const ATTEMPT: usize = 6;
 const INTERIOR: usize = 40;
+/// Outer steps of the last phase.
+const OUTER: usize = 5000;
 /// Natural map at which the interior point method, whose digits end there, hands over.
 const INTERIOR_GOAL: f64 = 1e-7;
 
@@ -20,11 +23,12 @@ const INTERIOR_GOAL: f64 = 1e-7;
 pub(crate) fn automatic(
     problem: &ContactProblem,
     stop: Stop<'_>,
-    with_interior: bool,
+    (with_interior, threads): (bool, &Threads),
     memory: &Memory,
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
     let mut run = Run::new(problem, stop, memory, workspace);
+    run.many.newton.threads = threads.clone();
     run.gauss_seidel();
     if !run.over() {
         run.prepare_newton();
@@ -34,7 +38,7 @@ pub(crate) fn automatic(
         run.interior_point(INTERIOR, INTERIOR_GOAL);
     }
     if !run.over() {
-        run.proximal_point(usize::MAX);
+        run.proximal_point(OUTER);
     }
     run.finish()
 }

@@ -5,7 +5,7 @@
 //! natural map take turns; sweeps help out.
 
 use super::newton::Goal;
-use super::{Method, Run};
+use super::{Many, Method, Run, approaching, norm};
 
 /// Factors of the prox parameters. Hyperstatic problems have percussions a hundred times their loads; larger
 /// parameters cut the factorisations there by up to ten, and taking turns makes the choice insensitive.
@@ -19,6 +19,8 @@ const SWEEPS: usize = 20;
 /// Outer steps without a new best after which the iteration starts again, from no percussions at all: what
 /// led it astray may be its start.
 const LOST: usize = 300;
+/// Percussions against loads beyond which there may be no solution; stacks and vaults need some hundreds.
+const RUNAWAY: f64 = 1e8;
 
 impl Run<'_, '_> {
     /// Iterates until the problem is solved, the stop says so or `max_iterations` outer steps are made.
@@ -30,7 +32,7 @@ impl Run<'_, '_> {
         let (mut hold, mut patience, mut turn) = (0_usize, 2, 0);
         self.many.newton.scale_rho(problem, FACTORS[turn]);
         let before = self.many.newton.factorizations;
-        let (mut outer, mut lost) = (0, 0);
+        let (mut outer, mut lost, mut restarts) = (0, 0, 0);
         let mut lowest = grade;
         while !self.solved && outer < max_iterations && !self.stop.early() {
             outer += 1;
@@ -48,8 +50,10 @@ impl Run<'_, '_> {
             lowest = lowest.min(found);
             if lost == LOST {
                 self.many.centre.fill(0.0);
-                self.many.newton.scale_rho(problem, 1.0);
-                (grade, epsilon, hold, patience, turn) = (1.0, 1e-2, 0, 2, 1);
+                turn = restarts % FACTORS.len();
+                self.many.newton.scale_rho(problem, FACTORS[turn]);
+                restarts += 1;
+                (grade, epsilon, hold, patience, lost) = (1.0, 1e-2, 0, 2, 0);
                 continue;
             }
             if norm > goal.tolerance {
@@ -69,6 +73,9 @@ impl Run<'_, '_> {
             }
             self.many.centre.copy_from_slice(&self.many.trial);
             grade = found;
+            if self.runs_away() {
+                break;
+            }
             hold = hold.saturating_sub(1);
             if hold == 0 && iterations <= FEW {
                 let cut = if iterations <= VERY_FEW { 10.0 } else { 4.0 };
@@ -77,6 +84,17 @@ impl Run<'_, '_> {
         }
         let factorizations = self.many.newton.factorizations - before;
         self.record(Method::ProximalPoint, outer, factorizations);
+    }
+
+    /// Whether percussions grow without bound and yet some contact goes on approaching: there is no solution.
+    fn runs_away(&mut self) -> bool {
+        let far = RUNAWAY * self.problem.global_rho() * self.loads();
+        if norm(&self.many.centre) > far {
+            let Many { centre, velocity, .. } = &mut *self.many;
+            self.problem.velocity(centre, velocity);
+            self.stuck = approaching(self.problem, velocity);
+        }
+        self.stuck.is_some() && norm(&self.many.centre) > far
     }
 
     /// A short attempt with little regularisation: it ends the work where `G` has full rank.

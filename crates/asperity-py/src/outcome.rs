@@ -1,0 +1,111 @@
+//! What a solve found; arrays are made when Python asks for them.
+
+use asperity::contact::Memory;
+use asperity::solver::{Certificate, SolveReport, Status, Workspace};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::problem::Problem;
+
+/// A solution with its report.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct Outcome {
+    problem: Py<Problem>,
+    memory: Memory,
+    workspace: Workspace,
+    report: SolveReport,
+}
+
+impl Outcome {
+    pub fn new(
+        problem: Py<Problem>,
+        memory: Memory,
+        workspace: Workspace,
+        report: SolveReport,
+    ) -> Self {
+        Self { problem, memory, workspace, report }
+    }
+}
+
+/// An array that refuses writing.
+fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
+    let array = PyArray1::from_vec(py, values);
+    let _ = array.readwrite().make_nonwriteable();
+    array
+}
+
+#[pymethods]
+impl Outcome {
+    #[getter]
+    fn percussion<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        array(py, self.memory.percussion.clone())
+    }
+
+    #[getter]
+    fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        array(py, self.workspace.velocity.clone())
+    }
+
+    #[getter]
+    fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        array(py, self.memory.states.iter().map(|state| state.phase as i64).collect())
+    }
+
+    #[getter]
+    fn ambiguous_contacts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        array(py, self.workspace.ambiguous.clone())
+    }
+
+    #[getter]
+    fn converged(&self) -> bool {
+        self.report.status == Status::Converged
+    }
+
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.report.status.name()
+    }
+
+    #[getter]
+    fn residual(&self) -> f64 {
+        self.report.residual
+    }
+
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.report.iterations
+    }
+
+    #[getter]
+    fn worst_contact(&self) -> usize {
+        self.report.worst_contact
+    }
+
+    #[getter]
+    fn stages(&self) -> Vec<(&'static str, usize, usize, f64)> {
+        let stages = self.workspace.stages.iter();
+        stages.map(|s| (s.method.name(), s.iterations, s.factorizations, s.residual)).collect()
+    }
+
+    #[getter]
+    fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        certified(py, &Certificate::new(&self.problem.get().0, &self.memory.percussion))
+    }
+}
+
+/// A certificate as a dictionary.
+pub fn certified<'py>(py: Python<'py>, found: &Certificate) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("worst_contact", found.worst_contact)?;
+    out.set_item("natural_map", found.natural_map)?;
+    out.set_item("penetration_velocity", found.penetration_velocity)?;
+    out.set_item("complementarity", found.complementarity)?;
+    out.set_item("tension", found.tension)?;
+    out.set_item("cone_violation", found.cone_violation)?;
+    out.set_item("direction_violation", found.direction_violation)?;
+    for (name, count) in ["open", "stick", "slip"].into_iter().zip(found.phases) {
+        out.set_item(name, count)?;
+    }
+    Ok(out)
+}
