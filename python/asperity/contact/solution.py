@@ -27,7 +27,8 @@ class Stage(Value):
         method: its name.
         iterations: sweeps or iterations.
         factorizations: matrices factored.
-        residual: at its end, by the measure of the solve.
+        residual: natural map of the best percussions at its end; of `Exact` and the prox
+            iterations the measure of the solve.
     """
 
     method: str
