@@ -9,7 +9,7 @@
 //! | [`Solver::Newton`] | `many/newton.rs` | semismooth Newton on the natural map |
 //! | [`Solver::ProximalPoint`] | `many/proximal.rs` | Newton within a proximal point iteration |
 //! | [`Solver::InteriorPoint`] | `many/interior.rs` | primal-dual, elliptic laws |
-//! | [`Solver::Admm`] | `many/admm.rs` | one factorisation, elliptic laws |
+//! | [`Solver::Admm`] | `many/admm.rs` | few factorisations, elliptic laws |
 //!
 //! The measures in `residual.rs` and `natural.rs` belong to no solver and grade them all.
 
@@ -55,7 +55,7 @@ pub enum Solver {
     Auto {
         /// Whether the interior point method may be used where the laws allow it.
         interior_point: bool,
-        /// Threads for sweeps over contacts that do not meet; results do not depend on it.
+        /// Threads for work that is done contact by contact; results do not depend on it.
         threads: usize,
     },
     /// Semismooth Newton on the natural map: problems of full rank.

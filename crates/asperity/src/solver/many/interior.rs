@@ -2,7 +2,8 @@
 //!
 //! Percussions `x = T P` and `z = Γ(K ξ)`, `Γ(v) = (v_N + ‖v_T‖, v_T)` (\[DeSaxceFeng1998\]), both in the
 //! cone with `x ∘ z = μ e`, `μ → 0`: scaling of \[NesterovTodd1998\], predictor and corrector of
-//! \[Mehrotra1992\], Newton on `Γ` with its full derivative. Variables are scaled: `P` by `ρ` times the loads' mean size, `ξ` by that size.
+//! \[Mehrotra1992\], Newton on `Γ` with its full derivative. Variables are scaled: `P` by `ρ` times
+//! the loads' mean size, `ξ` by that size.
 
 use nalgebra::Vector4;
 
