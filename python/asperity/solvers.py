@@ -183,9 +183,9 @@ class InteriorPoint(Solver):
     """A primal-dual path-following method over the friction cones.
 
     The right one for many contacts, above all hyperstatic ones; an iteration is a factorisation,
-    and their number grows slowly with the size. It starts from a point of its own. Its last digits are dear: rounding ends it
-    before the other methods. It takes unilateral contacts whose C and D are disks, balls or
-    ellipses (p = 1: symmetric intervals), not necessarily the same; other problems raise
+    and their number grows slowly with the size. It starts from a point of its own, and rounding
+    ends it before the other methods. It takes unilateral contacts whose C and D are disks, balls
+    or ellipses (p = 1: symmetric intervals), not necessarily the same; others raise
     `ParameterError`.
 
     Args:

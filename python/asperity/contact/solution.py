@@ -101,7 +101,7 @@ class ContactSolution(Value):
 
     @classmethod
     def _of(cls, outcome: _core.Outcome) -> Self:
-        """Wrap what the core found; a step of one contact takes microseconds, so nothing is read."""
+        """Wrap what the core found; a step of one contact takes microseconds: nothing is read."""
         made = cls.__new__(cls)
         made.__dict__["_outcome"] = outcome
         return made
