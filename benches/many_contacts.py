@@ -46,7 +46,6 @@ SCENES = {
     "wall": wall,
     "columns of 10": lambda contacts: problems.columns(max(1, round(contacts / 28)), 10),
     "arch": lambda contacts: problems.arch(max(1, contacts // 4 - 1)),
-    "table": lambda contacts: problems.table(contacts, push=3.0),
 }
 
 

@@ -6,7 +6,6 @@ import pytest
 
 G = 9.81
 FLOOR = asp.Plane()
-SPINNING = 50.0
 
 
 def dropped_ball(spin, *, restitution=0.0, tangential=0.0):
@@ -36,7 +35,7 @@ def test_dropped_ball_lands_in_time_and_comes_to_rest_after_infinitely_many_impa
 
 
 def test_spinning_ball_slides_after_the_impact_and_then_rolls():
-    system = dropped_ball(SPINNING)
+    system = dropped_ball(50.0)
     motion = asp.simulate(system, dt=1e-4, t_end=1.0)
     spin = system.angular_velocities(motion)[:, 0, 1]
     after = np.searchsorted(motion.t, 0.4283529) + 3
@@ -84,7 +83,8 @@ def test_sliding_box_stops_after_the_distance_of_coulombs_law():
     motion = asp.simulate(system, dt=1e-3, t_end=1.0, until_rest=True)
     speed = np.hypot(1.0, 0.5)
     assert motion.status is asp.Outcome.AT_REST
-    assert motion.t[-1] == pytest.approx(speed / (0.3 * G), abs=4e-3)
+    stop = np.flatnonzero(np.abs(motion.u[:, 0]) < 1e-6)[0]
+    assert motion.t[stop] == pytest.approx(speed / (0.3 * G), abs=2e-3)
     way = system.positions(motion)[-1, 0] - box.position
     np.testing.assert_allclose(way[:2], speed / (2 * 0.3 * G) * np.array([1.0, 0.5]), rtol=1e-2)
 
@@ -117,7 +117,8 @@ def test_circular_grooves_guide_a_body_on_a_circle():
     body = asp.Body.ball(0.1, 0.01, position=(1.0, 0.0, 0.0), velocity=(0.0, 2.0, 0.0))
     grooves = asp.PointPlane(0, (0.0, 0.0, 0.0), FLOOR, law, frame="polar")
     motion = asp.simulate(asp.RigidBodies([body], [grooves]), dt=1e-3, t_end=3.0)
-    np.testing.assert_allclose(np.hypot(*motion.q[:, :2].T), 1.0, atol=5e-3)
+    # The step runs along tangents: the radius grows by ½ v² Δt a second.
+    np.testing.assert_allclose(np.hypot(*motion.q[:, :2].T), 1.0, atol=7e-3)
     assert np.arctan2(motion.q[-1, 1], motion.q[-1, 0]) == pytest.approx(6.0 - 2 * np.pi, abs=0.1)
 
 
@@ -183,14 +184,14 @@ def test_oblique_impact_keeps_momentum_and_angular_momentum():
         asp.Body.ball(2.5, 0.15, position=(0.5, 0.1, 0.02)),
     ]
     touch = asp.SphereSphere(
-        0, 0.1, 1, 0.15, asp.FrictionLaw.isotropic(0.3),
+        0, 0.1, 1, 0.15, asp.FrictionLaw.isotropic(0.1),
         normal_restitution=0.6, tangential_restitution=0.6,
     )  # fmt: skip
     system = asp.RigidBodies(bodies, [touch], gravity=(0.0, 0.0, 0.0))
     motion = asp.simulate(system, dt=1e-3, t_end=1.0)
     assert (motion.phase == asp.Phase.SLIP).sum() == 1
     np.testing.assert_allclose(np.ptp(system.momentum(motion), axis=0), 0.0, atol=1e-14)
-    assert np.ptp(system.angular_momentum(motion), axis=0).max() < 1e-3
+    np.testing.assert_allclose(np.ptp(system.angular_momentum(motion), axis=0), 0.0, atol=1e-13)
     energy = system.energy(motion)
     assert energy[-1] < energy[0]
 

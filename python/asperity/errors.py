@@ -87,7 +87,7 @@ class ConvergenceError(AsperityError, RuntimeError):
 
 
 class NoSolutionError(ConvergenceError):
-    """A contact has no solution at all (Painlevé paradox)."""
+    """There is no solution: Painlevé paradox, or bodies squeezed by prescribed motions."""
 
 
 class DivergenceError(AsperityError, ArithmeticError):

@@ -66,7 +66,7 @@ _MESSAGES = {
     Status.MAX_ITERATIONS: "the solver reached its iteration limit before the tolerance",
     Status.TIME_LIMIT: "the solver reached its time limit before the tolerance",
     Status.INEXACT: "the solver is done, but rounding keeps the residual above the tolerance",
-    Status.NO_SOLUTION: "a contact has no solution (Painlevé paradox)",
+    Status.NO_SOLUTION: "no percussion satisfies the laws",
     Status.NOT_APPLICABLE: "the solver cannot take these laws or contacts",
 }
 
@@ -78,8 +78,9 @@ _ADVICE = {
     Status.TIME_LIMIT: "Try a longer time_limit or a looser tolerance",
     Status.INEXACT: "Try a looser tolerance, or sets and masses of less extreme proportions",
     Status.NO_SOLUTION: (
-        "Friction and normal force enforce each other: no percussion satisfies the laws. "
-        "Try smaller friction coefficients, another geometry or a compliant contact"
+        "Either friction and normal force enforce each other (Painlevé paradox): try smaller "
+        "friction coefficients, another geometry or a compliant contact. Or contacts approach "
+        "whatever the percussions: bodies are squeezed by prescribed motions"
     ),
     Status.NOT_APPLICABLE: (
         "InteriorPoint and ADMM need unilateral contacts with isotropic or elliptic associated "

@@ -61,6 +61,28 @@ fn allocations(system: &dyn System, q: &[f64], u: &[f64]) -> usize {
     change.allocations + change.reallocations
 }
 
+/// Bytes that the scheme keeps per slider, with its solver and all states.
+fn bytes_per_slider() -> f64 {
+    let law = Law::from(ellipse());
+    let kept = |count: usize| {
+        let shape = |body| Shape::PointPlane { body, point: [0.0; 3], plane: Plane::floor() };
+        let pairs: Vec<Pair> = (0..count).map(|body| Pair::new(shape(body), law.clone())).collect();
+        let body = Body { velocity: [1.0, 0.5, 0.0], ..Body::new(1.0, [1.0; 3]) };
+        let system =
+            RigidBodies::new(vec![body; count], &pairs, vec![], [0.0, 0.0, -9.81]).unwrap();
+        let solver = Solver::Exact { max_sweeps: 500 };
+        let region = Region::new(ALLOCATOR);
+        let mut stepper =
+            Stepper::new(&system, solver, 1e-9, 1e-3, system.q0(), system.u0()).unwrap();
+        for _ in 0..3 {
+            stepper.step().unwrap();
+        }
+        let change = region.change();
+        (change.bytes_allocated - change.bytes_deallocated) as f64
+    };
+    (kept(4000) - kept(2000)) / 2000.0
+}
+
 #[test]
 fn steps_do_not_allocate_while_contacts_stay() {
     let rated = || {
@@ -75,4 +97,7 @@ fn steps_do_not_allocate_while_contacts_stay() {
         let system = bodies(law());
         assert_eq!(allocations(&system, system.q0(), system.u0()), 0, "body by body");
     }
+    let bytes = bytes_per_slider();
+    println!("{bytes} bytes per slider");
+    assert!(bytes < 2500.0, "{bytes} bytes per slider");
 }

@@ -4,10 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules and what they may use.
-const ALLOWED: [(&str, &[&str]); 7] = [
+const ALLOWED: [(&str, &[&str]); 8] = [
     ("law", &[]),
     ("contact", &["law"]),
-    ("solver", &["law", "contact"]),
+    ("linear", &["contact"]),
+    ("solver", &["law", "contact", "linear"]),
     ("system", &["law", "contact"]),
     ("stepper", &["law", "contact", "solver", "system"]),
     ("trajectory", &["contact", "stepper"]),

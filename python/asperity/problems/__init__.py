@@ -103,7 +103,8 @@ def table(
 ) -> ContactProblem:
     """Return a disk of 1 kg on many feet, 1 m above the ground, pushed at its centre.
 
-    The rank of G is 3 with one foot, 5 with feet on a line and 6 with all others.
+    The rank of G is 3 with one foot, 5 with feet on a line and 6 with all others. All feet share
+    one body: G is full, 9 n² numbers, too many for more than some thousand feet.
 
     Args:
         feet: their number on a circle of 1 m radius, or their places in m, shape ``(n, 2)``.

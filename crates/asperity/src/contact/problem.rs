@@ -260,10 +260,7 @@ impl ContactProblem {
     ) -> [f64; 4] {
         let contact = &self.contacts[i];
         let own = contact.offset..contact.offset + contact.len();
-        let mut sum = [0.0; 4];
-        for (value, row) in sum.iter_mut().zip(own.clone()) {
-            *value = self.free_velocity[row] + self.restitution[row];
-        }
+        let mut sum = self.load(i);
         match &self.delassus {
             Delassus::Dense(g) => {
                 if !with_own && own.len() == percussion.len() {
@@ -284,6 +281,17 @@ impl ContactProblem {
             }
         }
         sum
+    }
+
+    /// Velocities `b + e γ_B` of a contact's rows without percussions.
+    #[inline]
+    pub(crate) fn load(&self, i: usize) -> [f64; 4] {
+        let contact = &self.contacts[i];
+        let mut load = [0.0; 4];
+        for (value, row) in load.iter_mut().zip(contact.offset..contact.offset + contact.len()) {
+            *value = self.free_velocity[row] + self.restitution[row];
+        }
+        load
     }
 
     /// Largest sum of magnitudes `|G_ij|` over a contact's rows, over its own columns or all.

@@ -2,8 +2,8 @@
 
 use asperity_set::{StarSet, Vector};
 
-use super::local::phase_of;
 use super::natural::natural_map;
+use super::phase::phase_of;
 use super::residual::{ContactVelocity, natural_residual, tangential_defect};
 use crate::contact::{ContactProblem, NormalForce, Phase};
 use crate::law::{FrictionLaw, Law};

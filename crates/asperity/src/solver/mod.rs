@@ -13,6 +13,7 @@
 //!
 //! The measures in `residual.rs` and `natural.rs` belong to no solver and grade them all.
 
+mod block;
 mod certificate;
 mod exact;
 mod line;
@@ -20,12 +21,14 @@ mod local;
 mod many;
 mod natural;
 mod natural_map;
+mod phase;
 mod plane;
 mod prox;
 mod quick;
 mod report;
 mod residual;
 mod space;
+mod threads;
 
 use std::time::Instant;
 
@@ -36,7 +39,9 @@ pub use report::{Method, SolveReport, Stage, Status};
 pub use residual::{Residual, natural_residual};
 
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
-use local::{Block, LocalSolution};
+use block::Block;
+use local::LocalSolution;
+use threads::Threads;
 
 /// A solver and its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -180,17 +185,22 @@ impl Solver {
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
+        let threads = match self {
+            Self::Auto { threads, .. } => Threads::new(*threads),
+            _ => Threads::default(),
+        };
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
         let (iterations, status) = match *self {
             Self::Exact { max_sweeps } => {
-                exact::solve(problem, stop, max_sweeps, memory, workspace)
+                exact::solve(problem, stop, (max_sweeps, &threads), memory, workspace)
             }
             Self::Auto { .. } if problem.is_uncoupled() => {
-                exact::solve(problem, stop, 1, memory, workspace)
+                exact::solve(problem, stop, (1, &threads), memory, workspace)
             }
             Self::Auto { interior_point, .. } => {
-                many::automatic(problem, stop, interior_point, memory, workspace)
+                let plan = (interior_point, &threads);
+                many::automatic(problem, stop, plan, memory, workspace)
             }
             Self::Newton { max_iterations } => {
                 many::single(problem, stop, (Method::Newton, max_iterations), memory, workspace)
@@ -224,11 +234,11 @@ impl Solver {
         let exact = self.only_method(problem) == Some(Method::GaussSeidel);
         // A sweep marks contacts before the last ones have moved.
         if !exact || !problem.is_uncoupled() {
-            exact::mark_ambiguous(problem, memory, workspace);
+            exact::mark_ambiguous(problem, &threads, memory, workspace);
         }
         if !exact {
             workspace.states.clone_from(&memory.states);
-            local::classify(problem, workspace);
+            phase::classify(problem, workspace);
         }
         if let Some(method) = self.only_method(problem) {
             workspace.stages.clear();

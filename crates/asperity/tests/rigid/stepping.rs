@@ -1,9 +1,10 @@
 //! The body assembly against the dense one, and repeats.
 
+use asperity::contact::{Delassus, Factored};
 use asperity::stepper::Stepper;
 use asperity::system::rigid::{Body, Pair, PlanarBody, Plane, RigidBodies, Shape};
 use asperity::system::{Constancy, ContactLaw, System, SystemError};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector3};
 
 use crate::support::*;
 
@@ -97,6 +98,82 @@ fn bodies_move_as_the_dense_system_does() {
             let apart = apart.fold(0.0, f64::max);
             assert!(apart < 1e-9, "step {step}: {apart:e}");
         }
+    }
+}
+
+/// A pile whose second box carries a plane for the first: bodies of contacts come in either order.
+fn pile() -> RigidBodies {
+    let half = [0.1, 0.07, 0.05];
+    let at = |z: f64| Body { position: [0.01, 0.0, z], ..Body::cuboid(1.0, half) };
+    let top = Plane { point: [0.0, 0.0, 0.05], body: Some(1), ..Plane::floor() };
+    let on = |body, plane| Pair::new(Shape::BoxPlane { body, half_sizes: half, plane }, disk(0.4));
+    let pairs = [on(1, Plane::floor()), on(0, top)];
+    RigidBodies::new(vec![at(0.15), at(0.05)], &pairs, vec![], [0.3, 0.0, -G]).unwrap()
+}
+
+/// The factors that are handed to the solvers are those of the operator.
+#[test]
+fn the_operator_is_the_product_of_its_factors() {
+    let flat =
+        |angle: f64| PlanarBody { position: [0.0, 0.1], angle, ..PlanarBody::new(2.0, 0.03) };
+    let shape = Shape::BoxPlane { body: 0, half_sizes: [0.2, 0.1, 0.0], plane: ground() };
+    let pair = Pair::new(shape, line(0.5));
+    let planar = RigidBodies::new(vec![flat(0.0)], &[pair], vec![], [0.0, -G, 0.0]).unwrap();
+    for (system, contacts) in [(pile(), 8), (planar, 2)] {
+        let mut stepper = stepper(&system, 1e-3);
+        for _ in 0..20 {
+            stepper.step().unwrap();
+        }
+        let problem = stepper.problem();
+        let sizes: Vec<usize> = problem.contacts().iter().map(|contact| contact.len()).collect();
+        assert_eq!(sizes.len(), contacts);
+        let Delassus::Factored(given) = problem.delassus() else {
+            panic!("no factors: {:?}", problem.delassus());
+        };
+        let made = Factored::new(given.mass().clone(), given.directions().clone(), &sizes).unwrap();
+        let pairs = given.blocks().values().iter().zip(made.blocks().values());
+        assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-12), "{given:?}");
+        assert_eq!(given.blocks().offsets(), made.blocks().offsets());
+    }
+}
+
+/// The normal force that is given acts on both bodies: it carries the weight here, and brakes.
+#[test]
+fn a_given_normal_force_acts() {
+    let body = Body { velocity: [2.0, 0.0, 0.0], ..Body::new(2.0, [0.1; 3]) };
+    let shape = Shape::PointPlane { body: 0, point: [0.0; 3], plane: Plane::floor() };
+    let clamp = |force: f64| {
+        let pair = Pair { normal_force: Some(force), ..Pair::new(shape, disk(0.3)) };
+        RigidBodies::new(vec![body], &[pair], vec![], [0.0, 0.0, -G]).unwrap()
+    };
+    let state = run(&clamp(2.0 * G), 1e-3, 0.5, |_| {});
+    assert!(state.u[2].abs() < 1e-13 && (state.u[0] - 2.0 + 0.15 * G).abs() < 1e-12);
+    let state = run(&clamp(4.0 * G), 1e-3, 0.1, |_| {});
+    assert!((state.u[2] - 0.1 * G).abs() < 1e-12 && (state.u[0] - 2.0 + 0.06 * G).abs() < 1e-12);
+}
+
+/// Forces on the body, in the world: those of a box at rest sum up to its weight.
+#[test]
+fn contact_forces_carry_the_weight() {
+    let system = pile();
+    let mut stepper = stepper(&system, 1e-3);
+    for _ in 0..50 {
+        stepper.step().unwrap();
+    }
+    let mut forces = [Vector3::zeros(); 2];
+    for contact in 0..16 {
+        let output = stepper.output(contact).unwrap();
+        let geometry = system.contact_geometry(stepper.q(), contact);
+        let [f1, f2, _] = output.force;
+        let (body, other) = system.partners(contact);
+        let force = geometry.world([f1, f2, output.normal_force]);
+        forces[body] += force;
+        if let Some(other) = other {
+            forces[other] -= force;
+        }
+    }
+    for force in forces {
+        assert!((force - Vector3::new(-0.3, 0.0, G)).norm() < 1e-9, "{forces:?}");
     }
 }
 

@@ -4,10 +4,13 @@
 //! (Alart, Curnier 1991), for `ε > 0` one step of the proximal point iteration from the centre `c`, which is
 //! well posed even where `G` has no full rank.
 
+use rayon::prelude::*;
+
 use super::newton_matrix::NewtonMatrix;
 use crate::contact::ContactProblem;
 use crate::solver::Stop;
 use crate::solver::natural_map::{self, Rho, Small};
+use crate::solver::threads::{LEAF, Threads};
 
 /// Halvings of a step, and values of `‖F‖` among which the largest must be undercut.
 const HALVINGS: usize = 12;
@@ -33,6 +36,8 @@ pub(super) struct Newton {
     a: Vec<Small>,
     b: Vec<Small>,
     f: Vec<f64>,
+    /// `F` contact by contact.
+    own: Vec<[f64; 4]>,
     xi: Vec<f64>,
     step: Vec<f64>,
     /// `(G + εI) d` of the step.
@@ -41,6 +46,7 @@ pub(super) struct Newton {
     trial_xi: Vec<f64>,
     best: Vec<f64>,
     norms: Vec<f64>,
+    pub(super) threads: Threads,
     /// Factorisations so far.
     pub(super) factorizations: usize,
 }
@@ -60,6 +66,7 @@ impl Newton {
         ] {
             list.resize(rows, 0.0);
         }
+        self.own.resize(contacts, [0.0; 4]);
         self.a.resize(contacts, Small::zeros());
         self.b.resize(contacts, Small::zeros());
         self.factorizations = 0;
@@ -125,12 +132,27 @@ impl Newton {
 
     /// `F`, its Jacobians `A + εB`, `B`, and `‖F‖`.
     fn linearize(&mut self, problem: &ContactProblem, percussion: &[f64], epsilon: f64) -> f64 {
-        for (i, rows) in problem.contacts.iter().enumerate() {
-            let own = rows.offset..rows.offset + rows.len();
-            let (a, b) = (&mut self.a[i], &mut self.b[i]);
-            let at = (&percussion[own.clone()], &self.xi[own.clone()]);
-            natural_map::jet(rows, self.rho[i], at, &mut self.f[own], (a, b));
-            self.a[i] += self.b[i] * epsilon;
+        let Self { rho, a, b, own, xi, threads, .. } = self;
+        let (rho, xi) = (&rho[..], &xi[..]);
+        let jet = |i: usize, f: &mut [f64; 4], a: &mut Small, b: &mut Small| {
+            let rows = &problem.contacts[i];
+            let range = rows.offset..rows.offset + rows.len();
+            let at = (&percussion[range.clone()], &xi[range]);
+            natural_map::jet(rows, rho[i], at, &mut f[..rows.len()], (&mut *a, &mut *b));
+            *a += *b * epsilon;
+        };
+        if threads.serve(own.len()) {
+            threads.run(|| {
+                let parts = own.par_iter_mut().zip(a.par_iter_mut()).zip(b.par_iter_mut());
+                let parts = parts.with_min_len(LEAF).enumerate();
+                parts.for_each(|(i, ((f, a), b))| jet(i, f, a, b));
+            });
+        } else {
+            let parts = own.iter_mut().zip(a).zip(b).enumerate();
+            parts.for_each(|(i, ((f, a), b))| jet(i, f, a, b));
+        }
+        for (rows, own) in problem.contacts.iter().zip(&self.own) {
+            self.f[rows.offset..rows.offset + rows.len()].copy_from_slice(&own[..rows.len()]);
         }
         norm(&self.f)
     }

@@ -11,21 +11,26 @@ pub(super) struct NewtonMatrix {
     contact: ContactSpace,
     body: Option<BodySpace>,
     in_body_space: bool,
+    /// What the analysis was made from.
+    pattern: Vec<usize>,
     ready: bool,
 }
 
 impl NewtonMatrix {
-    /// Forgets the pattern: the problem has new contacts.
+    /// The problem may have a new pattern.
     pub(super) fn reset(&mut self) {
         self.ready = false;
     }
 
-    /// Analyses the pattern, if that has not been done.
+    /// Analyses the pattern, unless it is the last one.
     pub(super) fn prepare(&mut self, problem: &ContactProblem) {
-        if self.ready {
+        if self.ready || self.knows(problem) {
+            self.ready = true;
             return;
         }
         self.ready = true;
+        self.pattern.clear();
+        self.pattern.extend(pattern(problem));
         self.contact.prepare(problem);
         self.body = None;
         if let Delassus::Factored(factored) = &problem.delassus {
@@ -38,6 +43,10 @@ impl NewtonMatrix {
             (true, Some(body)) => body.reserve(),
             _ => self.contact.numeric.reserve(&self.contact.symbolic),
         }
+    }
+
+    fn knows(&self, problem: &ContactProblem) -> bool {
+        self.pattern.iter().copied().eq(pattern(problem))
     }
 
     /// Factors `A + B G`; false if that failed.
@@ -55,6 +64,22 @@ impl NewtonMatrix {
             _ => self.contact.numeric.solve(&self.contact.symbolic, g),
         }
     }
+}
+
+/// Sizes and places of all entries that may be there.
+fn pattern(problem: &ContactProblem) -> impl Iterator<Item = usize> + '_ {
+    let sizes = problem.contacts.iter().map(|contact| contact.len());
+    let blocks = problem.delassus.blocks().into_iter().flat_map(|blocks| {
+        let (starts, columns) = blocks.pattern();
+        starts.iter().chain(columns).copied()
+    });
+    let factors = match &problem.delassus {
+        Delassus::Factored(factored) => Some([factored.mass(), factored.directions()]),
+        _ => None,
+    };
+    let factors = factors.into_iter().flatten();
+    let factors = factors.flat_map(|csr| csr.starts().iter().chain(csr.indices()).copied());
+    sizes.chain(blocks).chain(factors)
 }
 
 /// Elimination among the rows of the contacts.

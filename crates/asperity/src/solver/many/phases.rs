@@ -3,6 +3,7 @@
 use super::{Method, Run};
 use crate::contact::{ContactProblem, Memory};
 use crate::solver::report::Ended;
+use crate::solver::threads::Threads;
 use crate::solver::{Stop, Workspace};
 
 /// Sweeps before the first judgement of their rate, and most sweeps at all.
@@ -22,11 +23,12 @@ const INTERIOR_GOAL: f64 = 1e-7;
 pub(crate) fn automatic(
     problem: &ContactProblem,
     stop: Stop<'_>,
-    with_interior: bool,
+    (with_interior, threads): (bool, &Threads),
     memory: &Memory,
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
     let mut run = Run::new(problem, stop, memory, workspace);
+    run.many.newton.threads = threads.clone();
     run.gauss_seidel();
     if !run.over() {
         run.prepare_newton();

@@ -32,7 +32,7 @@ impl Run<'_, '_> {
         let (mut hold, mut patience, mut turn) = (0_usize, 2, 0);
         self.many.newton.scale_rho(problem, FACTORS[turn]);
         let before = self.many.newton.factorizations;
-        let (mut outer, mut lost) = (0, 0);
+        let (mut outer, mut lost, mut restarts) = (0, 0, 0);
         let mut lowest = grade;
         while !self.solved && outer < max_iterations && !self.stop.early() {
             outer += 1;
@@ -50,8 +50,10 @@ impl Run<'_, '_> {
             lowest = lowest.min(found);
             if lost == LOST {
                 self.many.centre.fill(0.0);
-                self.many.newton.scale_rho(problem, 1.0);
-                (grade, epsilon, hold, patience, turn) = (1.0, 1e-2, 0, 2, 1);
+                turn = restarts % FACTORS.len();
+                self.many.newton.scale_rho(problem, FACTORS[turn]);
+                restarts += 1;
+                (grade, epsilon, hold, patience, lost) = (1.0, 1e-2, 0, 2, 0);
                 continue;
             }
             if norm > goal.tolerance {

@@ -6,11 +6,13 @@
 
 mod all;
 mod equation;
+mod isotropic;
 mod scan;
 
 use asperity_set::{ConvexSet, StarSet};
 
-use super::local::{Local, LocalSolution, Selection, Shape, Stick};
+use super::block::Shape;
+use super::local::{Local, LocalSolution, Selection, Stick};
 use crate::contact::{ContactState, Phase};
 use crate::law::COARSE;
 pub(super) use all::solutions;
@@ -42,6 +44,11 @@ pub(super) fn quick(
 ) -> Option<LocalSolution<2>> {
     if let Some(open) = opens(local)? {
         return Some(open);
+    }
+    if state.phase != Phase::Slip
+        && let Some(found) = isotropic::quick(local, &guess)
+    {
+        return Some(found);
     }
     let stick = local.stick();
     let slips = || {
@@ -133,6 +140,9 @@ fn certain(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
 fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
     let law = slip.local.law;
     let mut n = guess.try_normalize(0.0)?;
+    if let Some(mu) = law.isotropic_coefficient() {
+        return isotropic::newton(slip, n, mu);
+    }
     for _ in 0..10 {
         let turn = V::new(-n.y, n.x);
         let (z, dz) = law.direction().support_derivative(&n, &turn);

@@ -1,0 +1,117 @@
+//! The diagonal block of one contact, prepared for its solution.
+
+use asperity_set::{Matrix, Vector};
+use nalgebra::DMatrix;
+
+use crate::contact::ContactProblem;
+use crate::law::Law;
+
+/// The diagonal block of `G` for one contact, unused components zero.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block {
+    pub(super) g_nn: f64,
+    /// `1/g_NN`.
+    pub(super) inverse_nn: f64,
+    pub(super) g_nt: Vector<2>,
+    pub(super) g_tn: Vector<2>,
+    pub(super) g_tt: Matrix<2>,
+    /// Inverse of the Schur complement `G_TT − G_TN G_NT/g_NN`, or of `G_TT` without a normal row; a
+    /// pseudo-inverse where that is singular.
+    pub(super) schur_inverse: Matrix<2>,
+    pub(super) singular: bool,
+    /// Whether the contact is unilateral and no friction force can pull it towards the surface.
+    pub(super) pressed: bool,
+    /// What is known of the slip equation before the loads are: only where the normal force is
+    /// prescribed is its matrix `A` a multiple of `G_TT`.
+    pub(super) shape: Shape,
+}
+
+impl Block {
+    pub(super) fn new(problem: &ContactProblem, contact: usize) -> Self {
+        let rows = &problem.contacts[contact];
+        let p = rows.law.dimension().min(2);
+        let t = rows.normal_rows();
+        let g = |i: usize, j: usize| problem.delassus.own(contact, rows.offset, i, j);
+        let within = |i: usize| i < p;
+        let unilateral = rows.normal_rows() == 1;
+        let pick = |used: bool, i: usize, j: usize| if used { g(i, j) } else { 0.0 };
+        let g_nn = pick(unilateral, 0, 0);
+        let g_nt = Vector::<2>::from_fn(|j, _| pick(unilateral && within(j), 0, t + j));
+        let g_tn = Vector::<2>::from_fn(|i, _| pick(unilateral && within(i), t + i, 0));
+        let g_tt = Matrix::<2>::from_fn(|i, j| pick(within(i) && within(j), t + i, t + j));
+        let schur = if unilateral { g_tt - g_tn * g_nt.transpose() / g_nn } else { g_tt };
+        let determinant = schur.determinant();
+        let singular = match p {
+            1 => schur.m11.abs() <= 1e-13 * g_tt.m11,
+            _ => determinant.abs() <= 1e-13 * g_tt.norm_squared(),
+        };
+        let schur_inverse = match (p, singular) {
+            (1, false) => Matrix::<2>::new(1.0 / schur.m11, 0.0, 0.0, 0.0),
+            (1, true) => Matrix::zeros(),
+            (_, false) => schur.try_inverse().unwrap_or_default(),
+            (_, true) => pseudo_inverse(&schur),
+        };
+        let shape = match &rows.law {
+            Law::Two(law) if !unilateral => Shape::new(&g_tt, law.bounds().smallest_sine),
+            _ => Shape::General,
+        };
+        let radius = match &rows.law {
+            Law::One(law) => law.largest_radius(),
+            Law::Two(law) => law.bounds().largest_radius,
+            Law::Three(law) => law.largest_radius(),
+        };
+        let beside = (t..rows.len()).map(|j| g(0, j) * g(0, j)).sum::<f64>().sqrt();
+        let pressed = unilateral && g_nn > beside * radius;
+        let inverse_nn = if unilateral { 1.0 / g_nn } else { 0.0 };
+        Self { g_nn, inverse_nn, g_nt, g_tn, g_tt, schur_inverse, singular, pressed, shape }
+    }
+}
+
+/// What the matrix `A` of the slip equation `n × (c₀ − A x) = 0` says of the number of its solutions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// Never more than one solution.
+    Monotone,
+    /// `A = aI`: one solution but for loads of certain gauges.
+    Scalar,
+    /// Nothing.
+    General,
+}
+
+impl Shape {
+    /// The O(1) certificate of uniqueness: `n × (A x') > 0` all along the boundary.
+    ///
+    /// The angle from `n` to the tangent `x'` of *C* has a sine of at least `m`; `A` is a rotation by δ
+    /// times r plus a trace-free part of norm d, so it turns `x'` by at most `|δ| + asin(d/r)`, which
+    /// must be less than `asin m`.
+    #[inline]
+    pub(super) fn new(a: &Matrix<2>, smallest_sine: f64) -> Self {
+        let (along, across) = (0.5 * (a.m11 + a.m22), 0.5 * (a.m21 - a.m12));
+        let r = along.hypot(across);
+        let d = (0.5 * (a.m11 - a.m22)).hypot(0.5 * (a.m12 + a.m21));
+        if !(along > 0.0 && d < r) {
+            return Self::General;
+        }
+        let (sine_delta, cosine_delta) = (across.abs() / r, along / r);
+        let sine_d = d / r;
+        let cosine_d = (1.0 - sine_d * sine_d).sqrt();
+        let sine = sine_delta * cosine_d + cosine_delta * sine_d;
+        let cosine = cosine_delta * cosine_d - sine_delta * sine_d;
+        if cosine > 0.0 && sine < smallest_sine - 1e-9 {
+            Self::Monotone
+        } else if sine_delta.max(sine_d) <= 1e-14 {
+            Self::Scalar
+        } else {
+            Self::General
+        }
+    }
+}
+
+/// Moore–Penrose inverse with the small singular value cut off.
+fn pseudo_inverse(matrix: &Matrix<2>) -> Matrix<2> {
+    let dynamic = DMatrix::from_column_slice(2, 2, matrix.as_slice());
+    match dynamic.pseudo_inverse(1e-6 * matrix.norm()) {
+        Ok(inverse) => Matrix::<2>::from_column_slice(inverse.as_slice()),
+        Err(_) => Matrix::zeros(),
+    }
+}
