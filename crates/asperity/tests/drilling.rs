@@ -161,3 +161,19 @@ fn every_problem_is_solved() {
 fn every_one_of_a_hundred_thousand_problems_is_solved() {
     assert_eq!(failures(100_000), 0);
 }
+
+/// A contact that can open, opens, although it could stick too: coupling presses it down against the load.
+#[test]
+fn opening_comes_first() {
+    let law = Law::from(FrictionLaw::<3>::isotropic(1.5).unwrap());
+    let mut delassus = DMatrix::identity(4, 4);
+    (delassus[(0, 1)], delassus[(1, 0)]) = (-0.9, -0.9);
+    let free = vec![0.1, -0.5, 0.0, 0.0];
+    let stick =
+        -delassus.clone().try_inverse().unwrap() * nalgebra::DVector::from_vec(free.clone());
+    assert!(stick[0] > 0.0 && stick[1] < 1.5 * stick[0], "{stick}");
+    let contacts = [(law, NormalForce::Unilateral)];
+    let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+    let (_, memory) = solve(&problem, ContactState::new(Phase::Stick, [0.0; 3]));
+    assert_eq!((memory.states[0].phase, memory.percussion), (Phase::Open, vec![0.0; 4]));
+}

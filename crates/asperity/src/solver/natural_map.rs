@@ -155,3 +155,6 @@ fn difference<const P: usize>(law: &FrictionLaw<P>, x: &Vector<P>) -> (f64, Vect
     let (k_c, by_c) = law.reservoir().gauge_jet(x);
     (k_d - k_c, by_d - by_c)
 }
+
+#[cfg(test)]
+mod tests;

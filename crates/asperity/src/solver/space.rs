@@ -18,11 +18,13 @@ const ITERATIONS: usize = 40;
 const HALVINGS: usize = 10;
 const ROUNDS: usize = 12;
 const PROX: usize = 50;
-/// Proximal points for one ε.
-const PROXIMAL: usize = 3;
+/// Proximal points.
+const PROXIMAL: usize = 60;
 /// Relative `‖F‖` that counts as solved.
 const SOLVED: f64 = 1e-12;
 
+/// Relative velocity that counts as none.
+const STILL: f64 = 1e-13;
 /// Largest condition of a matrix that counts as regular.
 const REGULAR: f64 = 1e10;
 const SVD_ITERATIONS: usize = 100;
@@ -144,7 +146,8 @@ impl<'a> Single<'a> {
     /// Whether the reservoir holds the percussions and they stop the contact, which is not certain with a singular
     /// block.
     fn admits(&self, p: &V) -> bool {
-        let still = (self.g * p + self.b).norm() <= 1e-10 * self.b.norm();
+        let rounding = STILL * (self.b.norm() + self.g.norm() * p.norm());
+        let still = (self.g * p + self.b).norm() <= rounding;
         self.normal(p) > 0.0 && self.gauge(p) <= 1.0 + 4.0 * f64::EPSILON && still
     }
 
@@ -256,19 +259,19 @@ impl<'a> Single<'a> {
         None
     }
     /// Newton's method where the block is singular: on `G + εI` with the load `b − εP`, which the solution of the
-    /// singular problem satisfies too, for falling ε.
+    /// singular problem satisfies too. Small ε are long steps.
     fn proximal_point(&self, mut p: V) -> Option<V> {
-        for round in 0..ROUNDS {
-            let small = 0.1_f64.powi(round as i32) / self.rho.tangent;
-            for _ in 0..PROXIMAL {
-                let g = self.g + Small::identity() * small;
-                let Some(next) = (Self { g, b: self.b - p * small, ..*self }).newton(p) else {
-                    break;
-                };
-                p = next;
-                if let Some(found) = self.newton(p) {
-                    return Some(found);
-                }
+        let mut small = 1.0 / self.rho.tangent;
+        for _ in 0..PROXIMAL {
+            let g = self.g + Small::identity() * small;
+            let Some(next) = (Self { g, b: self.b - p * small, ..*self }).newton(p) else {
+                small *= 5.0;
+                continue;
+            };
+            p = next;
+            small *= 0.3;
+            if let Some(found) = self.newton(p) {
+                return Some(found);
             }
         }
         None
