@@ -85,6 +85,9 @@ impl Default for Signals {
 impl Signals {
     /// Whether a signal handler has raised, Ctrl-C above all.
     fn pending(&self) -> bool {
+        if self.raised.borrow().is_some() {
+            return true;
+        }
         if self.last.get().elapsed() < Duration::from_millis(50) {
             return false;
         }

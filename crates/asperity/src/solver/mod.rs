@@ -188,9 +188,16 @@ impl Solver {
         workspace: &mut Workspace,
     ) -> SolveReport {
         let threads = match self {
-            Self::Auto { threads, .. } => Threads::new(*threads),
+            Self::Auto { threads, .. } => Threads::new(*threads, problem.contacts.len()),
             _ => Threads::default(),
         };
+        // A start from what was no solution would look like one.
+        if problem.contacts.len() > 1 && residual::has_grown(problem, &memory.percussion) {
+            problem.velocity(&memory.percussion, &mut workspace.velocity);
+            if residual::runaway(problem, &memory.percussion, &workspace.velocity).is_some() {
+                memory.percussion.fill(0.0);
+            }
+        }
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
         let (iterations, status) = match *self {
@@ -252,7 +259,7 @@ impl Solver {
             status,
             iterations,
             residual,
-            residual::approaching(problem, &workspace.velocity),
+            residual::runaway(problem, &workspace.percussion, &workspace.velocity),
             stop.tolerance,
             workspace,
         );

@@ -34,9 +34,9 @@ pub(super) fn phase_of(
     };
     let first = rows.tangent();
     let gauge = match &rows.law {
-        Law::One(law) => reservoir_gauge(law, normal, &percussion[first..]),
-        Law::Two(law) => reservoir_gauge(law, normal, &percussion[first..]),
-        Law::Three(law) => reservoir_gauge(law, normal, &percussion[first..]),
+        Law::One(law) => is_projected(law, normal, rho, own),
+        Law::Two(law) => is_projected(law, normal, rho, own),
+        Law::Three(law) => is_projected(law, normal, rho, own),
     };
     let mut slip = [0.0; 3];
     let (mut moving, mut reference) = (0.0_f64, 0.0_f64);

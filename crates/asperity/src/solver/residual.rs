@@ -69,24 +69,41 @@ pub fn natural_residual(
     Residual { value, worst_contact }
 }
 
-/// A closed contact that approaches nearly as fast as without percussions.
+/// Percussions against loads beyond which there may be no solution; stacks and vaults need some hundreds.
+const RUNAWAY: f64 = 1e6;
+
+/// A contact that goes on approaching although percussions have grown without bound: there is no solution.
 ///
-/// Percussions that grow without bound make every relative defect small: where there is no solution, this is
-/// what tells.
-pub(super) fn approaching(problem: &ContactProblem, velocity: &[f64]) -> Option<usize> {
+/// Percussions that grow make every relative defect small, so that no residual tells.
+pub(super) fn runaway(
+    problem: &ContactProblem,
+    percussion: &[f64],
+    velocity: &[f64],
+) -> Option<usize> {
+    if !has_grown(problem, percussion) {
+        return None;
+    }
     let xi = ContactVelocity { velocity, restitution: &problem.restitution };
-    let unilateral = |rows: &&ContactRows| rows.normal == NormalForce::Unilateral;
-    let mut fastest = None;
-    let mut limit = 0.0;
-    for (i, rows) in problem.contacts.iter().enumerate().filter(|(_, rows)| unilateral(rows)) {
-        let approach = -xi.of(rows.offset);
-        if approach > limit {
-            (limit, fastest) = (approach, Some(i));
+    let (mut fastest, mut limit, mut load) = (None, 0.0, 0.0_f64);
+    for (i, rows) in problem.contacts.iter().enumerate() {
+        if rows.normal == NormalForce::Unilateral {
+            let row = rows.offset;
+            load = load.max((problem.free_velocity[row] + problem.restitution[row]).abs());
+            if -xi.of(row) > limit {
+                (limit, fastest) = (-xi.of(row), Some(i));
+            }
         }
     }
+    fastest.filter(|_| limit > 1e-2 * load)
+}
+
+/// Whether percussions are out of all proportion to the loads.
+pub(super) fn has_grown(problem: &ContactProblem, percussion: &[f64]) -> bool {
     let loads = problem.free_velocity.iter().zip(&problem.restitution);
-    let largest = || loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));
-    fastest.filter(|_| limit > 1e-2 * largest())
+    let loads = loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>();
+    let squares = percussion.iter().map(|p| p * p).sum::<f64>();
+    // The comparison also finds NaN.
+    !(squares <= (RUNAWAY * problem.global_rho()).powi(2) * loads)
 }
 
 /// Square of what the defect of a contact is compared with: its percussion, its free velocity and the

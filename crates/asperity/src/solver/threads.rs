@@ -18,9 +18,11 @@ static POOLS: Mutex<Vec<(u32, usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new())
 pub(super) struct Threads(Option<Arc<ThreadPool>>);
 
 impl Threads {
-    /// `count` threads; one, if no pool can be made.
-    pub(super) fn new(count: usize) -> Self {
-        if count <= 1 {
+    /// At most `count` threads for so many contacts, not more than the machine has.
+    pub(super) fn new(count: usize, contacts: usize) -> Self {
+        let available = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let count = count.min(available.max(4));
+        if count <= 1 || contacts <= LEAF {
             return Self(None);
         }
         let process = std::process::id();

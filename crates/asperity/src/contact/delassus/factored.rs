@@ -5,6 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use super::{BlockMatrix, Csr};
 use crate::contact::ProblemError;
 
+/// Velocities of the largest connected part of `M` that is factored densely.
+const LARGEST_PART: usize = 512;
+
 /// `G = Wᵀ M⁻¹ W` with its factors: solvers may eliminate in contact space or in body space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factored {
@@ -114,6 +117,10 @@ fn add_part(
     blocks: &mut BlockMatrix,
 ) -> Result<(), ProblemError> {
     let n = dofs.len();
+    if n > LARGEST_PART {
+        let message = "must couple few velocities: a connected part of it is too large";
+        return Err(ProblemError::Structure { argument: "mass", message });
+    }
     let mut part = DMatrix::zeros(n, n);
     for (a, &dof) in dofs.iter().enumerate() {
         let (columns, values) = mass.row(dof);

@@ -157,7 +157,7 @@ impl BodySpace {
                 *x = own.iter().enumerate().map(|(c, g)| self.inverse[i][(r, c)] * g).sum();
             }
             own.copy_from_slice(&x[..touch.rows]);
-            let len = touch.velocities.len();
+            let len = touch.velocities.len().max(1);
             for (x, row) in x.iter().zip(touch.directions.chunks_exact(len)) {
                 for (&velocity, w) in touch.velocities.iter().zip(row) {
                     self.velocity[velocity] += w * x;
@@ -166,7 +166,7 @@ impl BodySpace {
         }
         self.numeric.solve(&self.symbolic, &mut self.velocity);
         for (i, touch) in self.touches.iter().enumerate().take(problem.contacts.len()) {
-            let len = touch.velocities.len();
+            let len = touch.velocities.len().max(1);
             let mut brought = [0.0; 4];
             for (sum, row) in brought.iter_mut().zip(touch.directions.chunks_exact(len)) {
                 *sum = touch.velocities.iter().zip(row).map(|(&v, w)| self.velocity[v] * w).sum();

@@ -14,10 +14,11 @@ mod newton_matrix;
 mod phases;
 mod proximal;
 
+use super::exact;
 use super::natural::natural_map;
 use super::quick;
 use super::report::{Ended, Method, Stage};
-use super::residual::{approaching, natural_residual};
+use super::residual::{natural_residual, runaway};
 use super::{Measure, Stop, Workspace};
 use crate::contact::{ContactProblem, Memory};
 pub(super) use phases::{automatic, single};
@@ -62,7 +63,15 @@ pub(super) struct Run<'a, 'b> {
     /// Whether they pass the measure of the stop.
     solved: bool,
     stuck: Option<usize>,
+    /// The contact that goes on approaching while percussions grow.
+    runs_away: Option<usize>,
     sweeps: usize,
+}
+
+/// Whether a contact has no solution with the others held.
+fn has_none(problem: &ContactProblem, contact: usize, percussion: &[f64]) -> bool {
+    let listed = problem.contacts[contact].law.dimension() < 3;
+    listed && exact::all_solutions(problem, contact, percussion).is_empty()
 }
 
 impl<'a, 'b> Run<'a, 'b> {
@@ -76,7 +85,9 @@ impl<'a, 'b> Run<'a, 'b> {
         let many = workspace.many.take().unwrap_or_default();
         workspace.stages.clear();
         let (grade, solved, stuck, sweeps) = (f64::INFINITY, false, None, 0);
-        let mut run = Self { problem, stop, memory, workspace, many, grade, solved, stuck, sweeps };
+        let mut run = Self {
+            problem, stop, memory, workspace, many, grade, solved, stuck, sweeps, runs_away: None,
+        };
         let rows = problem.rows();
         let Many { best, centre, trial, velocity, .. } = &mut *run.many;
         for list in [best, centre, trial, velocity] {
@@ -88,7 +99,7 @@ impl<'a, 'b> Run<'a, 'b> {
 
     /// Puts the best percussions back; iterations and why it ended.
     pub(super) fn finish(self) -> (usize, Ended) {
-        let Self { workspace, many, solved, stuck, stop, .. } = self;
+        let Self { problem, workspace, many, solved, stuck, runs_away, stop, .. } = self;
         workspace.percussion.copy_from_slice(&many.best);
         workspace.many = Some(many);
         let iterations = workspace.stages.iter().map(|stage| stage.iterations).sum();
@@ -97,7 +108,13 @@ impl<'a, 'b> Run<'a, 'b> {
         } else if stop.early() {
             Ended::TimeLimit
         } else {
-            stuck.map_or(Ended::MaxIterations, Ended::NoSolution)
+            match (runs_away, stuck) {
+                (Some(contact), _) => Ended::NoSolution(contact),
+                (None, Some(contact)) if has_none(problem, contact, &workspace.percussion) => {
+                    Ended::NoSolution(contact)
+                }
+                _ => Ended::MaxIterations,
+            }
         };
         (iterations, ended)
     }
@@ -143,13 +160,16 @@ impl<'a, 'b> Run<'a, 'b> {
         let goal = 0.5 * self.stop.tolerance;
         let small = match self.stop.measure {
             Measure::Global => grade <= goal,
-            // A contact's defect is at least that of the problem over the root of their number.
+            // The measure of contacts is the dearer one; it is not looked at where the other is far off.
             Measure::Contact => {
-                grade <= goal * (self.problem.contacts.len() as f64).sqrt()
+                grade <= 1e3 * goal * (self.problem.contacts.len() as f64).sqrt()
                     && natural_residual(self.problem, percussion, velocity).value <= goal
             }
         };
-        let solved = small && approaching(self.problem, velocity).is_none();
+        if runaway(self.problem, percussion, velocity).is_some() {
+            return grade;
+        }
+        let solved = small;
         if solved && !self.solved || grade < self.grade && solved >= self.solved {
             (self.grade, self.solved) = (grade, solved);
             self.many.best.copy_from_slice(percussion);

@@ -52,12 +52,13 @@ pub(crate) fn single(
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
     let mut run = Run::new(problem, stop, memory, workspace);
-    run.prepare_newton();
     let conic = matches!(method, Method::InteriorPoint | Method::Admm);
     if conic && !run.cones_fit() {
         run.finish();
         return (0, Ended::NotApplicable);
     }
+    run.many.newton.threads = Threads::default();
+    run.prepare_newton();
     match method {
         Method::InteriorPoint => run.interior_point(max_iterations, 0.0),
         Method::Admm => run.admm(max_iterations),
@@ -79,7 +80,7 @@ impl Run<'_, '_> {
         while !self.solved && k < MOST_SWEEPS {
             self.sweep();
             k += 1;
-            if k < next {
+            if k < next && !self.stop.early() {
                 continue;
             }
             let grade = self.grade_sweeps();

@@ -5,7 +5,7 @@
 //! natural map take turns; sweeps help out.
 
 use super::newton::Goal;
-use super::{Many, Method, Run, approaching, norm};
+use super::{Many, Method, Run, runaway};
 
 /// Factors of the prox parameters. Hyperstatic problems have percussions a hundred times their loads; larger
 /// parameters cut the factorisations there by up to ten, and taking turns makes the choice insensitive.
@@ -19,8 +19,8 @@ const SWEEPS: usize = 20;
 /// Outer steps without a new best after which the iteration starts again, from no percussions at all: what
 /// led it astray may be its start.
 const LOST: usize = 300;
-/// Percussions against loads beyond which there may be no solution; stacks and vaults need some hundreds.
-const RUNAWAY: f64 = 1e8;
+/// New starts without success after which it gives up.
+const STARTS: usize = 2 * FACTORS.len();
 
 impl Run<'_, '_> {
     /// Iterates until the problem is solved, the stop says so or `max_iterations` outer steps are made.
@@ -48,6 +48,9 @@ impl Run<'_, '_> {
             }
             lost = if found < lowest { 0 } else { lost + 1 };
             lowest = lowest.min(found);
+            if lost == LOST && restarts == STARTS {
+                break;
+            }
             if lost == LOST {
                 self.many.centre.fill(0.0);
                 turn = restarts % FACTORS.len();
@@ -88,13 +91,10 @@ impl Run<'_, '_> {
 
     /// Whether percussions grow without bound and yet some contact goes on approaching: there is no solution.
     fn runs_away(&mut self) -> bool {
-        let far = RUNAWAY * self.problem.global_rho() * self.loads();
-        if norm(&self.many.centre) > far {
-            let Many { centre, velocity, .. } = &mut *self.many;
-            self.problem.velocity(centre, velocity);
-            self.stuck = approaching(self.problem, velocity);
-        }
-        self.stuck.is_some() && norm(&self.many.centre) > far
+        let Many { centre, velocity, .. } = &mut *self.many;
+        self.problem.velocity(centre, velocity);
+        self.runs_away = runaway(self.problem, centre, velocity);
+        self.runs_away.is_some()
     }
 
     /// A short attempt with little regularisation: it ends the work where `G` has full rank.
@@ -143,6 +143,9 @@ impl Run<'_, '_> {
         self.workspace.percussion.copy_from_slice(&self.many.centre);
         for _ in 0..SWEEPS {
             self.sweep();
+            if self.stop.early() {
+                break;
+            }
         }
         let found = self.grade_sweeps();
         if found < 0.9 * grade {
