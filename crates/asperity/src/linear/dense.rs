@@ -166,14 +166,24 @@ fn update<const FMA: bool>(
     }
     let mut above = [[0.0; COLUMNS]; PANEL];
     for columns in right.chunks_mut(COLUMNS * size) {
-        for (b, column) in columns.chunks_exact_mut(size).enumerate() {
-            for p in 0..depth {
-                let u = column[start + p];
-                above[p][b] = u;
-                let l = &panel[p * size + start + p + 1..p * size + end];
-                for (value, l) in column[start + p + 1..end].iter_mut().zip(l) {
-                    *value = add::<FMA>(*l, -u, *value);
+        for (b, column) in columns.chunks_exact(size).enumerate() {
+            for (row, value) in above.iter_mut().zip(&column[start..end]) {
+                row[b] = *value;
+            }
+        }
+        // All columns of the tile at once.
+        for p in 0..depth {
+            let (done, below) = above[..depth].split_at_mut(p + 1);
+            let l = &panel[p * size + start + p + 1..p * size + end];
+            for (row, l) in below.iter_mut().zip(l) {
+                for (value, u) in row.iter_mut().zip(&done[p]) {
+                    *value = add::<FMA>(-*l, *u, *value);
                 }
+            }
+        }
+        for (b, column) in columns.chunks_exact_mut(size).enumerate() {
+            for (row, value) in above.iter().zip(&mut column[start..end]) {
+                *value = row[b];
             }
         }
         let above = &above[..depth];
