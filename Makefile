@@ -6,7 +6,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 
 export CARGO_TERM_COLOR ?= auto
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo figures test test-rust test-python bench long format clean
+.PHONY: demo figures test test-rust test-python bench many peers long format clean
 
 demo: $(VENV)/.installed
 	$(BIN)/asperity demo --out out/demo
@@ -33,6 +33,15 @@ bench: $(VENV)/.installed
 	cargo bench --locked
 	$(BIN)/python benches/python_overhead.py
 	$(BIN)/python benches/python_sets.py
+
+# Time and memory of the default solver, from 10 to 10⁵ contacts.
+many: $(VENV)/.installed
+	$(BIN)/python benches/many_contacts.py
+
+# The same problems through other engines; PROBLEMS names a folder of problem files, absent engines are
+# named with what to install.
+peers: $(VENV)/.installed
+	$(BIN)/python benches/peers/compare.py $(PROBLEMS) --csv out/peers.csv
 
 # The long profile: 10⁵ random cases per set, 10⁶ one-contact problems per law, 1000 problems of many
 # contacts.

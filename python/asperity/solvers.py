@@ -10,7 +10,7 @@ from asperity.errors import ParameterError
 
 
 class Solver(Value):
-    """Base of the contact solvers; any solver solves any `ContactProblem`."""
+    """Base of the contact solvers; all take any law but `InteriorPoint` and `ADMM`."""
 
     _core: _core.Solver
 
@@ -18,15 +18,16 @@ class Solver(Value):
 class Auto(Solver):
     """The default: one method after the other, each where it is the fastest that is known to work.
 
-    A few sweeps of `Exact` solve single, open and well-conditioned contacts. What is left goes to
-    `SemismoothNewton`, then to `InteriorPoint` where all laws are isotropic or elliptic and
-    associated, then to `ProximalPoint`, the only one that solves problems whose Delassus operator
-    is singular and whose solution is hidden among many. ``ContactSolution.stages`` tells what was
-    done.
+    Contacts that do not influence each other get one sweep of `Exact`. Others are swept while that
+    promises an end, each contact taking the first solution that continues its state. What is left
+    goes to `SemismoothNewton`, then to `InteriorPoint` where it takes the laws, then to
+    `ProximalPoint`, which takes all laws and singular Delassus operators.
+    ``ContactSolution.stages`` tells what was done.
 
     Args:
         interior_point: whether the interior point may be used.
-        threads: number of threads for large problems; the result does not depend on it.
+        threads: for work that is done contact by contact, from 513 contacts on; the result does
+            not depend on it.
 
     >>> from asperity import Auto
     >>> Auto(threads=2)
@@ -44,6 +45,8 @@ class Auto(Solver):
 
 class Exact(Solver):
     """Block Gauss–Seidel whose one-contact solve is exact: it finds all solutions and selects one.
+
+    With p = 3 it finds one solution of a contact and does not know of others.
 
     The rule of selection continues the previous state: a contact that stuck keeps sticking while
     that is admissible; a slipping one takes the slip solution whose direction is nearest to its
@@ -136,7 +139,7 @@ class SemismoothNewton(Solver):
     Args:
         max_iterations: limit of Newton steps.
 
-    Reference: [AcaryBremondHuber2018].
+    Reference: [AlartCurnier1991], [AcaryBremondHuber2018].
 
     >>> from asperity import SemismoothNewton
     >>> SemismoothNewton(max_iterations=20)
@@ -179,13 +182,16 @@ class ProximalPoint(Solver):
 class InteriorPoint(Solver):
     """A primal-dual path-following method over the friction cones.
 
-    The right one for hundreds of contacts with isotropic or elliptic associated laws, above all
-    hyperstatic ones: 10 to 40 factorisations, largely independent of size and start. It ends at
-    residuals of 1e-7 to 1e-9. Laws of other kinds have no barrier: solving them raises
+    The right one for many contacts, above all hyperstatic ones; an iteration is a factorisation,
+    and their number grows slowly with the size. It starts from a point of its own, and rounding
+    ends it before the other methods. It takes unilateral contacts whose C and D are disks, balls
+    or ellipses (p = 1: symmetric intervals), not necessarily the same; others raise
     `ParameterError`.
 
     Args:
         max_iterations: limit of iterations.
+
+    Reference: [NesterovTodd1998], [Mehrotra1992], [DeSaxceFeng1998].
 
     >>> from asperity import InteriorPoint
     >>> InteriorPoint()
@@ -201,10 +207,10 @@ class InteriorPoint(Solver):
 
 
 class ADMM(Solver):
-    """The alternating direction method of multipliers: one factorisation for many iterations.
+    """The alternating direction method of multipliers: many iterations for one factorisation.
 
-    The right one where a factorisation is too dear to repeat, as in problems of many thousand
-    tightly coupled contacts, and 1e-4 to 1e-6 is enough.
+    The right one where a factorisation is too dear to repeat; it is repeated when the penalty
+    changes. It takes the contacts that `InteriorPoint` takes.
 
     Args:
         max_iterations: limit of iterations.

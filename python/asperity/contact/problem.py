@@ -242,14 +242,14 @@ class ContactProblem(Value):
         """Return the natural map of the whole problem, ‖P − proj(P − ρξ)‖/max(‖P‖, ρ‖b‖).
 
         ρ = rows/tr G of the whole operator. Isotropic unilateral contacts are projected onto their
-        cones, with μ‖ξ_T‖ added to ξ_N (De Saxcé); others have the defects of `residual`. It is
+        cones, with μ‖ξ_T‖ added to ξ_N; others have the defects of `residual`. It is
         the measure in which engines are compared, and it lets a contact of small percussions be
         far off next to one of large ones.
 
         Args:
             percussion: in N s, shape ``(rows,)``.
 
-        Reference: [AcaryBremondHuber2018].
+        Reference: [DeSaxceFeng1998], [AcaryBremondHuber2018].
 
         >>> import numpy as np
         >>> from asperity import ContactProblem, FrictionLaw

@@ -27,7 +27,8 @@ class Stage(Value):
         method: its name.
         iterations: sweeps or iterations.
         factorizations: matrices factored.
-        residual: at its end, by the measure of the solve.
+        residual: natural map of the best percussions at its end; of `Exact` and the prox
+            iterations the measure of the solve.
     """
 
     method: str
@@ -100,7 +101,7 @@ class ContactSolution(Value):
 
     @classmethod
     def _of(cls, outcome: _core.Outcome) -> Self:
-        """Wrap what the core found; a step of one contact takes microseconds, so nothing is read."""
+        """Wrap what the core found; a step of one contact takes microseconds: nothing is read."""
         made = cls.__new__(cls)
         made.__dict__["_outcome"] = outcome
         return made

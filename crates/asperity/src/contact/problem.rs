@@ -323,6 +323,16 @@ impl ContactProblem {
     /// Velocities `γ_E = G P + b`.
     #[inline]
     pub fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
+        if let Delassus::Dense(g) = &self.delassus {
+            velocity.copy_from_slice(&self.free_velocity);
+            let (entries, n) = (g.as_slice(), self.rows());
+            for (j, p) in percussion.iter().enumerate() {
+                for (value, g) in velocity.iter_mut().zip(&entries[j * n..(j + 1) * n]) {
+                    *value += g * p;
+                }
+            }
+            return;
+        }
         self.delassus.apply(percussion, velocity);
         for (value, free) in velocity.iter_mut().zip(&self.free_velocity) {
             *value += free;

@@ -1,4 +1,4 @@
-//! Multifrontal LU factorisation (Duff, Reid 1983) with the pattern known.
+//! Multifrontal LU factorisation (\[DuffReid1983\]) with the pattern known.
 
 use super::Symbolic;
 use super::dense::{self, Packed};

@@ -27,7 +27,7 @@ impl Graph<'_> {
         &self.neighbours[self.starts[node]..self.starts[node + 1]]
     }
 
-    /// Approximate minimum degree (Amestoy, Davis, Duff 1996), then a postorder of the tree.
+    /// Approximate minimum degree (\[AmestoyDavisDuff1996\]), then a postorder of the tree.
     pub(super) fn order(&self) -> Order {
         let n = self.len();
         let control = amd::Control::default();

@@ -9,7 +9,7 @@
 //! | [`Solver::Newton`] | `many/newton.rs` | semismooth Newton on the natural map |
 //! | [`Solver::ProximalPoint`] | `many/proximal.rs` | Newton within a proximal point iteration |
 //! | [`Solver::InteriorPoint`] | `many/interior.rs` | primal-dual, elliptic laws |
-//! | [`Solver::Admm`] | `many/admm.rs` | one factorisation, elliptic laws |
+//! | [`Solver::Admm`] | `many/admm.rs` | few factorisations, elliptic laws |
 //!
 //! The measures in `residual.rs` and `natural.rs` belong to no solver and grade them all.
 
@@ -55,7 +55,7 @@ pub enum Solver {
     Auto {
         /// Whether the interior point method may be used where the laws allow it.
         interior_point: bool,
-        /// Threads for sweeps over contacts that do not meet; results do not depend on it.
+        /// Threads for work that is done contact by contact; results do not depend on it.
         threads: usize,
     },
     /// Semismooth Newton on the natural map: problems of full rank.
@@ -156,7 +156,7 @@ pub struct Workspace {
     next: Vec<f64>,
     /// What [`Solver::Auto`] and its phases did at the last call.
     pub stages: Vec<Stage>,
-    many: Box<many::Many>,
+    many: Option<Box<many::Many>>,
 }
 
 impl Workspace {
@@ -168,7 +168,9 @@ impl Workspace {
         self.next.resize(rows, 0.0);
         self.ambiguous.resize(contacts, false);
         self.states.resize(contacts, ContactState::default());
-        self.many.reset();
+        if let Some(many) = &mut self.many {
+            many.reset();
+        }
         self.blocks.clear();
         self.blocks.extend((0..contacts).map(|contact| Block::new(problem, contact)));
     }
@@ -231,7 +233,8 @@ impl Solver {
         };
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
         let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
-        let exact = self.only_method(problem) == Some(Method::GaussSeidel);
+        let only = self.only_method(problem);
+        let exact = only == Some(Method::GaussSeidel);
         // A sweep marks contacts before the last ones have moved.
         if !exact || !problem.is_uncoupled() {
             exact::mark_ambiguous(problem, &threads, memory, workspace);
@@ -240,9 +243,9 @@ impl Solver {
             workspace.states.clone_from(&memory.states);
             phase::classify(problem, workspace);
         }
-        if let Some(method) = self.only_method(problem) {
-            workspace.stages.clear();
+        if let Some(method) = only {
             let (factorizations, residual) = (0, residual.value);
+            workspace.stages.clear();
             workspace.stages.push(Stage { method, iterations, factorizations, residual });
         }
         let report = SolveReport::new(

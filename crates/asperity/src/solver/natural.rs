@@ -9,7 +9,7 @@ use crate::law::{FrictionLaw, Law};
 /// `‖P − prox(P − ρξ)‖ / max(‖P‖, ρ‖b‖)` with `ρ = rows/tr G` for the whole problem, independent of units.
 ///
 /// Isotropic unilateral contacts enter with the projection onto their friction cone, `ξ_N` enlarged by
-/// `μ‖ξ_T‖` (De Saxcé, \[AcaryBremondHuber2018\]); others with the inclusions of normal and tangential
+/// `μ‖ξ_T‖` (\[DeSaxceFeng1998\], \[AcaryBremondHuber2018\]); others with the inclusions of normal and tangential
 /// percussion, as in [`natural_residual`](super::natural_residual).
 pub fn natural_map(problem: &ContactProblem, percussion: &[f64], velocity: &[f64]) -> f64 {
     let rho = problem.global_rho();

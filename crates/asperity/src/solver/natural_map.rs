@@ -6,7 +6,7 @@
 //! `x = −P_T/h`, `y = α(x)(x + ρ_T ξ_T/h)`, `z = prox_D(y)`, `F_T = P_T + h z/α(z)`,
 //!
 //! with `1/α(x) = k_D(x) − k_C(x) + 1` (56) and its inverse `α(z) = k_C(z) − k_D(z) + 1` (67). `F = 0` is the
-//! contact law. For isotropic friction this is the map of Alart and Curnier (1991).
+//! contact law. For isotropic friction this is the map of \[AlartCurnier1991\].
 
 use asperity_set::{ConvexSet, Matrix, StarSet, Vector};
 use nalgebra::SMatrix;

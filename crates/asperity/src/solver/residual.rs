@@ -142,6 +142,7 @@ fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64
 }
 
 /// Square of the tangential defect of one contact.
+#[inline]
 pub(super) fn tangential_defect<const P: usize>(
     law: &FrictionLaw<P>,
     normal: f64,

@@ -4,7 +4,7 @@
 //! `ξ̂ = (ξ_N, R ξ_T)`, `R ∝ S Q_D⁻¹`, is opposite to `P̂_T` in slip: isotropic friction with an unsymmetric
 //! operator, whatever the two ellipsoids are.
 
-use asperity_set::{Convex, Matrix, Star};
+use asperity_set::{Convex, ConvexSet, Matrix, Star, Vector};
 
 use crate::contact::{ContactProblem, NormalForce};
 use crate::law::{FrictionLaw, Law};
@@ -69,10 +69,10 @@ fn to_ball<const P: usize>(set: &Convex<P>) -> Option<Matrix<P>> {
     match set {
         Convex::Ball(ball) => Some(Matrix::identity() / ball.size()),
         Convex::Ellipsoid(ellipsoid) => Some(*ellipsoid.to_ball()),
-        Convex::Cuboid(interval) if P == 1 => Some(
-            Matrix::identity()
-                / asperity_set::ConvexSet::support(interval, &asperity_set::Vector::repeat(1.0)),
-        ),
+        Convex::Cuboid(interval) if P == 1 => {
+            let [up, down] = [1.0, -1.0].map(|sign| interval.support(&Vector::<P>::repeat(sign)));
+            (up == down).then(|| Matrix::identity() / up)
+        }
         _ => None,
     }
 }

@@ -1,8 +1,9 @@
 //! Primal-dual interior point method for laws with Lorentz cones (`cones.rs`).
 //!
-//! Percussions `x = T P` and `z = Γ(K ξ)`, `Γ(v) = (v_N + ‖v_T‖, v_T)` (De Saxcé), both in the cone with
-//! `x ∘ z = μ e`, `μ → 0`: Nesterov–Todd scaling, Mehrotra's predictor and corrector, Newton on `Γ` with its
-//! full derivative. Variables are scaled: `P` by `ρ` times the loads' mean size, `ξ` by that size.
+//! Percussions `x = T P` and `z = Γ(K ξ)`, `Γ(v) = (v_N + ‖v_T‖, v_T)` (\[DeSaxceFeng1998\]), both in the
+//! cone with `x ∘ z = μ e`, `μ → 0`: scaling of \[NesterovTodd1998\], predictor and corrector of
+//! \[Mehrotra1992\], Newton on `Γ` with its full derivative. Variables are scaled: `P` by `ρ` times
+//! the loads' mean size, `ξ` by that size.
 
 use nalgebra::Vector4;
 

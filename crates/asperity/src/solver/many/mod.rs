@@ -73,7 +73,7 @@ impl<'a, 'b> Run<'a, 'b> {
         memory: &'a Memory,
         workspace: &'a mut Workspace,
     ) -> Self {
-        let many = std::mem::take(&mut workspace.many);
+        let many = workspace.many.take().unwrap_or_default();
         workspace.stages.clear();
         let (grade, solved, stuck, sweeps) = (f64::INFINITY, false, None, 0);
         let mut run = Self { problem, stop, memory, workspace, many, grade, solved, stuck, sweeps };
@@ -90,7 +90,7 @@ impl<'a, 'b> Run<'a, 'b> {
     pub(super) fn finish(self) -> (usize, Ended) {
         let Self { workspace, many, solved, stuck, stop, .. } = self;
         workspace.percussion.copy_from_slice(&many.best);
-        workspace.many = many;
+        workspace.many = Some(many);
         let iterations = workspace.stages.iter().map(|stage| stage.iterations).sum();
         let ended = if solved {
             Ended::Done

@@ -1,7 +1,7 @@
 //! Semismooth Newton method on the natural map of all contacts, with a proximal term.
 //!
 //! Zero of `F(P, ξ)` with `ξ = (G + εI) P + b − ε c`: for `ε = 0` the contact problem itself
-//! (Alart, Curnier 1991), for `ε > 0` one step of the proximal point iteration from the centre `c`, which is
+//! (\[AlartCurnier1991\]), for `ε > 0` one step of the proximal point iteration from the centre `c`, which is
 //! well posed even where `G` has no full rank.
 
 use rayon::prelude::*;

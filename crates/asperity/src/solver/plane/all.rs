@@ -24,6 +24,10 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
     }
     let Walk { table, direction } = local.law.walk();
     let slip = Slip::new(local, local.law.bounds().largest_radius);
+    // What is not a number would be searched for without end.
+    if !(slip.norm_c + slip.norm_a).is_finite() {
+        return;
+    }
     let scan = Scan::new(&slip, table);
     for i in 0..COARSE {
         if scan.excluded(&slip, table, i) {

@@ -42,8 +42,10 @@ pub(super) fn quick(
     guess: impl Fn() -> V,
     buffer: &mut Vec<LocalSolution<2>>,
 ) -> Option<LocalSolution<2>> {
-    if let Some(open) = opens(local)? {
-        return Some(open);
+    match opens(local) {
+        Some(None) => {}
+        Some(open) => return open,
+        None => return select_among_all(*local, state, buffer).map(|s| s.solution),
     }
     if state.phase != Phase::Slip
         && let Some(found) = isotropic::quick(local, &guess)
