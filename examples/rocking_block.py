@@ -20,7 +20,7 @@ def standing_on_an_edge(angle):
 
 floor = asp.BoxPlane(0, HALF, asp.Line(), asp.FrictionLaw.isotropic(10.0, dimension=1))
 system = asp.RigidBodies([standing_on_an_edge(START)], [floor])
-motion = asp.simulate(system, dt=1e-4, t_end=2.0)
+motion = asp.simulate(system, dt=2e-5, t_end=2.0, save_every=2)
 angle, energy = np.rad2deg(motion.q[:, 2]), system.energy(motion)
 
 turns = np.flatnonzero(np.diff(np.sign(motion.u[1:, 2])) * np.sign(angle[1:-1]) < 0.0) + 1

@@ -31,10 +31,12 @@ for spin in (50.0, 10.0):
     )
 
     (line,) = speeds.plot(motion.t, velocity, label=f"v, ω₀ = {spin:.0f} rad/s")
-    speeds.plot(motion.t, rolling, "--", color=line.get_color(), label="R ω")
+    speeds.plot(
+        motion.t, rolling, "--", color=line.get_color(), label=f"R ω, ω₀ = {spin:.0f} rad/s"
+    )
     friction = system.contact_forces(motion, frame="world")[:, 0, 0]
     forces.plot(motion.t[landing + 1 :], friction[landing + 1 :], color=line.get_color())
 speeds.set_ylabel("velocity in m/s")
-speeds.legend(ncols=2)
+figure.legend(loc="outside upper center", ncols=2)
 forces.set(xlabel="time in s", ylabel="friction in N")
 asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "rolling_ball.png")

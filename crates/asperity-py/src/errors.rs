@@ -106,7 +106,9 @@ impl From<StepError> for Failure {
         match error {
             StepError::System(error) => error.into(),
             StepError::SingularMass { .. } => Self(split("mass", &text)),
-            StepError::NotFinite { .. } => Self(make("DivergenceError", (text,))),
+            StepError::NotFinite { .. } | StepError::NotFiniteContact { .. } => {
+                Self(make("DivergenceError", (text,)))
+            }
         }
     }
 }

@@ -23,6 +23,9 @@ pub struct RigidBodies {
 /// The first exception of a function that cannot return one.
 type Raised = Arc<Mutex<Option<PyErr>>>;
 
+/// Points and axes of contacts.
+type Geometry<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray4<f64>>);
+
 /// Two or three numbers as three.
 fn padded(values: &[f64], argument: &str) -> PyResult<[f64; 3]> {
     match *values {
@@ -236,11 +239,7 @@ impl RigidBodies {
     }
 
     /// Contact points `(n_t, n_c, 3)` and the rows e₁, e₂, n, `(n_t, n_c, 3, 3)`.
-    fn contact_geometry<'py>(
-        &self,
-        py: Python<'py>,
-        q: Points<'py>,
-    ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray4<f64>>)> {
+    fn contact_geometry<'py>(&self, py: Python<'py>, q: Points<'py>) -> PyResult<Geometry<'py>> {
         let (n_t, n_c) = (q.as_array().nrows(), self.system.contacts().len());
         let (mut points, mut axes) = (Vec::new(), Vec::new());
         for q in samples(&q, self.system.coordinates(), "q")? {

@@ -31,6 +31,14 @@ pub enum StepError {
         /// Time in s.
         time: f64,
     },
+    /// The contact problem is not finite; a solver must not see it.
+    #[error("directions or velocities of contact {contact} are not finite at t = {time} s")]
+    NotFiniteContact {
+        /// Time in s.
+        time: f64,
+        /// The system's contact.
+        contact: usize,
+    },
     /// The state is no longer finite.
     #[error("the state is no longer finite at t = {time} s, coordinate {coordinate}")]
     NotFinite {
@@ -170,6 +178,7 @@ impl<'a> Stepper<'a> {
         if change == Change::Contacts {
             self.closed.carry_over(&mut self.memory);
         }
+        self.check_problem()?;
         let (problem, stop) = (&self.closed.problem, Stop::at(self.tolerance));
         let report = self.solver.solve(problem, stop, &mut self.memory, &mut self.workspace);
         let percussion = &self.memory.percussion;
@@ -216,6 +225,16 @@ impl<'a> Stepper<'a> {
             None => percussion[rows.offset] / self.dt,
         };
         Ok(ContactOutput { phase, slip, force, normal_force })
+    }
+
+    fn check_problem(&self) -> Result<(), StepError> {
+        let problem = &self.closed.problem;
+        let Some(row) = problem.free_velocity.iter().position(|v| !v.is_finite()) else {
+            return Ok(());
+        };
+        let place = problem.contacts().partition_point(|contact| contact.offset <= row);
+        let contact = self.contact_of(place.saturating_sub(1));
+        Err(StepError::NotFiniteContact { time: self.time(), contact })
     }
 
     fn check_finite(&self) -> Result<(), StepError> {

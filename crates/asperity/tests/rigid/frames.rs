@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Superellipse, Vector};
-use asperity::stepper::Stepper;
+use asperity::stepper::{StepError, Stepper};
 use asperity::system::rigid::{Body, Frame, Pair, Plane, RigidBodies, Shape, Spring};
 use asperity::system::sliding_point;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
@@ -65,6 +65,17 @@ fn grooves_deflect_a_slider_as_they_do_a_point_mass() {
             assert!(apart < 1e-9, "{degrees}°: {end:?} {expected:?}");
         }
     }
+}
+
+/// A function that has no angle ends the run before a solver sees what is not a number.
+#[test]
+fn a_frame_that_is_not_a_number_ends_the_run() {
+    let field = Frame::Field(Arc::new(|x: [f64; 2]| if x[0] > 0.02 { f64::NAN } else { 0.0 }));
+    let system = slider(Plane::floor(), field, disk_of_18_grams([1.0, 0.2, 0.0]));
+    let mut stepper = stepper(&system, 1e-3);
+    let error = (0..200).find_map(|_| stepper.step().err());
+    assert!(matches!(error, Some(StepError::NotFiniteContact { contact: 0, .. })), "{error:?}");
+    assert!((stepper.q()[0] - 0.02).abs() < 2e-3);
 }
 
 /// Grooves that circle a point: the frame and the same frame by a function; at the point itself the
