@@ -117,20 +117,25 @@ def _solve(options: argparse.Namespace) -> int:
     width = max(len(path.stem) for path in files)
     print(solve_files.line(solve_files.COLUMNS, width))
     rows = []
+    unreadable: list[tuple[str, str]] = []
     for row in solve_files.solve(
         files,
         named(options.solver),
         tolerance=_arrays.positive(options.tolerance, "--tolerance"),
         time_limit=_arrays.positive(options.time_limit, "--time-limit"),
         repeat=_arrays.count(options.repeat, "--repeat"),
+        unreadable=unreadable,
     ):
         print(solve_files.line(row.cells(), width), flush=True)
         rows.append(row)
     solved, seconds = sum(row.solved for row in rows), sum(row.seconds for row in rows)
-    print(f"solved {solved} of {len(rows)} to {options.tolerance:g}, {seconds:.3g} s in all")
+    for name, why in unreadable:
+        print(f"{name}: unreadable: {why}")
+    total = len(rows) + len(unreadable)
+    print(f"solved {solved} of {total} to {options.tolerance:g}, {seconds:.3g} s in all")
     if options.csv is not None:
         solve_files.write_csv(rows, options.csv)
-    return SUCCESS if solved == len(rows) else CHECK_FAILED
+    return SUCCESS if solved == total else CHECK_FAILED
 
 
 def _report(run: Callable[[], list[Check]], out: Path) -> int:

@@ -12,7 +12,7 @@ from pathlib import Path
 from asperity._files import atomic
 from asperity.contact import ContactProblem, ContactSolution, Stage
 from asperity.contact.files import SUFFIXES
-from asperity.errors import ParameterError
+from asperity.errors import AsperityError, ParameterError
 from asperity.grading import natural_map
 from asperity.solvers import Solver
 
@@ -80,9 +80,18 @@ def solve(
     tolerance: float,
     time_limit: float,
     repeat: int,
+    unreadable: list[tuple[str, str]],
 ) -> Iterator[Row]:
-    """Solve the problems of the files, those of few contacts first."""
-    loaded = [(path.stem, ContactProblem.load(path)) for path in files]
+    """Solve the problems of the files, those of few contacts first.
+
+    A file that cannot be read ends up among `unreadable` and stops nothing.
+    """
+    loaded = []
+    for path in files:
+        try:
+            loaded.append((path.stem, ContactProblem.load(path)))
+        except AsperityError as error:
+            unreadable.append((path.name, str(error)))
     for name, problem in sorted(loaded, key=lambda one: len(one[1].laws)):
         seconds = float("inf")
         for _ in range(repeat):
@@ -98,7 +107,8 @@ def solve(
             if seconds > _SHORT:
                 break
         residual = natural_map(problem, solution.percussion)
-        yield Row(name, len(problem.laws), solution, residual, seconds, bool(residual <= tolerance))
+        solved = solution.converged and bool(residual <= tolerance)
+        yield Row(name, len(problem.laws), solution, residual, seconds, solved)
 
 
 def line(cells: Sequence[str], width: int) -> str:

@@ -1,7 +1,7 @@
 //! What a solve found; arrays are made when Python asks for them.
 
 use asperity::contact::Memory;
-use asperity::solver::{Certificate, SolveReport, Status, Workspace};
+use asperity::solver::{Certificate, SolveReport, Stage, Status, Workspace};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,7 +13,9 @@ use crate::problem::Problem;
 pub struct Outcome {
     problem: Py<Problem>,
     memory: Memory,
-    workspace: Workspace,
+    velocity: Vec<f64>,
+    ambiguous: Vec<bool>,
+    stages: Vec<Stage>,
     report: SolveReport,
 }
 
@@ -24,7 +26,9 @@ impl Outcome {
         workspace: Workspace,
         report: SolveReport,
     ) -> Self {
-        Self { problem, memory, workspace, report }
+        // The rest of the workspace, factors above all, is not kept.
+        let Workspace { velocity, ambiguous, stages, .. } = workspace;
+        Self { problem, memory, velocity, ambiguous, stages, report }
     }
 }
 
@@ -44,7 +48,7 @@ impl Outcome {
 
     #[getter]
     fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, self.workspace.velocity.clone())
+        array(py, self.velocity.clone())
     }
 
     #[getter]
@@ -54,7 +58,7 @@ impl Outcome {
 
     #[getter]
     fn ambiguous_contacts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        array(py, self.workspace.ambiguous.clone())
+        array(py, self.ambiguous.clone())
     }
 
     #[getter]
@@ -84,7 +88,7 @@ impl Outcome {
 
     #[getter]
     fn stages(&self) -> Vec<(&'static str, usize, usize, f64)> {
-        let stages = self.workspace.stages.iter();
+        let stages = self.stages.iter();
         stages.map(|s| (s.method.name(), s.iterations, s.factorizations, s.residual)).collect()
     }
 

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 # A Delassus operator given next to its bodies may differ from theirs by this, relatively.
+# Velocities of the largest part of M that is inverted densely, as in the core.
+_LARGEST_PART = 512
 _CONSISTENT = 1e-6
 
 
@@ -135,6 +137,10 @@ def inverse(mass: csr_array) -> csr_array:
     labels = connected_components(mass, directed=False)[1]
     order = np.argsort(labels, kind="stable")
     size = np.bincount(labels)
+    if size.max() > _LARGEST_PART:
+        raise ParameterError(
+            "mass", f"must couple at most {_LARGEST_PART} velocities, a part has {size.max()}"
+        )
     first = np.cumsum(size) - size
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order)) - first[labels[order]]

@@ -4,6 +4,6 @@ mod delassus;
 mod memory;
 mod problem;
 
-pub use delassus::{BlockMatrix, Csr, Delassus, DelassusOperator, Factored};
+pub use delassus::{BlockMatrix, Csr, Delassus, DelassusOperator, Factored, MatrixFree};
 pub use memory::{ContactState, Memory, Phase};
 pub use problem::{ContactProblem, ContactRows, NormalForce, ProblemError};

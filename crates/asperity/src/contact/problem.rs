@@ -299,6 +299,7 @@ impl ContactProblem {
         let contact = &self.contacts[i];
         let own = contact.offset..contact.offset + contact.len();
         match &self.delassus {
+            Delassus::MatrixFree(operator) => operator.norm(),
             Delassus::Dense(g) => own
                 .clone()
                 .map(|row| {

@@ -47,7 +47,7 @@ pub(super) fn solve(
 ///
 /// The states before the step, in `memory`, decide between several solutions; Newton's method starts
 /// from them in the first sweep and from the last sweep's slip in later ones.
-fn sweep(
+pub(super) fn sweep(
     problem: &ContactProblem,
     memory: &Memory,
     workspace: &mut Workspace,

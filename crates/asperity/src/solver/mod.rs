@@ -41,6 +41,7 @@ pub use residual::{Residual, natural_residual};
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use block::Block;
 use local::LocalSolution;
+use report::Ended;
 use threads::Threads;
 
 /// A solver and its options.
@@ -187,6 +188,9 @@ impl Solver {
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
+        if problem.delassus.is_matrix_free() && !matches!(self, Self::ProxJacobi { .. }) {
+            return self.without_entries(problem, stop, memory, workspace);
+        }
         let threads = match self {
             Self::Auto { threads, .. } => Threads::new(*threads, problem.contacts.len()),
             _ => Threads::default(),
@@ -243,7 +247,9 @@ impl Solver {
         let only = self.only_method(problem);
         let exact = only == Some(Method::GaussSeidel);
         // A sweep marks contacts before the last ones have moved.
-        if !exact || !problem.is_uncoupled() {
+        if problem.delassus.is_matrix_free() {
+            workspace.ambiguous.fill(false);
+        } else if !exact || !problem.is_uncoupled() {
             exact::mark_ambiguous(problem, &threads, memory, workspace);
         }
         if !exact {
@@ -270,6 +276,23 @@ impl Solver {
 }
 
 impl Solver {
+    /// A matrix-free operator: the paper's iteration in place of the default, nothing else.
+    fn without_entries(
+        &self,
+        problem: &ContactProblem,
+        stop: Stop<'_>,
+        memory: &mut Memory,
+        workspace: &mut Workspace,
+    ) -> SolveReport {
+        if let Self::Auto { .. } = self {
+            let jacobi = Self::ProxJacobi { step: ProxStep::Adaptive, max_iterations: 1_000_000 };
+            return jacobi.solve(problem, stop, memory, workspace);
+        }
+        problem.velocity(&memory.percussion, &mut workspace.velocity);
+        let residual = stop.residual(problem, &memory.percussion, &workspace.velocity);
+        SolveReport::new(Ended::NotApplicable, 0, residual, None, stop.tolerance, workspace)
+    }
+
     /// The method of a solver that has one and does not report phases.
     #[inline]
     fn only_method(&self, problem: &ContactProblem) -> Option<Method> {

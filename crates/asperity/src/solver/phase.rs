@@ -15,8 +15,8 @@ pub(super) fn classify(problem: &ContactProblem, workspace: &mut Workspace) {
     }
 }
 
-/// Phase and slip velocity of a contact, whose percussions and velocities come with errors of the size of
-/// an iteration's tolerance.
+/// Phase and slip velocity of a contact, by the switches of the natural map: percussions and velocities of an
+/// iteration come with errors.
 pub(super) fn phase_of(
     problem: &ContactProblem,
     contact: usize,
@@ -24,29 +24,21 @@ pub(super) fn phase_of(
     velocity: &[f64],
 ) -> (Phase, [f64; 3]) {
     let rows = &problem.contacts[contact];
-    let own = |i: usize| {
-        let i = rows.normal_rows() + i;
-        problem.delassus.own(contact, rows.offset, i, i)
-    };
     let normal = match rows.normal {
         NormalForce::Prescribed(value) => value,
         NormalForce::Unilateral => percussion[rows.offset],
     };
     let first = rows.tangent();
-    let gauge = match &rows.law {
-        Law::One(law) => is_projected(law, normal, rho, own),
-        Law::Two(law) => is_projected(law, normal, rho, own),
-        Law::Three(law) => is_projected(law, normal, rho, own),
-    };
-    let mut slip = [0.0; 3];
-    let (mut moving, mut reference) = (0.0_f64, 0.0_f64);
-    for (i, component) in slip.iter_mut().enumerate().take(rows.law.dimension()) {
-        *component = velocity[first + i] + problem.restitution[first + i];
-        moving = moving.max(component.abs());
-        reference = reference
-            .max(problem.free_velocity[first + i].abs())
-            .max((own(i) * percussion[first + i]).abs());
+    let (rho, mut slip) = (problem.rho[contact], [0.0; 3]);
+    for (component, row) in slip.iter_mut().zip(first..rows.offset + rows.len()) {
+        *component = velocity[row] + problem.restitution[row];
     }
+    let tangent = &percussion[first..];
+    let slips = match &rows.law {
+        Law::One(law) => is_projected(law, (normal, rho), tangent, &slip),
+        Law::Two(law) => is_projected(law, (normal, rho), tangent, &slip),
+        Law::Three(law) => is_projected(law, (normal, rho), tangent, &slip),
+    };
     // The switch of the natural map: an iteration leaves tiny percussions at contacts that open.
     let opens = rows.normal == NormalForce::Unilateral && {
         let xi = velocity[rows.offset] + problem.restitution[rows.offset];
@@ -54,7 +46,7 @@ pub(super) fn phase_of(
     };
     let phase = if normal <= 0.0 || opens {
         Phase::Open
-    } else if gauge >= 1.0 - 1e-9 && moving > 1e-13 * reference {
+    } else if slips {
         Phase::Slip
     } else {
         Phase::Stick
@@ -62,6 +54,15 @@ pub(super) fn phase_of(
     (phase, slip)
 }
 
-fn reservoir_gauge<const P: usize>(law: &FrictionLaw<P>, normal: f64, tangent: &[f64]) -> f64 {
-    law.reservoir().gauge(&Vector::<P>::from_fn(|i, _| -tangent[i] / normal))
+/// Whether the projection of the natural map has to do something: `α(x)(x + ρξ_T/P_N)` outside *D*.
+fn is_projected<const P: usize>(
+    law: &FrictionLaw<P>,
+    (normal, rho): (f64, f64),
+    tangent: &[f64],
+    slip: &[f64; 3],
+) -> bool {
+    let x = Vector::<P>::from_fn(|i, _| -tangent[i] / normal);
+    let moved = x + Vector::<P>::from_fn(|i, _| slip[i]) * (rho / normal);
+    let alpha = if x.amax() == 0.0 { 1.0 } else { law.alpha(&x) };
+    law.direction().gauge(&(moved * alpha)) > 1.0 + 1e-12
 }

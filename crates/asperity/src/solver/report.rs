@@ -124,6 +124,6 @@ pub struct Stage {
     pub iterations: usize,
     /// Matrices factored.
     pub factorizations: usize,
-    /// Natural map of the best percussions when it ended.
+    /// What was reached: natural map of the best percussions, of a solver without phases its residual.
     pub residual: f64,
 }

@@ -2,7 +2,7 @@
 
 use asperity_set::{ConvexSet, StarSet, Vector};
 
-use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
+use crate::contact::{ContactProblem, Delassus, NormalForce};
 use crate::law::{FrictionLaw, Law};
 
 /// Natural residual of a problem.

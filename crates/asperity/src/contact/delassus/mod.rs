@@ -25,6 +25,42 @@ pub trait DelassusOperator: Debug + Send + Sync {
     fn apply(&self, percussion: &[f64], velocity: &mut [f64]);
 }
 
+/// An operator that is known by its products.
+#[derive(Debug, Clone)]
+pub struct MatrixFree {
+    operator: Arc<dyn DelassusOperator>,
+    /// Found by products.
+    diagonal: BlockMatrix,
+    /// Estimate of its norm.
+    norm: f64,
+}
+
+impl MatrixFree {
+    /// The operator for contacts with `sizes` rows.
+    pub fn new(operator: Arc<dyn DelassusOperator>, sizes: &[usize]) -> Result<Self, ProblemError> {
+        let (expected, got) = (sizes.iter().sum(), operator.rows());
+        if expected != got {
+            return Err(ProblemError::Length { argument: "delassus", expected, got });
+        }
+        let diagonal = probe(operator.as_ref(), sizes, got, |i| vec![i]);
+        let mut out = Self { operator, diagonal, norm: 0.0 };
+        let (low, high) = Delassus::MatrixFree(out.clone()).spectrum();
+        out.norm = high.max(-low);
+        Ok(out)
+    }
+
+    /// Estimate of the norm.
+    pub(crate) fn norm(&self) -> f64 {
+        self.norm
+    }
+}
+
+impl From<MatrixFree> for Delassus {
+    fn from(operator: MatrixFree) -> Self {
+        Self::MatrixFree(operator)
+    }
+}
+
 /// A Delassus operator `G`, not necessarily symmetric.
 #[derive(Debug, Clone)]
 pub enum Delassus {
@@ -34,22 +70,15 @@ pub enum Delassus {
     Blocks(BlockMatrix),
     /// `Wᵀ M⁻¹ W` with its factors.
     Factored(Factored),
-    /// Products only; the diagonal blocks are kept, found by products.
-    MatrixFree(Arc<dyn DelassusOperator>, BlockMatrix),
+    /// Products only.
+    MatrixFree(MatrixFree),
 }
 
 impl Delassus {
-    /// An operator that is known by its products only, for contacts with `sizes` rows.
-    pub fn matrix_free(operator: Arc<dyn DelassusOperator>, sizes: &[usize]) -> Self {
-        let rows = operator.rows();
-        let diagonal = probe(operator.as_ref(), sizes, rows, |i| vec![i]);
-        Self::MatrixFree(operator, diagonal)
-    }
-
     /// The same operator with all its blocks, as most solvers need it.
     pub fn assembled(&self) -> Self {
         match self {
-            Self::MatrixFree(operator, diagonal) => {
+            Self::MatrixFree(MatrixFree { operator, diagonal, .. }) => {
                 let sizes: Vec<usize> =
                     diagonal.offsets().windows(2).map(|w| w[1] - w[0]).collect();
                 let all: Vec<usize> = (0..sizes.len()).collect();
@@ -65,7 +94,7 @@ impl Delassus {
             Self::Dense(matrix) => matrix.nrows(),
             Self::Blocks(blocks) => blocks.rows(),
             Self::Factored(factored) => factored.blocks().rows(),
-            Self::MatrixFree(operator, _) => operator.rows(),
+            Self::MatrixFree(free) => free.operator.rows(),
         }
     }
 
@@ -74,14 +103,15 @@ impl Delassus {
     pub fn blocks(&self) -> Option<&BlockMatrix> {
         match self {
             Self::Dense(_) => None,
-            Self::Blocks(blocks) | Self::MatrixFree(_, blocks) => Some(blocks),
+            Self::Blocks(blocks) => Some(blocks),
+            Self::MatrixFree(free) => Some(&free.diagonal),
             Self::Factored(factored) => Some(factored.blocks()),
         }
     }
 
     /// Whether only products are known.
     pub fn is_matrix_free(&self) -> bool {
-        matches!(self, Self::MatrixFree(..))
+        matches!(self, Self::MatrixFree(_))
     }
 
     /// `velocity ← G P`.
@@ -99,7 +129,7 @@ impl Delassus {
             }
             Self::Blocks(blocks) => blocks.apply(percussion, velocity),
             Self::Factored(factored) => factored.blocks().apply(percussion, velocity),
-            Self::MatrixFree(operator, _) => operator.apply(percussion, velocity),
+            Self::MatrixFree(free) => free.operator.apply(percussion, velocity),
         }
     }
 
@@ -186,7 +216,7 @@ impl PartialEq for Delassus {
             (Self::Dense(a), Self::Dense(b)) => a == b,
             (Self::Blocks(a), Self::Blocks(b)) => a == b,
             (Self::Factored(a), Self::Factored(b)) => a == b,
-            (Self::MatrixFree(a, _), Self::MatrixFree(b, _)) => Arc::ptr_eq(a, b),
+            (Self::MatrixFree(a), Self::MatrixFree(b)) => Arc::ptr_eq(&a.operator, &b.operator),
             _ => false,
         }
     }

@@ -86,7 +86,16 @@ impl<'a, 'b> Run<'a, 'b> {
         workspace.stages.clear();
         let (grade, solved, stuck, sweeps) = (f64::INFINITY, false, None, 0);
         let mut run = Self {
-            problem, stop, memory, workspace, many, grade, solved, stuck, sweeps, runs_away: None,
+            problem,
+            stop,
+            memory,
+            workspace,
+            many,
+            grade,
+            solved,
+            stuck,
+            sweeps,
+            runs_away: None,
         };
         let rows = problem.rows();
         let Many { best, centre, trial, velocity, .. } = &mut *run.many;

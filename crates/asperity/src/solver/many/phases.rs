@@ -1,7 +1,7 @@
 //! In which order the phases come.
 
-use super::{Method, Run};
-use crate::contact::{ContactProblem, Memory};
+use super::{Many, Method, Run, exact};
+use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use crate::solver::report::Ended;
 use crate::solver::threads::Threads;
 use crate::solver::{Stop, Workspace};
@@ -40,6 +40,7 @@ pub(crate) fn automatic(
     if !run.over() {
         run.proximal_point(OUTER);
     }
+    run.continue_states();
     run.finish()
 }
 
@@ -71,6 +72,33 @@ pub(crate) fn single(
 impl Run<'_, '_> {
     fn over(&self) -> bool {
         self.solved || self.stop.early()
+    }
+
+    /// Where contacts have several solutions, goes to those that continue their states, if that is a solution
+    /// of the whole.
+    fn continue_states(&mut self) {
+        let known = |state: &ContactState| state.phase != Phase::Unknown;
+        if !self.solved || !self.memory.states.iter().any(known) {
+            return;
+        }
+        self.workspace.percussion.copy_from_slice(&self.many.best);
+        exact::sweep(self.problem, self.memory, self.workspace, true);
+        if !self.workspace.ambiguous.contains(&true) {
+            return;
+        }
+        for _ in 0..TRIAL_SWEEPS {
+            (self.solved, self.grade) = (false, f64::INFINITY);
+            let Many { best, trial, .. } = &mut *self.many;
+            std::mem::swap(best, trial);
+            self.grade_sweeps();
+            if self.solved {
+                break;
+            }
+            let Many { best, trial, .. } = &mut *self.many;
+            std::mem::swap(best, trial);
+            exact::sweep(self.problem, self.memory, self.workspace, false);
+        }
+        self.solved = true;
     }
 
     /// Sweeps while their rate promises an end.
@@ -109,10 +137,6 @@ impl Run<'_, '_> {
     fn plain_newton(&mut self, max_iterations: usize) {
         let grade = self.adopt_best();
         let goal = self.inner_goal(grade, 0.0, 0.0, max_iterations);
-        let goal = super::Goal {
-            tolerance: goal.tolerance.min(self.floor() * self.scale(&self.many.centre)),
-            ..goal
-        };
         let centre = std::mem::take(&mut self.many.centre);
         let mut trial = std::mem::take(&mut self.many.trial);
         trial.copy_from_slice(&centre);

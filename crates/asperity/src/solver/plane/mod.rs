@@ -60,7 +60,8 @@ pub(super) fn quick(
     };
     match stick.solution {
         Some(solution) if state.phase != Phase::Slip || certain(local, &stick) => Some(solution),
-        Some(solution) => slips().or(Some(solution)),
+        // Where several are possible, the rule decides between all of them.
+        Some(_) => select_among_all(*local, state, buffer).map(|s| s.solution),
         None => slips().or_else(|| select_among_all(*local, state, buffer).map(|s| s.solution)),
     }
 }
