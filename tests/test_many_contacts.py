@@ -210,11 +210,22 @@ def test_extreme_eigenvalues_are_estimated():
     assert low == pytest.approx(values[0], rel=0.5, abs=0.01 * high)
 
 
-def test_same_input_same_bits_on_any_number_of_threads():
-    problem = mixed(3)
-    first, second, threaded = (
+@pytest.mark.parametrize(
+    "problem",
+    [
+        asp.problems.sliders(1500, coupled=True, seed=2),
+        asp.problems.wall(10, 9, law=asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.4))),
+    ],
+    ids=["sliders", "wall"],
+)
+def test_same_input_same_bits_on_any_number_of_threads(problem):
+    # Threads are used for more than 512 contacts.
+    assert len(problem.laws) > 512
+    first, second, *threaded = (
         problem.solve(asp.Auto(threads=threads), tolerance=TOLERANCE, on_failure="record")
-        for threads in (1, 1, 2)
+        for threads in (1, 1, 2, 4)
     )
     assert first == second
-    np.testing.assert_array_equal(first.percussion, threaded.percussion)
+    for solution in threaded:
+        np.testing.assert_array_equal(first.percussion, solution.percussion)
+        np.testing.assert_array_equal(first.phase, solution.phase)

@@ -91,6 +91,8 @@ def solve(
         try:
             loaded.append((path.stem, ContactProblem.load(path)))
         except AsperityError as error:
+            if path.suffix not in SUFFIXES:
+                raise
             unreadable.append((path.name, str(error)))
     for name, problem in sorted(loaded, key=lambda one: len(one[1].laws)):
         seconds = float("inf")

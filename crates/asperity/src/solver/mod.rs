@@ -126,13 +126,20 @@ impl Stop<'_> {
     /// The residual that decides.
     fn residual(&self, problem: &ContactProblem, percussion: &[f64], velocity: &[f64]) -> Residual {
         let contact = natural_residual(problem, percussion, velocity);
-        match self.measure {
+        let mut residual = match self.measure {
             Measure::Contact => contact,
             Measure::Global => {
                 let value = natural_map(problem, percussion, velocity);
                 Residual { value, ..contact }
             }
+        };
+        // Small defects do not count while a contact goes on approaching.
+        if let Some((worst_contact, value)) = residual::approach(problem, velocity)
+            && !(residual.value > value)
+        {
+            residual = Residual { value, worst_contact };
         }
+        residual
     }
 
     /// Whether to give up before the tolerance is reached.
@@ -195,12 +202,11 @@ impl Solver {
             Self::Auto { threads, .. } => Threads::new(*threads, problem.contacts.len()),
             _ => Threads::default(),
         };
-        // A start from what was no solution would look like one.
-        if problem.contacts.len() > 1 && residual::has_grown(problem, &memory.percussion) {
-            problem.velocity(&memory.percussion, &mut workspace.velocity);
-            if residual::runaway(problem, &memory.percussion, &workspace.velocity).is_some() {
-                memory.percussion.fill(0.0);
-            }
+        // A start from what was no solution might look like one.
+        if problem.contacts.len() > 1
+            && residual::has_grown(problem, &memory.percussion, residual::WILD)
+        {
+            memory.percussion.fill(0.0);
         }
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);

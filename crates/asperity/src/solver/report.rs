@@ -49,23 +49,23 @@ pub struct SolveReport {
 }
 
 impl SolveReport {
-    /// The residual decides whether the problem is solved, unless a contact goes on approaching; `ended`
-    /// says why the solver stopped.
+    /// The residual alone decides whether the problem is solved; `ended` and the contact that percussions run
+    /// away from say why it is not.
     pub(super) fn new(
         ended: Ended,
         iterations: usize,
         residual: Residual,
-        approaching: Option<usize>,
+        runaway: Option<usize>,
         tolerance: f64,
         workspace: &Workspace,
     ) -> Self {
         let solved = residual.value <= tolerance;
-        let (status, worst_contact) = match (ended, approaching) {
-            (_, Some(contact)) if solved => (Status::NoSolution, contact),
-            (_, None) if solved => (Status::Converged, residual.worst_contact),
+        let (status, worst_contact) = match (ended, runaway) {
+            _ if solved => (Status::Converged, residual.worst_contact),
+            (Ended::NotApplicable, _) => (Status::NotApplicable, residual.worst_contact),
+            (_, Some(contact)) => (Status::NoSolution, contact),
             (Ended::NoSolution(contact), _) => (Status::NoSolution, contact),
             (Ended::TimeLimit, _) => (Status::TimeLimit, residual.worst_contact),
-            (Ended::NotApplicable, _) => (Status::NotApplicable, residual.worst_contact),
             (Ended::Done, _) => (Status::Inexact, residual.worst_contact),
             (Ended::MaxIterations, _) => (Status::MaxIterations, residual.worst_contact),
         };

@@ -69,20 +69,11 @@ pub fn natural_residual(
     Residual { value, worst_contact }
 }
 
-/// Percussions against loads beyond which there may be no solution; stacks and vaults need some hundreds.
-const RUNAWAY: f64 = 1e6;
-
-/// A contact that goes on approaching although percussions have grown without bound: there is no solution.
+/// The fastest approach of a contact against the largest normal load, if it is more than a hundredth.
 ///
-/// Percussions that grow make every relative defect small, so that no residual tells.
-pub(super) fn runaway(
-    problem: &ContactProblem,
-    percussion: &[f64],
-    velocity: &[f64],
-) -> Option<usize> {
-    if !has_grown(problem, percussion) {
-        return None;
-    }
+/// Percussions that grow without bound make every relative defect small: where there is no solution, this is
+/// what tells.
+pub(super) fn approach(problem: &ContactProblem, velocity: &[f64]) -> Option<(usize, f64)> {
     let xi = ContactVelocity { velocity, restitution: &problem.restitution };
     let (mut fastest, mut limit, mut load) = (None, 0.0, 0.0_f64);
     for (i, rows) in problem.contacts.iter().enumerate() {
@@ -94,16 +85,32 @@ pub(super) fn runaway(
             }
         }
     }
-    fastest.filter(|_| limit > 1e-2 * load)
+    fastest.map(|contact| (contact, limit / load)).filter(|(_, relative)| *relative > 1e-2)
 }
 
-/// Whether percussions are out of all proportion to the loads.
-pub(super) fn has_grown(problem: &ContactProblem, percussion: &[f64]) -> bool {
+/// Whether percussions are more than `factor` times what the loads would need one by one; stacks and vaults
+/// need some hundreds.
+pub(super) fn has_grown(problem: &ContactProblem, percussion: &[f64], factor: f64) -> bool {
     let loads = problem.free_velocity.iter().zip(&problem.restitution);
     let loads = loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>();
     let squares = percussion.iter().map(|p| p * p).sum::<f64>();
     // The comparison also finds NaN.
-    !(squares <= (RUNAWAY * problem.global_rho()).powi(2) * loads)
+    !(squares <= (factor * problem.global_rho()).powi(2) * loads)
+}
+
+/// Growth beyond which a contact that goes on approaching has no solution, and beyond which a start is not
+/// taken.
+pub(super) const RUNAWAY: f64 = 1e6;
+pub(super) const WILD: f64 = 1e4;
+
+/// The contact that goes on approaching although percussions have grown without bound: there is no solution.
+pub(super) fn runaway(
+    problem: &ContactProblem,
+    percussion: &[f64],
+    velocity: &[f64],
+) -> Option<usize> {
+    let approaching = approach(problem, velocity)?.0;
+    has_grown(problem, percussion, RUNAWAY).then_some(approaching)
 }
 
 /// Square of what the defect of a contact is compared with: its percussion, its free velocity and the

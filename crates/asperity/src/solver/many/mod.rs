@@ -18,7 +18,7 @@ use super::exact;
 use super::natural::natural_map;
 use super::quick;
 use super::report::{Ended, Method, Stage};
-use super::residual::{natural_residual, runaway};
+use super::residual::{approach, natural_residual, runaway};
 use super::{Measure, Stop, Workspace};
 use crate::contact::{ContactProblem, Memory};
 pub(super) use phases::{automatic, single};
@@ -178,7 +178,7 @@ impl<'a, 'b> Run<'a, 'b> {
         if runaway(self.problem, percussion, velocity).is_some() {
             return grade;
         }
-        let solved = small;
+        let solved = small && approach(self.problem, velocity).is_none();
         if solved && !self.solved || grade < self.grade && solved >= self.solved {
             (self.grade, self.solved) = (grade, solved);
             self.many.best.copy_from_slice(percussion);
