@@ -70,8 +70,8 @@ def simulate(
         system: `LinearSystem`, `SlidingPoint`, `MassOnBelt`, `RigidBodies` or a `System`.
         dt: step Δt > 0 in s.
         t_end: end time in s; the last step is the first with k Δt ≥ `t_end` (to 1e-9 relative).
-        q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``. Default 0, of
-            `RigidBodies` the state of the bodies.
+        q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``, whose
+            quaternions are normalised. Default 0, of `RigidBodies` the state of the bodies.
         u0: initial velocities, shape ``(n,)``; default likewise.
         solver: contact solver. Default `Auto`.
         tolerance: of each step's contact problem, see `ContactProblem.solve`.

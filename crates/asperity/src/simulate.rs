@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::solver::{Solver, Status};
 use crate::stepper::{StepError, Stepper};
-use crate::system::System;
+use crate::system::{System, SystemError};
 use crate::trajectory::Trajectory;
 
 /// What to simulate.
@@ -205,5 +205,8 @@ fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
             return refuse(argument, format!("must be finite, got {value}"));
         }
     }
-    Ok(())
+    system.normalise(&mut q0.clone()).or_else(|error| match error {
+        SystemError::Argument { argument, message } => refuse(argument, message),
+        foreign => refuse("q0", foreign.to_string()),
+    })
 }

@@ -97,8 +97,10 @@ impl<'a> Stepper<'a> {
         q0: &[f64],
         u0: &[f64],
     ) -> Result<Self, StepError> {
+        let mut q = q0.to_vec();
+        system.normalise(&mut q)?;
         let assembly = match system.rigid_bodies() {
-            Some(bodies) => Assembly::Bodies(bodies, Box::new(BodyAssembly::new(bodies, q0, u0))),
+            Some(bodies) => Assembly::Bodies(bodies, Box::new(BodyAssembly::new(bodies, &q, u0))),
             None => Assembly::Dense(Box::new(Dense::new(system))),
         };
         let mut stepper = Self {
@@ -107,7 +109,7 @@ impl<'a> Stepper<'a> {
             tolerance,
             dt,
             steps: 0,
-            q: q0.to_vec(),
+            q,
             u: u0.to_vec(),
             closed: Closed::new(system),
             assembly,
@@ -238,7 +240,8 @@ impl<'a> Stepper<'a> {
     }
 
     fn check_finite(&self) -> Result<(), StepError> {
-        match self.u.iter().position(|v| !v.is_finite()) {
+        let broken = |state: &[f64]| state.iter().position(|v| !v.is_finite());
+        match broken(&self.u).or_else(|| broken(&self.q)) {
             Some(coordinate) => Err(StepError::NotFinite { time: self.time(), coordinate }),
             None => Ok(()),
         }

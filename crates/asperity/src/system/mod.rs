@@ -81,6 +81,11 @@ pub trait System: Debug + Sync {
         }
     }
 
+    /// Brings initial coordinates to their normal form: quaternions to the length one.
+    fn normalise(&self, _q0: &mut [f64]) -> Result<(), SystemError> {
+        Ok(())
+    }
+
     /// The system as rigid bodies, which are stepped body by body, without matrices of the size of the
     /// system.
     fn rigid_bodies(&self) -> Option<&RigidBodies> {

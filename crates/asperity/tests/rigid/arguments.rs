@@ -128,9 +128,13 @@ fn springs_and_states_are_checked() {
     let mut observer = |_, _| ControlFlow::Continue(());
     let error = simulate(&system, &options, &mut observer).unwrap_err();
     assert_eq!(error.to_string(), "q0: must have 7 entries, has 6");
-    let options = Options { q0: system.q0().to_vec(), ..options };
+    let options = Options { q0: vec![0.0; 7], ..options };
+    let error = simulate(&system, &options, &mut observer).unwrap_err();
+    assert_eq!(error.to_string(), "q0: the orientation of body 0 must not be of length zero");
+    let options = Options { q0: vec![0.0, 0.0, 0.0, 3.0, 0.0, 0.0, -4.0], ..options };
     let run = simulate(&system, &options, &mut observer).unwrap();
     let trajectory = run.trajectory;
+    assert!((trajectory.q[3] - 0.6).abs() + (trajectory.q[6] + 0.8).abs() < 1e-15);
     assert_eq!((trajectory.coordinates, trajectory.dof), (7, 6));
     assert_eq!((trajectory.q.len(), trajectory.u.len()), (7 * 11, 6 * 11));
 }

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::system::SystemError;
 
-use super::rotation::normalized;
+use super::rotation::unit;
 use super::within;
 
 /// A rigid body in space, described about its centre of mass, with its initial state.
@@ -205,13 +205,14 @@ fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, SystemError> {
     check("orientation", &body.orientation)?;
     check("velocity", &body.velocity)?;
     check("angular_velocity", &body.angular_velocity)?;
-    let length = body.orientation.iter().map(|c| c * c).sum::<f64>().sqrt();
-    if !(length > 1e-100 && length.is_finite()) {
-        let message = format!("must be a quaternion of length other than zero, has {length}");
-        return Err(SystemError::argument("orientation", message));
-    }
+    let Some(orientation) = unit(body.orientation) else {
+        return Err(SystemError::argument(
+            "orientation",
+            "must not be a quaternion of length zero",
+        ));
+    };
     parts.q0.extend(body.position);
-    parts.q0.extend(normalized(body.orientation.map(|c| c / length)));
+    parts.q0.extend(orientation);
     parts.u0.extend(body.velocity);
     parts.u0.extend(body.angular_velocity);
     let inertia = Matrix3::from_fn(|i, j| body.inertia[i][j]);

@@ -71,8 +71,19 @@ fn closed(half: f64) -> (f64, f64) {
     (cosine, sine / half)
 }
 
+/// The quaternion at length one, to the bit where it already is but for rounding; `None` of length zero.
+pub(super) fn unit(q: [f64; 4]) -> Option<[f64; 4]> {
+    let square = q.iter().map(|c| c * c).sum::<f64>();
+    if (square - 1.0).abs() <= 2e-15 {
+        return Some(q);
+    }
+    // Scaled first, as squares overflow and underflow.
+    let largest = q.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    (largest > 0.0).then(|| normalized(q.map(|c| c / largest)))
+}
+
 #[inline]
-pub(super) fn normalized(q: [f64; 4]) -> [f64; 4] {
+fn normalized(q: [f64; 4]) -> [f64; 4] {
     let scale = 1.0 / q.iter().map(|c| c * c).sum::<f64>().sqrt();
     q.map(|c| c * scale)
 }
@@ -95,5 +106,19 @@ mod tests {
             assert!((turned_back(&angle, &v) - back).amax() < 4e-15, "turned back by {scale}");
             assert!((end.iter().map(|c| c * c).sum::<f64>() - 1.0).abs() < 4e-16);
         }
+    }
+
+    #[test]
+    fn quaternions_of_any_length_but_zero_become_unit_ones() {
+        let start = normalized([0.3, -0.2, 0.9, 0.1]);
+        assert_eq!(unit(start), Some(start));
+        for scale in [1e-200, 0.5, 3.0, 1e200] {
+            let end = unit(start.map(|c| c * scale)).unwrap();
+            assert!(
+                end.iter().zip(&start).all(|(a, b)| (a - b).abs() < 4e-16),
+                "scaled by {scale}"
+            );
+        }
+        assert_eq!(unit([0.0; 4]), None);
     }
 }

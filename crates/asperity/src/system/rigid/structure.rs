@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::contact::Contact;
+use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
 use crate::contact::Csr;
 use crate::system::{Constancy, ContactLaw, System, SystemError};
@@ -106,6 +107,20 @@ impl System for RigidBodies {
         for body in 0..self.bodies() {
             self.advance_body(q, u, body, dt, out);
         }
+    }
+
+    fn normalise(&self, q0: &mut [f64]) -> Result<(), SystemError> {
+        if self.planar {
+            return Ok(());
+        }
+        for (body, q) in q0.chunks_exact_mut(7).enumerate() {
+            let Some(orientation) = unit([q[3], q[4], q[5], q[6]]) else {
+                let message = format!("the orientation of body {body} must not be of length zero");
+                return Err(SystemError::argument("q0", message));
+            };
+            q[3..].copy_from_slice(&orientation);
+        }
+        Ok(())
     }
 
     fn rigid_bodies(&self) -> Option<&RigidBodies> {
