@@ -15,6 +15,7 @@ FLOOR = asp.Plane()
 BALL = asp.Body.ball(1.0, 0.1)
 DISK = asp.PlanarBody.disk(1.0, 0.1)
 POINT = asp.PointPlane(0, (0.0, 0.0, -0.1), FLOOR, LAW)
+ON_DECK = POINT.replace(plane=asp.Plane(body=7))
 SPHERES = asp.SphereSphere(0, 0.1, 1, 0.1, LAW)
 SPRING = asp.Spring(0, (0.0, 0.0, 0.0), stiffness=1.0)
 HALF = (0.3, 0.2, 0.1)
@@ -114,6 +115,7 @@ BAD_INPUT = [
     ("springs", DimensionError, lambda: asp.RigidBodies([DISK], springs=[SPRING])),
     ("gravity", DimensionError, lambda: asp.RigidBodies([BALL], gravity=(0.0, -G))),
     ("body", ParameterError, lambda: asp.RigidBodies([BALL], [POINT.replace(body=1)])),
+    ("plane.body", ParameterError, lambda: asp.RigidBodies([BALL], [ON_DECK])),
     ("other", ParameterError, lambda: asp.RigidBodies([BALL], [SPHERES])),
     ("other", ParameterError, lambda: asp.RigidBodies([BALL], springs=[SPRING.replace(other=4)])),
     # simulations
@@ -150,6 +152,24 @@ def test_moments_of_inertia():
     assert asp.PlanarBody.box(3.0, (0.3, 0.2)).inertia == pytest.approx(0.13)
     full = asp.Body(1.0, np.diag([1.0, 2.0, 2.5]))
     assert full == asp.Body(1.0, (1.0, 2.0, 2.5))
+
+
+def test_inertia_in_turned_axes_is_symmetric_to_rounding():
+    moments = np.array([1.0, 2.0, 2.5])
+    rounded = 0
+    for seed in range(50):
+        axes, _ = random_rotation(seed)
+        given = axes @ np.diag(moments) @ axes.T
+        rounded += not np.array_equal(given, given.T)
+        inertia = asp.Body(1.0, given).inertia
+        np.testing.assert_array_equal(inertia, inertia.T)
+        np.testing.assert_allclose(inertia, given, atol=1e-15)
+        np.testing.assert_allclose(np.linalg.eigvalsh(inertia), moments, rtol=1e-14)
+    assert rounded > 10
+    tilted = np.diag(moments)
+    tilted[0, 1] = 1e-11
+    with pytest.raises(ParameterError, match="inertia: must be symmetric"):
+        asp.Body(1.0, tilted)
 
 
 def test_initial_state_comes_from_the_bodies():

@@ -26,6 +26,8 @@ fn pairs(pair: Pair) -> Result<RigidBodies, SystemError> {
 fn bodies_are_checked() {
     let good = Body::new(1.0, [1.0, 1.0, 1.5]);
     assert!(bodies(good).is_ok());
+    let rounded = [[1.0, 0.1, 0.0], [0.1 + 1e-16, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    assert!(bodies(Body { inertia: rounded, ..good }).is_ok());
     for (body, argument) in [
         (Body { mass: 0.0, ..good }, "mass"),
         (Body { mass: f64::NAN, ..good }, "mass"),
@@ -59,7 +61,7 @@ fn pairs_are_checked() {
     for (pair, argument) in [
         (Pair::new(on(Plane { normal: [0.0; 3], ..floor }), disk(0.3)), "normal"),
         (Pair::new(on(Plane { axis: [0.0, 0.0, 2.0], ..floor }), disk(0.3)), "axis"),
-        (Pair::new(on(Plane { body: Some(4), ..floor }), disk(0.3)), "other"),
+        (Pair::new(on(Plane { body: Some(4), ..floor }), disk(0.3)), "plane.body"),
         (Pair::new(on(Plane { body: Some(0), ..floor }), disk(0.3)), "body"),
         (Pair::new(spheres, disk(0.3)), "body"),
         (Pair::new(sphere(0, -1.0, floor), disk(0.3)), "radius"),

@@ -13,6 +13,8 @@ from asperity._value import Value
 from asperity.errors import ParameterError
 from asperity.system.rigid import rotation
 
+# Relative tolerance within which a tensor in turned axes counts as symmetric.
+_SYMMETRY = 1e-12
 # Relative tolerance of the inequalities that principal moments of inertia obey.
 _MOMENTS = 1e-9
 
@@ -45,7 +47,7 @@ class Body(Value):
     Args:
         mass: m > 0 in kg.
         inertia: J in kg m² about the centre of mass, in the body's axes: the principal moments
-            ``(3,)`` or the matrix ``(3, 3)``.
+            ``(3,)`` or the matrix ``(3, 3)``, symmetric to 1e-12 of its largest entry.
         position: of the centre of mass in m, shape ``(3,)``.
         orientation: quaternion (w, x, y, z) that turns the body's axes into the world's; it is
             normalised.
@@ -248,8 +250,9 @@ def _vector(value: ArrayLike, argument: str, size: int) -> Array:
 def _inertia(value: ArrayLike) -> Array:
     """Return J; no body has a principal moment above the sum of the other two."""
     inertia = _arrays.square(value, "inertia", 3)
-    if not np.array_equal(inertia, inertia.T):
+    if np.abs(inertia - inertia.T).max() > _SYMMETRY * np.abs(inertia).max():
         raise ParameterError("inertia", "must be symmetric")
+    inertia = 0.5 * (inertia + inertia.T)
     moments = np.linalg.eigvalsh(inertia)
     if moments[0] <= 0.0:
         raise ParameterError("inertia", f"must be positive definite, moments {moments.tolist()}")

@@ -215,17 +215,23 @@ fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, SystemError> {
     parts.q0.extend(orientation);
     parts.u0.extend(body.velocity);
     parts.u0.extend(body.angular_velocity);
-    let inertia = Matrix3::from_fn(|i, j| body.inertia[i][j]);
+    let inertia = symmetric(&Matrix3::from_fn(|i, j| body.inertia[i][j]))?;
     Inertial::new(body.mass, inertia, body.force, body.torque)
+}
+
+/// The symmetric part of what is symmetric but for rounding, as tensors in turned axes are.
+fn symmetric(inertia: &Matrix3<f64>) -> Result<Matrix3<f64>, SystemError> {
+    check("inertia", inertia.as_slice())?;
+    if (inertia - inertia.transpose()).amax() > 1e-12 * inertia.amax() {
+        return Err(SystemError::argument("inertia", "must be symmetric"));
+    }
+    Ok((inertia + inertia.transpose()) * 0.5)
 }
 
 /// Inverse of an inertia tensor that some body can have.
 fn inverse(inertia: &Matrix3<f64>) -> Result<Matrix3<f64>, SystemError> {
     let refuse = |message: String| Err(SystemError::argument("inertia", message));
     check("inertia", inertia.as_slice())?;
-    if (inertia - inertia.transpose()).amax() > 1e-12 * inertia.amax() {
-        return refuse("must be symmetric".into());
-    }
     let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
     moments.sort_by(f64::total_cmp);
     let [a, b, c] = moments;

@@ -7,10 +7,14 @@
 //!
 //! `Ω⁻ = J⁻¹ R_Mᵀ L_B`, `Ω⁺ = Ω⁻ + J⁻¹ R_Mᵀ (Δt τ + W P)`, `L_E = L_B + Δt τ + W P`, `Ω_E = J⁻¹ R_Eᵀ L_E`
 //!
-//! where the last is implicit, as `R_E = R_M exp(½Δt Ω_E)`. The scheme then reads the same backwards: it is
-//! of second order without impacts, keeps linear and angular momentum to rounding, and its energy
-//! oscillates without drift. (With Ω⁺ in the second half it would be explicit and of first order, and tops
-//! would gain energy.) L is kept from step to step: recovered from Ω, its rounding would add up.
+//! where the last is implicit, as `R_E = R_M exp(½Δt Ω_E)`. Free flight then reads the same backwards: it is
+//! of second order, keeps linear and angular momentum to rounding, and its energy oscillates without
+//! drift. (With Ω⁺ in the second half it would be explicit and of first order, and tops would gain
+//! energy.) L is kept from step to step: recovered from Ω, its rounding would add up.
+//!
+//! Closed contacts are of first order: sticking makes γ vanish with the directions of `q_M`, whereas the
+//! velocities act from one midpoint to the next, so that points of turning bodies creep with `½Δt dγ/dt`,
+//! the rate without contact forces.
 //!
 //! The contact laws hold in Ω⁺ at `q_M`. In the world's axes `R_M Ω⁺` and `R_E Ω_E` differ by O(Δt) where
 //! gyroscopic terms act, and so do the γ at the end and the γ_E of the laws; for isotropic inertia, for

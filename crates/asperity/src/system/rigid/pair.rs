@@ -151,9 +151,13 @@ impl Pair {
         planar: bool,
     ) -> Result<Vec<Contact>, SystemError> {
         let (body, other) = self.shape.bodies();
-        for (argument, index) in [("body", Some(body)), ("other", other)] {
+        let second = match self.shape {
+            Shape::SphereSphere { .. } => "other",
+            _ => "plane.body",
+        };
+        for (argument, index) in [("body", Some(body)), (second, other)] {
             if let Some(index) = index.filter(|&index| index >= bodies) {
-                let message = format!("must be one of {bodies} bodies, got {index}");
+                let message = format!("must be below {bodies}, the number of bodies, got {index}");
                 return Err(SystemError::argument(argument, message));
             }
         }

@@ -31,7 +31,7 @@ impl Spring {
     pub(super) fn check(&self, bodies: usize, planar: bool) -> Result<(), SystemError> {
         for (argument, index) in [("body", Some(self.body)), ("other", self.other)] {
             if let Some(index) = index.filter(|&index| index >= bodies) {
-                let message = format!("must be one of {bodies} bodies, got {index}");
+                let message = format!("must be below {bodies}, the number of bodies, got {index}");
                 return Err(SystemError::argument(argument, message));
             }
         }
