@@ -3,6 +3,7 @@
 import asperity as asp
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 G = 9.81
 FLOOR = asp.Plane()
@@ -52,6 +53,21 @@ def test_slowly_spinning_ball_rolls_at_once():
     motion = asp.simulate(dropped_ball(10.0), dt=1e-4, t_end=0.5)
     assert not (motion.phase == asp.Phase.SLIP).any()
     assert motion.u[-1, 0] == pytest.approx(-2 / 7, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_box_below_the_angle_of_friction_does_not_drift(seed):
+    turn = Rotation.random(random_state=seed)
+    incline = turn * Rotation.from_euler("x", 0.3)
+    (x, y, z, w), axes = incline.as_quat(), incline.as_matrix()
+    half = (0.3, 0.2, 0.1)
+    box = asp.Body.box(2.0, half, position=axes @ [0.0, 0.0, 0.1], orientation=(w, x, y, z))
+    plane = asp.Plane(normal=axes[:, 2], axis=axes[:, 0])
+    floor = asp.BoxPlane(0, half, plane, asp.FrictionLaw.isotropic(0.5))
+    system = asp.RigidBodies([box], [floor], gravity=turn.apply([0.0, 0.0, -G]))
+    motion = asp.simulate(system, dt=1e-2, t_end=60.0, tolerance=1e-12)
+    np.testing.assert_allclose(system.positions(motion) - motion.q[0, :3], 0.0, atol=1e-12)
+    np.testing.assert_allclose(motion.q - motion.q[0], 0.0, atol=1e-11)
 
 
 def rocking_block(angle):

@@ -16,6 +16,8 @@ from asperity.errors import DimensionError, ParameterError
 class Spring(Value):
     """A spring with a damper between two points: tension k (l − l₀) + d dl/dt.
 
+    It acts explicitly: steps need Δt d < 2 m and Δt² k < 4 m with the effective mass m along it.
+
     Args:
         body: number of the body.
         point: in the body's axes from its centre of mass in m, shape ``(3,)``, planar ``(2,)``.
@@ -23,7 +25,8 @@ class Spring(Value):
         other_point: in the axes of the other body or of the world in m. Default 0.
         stiffness: k ≥ 0 in N/m.
         damping: d ≥ 0 in N s/m.
-        length: l₀ ≥ 0 in m, at which the spring is relaxed.
+        length: l₀ ≥ 0 in m, at which the spring is relaxed. If l₀ > 0, there is no force while the
+            ends coincide.
 
     Raises:
         DimensionError, ParameterError: naming the argument.

@@ -124,8 +124,8 @@ class BodyAxis(Value):
     """The frame of a law that a body carries: e₁ is an axis of the body, projected on the surface.
 
     Args:
-        axis: in the body's axes, of any length, shape ``(3,)``; must not become parallel to the
-            normal.
+        axis: in the body's axes, of any length, shape ``(3,)``. Where it is parallel to the
+            normal the plane's axis takes its place, between spheres some direction across it.
 
     >>> from asperity import BodyAxis
     >>> BodyAxis((0.0, 2.0, 0.0))

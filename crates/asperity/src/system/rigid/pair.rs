@@ -63,7 +63,9 @@ pub enum Shape {
 /// Newton's restitution multiplies every relative velocity before the step by its coefficient. Impacts do
 /// not bring energy in where all coefficients of all contacts that are closed at the same time agree and
 /// lie in \[0, 1\] and no surface moves: with `ξ = γ_E + eγ_B` and `γ_E − γ_B = GP` the energy grows by
-/// `Pᵀξ/(1+e) − ½ (1−e)/(1+e) PᵀGP ≤ 0`. Where they differ (`e_N ≠ e_T` is enough) it may grow, which is
+/// `Pᵀξ/(1+e) − ½ (1−e)/(1+e) PᵀGP ≤ 0`, at the midpoint: what gyroscopic terms change until the end of
+/// the step is O(Δt²), and none for planar bodies and isotropic inertia. Restitution acts in every step in
+/// which a contact is closed. Where they differ (`e_N ≠ e_T` is enough) it may grow, which is
 /// known as Kane's paradox: Newton's restitution then has no energy balance that holds in general.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {

@@ -8,7 +8,8 @@ use crate::system::SystemError;
 
 /// A spring with a damper along the line between two points.
 ///
-/// Of natural length zero it pulls with `k d`, like a spring in every direction.
+/// Of natural length zero it pulls with `k d`, like a spring in every direction; of any other it exerts no
+/// force while its ends coincide. It acts explicitly: `Δt d < 2m` and `Δt² k < 4m` with the effective mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring {
     /// The first body.

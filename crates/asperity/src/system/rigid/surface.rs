@@ -51,7 +51,8 @@ impl Plane {
 pub enum Frame {
     /// The plane's axis.
     Plane,
-    /// An axis fixed to the (first) body, projected onto the contact plane.
+    /// An axis fixed to the (first) body, projected onto the contact plane. Where it is parallel to the
+    /// normal the plane's axis takes its place, between spheres some direction across the normal.
     Body {
         /// The axis, of any length but zero.
         axis: [f64; 3],
