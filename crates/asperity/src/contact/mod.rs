@@ -1,9 +1,11 @@
 //! The one-step contact problem as data.
 
 mod delassus;
+mod error;
 mod memory;
 mod problem;
 
 pub use delassus::{BlockMatrix, Csr, Delassus, DelassusOperator, Factored, MatrixFree};
+pub use error::ProblemError;
 pub use memory::{ContactState, Memory, Phase};
-pub use problem::{ContactProblem, ContactRows, NormalForce, ProblemError};
+pub use problem::{ContactProblem, ContactRows, NormalForce};

@@ -2,7 +2,7 @@
 
 use asperity_set::{ConvexSet, StarSet, Vector};
 
-use crate::contact::{ContactProblem, Delassus, NormalForce};
+use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
 use crate::law::{FrictionLaw, Law};
 
 /// Natural residual of a problem.
@@ -75,17 +75,19 @@ pub fn natural_residual(
 /// what tells.
 pub(super) fn approach(problem: &ContactProblem, velocity: &[f64]) -> Option<(usize, f64)> {
     let xi = ContactVelocity { velocity, restitution: &problem.restitution };
-    let (mut fastest, mut limit, mut load) = (None, 0.0, 0.0_f64);
+    let (mut fastest, mut limit) = (None, 0.0);
     for (i, rows) in problem.contacts.iter().enumerate() {
-        if rows.normal == NormalForce::Unilateral {
-            let row = rows.offset;
-            load = load.max((problem.free_velocity[row] + problem.restitution[row]).abs());
-            if -xi.of(row) > limit {
-                (limit, fastest) = (-xi.of(row), Some(i));
-            }
+        if rows.normal == NormalForce::Unilateral && -xi.of(rows.offset) > limit {
+            (limit, fastest) = (-xi.of(rows.offset), Some(i));
         }
     }
-    fastest.map(|contact| (contact, limit / load)).filter(|(_, relative)| *relative > 1e-2)
+    let contact = fastest?;
+    let unilateral = problem.contacts.iter().filter(|rows| rows.normal_rows() == 1);
+    let load =
+        |rows: &ContactRows| problem.free_velocity[rows.offset] + problem.restitution[rows.offset];
+    let largest = unilateral.fold(0.0, |m: f64, rows| m.max(load(rows).abs()));
+    let relative = limit / largest;
+    (relative > 1e-2).then_some((contact, relative))
 }
 
 /// Whether percussions are more than `factor` times what the loads would need one by one; stacks and vaults

@@ -1,0 +1,66 @@
+//! When a solver stops.
+
+use std::time::Instant;
+
+use super::natural::natural_map;
+use super::residual::{self, Residual, natural_residual};
+use crate::contact::ContactProblem;
+
+/// What decides whether a problem is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// [`natural_residual`]: the largest relative defect of a contact.
+    Contact,
+    /// [`natural_map`]: the defect of all contacts together.
+    Global,
+}
+
+/// When a solver stops.
+#[derive(Clone, Copy)]
+pub struct Stop<'a> {
+    /// Largest residual that counts as solved.
+    pub tolerance: f64,
+    /// Which residual.
+    pub measure: Measure,
+    /// Wall clock limit.
+    pub deadline: Option<Instant>,
+    /// Asked between sweeps; the solver gives up when it answers yes.
+    pub cancelled: Option<&'a dyn Fn() -> bool>,
+}
+
+impl Stop<'_> {
+    /// Stops at the tolerance only.
+    pub fn at(tolerance: f64) -> Self {
+        Self { tolerance, measure: Measure::Contact, deadline: None, cancelled: None }
+    }
+
+    /// The residual that decides.
+    pub(super) fn residual(
+        &self,
+        problem: &ContactProblem,
+        percussion: &[f64],
+        velocity: &[f64],
+    ) -> Residual {
+        let contact = natural_residual(problem, percussion, velocity);
+        let mut residual = match self.measure {
+            Measure::Contact => contact,
+            Measure::Global => {
+                let value = natural_map(problem, percussion, velocity);
+                Residual { value, ..contact }
+            }
+        };
+        // Small defects do not count while a contact goes on approaching.
+        if let Some((worst_contact, value)) = residual::approach(problem, velocity)
+            && !(residual.value > value)
+        {
+            residual = Residual { value, worst_contact };
+        }
+        residual
+    }
+
+    /// Whether to give up before the tolerance is reached.
+    pub(super) fn early(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+            || self.cancelled.is_some_and(|cancelled| cancelled())
+    }
+}
