@@ -44,8 +44,7 @@ fn bodies(law: impl Into<Law>) -> RigidBodies {
 }
 
 /// Allocations in steps during which the same contacts are closed.
-fn allocations(system: &dyn System, q: &[f64], u: &[f64]) -> usize {
-    let solver = Solver::Exact { max_sweeps: 500 };
+fn allocations(solver: Solver, system: &dyn System, q: &[f64], u: &[f64]) -> usize {
     let mut stepper = Stepper::new(system, solver, 1e-9, 1e-3, q, u).unwrap();
     // Until the solver's buffers have met every kind of contact.
     for _ in 0..200 {
@@ -90,12 +89,21 @@ fn steps_do_not_allocate_while_contacts_stay() {
         ellipse().with_rate(rate)
     };
     let laws: [&dyn Fn() -> FrictionLaw<2>; 2] = [&ellipse, &rated];
-    for law in laws {
+    let solvers = [
+        Solver::Exact { max_sweeps: 500 },
+        Solver::Auto { interior_point: true, threads: 1 },
+        Solver::ProximalPoint { max_iterations: 1000 },
+    ];
+    for (law, solver) in laws.iter().flat_map(|law| solvers.map(|solver| (law, solver))) {
         let (stiffness, velocity) = (Matrix2::identity(), Vector2::new(0.3, 0.4));
         let belt = mass_on_belt(1.0, stiffness, law(), 1.0, velocity).unwrap();
-        assert_eq!(allocations(&belt, &[0.0; 2], &[0.0; 2]), 0, "dense");
+        assert_eq!(allocations(solver, &belt, &[0.0; 2], &[0.0; 2]), 0, "dense, {solver:?}");
         let system = bodies(law());
-        assert_eq!(allocations(&system, system.q0(), system.u0()), 0, "body by body");
+        assert_eq!(
+            allocations(solver, &system, system.q0(), system.u0()),
+            0,
+            "body by body, {solver:?}"
+        );
     }
     let bytes = bytes_per_slider();
     println!("{bytes} bytes per slider");

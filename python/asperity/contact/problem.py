@@ -319,7 +319,9 @@ class ContactProblem(Value):
         if number >= len(self.laws):
             raise ParameterError("contact", f"must be below {len(self.laws)}, got {number}")
         if self.laws[number].dimension > 2:
-            raise ParameterError("contact", "must have p = 1 or 2: solutions with p = 3 are not listed")
+            raise ParameterError(
+                "contact", "must have p = 1 or 2: solutions with p = 3 are not listed"
+            )
         held = np.zeros(self.free_velocity.size) if percussion is None else percussion
         found = self._core.solutions(number, self._percussion(held))
         return [LocalSolution(**solution) for solution in found]

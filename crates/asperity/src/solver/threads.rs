@@ -20,11 +20,11 @@ pub(super) struct Threads(Option<Arc<ThreadPool>>);
 impl Threads {
     /// At most `count` threads for so many contacts, not more than the machine has.
     pub(super) fn new(count: usize, contacts: usize) -> Self {
-        let available = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let count = count.min(available.max(4));
         if count <= 1 || contacts <= LEAF {
             return Self(None);
         }
+        let available = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let count = count.min(available.max(4));
         let process = std::process::id();
         let Ok(mut pools) = POOLS.lock() else { return Self(None) };
         pools.retain(|(id, ..)| *id == process);
