@@ -179,6 +179,12 @@ impl ContactProblem {
         self.rows() as f64 / traces.sum::<f64>()
     }
 
+    /// `‖b + e γ_B‖`.
+    pub(crate) fn load_norm(&self) -> f64 {
+        let loads = self.free_velocity.iter().zip(&self.restitution);
+        loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>().sqrt()
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.free_velocity.len()

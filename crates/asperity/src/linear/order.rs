@@ -1,6 +1,6 @@
 //! Orderings and elimination trees of symmetric patterns.
 
-/// The lower neighbours of every node: `neighbours[starts[i]..starts[i + 1]]`, symmetric, self included.
+/// The neighbours of every node, itself included: `neighbours[starts[i]..starts[i + 1]]`, symmetric.
 pub(super) struct Graph<'a> {
     pub(super) starts: &'a [usize],
     pub(super) neighbours: &'a [usize],

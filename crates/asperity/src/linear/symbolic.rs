@@ -26,7 +26,7 @@ pub(super) struct Front {
     pub(super) rows: Vec<usize>,
     /// Where the rows beyond the pivots go in the parent's front.
     pub(super) into_parent: Vec<usize>,
-    /// Number of children; they are the last fronts before this one that are not yet taken.
+    /// Children; their contributions are the last ones on the stack when this front comes.
     pub(super) children: Vec<usize>,
     pub(super) placements: Vec<Placement>,
 }

@@ -17,10 +17,8 @@ pub fn natural_map(problem: &ContactProblem, percussion: &[f64], velocity: &[f64
     for i in 0..problem.contacts.len() {
         defect += contact_defect(problem, i, rho, percussion, velocity);
     }
-    let squares = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
-    let loads = problem.free_velocity.iter().zip(&problem.restitution);
-    let loads = loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>();
-    let scale = f64::max(squares(percussion), rho * rho * loads);
+    let squares = percussion.iter().map(|p| p * p).sum::<f64>();
+    let scale = f64::max(squares, (rho * problem.load_norm()).powi(2));
     if defect == 0.0 { 0.0 } else { f64::sqrt(defect / scale) }
 }
 

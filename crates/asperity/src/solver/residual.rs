@@ -93,11 +93,9 @@ pub(super) fn approach(problem: &ContactProblem, velocity: &[f64]) -> Option<(us
 /// Whether percussions are more than `factor` times what the loads would need one by one; stacks and vaults
 /// need some hundreds.
 pub(super) fn has_grown(problem: &ContactProblem, percussion: &[f64], factor: f64) -> bool {
-    let loads = problem.free_velocity.iter().zip(&problem.restitution);
-    let loads = loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>();
     let squares = percussion.iter().map(|p| p * p).sum::<f64>();
     // The comparison also finds NaN.
-    !(squares <= (factor * problem.global_rho()).powi(2) * loads)
+    !(squares <= (factor * problem.global_rho() * problem.load_norm()).powi(2))
 }
 
 /// Growth beyond which a contact that goes on approaching has no solution, and beyond which a start is not

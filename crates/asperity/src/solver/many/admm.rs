@@ -6,6 +6,7 @@
 
 use nalgebra::Vector4;
 
+use super::cones::own_rows;
 use super::{Many, Method, Run};
 use crate::solver::natural_map::Small;
 
@@ -73,11 +74,9 @@ impl Run<'_, '_> {
         admm.y.clear();
         admm.w.clear();
         for (i, rows) in problem.contacts.iter().enumerate() {
-            let own = |values: &[f64], k: usize| {
-                if k < rows.len() { values[rows.offset + k] } else { 0.0 }
-            };
-            let p = V::from_fn(|k, _| own(centre, k));
-            let xi = V::from_fn(|k, _| own(velocity, k) + own(&problem.restitution, k));
+            let own = |values: &[f64]| own_rows(values, rows.offset, rows.len());
+            let p = own(centre);
+            let xi = own(velocity) + own(&problem.restitution);
             let mut v = cones.k[i] * xi;
             v[0] = v[0].max(0.0) + v.rows(1, 3).norm();
             admm.y.push(cones.t[i] * p);
@@ -98,10 +97,8 @@ impl Run<'_, '_> {
         let Many { admm, cones, matrix, .. } = &mut *self.many;
         let problem = self.problem;
         for (i, rows) in problem.contacts.iter().enumerate() {
-            let load = |k: usize| {
-                problem.free_velocity[rows.offset + k] + problem.restitution[rows.offset + k]
-            };
-            let b = V::from_fn(|k, _| if k < rows.len() { load(k) } else { 0.0 });
+            let own = |values: &[f64]| own_rows(values, rows.offset, rows.len());
+            let b = own(&problem.free_velocity) + own(&problem.restitution);
             let mut right = (admm.y[i] - admm.w[i]) * penalty - cones.k[i] * b;
             right[0] -= penalty * admm.w[i].rows(1, 3).norm();
             admm.step[rows.offset..rows.offset + rows.len()]
@@ -110,8 +107,7 @@ impl Run<'_, '_> {
         matrix.solve(problem, &mut admm.step);
         let (mut primal, mut dual, mut size) = (0.0, 0.0, 0.0);
         for (i, rows) in problem.contacts.iter().enumerate() {
-            let p =
-                V::from_fn(|k, _| if k < rows.len() { admm.step[rows.offset + k] } else { 0.0 });
+            let p = own_rows(&admm.step, rows.offset, rows.len());
             let x = cones.t[i] * p;
             let y = project(&(x + admm.w[i]));
             primal += (x - y).norm_squared();
@@ -120,7 +116,7 @@ impl Run<'_, '_> {
             admm.w[i] += x - y;
             admm.y[i] = y;
         }
-        let loads: f64 = problem.free_velocity.iter().map(|b| b * b).sum();
+        let loads = problem.load_norm().powi(2);
         let relative = |square: f64, of: f64| (square / of.max(f64::MIN_POSITIVE)).sqrt();
         (relative(primal, size), relative(dual * penalty * penalty, loads).max(f64::MIN_POSITIVE))
     }

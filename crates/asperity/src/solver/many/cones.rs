@@ -5,6 +5,7 @@
 //! operator, whatever the two ellipsoids are.
 
 use asperity_set::{Convex, ConvexSet, Matrix, Star, Vector};
+use nalgebra::Vector4;
 
 use crate::contact::{ContactProblem, NormalForce};
 use crate::law::{FrictionLaw, Law};
@@ -75,4 +76,9 @@ fn to_ball<const P: usize>(set: &Convex<P>) -> Option<Matrix<P>> {
         }
         _ => None,
     }
+}
+
+/// Rows of a contact as a vector, the rest zero.
+pub(super) fn own_rows(values: &[f64], offset: usize, len: usize) -> Vector4<f64> {
+    Vector4::from_fn(|i, _| if i < len { values[offset + i] } else { 0.0 })
 }

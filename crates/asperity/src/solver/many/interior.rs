@@ -7,7 +7,7 @@
 
 use nalgebra::Vector4;
 
-use super::cones::Cones;
+use super::cones::{Cones, own_rows};
 use super::newton_matrix::NewtonMatrix;
 use super::{Many, Method, Run};
 use crate::contact::ContactProblem;
@@ -67,7 +67,7 @@ impl Run<'_, '_> {
     /// Iterates until the natural map is below `goal`, the problem is solved or the iterations are made.
     pub(super) fn interior_point(&mut self, max_iterations: usize, goal: f64) {
         let problem = self.problem;
-        let size = self.loads() / (problem.contacts.len() as f64).sqrt();
+        let size = problem.load_norm() / (problem.contacts.len() as f64).sqrt();
         let units =
             Units { rho: problem.global_rho(), velocity: if size > 0.0 { size } else { 1.0 } };
         self.many.interior.start(problem);
@@ -229,10 +229,6 @@ impl Point {
         self.theta = (w * w.transpose() * 2.0 + j) * (eta * eta);
         self.weight = 1.0 / (1.0 + eta * eta * 2.0 * w.norm_squared());
     }
-}
-
-fn own_rows(values: &[f64], offset: usize, len: usize) -> V {
-    V::from_fn(|i, _| if i < len { values[offset + i] } else { 0.0 })
 }
 
 fn tangent(v: &V) -> nalgebra::Vector3<f64> {

@@ -26,7 +26,7 @@ pub(super) use phases::{automatic, single};
 use admm::Admm;
 use cones::Cones;
 use interior::Interior;
-use newton::{Goal, Newton, norm};
+use newton::{Newton, norm};
 use newton_matrix::NewtonMatrix;
 
 /// Buffers of the phases.
@@ -134,11 +134,6 @@ impl<'a, 'b> Run<'a, 'b> {
         self.many.matrix.prepare(self.problem);
     }
 
-    fn newton(&mut self, percussion: &mut [f64], centre: &[f64], goal: Goal) -> (f64, usize) {
-        let Many { newton, matrix, .. } = &mut *self.many;
-        newton.solve(self.problem, matrix, percussion, centre, goal, self.stop)
-    }
-
     /// One sweep of exact one-contact solves over the workspace's percussions.
     fn sweep(&mut self) {
         let first = self.sweeps == 0;
@@ -195,13 +190,7 @@ impl<'a, 'b> Run<'a, 'b> {
 
     /// `max(‖P‖, ρ‖b‖)`, what defects are compared with.
     fn scale(&self, percussion: &[f64]) -> f64 {
-        f64::max(norm(percussion), self.problem.global_rho() * self.loads())
-    }
-
-    /// `‖b + e γ_B‖`.
-    fn loads(&self) -> f64 {
-        let loads = self.problem.free_velocity.iter().zip(&self.problem.restitution);
-        loads.map(|(b, e)| (b + e) * (b + e)).sum::<f64>().sqrt()
+        f64::max(norm(percussion), self.problem.global_rho() * self.problem.load_norm())
     }
 
     /// Smallest relative `‖F‖` that is asked for.

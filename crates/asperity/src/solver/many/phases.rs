@@ -136,12 +136,8 @@ impl Run<'_, '_> {
     /// Newton's method on the problem itself, with as much regularisation as rounding has.
     fn plain_newton(&mut self, max_iterations: usize) {
         let grade = self.adopt_best();
-        let goal = self.inner_goal(grade, 0.0, 0.0, max_iterations);
-        let centre = std::mem::take(&mut self.many.centre);
-        let mut trial = std::mem::take(&mut self.many.trial);
-        trial.copy_from_slice(&centre);
-        let (_, iterations) = self.newton(&mut trial, &centre, goal);
-        (self.many.centre, self.many.trial) = (centre, trial);
+        let goal = self.inner_goal(grade, 0.0, max_iterations);
+        let (_, iterations) = self.newton_from_centre(goal);
         self.grade_trial();
         self.record(Method::Newton, iterations, self.many.newton.factorizations);
     }

@@ -22,71 +22,110 @@ const LOST: usize = 300;
 /// New starts without success after which it gives up.
 const STARTS: usize = 2 * FACTORS.len();
 
+/// `ε` and the prox parameters from one outer step to the next.
+struct Schedule {
+    epsilon: f64,
+    turn: usize,
+    /// Steps for which `ε` does not fall after a failure, and how many there will be after the next one.
+    hold: usize,
+    patience: usize,
+    restarts: usize,
+}
+
+impl Schedule {
+    fn new(grade: f64) -> Self {
+        let epsilon = (100.0 * grade).clamp(1e-6, 1e-2);
+        Self { epsilon, turn: 0, hold: 0, patience: 2, restarts: 0 }
+    }
+
+    fn factor(&self) -> f64 {
+        FACTORS[self.turn]
+    }
+
+    /// An inner solve succeeded.
+    fn tighten(&mut self, iterations: usize) {
+        self.hold = self.hold.saturating_sub(1);
+        if self.hold == 0 && iterations <= FEW {
+            let cut = if iterations <= VERY_FEW { 10.0 } else { 4.0 };
+            self.epsilon = (self.epsilon / cut).max(1e-10);
+        }
+    }
+
+    /// An inner solve failed and led nowhere.
+    fn relax(&mut self) {
+        self.turn = (self.turn + 1) % FACTORS.len();
+        self.epsilon = (4.0 * self.epsilon).min(1e3);
+        self.patience = (2 * self.patience).min(16);
+        self.hold = self.patience;
+    }
+
+    /// From no percussions, with the next parameters in turn.
+    fn restart(&mut self) {
+        let turn = self.restarts % FACTORS.len();
+        *self = Self { turn, restarts: self.restarts + 1, ..Self::new(1.0) };
+    }
+}
+
 impl Run<'_, '_> {
     /// Iterates until the problem is solved, the stop says so or `max_iterations` outer steps are made.
     pub(super) fn proximal_point(&mut self, max_iterations: usize) {
         let problem = self.problem;
-        let unit = 1.0 / problem.global_rho();
         let mut grade = self.adopt_best();
-        let mut epsilon = (100.0 * grade).clamp(1e-6, 1e-2);
-        let (mut hold, mut patience, mut turn) = (0_usize, 2, 0);
-        self.many.newton.scale_rho(problem, FACTORS[turn]);
+        let mut schedule = Schedule::new(grade);
+        self.many.newton.scale_rho(problem, schedule.factor());
         let before = self.many.newton.factorizations;
-        let (mut outer, mut lost, mut restarts) = (0, 0, 0);
-        let mut lowest = grade;
+        let (mut outer, mut lost, mut lowest) = (0, 0, grade);
         while !self.solved && outer < max_iterations && !self.stop.early() {
             outer += 1;
-            let goal = self.inner_goal(grade, epsilon, unit, INNER);
-            let centre = std::mem::take(&mut self.many.centre);
-            let mut trial = std::mem::take(&mut self.many.trial);
-            trial.copy_from_slice(&centre);
-            let (norm, iterations) = self.newton(&mut trial, &centre, goal);
-            (self.many.centre, self.many.trial) = (centre, trial);
+            let goal = self.inner_goal(grade, schedule.epsilon, INNER);
+            let (norm, iterations) = self.newton_from_centre(goal);
             let found = self.grade_trial();
             if self.solved {
                 break;
             }
             lost = if found < lowest { 0 } else { lost + 1 };
             lowest = lowest.min(found);
-            if lost == LOST && restarts == STARTS {
-                break;
-            }
             if lost == LOST {
+                if schedule.restarts == STARTS {
+                    break;
+                }
                 self.many.centre.fill(0.0);
-                turn = restarts % FACTORS.len();
-                self.many.newton.scale_rho(problem, FACTORS[turn]);
-                restarts += 1;
-                (grade, epsilon, hold, patience, lost) = (1.0, 1e-2, 0, 2, 0);
-                continue;
-            }
-            if norm > goal.tolerance {
+                schedule.restart();
+                self.many.newton.scale_rho(problem, schedule.factor());
+                (grade, lost) = (1.0, 0);
+            } else if norm <= goal.tolerance {
+                grade = self.adopt_trial(found);
+                if self.runs_away() {
+                    break;
+                }
+                schedule.tighten(iterations);
+            } else {
                 grade = self.sweep_from_centre(grade);
                 if found > 0.7 * grade {
-                    turn = (turn + 1) % FACTORS.len();
-                    self.many.newton.scale_rho(problem, FACTORS[turn]);
-                    epsilon = (4.0 * epsilon).min(1e3);
-                    patience = (2 * patience).min(16);
-                    hold = patience;
+                    schedule.relax();
+                    self.many.newton.scale_rho(problem, schedule.factor());
                 } else {
-                    self.many.centre.copy_from_slice(&self.many.trial);
-                    grade = found;
-                    epsilon *= 2.0;
+                    grade = self.adopt_trial(found);
+                    schedule.epsilon *= 2.0;
                 }
-                continue;
-            }
-            self.many.centre.copy_from_slice(&self.many.trial);
-            grade = found;
-            if self.runs_away() {
-                break;
-            }
-            hold = hold.saturating_sub(1);
-            if hold == 0 && iterations <= FEW {
-                let cut = if iterations <= VERY_FEW { 10.0 } else { 4.0 };
-                epsilon = (epsilon / cut).max(1e-10);
             }
         }
         let factorizations = self.many.newton.factorizations - before;
         self.record(Method::ProximalPoint, outer, factorizations);
+    }
+
+    /// Newton's method from the centre, the proximal point of which it looks for, to the trial.
+    pub(super) fn newton_from_centre(&mut self, goal: Goal) -> (f64, usize) {
+        let Many { newton, matrix, centre, trial, .. } = &mut *self.many;
+        trial.copy_from_slice(centre);
+        newton.solve(self.problem, matrix, trial, centre, goal, self.stop)
+    }
+
+    /// Makes the trial the centre, with its grade.
+    fn adopt_trial(&mut self, found: f64) -> f64 {
+        let Many { centre, trial, .. } = &mut *self.many;
+        centre.copy_from_slice(trial);
+        found
     }
 
     /// Whether percussions grow without bound and yet some contact goes on approaching: there is no solution.
@@ -99,43 +138,30 @@ impl Run<'_, '_> {
 
     /// A short attempt with little regularisation: it ends the work where `G` has full rank.
     pub(super) fn newton_attempt(&mut self, max_iterations: usize) {
-        let problem = self.problem;
-        let unit = 1.0 / problem.global_rho();
         let mut grade = self.adopt_best();
-        self.many.newton.scale_rho(problem, 1.0);
+        self.many.newton.scale_rho(self.problem, 1.0);
         let before = self.many.newton.factorizations;
-        let mut epsilon = 1e-4;
-        let mut total = 0;
+        let (mut epsilon, mut total) = (1e-4, 0);
         for _ in 0..3 {
-            let goal = self.inner_goal(grade, epsilon, unit, max_iterations);
-            let centre = std::mem::take(&mut self.many.centre);
-            let mut trial = std::mem::take(&mut self.many.trial);
-            trial.copy_from_slice(&centre);
-            let (norm, iterations) = self.newton(&mut trial, &centre, goal);
-            (self.many.centre, self.many.trial) = (centre, trial);
+            let goal = self.inner_goal(grade, epsilon, max_iterations);
+            let (norm, iterations) = self.newton_from_centre(goal);
             total += iterations;
             let found = self.grade_trial();
             if self.solved || norm > goal.tolerance || found > 0.1 * grade || self.stop.early() {
                 break;
             }
-            self.many.centre.copy_from_slice(&self.many.trial);
-            grade = found;
+            grade = self.adopt_trial(found);
             epsilon *= 1e-2;
         }
         self.record(Method::Newton, total, self.many.newton.factorizations - before);
     }
 
     /// Accuracy of an inner solve: a hundredth of the present defect, more where the outer step is long.
-    pub(super) fn inner_goal(
-        &self,
-        grade: f64,
-        epsilon: f64,
-        unit: f64,
-        max_iterations: usize,
-    ) -> Goal {
+    pub(super) fn inner_goal(&self, grade: f64, epsilon: f64, max_iterations: usize) -> Goal {
         let scale = self.scale(&self.many.centre);
         let relative = (0.01 * grade * (10.0 * epsilon).min(1.0)).max(self.floor());
-        Goal { epsilon: epsilon * unit, tolerance: relative * scale, max_iterations }
+        let epsilon = epsilon / self.problem.global_rho();
+        Goal { epsilon, tolerance: relative * scale, max_iterations }
     }
 
     /// Sweeps from the centre, kept if they improve it; the grade of the centre.
