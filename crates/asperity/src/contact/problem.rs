@@ -134,7 +134,7 @@ impl ContactProblem {
     pub(crate) fn blocks(&self) -> BlockMatrix {
         let sizes: Vec<usize> = self.contacts.iter().map(ContactRows::len).collect();
         let all: Vec<usize> = (0..sizes.len()).collect();
-        let mut blocks = BlockMatrix::from_pattern(&sizes, &vec![all; sizes.len()]);
+        let mut blocks = BlockMatrix::with_pattern(&sizes, &vec![all; sizes.len()]);
         self.refill(&mut blocks);
         blocks
     }

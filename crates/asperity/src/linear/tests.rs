@@ -29,7 +29,7 @@ fn example(nodes: usize, chords: usize, seed: &mut u64) -> BlockMatrix {
         list.dedup();
     }
     let sizes: Vec<usize> = (0..nodes).map(|i| 1 + i % 4).collect();
-    let mut matrix = BlockMatrix::from_pattern(&sizes, &neighbours);
+    let mut matrix = BlockMatrix::with_pattern(&sizes, &neighbours);
     for value in matrix.values_mut() {
         *value = random(seed);
     }
@@ -76,7 +76,7 @@ fn solves_as_a_dense_factorisation_does() {
 
 #[test]
 fn a_vanishing_pivot_is_reported() {
-    let matrix = BlockMatrix::from_pattern(&[2, 2], &[vec![0, 1], vec![0, 1]]);
+    let matrix = BlockMatrix::with_pattern(&[2, 2], &[vec![0, 1], vec![0, 1]]);
     let symbolic = Symbolic::new(&matrix);
     let mut numeric = Numeric::default();
     numeric.reserve(&symbolic);

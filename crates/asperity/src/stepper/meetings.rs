@@ -40,7 +40,7 @@ impl Meetings {
     /// that solvers may eliminate there.
     pub(super) fn delassus(&self, bodies: &RigidBodies, contacts: &[ContactRows]) -> Delassus {
         let sizes: Vec<usize> = contacts.iter().map(ContactRows::len).collect();
-        let blocks = BlockMatrix::from_pattern(&sizes, &self.neighbours);
+        let blocks = BlockMatrix::with_pattern(&sizes, &self.neighbours);
         let hyperstatic = blocks.rows() > self.touched * bodies.velocities_per_body();
         // A factor of the speed scales columns of G only.
         let rated = contacts.iter().any(|contact| contact.law.rate().is_some());

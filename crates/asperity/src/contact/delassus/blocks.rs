@@ -22,15 +22,32 @@ pub struct BlockMatrix {
 }
 
 impl BlockMatrix {
-    /// Zeros where contact `i` and the contacts `neighbours[i]` meet; contacts have `sizes` rows.
-    pub fn from_pattern(sizes: &[usize], neighbours: &[Vec<usize>]) -> Self {
+    /// Zeros where contact `i` and the contacts `neighbours[i]`, ascending, meet; contacts have `sizes` rows.
+    pub fn from_pattern(sizes: &[usize], neighbours: &[Vec<usize>]) -> Result<Self, ProblemError> {
+        let structure = |message| Err(ProblemError::Structure { argument: "delassus", message });
+        if sizes.len() != neighbours.len() {
+            return structure("must have one list of neighbours per contact");
+        }
+        if sizes.iter().any(|size| !(1..=4).contains(size)) {
+            return structure("must have 1 to 4 rows per contact");
+        }
+        let ascending = |list: &Vec<usize>| list.windows(2).all(|pair| pair[0] < pair[1]);
+        let within = |list: &Vec<usize>| list.iter().all(|&j| j < sizes.len());
+        if !neighbours.iter().all(|list| ascending(list) && within(list)) {
+            return structure("must have neighbours that ascend and are contacts");
+        }
+        Ok(Self::with_pattern(sizes, neighbours))
+    }
+
+    /// The same without checks, for blocks of any size.
+    pub(crate) fn with_pattern(sizes: &[usize], neighbours: &[Vec<usize>]) -> Self {
         let mut matrix = Self::default();
         matrix.reset(sizes, neighbours.iter().map(|row| row.iter().copied()));
         matrix
     }
 
     /// A new pattern in the old buffers; missing diagonal blocks are added.
-    pub fn reset<R: Iterator<Item = usize>>(
+    pub(crate) fn reset<R: Iterator<Item = usize>>(
         &mut self,
         sizes: &[usize],
         neighbours: impl Iterator<Item = R>,
@@ -90,7 +107,7 @@ impl BlockMatrix {
             list.sort_unstable();
             list.dedup();
         }
-        let mut blocks = Self::from_pattern(sizes, &neighbours);
+        let mut blocks = Self::with_pattern(sizes, &neighbours);
         for (row, &i) in contact_of.iter().enumerate() {
             let (columns, values) = matrix.row(row);
             let mut k = blocks.starts[i];

@@ -101,7 +101,7 @@ fn assemble(mass: &Csr, directions: &Csr, sizes: &[usize]) -> Result<BlockMatrix
         list.sort_unstable();
         list.dedup();
     }
-    let mut blocks = BlockMatrix::from_pattern(sizes, &neighbours);
+    let mut blocks = BlockMatrix::with_pattern(sizes, &neighbours);
     for (dofs, contacts) in members.iter().zip(&contacts) {
         add_part(mass, directions, (dofs, &position), (contacts, sizes, &offsets), &mut blocks)?;
     }

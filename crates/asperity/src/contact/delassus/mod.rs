@@ -190,7 +190,7 @@ fn probe(
     columns: impl Fn(usize) -> Vec<usize>,
 ) -> BlockMatrix {
     let neighbours: Vec<Vec<usize>> = (0..sizes.len()).map(columns).collect();
-    let mut blocks = BlockMatrix::from_pattern(sizes, &neighbours);
+    let mut blocks = BlockMatrix::with_pattern(sizes, &neighbours);
     let offsets = blocks.offsets().to_vec();
     let (mut unit, mut response) = (vec![0.0; rows], vec![0.0; rows]);
     for j in 0..sizes.len() {

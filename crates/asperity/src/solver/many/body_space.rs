@@ -85,7 +85,7 @@ impl BodySpace {
             list.dedup();
         }
         let mut space =
-            Self { matrix: BlockMatrix::from_pattern(&sizes, &neighbours), ..Self::default() };
+            Self { matrix: BlockMatrix::with_pattern(&sizes, &neighbours), ..Self::default() };
         let offsets = space.matrix.offsets().to_vec();
         let block = |i: usize, j: usize| neighbours[i].partition_point(|&other| other < j);
         for dof in 0..mass.rows() {

@@ -1,0 +1,172 @@
+//! One operator in all its forms: the same products, the same solutions.
+
+use std::sync::Arc;
+
+use asperity::contact::{
+    BlockMatrix, ContactProblem, Csr, Delassus, DelassusOperator, Factored, MatrixFree, Memory,
+    NormalForce, ProblemError,
+};
+use asperity::law::{FrictionLaw, Law};
+use asperity::solver::{ProxStep, SolveReport, Solver, Status, Stop, Workspace};
+use nalgebra::DMatrix;
+
+const CONTACTS: usize = 6;
+const DOF: usize = 24;
+
+/// Reproducible numbers in (−1, 1).
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+fn csr(argument: &'static str, matrix: &DMatrix<f64>) -> Csr {
+    let (mut starts, mut indices, mut values) = (vec![0], vec![], vec![]);
+    for row in matrix.row_iter() {
+        for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+            indices.push(j);
+            values.push(*value);
+        }
+        starts.push(indices.len());
+    }
+    Csr::new(argument, matrix.shape(), starts, indices, values).unwrap()
+}
+
+#[derive(Debug)]
+struct Products(DMatrix<f64>);
+
+impl DelassusOperator for Products {
+    fn rows(&self) -> usize {
+        self.0.nrows()
+    }
+
+    fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
+        for (i, value) in velocity.iter_mut().enumerate() {
+            *value = percussion.iter().enumerate().map(|(j, p)| self.0[(i, j)] * p).sum();
+        }
+    }
+}
+
+/// Mass and directions of bodies with four velocities each, two contacts sharing each pair of bodies.
+fn bodies() -> (DMatrix<f64>, DMatrix<f64>) {
+    let mut seed = 3;
+    let mut mass = DMatrix::zeros(DOF, DOF);
+    for body in 0..DOF / 4 {
+        let root = DMatrix::from_fn(4, 4, |_, _| random(&mut seed));
+        let block = &root * root.transpose() + DMatrix::identity(4, 4);
+        mass.view_mut((4 * body, 4 * body), (4, 4)).copy_from(&block);
+    }
+    let mut directions = DMatrix::zeros(3 * CONTACTS, DOF);
+    for contact in 0..CONTACTS {
+        for body in [contact, (contact + 1) % (DOF / 4)] {
+            for row in 0..3 {
+                for velocity in 0..4 {
+                    directions[(3 * contact + row, 4 * body + velocity)] = random(&mut seed);
+                }
+            }
+        }
+    }
+    (mass, directions)
+}
+
+fn forms() -> Vec<(&'static str, Delassus)> {
+    let (mass, directions) = bodies();
+    let dense = &directions * mass.clone().try_inverse().unwrap() * directions.transpose();
+    let sizes = [3; CONTACTS];
+    let factored = Factored::new(csr("mass", &mass), csr("directions", &directions), &sizes);
+    let blocks = BlockMatrix::from_csr(&csr("delassus", &dense), &sizes).unwrap();
+    let free = MatrixFree::new(Arc::new(Products(dense.clone())), &sizes).unwrap();
+    vec![
+        ("dense", dense.into()),
+        ("blocks", blocks.into()),
+        ("factored", factored.unwrap().into()),
+        ("matrix-free", free.into()),
+    ]
+}
+
+fn problem(delassus: Delassus) -> ContactProblem {
+    let mut seed = 9;
+    let free = (0..3 * CONTACTS).map(|row| random(&mut seed) - f64::from(u8::from(row % 3 == 0)));
+    let law: Law = FrictionLaw::<2>::isotropic(0.4).unwrap().into();
+    let contacts = (0..CONTACTS).map(|_| (law.clone(), NormalForce::Unilateral));
+    ContactProblem::new(delassus, free.collect(), contacts).unwrap()
+}
+
+fn solve(solver: Solver, problem: &ContactProblem) -> (SolveReport, Vec<f64>) {
+    let mut workspace = Workspace::default();
+    workspace.prepare(problem);
+    let mut memory = Memory::new(problem.rows(), problem.contacts().len());
+    let report = solver.solve(problem, Stop::at(1e-11), &mut memory, &mut workspace);
+    (report, workspace.velocity)
+}
+
+#[test]
+fn forms_of_one_operator_agree() {
+    let auto = Solver::Auto { interior_point: true, threads: 1 };
+    let (_, reference) = solve(Solver::Exact { max_sweeps: 10_000 }, &problem(forms().remove(0).1));
+    let dense = forms()[0].1.to_dense();
+    let extremes = dense.clone().symmetric_eigenvalues();
+    for (name, delassus) in forms() {
+        assert!((delassus.to_dense() - &dense).amax() < 1e-12, "{name}");
+        assert!((delassus.assembled().to_dense() - &dense).amax() < 1e-12, "{name}");
+        let (low, high) = delassus.spectrum();
+        assert!((high - extremes.max()).abs() < 1e-9 * high, "{name}: {high}");
+        assert!((low - extremes.min()).abs() < 1e-6 * high, "{name}: {low}");
+        let (report, velocity) = solve(auto, &problem(delassus));
+        assert_eq!(report.status, Status::Converged, "{name}");
+        for (a, b) in velocity.iter().zip(&reference) {
+            assert!((a - b).abs() < 1e-7, "{name}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn operators_without_entries_are_for_the_papers_iteration() {
+    let problem = problem(forms().remove(3).1);
+    let jacobi = Solver::ProxJacobi { step: ProxStep::Adaptive, max_iterations: 1_000_000 };
+    assert_eq!(solve(jacobi, &problem).0.status, Status::Converged);
+    let others = [
+        Solver::Exact { max_sweeps: 10 },
+        Solver::Newton { max_iterations: 10 },
+        Solver::ProximalPoint { max_iterations: 10 },
+        Solver::InteriorPoint { max_iterations: 10 },
+        Solver::Admm { max_iterations: 10 },
+        Solver::ProxGaussSeidel { step: ProxStep::Adaptive, max_iterations: 10 },
+    ];
+    for solver in others {
+        assert_eq!(solve(solver, &problem).0.status, Status::NotApplicable, "{solver:?}");
+    }
+}
+
+#[test]
+fn bad_operators_are_named() {
+    let named = |result: Result<(), ProblemError>, argument: &str| {
+        assert_eq!(result.unwrap_err().argument(), argument);
+    };
+    let pattern =
+        |sizes: &[usize], lists: &[Vec<usize>]| BlockMatrix::from_pattern(sizes, lists).map(|_| ());
+    named(pattern(&[3, 3], &[vec![0]]), "delassus");
+    named(pattern(&[3, 3], &[vec![0], vec![2]]), "delassus");
+    named(pattern(&[3, 3], &[vec![1, 0], vec![1]]), "delassus");
+    named(pattern(&[5], &[vec![0]]), "delassus");
+    let (mass, directions) = bodies();
+    let factored = |mass: &DMatrix<f64>, directions: &DMatrix<f64>| {
+        let (mass, directions) = (csr("mass", mass), csr("directions", directions));
+        Factored::new(mass, directions, &[3; CONTACTS]).map(|_| ())
+    };
+    named(factored(&-&mass, &directions), "mass");
+    named(factored(&mass, &directions.rows(0, 6).into_owned()), "directions");
+    let large = 600;
+    let chain = DMatrix::from_fn(large, large, |i, j| match i.abs_diff(j) {
+        0 => 2.0,
+        1 => -0.5,
+        _ => 0.0,
+    });
+    let along = DMatrix::from_fn(3 * CONTACTS, large, |i, j| f64::from(u8::from(i == j)));
+    named(factored(&chain, &along), "mass");
+    let products = Arc::new(Products(DMatrix::identity(4, 4)));
+    named(MatrixFree::new(products, &[3]).map(|_| ()), "delassus");
+    let unsorted = Csr::new("delassus", (1, 2), vec![0, 2], vec![1, 0], vec![1.0, 1.0]);
+    named(unsorted.map(|_| ()), "delassus");
+    let outside = Csr::new("delassus", (1, 2), vec![0, 1], vec![2], vec![1.0]);
+    named(outside.map(|_| ()), "delassus");
+}
