@@ -1,6 +1,6 @@
 """Solve a problem with asperity as a user would: load the file, solve it, no parameter set.
 
-A fresh problem is loaded for every repetition, so that nothing is kept from one to the next. The
+Nothing is kept from one solve to the next but the tables of the laws. The
 solver's name is a class of `asperity`, its default parameters; without a name the default solver.
 """
 
@@ -35,7 +35,7 @@ def call(options: Namespace) -> Prepared:
             )
         )
 
-    return run, lambda: np.asarray(solutions[-1].percussion)
+    return run, lambda: np.asarray(solutions[-1].percussion), solutions.clear
 
 
 if __name__ == "__main__":

@@ -52,7 +52,11 @@ def call(problem: Problem, scale: float, solver: str, storage: str, tolerance: f
     def run(owned: object = (held, matrix)) -> None:
         numerics.fc3d_driver(data, percussion, velocity, options)
 
-    return run, lambda: scale * percussion
+    def reset() -> None:
+        percussion.fill(0.0)
+        velocity.fill(0.0)
+
+    return run, lambda: scale * percussion, reset
 
 
 if __name__ == "__main__":

@@ -16,13 +16,16 @@ from statistics import median
 import numpy as np
 from problem import Problem, grade, load
 
-Prepared = tuple[Callable[[], object], Callable[[], np.ndarray]]
+Call = Callable[[], object]
+Prepared = tuple[Call, Callable[[], np.ndarray]] | tuple[Call, Callable[[], np.ndarray], Call]
 Attempts = Iterator[tuple[str, Callable[[], Prepared]]]
 
 GRACE = 1.05
 """An engine that keeps the limit by itself may answer a little later than the others are killed."""
 ENOUGH = 1.0
 """Seconds of repetitions after which no further one is begun."""
+SHORT, AGAIN = 1e-2, 50
+"""Seconds below which a call is repeated, and how often."""
 
 
 def serve(attempts: Callable[[Problem, argparse.Namespace], Attempts]) -> None:
@@ -53,20 +56,35 @@ def serve(attempts: Callable[[Problem, argparse.Namespace], Attempts]) -> None:
 
 
 def timed(problem: Problem, prepare: Callable[[], Prepared], options: argparse.Namespace) -> tuple:
-    """Return the times of a solver's calls, its residual and its percussions."""
+    """Return the times of a solver's calls, its residual and its percussions.
+
+    An engine that can be reset solves short problems again and again, so that caches are warm for
+    all engines alike; every solve starts from no percussions.
+    """
     times: list[float] = []
     while len(times) < options.repeat and sum(times) < ENOUGH:
-        call, read = prepare()
-        signal.setitimer(signal.ITIMER_REAL, GRACE * options.time_limit)
-        start = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - start)
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        call, read, *reset = prepare()
+        times.append(clock(call, options))
         percussion = read()
         residual = grade(problem, percussion)
         if residual > options.tolerance:
             break
+        if reset and times[-1] < SHORT:
+            for _ in range(AGAIN):
+                reset[0]()
+                times.append(clock(call, options))
+            break
     return {"best": min(times), "median": median(times), "residual": residual}, percussion
+
+
+def clock(call: Call, options: argparse.Namespace) -> float:
+    """Return the time of a call, which a signal ends at the limit."""
+    signal.setitimer(signal.ITIMER_REAL, GRACE * options.time_limit)
+    start = time.perf_counter()
+    call()
+    seconds = time.perf_counter() - start
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
+    return seconds
 
 
 def better(one: dict, other: dict, tolerance: float) -> bool:
