@@ -16,8 +16,10 @@ const FEW: usize = 12;
 const VERY_FEW: usize = 4;
 /// Sweeps after a failed inner solve.
 const SWEEPS: usize = 20;
-/// Outer steps without a new best after which the iteration starts again, from no percussions at all: what
-/// led it astray may be its start.
+/// Sweeps before a new start: some problems only they solve, slowly.
+const LONG_SWEEPS: usize = 1000;
+/// Outer steps without a new best after which the iteration starts again somewhere else: what led it astray
+/// may be its start.
 const LOST: usize = 300;
 /// New starts without success after which it gives up.
 const STARTS: usize = 2 * FACTORS.len();
@@ -59,7 +61,7 @@ impl Schedule {
         self.hold = self.patience;
     }
 
-    /// From no percussions, with the next parameters in turn.
+    /// A new start, with the next parameters in turn.
     fn restart(&mut self) {
         let turn = self.restarts % FACTORS.len();
         *self = Self { turn, restarts: self.restarts + 1, ..Self::new(1.0) };
@@ -89,7 +91,7 @@ impl Run<'_, '_> {
                 if schedule.restarts == STARTS {
                     break;
                 }
-                self.many.centre.fill(0.0);
+                self.new_start(schedule.restarts);
                 schedule.restart();
                 self.many.newton.scale_rho(problem, schedule.factor());
                 (grade, lost) = (1.0, 0);
@@ -119,6 +121,24 @@ impl Run<'_, '_> {
         let Many { newton, matrix, centre, trial, .. } = &mut *self.many;
         trial.copy_from_slice(centre);
         newton.solve(self.problem, matrix, trial, centre, goal, self.stop)
+    }
+
+    /// Puts the centre where the iteration has not been led astray: in turn where many sweeps lead and at
+    /// no percussions.
+    fn new_start(&mut self, restarts: usize) {
+        self.workspace.percussion.fill(0.0);
+        if restarts % 2 == 0 {
+            for k in 1..=LONG_SWEEPS {
+                self.sweep();
+                if k % SWEEPS == 0 {
+                    self.grade_sweeps();
+                }
+                if self.solved || self.stop.early() {
+                    break;
+                }
+            }
+        }
+        self.many.centre.copy_from_slice(&self.workspace.percussion);
     }
 
     /// Makes the trial the centre, with its grade.
