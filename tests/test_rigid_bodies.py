@@ -166,8 +166,7 @@ def test_inertia_in_turned_axes_is_symmetric_to_rounding():
         np.testing.assert_allclose(inertia, given, atol=1e-15)
         np.testing.assert_allclose(np.linalg.eigvalsh(inertia), moments, rtol=1e-14)
     assert rounded > 10
-    tilted = np.diag(moments)
-    tilted[0, 1] = 1e-11
+    tilted = np.diag(moments) + 1e-11 * np.eye(3, k=1)
     with pytest.raises(ParameterError, match="inertia: must be symmetric"):
         asp.Body(1.0, tilted)
 
@@ -189,29 +188,6 @@ def test_initial_state_comes_from_the_bodies():
     np.testing.assert_allclose(system.positions(motion)[0], [[0, 0, 0], [1, 2, 3]])
     np.testing.assert_allclose(system.rotations(motion)[0, 1], axes, atol=1e-15)
     np.testing.assert_allclose(system.angular_velocities(motion)[:, 1], [[0.1, 0.2, 0.3]] * 3)
-
-
-def test_given_quaternions_are_normalised():
-    _, orientation = random_rotation(2)
-    state = {"u0": [0.0, 0.0, 0.0, 1.0, 2.0, 3.0], "dt": 1e-2, "t_end": 1.0}
-    system = asp.RigidBodies([asp.Body(1.0, (1.0, 2.0, 2.5))], gravity=np.zeros(3))
-    expected = asp.simulate(system, q0=[0.0, 0.0, 0.0, *orientation], **state)
-    for length in (1e-200, 0.3, 2.0, 1e200):
-        given = [0.0, 0.0, 0.0, *(length * np.array(orientation))]
-        motion = asp.simulate(system, q0=given, **state)
-        np.testing.assert_allclose(np.linalg.norm(motion.q[:, 3:], axis=1), 1.0, rtol=2e-15)
-        np.testing.assert_allclose(motion.q, expected.q, atol=1e-12)
-    # What is of length one stays to the bit, so that a run can be continued.
-    again = asp.simulate(system, q0=expected.q[-1], **state)
-    np.testing.assert_array_equal(again.q[0], expected.q[-1])
-
-
-@pytest.mark.parametrize("body", [0, 1])
-def test_orientation_of_length_zero_is_refused(body):
-    start = TWO.q0.copy()
-    start[7 * body + 3 : 7 * body + 7] = 0.0
-    with pytest.raises(ParameterError, match=f"q0: the orientation of body {body}"):
-        asp.simulate(TWO, dt=0.1, t_end=0.1, q0=start)
 
 
 def test_planar_bodies_have_an_angle():

@@ -9,6 +9,31 @@ G = 9.81
 FLOOR = asp.Plane()
 
 
+def test_given_quaternions_are_normalised():
+    x, y, z, w = Rotation.random(random_state=2).as_quat()
+    orientation = np.array([w, x, y, z])
+    state = {"u0": [0.0, 0.0, 0.0, 1.0, 2.0, 3.0], "dt": 1e-2, "t_end": 1.0}
+    system = asp.RigidBodies([asp.Body(1.0, (1.0, 2.0, 2.5))], gravity=np.zeros(3))
+    expected = asp.simulate(system, q0=[0.0, 0.0, 0.0, *orientation], **state)
+    for length in (1e-200, 0.3, 2.0, 1e200):
+        given = [0.0, 0.0, 0.0, *(length * orientation)]
+        motion = asp.simulate(system, q0=given, **state)
+        np.testing.assert_allclose(np.linalg.norm(motion.q[:, 3:], axis=1), 1.0, rtol=2e-15)
+        np.testing.assert_allclose(motion.q, expected.q, atol=1e-12)
+    # What is of length one stays to the bit, so that a run can be continued.
+    again = asp.simulate(system, q0=expected.q[-1], **state)
+    np.testing.assert_array_equal(again.q[0], expected.q[-1])
+
+
+@pytest.mark.parametrize("body", [0, 1])
+def test_orientation_of_length_zero_is_refused(body):
+    system = asp.RigidBodies([asp.Body.ball(1.0, 0.1)] * 2)
+    start = system.q0.copy()
+    start[7 * body + 3 : 7 * body + 7] = 0.0
+    with pytest.raises(asp.ParameterError, match=f"q0: the orientation of body {body}"):
+        asp.simulate(system, dt=0.1, t_end=0.1, q0=start)
+
+
 def dropped_ball(spin, *, restitution=0.0, tangential=0.0):
     """Return a ball of 1 kg, R = 0.1 m, dropped from 1 m while turning about −y."""
     ball = asp.Body.ball(1.0, 0.1, position=(0.0, 0.0, 1.0), angular_velocity=(0.0, -spin, 0.0))
