@@ -127,7 +127,7 @@ impl Run<'_, '_> {
     /// no percussions.
     fn new_start(&mut self, restarts: usize) {
         self.workspace.percussion.fill(0.0);
-        if restarts % 2 == 0 {
+        if restarts.is_multiple_of(2) {
             for k in 1..=LONG_SWEEPS {
                 self.sweep();
                 if k % SWEEPS == 0 {
