@@ -1,6 +1,5 @@
 """What readers and other engines found in problems of many contacts, kept from coming back."""
 
-import signal
 import subprocess
 import sys
 
@@ -110,7 +109,7 @@ def test_moving_contacts_are_not_said_to_stick(solver):
 def test_default_solver_follows_the_rule_of_selection():
     law = asp.FrictionLaw(asp.Ellipse(0.3, 0.1, np.deg2rad(30.0)), asp.Ellipse(3.0, 1.0))
     rng = np.random.default_rng(5)
-    compared = different = 0
+    ambiguous = different = 0
     for _ in range(300):
         operator = np.eye(4)
         operator[:2, 2:] = operator[2:, :2] = 1e-6 * np.eye(2)
@@ -119,9 +118,9 @@ def test_default_solver_follows_the_rule_of_selection():
         first = problem.solve(asp.Exact())
         then = problem.replace(free_velocity=before + 0.05 * rng.normal(size=4))
         exact, auto = (then.solve(solver, start=first) for solver in (asp.Exact(), asp.Auto()))
-        compared += 1
+        ambiguous += exact.ambiguous
         different += np.abs(exact.percussion - auto.percussion).max() > 1e-6
-    assert compared == 300
+    assert ambiguous > 0
     assert different == 0
 
 
@@ -143,7 +142,6 @@ except KeyboardInterrupt:
 """
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGINT"), reason="no signals")
 @pytest.mark.parametrize("solver", ["asp.Auto()", "asp.ProximalPoint()", "asp.Exact()"])
 def test_ctrl_c_ends_every_phase(solver):
     code = INTERRUPTED.format(solver=solver)

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Numeric, Symbolic};
-use crate::contact::BlockMatrix;
+use crate::contact::{BlockMatrix, Delassus};
 
 /// Reproducible numbers in (−1, 1).
 fn random(seed: &mut u64) -> f64 {
@@ -42,15 +42,7 @@ fn example(nodes: usize, chords: usize, seed: &mut u64) -> BlockMatrix {
 }
 
 fn dense(matrix: &BlockMatrix) -> DMatrix<f64> {
-    let rows = matrix.rows();
-    let mut out = DMatrix::zeros(rows, rows);
-    let mut unit = vec![0.0; rows];
-    for j in 0..rows {
-        unit[j] = 1.0;
-        matrix.apply(&unit, out.column_mut(j).as_mut_slice());
-        unit[j] = 0.0;
-    }
-    out
+    Delassus::from(matrix.clone()).to_dense()
 }
 
 #[test]

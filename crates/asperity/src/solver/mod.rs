@@ -156,6 +156,10 @@ impl Solver {
         }
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
+        let before = &*memory;
+        let phase = |method: Method, max_iterations: usize, workspace: &mut Workspace| {
+            many::single(problem, stop, (method, max_iterations), before, workspace)
+        };
         let (iterations, status) = match *self {
             Self::Exact { max_sweeps } => {
                 exact::solve(problem, stop, (max_sweeps, &threads), memory, workspace)
@@ -167,26 +171,14 @@ impl Solver {
                 let plan = (interior_point, &threads);
                 many::automatic(problem, stop, plan, memory, workspace)
             }
-            Self::Newton { max_iterations } => {
-                many::single(problem, stop, (Method::Newton, max_iterations), memory, workspace)
+            Self::Newton { max_iterations } => phase(Method::Newton, max_iterations, workspace),
+            Self::ProximalPoint { max_iterations } => {
+                phase(Method::ProximalPoint, max_iterations, workspace)
             }
-            Self::ProximalPoint { max_iterations } => many::single(
-                problem,
-                stop,
-                (Method::ProximalPoint, max_iterations),
-                memory,
-                workspace,
-            ),
-            Self::InteriorPoint { max_iterations } => many::single(
-                problem,
-                stop,
-                (Method::InteriorPoint, max_iterations),
-                memory,
-                workspace,
-            ),
-            Self::Admm { max_iterations } => {
-                many::single(problem, stop, (Method::Admm, max_iterations), memory, workspace)
+            Self::InteriorPoint { max_iterations } => {
+                phase(Method::InteriorPoint, max_iterations, workspace)
             }
+            Self::Admm { max_iterations } => phase(Method::Admm, max_iterations, workspace),
             Self::ProxJacobi { step, max_iterations } => {
                 prox::jacobi(problem, stop, step, max_iterations, workspace)
             }

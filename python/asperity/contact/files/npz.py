@@ -48,7 +48,10 @@ class _Archive:
 
 def save(problem: ContactProblem, path: Path) -> None:
     """Write a problem."""
-    arrays = {**_written(operator.as_sparse(problem.delassus), "W"), "q": problem.free_velocity}
+    arrays: dict[str, Any] = {
+        **_written(operator.as_sparse(problem.delassus), "W"),
+        "q": problem.free_velocity,
+    }
     mu = contents.coefficients(problem)
     if mu is not None and problem.laws[0].dimension == 2:
         arrays["mu"] = mu
@@ -59,7 +62,7 @@ def save(problem: ContactProblem, path: Path) -> None:
         arrays.update(_written(problem.directions, "H"))
         arrays["f"], arrays["b"] = np.zeros(problem.mass.shape[0]), problem.free_velocity
     with atomic(path) as file:
-        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+        np.savez_compressed(file, **arrays)
 
 
 def load(path: Path) -> ContactProblem:

@@ -1,7 +1,8 @@
 //! Alternating direction method of multipliers for laws with Lorentz cones (`cones.rs`).
 //!
-//! In `x = T P` and `ξ̂ = K ξ`: `x ← (Ĝ + βI)⁻¹(β(y − w) − b̂ − s)`, `y ← proj(x + w)`, `w ← w + x − y` with the
-//! De Saxcé's shift (\[DeSaxceFeng1998\]) `s_N = ‖ξ̂_T‖` of the last iterate. One factorisation serves until the penalty `β` changes:
+//! In `x = T P` and `ξ̂ = K ξ`: `x ← (Ĝ + βI)⁻¹(β(y − w) − b̂ − s)`, `y ← proj(x + w)`, `w ← w + x − y` with De
+//! Saxcé's shift `s_N = ‖ξ̂_T‖` (\[DeSaxceFeng1998\]) of the last iterate. One factorisation serves until the
+//! penalty `β` changes:
 //! the method of choice where a factorisation is too dear to be repeated.
 
 use nalgebra::Vector4;

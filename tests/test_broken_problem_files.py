@@ -1,0 +1,175 @@
+"""Files of contact problems that are refused, with the key that is wrong."""
+
+import json
+import sys
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import DimensionError, ParameterError
+from test_problem_files import DISK, PROBLEMS, every_format, needs_h5py, of_bodies, plain
+
+
+def changed(path, **changes):
+    """Rewrite a file with some keys changed, without those that are None."""
+    with np.load(path) as data:
+        arrays = {**data, **changes}
+    np.savez(path, **{key: value for key, value in arrays.items() if value is not None})
+
+
+@pytest.mark.parametrize(
+    ("key", "kind", "value"),
+    [
+        *((key, ParameterError, None) for key in ("W_data", "W_indptr", "W_shape", "q", "mu")),
+        ("q", ParameterError, np.full(12, np.nan)),
+        ("q", ParameterError, np.array(["a"] * 12)),
+        ("mu", DimensionError, np.ones(5)),
+        ("mu", ParameterError, np.array([0.5, 0.5, -0.1, 0.5])),
+        ("mu", ParameterError, np.array([0.5, 0.5, np.inf, 0.5])),
+        ("W_shape", ParameterError, np.array([12])),
+        ("W_indices", ParameterError, np.ones(144)),
+    ],
+)
+def test_missing_and_wrong_keys_are_named(tmp_path, key, kind, value):
+    path = tmp_path / "problem.npz"
+    plain().save(path)
+    changed(path, **{key: value})
+    with pytest.raises(kind) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == key
+
+
+@pytest.mark.parametrize(
+    ("argument", "key", "value"),
+    [
+        ("W", "W_shape", np.array([12, 11])),
+        ("W", "W_indices", np.full(144, 99)),
+        ("W", "W_indptr", np.arange(12)),
+        ("W", "W_data", np.full(144, np.nan)),
+        ("W", "W_data", -np.ones(144)),
+    ],
+)
+def test_a_broken_matrix_is_named(tmp_path, argument, key, value):
+    path = tmp_path / "problem.npz"
+    plain().save(path)
+    changed(path, **{key: value})
+    with pytest.raises(ParameterError) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument.startswith(argument)
+
+
+def test_bodies_that_do_not_belong_to_the_operator_are_refused(tmp_path):
+    path = tmp_path / "problem.npz"
+    of_bodies().save(path)
+    with np.load(path) as data:
+        scaled = 1.1 * data["M_data"]
+    changed(path, M_data=scaled)
+    with pytest.raises(ParameterError, match="must be WᵀM⁻¹W") as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == "W"
+
+
+LAW_TREE = {"type": "FrictionLaw", "parameters": {}}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "not json",
+        "{}",
+        "3",
+        '["word"]',
+        "[" * 100_000,
+        json.dumps([LAW_TREE]),
+        json.dumps([{"type": "Path", "parameters": {}}]),
+        json.dumps([{"type": "Disk", "parameters": {"radius": 1.0}}]),
+        json.dumps([{"type": "eval", "parameters": {"source": "1"}}]),
+        json.dumps([{"type": ["Disk"], "parameters": {}}]),
+    ],
+)
+def test_only_laws_are_built_from_a_file(tmp_path, text):
+    path = tmp_path / "problem.npz"
+    PROBLEMS["extended"].save(path)
+    changed(path, laws=np.array(text))
+    with pytest.raises(ParameterError):
+        asp.ContactProblem.load(path)
+
+
+@pytest.mark.parametrize("key", ["law", "normal_force", "initial_velocity"])
+def test_missing_details_are_named(tmp_path, key):
+    path = tmp_path / "problem.npz"
+    PROBLEMS["extended"].save(path)
+    changed(path, **{key: None})
+    with pytest.raises(ParameterError, match="is missing") as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == key
+
+
+@needs_h5py
+@pytest.mark.parametrize(
+    "key", ["fclib_local/W/p", "fclib_local/vectors/q", "fclib_local/spacedim"]
+)
+def test_missing_groups_are_named(tmp_path, key):
+    import h5py
+
+    path = tmp_path / "problem.h5"
+    plain().save(path)
+    with h5py.File(path, "a") as file:
+        del file[key]
+    with pytest.raises(ParameterError, match="is missing") as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == key
+
+
+@needs_h5py
+def test_joints_are_refused(tmp_path):
+    import h5py
+
+    path = tmp_path / "problem.h5"
+    of_bodies().save(path)
+    with h5py.File(path, "a") as file:
+        file.create_group("fclib_global/G")
+    with pytest.raises(ParameterError, match="joints"):
+        asp.ContactProblem.load(path)
+
+
+def test_pickled_arrays_are_not_read(tmp_path):
+    path = tmp_path / "problem.npz"
+    plain().save(path)
+    changed(path, q=np.array([DISK] * 12, dtype=object))
+    with pytest.raises(ParameterError) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == "q"
+
+
+@every_format
+@pytest.mark.parametrize("content", [b"", b"neither of them", b"PK\x03\x04broken"])
+def test_other_files_are_refused(tmp_path, suffix, content):
+    path = tmp_path / f"problem{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(ParameterError) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == "path"
+
+
+def test_a_single_array_is_refused(tmp_path):
+    path = tmp_path / "problem.npz"
+    with path.open("wb") as file:
+        np.save(file, np.eye(3))
+    with pytest.raises(ParameterError, match="one array"):
+        asp.ContactProblem.load(path)
+
+
+def test_unknown_endings_and_absent_files(tmp_path):
+    for use in (plain().save, asp.ContactProblem.load):
+        with pytest.raises(ParameterError, match=r"\.npz, \.h5, \.hdf5"):
+            use(tmp_path / "problem.mat")
+    with pytest.raises(FileNotFoundError):
+        asp.ContactProblem.load(tmp_path / "absent.npz")
+
+
+def test_h5py_is_named_where_it_is_absent(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(ModuleNotFoundError, match=r"asperity\[data\]"):
+        plain().save(tmp_path / "problem.h5")
+    assert not list(tmp_path.iterdir())
