@@ -8,6 +8,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::convert::{Numbers, numbers, rows};
 use crate::errors::{Failure, dimension};
+use crate::rigid::RigidBodies;
 use crate::system::with_system;
 
 fn check_length(argument: &str, values: &[f64], expected: usize) -> PyResult<()> {
@@ -27,7 +28,10 @@ pub fn evaluate<'py>(
     u: Numbers<'py>,
 ) -> Result<Bound<'py, PyDict>, Failure> {
     let (q, u) = (numbers(&q, "q")?, numbers(&u, "u")?);
-    with_system(system, |system| state(py, system, t, q, u))?
+    let out = with_system(system, |system| state(py, system, t, q, u))??;
+    // A frame of Python cannot return what it raises.
+    let raised = system.cast::<RigidBodies>().ok().and_then(|rigid| rigid.get().raised());
+    raised.map_or(Ok(out), |error| Err(error.into()))
 }
 
 fn state<'py>(
