@@ -19,7 +19,7 @@ LAYERS = [
     {"trajectory", "grading"},
     {"solve_files"},
     {"simulate"},
-    {"plot", "problems"},
+    {"mechanisms", "plot", "problems"},
     {"paper"},
     {"cli"},
 ]
