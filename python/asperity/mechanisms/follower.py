@@ -89,7 +89,7 @@ class FollowerPendulum(Value, System):
     def forces(self, t: float, q: Array, u: Array) -> Array:
         """Return the torques of springs, dampers and inertia in N m."""
         turning = self.tip_mass * self.length**2 * math.sin(q[1] - q[0])
-        inertia = turning * np.array([u[1] ** 2, -u[0] ** 2])
+        inertia = turning * np.array([u[1] ** 2, -(u[0] ** 2)])
         return inertia - _JOINTS @ (self.stiffness * q + self.damping * u)
 
     def direction(self, t: float, q: Array, contact: int) -> Array:
