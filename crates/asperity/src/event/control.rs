@@ -29,7 +29,7 @@ pub(super) struct Control {
 impl Control {
     pub(super) fn new(tolerance: f64, contacts: usize) -> Self {
         Self {
-            estimate: 0.1 * tolerance.powf(0.6),
+            estimate: 0.01 * tolerance.powf(0.6),
             newton: 0.01 * tolerance,
             scale: Scale { q: 0.0, u: 0.0 },
             h: 0.0,
