@@ -255,8 +255,7 @@ impl Step {
         };
         // The first stage is near the start, where the Jacobian may not exist.
         let (ku, kq) = (&self.ku[..n * n], &self.kq[..n * n]);
-        let q: Vec<f64> =
-            (0..n).map(|k| step * (start.u[k] - at_zero(&self.u, k))).collect();
+        let q: Vec<f64> = (0..n).map(|k| step * (start.u[k] - at_zero(&self.u, k))).collect();
         let u = &mut self.residual[..n];
         for r in 0..n {
             let row = &kq[r * n..(r + 1) * n];
@@ -290,8 +289,7 @@ mod tests {
         let table = Tableau::radau();
         assert_eq!(table.c[STAGES - 1], 1.0);
         for k in 0..9 {
-            let sum: f64 =
-                (0..STAGES).map(|j| table.a[(STAGES - 1, j)] * table.c[j].powi(k)).sum();
+            let sum: f64 = (0..STAGES).map(|j| table.a[(STAGES - 1, j)] * table.c[j].powi(k)).sum();
             assert!((sum - 1.0 / (f64::from(k) + 1.0)).abs() < 1e-14, "{k}: {sum}");
         }
         let sum: f64 = (0..STAGES).map(|j| table.a[(STAGES - 1, j)] * table.c[j].powi(9)).sum();

@@ -131,9 +131,8 @@ pub(super) fn slip_rate(field: &Field<'_>, contact: usize, acceleration: &[f64])
     let touch = &field.touches[contact];
     let rows = ROWS * contact + 1..;
     let terms = rows.zip(&touch.slip[..touch.p]);
-    let along = |(row, slip): (usize, &f64)| {
-        slip * (dot(field.row(row), acceleration) + field.drift[row])
-    };
+    let along =
+        |(row, slip): (usize, &f64)| slip * (dot(field.row(row), acceleration) + field.drift[row]);
     terms.map(along).sum::<f64>() / norm(&touch.slip)
 }
 

@@ -24,7 +24,13 @@ impl Field<'_> {
                     self.system.gap(time, &self.scratch_q, i, &mut rows[..n])?;
                 }
                 let own = (1 + touch.p) * n;
-                self.system.tangent(time, &self.scratch_q, i, &mut rows[n..own], &mut chi[1..=touch.p])?;
+                self.system.tangent(
+                    time,
+                    &self.scratch_q,
+                    i,
+                    &mut rows[n..own],
+                    &mut chi[1..=touch.p],
+                )?;
                 let first = usize::from(touch.prescribed.is_some());
                 for r in first..=touch.p {
                     let velocity = chi[r] + dot(&rows[r * n..(r + 1) * n], u);
@@ -64,7 +70,8 @@ impl Field<'_> {
             }
             for (i, touch) in self.touches.iter().enumerate() {
                 for r in 0..touch.p {
-                    self.slip_gradient[(ROWS * i + 1 + r) * n + j] = (touch.slip[r] - slips[i][r]) / step;
+                    self.slip_gradient[(ROWS * i + 1 + r) * n + j] =
+                        (touch.slip[r] - slips[i][r]) / step;
                 }
             }
         }

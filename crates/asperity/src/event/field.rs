@@ -271,7 +271,8 @@ impl<'a> Field<'a> {
         let row = |k: usize| &rows[unknown[k] * n..(unknown[k] + 1) * n];
         self.inverse.of(count, |k, l| dot(row(k), &columns[l * n..(l + 1) * n]));
         self.solution.clear();
-        self.solution.extend((0..count).map(|k| -self.drift[unknown[k]] - dot(row(k), &self.acceleration)));
+        self.solution
+            .extend((0..count).map(|k| -self.drift[unknown[k]] - dot(row(k), &self.acceleration)));
         self.inverse.apply(&mut self.solution);
         for (column, x) in columns.chunks_exact(n).zip(&self.solution) {
             add(&mut self.acceleration, *x, column);

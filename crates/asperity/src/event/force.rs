@@ -77,4 +77,3 @@ fn cut<const P: usize>(v: &Components) -> Vector<P> {
 fn padded<const P: usize>(v: &Vector<P>) -> Components {
     std::array::from_fn(|i| if i < P { v[i] } else { 0.0 })
 }
-

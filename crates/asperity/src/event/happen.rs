@@ -27,10 +27,12 @@ impl Runner<'_> {
         self.field.kinematics(*t, q, u)?;
         self.control.see(&self.field, q, u);
         let allowed = 1e-9 * self.control.size();
-        let depth = |touch: &super::field::Touch| touch.prescribed.is_none() && touch.gap < -allowed;
+        let depth =
+            |touch: &super::field::Touch| touch.prescribed.is_none() && touch.gap < -allowed;
         Ok(self.field.touches.iter().position(depth).map(|contact| {
             let depth = -self.field.touches[contact].gap;
-            let message = format!("must not let contacts overlap, contact {contact} does by {depth:.3e}");
+            let message =
+                format!("must not let contacts overlap, contact {contact} does by {depth:.3e}");
             OptionsError { argument: "q0", message }
         }))
     }
@@ -82,7 +84,8 @@ impl Runner<'_> {
     }
 
     fn event(&mut self, contact: Option<usize>, kind: Kind, ambiguous: bool) {
-        self.motion.events.push(Event { time: self.state.t, contact, kind, ambiguous });
+        let time = self.state.t;
+        self.motion.events.push(Event { time, contact, kind, phase: None, ambiguous });
     }
 
     /// Contacts without slip are decided on, all others go on. `before` are the phases that changes are told
@@ -121,6 +124,10 @@ impl Runner<'_> {
                 };
                 self.event(Some(i), kind, ambiguous && resting[i]);
             }
+        }
+        let touches = &self.field.touches;
+        for event in self.motion.events.iter_mut().rev().take_while(|e| e.phase.is_none()) {
+            event.phase = event.contact.map(|i| touches[i].mode);
         }
         self.resume();
         Ok(self.enough())
@@ -270,8 +277,9 @@ impl Runner<'_> {
             }
         }
         let opened = |i: usize| self.field.touches[i].mode == Phase::Open;
-        for (i, kind) in involved.iter().filter(|&&i| opened(i)).map(|&i| (i, Kind::Impact)).collect::<Vec<_>>() {
-            self.event(Some(i), kind, ambiguous);
+        let meeting: Vec<usize> = involved.iter().copied().filter(|&i| opened(i)).collect();
+        for i in meeting {
+            self.event(Some(i), Kind::Impact, ambiguous);
             before[i] = None;
         }
         self.after_blow(&involved, &after, before)
@@ -288,7 +296,12 @@ impl Runner<'_> {
     }
 
     /// Modes after velocities have jumped.
-    fn after_blow(&mut self, involved: &[usize], after: &[f64], before: Vec<Option<Phase>>) -> Next {
+    fn after_blow(
+        &mut self,
+        involved: &[usize],
+        after: &[f64],
+        before: Vec<Option<Phase>>,
+    ) -> Next {
         let State { t, q, u } = &self.state;
         self.field.kinematics(*t, q, u)?;
         let still = STILL * self.control.speed();

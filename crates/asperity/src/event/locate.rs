@@ -48,7 +48,8 @@ pub(super) fn zero<E>(
         }
         let secant = low + (high - low) * (-f_low / (f_high - f_low));
         // Every fourth time, lest one end stays where it is.
-        let next = if iteration % 4 == 3 || !secant.is_finite() { 0.5 * (low + high) } else { secant };
+        let next =
+            if iteration % 4 == 3 || !secant.is_finite() { 0.5 * (low + high) } else { secant };
         if (next - at).abs() <= width || high - low <= width {
             f(next)?;
             return Ok(next);

@@ -1,6 +1,7 @@
 //! What an event-driven integration returns.
 
 use super::field::{Field, State};
+use crate::contact::Phase;
 
 /// What happens at an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +43,8 @@ pub struct Event {
     pub contact: Option<usize>,
     /// What happened.
     pub kind: Kind,
+    /// What the contact does afterwards.
+    pub phase: Option<Phase>,
     /// Whether the contacts might have done something else.
     pub ambiguous: bool,
 }

@@ -80,7 +80,11 @@ impl Runner<'_> {
                 let value = self.value(which, q, u);
                 let happens = if which + 1 == count {
                     // A section is crossed upwards; what lies above it from the start does not count.
-                    let after = self.options.section.as_ref().is_some_and(|s| self.state.t + high > s.after);
+                    let after = self
+                        .options
+                        .section
+                        .as_ref()
+                        .is_some_and(|s| self.state.t + high > s.after);
                     value >= 0.0 && *low < 0.0 && after
                 } else {
                     value > 0.0
@@ -104,11 +108,12 @@ impl Runner<'_> {
         let width = (1e-14 * alarms.high).max(2.0 * f64::EPSILON * self.state.t);
         let mut first = (alarms.high, alarms.fired[0].0);
         for (k, &(which, f_low, f_high)) in alarms.fired.iter().enumerate() {
-            let at = locate::zero((alarms.low, f_low.min(0.0)), (alarms.high, f_high), width, |h| {
-                self.look(h)?;
-                let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
-                Ok::<f64, Lost>(self.value(which, q, u))
-            })?;
+            let at =
+                locate::zero((alarms.low, f_low.min(0.0)), (alarms.high, f_high), width, |h| {
+                    self.look(h)?;
+                    let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
+                    Ok::<f64, Lost>(self.value(which, q, u))
+                })?;
             if k == 0 || at < first.0 {
                 first = (at, which);
             }
