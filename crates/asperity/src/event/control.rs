@@ -106,6 +106,22 @@ impl Control {
         }
     }
 
+    /// Half the time of the flight of contacts that have just bounced or opened: a step must not go beyond it.
+    pub(super) fn flight(&self, field: &Field<'_>, u: &[f64], a0: &[f64]) -> f64 {
+        let mut limit = f64::INFINITY;
+        for (i, touch) in field.touches.iter().enumerate() {
+            if touch.mode == Phase::Open && touch.prescribed.is_none() {
+                let (velocity, rate) = (dot(field.row(ROWS * i), u), dot(field.row(ROWS * i), a0));
+                // From there on the gap is not smaller than it was.
+                let near = touch.gap < velocity * velocity / rate.abs();
+                if velocity > 0.0 && rate < 0.0 && near {
+                    limit = limit.min(-velocity / rate);
+                }
+            }
+        }
+        limit
+    }
+
     /// The longest step that reaches neither the end of a slip, where the direction is not defined, nor the end
     /// of a resistance.
     pub(super) fn limit(&self, field: &Field<'_>, a0: &[f64]) -> f64 {

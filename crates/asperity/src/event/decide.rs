@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 
 use super::field::{Field, FieldError, ROWS, State, add, dot};
 use super::force;
+use super::inverse::Inverse;
 use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
@@ -15,6 +16,8 @@ use crate::solver::{Solver, Status, Stop, Workspace};
 const SOLVER: Solver = Solver::Exact { max_sweeps: 10_000 };
 const FALLBACK: Solver = Solver::Auto { interior_point: false, threads: 1 };
 const TOLERANCE: f64 = 1e-12;
+/// Relative distance from the boundary of a reservoir that counts as none.
+const BOUNDARY: f64 = 1e-6;
 
 /// The outcome of a contact problem.
 #[derive(Debug, Clone, PartialEq)]
@@ -185,8 +188,6 @@ pub(super) enum Blow {
     Restitution,
     /// Without restitution, where a bounce would be too small to be followed.
     Dead,
-    /// Painlevé's impact without collision: friction stops the slip, whatever the approach.
-    Sticking,
 }
 
 /// The impact of unilateral contacts: velocities jump. The contacts' new normal velocities are in `after`.
@@ -206,36 +207,60 @@ pub(super) fn strike(
         part.rows.iter().map(|&row| dot(field.row(row), &state.u) + field.chi[row]).collect();
     let mut problem = problem(field, &part, before.clone(), |_| None);
     let laws = field.system.contacts();
-    let mut states = memory.to_vec();
     for (rows, &i) in problem.contacts.iter().zip(&part.contacts) {
         let own = rows.offset..rows.offset + rows.len();
-        match blow {
-            Blow::Restitution => {
-                let coefficients = std::iter::once(laws[i].normal_restitution)
-                    .chain(std::iter::repeat(laws[i].tangential_restitution));
-                for (row, e) in own.zip(coefficients) {
-                    problem.restitution[row] = e * before[row];
-                }
-            }
-            Blow::Dead => {}
-            Blow::Sticking => {
-                let speed = force::norm(&field.touches[i].slip);
-                problem.free_velocity[rows.offset] = -1e-14 * speed;
-                states[i] = ContactState::new(Phase::Stick, states[i].slip);
-            }
+        if blow == Blow::Dead {
+            continue;
+        }
+        let coefficients = std::iter::once(laws[i].normal_restitution)
+            .chain(std::iter::repeat(laws[i].tangential_restitution));
+        for (row, e) in own.zip(coefficients) {
+            problem.restitution[row] = e * before[row];
         }
     }
-    let (decision, found, velocity) = solve(field, &part, &problem, &states);
+    let (decision, found, velocity) = solve(field, &part, &problem, memory);
     let Decision::Made { .. } = decision else { return Ok(decision) };
-    if blow == Blow::Sticking && found.states.iter().all(|s| s.phase != Phase::Stick) {
-        return Ok(Decision::None { contact: part.contacts[0] });
-    }
     for (percussion, response) in found.percussion.iter().zip(part.responses.chunks_exact(n)) {
         add(&mut state.u, *percussion, response);
     }
     after.clear();
     after.extend(problem.contacts.iter().map(|rows| velocity[rows.offset]));
     Ok(decision)
+}
+
+/// Painlevé's impact without collision: the percussions that stop the slip of closed contacts without a normal
+/// motion; false if the laws do not allow them.
+pub(super) fn stop(
+    field: &mut Field<'_>,
+    state: &mut State,
+    contacts: &[usize],
+) -> Result<bool, FieldError> {
+    let n = field.n;
+    field.kinematics(state.t, &state.q, &state.u)?;
+    let rows: Vec<usize> = contacts.iter().flat_map(|&i| field.rows_of(i)).collect();
+    let response = |row: usize| &field.response[row * n..(row + 1) * n];
+    let mut inverse = Inverse::default();
+    inverse.of(rows.len(), |i, j| dot(field.row(rows[i]), response(rows[j])));
+    let slip = |&row: &usize| {
+        if row % ROWS == 0 { 0.0 } else { -dot(field.row(row), &state.u) - field.chi[row] }
+    };
+    let mut percussion: Vec<f64> = rows.iter().map(slip).collect();
+    inverse.apply(&mut percussion);
+    let mut first = 0;
+    for &i in contacts {
+        let own = &percussion[first..first + 1 + field.touches[i].p];
+        let mut tangent = [0.0; 3];
+        tangent[..own.len() - 1].copy_from_slice(&own[1..]);
+        // With the resistance at zero the percussion lies on the boundary of the reservoir.
+        if force::gauge(field.law(i), &tangent) > (1.0 + BOUNDARY) * own[0] {
+            return Ok(false);
+        }
+        first += own.len();
+    }
+    for (percussion, &row) in percussion.iter().zip(&rows) {
+        add(&mut state.u, *percussion, response(row));
+    }
+    Ok(true)
 }
 
 impl Field<'_> {
@@ -254,7 +279,7 @@ impl Field<'_> {
         if rows.is_empty() {
             return Ok(());
         }
-        let mut inverse = super::inverse::Inverse::default();
+        let mut inverse = Inverse::default();
         let response = |row: usize| &self.response[row * n..(row + 1) * n];
         inverse.of(rows.len(), |i, j| dot(self.row(rows[i]), response(rows[j])));
         let speed = |&row: &usize| -dot(self.row(row), &state.u) - self.chi[row];

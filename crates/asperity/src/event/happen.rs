@@ -14,7 +14,7 @@ const STILL: f64 = 1e-12;
 /// impacts, whose rest takes the time of about two such bounces.
 const LOWEST: f64 = 1e-13;
 /// `w_NᵀM⁻¹(w_N + Wf)` over `w_NᵀM⁻¹w_N` that counts as none.
-const RESISTANCE: f64 = 1e-9;
+const RESISTANCE: f64 = 1e-12;
 /// Difference of the sliding forces per normal force below which stick goes over to slip without a jump.
 const CONTINUOUS: f64 = 1e-3;
 
@@ -168,6 +168,10 @@ impl Runner<'_> {
                 self.field.touches[which].mode = Phase::Open;
                 self.memory[which] = ContactState::new(Phase::Open, self.memory[which].slip);
                 self.settle(&before)
+            }
+            // Closed a moment ago, by rounding.
+            _ if self.approach(which) > STILL * self.control.speed() => {
+                Ok(self.shorten(0.25 * self.control.h))
             }
             _ => self.collide(which),
         }
@@ -323,21 +327,18 @@ impl Runner<'_> {
 
     /// Painlevé's impact without collision.
     fn stop_without_collision(&mut self, contact: usize) -> Next {
-        let before = self.phases();
+        let mut before = self.phases();
         let closed = |&i: &usize| {
             let touch = &self.field.touches[i];
             touch.prescribed.is_none() && touch.mode != Phase::Open
         };
         let involved: Vec<usize> = (0..self.memory.len()).filter(closed).collect();
-        let mut after = Vec::new();
-        let meeting = (involved.clone(), Blow::Sticking);
-        let (field, state) = (&mut self.field, &mut self.state);
-        match decide::strike(field, state, meeting, &self.memory, &mut after)? {
-            Decision::Made { ambiguous } => {
-                self.event(Some(contact), Kind::ImpactWithoutCollision, ambiguous);
-            }
-            Decision::None { contact } => return Ok(Some(Outcome::NoSolution { contact })),
+        if !decide::stop(&mut self.field, &mut self.state, &involved)? {
+            return Ok(Some(Outcome::NoSolution { contact }));
         }
+        self.event(Some(contact), Kind::ImpactWithoutCollision, false);
+        before[contact] = None;
+        let after = vec![0.0; involved.len()];
         self.after_blow(&involved, &after, before)
     }
 }

@@ -109,9 +109,11 @@ impl<'a> Runner<'a> {
         if left <= 0.0 {
             return Ok(Some(Outcome::Finished));
         }
-        let limit =
-            if self.starting { left } else { self.control.limit(&self.field, &self.a0).min(left) };
-        let h = self.control.h.min(limit);
+        let mut h =
+            self.control.h.min(left).min(self.control.flight(&self.field, &self.state.u, &self.a0));
+        if !self.starting {
+            h = h.min(self.control.limit(&self.field, &self.a0));
+        }
         if self.state.t + h == self.state.t {
             return Ok(Some(Outcome::StepTooSmall));
         }
@@ -143,7 +145,8 @@ impl<'a> Runner<'a> {
         }
     }
 
-    fn shorten(&mut self, h: f64) -> Option<Outcome> {
+    /// Tries again with a shorter step.
+    pub(super) fn shorten(&mut self, h: f64) -> Option<Outcome> {
         self.control.h = h;
         self.linear = false;
         self.motion.rejected_steps += 1;
