@@ -191,3 +191,57 @@ def test_eigenvalues_against_differences_of_an_independent_field(phi):
     np.testing.assert_allclose(found.first_order_matrix, A, atol=1e-7)
     for value in np.linalg.eigvals(A):
         assert np.abs(found.eigenvalues - value).min() < 1e-7
+
+
+def random_definite(rng, n):
+    root = rng.normal(size=(n, n))
+    return root @ root.T / n + 0.1 * np.eye(n)
+
+
+@pytest.mark.parametrize("associated", [True, False])
+def test_any_mass_matrix_and_stiffness(associated):
+    """Negative trace means unstable (Prop. 10), associated laws never are (Thm. 1)."""
+    rng = np.random.default_rng(12)
+    signs = set()
+    for _ in range(300):
+        law = random_smooth_law(rng)
+        if associated:
+            law = asp.FrictionLaw.associated(law.direction)
+        n = int(rng.integers(2, 5))
+        contact = asp.Contact(
+            law, rng.normal(size=(n, 2)), normal_force=1.0, velocity=along(rng.uniform(0.0, 6.2))
+        )
+        K = random_definite(rng, n)
+        found = asp.stability(asp.LinearSystem(random_definite(rng, n), K, contacts=[contact]))
+        if associated:
+            assert found.kind != "unstable"
+            assert np.linalg.eigvalsh(found.symmetric).min() > -1e-9 * np.linalg.norm(found.matrix)
+        elif found.trace < -1e-6:
+            assert found.kind == "unstable"
+            assert found.mechanisms
+        assert found.trace == pytest.approx(-found.eigenvalues.sum().real, rel=1e-6, abs=1e-9)
+        signs.add(found.trace < 0.0)
+    assert signs == ({False} if associated else {True, False})
+
+
+def test_conservative_and_gyroscopic_systems_are_neutral():
+    """Rounding must not decide: stiffnesses differ by 10⁴, masses are full."""
+    rng = np.random.default_rng(13)
+    for n in (1, 2, 5, 12):
+        for gyroscopic in (0.0, 10.0):
+            skew = rng.normal(size=(n, n))
+            Q = np.linalg.qr(rng.normal(size=(n, n)))[0]
+            K = (Q * 10.0 ** rng.uniform(-2.0, 2.0, n)) @ Q.T
+            K, G = 0.5 * (K + K.T), gyroscopic * (skew - skew.T)
+            M = random_definite(rng, n)
+            assert asp.stability(asp.LinearSystem(M, K, G)).kind == "neutral"
+        damped = asp.LinearSystem(M, K, 1e-6 * M)
+        assert asp.stability(damped).kind == "asymptotically stable"
+
+
+def test_multiple_eigenvalues_with_all_their_modes_are_not_defective():
+    assert not asp.stability(asp.LinearSystem(np.eye(5), 3.0)).is_defective
+    # A free mass drifts: its eigenvalue 0 is double and has one mode.
+    free = asp.stability(asp.LinearSystem(np.eye(2), [1.0, 0.0]))
+    assert free.is_defective
+    assert free.kind == "neutral"
