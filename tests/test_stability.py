@@ -245,3 +245,47 @@ def test_multiple_eigenvalues_with_all_their_modes_are_not_defective():
     free = asp.stability(asp.LinearSystem(np.eye(2), [1.0, 0.0]))
     assert free.is_defective
     assert free.kind == "neutral"
+
+
+def test_a_belt_whose_velocity_depends_on_the_place():
+    """Point on a turntable: the friction force follows the motion through χ(q) and W(q)."""
+    spin, pole = 0.7, np.array([0.3, -2.0])
+    K = np.array([[9.0, 0.3], [0.3, 7.0]])
+
+    def axes(q):
+        """e₁, e₂ of the law turn with the place."""
+        c, s = math.cos(0.2 * q[0]), math.sin(0.2 * q[0])
+        return np.array([[c, -s], [s, c]])
+
+    def surface(q):
+        return spin * np.array([-(q[1] - pole[1]), q[0] - pole[0]])
+
+    class Turntable(asp.System):
+        dof = 2
+        contacts = (asp.ContactLaw(PAPER, normal_force=0.05),)
+
+        def mass(self, q):
+            return np.eye(2)
+
+        def forces(self, t, q, u):
+            return -K @ q
+
+        def direction(self, t, q, contact):
+            return axes(q)
+
+        def velocity(self, t, q, contact):
+            return -axes(q).T @ surface(q)
+
+    found = asp.stability(Turntable())
+
+    def field(x):
+        turned = axes(x[:2])
+        gamma = turned.T @ (x[2:] - surface(x[:2]))
+        return np.append(x[2:], turned @ PAPER.force(gamma, 0.05) - K @ x[:2])
+
+    rest = np.append(found.equilibrium.q, [0.0, 0.0])
+    np.testing.assert_allclose(field(rest), 0.0, atol=1e-9)
+    h = 1e-5
+    A = np.stack([(field(rest + h * e) - field(rest - h * e)) / (2 * h) for e in np.eye(4)], -1)
+    np.testing.assert_allclose(found.first_order_matrix, A, atol=1e-6)
+    assert "follower force" in found.mechanisms
