@@ -1,4 +1,4 @@
-"""Plots of sets, laws and trajectories; needs matplotlib (``pip install "asperity[plot]"``).
+"""Plots of sets, laws, motions and stability; need matplotlib (``pip install "asperity[plot]"``).
 
 Every function draws into `ax`, or into new axes, and returns the list of artists it has drawn, as
 ``Axes.plot`` does; the axes are ``artists[0].axes``.
@@ -10,18 +10,22 @@ from asperity.plot.gauge import plot_gauge
 from asperity.plot.law import plot_law
 from asperity.plot.look import save_figure, style
 from asperity.plot.sets import plot_set
+from asperity.plot.stability import plot_bifurcation, plot_growth_chart, plot_root_locus
 from asperity.plot.trajectory import plot_forces_in_reservoir, plot_path, plot_phase
 
 __all__ = [
+    "plot_bifurcation",
     "plot_cones",
     "plot_deflection",
     "plot_forces_in_reservoir",
     "plot_friction_coefficient",
     "plot_gauge",
+    "plot_growth_chart",
     "plot_law",
     "plot_path",
     "plot_phase",
     "plot_projection",
+    "plot_root_locus",
     "plot_set",
     "save_figure",
     "style",

@@ -1,0 +1,104 @@
+"""Flutter by a friction force that follows the body it acts on, Fig. 13d."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.law import FrictionLaw
+from asperity.system import ContactLaw, System
+
+
+class FollowerPendulum(Value, System):
+    """A double pendulum whose tip is pushed by friction along its second rod.
+
+    Joints with equal rotational springs c and dampers d carry massless rods of length l with
+    masses 2m at the second joint and m at the tip. A free wheel at the tip, its axle along the
+    second rod, rolls on a belt that runs with v towards the first joint: only the velocity along
+    the axle e₂ is a slip. With the angles φᵢ against the rods' straight position, Δ = φ₂ − φ₁,
+
+        m l² [3, cos Δ; cos Δ, 1] φ̈ + m l² sin Δ [−φ̇₂²; φ̇₁²] + d D φ̇ + c D φ = W λ,
+
+    D = [2, −1; −1, 1], W = [l sin Δ; 0], γ = l φ̇₁ sin Δ + v cos φ₂. With the force P = μ λ_N > 0
+    and p = P l/c the straight position has m l² ω²/c = (7/2 − p ± √((7/2 − p)² − 2))/2: undamped,
+    it flutters for 7/2 − √2 < p < 7/2 + √2 and diverges beyond.
+
+    Args:
+        mu: friction coefficient μ.
+        normal_force: λ_N in N.
+        tip_mass: m > 0 in kg.
+        length: l > 0 in m.
+        stiffness: c in N m/rad.
+        damping: d in N m s/rad.
+        belt_velocity: v > 0 in m/s.
+
+    Reference: [WL19] §4.1, Fig. 13d.
+
+    >>> from asperity import mechanisms, simulate
+    >>> stable, flutter = mechanisms.FollowerPendulum(0.19), mechanisms.FollowerPendulum(0.23)
+    >>> for pendulum in (stable, flutter):
+    ...     motion = simulate(pendulum, dt=0.01, t_end=100.0, q0=[1e-3, 0.0])
+    ...     print(bool(abs(motion.q).max() > 0.1))
+    False
+    True
+    """
+
+    dof = 2
+
+    mu: float
+    normal_force: float
+    tip_mass: float
+    length: float
+    stiffness: float
+    damping: float
+    belt_velocity: float
+    contacts: tuple[ContactLaw, ...]
+
+    def __init__(
+        self,
+        mu: float,
+        *,
+        normal_force: float = 10.0,
+        tip_mass: float = 1.0,
+        length: float = 1.0,
+        stiffness: float = 1.0,
+        damping: float = 0.0,
+        belt_velocity: float = 1.0,
+    ) -> None:
+        law = FrictionLaw.isotropic(mu, dimension=1)
+        self._set(
+            mu=float(mu),
+            normal_force=_arrays.non_negative(normal_force, "normal_force"),
+            tip_mass=_arrays.positive(tip_mass, "tip_mass"),
+            length=_arrays.positive(length, "length"),
+            stiffness=_arrays.number(stiffness, "stiffness"),
+            damping=_arrays.number(damping, "damping"),
+            belt_velocity=_arrays.positive(belt_velocity, "belt_velocity"),
+        )
+        self._keep(contacts=(ContactLaw(law, normal_force=self.normal_force),))
+
+    def mass(self, q: Array) -> Array:
+        """Return M(φ) in kg m²."""
+        c = math.cos(q[1] - q[0])
+        return self.tip_mass * self.length**2 * np.array([[3.0, c], [c, 1.0]])
+
+    def forces(self, t: float, q: Array, u: Array) -> Array:
+        """Return the torques of springs, dampers and inertia in N m."""
+        turning = self.tip_mass * self.length**2 * math.sin(q[1] - q[0])
+        inertia = turning * np.array([u[1] ** 2, -(u[0] ** 2)])
+        return inertia - _JOINTS @ (self.stiffness * q + self.damping * u)
+
+    def direction(self, t: float, q: Array, contact: int) -> Array:
+        """Return W in m; it vanishes where the rods are in line."""
+        return np.array([[self.length * math.sin(q[1] - q[0])], [0.0]])
+
+    def velocity(self, t: float, q: Array, contact: int) -> Array:
+        """Return χ in m/s, the belt's velocity against the axle."""
+        return np.array([self.belt_velocity * math.cos(q[1])])
+
+
+_JOINTS = np.array([[2.0, -1.0], [-1.0, 1.0]])

@@ -1,0 +1,169 @@
+"""Instability by the velocity feedback of the normal force: the oscillator of Fig. 13c."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import ParameterError
+from asperity.law import FrictionLaw
+from asperity.system import Contact, ContactLaw, LinearSystem, System
+
+
+class FrictionalImpactOscillator(Value, System):
+    """A rigid rod with a mass at either end that leans against the motion of a belt.
+
+    The upper mass m₁ moves vertically, at the height y, on a spring k_y and a damper d_y; the rod
+    of length l turns about it by the angle φ against a rotational spring k_φ and a damper d_φ; the
+    lower mass m₂ touches the belt, g_N = y − l cos φ ≥ 0, with restitution. With s = sin φ and
+    c = cos φ, the belt running with v > 0 towards the foot of the upper mass,
+
+        [m₁ + m₂, m₂ l s; m₂ l s, m₂ l²] u̇ + [m₂ l c φ̇²; 0] + ([k_y; k_φ] (q − q₀) + [d_y; d_φ] u)
+            = [1; l s] λ_N + [0; −l c] λ,   γ = −l c φ̇ − v,   λ = μ λ_N in slip.
+
+    The springs are stretched such that the rod slides steadily at the angle and the normal force
+    given. The deviations from this state, with contact and a = s² − μ s c, obey
+
+        (m₂ c² + m₁ a) l² φ̈ + (d_φ + d_y l² a) φ̇ + (k_φ + k_y l² a − λ_N l (c + μ s)) φ = 0.
+
+    Beyond μ = tan φ (1 + d_φ/(d_y l² s²)) the part of the normal force that grows with the velocity
+    feeds more power into the motion than the dampers take; at μ = tan φ + (m₂/m₁) cot φ Painlevé's
+    paradox begins. There is no gravity. The parameters are own ones: [WL19] gives none.
+
+    Args:
+        mu: friction coefficient μ.
+        angle: φ of the steady sliding in rad, above 0 and below π/2.
+        normal_force: λ_N of the steady sliding in N.
+        masses: m₁ and m₂ in kg.
+        length: l in m.
+        stiffness: k_y in N/m and k_φ in N m/rad.
+        damping: d_y in N s/m and d_φ in N m s/rad.
+        belt_velocity: v > 0 in m/s.
+        normal_restitution: e_N in [0, 1].
+
+    Reference: [WL19] §4.1, Fig. 13c, after [LeineBrogliatoNijmeijer2002].
+
+    >>> from asperity import mechanisms, simulate
+    >>> rod = mechanisms.FrictionalImpactOscillator(1.0)
+    >>> start = rod.equilibrium + [0.0, 1e-3]
+    >>> motion = simulate(rod, dt=5e-3, t_end=100.0, q0=start)
+    >>> bool((motion.normal_force[1:] == 0.0).any())  # it grows until the rod lifts off
+    True
+    """
+
+    dof = 2
+
+    mu: float
+    angle: float
+    normal_force: float
+    masses: Array
+    length: float
+    stiffness: Array
+    damping: Array
+    belt_velocity: float
+    normal_restitution: float
+    contacts: tuple[ContactLaw, ...]
+    _rest: Array
+    _stretch: Array
+
+    def __init__(
+        self,
+        mu: float,
+        *,
+        angle: float = math.radians(30.0),
+        normal_force: float = 1.0,
+        masses: tuple[float, float] = (1.0, 1.0),
+        length: float = 1.0,
+        stiffness: tuple[float, float] = (1.0, 4.0),
+        damping: tuple[float, float] = (1.0, 0.1),
+        belt_velocity: float = 1.0,
+        normal_restitution: float = 0.0,
+    ) -> None:
+        angle = _arrays.positive(angle, "angle")
+        if angle >= 0.5 * math.pi:
+            raise ParameterError("angle", f"must lie below π/2, got {angle!r}")
+        both = _arrays.array(masses, "masses", (2,))
+        if both.min() <= 0.0:
+            raise ParameterError("masses", f"must be positive, got {both.tolist()}")
+        law = ContactLaw(
+            FrictionLaw.isotropic(mu, dimension=1), normal_restitution=normal_restitution
+        )
+        self._set(
+            mu=float(mu),
+            angle=angle,
+            normal_force=_arrays.positive(normal_force, "normal_force"),
+            masses=_arrays.read_only(both),
+            length=_arrays.positive(length, "length"),
+            stiffness=_arrays.read_only(_arrays.array(stiffness, "stiffness", (2,))),
+            damping=_arrays.read_only(_arrays.array(damping, "damping", (2,))),
+            belt_velocity=_arrays.positive(belt_velocity, "belt_velocity"),
+            normal_restitution=law.normal_restitution,
+        )
+        self._keep(contacts=(law,), _rest=self.equilibrium)
+        self._keep(_stretch=self._stretched())
+
+    @property
+    def equilibrium(self) -> Array:
+        """Coordinates (y, φ) of the steady sliding."""
+        return np.array([self.length * math.cos(self.angle), self.angle])
+
+    @property
+    def small_angles(self) -> LinearSystem:
+        """The linear system of the deviations from the steady sliding, with contact and impacts.
+
+        The turning of the constant contact forces is part of its stiffness.
+        """
+        q, lever = self.equilibrium, self.length * self.normal_force
+        turning = lever * (math.cos(self.angle) + self.mu * math.sin(self.angle))
+        contact = Contact(
+            self.contacts[0].law,
+            self.direction(0.0, q, 0),
+            normal=self.normal(0.0, q, 0),
+            velocity=[-self.belt_velocity],
+            normal_restitution=self.normal_restitution,
+        )
+        return LinearSystem(
+            self.mass(q),
+            self.stiffness - [0.0, turning],
+            self.damping,
+            self._stretch,
+            contacts=[contact],
+        )
+
+    def mass(self, q: Array) -> Array:
+        """Return M(φ)."""
+        m1, m2 = self.masses.tolist()
+        coupling = m2 * self.length * math.sin(q[1])
+        return np.array([[m1 + m2, coupling], [coupling, m2 * self.length**2]])
+
+    def forces(self, t: float, q: Array, u: Array) -> Array:
+        """Return the forces of springs, dampers and inertia."""
+        loads = self._stretch - self.stiffness * (q - self._rest) - self.damping * u
+        loads[0] -= self.masses[1] * self.length * math.cos(q[1]) * u[1] ** 2
+        return loads
+
+    def direction(self, t: float, q: Array, contact: int) -> Array:
+        """Return W, along the belt's motion."""
+        return np.array([[0.0], [-self.length * math.cos(q[1])]])
+
+    def velocity(self, t: float, q: Array, contact: int) -> Array:
+        """Return χ in m/s."""
+        return np.array([-self.belt_velocity])
+
+    def normal(self, t: float, q: Array, contact: int) -> Array:
+        """Return w_N."""
+        return np.array([1.0, self.length * math.sin(q[1])])
+
+    def gap(self, t: float, q: Array, contact: int) -> float:
+        """Return g_N in m."""
+        return float(q[0] - self.length * math.cos(q[1]))
+
+    def _stretched(self) -> Array:
+        """Return the forces of the springs in the steady sliding, opposite to the contact's."""
+        pressed = self.normal(0.0, self._rest, 0)
+        pulled = self.mu * self.direction(0.0, self._rest, 0)[:, 0]
+        return -self.normal_force * (pressed + pulled)

@@ -1,0 +1,148 @@
+"""Root loci, charts of growth rates, bifurcation diagrams: what is drawn, not how it looks."""
+
+from types import SimpleNamespace
+
+import asperity as asp
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+from asperity.plot import plot_bifurcation, plot_growth_chart, plot_root_locus
+from matplotlib.artist import Artist
+from matplotlib.collections import LineCollection, QuadMesh
+from matplotlib.contour import QuadContourSet
+
+DAMPING = np.linspace(-0.5, 3.0, 71)
+ROOTS = np.array([np.roots([1.0, d, 1.0]) for d in DAMPING])
+
+
+def belt():
+    """Something like a diagram: unstable for 2 and 3, a cycle there and at 1."""
+    values = np.arange(6.0)
+    cycle = np.isin(values, [1.0, 2.0, 3.0])
+    return SimpleNamespace(
+        parameter="speed",
+        values=values,
+        equilibria=np.column_stack([values, -values]),
+        kinds=["neutral", "neutral", "unstable", "unstable", "asymptotically stable", "none"],
+        cycle_minima=np.where(cycle, values - 1.0, np.nan)[:, None] * [1.0, 2.0],
+        cycle_maxima=np.where(cycle, values + 1.0, np.nan)[:, None] * [1.0, 2.0],
+    )
+
+
+@pytest.fixture(autouse=True)
+def _close():
+    yield
+    plt.close("all")
+
+
+@pytest.mark.parametrize(
+    "plot",
+    [
+        lambda ax: plot_root_locus(ROOTS, DAMPING, ax),
+        lambda ax: plot_growth_chart([0.0, 1.0], [0.0, 1.0], [[-1.0, 1.0], [-2.0, 3.0]], ax),
+        lambda ax: plot_bifurcation(belt(), ax),
+    ],
+)
+def test_artists_are_returned_and_drawn_into_the_axes_given(plot):
+    _, ax = plt.subplots()
+    artists = plot(ax)
+    assert isinstance(artists, list)
+    assert all(isinstance(one, Artist) and one.axes is ax for one in artists)
+    assert len(plot(None)) == len(artists)
+    assert len(plt.get_fignums()) == 2
+
+
+def points(lines):
+    segments = np.array(lines.get_segments())
+    return np.vstack([segments[:, 0], segments[-1:, 1]]) @ [1.0, 1.0j]
+
+
+def test_branches_of_a_root_locus_are_continuous_whatever_the_order_of_the_eigenvalues():
+    first, second = 1.0j + DAMPING * np.exp(1.0j), -1.0j + DAMPING * np.exp(-0.5j)
+    # The branches swap places at random; they come as near to each other as 0.35.
+    random = np.random.default_rng(3)
+    shuffled = random.permuted(np.column_stack([first, second]), axis=1)
+    drawn = plot_root_locus(shuffled, DAMPING)
+    found = [points(one) for one in drawn if isinstance(one, LineCollection)]
+    assert len(found) == 2
+    found.sort(key=lambda branch: -branch[0].imag * np.sign(first[0].imag - second[0].imag))
+    np.testing.assert_allclose(found, [first, second])
+
+
+def test_root_locus_takes_objects_with_eigenvalues_and_colours_by_the_parameter():
+    objects = [SimpleNamespace(eigenvalues=row) for row in ROOTS]
+    drawn = plot_root_locus(objects, DAMPING, label="damping")
+    lines = [one for one in drawn if isinstance(one, LineCollection)]
+    np.testing.assert_allclose(lines[0].get_array(), 0.5 * (DAMPING[1:] + DAMPING[:-1]))
+    assert lines[0].get_clim() == (-0.5, 3.0)
+    bars = [ax for ax in drawn[0].figure.axes if ax is not drawn[0].axes]
+    assert [ax.get_ylabel() for ax in bars] == ["damping"]
+    ends = {complex(np.round(points(one)[-1], 9)) for one in lines}
+    assert ends == {complex(np.round(root, 9)) for root in ROOTS[-1]}
+
+
+def test_growth_chart_draws_the_border_where_growth_begins():
+    x, y = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 31)
+    mesh, border = plot_growth_chart(x, y, x - y[:, None])
+    assert isinstance(mesh, QuadMesh)
+    assert isinstance(border, QuadContourSet)
+    low, high = mesh.get_clim()
+    assert low == -high == -1.0
+    for path in border.get_paths():
+        np.testing.assert_allclose(*path.vertices.T, atol=1e-5)
+
+
+def test_growth_chart_has_no_border_where_nothing_grows_or_everything_does():
+    x = np.arange(3.0)
+    rounding = 1e-16 * np.random.default_rng(2).normal(size=(3, 3))
+    for growth in (np.zeros((3, 3)), np.full((3, 3), -1.0), rounding, rounding - np.eye(3)):
+        assert len(plot_growth_chart(x, x, growth)) == 1
+    assert len(plot_growth_chart(x, x, 1.0 + np.eye(3))) == 1
+
+
+def test_bifurcation_shows_every_kind_of_equilibrium_once():
+    filling, lower, upper, *equilibria = plot_bifurcation(belt(), coordinate=1)
+    assert [line.get_label() for line in equilibria] == [
+        "stable equilibrium",
+        "neutral equilibrium",
+        "unstable equilibrium",
+    ]
+    stable, neutral, unstable = (line.get_ydata() for line in equilibria)
+    # Lines of different kinds touch at the first value of the next kind.
+    np.testing.assert_allclose(stable, [np.nan, np.nan, np.nan, -3.0, -4.0, np.nan])
+    np.testing.assert_allclose(neutral, [0.0, -1.0, *[np.nan] * 4])
+    np.testing.assert_allclose(unstable, [np.nan, -1.0, -2.0, -3.0, np.nan, np.nan])
+    np.testing.assert_allclose(lower.get_ydata(), [np.nan, 0.0, 2.0, 4.0, np.nan, np.nan])
+    np.testing.assert_allclose(upper.get_ydata(), [np.nan, 4.0, 6.0, 8.0, np.nan, np.nan])
+    assert filling.axes.get_xlabel() == "speed"
+
+
+def test_bifurcation_without_cycles_draws_equilibria_only():
+    diagram = belt()
+    diagram.cycle_minima = diagram.cycle_maxima = np.full((6, 2), np.nan)
+    assert len(plot_bifurcation(diagram)) == 3
+
+
+@pytest.mark.parametrize(
+    ("draw", "argument"),
+    [
+        (lambda: plot_root_locus(ROOTS, DAMPING[:-1]), "eigenvalues"),
+        (lambda: plot_root_locus([[1.0, 2.0], [1.0]], [0.0, 1.0]), "eigenvalues"),
+        (lambda: plot_root_locus([[np.nan], [1.0]], [0.0, 1.0]), "eigenvalues"),
+        (lambda: plot_root_locus([[1.0]], [0.0]), "eigenvalues"),
+        (lambda: plot_growth_chart([0.0, 1.0], [0.0], [[1.0], [2.0]]), "growth"),
+        (lambda: plot_growth_chart([0.0], [0.0], [["x"]]), "growth"),
+        (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], tolerance=0.0), "tolerance"),
+        (lambda: plot_growth_chart([np.nan], [0.0], [[1.0]]), "x"),
+        (lambda: plot_bifurcation(belt(), coordinate=2), "coordinate"),
+        (lambda: plot_bifurcation("x"), "diagram"),
+    ],
+)
+def test_what_cannot_be_drawn_is_named(draw, argument):
+    with pytest.raises(asp.ParameterError) as raised:
+        draw()
+    assert raised.value.argument == argument
