@@ -92,6 +92,7 @@ def test_growth_chart_draws_the_border_where_growth_begins():
     assert isinstance(border, QuadContourSet)
     low, high = mesh.get_clim()
     assert low == -high == -1.0
+    assert plot_growth_chart(x, y, x - y[:, None], limit=0.5)[0].get_clim() == (-0.5, 0.5)
     for path in border.get_paths():
         np.testing.assert_allclose(*path.vertices.T, atol=1e-5)
 
@@ -137,6 +138,7 @@ def test_bifurcation_without_cycles_draws_equilibria_only():
         (lambda: plot_growth_chart([0.0, 1.0], [0.0], [[1.0], [2.0]]), "growth"),
         (lambda: plot_growth_chart([0.0], [0.0], [["x"]]), "growth"),
         (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], tolerance=0.0), "tolerance"),
+        (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], limit=-1.0), "limit"),
         (lambda: plot_growth_chart([np.nan], [0.0], [[1.0]]), "x"),
         (lambda: plot_bifurcation(belt(), coordinate=2), "coordinate"),
         (lambda: plot_bifurcation("x"), "diagram"),

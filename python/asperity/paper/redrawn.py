@@ -42,11 +42,16 @@ def panels(
     look = {"figsize": (4.6 * count, 4.6), "layout": "constrained", "squeeze": False, **kwargs}
     with style():
         figure, axes = plt.subplots(1, count, **look)
-        heading = f"Fig. {number} of Walker & Leine (2019), redrawn: {title}"
-        figure.suptitle(heading, x=0.01, ha="left", color=INK)
-        top = 1.0 - 0.06 / figure.get_figheight()
-        figure.text(0.99, top, parameters, ha="right", va="top", color=GREY, fontsize="small")
+        heading(figure, number, title, parameters)
     return figure, axes[0]
+
+
+def heading(figure: Figure, number: int, title: str, parameters: str) -> None:
+    """Write what a figure redraws, and where its parameters come from."""
+    text = f"Fig. {number} of Walker & Leine (2019), redrawn: {title}"
+    figure.suptitle(text, x=0.01, ha="left", color=INK)
+    top = 1.0 - 0.06 / figure.get_figheight()
+    figure.text(0.99, top, parameters, ha="right", va="top", color=GREY, fontsize="small")
 
 
 def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> None:

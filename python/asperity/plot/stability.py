@@ -137,6 +137,7 @@ def plot_growth_chart(
     ax: Axes | None = None,
     *,
     tolerance: float = 1e-6,
+    limit: float | None = None,
     colorbar: bool = True,
 ) -> list[Artist]:
     """Draw growth rates over two parameters; the border of instability is a line.
@@ -150,6 +151,7 @@ def plot_growth_chart(
             there is no equilibrium.
         ax: axes; default new ones.
         tolerance: growth rate in 1/s up to which a system counts as neutral.
+        limit: growth rate in 1/s of the darkest colours; default the largest magnitude.
         colorbar: whether to draw the colour bar.
 
     Returns:
@@ -169,7 +171,8 @@ def plot_growth_chart(
         raise ParameterError("growth", "must be an array of real numbers") from None
     _arrays.check_shape(rates, "growth", (len(second), len(first)))
     level = _arrays.positive(tolerance, "tolerance")
-    scale = CenteredNorm(halfrange=float(np.nanmax(np.abs(rates), initial=level)))
+    largest = float(np.nanmax(np.abs(rates), initial=level))
+    scale = CenteredNorm(halfrange=largest if limit is None else _arrays.positive(limit, "limit"))
     ax = look.axes_or_new(ax)
     mesh = ax.pcolormesh(
         first, second, rates, cmap=_DECAY_TO_GROWTH, norm=scale, shading="nearest", rasterized=True
@@ -181,7 +184,8 @@ def plot_growth_chart(
         border = ax.contour(first, second, rates, [level], colors=look.INK, linewidths=1.2)
         artists.append(border)
     if colorbar:
-        _colorbar(ax, mesh, "growth rate in 1/s")
+        beyond = limit is not None and limit < largest
+        _colorbar(ax, mesh, "growth rate in 1/s", extend="both" if beyond else "neither")
     return artists
 
 
@@ -263,7 +267,7 @@ def _with_next(shown: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return grown
 
 
-def _colorbar(ax: Axes, mappable: Any, label: str) -> None:
+def _colorbar(ax: Axes, mappable: Any, label: str, extend: str = "neither") -> None:
     with look.style():
-        bar = ax.figure.colorbar(mappable, ax=ax, label=label)
+        bar = ax.figure.colorbar(mappable, ax=ax, label=label, extend=extend)
         bar.outline.set_visible(False)
