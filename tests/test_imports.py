@@ -18,13 +18,16 @@ LAYERS = [
     {"contact", "system"},
     {"trajectory", "grading"},
     {"solve_files"},
-    {"simulate"},
+    {"simulate", "integrate", "motion"},
+    {"stability"},
+    {"cycle"},
     {"mechanisms", "plot", "problems"},
     {"paper"},
     {"cli"},
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
-MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "trajectory", "simulate", "cli"}
+MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "trajectory", "simulate"}
+MAY_CALL_THE_CORE |= {"integrate", "stability", "cycle", "cli"}
 MODULES = [path for path in PACKAGE.rglob("*.py") if path.name not in ("__main__.py",)]
 
 

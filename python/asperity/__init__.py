@@ -68,6 +68,17 @@ from asperity.solvers import (
     SemismoothNewton,
     Solver,
 )
+from asperity.stability import (
+    Equilibrium,
+    Stability,
+    critical_directions,
+    critical_rotation,
+    ellipses_can_be_unstable,
+    equilibrium,
+    growth_chart,
+    incremental_distance,
+    stability,
+)
 from asperity.status import Outcome, Phase, Status
 from asperity.system import (
     Body,
@@ -114,6 +125,7 @@ __all__ = [
     "DivergenceError",
     "Ellipse",
     "Ellipsoid",
+    "Equilibrium",
     "Exact",
     "FlowReport",
     "FrictionLaw",
@@ -147,6 +159,7 @@ __all__ = [
     "SpherePlane",
     "SphereSphere",
     "Spring",
+    "Stability",
     "Stage",
     "StarSet",
     "Status",
@@ -159,7 +172,14 @@ __all__ = [
     "Verdict",
     "WedgeAsperity",
     "__version__",
+    "critical_directions",
+    "critical_rotation",
+    "ellipses_can_be_unstable",
+    "equilibrium",
+    "growth_chart",
+    "incremental_distance",
     "simulate",
+    "stability",
     "star_shape",
 ]
 

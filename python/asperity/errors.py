@@ -90,6 +90,12 @@ class NoSolutionError(ConvergenceError):
     """There is no solution: Painlevé paradox, or bodies squeezed by prescribed motions."""
 
 
+class NoCycleError(AsperityError, RuntimeError):
+    """The search for a limit cycle found none: the motion settles, does not recur, or there is a
+    continuum of periodic orbits.
+    """
+
+
 class DivergenceError(AsperityError, ArithmeticError):
     """The state of a simulation is no longer finite.
 

@@ -6,6 +6,7 @@ mod cones;
 mod convert;
 mod delassus;
 mod errors;
+mod evaluate;
 mod law;
 mod outcome;
 mod problem;
@@ -21,6 +22,8 @@ use pyo3::prelude::*;
 mod _core {
     #[pymodule_export]
     use crate::cones::{cone_polar, cone_projection, star_shape};
+    #[pymodule_export]
+    use crate::evaluate::{advance, evaluate};
     #[pymodule_export]
     use crate::law::{Law, flow_law};
     #[pymodule_export]

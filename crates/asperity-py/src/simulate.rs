@@ -3,17 +3,16 @@
 use std::ops::ControlFlow;
 
 use asperity::simulate::{Options, Outcome, Run, simulate as run_core};
-use asperity::system::System;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::{Numbers, numbers};
-use crate::errors::{Failure, dimension};
+use crate::errors::Failure;
 use crate::problem::Solver;
 use crate::rigid::RigidBodies;
-use crate::system::{CallbackSystem, LinearSystem};
+use crate::system::with_system;
 
 /// The run so far as a dictionary, and the exception that ended it, if one did.
 #[pyfunction]
@@ -44,15 +43,6 @@ pub fn simulate<'py>(
         stop_on_failure: raise_on_failure,
     };
     let rigid = system.cast::<RigidBodies>();
-    let system: &dyn System = if let Ok(linear) = system.cast::<LinearSystem>() {
-        &linear.get().0
-    } else if let Ok(callback) = system.cast::<CallbackSystem>() {
-        callback.get()
-    } else if let Ok(rigid) = &rigid {
-        &rigid.get().system
-    } else {
-        return Err(dimension("system", "must be a system").into());
-    };
     let mut raised = None;
     let mut observer = |step: usize, steps: usize| {
         let answer = Python::attach(|py| {
@@ -67,7 +57,8 @@ pub fn simulate<'py>(
             ControlFlow::Continue,
         )
     };
-    let Run { trajectory, outcome } = py.detach(|| run_core(system, &options, &mut observer))?;
+    let Run { trajectory, outcome } =
+        with_system(system, |system| py.detach(|| run_core(system, &options, &mut observer)))??;
     let (status, failure, error) = match outcome {
         Outcome::Finished => ("finished", None, None),
         Outcome::AtRest => ("at_rest", None, None),

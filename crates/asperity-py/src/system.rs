@@ -10,10 +10,27 @@ use pyo3::types::PyDict;
 use crate::convert::{Numbers, Points, matrix, numbers};
 use crate::errors::{Failure, dimension};
 use crate::law::Law;
+use crate::rigid::RigidBodies;
 
 /// A linear system.
 #[pyclass(frozen, module = "asperity._core")]
 pub struct LinearSystem(pub system::LinearSystem);
+
+/// What `ask` gets to know from the core's system behind any of the classes.
+pub fn with_system<T>(
+    system: &Bound<'_, PyAny>,
+    ask: impl FnOnce(&dyn System) -> T,
+) -> PyResult<T> {
+    if let Ok(linear) = system.cast::<LinearSystem>() {
+        Ok(ask(&linear.get().0))
+    } else if let Ok(callback) = system.cast::<CallbackSystem>() {
+        Ok(ask(callback.get()))
+    } else if let Ok(rigid) = system.cast::<RigidBodies>() {
+        Ok(ask(&rigid.get().system))
+    } else {
+        Err(dimension("system", "must be a system"))
+    }
+}
 
 pub fn item<'py>(contact: &Bound<'py, PyDict>, key: &str) -> PyResult<Bound<'py, PyAny>> {
     contact.get_item(key)?.ok_or_else(|| dimension("contacts", &format!("lacks {key}")))

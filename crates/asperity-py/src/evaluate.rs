@@ -1,0 +1,103 @@
+//! What a system says about one state.
+
+use asperity::system::System;
+use nalgebra::DMatrix;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::convert::{Numbers, numbers, rows};
+use crate::errors::{Failure, dimension};
+use crate::rigid::RigidBodies;
+use crate::system::with_system;
+
+fn check_length(argument: &str, values: &[f64], expected: usize) -> PyResult<()> {
+    if values.len() == expected {
+        return Ok(());
+    }
+    Err(dimension(argument, &format!("must have {expected} entries, has {}", values.len())))
+}
+
+/// `M`, `h` and of every contact `W`, χ, and `w_N` and gap if it is unilateral.
+#[pyfunction]
+pub fn evaluate<'py>(
+    py: Python<'py>,
+    system: &Bound<'py, PyAny>,
+    t: f64,
+    q: Numbers<'py>,
+    u: Numbers<'py>,
+) -> Result<Bound<'py, PyDict>, Failure> {
+    let (q, u) = (numbers(&q, "q")?, numbers(&u, "u")?);
+    let out = with_system(system, |system| state(py, system, t, q, u))??;
+    // A frame of Python cannot return what it raises.
+    let raised = system.cast::<RigidBodies>().ok().and_then(|rigid| rigid.get().raised());
+    raised.map_or(Ok(out), |error| Err(error.into()))
+}
+
+fn state<'py>(
+    py: Python<'py>,
+    system: &dyn System,
+    t: f64,
+    q: &[f64],
+    u: &[f64],
+) -> Result<Bound<'py, PyDict>, Failure> {
+    let n = system.dof();
+    check_length("q", q, system.coordinates())?;
+    check_length("u", u, n)?;
+    let mut mass = DMatrix::zeros(n, n);
+    system.mass(q, &mut mass)?;
+    let mut forces = vec![0.0; n];
+    system.forces(t, q, u, &mut forces)?;
+    let contacts = PyList::empty(py);
+    for contact in 0..system.contacts().len() {
+        contacts.append(kinematics(py, system, t, q, contact)?)?;
+    }
+    let out = PyDict::new(py);
+    // Column-major Mᵀ is row-major M.
+    out.set_item("mass", rows(py, mass.transpose().as_slice().to_vec(), n)?)?;
+    out.set_item("forces", PyArray1::from_vec(py, forces))?;
+    out.set_item("contacts", contacts)?;
+    Ok(out)
+}
+
+fn kinematics<'py>(
+    py: Python<'py>,
+    system: &dyn System,
+    t: f64,
+    q: &[f64],
+    contact: usize,
+) -> Result<Bound<'py, PyDict>, Failure> {
+    let (n, law) = (system.dof(), &system.contacts()[contact]);
+    let p = law.law.dimension();
+    let (mut tangent, mut velocity) = (vec![0.0; n * p], vec![0.0; p]);
+    system.tangent(t, q, contact, &mut tangent, &mut velocity)?;
+    let out = PyDict::new(py);
+    out.set_item("tangent", rows(py, tangent, n)?)?;
+    out.set_item("velocity", PyArray1::from_vec(py, velocity))?;
+    if law.normal_force.is_none() {
+        let mut normal = vec![0.0; n];
+        out.set_item("gap", system.gap(t, q, contact, &mut normal)?)?;
+        out.set_item("normal", PyArray1::from_vec(py, normal))?;
+    }
+    Ok(out)
+}
+
+/// `q ⊕ dt u`.
+#[pyfunction]
+pub fn advance<'py>(
+    py: Python<'py>,
+    system: &Bound<'py, PyAny>,
+    q: Numbers<'py>,
+    u: Numbers<'py>,
+    dt: f64,
+) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+    let (q, u) = (numbers(&q, "q")?, numbers(&u, "u")?);
+    let moved = with_system(system, |system| {
+        check_length("q", q, system.coordinates())?;
+        check_length("u", u, system.dof())?;
+        let mut out = vec![0.0; q.len()];
+        system.advance(q, u, dt, &mut out);
+        Ok::<_, Failure>(out)
+    })??;
+    Ok(PyArray1::from_vec(py, moved))
+}

@@ -1,0 +1,188 @@
+"""Equilibria, their stability and limit cycles over a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.cycle.continuation import Continuation, Found
+from asperity.cycle.orbit import LimitCycle
+from asperity.errors import ConvergenceError, ParameterError
+from asperity.integrate import Model
+from asperity.stability import Stability, stability
+
+Family = Callable[..., Model]
+
+
+class BifurcationDiagram(Value):
+    """What a family of systems does over a parameter, found by `bifurcation_diagram`.
+
+    Attributes:
+        parameter: its name.
+        values: its values, ascending, shape ``(n,)``.
+        stabilities: of the equilibria; None where there is no steady sliding.
+        cycles: limit cycles; None where none was found.
+        failures: why there is no equilibrium, or why the search for a cycle beside an unstable
+            one failed; empty where all went well.
+    """
+
+    parameter: str
+    values: Array
+    stabilities: tuple[Stability | None, ...]
+    cycles: tuple[LimitCycle | None, ...]
+    failures: tuple[str, ...]
+
+    def __init__(
+        self,
+        parameter: str,
+        values: ArrayLike,
+        stabilities: Sequence[Stability | None],
+        cycles: Sequence[LimitCycle | None],
+        failures: Sequence[str],
+    ) -> None:
+        self._set(
+            parameter=str(parameter),
+            values=_arrays.read_only(_arrays.array(values, "values", (None,))),
+            stabilities=tuple(stabilities),
+            cycles=tuple(cycles),
+            failures=tuple(failures),
+        )
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @property
+    def equilibria(self) -> Array:
+        """Coordinates of the equilibria, shape ``(n, n_q)``; NaN where there is none."""
+        return _table([None if s is None else s.equilibrium.q for s in self.stabilities])
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kinds of the equilibria as of `Stability`; ``"none"`` where there is none."""
+        return tuple("none" if s is None else s.kind for s in self.stabilities)
+
+    @property
+    def growth_rates(self) -> Array:
+        """Largest real parts of the eigenvalues in 1/s, shape ``(n,)``; NaN where there is none."""
+        return np.array([np.nan if s is None else s.growth_rate for s in self.stabilities])
+
+    @property
+    def cycle_minima(self) -> Array:
+        """Least coordinates of the cycles, shape ``(n, n_q)``; NaN where there is none."""
+        return _table([None if c is None else c.minimum for c in self.cycles])
+
+    @property
+    def cycle_maxima(self) -> Array:
+        """Greatest coordinates of the cycles, shape ``(n, n_q)``; NaN where there is none."""
+        return _table([None if c is None else c.maximum for c in self.cycles])
+
+    @property
+    def periods(self) -> Array:
+        """Periods of the cycles in s, shape ``(n,)``; NaN where there is none."""
+        return np.array([np.nan if c is None else c.period for c in self.cycles])
+
+    @property
+    def coexistence(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Whether a cycle exists beside an equilibrium that is not unstable, shape ``(n,)``."""
+        pairs = zip(self.kinds, self.cycles, strict=True)
+        return np.array([kind not in ("unstable", "none") and c is not None for kind, c in pairs])
+
+    def __repr__(self) -> str:
+        found = sum(cycle is not None for cycle in self.cycles)
+        return (
+            f"<BifurcationDiagram: {len(self)} values of {self.parameter} from {self.values[0]:g} "
+            f"to {self.values[-1]:g}, {self.kinds.count('unstable')} unstable equilibria, "
+            f"{found} limit cycles>"
+        )
+
+
+def bifurcation_diagram(
+    family: Family,
+    parameter: str,
+    values: ArrayLike,
+    *,
+    cycles: bool = True,
+    tolerance: float = 1e-8,
+    threads: int = 2,
+) -> BifurcationDiagram:
+    """Find equilibria, their stability and limit cycles over one parameter.
+
+    A cycle is searched for in the middle of every interval in which the equilibrium is unstable and
+    continued from value to value to both sides, also past the ends of the interval, until it is
+    lost; so a cycle that coexists with a stable equilibrium is found if it hangs together with an
+    unstable interval.
+
+    Args:
+        family: function that makes a system; called as ``family(**{parameter: value})``.
+        parameter: name of its argument.
+        values: of the parameter, ascending, shape ``(n,)``; cycles are continued from one to the
+            next, so that they should lie close.
+        cycles: whether to look for limit cycles.
+        tolerance: of the cycles, as for `limit_cycle`.
+        threads: cycles of so many intervals and directions are continued at a time.
+
+    Raises:
+        ParameterError: if the values do not ascend or `family` does not take the argument.
+
+    Reference: [WL19] Fig. 16.
+
+    >>> import numpy as np
+    >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, bifurcation_diagram
+    >>> law = FrictionLaw(Ellipse(30.0, 10.0, angle=np.pi / 6), Ellipse(3.0, 1.0))
+    >>> def belt(phi):
+    ...     return MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(phi), np.sin(phi)])
+    >>> diagram = bifurcation_diagram(belt, "phi", np.deg2rad([40.0, 50.0, 80.0]), cycles=False)
+    >>> diagram.kinds
+    ('neutral', 'unstable', 'neutral')
+    """
+    grid = _arrays.array(values, "values", (None,))
+    if not grid.size or (np.diff(grid) <= 0.0).any():
+        raise ParameterError("values", "must ascend and not be empty")
+    systems = [_member(family, parameter, float(value)) for value in grid]
+    stabilities, failures = _equilibria(systems)
+    found = Found()
+    if cycles:
+        unstable = [s is not None and s.kind == "unstable" for s in stabilities]
+        sharpness = _arrays.positive(tolerance, "tolerance")
+        search = Continuation(systems, unstable, sharpness)
+        found = search.everywhere(_arrays.count(threads, "threads"))
+    return BifurcationDiagram(
+        parameter,
+        grid,
+        stabilities,
+        [found.cycles.get(i) for i in range(len(grid))],
+        [failure or found.failures.get(i, "") for i, failure in enumerate(failures)],
+    )
+
+
+def _member(family: Family, parameter: str, value: float) -> Model:
+    system = family(**{parameter: value})
+    if not isinstance(system, Model):
+        raise ParameterError("family", f"must return a system, returned {system!r}")
+    return system
+
+
+def _equilibria(systems: Sequence[Model]) -> tuple[list[Stability | None], list[str]]:
+    stabilities: list[Stability | None] = []
+    failures: list[str] = []
+    for system in systems:
+        try:
+            stabilities.append(stability(system))
+            failures.append("")
+        except (ParameterError, ConvergenceError) as error:
+            stabilities.append(None)
+            failures.append(str(error))
+    return stabilities, failures
+
+
+def _table(rows: Sequence[Array | None]) -> Array:
+    """Stack rows; NaN where there is none."""
+    width = next((len(row) for row in rows if row is not None), 0)
+    none = np.full(width, np.nan)
+    return np.array([none if row is None else row for row in rows]).reshape(len(rows), width)

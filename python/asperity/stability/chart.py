@@ -1,0 +1,100 @@
+"""Growth rates over the sliding direction and the rotation of C."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity.errors import DimensionError, ParameterError
+from asperity.system import MassOnBelt
+
+# Growth rates below this share of ‖A‖ are those of eigenvalues on the imaginary axis: a double one
+# scatters by the square root of rounding.
+_SCATTER = 1e-7
+
+
+def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> Array:
+    """Return growth rates of a mass on a belt over the belt's direction and the rotation of C.
+
+    Args:
+        system: mass on a planar belt, of which stiffness, law and speed of the belt are used.
+        phi: directions φ of the belt velocity from e₁ in rad, shape ``(m,)``.
+        zeta: angles ζ in rad by which the reservoir C of the law is turned counter-clockwise, D
+            stays; shape ``(k,)``.
+
+    Returns:
+        Largest real part of an eigenvalue in 1/s, shape ``(m, k)``; 0 where it is below 1e-7 ‖A‖,
+        NaN where D is flat. The shape of a scalar argument is left out.
+
+    Raises:
+        DimensionError: if the law is not planar.
+        ParameterError: if the belt rests.
+
+    Reference: [WL19] (87), (88), (113).
+
+    >>> import math
+    >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, growth_chart
+    >>> law = FrictionLaw(Ellipse(3.0, 1.0), Ellipse(3.0, 1.0))
+    >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
+    >>> (growth_chart(belt, math.radians(50.0), [0.0, math.radians(30.0)]) > 0.0).tolist()
+    [False, True]
+    """
+    if not isinstance(system, MassOnBelt):
+        raise ParameterError("system", f"must be a MassOnBelt, got {system!r}")
+    if system.dof != 2:
+        raise DimensionError("system", f"must be planar, its law has dimension {system.dof}")
+    speed = float(np.linalg.norm(system.belt_velocity))
+    if speed == 0.0:
+        raise ParameterError("system", "must have a moving belt, its belt_velocity vanishes")
+    angle, turn = _arrays.array(phi, "phi"), _arrays.array(zeta, "zeta")
+    lead = angle.shape + turn.shape
+    slip = np.broadcast_to(
+        -_arrays.unit_vectors(angle).reshape(-1, 1, 2), (angle.size, turn.size, 2)
+    ).reshape(-1, 2)
+    rotation = np.broadcast_to(turn.reshape(1, -1), (angle.size, turn.size)).ravel()
+    damping = _damping(system, slip, rotation, speed) / system.mass
+    return _growth(damping, system.stiffness / system.mass).reshape(lead)[()]
+
+
+def _damping(system: MassOnBelt, slip: Array, rotation: Array, speed: float) -> Array:
+    """Return −∂λ/∂γ for unit vectors γ and rotations of C, shape ``(n, 2, 2)``."""
+    law = system.law
+    z, H = law.direction.support_point(slip), law.direction.support_hessian(slip)
+    c, s = np.cos(rotation), np.sin(rotation)
+    R = np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
+    # The gauge of the turned C at z is that of C at z turned back.
+    back = np.einsum("nji,nj->ni", R, z)
+    gauge = law.reservoir.gauge(back)[:, None]
+    slope = np.einsum("nij,nj->ni", R, law.reservoir.gauge_gradient(back))
+    force = z / gauge
+    with np.errstate(invalid="ignore"):
+        matrix = H - force[:, :, None] * np.einsum("ni,nij->nj", slope, H)[:, None, :]
+    factor, drop = _rate(system, speed)
+    matrix *= factor / (gauge[:, :, None] * speed)
+    whole: Array = system.normal_force * (matrix + drop * force[:, :, None] * slip[:, None, :])
+    return whole
+
+
+def _rate(system: MassOnBelt, speed: float) -> tuple[float, float]:
+    """Return the rate factor and its derivative in s/m, as the law's Jacobian has it."""
+    if system.law.rate is None:
+        return 1.0, 0.0
+    gamma = -system.belt_velocity
+    dry = system.law.replace(rate=None).force(gamma)
+    drop = system.law.jacobian(gamma) @ gamma @ dry / (speed * float(dry @ dry))
+    return float(system.law.rate(speed)), float(drop)
+
+
+def _growth(damping: Array, stiffness: Array) -> Array:
+    """Return the largest real part of the eigenvalues of [[0, I], [−K, −B]]."""
+    finite: NDArray[np.bool_] = np.asarray(np.isfinite(damping).all(axis=(1, 2)))
+    B = np.where(finite[:, None, None], damping, 0.0)
+    A = np.zeros((len(B), 4, 4))
+    rate = np.sqrt(np.linalg.norm(stiffness, 2)) or 1.0
+    A[:, :2, 2:] = np.eye(2)
+    A[:, 2:, :2], A[:, 2:, 2:] = -stiffness / rate**2, -B / rate
+    growth = np.linalg.eigvals(A).real.max(axis=-1)
+    certain: NDArray[np.bool_] = np.abs(growth) > _SCATTER * np.linalg.norm(A, axis=(1, 2))
+    return np.where(finite, rate * np.where(certain, growth, 0.0), np.nan)

@@ -1,0 +1,137 @@
+"""What a system is near one state: kinematics, forces and their derivatives at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity._arrays import Array
+from asperity.errors import ParameterError
+from asperity.law import FrictionLaw
+from asperity.simulate import Model
+from asperity.system import LinearSystem, RigidBodies
+
+# Largest of the steps with which differences are taken, in m, rad, m/s or rad/s, and their number.
+STEP = 1e-3
+_LEVELS = 4
+_ROUNDING = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """One contact at one state; `normal` and `gap` of unilateral contacts only."""
+
+    W: Array
+    chi: Array
+    normal: Array | None
+    gap: float
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Derivatives at u = 0, columns for displacements δ in q ⊕ δ or for velocities."""
+
+    displacement: Array
+    velocity: Array
+    error: float
+    """Relative error of the differences."""
+
+
+class Field:
+    """A system as functions of displacements from q and of velocities.
+
+    Displacements are velocities times 1 s: q ⊕ δ has as many of them as there are velocities,
+    whatever the coordinates.
+    """
+
+    def __init__(self, system: Model, q: Array) -> None:
+        self.system, self.q = system, q
+        self.laws, self.normal_forces = _contacts(system)
+        self.n = int(system.dof)
+
+    def at(self, delta: Array | None = None, u: Array | None = None) -> dict[str, Any]:
+        """Return mass, forces and kinematics of the contacts at q ⊕ δ."""
+        q = self.q if delta is None else self.moved(delta)
+        return _core.evaluate(self.system._core, 0.0, q, np.zeros(self.n) if u is None else u)
+
+    def moved(self, delta: Array) -> Array:
+        """Return q ⊕ δ."""
+        return _core.advance(self.system._core, self.q, np.ascontiguousarray(delta), 1.0)
+
+    def contacts(self) -> list[ContactState]:
+        """Return the contacts at q."""
+        return [
+            ContactState(
+                np.ascontiguousarray(found["tangent"].T),
+                found["velocity"],
+                found.get("normal"),
+                float(found.get("gap", 0.0)),
+            )
+            for found in self.at()["contacts"]
+        ]
+
+    def slopes(self, load: Callable[[dict[str, Any]], Array], step: float) -> Slopes:
+        """Differentiate what `load` makes of the state; its first n entries are the forces h.
+
+        Linear systems are not differentiated: they hold their matrices.
+        """
+        linear = getattr(self.system, "linear", self.system)
+        if isinstance(linear, LinearSystem):
+            rest = np.zeros((len(load(self.at())) - self.n, self.n))
+            return Slopes(np.vstack([-linear.stiffness, rest]), -linear.damping, _ROUNDING)
+        displacement, error = _difference(lambda x: load(self.at(x)), self.n, step)
+        velocity, other = _difference(lambda x: self.at(None, x)["forces"], self.n, step)
+        return Slopes(displacement, velocity, max(error, other))
+
+
+def start(system: Model, q0: ArrayLike | None) -> Array:
+    """Return coordinates to start from."""
+    if not isinstance(system, Model):
+        raise ParameterError("system", f"must be a system such as MassOnBelt, got {system!r}")
+    q = system.q0 if isinstance(system, RigidBodies) else np.zeros(system.dof)
+    return _arrays.array(q if q0 is None else q0, "q0", q.shape)
+
+
+def _contacts(system: Model) -> tuple[list[FrictionLaw], list[float | None]]:
+    """Return the laws and the prescribed normal forces."""
+    if isinstance(system, RigidBodies):
+        return [system.pairs[label.pair].law for label in system.contacts], [None] * len(
+            system.contacts
+        )
+    return [c.law for c in system.contacts], [c.normal_force for c in system.contacts]
+
+
+def _difference(f: Callable[[Array], Array], n: int, step: float) -> tuple[Array, float]:
+    """Return the matrix of central differences, extrapolated, and its relative error."""
+    columns, errors = [], []
+    for i in range(n):
+        column, error = _extrapolated(f, np.eye(n)[i], step)
+        columns.append(column)
+        errors.append(error)
+    matrix = np.stack(columns, axis=-1) if columns else np.zeros((len(f(np.zeros(0))), 0))
+    size = float(np.abs(matrix).max(initial=0.0))
+    worst = max((float(error.max(initial=0.0)) for error in errors), default=0.0)
+    return matrix, max(worst / size if size else 0.0, _ROUNDING)
+
+
+def _extrapolated(f: Callable[[Array], Array], unit: Array, step: float) -> tuple[Array, Array]:
+    """Extrapolate to step 0 in h², each entry as far as its error estimate falls."""
+
+    def slope(h: float) -> Array:
+        return (f(h * unit) - f(-h * unit)) / (2.0 * h)
+
+    row = [slope(step)]
+    best, error = row[0], np.full(row[0].shape, np.inf)
+    for level in range(1, _LEVELS):
+        last, row = row, [slope(step / 4.0**level)]
+        for k in range(level):
+            row.append(row[k] + (row[k] - last[k]) / (16.0 ** (k + 1) - 1.0))
+            estimate = np.maximum(np.abs(row[k + 1] - row[k]), np.abs(row[k + 1] - last[k]))
+            closer = estimate < error
+            best, error = np.where(closer, row[k + 1], best), np.where(closer, estimate, error)
+    return best, error

@@ -1,0 +1,74 @@
+"""Distance of two motions of one system."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._arrays import Array
+from asperity.errors import DimensionError, ParameterError
+from asperity.system import LinearSystem
+from asperity.trajectory import Trajectory
+
+# Times that differ by less than this share of the step are the same.
+_SAME = 1e-6
+
+
+def incremental_distance(run_a: Trajectory, run_b: Trajectory, system: Any) -> tuple[Array, Array]:
+    """Return V = ½ Δuᵀ M Δu + ½ Δqᵀ K Δq of two motions at the times that both have.
+
+    With an associated law, a symmetric positive definite K, no negative damping and prescribed
+    normal forces V never grows, but for the error of the time steps.
+
+    Args:
+        run_a: a trajectory of `system`.
+        run_b: another one.
+        system: `LinearSystem`, `MassOnBelt` or `SlidingPoint`.
+
+    Returns:
+        The common times in s and V in J, both of shape ``(m,)``.
+
+    Raises:
+        ParameterError: if the system is not linear, its K not symmetric, or no time is common.
+        DimensionError: if a trajectory has other coordinates than the system.
+
+    Reference: [WL19] Thm. 1.
+
+    >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, incremental_distance, simulate
+    >>> belt = MassOnBelt(1.0, 1.0, FrictionLaw.associated(Ellipse(3.0, 1.0)), 1.0, [1.0, 1.0])
+    >>> runs = [simulate(belt, dt=0.01, t_end=5.0, q0=q0) for q0 in ([0.0, 0.0], [1.0, -1.0])]
+    >>> t, V = incremental_distance(*runs, belt)
+    >>> bool(V[-1] < V[0]), round(float(V[0]), 6)
+    (True, 1.0)
+    """
+    linear = getattr(system, "linear", system)
+    if not isinstance(linear, LinearSystem):
+        raise ParameterError(
+            "system", f"must be a LinearSystem, MassOnBelt or SlidingPoint, got {system!r}"
+        )
+    M, K = linear.mass, linear.stiffness
+    if np.abs(K - K.T).max() > 1e-12 * np.abs(K).max():
+        raise ParameterError("system", "must have a symmetric stiffness for V to be an energy")
+    for name, run in (("run_a", run_a), ("run_b", run_b)):
+        if not isinstance(run, Trajectory):
+            raise ParameterError(name, f"must be a Trajectory, got {run!r}")
+        if run.q.shape[1] != linear.dof:
+            raise DimensionError(
+                name, f"must have {linear.dof} coordinates as the system, has {run.q.shape[1]}"
+            )
+    a, b = _common(run_a, run_b)
+    du, dq = run_a.u[a] - run_b.u[b], run_a.q[a] - run_b.q[b]
+    V = 0.5 * np.einsum("ti,ij,tj->t", du, M, du) + 0.5 * np.einsum("ti,ij,tj->t", dq, K, dq)
+    return run_a.t[a], V
+
+
+def _common(run_a: Trajectory, run_b: Trajectory) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the samples at the same times."""
+    unit = _SAME * min(run_a.dt, run_b.dt)
+    nearest = np.clip(np.searchsorted(run_b.t, run_a.t - unit), 0, len(run_b.t) - 1)
+    a = np.flatnonzero(np.abs(run_b.t[nearest] - run_a.t) <= unit)
+    if not len(a):
+        raise ParameterError("run_b", "must have a time in common with run_a")
+    return a, nearest[a]

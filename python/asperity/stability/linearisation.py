@@ -1,0 +1,208 @@
+"""The matrices of small motions about steady sliding, each force by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from asperity._arrays import Array
+from asperity.errors import ParameterError
+from asperity.stability.field import STEP, Field
+from asperity.stability.sliding import Sliding
+
+# Names of the contributions to B and K.
+INTERNAL = "internal"
+CONE, DIRECTION, SLOPE = "tangent cone", "direction of friction", "Stribeck slope"
+COUPLING, FEEDBACK = "mode coupling", "velocity feedback of the normal force"
+FOLLOWER = "follower force"
+
+_ROUNDING = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """M δq̈ + B δq̇ + K δq = E δλ_N, W_Nᵀδq = 0, with B and K as sums of contributions.
+
+    Displacements δq are those of q ⊕ δq. `normals` holds W_N and `thrusts` E = W_N + W f of the
+    closed unilateral contacts, f = λ/λ_N.
+    """
+
+    mass: Array
+    contacts: dict[int, Sliding]
+    """The contacts that touch."""
+    closed: tuple[int, ...]
+    imbalance: Array
+    """h + W_N λ_N + W λ, which vanishes at an equilibrium."""
+    size: float
+    """Sum of the sizes of the forces in it."""
+    stiffness: dict[str, Array]
+    damping: dict[str, Array]
+    error: float
+    """Relative error of the matrices."""
+
+    @cached_property
+    def normals(self) -> Array:
+        """W_N, shape ``(n, closed contacts)``."""
+        columns = [self.contacts[i].state.normal for i in self.closed]
+        return np.array(columns).reshape(len(columns), len(self.mass)).T
+
+    @cached_property
+    def thrusts(self) -> Array:
+        """E, shape ``(n, closed contacts)``."""
+        across = [self.contacts[i].state.W @ self.contacts[i].unit_force for i in self.closed]
+        return self.normals + np.array(across).reshape(len(across), len(self.mass)).T
+
+    @cached_property
+    def reduced(self) -> Reduced:
+        """The motion within the closed contacts."""
+        return Reduced.of(self)
+
+    def without(self, name: str) -> Linearisation:
+        """Leave out a contribution to B or K."""
+        stiffness, damping = (
+            {key: part for key, part in parts.items() if key != name}
+            for parts in (self.stiffness, self.damping)
+        )
+        return replace(self, stiffness=stiffness, damping=damping)
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """M ÿ + B ẏ + K y = 0 with δq = Z y; the normal forces are eliminated.
+
+    Feedback is what the friction forces do when the normal forces vary.
+    """
+
+    Z: Array
+    mass: Array
+    stiffness: dict[str, Array]
+    damping: dict[str, Array]
+
+    @classmethod
+    def of(cls, whole: Linearisation) -> Reduced:
+        """Project on the null space of the closed contacts' normals."""
+        Z = _null_space(whole.normals)
+        stiffness, damping = (
+            {name: Z.T @ part @ Z for name, part in parts.items()}
+            for parts in (whole.stiffness, whole.damping)
+        )
+        if whole.closed:
+            feedback = -Z.T @ (whole.thrusts - whole.normals) @ _normal_response(whole)
+            stiffness[COUPLING] = feedback @ total(whole.stiffness) @ Z
+            damping[FEEDBACK] = feedback @ total(whole.damping) @ Z
+        return cls(Z, Z.T @ whole.mass @ Z, stiffness, damping)
+
+
+def linearisation(
+    of: Field, normal_force: Array, closed: tuple[int, ...], *, step: float = STEP
+) -> Linearisation:
+    """Linearise about u = 0, where all closed contacts slide.
+
+    Raises:
+        ParameterError: if a closed contact would stick or its force is not smooth.
+    """
+    contacts = _touching(of, normal_force, closed)
+    slopes = of.slopes(lambda found: _loads(found, contacts), step)
+    n, rows, at = of.n, slopes.displacement, of.n
+    stiffness = {INTERNAL: -rows[:n], FOLLOWER: np.zeros((n, n))}
+    damping = {INTERNAL: -slopes.velocity}
+    damping |= {name: np.zeros((n, n)) for name in (CONE, DIRECTION, SLOPE)}
+    for contact in contacts.values():
+        W = contact.state.W
+        p = W.shape[1]
+        turning, pressing, belt = np.split(rows[at : at + 2 * n + p], [n, 2 * n])
+        jacobian = contact.direction_jacobian + contact.rate_jacobian
+        stiffness[INTERNAL] -= pressing
+        stiffness[FOLLOWER] -= turning + W @ jacobian @ belt
+        cone = CONE if contact.margin < 0.0 else DIRECTION
+        damping[cone] -= W @ contact.direction_jacobian @ W.T
+        damping[SLOPE] -= W @ contact.rate_jacobian @ W.T
+        at += 2 * n + p
+    state = of.at()
+    forces = [state["forces"], *(push for one in contacts.values() for push in _pushes(one))]
+    return Linearisation(
+        mass=state["mass"],
+        contacts=contacts,
+        closed=closed,
+        imbalance=np.sum(forces, axis=0),
+        size=float(sum(np.linalg.norm(force) for force in forces)),
+        stiffness=stiffness,
+        damping=damping,
+        error=max([slopes.error, *(contact.error for contact in contacts.values())]),
+    )
+
+
+def _loads(found: dict[str, Any], contacts: dict[int, Sliding]) -> Array:
+    """Return h, then W λ, w_N λ_N and χ of each contact, with λ and λ_N held."""
+    parts = [found["forces"]]
+    for i, contact in contacts.items():
+        there = found["contacts"][i]
+        normal = there.get("normal")
+        parts.append(there["tangent"].T @ contact.force)
+        parts.append(np.zeros_like(parts[0]) if normal is None else normal * contact.normal_force)
+        parts.append(there["velocity"])
+    return np.concatenate(parts)
+
+
+def _pushes(contact: Sliding) -> list[Array]:
+    normal = contact.state.normal
+    friction = contact.state.W @ contact.force
+    return [friction] if normal is None else [friction, normal * contact.normal_force]
+
+
+def _touching(of: Field, normal_force: Array, closed: tuple[int, ...]) -> dict[int, Sliding]:
+    """Return the contacts that touch; they must move, along directions where D is not flat."""
+    touching = {}
+    for i, state in enumerate(of.contacts()):
+        if i not in closed and of.normal_forces[i] is None:
+            continue
+        if not np.linalg.norm(state.chi) > 0.0:
+            raise ParameterError(
+                "system", f"contact {i} would stick: its velocity χ vanishes in steady sliding"
+            )
+        touching[i] = Sliding(of.laws[i], state, float(normal_force[i]))
+        if not touching[i].is_smooth:
+            raise ParameterError(
+                "system",
+                f"contact {i} slides along {state.chi.tolist()}, where its D is flat and the "
+                "force is not smooth",
+            )
+    return touching
+
+
+def _normal_response(whole: Linearisation) -> Array:
+    """Return (W_NᵀM⁻¹E)⁻¹W_NᵀM⁻¹, which takes forces to the normal forces that resist them."""
+    weighted = np.linalg.solve(whole.mass, whole.normals).T
+    push = weighted @ whole.thrusts
+    for place, number in enumerate(whole.closed):
+        if push[place, place] <= 0.0:
+            raise ParameterError(
+                "system",
+                f"contact {number} is in the Painlevé zone: its normal force does not keep it "
+                "from closing",
+            )
+    if np.linalg.cond(push) * _ROUNDING > 1e-3:
+        raise ParameterError(
+            "closed", "must be contacts with independent normals: their forces are not unique"
+        )
+    response: Array = np.linalg.solve(push, weighted)
+    return response
+
+
+def _null_space(normals: Array) -> Array:
+    """Return an orthonormal basis Z with W_NᵀZ = 0; the identity without normals."""
+    n, m = normals.shape
+    if not m:
+        return np.eye(n)
+    vectors, values, _ = np.linalg.svd(normals)
+    rank = int((values > values[0] * 1e-12).sum())
+    return np.ascontiguousarray(vectors[:, rank:])
+
+
+def total(parts: dict[str, Array]) -> Array:
+    """Return the sum of the contributions."""
+    whole: Array = np.sum(list(parts.values()), axis=0)
+    return whole

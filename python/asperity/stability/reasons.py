@@ -1,0 +1,102 @@
+"""Why steady sliding is unstable: its growth rate without one mechanism after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from asperity._arrays import Array
+from asperity.stability.linearisation import (
+    CONE,
+    COUPLING,
+    DIRECTION,
+    FEEDBACK,
+    FOLLOWER,
+    INTERNAL,
+    SLOPE,
+    Linearisation,
+    total,
+)
+from asperity.stability.spectrum import Spectrum, spectrum
+
+DAMPING, STIFFNESS = "negative damping", "negative stiffness"
+
+# A mechanism counts if without it the growth rate falls by more than this share.
+_NOTABLE = 1e-3
+
+_SENTENCES = {
+    CONE: "the sliding direction lies in the interior of the tangent cone of C at −λ",
+    DIRECTION: "the friction force turns with the sliding direction, which makes B nonsymmetric",
+    SLOPE: "the friction force falls with the sliding speed (Stribeck slope)",
+    COUPLING: "the stiffness is nonsymmetric, as where the normal force depends on displacements "
+    "(mode coupling)",
+    FEEDBACK: "the normal force depends on the velocities (velocity feedback)",
+    FOLLOWER: "the friction force follows the motion (follower force)",
+    DAMPING: "the damping without friction is negative",
+    STIFFNESS: "the stiffness without friction is negative",
+}
+
+
+def reduced_spectrum(whole: Linearisation, relative_error: float) -> Spectrum:
+    """Return the spectrum of the motion within the closed contacts."""
+    part = whole.reduced
+    return spectrum(part.mass, total(part.damping), total(part.stiffness), relative_error)
+
+
+def growth_rates(whole: Linearisation, relative_error: float) -> dict[str, float]:
+    """Return the growth rate that is left without each mechanism that acts."""
+    part = whole.reduced
+    K, B = total(part.stiffness), total(part.damping)
+    return {
+        name: spectrum(part.mass, damping, stiffness, relative_error).growth_rate
+        for name, damping, stiffness in _ablated(whole, B, K)
+        if not (_same(damping, B) and _same(stiffness, K))
+    }
+
+
+def sentence(left: dict[str, float], growth_rate: float) -> str:
+    """Name the mechanisms without which it would not be unstable."""
+    alone = [name for name, rate in left.items() if rate <= 0.0]
+    helping = [n for n, rate in left.items() if rate < (1.0 - _NOTABLE) * growth_rate]
+    named = alone or sorted(helping, key=left.__getitem__)
+    if not named:
+        return "no single force accounts for it"
+    reasons = [_SENTENCES[name] for name in named]
+    if alone and len(alone) == 1:
+        return reasons[0]
+    joined = "; ".join(reasons)
+    return f"without any one of these it would not be: {joined}" if alone else f"together: {joined}"
+
+
+def _ablated(whole: Linearisation, B: Array, K: Array) -> Iterator[tuple[str, Array, Array]]:
+    """Yield name, damping and stiffness without one mechanism."""
+    part = whole.reduced
+    for name in (CONE, DIRECTION, SLOPE, FOLLOWER):
+        rest = whole.without(name).reduced
+        yield name, total(rest.damping), total(rest.stiffness)
+    zero = np.zeros_like(K)
+    skew = 0.5 * (part.stiffness[INTERNAL] - part.stiffness[INTERNAL].T)
+    yield COUPLING, B, K - part.stiffness.get(COUPLING, zero) - skew
+    yield FEEDBACK, B - part.damping.get(FEEDBACK, zero), K
+    yield DAMPING, B + _deficit(part.damping[INTERNAL], part.mass), K
+    yield STIFFNESS, B, K + _deficit(part.stiffness[INTERNAL], part.mass)
+
+
+def _deficit(matrix: Array, mass: Array) -> Array:
+    """Return what the symmetric part lacks to be positive semidefinite, relative to the mass."""
+    if not len(matrix):
+        return matrix
+    root = np.linalg.cholesky(mass)
+    symmetric = 0.5 * (matrix + matrix.T)
+    values, vectors = np.linalg.eigh(np.linalg.solve(root, np.linalg.solve(root, symmetric).T))
+    lacking = np.where(values < -1e-9 * np.abs(values).max(initial=0.0), -values, 0.0)
+    half = root @ vectors
+    deficit: Array = (half * lacking) @ half.T
+    return deficit
+
+
+def _same(a: Array, b: Array) -> bool:
+    """Whether they differ by rounding only."""
+    size = max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0))
+    return bool(np.abs(a - b).max(initial=0.0) <= 1e-9 * size)
