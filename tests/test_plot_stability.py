@@ -87,12 +87,12 @@ def test_root_locus_takes_objects_with_eigenvalues_and_colours_by_the_parameter(
 
 def test_growth_chart_draws_the_border_where_growth_begins():
     x, y = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 31)
-    mesh, border = plot_growth_chart(x, y, x - y[:, None])
+    mesh, border = plot_growth_chart(x, y, x[:, None] - y)
     assert isinstance(mesh, QuadMesh)
     assert isinstance(border, QuadContourSet)
     low, high = mesh.get_clim()
     assert low == -high == -1.0
-    assert plot_growth_chart(x, y, x - y[:, None], limit=0.5)[0].get_clim() == (-0.5, 0.5)
+    assert plot_growth_chart(x, y, x[:, None] - y, limit=0.5)[0].get_clim() == (-0.5, 0.5)
     for path in border.get_paths():
         np.testing.assert_allclose(*path.vertices.T, atol=1e-5)
 
@@ -135,7 +135,7 @@ def test_bifurcation_without_cycles_draws_equilibria_only():
         (lambda: plot_root_locus([[1.0, 2.0], [1.0]], [0.0, 1.0]), "eigenvalues"),
         (lambda: plot_root_locus([[np.nan], [1.0]], [0.0, 1.0]), "eigenvalues"),
         (lambda: plot_root_locus([[1.0]], [0.0]), "eigenvalues"),
-        (lambda: plot_growth_chart([0.0, 1.0], [0.0], [[1.0], [2.0]]), "growth"),
+        (lambda: plot_growth_chart([0.0, 1.0], [0.0], [[1.0, 2.0]]), "growth"),
         (lambda: plot_growth_chart([0.0], [0.0], [["x"]]), "growth"),
         (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], tolerance=0.0), "tolerance"),
         (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], limit=-1.0), "limit"),

@@ -6,6 +6,8 @@ parameters.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,9 +20,11 @@ from asperity.paper import mechanism_sketches as sketches
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
 from asperity.paper.redrawn import OWN, Redrawn, heading, record
+from asperity.paper.statements import truth, vanishes
 from asperity.plot import plot_growth_chart, plot_root_locus
 from asperity.plot.look import BLUE, INK, SLIP, STICK, style
 from asperity.simulate import simulate
+from asperity.stability import Stability, stability
 from asperity.status import Phase
 from asperity.trajectory import Trajectory
 
@@ -58,7 +62,7 @@ def fig13() -> Redrawn:
         _draw_coupling(lower[1], curves)
         _draw_oscillator(lower[2], curves)
         _draw_follower(lower[3], curves)
-    return Redrawn(figure, curves, [])
+    return Redrawn(figure, curves, [*_stribeck_checks(cycle), *_limits(), *_chart_checks()])
 
 
 def _panels() -> tuple[Figure, list[Axes], list[Axes]]:
@@ -70,7 +74,7 @@ def _panels() -> tuple[Figure, list[Axes], list[Axes]]:
     return figure, list(axes[0]), list(axes[1])
 
 
-def stick_slip(dt: float = 1e-3) -> Trajectory:
+def stick_slip(dt: float = 5e-4) -> Trajectory:
     """Return one cycle of the block on the belt, from the beginning of stick to the next."""
     motion = simulate(mechanisms.stribeck_block(), dt=dt, t_end=60.0).slice(30.0, 60.0)
     sticking = motion.phase[:, 0] == Phase.STICK
@@ -95,7 +99,7 @@ def _draw_cycle(ax: Axes, cycle: Trajectory, curves: Curves) -> None:
 
 def _draw_coupling(ax: Axes, curves: Curves) -> None:
     mu, damping = np.linspace(0.3, 1.3, 141), np.linspace(0.0, 0.5, 101)
-    _chart(ax, "f", mu, damping, coupling_growth(mu, damping[:, None]), curves)
+    _chart(ax, "f", mu, damping, coupling_growth(mu[:, None], damping), curves)
     ax.set(
         title="(f) growth rate of (b)",
         xlabel=r"friction coefficient $\mu$",
@@ -105,7 +109,7 @@ def _draw_coupling(ax: Axes, curves: Curves) -> None:
 
 def _draw_oscillator(ax: Axes, curves: Curves) -> None:
     mu, angle = np.linspace(0.0, 2.6, 161), np.deg2rad(np.linspace(10.0, 60.0, 121))
-    growth = oscillator_growth(mu, angle[:, None])
+    growth = oscillator_growth(mu[:, None], angle)
     # Towards Painlevé's limit the inertia against the motion vanishes.
     _chart(ax, "g", mu, np.rad2deg(angle), growth, curves, limit=0.6)
     m1, m2 = _ROD.masses
@@ -148,12 +152,93 @@ def _chart(
                 curves.add(panel, "border of instability", np.asarray(path.vertices))
 
 
+def _stribeck_checks(cycle: Trajectory) -> list[Check]:
+    found = stability(mechanisms.stribeck_block())
+    period = float(cycle.t[-1] - cycle.t[0])
+    return [
+        Check("Fig. 13a period", 12.001031, period, 2e-3, "s"),
+        Check("Fig. 13a largest x", 1.133944, float(cycle.q.max()), 1e-3, "m"),
+        Check("Fig. 13a growth rate −F'(v)/2", 0.5859375, found.growth_rate, 1e-9, "1/s"),
+        truth("Fig. 13a the slope is the reason", _without(found, "Stribeck slope") <= 0.0),
+    ]
+
+
+def _limits() -> list[Check]:
+    def coupled(mu: float) -> Stability:
+        return stability(mechanisms.mode_coupling(mu, belt_mass=1e-7))
+
+    def leaning(mu: float) -> Stability:
+        return stability(_ROD.replace(mu=mu))
+
+    def followed(p: float) -> Stability:
+        return stability(mechanisms.FollowerPendulum(p, normal_force=1.0))
+
+    s, (dy, dphi) = np.sin(_ROD.angle), _ROD.damping
+    leaned = float(np.tan(_ROD.angle) * (1.0 + dphi / (dy * s * s)))
+    return [
+        Check("Fig. 13b limit of μ", 0.75, _onset(coupled, 0.6, 0.9), 1e-6),
+        Check("Fig. 13b growth rate at μ = 0.9", 0.157147, coupled(0.9).growth_rate, 1e-6, "1/s"),
+        Check("Fig. 13b growth rate at μ = 1.2", 0.269036, coupled(1.2).growth_rate, 1e-6, "1/s"),
+        truth(
+            "Fig. 13b the coupling is the reason", _without(coupled(0.9), "mode coupling") <= 0.0
+        ),
+        Check("Fig. 13c limit of μ", leaned, _onset(leaning, 0.6, 1.2), 1e-6),
+        truth(
+            "Fig. 13c the velocity feedback is the reason",
+            _without(leaning(1.0), "velocity feedback of the normal force") <= 0.0,
+        ),
+        Check("Fig. 13d flutter begins at p", FLUTTER, _onset(followed, 1.0, 3.0), 1e-6),
+        Check(
+            "Fig. 13d flutter ends at p", DIVERGENCE, _onset(followed, 4.0, 6.0, real=True), 1e-6
+        ),
+        truth(
+            "Fig. 13d the follower is the reason", _without(followed(3.0), "follower force") <= 0.0
+        ),
+    ]
+
+
+def _onset(
+    found: Callable[[float], Stability], low: float, high: float, *, real: bool = False
+) -> float:
+    """Return where a system becomes unstable, or the eigenvalues that grow become real."""
+    while high - low > 1e-8:
+        middle = 0.5 * (low + high)
+        one = found(middle)
+        growing = one.kind == "unstable"
+        if growing and real:
+            growing = bool(one.eigenvalues[0].imag == 0.0)
+        low, high = (low, middle) if growing else (middle, high)
+    return 0.5 * (low + high)
+
+
+def _without(found: Stability, mechanism: str) -> float:
+    """Return the growth rate that is left without a mechanism, NaN if it does not act."""
+    return found.mechanisms.get(mechanism, float("nan"))
+
+
+def _chart_checks() -> list[Check]:
+    coupling = [
+        stability(mechanisms.mode_coupling(mu, damping=damping)).growth_rate
+        - coupling_growth(np.array(mu), np.array(damping))
+        for mu, damping in ((0.4, 0.3), (0.9, 0.1), (0.9, 0.45), (1.2, 0.2))
+    ]
+    leaning = [
+        stability(_ROD.replace(mu=mu, angle=angle)).growth_rate
+        - oscillator_growth(np.array(mu), np.array(angle))
+        for mu, angle in ((0.3, 0.3), (0.9, 0.3), (1.1, 0.6), (1.5, 0.9))
+    ]
+    return [
+        vanishes("Fig. 13f growth rates against the linearised system", coupling, 1e-9),
+        vanishes("Fig. 13g growth rates against the linearised system", leaning, 1e-7),
+    ]
+
+
 def coupling_growth(mu: Array, damping: Array, belt_mass: float = 1e-3) -> Array:
     """Return the growth rate of `mechanisms.mode_coupling` with closed contact."""
-    one, zero = np.ones(np.broadcast_shapes(mu.shape, damping.shape)), 0.0 * mu
+    one = np.ones(np.broadcast_shapes(mu.shape, damping.shape))
     return _growth(
-        _matrix([[one, -mu * belt_mass], [zero, 1.0 + belt_mass]]),
-        _matrix([[damping * one, zero], [zero, damping]]),
+        _matrix([[one, -mu * belt_mass], [0.0, 1.0 + belt_mass]]),
+        _matrix([[damping * one, 0.0], [0.0, damping]]),
         _matrix([[2.0 * one, 1.0 - 4.0 * mu / 3.0], [1.0, 2.0]]),
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Polygon, Rectangle
+from numpy.typing import ArrayLike
 
 from asperity._arrays import Array, unit_vectors
 from asperity.paper import parts
@@ -41,7 +42,7 @@ def mode_coupling(ax: Axes) -> None:
         across = 0.3 * np.array([-direction[1], direction[0]])
         parts.wall(ax, end - across, end + across)
         parts.spring(ax, center + 0.25 * direction, end)
-        parts.label(ax, text, center + 0.85 * direction + [0.0, 0.27])
+        parts.label(ax, text, center + 0.85 * direction, offset=(0.0, 0.27))
     parts.block(ax, center, (0.56, 0.56), "$m$")
     parts.belt(ax, -1.1, 1.1, 0.0, forward=False)
     for x in (-0.55, 0.55):
@@ -68,10 +69,10 @@ def impact_oscillator(ax: Axes) -> None:
     parts.point_mass(ax, top, 0.16)
     parts.point_mass(ax, tip)
     parts.coil(ax, top, radius=0.34, start=0.0, sweep=0.0)
-    parts.wall(ax, top + [0.34, 0.13], top + [0.34, -0.13])
-    parts.label(ax, "$m_1$", top + [-0.36, 0.22])
-    parts.label(ax, "$m_2$", tip + [-0.33, 0.08])
-    parts.label(ax, r"$k_\varphi, d_\varphi$", top + [0.78, -0.02])
+    parts.wall(ax, top - [-0.34, -0.13], top - [-0.34, 0.13])
+    parts.label(ax, "$m_1$", top, offset=(-0.36, 0.22))
+    parts.label(ax, "$m_2$", tip, offset=(-0.33, 0.08))
+    parts.label(ax, r"$k_\varphi, d_\varphi$", top, offset=(0.78, -0.02))
     ceiling = 1.85
     parts.wall(ax, [1.1, ceiling], [-0.2, ceiling])
     ax.plot([0.15, 0.75], [1.25, 1.25], color=INK, linewidth=1.2)
@@ -82,7 +83,7 @@ def impact_oscillator(ax: Axes) -> None:
     parts.label(ax, "$d_y$", [0.95, 1.55])
     ax.plot([top[0]] * 2, [top[1], tip[1]], color=GREY, linewidth=0.8, linestyle=":")
     ax.add_patch(Arc(tuple(top), 1.3, 1.3, theta1=232.0, theta2=270.0, color=INK))
-    parts.label(ax, r"$\varphi$", top + [-0.21, -0.45])
+    parts.label(ax, r"$\varphi$", top, offset=(-0.21, -0.45))
     parts.arrow(ax, [-0.55, top[1]], [0.0, 0.45], color=BLUE)
     parts.label(ax, "$y$", [-0.68, 1.35], color=BLUE)
     ax.set(xlim=(-1.75, 1.75), ylim=(-0.5, 2.05))
@@ -96,7 +97,7 @@ def follower_pendulum(ax: Axes) -> None:
     angles = np.deg2rad([14.0, -12.0])
     second = first + length * unit_vectors(angles[0])
     tip = second + length * unit_vectors(angles[1])
-    parts.wall(ax, first + [-0.12, 0.4], first - [0.12, 0.4])
+    parts.wall(ax, first - [0.12, -0.4], first - [0.12, 0.4])
     ax.plot([first[0] - 0.12, first[0]], [first[1]] * 2, color=INK, linewidth=1.2)
     for start, end, angle in ((first, second, 0.0), (second, tip, angles[0])):
         parts.rod(ax, start, end)
@@ -120,11 +121,11 @@ def follower_pendulum(ax: Axes) -> None:
     parts.label(ax, r"$\lambda$", wheel + 0.5 * along + 0.18 * across, color=PURPLE)
     parts.arrow(ax, [1.65, -0.62], [-0.6, 0.0], color=GREEN)
     parts.label(ax, "$v$", [0.93, -0.62], color=GREEN)
-    parts.label(ax, "$2m$", second + [0.0, 0.33])
-    parts.label(ax, "$m$", tip + [-0.05, -0.25])
-    parts.label(ax, r"$c, d$", first + [0.3, -0.36])
-    parts.label(ax, r"$\varphi_1$", first + [0.72, 0.09])
-    parts.label(ax, r"$\Delta$", second + [0.72, 0.02])
+    parts.label(ax, "$2m$", second, offset=(0.0, 0.33))
+    parts.label(ax, "$m$", tip, offset=(-0.05, -0.25))
+    parts.label(ax, r"$c, d$", first, offset=(0.3, -0.36))
+    parts.label(ax, r"$\varphi_1$", first, offset=(0.72, 0.09))
+    parts.label(ax, r"$\Delta$", second, offset=(0.72, 0.02))
     ax.set(xlim=(-1.85, 1.95), ylim=(-1.0, 1.15))
 
 
@@ -136,17 +137,17 @@ def belt_in_space(ax: Axes) -> None:
     for start in np.arange(-1.4, 1.45, 0.2):
         ax.plot(*_oblique([[start, -1.0], [start, 1.0]]).T, color="white", linewidth=1.0)
     for end, text in (([-1.45, 0.0], "$k$"), ([0.0, 1.8], "$k$")):
-        foot, place = _oblique([[0.0, 0.0], end]) + [0.0, 0.18]
+        foot, place = _oblique([[0.0, 0.0], end], height=0.18)
         parts.spring(ax, foot, place, width=0.08)
-        parts.label(ax, text, 0.5 * (foot + place) + [-0.05, 0.2])
-    left, back = _oblique([[-1.45, 0.0], [0.0, 1.8]]) + [0.0, 0.18]
-    parts.wall(ax, left + [0.0, 0.22], left - [0.0, 0.22])
-    parts.wall(ax, back + [0.22, 0.0], back - [0.22, 0.0])
+        parts.label(ax, text, 0.5 * (foot + place), offset=(-0.05, 0.2))
+    left, back = _oblique([[-1.45, 0.0], [0.0, 1.8]], height=0.18)
+    parts.wall(ax, left - [0.0, -0.22], left - [0.0, 0.22])
+    parts.wall(ax, back - [-0.22, 0.0], back - [0.22, 0.0])
     _box(ax, 0.26, 0.36)
     direction = unit_vectors(np.deg2rad(40.0))
     tail, head = _oblique([0.55 * direction - [0.0, 0.75], 1.25 * direction - [0.0, 0.75]])
     parts.arrow(ax, tail, head - tail, color=GREEN)
-    parts.label(ax, "$v$", head + [0.1, 0.04], color=GREEN)
+    parts.label(ax, "$v$", head, offset=(0.1, 0.04), color=GREEN)
     ax.set(xlim=(-2.15, 2.15), ylim=(-0.85, 1.35))
 
 
@@ -177,16 +178,16 @@ def belt_from_above(ax: Axes) -> None:
     ax.set(xlim=(-1.75, 2.3), ylim=(-1.75, 1.15))
 
 
-def _oblique(points: object) -> Array:
+def _oblique(points: ArrayLike, height: float = 0.0) -> Array:
     """Place points of a horizontal plane on the paper."""
     x, y = np.asarray(points, dtype=float).T
-    return np.stack([x + 0.45 * y, 0.5 * y], axis=-1)
+    return np.stack([x + 0.45 * y, 0.5 * y + height], axis=-1)
 
 
 def _box(ax: Axes, half: float, height: float) -> None:
     """Draw a box that stands about the origin."""
-    base = _oblique([[-half, -half], [half, -half], [half, half], [-half, half]])
-    top = base + [0.0, height]
+    corners = [[-half, -half], [half, -half], [half, half], [-half, half]]
+    base, top = _oblique(corners), _oblique(corners, height)
     for face, color in (
         ([base[0], base[1], top[1], top[0]], parts.METAL),
         ([base[1], base[2], top[2], top[1]], "#AEB5BF"),

@@ -16,10 +16,11 @@ METAL, PLATE = "#C9CED6", "#DCE6F0"
 """Fillings of masses, and of belts."""
 
 _ZIGZAG = np.array(
-    [[0, 0], [0.2, 0], [0.25, 1], [0.35, -1], [0.45, 1], [0.55, -1], [0.65, 1], [0.75, -1]]
-    + [[0.8, 0], [1, 0]],
-    dtype=float,
-)
+    [
+        [0.0, 0.2, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.8, 1.0],
+        [0.0, 0.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 0.0, 0.0],
+    ]
+).T
 _PISTON = np.array([[0, 0], [0.5, 0], [0.5, 0.8], [0.5, -0.8]], dtype=float)
 _CYLINDER = np.array([[0.35, 1], [0.65, 1], [0.65, 0], [1, 0], [0.65, 0], [0.65, -1], [0.35, -1]])
 
@@ -126,11 +127,13 @@ def arrow(ax: Axes, tail: ArrayLike, vector: ArrayLike, **kwargs: Any) -> None:
     )
 
 
-def label(ax: Axes, text: str, place: ArrayLike, **kwargs: Any) -> None:
-    """Write a text centred at a place."""
-    x, y = np.asarray(place, dtype=float)
+def label(
+    ax: Axes, text: str, place: ArrayLike, *, offset: ArrayLike = (0.0, 0.0), **kwargs: Any
+) -> None:
+    """Write a text centred at a place, moved by `offset`."""
+    x, y = np.add(place, offset).tolist()
     look = {"color": INK, "ha": "center", "va": "center", "zorder": 7.0, **kwargs}
-    ax.annotate(text, (float(x), float(y)), **look)
+    ax.annotate(text, (x, y), **look)
 
 
 def _along(shape: Array, start: ArrayLike, end: ArrayLike, width: float) -> Array:

@@ -147,8 +147,8 @@ def plot_growth_chart(
     Args:
         x: values of the first parameter, shape ``(n_x,)``.
         y: values of the second, shape ``(n_y,)``.
-        growth: largest real parts of the eigenvalues in 1/s, shape ``(n_y, n_x)``; NaN where
-            there is no equilibrium.
+        growth: largest real parts of the eigenvalues in 1/s, shape ``(n_x, n_y)``, as of
+            `asperity.growth_chart`; NaN where there is no equilibrium.
         ax: axes; default new ones.
         tolerance: growth rate in 1/s up to which a system counts as neutral.
         limit: growth rate in 1/s of the darkest colours; default the largest magnitude.
@@ -162,26 +162,32 @@ def plot_growth_chart(
     >>> import numpy as np
     >>> from asperity.plot import plot_growth_chart
     >>> mu, damping = np.linspace(0.0, 1.0, 30), np.linspace(0.0, 0.5, 20)
-    >>> mesh, border = plot_growth_chart(mu, damping, mu - damping[:, None])
+    >>> mesh, border = plot_growth_chart(mu, damping, mu[:, None] - damping)
     """
     first, second = (_arrays.array(values, name, (None,)) for values, name in ((x, "x"), (y, "y")))
     try:
         rates = np.asarray(growth, dtype=float)
     except (TypeError, ValueError):
         raise ParameterError("growth", "must be an array of real numbers") from None
-    _arrays.check_shape(rates, "growth", (len(second), len(first)))
+    _arrays.check_shape(rates, "growth", (len(first), len(second)))
     level = _arrays.positive(tolerance, "tolerance")
     largest = float(np.nanmax(np.abs(rates), initial=level))
     scale = CenteredNorm(halfrange=largest if limit is None else _arrays.positive(limit, "limit"))
     ax = look.axes_or_new(ax)
     mesh = ax.pcolormesh(
-        first, second, rates, cmap=_DECAY_TO_GROWTH, norm=scale, shading="nearest", rasterized=True
+        first,
+        second,
+        rates.T,
+        cmap=_DECAY_TO_GROWTH,
+        norm=scale,
+        shading="nearest",
+        rasterized=True,
     )
     ax.set_facecolor("#EDEDED")
     ax.grid(False)
     artists: list[Artist] = [mesh]
     if np.nanmin(rates) <= level < np.nanmax(rates):
-        border = ax.contour(first, second, rates, [level], colors=look.INK, linewidths=1.2)
+        border = ax.contour(first, second, rates.T, [level], colors=look.INK, linewidths=1.2)
         artists.append(border)
     if colorbar:
         beyond = limit is not None and limit < largest
