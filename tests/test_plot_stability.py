@@ -92,6 +92,7 @@ def test_growth_chart_draws_the_border_where_growth_begins():
     assert isinstance(border, QuadContourSet)
     low, high = mesh.get_clim()
     assert low == -high == -1.0
+    assert len(plot_growth_chart(x, y, x[:, None] - y, border=False)) == 1
     assert plot_growth_chart(x, y, x[:, None] - y, limit=0.5)[0].get_clim() == (-0.5, 0.5)
     for path in border.get_paths():
         np.testing.assert_allclose(*path.vertices.T, atol=1e-5)

@@ -68,7 +68,7 @@ def fig13() -> Redrawn:
 def _panels() -> tuple[Figure, list[Axes], list[Axes]]:
     with style():
         figure, axes = plt.subplots(
-            2, 4, figsize=(17.6, 8.2), layout="constrained", height_ratios=(1.0, 1.1)
+            2, 4, figsize=(17.6, 7.6), layout="constrained", height_ratios=(0.75, 1.1)
         )
         heading(figure, 13, "friction-induced instability under isotropic friction", OWN)
     return figure, list(axes[0]), list(axes[1])
@@ -130,7 +130,8 @@ def _draw_oscillator(ax: Axes, curves: Curves) -> None:
 def _draw_follower(ax: Axes, curves: Curves) -> None:
     load = np.linspace(1.0, 6.0, 501)
     roots = np.linalg.eigvals(_first_order(*follower_matrices(load)))
-    plot_root_locus(roots, load, ax, label="$p = Pl/c$")
+    artists = plot_root_locus(roots, load, ax, label="$p = Pl/c$")
+    record(curves, "h", "least p", artists)
     for p, row in zip(load[::10], roots[::10], strict=True):
         curves.add("h", f"eigenvalues at p = {p:.2f}", np.column_stack([row.real, row.imag]))
     ax.set_title("(h) eigenvalues of (d)")
@@ -145,11 +146,11 @@ def _chart(
     curves: Curves,
     limit: float | None = None,
 ) -> None:
-    """Draw a chart and record the border of instability."""
+    """Draw a chart and record its border of instability."""
     for artist in plot_growth_chart(x, y, growth, ax, limit=limit):
         if isinstance(artist, QuadContourSet):
             for path in artist.get_paths():
-                curves.add(panel, "border of instability", np.asarray(path.vertices))
+                curves.add(panel, "contour of no growth", np.asarray(path.vertices))
 
 
 def _stribeck_checks(cycle: Trajectory) -> list[Check]:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
 from matplotlib.patches import Arc
 
@@ -30,6 +28,7 @@ from asperity.paper.redrawn import (
 from asperity.paper.statements import truth, vanishes
 from asperity.plot import plot_bifurcation, plot_cones, plot_growth_chart, plot_set
 from asperity.plot.look import BLUE, DIRECTION, INK, ORANGE, PURPLE, SLIDING, draw_arrows, style
+from asperity.plot.sets import closed_outline
 from asperity.sets import Ellipse
 from asperity.stability import (
     critical_directions,
@@ -50,7 +49,7 @@ BORDERS = (44.106, 75.894)
 ROTATIONS = (17.1144, 72.8856)
 """Rotations in degrees between which there are such directions, sin 2ζ = 9/16."""
 
-_PAPER = "parameters of the paper"
+_PAPER = "parameters of §4.3"
 
 
 def belt(phi: float, speed: float = 1.0) -> MassOnBelt:
@@ -65,6 +64,8 @@ def fig14() -> Redrawn:
         belt_in_space(left)
         left.set_title("(a) mass, springs and grooved belt")
         belt_from_above(right)
+        for ax in (left, right):
+            ax.set_anchor("N")
         right.set_title("(b) the model from above")
     return Redrawn(figure, Curves(), _model_checks())
 
@@ -100,19 +101,29 @@ def fig15() -> Redrawn:
     )
     curves = Curves()
     with style():
-        _draw_tangent_cone(left, float(np.deg2rad(60.0)), curves)
+        _draw_tangent_cone(left, _deepest(), curves)
         _draw_ellipses(right, curves)
         for ax in (left, right):
             cross(ax)
+            ax.set(xlim=(-33.0, 35.0), ylim=(-21.0, 25.0), aspect="equal")
         shared_legend(figure, [left, right], columns=5)
     return Redrawn(figure, curves, [*_damping_checks(), *_rotation_checks()])
+
+
+def _deepest() -> float:
+    """Return the direction φ that leads farthest into the tangent cone."""
+    phi = np.linspace(*critical_directions(LAW)[0], 401)
+    slips = unit_vectors(phi)
+    normals = LAW.reservoir.gauge_gradient(-LAW.force(slips))
+    sines = np.sum(normals * slips, axis=-1) / np.linalg.norm(normals, axis=-1)
+    return float(phi[np.argmin(sines)])
 
 
 def _draw_tangent_cone(ax: Axes, phi: float, curves: Curves) -> None:
     slip = unit_vectors(phi)
     force = -LAW.force(slip)
     record(curves, "a", "bdry C", plot_set(LAW.reservoir, ax, label="reservoir $C$"))
-    cone = plot_cones(LAW.reservoir, force, ax, normal=False, size=16.0)
+    cone = plot_cones(LAW.reservoir, force, ax, normal=False, size=18.0)
     record(curves, "a", "force", cone[:1])
     record(curves, "a", "edges of the tangent cone", cone[1:])
     ax.plot([], [], color=PURPLE, label=r"tangent cone $T_C(-\lambda)$ at $-\lambda$")
@@ -121,22 +132,22 @@ def _draw_tangent_cone(ax: Axes, phi: float, curves: Curves) -> None:
     mode *= np.sign(mode @ [-force[1], force[0]])
     for name, tail, vector, color, text, place in (
         ("force from the origin", np.zeros(2), force, INK, r"$-\lambda$", (-4, 9)),
-        ("sliding direction", force, 11.0 * slip, SLIDING, r"$\gamma$", (-12, 2)),
-        ("eigenvector", force, 11.0 * mode, ORANGE, "$w$", (-9, -14)),
+        ("sliding direction", force, 15.0 * slip, SLIDING, r"$\gamma$", (-3, 5)),
+        ("eigenvector", force, 12.0 * mode, ORANGE, "$w$", (6, -6)),
     ):
         arrows = draw_arrows(ax, tail[None], vector[None], color=color, zorder=5.0)
         record(curves, "a", name, [arrows])
         share = 0.5 if tail is not force else 1.0
         note(ax, text, tail + share * vector, place, color=color)
-    ax.set(title=r"(a) $\gamma \in$ int $T_C(-\lambda)$", aspect="equal")
+    ax.set_title(r"(a) $\gamma \in$ int $T_C(-\lambda)$")
     ax.set(xlabel=r"$-\lambda_1$ in N", ylabel=r"$-\lambda_2$ in N")
 
 
 def _draw_ellipses(ax: Axes, curves: Curves) -> None:
     reservoir, direction = LAW.reservoir, Ellipse(30.0, 10.0)
     record(curves, "b", "bdry C", plot_set(reservoir, ax, label="reservoir $C$"))
-    dashed = {"color": DIRECTION, "linestyle": "--", "label": "direction set $D$ (scaled)"}
-    record(curves, "b", "bdry D", plot_set(direction, ax, fill=False, **dashed))
+    dashed = {"color": DIRECTION, "linestyle": "--", "label": "direction set $D$"}
+    record(curves, "b", "bdry D", ax.plot(*closed_outline(direction).T, **dashed))
     axis = np.stack([np.zeros(2), 33.0 * unit_vectors(ZETA)])
     record(curves, "b", "long axis of C", ax.plot(*axis.T, color=BLUE, linewidth=0.9))
     ax.add_patch(Arc((0.0, 0.0), 32.0, 32.0, theta2=np.rad2deg(ZETA), color=INK))
@@ -145,13 +156,13 @@ def _draw_ellipses(ax: Axes, curves: Curves) -> None:
         ("$n_1$", reservoir, 0.0, (4, -13)),
         ("$n_2$", reservoir, 0.5 * np.pi, (-17, 3)),
         ("$p_1$", direction, 0.0, (4, -13)),
-        ("$p_2$", direction, 0.5 * np.pi, (5, 4)),
+        ("$p_2$", direction, 0.5 * np.pi, (6, -12)),
     ):
         point = star.radius(angle) * unit_vectors(angle)
         dot = ax.plot(*point, "o", color=INK, markerfacecolor="white", markersize=4.5, zorder=4.0)
         record(curves, "b", text.strip("$"), dot)
         note(ax, text, point, place)
-    ax.set(title=r"(b) ellipses, $\zeta = 30°$", aspect="equal")
+    ax.set_title(r"(b) ellipses, $\zeta = 30°$")
     ax.set(xlabel=r"$-\lambda_1$ in N", ylabel=r"$-\lambda_2$ in N")
 
 
@@ -215,7 +226,7 @@ def fig16() -> Redrawn:
         _draw_diagram(left, diagram, curves)
         _draw_critical(middle, curves)
         _draw_chart(right, curves)
-        shared_legend(figure, [left, middle], columns=7)
+        shared_legend(figure, [left, middle], columns=8)
     return Redrawn(figure, curves, _border_checks(diagram))
 
 
@@ -254,14 +265,24 @@ def _draw_chart(ax: Axes, curves: Curves) -> None:
     phi, zeta = np.linspace(0.0, np.pi, 181), np.linspace(0.0, 0.5 * np.pi, 91)
     unturned = belt(0.0).replace(law=FrictionLaw(Ellipse(30.0, 10.0), Ellipse(3.0, 1.0)))
     growth = growth_chart(unturned, phi, zeta)
-    artists: list[Artist] = plot_growth_chart(np.rad2deg(phi), np.rad2deg(zeta), growth, ax)
-    for artist in artists:
-        if isinstance(artist, QuadContourSet):
-            for path in artist.get_paths():
-                curves.add("c", "border of instability", np.asarray(path.vertices))
+    plot_growth_chart(np.rad2deg(phi), np.rad2deg(zeta), growth, ax, border=False)
+    line = ax.plot(*np.rad2deg(_border()).T, color=INK, linewidth=1.2)
+    record(curves, "c", "border of instability", line)
     ax.axhline(np.rad2deg(ZETA), color=INK, linewidth=0.8, linestyle=":")
     ax.set(title="(c) growth rate", xlabel=r"belt direction $\varphi$ in degrees")
     ax.set(ylabel=r"rotation $\zeta$ of $C$ in degrees")
+
+
+def _border() -> Array:
+    """Return the closed curve of (φ, ζ) on which γ is tangent to bdry C."""
+    low, high = critical_rotation(Ellipse(3.0, 1.0), Ellipse(3.0, 1.0))[0]
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    # Close to the ends, where the interval of directions shrinks to a point like a square root.
+    turns = middle - half * np.cos(np.linspace(0.02, np.pi - 0.02, 91))
+    laws = [FrictionLaw(Ellipse(3.0, 1.0, angle=turn), Ellipse(3.0, 1.0)) for turn in turns]
+    spans = np.array([critical_directions(law)[0] for law in laws])
+    left, right = (np.column_stack([spans[:, side], turns]) for side in (0, 1))
+    return np.vstack([left, right[::-1], left[:1]])
 
 
 def _border_checks(diagram: BifurcationDiagram) -> list[Check]:

@@ -70,11 +70,15 @@ def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> 
 
 
 def record(curves: Curves, panel: str, curve: str, artists: Sequence[Artist]) -> None:
-    """Put what lines and arrows show into the table; several lines are numbered."""
+    """Put what lines and arrows show into the table; several lines are numbered.
+
+    NaN, which interrupts a line, is left out.
+    """
     lines = [one for one in artists if isinstance(one, Line2D)]
     for k, line in enumerate(lines, start=1):
         name = curve if len(lines) == 1 else f"{curve} {k}"
-        curves.add(panel, name, np.column_stack(line.get_data(orig=True)))
+        points = np.column_stack(line.get_data(orig=True))
+        curves.add(panel, name, points[np.isfinite(points).all(axis=1)])
     for arrows in artists:
         if isinstance(arrows, Quiver):
             vectors = np.column_stack([arrows.U, arrows.V])

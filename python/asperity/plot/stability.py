@@ -138,6 +138,7 @@ def plot_growth_chart(
     *,
     tolerance: float = 1e-6,
     limit: float | None = None,
+    border: bool = True,
     colorbar: bool = True,
 ) -> list[Artist]:
     """Draw growth rates over two parameters; the border of instability is a line.
@@ -152,6 +153,8 @@ def plot_growth_chart(
         ax: axes; default new ones.
         tolerance: growth rate in 1/s up to which a system counts as neutral.
         limit: growth rate in 1/s of the darkest colours; default the largest magnitude.
+        border: whether to draw the border; between growth and a neutral plateau it follows the
+            grid.
         colorbar: whether to draw the colour bar.
 
     Returns:
@@ -186,9 +189,9 @@ def plot_growth_chart(
     ax.set_facecolor("#EDEDED")
     ax.grid(False)
     artists: list[Artist] = [mesh]
-    if np.nanmin(rates) <= level < np.nanmax(rates):
-        border = ax.contour(first, second, rates.T, [level], colors=look.INK, linewidths=1.2)
-        artists.append(border)
+    if border and np.nanmin(rates) <= level < np.nanmax(rates):
+        line = ax.contour(first, second, rates.T, [level], colors=look.INK, linewidths=1.2)
+        artists.append(line)
     if colorbar:
         beyond = limit is not None and limit < largest
         _colorbar(ax, mesh, "growth rate in 1/s", extend="both" if beyond else "neither")
