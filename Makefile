@@ -33,6 +33,7 @@ bench: $(VENV)/.installed
 	cargo bench --locked
 	$(BIN)/python benches/python_overhead.py
 	$(BIN)/python benches/python_sets.py
+	$(BIN)/python benches/python_stability.py
 
 # Time and memory of the default solver, from 10 to 10⁵ contacts.
 many: $(VENV)/.installed

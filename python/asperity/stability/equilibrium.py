@@ -125,7 +125,6 @@ def closed_contacts(of: Field, closed: Sequence[int] | None) -> tuple[int, ...]:
 
 
 def _balanced(near: Linearisation, gap: Array, tolerance: float) -> bool:
-    # A linear system without normal forces yet has no size: its forces then vanish exactly.
     return bool(_residual(near) <= tolerance and np.abs(gap).max(initial=0.0) <= tolerance)
 
 

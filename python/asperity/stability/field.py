@@ -75,16 +75,28 @@ class Field:
             for found in self.at()["contacts"]
         ]
 
-    def slopes(self, load: Callable[[dict[str, Any]], Array], step: float) -> Slopes:
-        """Differentiate what `load` makes of the state; its first n entries are the forces h.
+    def transported(self, force: Array, delta: Array) -> Array:
+        """Return a generalised force at q ⊕ δ as the one that works on changes of δ.
+
+        A torque τ in the axes of a body that has turned by δ becomes τ + ½ δ × τ to first order.
+        Without it a conservative torque would have a nonsymmetric stiffness.
+        """
+        if not isinstance(self.system, RigidBodies) or self.system.planar:
+            return force
+        moved = force.reshape(-1, 2, 3).copy()
+        moved[:, 1] += 0.5 * np.cross(delta.reshape(-1, 2, 3)[:, 1], moved[:, 1])
+        return moved.ravel()
+
+    def slopes(self, load: Callable[[dict[str, Any], Array], Array], step: float) -> Slopes:
+        """Differentiate what `load` makes of the state at q ⊕ δ; its first n entries are h.
 
         Linear systems are not differentiated: they hold their matrices.
         """
         linear = getattr(self.system, "linear", self.system)
         if isinstance(linear, LinearSystem):
-            rest = np.zeros((len(load(self.at())) - self.n, self.n))
+            rest = np.zeros((len(load(self.at(), np.zeros(self.n))) - self.n, self.n))
             return Slopes(np.vstack([-linear.stiffness, rest]), -linear.damping, _ROUNDING)
-        displacement, error = _difference(lambda x: load(self.at(x)), self.n, step)
+        displacement, error = _difference(lambda x: load(self.at(x), x), self.n, step)
         velocity, other = _difference(lambda x: self.at(None, x)["forces"], self.n, step)
         return Slopes(displacement, velocity, max(error, other))
 

@@ -37,7 +37,7 @@ class Linearisation:
     imbalance: Array
     """h + W_N λ_N + W λ, which vanishes at an equilibrium."""
     size: float
-    """Sum of the sizes of the forces in it."""
+    """Sum of the sizes of the forces in it and of those of a displacement by one step."""
     stiffness: dict[str, Array]
     damping: dict[str, Array]
     error: float
@@ -105,7 +105,7 @@ def linearisation(
         ParameterError: if a closed contact would stick or its force is not smooth.
     """
     contacts = _touching(of, normal_force, closed)
-    slopes = of.slopes(lambda found: _loads(found, contacts), step)
+    slopes = of.slopes(lambda found, delta: _loads(of, found, contacts, delta), step)
     n, rows, at = of.n, slopes.displacement, of.n
     stiffness = {INTERNAL: -rows[:n], FOLLOWER: np.zeros((n, n))}
     damping = {INTERNAL: -slopes.velocity}
@@ -123,26 +123,27 @@ def linearisation(
         at += 2 * n + p
     state = of.at()
     forces = [state["forces"], *(push for one in contacts.values() for push in _pushes(one))]
+    elastic = step * float(np.linalg.norm(total(stiffness)))
     return Linearisation(
         mass=state["mass"],
         contacts=contacts,
         closed=closed,
         imbalance=np.sum(forces, axis=0),
-        size=float(sum(np.linalg.norm(force) for force in forces)),
+        size=elastic + float(sum(np.linalg.norm(force) for force in forces)),
         stiffness=stiffness,
         damping=damping,
         error=max([slopes.error, *(contact.error for contact in contacts.values())]),
     )
 
 
-def _loads(found: dict[str, Any], contacts: dict[int, Sliding]) -> Array:
-    """Return h, then W λ, w_N λ_N and χ of each contact, with λ and λ_N held."""
-    parts = [found["forces"]]
+def _loads(of: Field, found: dict[str, Any], contacts: dict[int, Sliding], delta: Array) -> Array:
+    """Return h, then W λ, w_N λ_N and χ of each contact at q ⊕ δ, with λ and λ_N held."""
+    parts = [of.transported(found["forces"], delta)]
     for i, contact in contacts.items():
         there = found["contacts"][i]
-        normal = there.get("normal")
-        parts.append(there["tangent"].T @ contact.force)
-        parts.append(np.zeros_like(parts[0]) if normal is None else normal * contact.normal_force)
+        normal = there.get("normal", np.zeros(of.n)) * contact.normal_force
+        parts.append(of.transported(there["tangent"].T @ contact.force, delta))
+        parts.append(of.transported(normal, delta))
         parts.append(there["velocity"])
     return np.concatenate(parts)
 

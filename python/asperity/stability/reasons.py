@@ -22,7 +22,8 @@ from asperity.stability.spectrum import Spectrum, spectrum
 
 DAMPING, STIFFNESS = "negative damping", "negative stiffness"
 
-# A mechanism counts if without it the growth rate falls by more than this share.
+# A mechanism counts if without it the growth rate falls by more than this share, and accounts for
+# all if no more than this share is left.
 _NOTABLE = 1e-3
 
 _SENTENCES = {
@@ -57,15 +58,14 @@ def growth_rates(whole: Linearisation, relative_error: float) -> dict[str, float
 
 def sentence(left: dict[str, float], growth_rate: float) -> str:
     """Name the mechanisms without which it would not be unstable."""
-    alone = [name for name, rate in left.items() if rate <= 0.0]
+    alone = [name for name, rate in left.items() if rate <= _NOTABLE * growth_rate]
     helping = [n for n, rate in left.items() if rate < (1.0 - _NOTABLE) * growth_rate]
     named = alone or sorted(helping, key=left.__getitem__)
     if not named:
         return "no single force accounts for it"
-    reasons = [_SENTENCES[name] for name in named]
-    if alone and len(alone) == 1:
-        return reasons[0]
-    joined = "; ".join(reasons)
+    joined = "; ".join(_SENTENCES[name] for name in named)
+    if len(named) == 1:
+        return joined if alone else f"{joined}, which is not the only reason"
     return f"without any one of these it would not be: {joined}" if alone else f"together: {joined}"
 
 

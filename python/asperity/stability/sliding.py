@@ -47,7 +47,8 @@ class Sliding:
     @cached_property
     def jacobian(self) -> Array:
         """∂λ/∂γ in N s/m, shape ``(p, p)``."""
-        return self.law.jacobian(self.slip, self.normal_force)
+        # Linear in λ_N, which may be negative on the way to an equilibrium.
+        return self.normal_force * self.law.jacobian(self.slip)
 
     @cached_property
     def direction_jacobian(self) -> Array:
@@ -55,7 +56,8 @@ class Sliding:
         if self.law.rate is None:
             return self.jacobian
         factor = self.law.rate(np.linalg.norm(self.slip))
-        part: Array = factor * self.law.replace(rate=None).jacobian(self.slip, self.normal_force)
+        factor *= self.normal_force
+        part: Array = factor * self.law.replace(rate=None).jacobian(self.slip)
         return part
 
     @property

@@ -1,0 +1,243 @@
+"""Critical directions and rotations, growth charts, distances of motions."""
+
+import math
+
+import asperity as asp
+import numpy as np
+import pytest
+from samples import BEAN, CORNERED_LAWS, CURVE_LAWS, PENTAGON, SMOOTH_LAWS, STAR_POLYGON
+
+THREE = asp.Ellipse(3.0, 1.0)
+EDGE = 0.5 * math.asin(9.0 / 16.0)
+"""Rotation from which on two ellipses of axes 3:1 have critical directions; sin 2ζ = 9/16."""
+
+
+def vectors(phi):
+    return np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+
+
+def is_critical(law, phi):
+    """γ ∈ int T_C(−λ) by the cone of the set, one direction after the other."""
+    found = []
+    for slip in vectors(np.asarray(phi)):
+        cone = law.reservoir.tangent_cone(-law.force(slip))
+        across = 1e-7 * np.array([-slip[1], slip[0]])
+        found.append(bool(cone.contains([slip - across, slip + across], tolerance=0.0).all()))
+    return found
+
+
+def test_directions_of_the_paper():
+    law = asp.FrictionLaw(THREE.rotated(np.deg2rad(30.0)), THREE)
+    found = np.rad2deg(asp.critical_directions(law))
+    np.testing.assert_allclose(found[0], [44.106, 75.894], atol=1e-3)
+    np.testing.assert_allclose(found[1], found[0] + 180.0, atol=1e-8)
+    # The ends are zeros of the trace criterion.
+    np.testing.assert_allclose(law.trace_criterion(np.deg2rad(found)), 0.0, atol=1e-8)
+
+
+def test_rotation_of_the_paper():
+    found = asp.critical_rotation(THREE, asp.Ellipse(0.3, 0.1))
+    expected = [[EDGE, 0.5 * math.pi - EDGE], [0.5 * math.pi + EDGE, math.pi - EDGE]]
+    np.testing.assert_allclose(found, expected, atol=1e-10)
+    np.testing.assert_allclose(np.rad2deg(found[0]), [17.1144, 72.8856], atol=1e-4)
+
+
+@pytest.mark.parametrize("beyond", [1e-2, 1e-5, 1e-8])
+def test_narrow_intervals_are_found(beyond):
+    """Just beyond the edge the interval is about √beyond wide."""
+    assert asp.critical_directions(asp.FrictionLaw(THREE.rotated(EDGE - beyond), THREE)) == []
+    found = asp.critical_directions(asp.FrictionLaw(THREE.rotated(EDGE + beyond), THREE))
+    assert len(found) == 2
+    assert all(0.0 < high - low < 2.0 * math.sqrt(beyond) for low, high in found)
+
+
+def test_ellipses_by_their_intercepts():
+    """(118) against the scan, on random ellipses near the limit."""
+    rng = np.random.default_rng(1)
+    answers = set()
+    for _ in range(200):
+        n1, n2, p1 = rng.uniform(0.3, 3.0, 3)
+        p2 = p1 * rng.uniform(0.1, 0.8)
+        limit = 4.0 * p1 * p2 / (p1**2 + p2**2)
+        coupling = limit * (1.0 + rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-6, -1))
+        if coupling >= 2.0:
+            continue
+        ellipse = asp.Ellipse.from_intercepts(n1, n2, rng.choice([-1, 1]) * coupling / (n1 * n2))
+        law = asp.FrictionLaw(ellipse, asp.Ellipse(p1, p2))
+        expected = asp.ellipses_can_be_unstable(n1, n2, coupling / (n1 * n2), p1, p2)
+        assert bool(asp.critical_directions(law)) == expected == (coupling > limit)
+        answers.add(expected)
+    assert answers == {True, False}
+
+
+def test_an_interval_may_hold_the_direction_zero():
+    law = asp.FrictionLaw(THREE.rotated(np.deg2rad(-30.0)), THREE.rotated(np.deg2rad(-60.0)))
+    low, high = asp.critical_directions(law)[-1]
+    assert 0.0 <= low < 2.0 * math.pi < high
+    assert all(is_critical(law, [low + 1e-6, 2.0 * math.pi, high - 1e-6]))
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, 0.9, 1.4, 2.0, 2.6])
+def test_directions_agree_with_tangent_cones(turn):
+    """Of sets with and without corners and flats, on random directions."""
+    rng = np.random.default_rng(4)
+    cases = [law.reservoir for law in SMOOTH_LAWS + CORNERED_LAWS] + [asp.Rectangle(3.0, 1.0)]
+    directions = [PENTAGON, THREE, asp.Rectangle(3.0, 1.0), asp.Superellipse(2.0, 1.0, 8.0)]
+    for C in cases:
+        law = asp.FrictionLaw(C.rotated(turn), directions[rng.integers(len(directions))])
+        found = asp.critical_directions(law)
+        assert found == sorted(found)
+        phi = rng.uniform(0.0, 2.0 * np.pi, 60)
+        inside = [
+            any(low + 1e-6 < p + k < high - 1e-6 for low, high in found for k in (0, 2 * np.pi))
+            for p in phi
+        ]
+        near = [
+            any(abs(p + k - end) <= 1e-6 for pair in found for end in pair for k in (0, 2 * np.pi))
+            for p in phi
+        ]
+        for p, has, doubtful in zip(phi, inside, near, strict=True):
+            if not doubtful:
+                assert has == is_critical(law, [p])[0], (law, p)
+
+
+def test_corners_that_coincide_are_those_of_an_associated_law():
+    """γ is normal to C at its corner however sharp, thus never in the tangent cone."""
+    thin = asp.Polygon([[1.0, 0.0], [0.0, 0.05], [-1.0, 0.0], [0.0, -0.05]])
+    for one in (thin, PENTAGON, asp.Rectangle(2.0, 0.1)):
+        assert asp.critical_directions(asp.FrictionLaw.associated(one)) == []
+
+
+@pytest.mark.parametrize(
+    ("C", "D"),
+    [
+        (THREE, asp.Superellipse(2.0, 1.0, 3.0)),
+        (asp.Rectangle(2.0, 1.0), asp.Rectangle(2.0, 1.0)),
+        (asp.WedgeAsperity(1.2, 0.6), THREE),
+        (BEAN, asp.Ellipse(5.0, 1.0)),
+        (STAR_POLYGON, PENTAGON),
+    ],
+)
+def test_rotations_agree_with_directions(C, D):
+    rng = np.random.default_rng(3)
+    found = asp.critical_rotation(C, D)
+    symmetric = bool(C.is_symmetric) and bool(D.is_symmetric)
+    period = math.pi if symmetric else 2.0 * math.pi
+    ends = [end % period for pair in found for end in pair]
+    tried = [*rng.uniform(0.0, period, 12), *(e + s for e in ends[:6] for s in (-1e-4, 1e-4))]
+    for zeta in tried:
+        expected = bool(asp.critical_directions(asp.FrictionLaw(C.rotated(zeta), D)))
+        inside = any(low < zeta % period + k < high for low, high in found for k in (0.0, period))
+        assert inside == expected, zeta
+
+
+def test_rotations_of_collinear_laws_and_disks():
+    assert asp.critical_rotation(BEAN, asp.Disk(1.0)) == []
+    assert asp.critical_rotation(asp.Disk(1.0), asp.Rectangle(5.0, 1.0)) == []
+
+
+def test_chart_agrees_with_stability():
+    rng = np.random.default_rng(2)
+    law = asp.FrictionLaw(THREE.scaled(10.0), THREE, rate=asp.Stribeck(3.0, 0.7))
+    phi, zeta = np.linspace(0.0, np.pi, 181), np.linspace(0.0, np.pi / 2, 91)
+    for stiffness in (1.0, [[2.0, 0.5], [0.5, 1.0]]):
+        system = asp.MassOnBelt(2.0, stiffness, law, 0.5, [0.8, 0.0])
+        chart = asp.growth_chart(system, phi, zeta)
+        assert chart.shape == (181, 91)
+        for i, j in zip(rng.integers(181, size=40), rng.integers(91, size=40), strict=True):
+            turned = asp.FrictionLaw(law.reservoir.rotated(zeta[j]), THREE, rate=law.rate)
+            one = system.replace(law=turned, belt_velocity=0.8 * vectors(phi[i]))
+            assert abs(asp.stability(one).growth_rate - chart[i, j]) < 1e-5
+
+
+def test_chart_shows_the_critical_rotations():
+    law = asp.FrictionLaw(THREE, THREE)
+    phi, zeta = np.linspace(0.0, np.pi, 1801), np.deg2rad([17.0, 17.2, 45.0, 72.8, 73.0])
+    chart = asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), phi, zeta)
+    assert (chart.max(axis=0) > 0.0).tolist() == [False, True, True, True, False]
+    assert chart.min() == 0.0
+    assert asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), 0.1).shape == ()
+
+
+MONOTONE = [
+    asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2, angle=0.4)),
+    asp.FrictionLaw.associated(asp.Rectangle(0.6, 0.2)),
+    asp.FrictionLaw.associated(asp.Disk(0.5) & asp.Rectangle(0.4, 0.6)),
+    asp.FrictionLaw.isotropic(0.3, dimension=1),
+    asp.FrictionLaw.isotropic(0.3, dimension=3),
+]
+
+
+def largest_rise(system, rng, dt=2e-3):
+    """Largest increase of V in a step, in parts of V at the beginning."""
+    n = system.dof
+    runs = [
+        asp.simulate(system, dt=dt, t_end=6.0, q0=rng.normal(size=n), u0=rng.normal(size=n))
+        for _ in "ab"
+    ]
+    t, V = asp.incremental_distance(*runs, system)
+    assert len(t) == len(runs[0])
+    return np.diff(V).max() / V[0]
+
+
+@pytest.mark.parametrize("law", MONOTONE, ids=lambda law: repr(law)[:40])
+def test_distance_never_grows_with_associated_laws(law):
+    """Theorem 1; the step error is of second order in the step."""
+    rng = np.random.default_rng(9)
+    p = law.dimension
+    for _ in range(12):
+        root = rng.normal(size=(p, p))
+        K = root @ root.T + 0.2 * np.eye(p)
+        system = asp.MassOnBelt(1.0, K, law, 1.0, rng.normal(size=p))
+        assert largest_rise(system, rng) < 2e-3**2
+
+
+def test_distance_grows_with_the_extended_law_in_the_critical_range():
+    law = asp.FrictionLaw(THREE.scaled(10.0).rotated(np.deg2rad(30.0)), THREE)
+    system = asp.MassOnBelt(1.0, 1.0, law, 1.0, vectors(np.deg2rad(50.0)))
+    rest, aside = system.equilibrium, np.array([1e-4, 0.0])
+    runs = [asp.simulate(system, dt=1e-3, t_end=10.0, q0=q0) for q0 in (rest, rest + aside)]
+    _, V = asp.incremental_distance(*runs, system)
+    assert V.max() > 100.0 * V[0]
+
+
+def test_distance_takes_the_common_times():
+    system = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(0.5), 1.0, [1.0, 0.0])
+    fine = asp.simulate(system, dt=1e-3, t_end=1.0, q0=[1.0, 0.0])
+    coarse = asp.simulate(system, dt=1e-2, t_end=2.0, q0=[1.0, 1.0])
+    t, V = asp.incremental_distance(fine, coarse, system)
+    np.testing.assert_allclose(t, np.arange(101) * 1e-2, atol=1e-12)
+    assert V[0] == 0.5
+    t, _ = asp.incremental_distance(coarse, fine, system)
+    assert len(t) == 101
+
+
+def test_bad_arguments_are_named():
+    law = asp.FrictionLaw.isotropic(0.3, dimension=3)
+    point = asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0, 0.0])
+    run = asp.simulate(point, dt=0.1, t_end=0.2)
+    turned = asp.LinearSystem(np.eye(3), [[1, 1, 0], [0, 1, 0], [0, 0, 1]])
+    cases = [
+        ("law", lambda: asp.critical_directions(law)),
+        ("law", lambda: asp.critical_directions(THREE)),
+        ("reservoir", lambda: asp.critical_rotation(1.0, THREE)),
+        ("direction", lambda: asp.critical_rotation(THREE, asp.Ball(1.0))),
+        ("direction", lambda: asp.critical_rotation(THREE, STAR_POLYGON)),
+        ("nu", lambda: asp.ellipses_can_be_unstable(1.0, 1.0, 2.0, 1.0, 1.0)),
+        ("system", lambda: asp.growth_chart(point, 0.0)),
+        ("system", lambda: asp.growth_chart(turned, 0.0)),
+        ("run_b", lambda: asp.incremental_distance(run, None, point)),
+        ("system", lambda: asp.incremental_distance(run, run, turned)),
+        ("system", lambda: asp.incremental_distance(run, run, None)),
+    ]
+    for name, call in cases:
+        with pytest.raises(asp.ParameterError) as caught:
+            call()
+        assert caught.value.argument == name
+
+
+@pytest.mark.parametrize("law", CURVE_LAWS, ids=lambda law: repr(law)[:40])
+def test_directions_of_curves_have_zero_margin_at_their_ends(law):
+    for pair in asp.critical_directions(law.replace(reservoir=law.reservoir.rotated(1.0))):
+        trace = law.replace(reservoir=law.reservoir.rotated(1.0)).trace_criterion(np.array(pair))
+        assert np.abs(trace).max() < 1e-6 or not np.isfinite(trace).all()
