@@ -229,8 +229,8 @@ def _chart_checks() -> list[Check]:
         for mu, angle in ((0.3, 0.3), (0.9, 0.3), (1.1, 0.6), (1.5, 0.9))
     ]
     return [
-        vanishes("Fig. 13f growth rates against the linearised system", coupling, 1e-9),
-        vanishes("Fig. 13g growth rates against the linearised system", leaning, 1e-7),
+        vanishes("Fig. 13f growth rates against the linearised system", np.array(coupling), 1e-9),
+        vanishes("Fig. 13g growth rates against the linearised system", np.array(leaning), 1e-7),
     ]
 
 

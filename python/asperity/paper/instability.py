@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -15,7 +17,6 @@ from asperity.paper.data import Curves
 from asperity.paper.fig17 import LAW
 from asperity.paper.mechanism_sketches import belt_from_above, belt_in_space
 from asperity.paper.redrawn import (
-    OWN,
     Redrawn,
     circle,
     cross,
@@ -59,7 +60,7 @@ def belt(phi: float, speed: float = 1.0) -> MassOnBelt:
 
 def fig14() -> Redrawn:
     """Draw the mass on the belt (a) in space, (b) as a model of two degrees of freedom."""
-    figure, (left, right) = panels(14, "mass on a moving belt", 2, parameters=OWN)
+    figure, (left, right) = panels(14, "mass on a moving belt", 2, figsize=(9.2, 3.9))
     with style():
         belt_in_space(left)
         left.set_title("(a) mass, springs and grooved belt")
@@ -97,7 +98,7 @@ def _model_checks() -> list[Check]:
 def fig15() -> Redrawn:
     """Draw (a) sliding into the tangent cone, (b) ellipses C and D with C turned by ζ."""
     figure, (left, right) = panels(
-        15, "when sliding is unstable", 2, figsize=(11.0, 5.2), parameters=_PAPER
+        15, "when sliding is unstable", 2, figsize=(11.0, 4.9), parameters=_PAPER
     )
     curves = Curves()
     with style():
@@ -146,7 +147,7 @@ def _draw_tangent_cone(ax: Axes, phi: float, curves: Curves) -> None:
 def _draw_ellipses(ax: Axes, curves: Curves) -> None:
     reservoir, direction = LAW.reservoir, Ellipse(30.0, 10.0)
     record(curves, "b", "bdry C", plot_set(reservoir, ax, label="reservoir $C$"))
-    dashed = {"color": DIRECTION, "linestyle": "--", "label": "direction set $D$"}
+    dashed: dict[str, Any] = {"color": DIRECTION, "linestyle": "--", "label": "direction set $D$"}
     record(curves, "b", "bdry D", ax.plot(*closed_outline(direction).T, **dashed))
     axis = np.stack([np.zeros(2), 33.0 * unit_vectors(ZETA)])
     record(curves, "b", "long axis of C", ax.plot(*axis.T, color=BLUE, linewidth=0.9))
@@ -236,12 +237,11 @@ def bifurcations(step: float = 1.0) -> BifurcationDiagram:
 
 
 def _draw_diagram(ax: Axes, diagram: BifurcationDiagram, curves: Curves) -> None:
-    artists = plot_bifurcation(diagram.replace(values=np.rad2deg(diagram.values)), ax)
+    artists = plot_bifurcation(diagram.replace(values=np.rad2deg(diagram.values)), ax, legend=False)
     for line in artists:
         if isinstance(line, Line2D):
             label = str(line.get_label())
             record(curves, "a", "limit cycle" if label.startswith("_") else label, [line])
-    ax.get_legend().remove()
     ax.set(title="(a) bifurcation diagram", xlabel=r"belt direction $\varphi$ in degrees")
     ax.set(ylabel="$x$ in m", xticks=np.arange(0.0, 161.0, 40.0))
 
@@ -251,7 +251,7 @@ def _draw_critical(ax: Axes, curves: Curves) -> None:
     span = critical_directions(LAW)[0]
     inside = np.linspace(*span, 61)
     forces = -LAW.force(unit_vectors(inside))
-    arc = {"color": PURPLE, "linewidth": 4.0, "alpha": 0.7, "zorder": 3.5}
+    arc: dict[str, Any] = {"color": PURPLE, "linewidth": 4.0, "alpha": 0.7, "zorder": 3.5}
     line = ax.plot(*forces.T, label=r"$\gamma \in$ int $T_C(-\lambda)$", **arc)
     record(curves, "b", "forces of critical directions", line)
     ends = draw_arrows(ax, forces[[0, -1]], 13.0 * unit_vectors(np.array(span)), color=PURPLE)

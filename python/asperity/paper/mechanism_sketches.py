@@ -105,8 +105,8 @@ def follower_pendulum(ax: Axes) -> None:
         ax.plot(*np.stack([start, start + 0.85 * forward]).T, color=GREY, linewidth=0.8, ls=":")
     parts.point_mass(ax, second, 0.15)
     parts.point_mass(ax, tip, 0.11)
-    for center, start in ((first, 0.4), (second, -0.6)):
-        parts.coil(ax, center, radius=0.27, start=start, sweep=0.5)
+    for center, beginning in ((first, 0.4), (second, -0.6)):
+        parts.coil(ax, center, radius=0.27, start=beginning, sweep=0.5)
         parts.joint(ax, center)
     across = np.array([-np.sin(angles[1]), np.cos(angles[1])])
     along = unit_vectors(angles[1])

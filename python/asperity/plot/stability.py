@@ -199,7 +199,7 @@ def plot_growth_chart(
 
 
 def plot_bifurcation(
-    diagram: Diagram, ax: Axes | None = None, *, coordinate: int = 0
+    diagram: Diagram, ax: Axes | None = None, *, coordinate: int = 0, legend: bool = True
 ) -> list[Artist]:
     """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
 
@@ -210,6 +210,7 @@ def plot_bifurcation(
             units.
         ax: axes; default new ones.
         coordinate: number of the coordinate.
+        legend: whether to add a legend.
 
     Returns:
         The filling between least and greatest coordinate of the cycles with both lines, if there
@@ -238,7 +239,8 @@ def plot_bifurcation(
     ax.margins(x=0.0)
     ax.set_xlabel(diagram.parameter)
     ax.set_ylabel(f"$q_{number + 1}$ in m")
-    ax.legend(frameon=False)
+    if legend:
+        ax.legend(frameon=False)
     return artists
 
 
