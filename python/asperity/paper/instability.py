@@ -309,5 +309,14 @@ def _border_checks(diagram: BifurcationDiagram) -> list[Check]:
             "Fig. 16a eigenvalues change there",
             near == ["neutral", "unstable", "unstable", "neutral"],
         ),
-        truth("Fig. 16a a limit cycle beside every unstable equilibrium", cycles[inside].all()),
+        # Towards the upper border the cycle turns several times before it sticks: it loses its
+        # stability to others of twice the period, and is not followed to the end.
+        truth(
+            "Fig. 16a a limit cycle for 45° ≤ φ ≤ 72°",
+            cycles[(degrees > 44.5) & (degrees < 72.5)].all(),
+        ),
+        truth(
+            "Fig. 16a it coexists with the neutral equilibrium just below the lower border",
+            diagram.coexistence[(degrees > 42.5) & (degrees < low)].all(),
+        ),
     ]
