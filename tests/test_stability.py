@@ -191,3 +191,101 @@ def test_eigenvalues_against_differences_of_an_independent_field(phi):
     np.testing.assert_allclose(found.first_order_matrix, A, atol=1e-7)
     for value in np.linalg.eigvals(A):
         assert np.abs(found.eigenvalues - value).min() < 1e-7
+
+
+def random_definite(rng, n):
+    root = rng.normal(size=(n, n))
+    return root @ root.T / n + 0.1 * np.eye(n)
+
+
+@pytest.mark.parametrize("associated", [True, False])
+def test_any_mass_matrix_and_stiffness(associated):
+    """Negative trace means unstable (Prop. 10), associated laws never are (Thm. 1)."""
+    rng = np.random.default_rng(12)
+    signs = set()
+    for _ in range(300):
+        law = random_smooth_law(rng)
+        if associated:
+            law = asp.FrictionLaw.associated(law.direction)
+        n = int(rng.integers(2, 5))
+        contact = asp.Contact(
+            law, rng.normal(size=(n, 2)), normal_force=1.0, velocity=along(rng.uniform(0.0, 6.2))
+        )
+        K = random_definite(rng, n)
+        found = asp.stability(asp.LinearSystem(random_definite(rng, n), K, contacts=[contact]))
+        if associated:
+            assert found.kind != "unstable"
+            assert np.linalg.eigvalsh(found.symmetric).min() > -1e-9 * np.linalg.norm(found.matrix)
+        elif found.trace < -1e-6:
+            assert found.kind == "unstable"
+            assert found.mechanisms
+        assert found.trace == pytest.approx(-found.eigenvalues.sum().real, rel=1e-6, abs=1e-9)
+        signs.add(found.trace < 0.0)
+    assert signs == ({False} if associated else {True, False})
+
+
+def test_conservative_and_gyroscopic_systems_are_neutral():
+    """Rounding must not decide: stiffnesses differ by 10⁴, masses are full."""
+    rng = np.random.default_rng(13)
+    for n in (1, 2, 5, 12):
+        for gyroscopic in (0.0, 10.0):
+            skew = rng.normal(size=(n, n))
+            Q = np.linalg.qr(rng.normal(size=(n, n)))[0]
+            K = (Q * 10.0 ** rng.uniform(-2.0, 2.0, n)) @ Q.T
+            K, G = 0.5 * (K + K.T), gyroscopic * (skew - skew.T)
+            M = random_definite(rng, n)
+            assert asp.stability(asp.LinearSystem(M, K, G)).kind == "neutral"
+        damped = asp.LinearSystem(M, K, 1e-6 * M)
+        assert asp.stability(damped).kind == "asymptotically stable"
+
+
+def test_multiple_eigenvalues_with_all_their_modes_are_not_defective():
+    assert not asp.stability(asp.LinearSystem(np.eye(5), 3.0)).is_defective
+    # A free mass drifts: its eigenvalue 0 is double and has one mode.
+    free = asp.stability(asp.LinearSystem(np.eye(2), [1.0, 0.0]))
+    assert free.is_defective
+    assert free.kind == "neutral"
+
+
+def test_a_belt_whose_velocity_depends_on_the_place():
+    """Point on a turntable: the friction force follows the motion through χ(q) and W(q)."""
+    spin, pole = 0.7, np.array([0.3, -2.0])
+    K = np.array([[9.0, 0.3], [0.3, 7.0]])
+
+    def axes(q):
+        """e₁, e₂ of the law turn with the place."""
+        c, s = math.cos(0.2 * q[0]), math.sin(0.2 * q[0])
+        return np.array([[c, -s], [s, c]])
+
+    def surface(q):
+        return spin * np.array([-(q[1] - pole[1]), q[0] - pole[0]])
+
+    class Turntable(asp.System):
+        dof = 2
+        contacts = (asp.ContactLaw(PAPER, normal_force=0.05),)
+
+        def mass(self, q):
+            return np.eye(2)
+
+        def forces(self, t, q, u):
+            return -K @ q
+
+        def direction(self, t, q, contact):
+            return axes(q)
+
+        def velocity(self, t, q, contact):
+            return -axes(q).T @ surface(q)
+
+    found = asp.stability(Turntable())
+
+    def field(x):
+        turned = axes(x[:2])
+        gamma = turned.T @ (x[2:] - surface(x[:2]))
+        return np.append(x[2:], turned @ PAPER.force(gamma, 0.05) - K @ x[:2])
+
+    rest = np.append(found.equilibrium.q, [0.0, 0.0])
+    np.testing.assert_allclose(field(rest), 0.0, atol=1e-9)
+    h = 1e-5
+    A = np.stack([(field(rest + h * e) - field(rest - h * e)) / (2 * h) for e in np.eye(4)], -1)
+    np.testing.assert_allclose(found.first_order_matrix, A, atol=1e-6)
+    assert "follower force" in found.mechanisms

@@ -35,6 +35,23 @@ def test_directions_of_the_paper():
     np.testing.assert_allclose(law.trace_criterion(np.deg2rad(found)), 0.0, atol=1e-8)
 
 
+@pytest.mark.parametrize("zeta", [0.35, 0.7, 1.2, 2.0, 2.7])
+@pytest.mark.parametrize("ratio", [0.3, 0.05, 0.01])
+def test_directions_of_ellipses_in_closed_form(zeta, ratio):
+    """z ∝ P γ and ∇k_C ∝ A z: the ends are the roots of γᵀA P γ = 0."""
+    D = asp.Ellipse(1.0, ratio)
+    law = asp.FrictionLaw(D.rotated(zeta), D)
+    R = vectors(np.array([zeta, zeta + np.pi / 2])).T
+    A, P = R @ np.diag([1.0, ratio**-2]) @ R.T, np.diag([1.0, ratio**2])
+    (a, b), (c, d) = A @ P
+    roots = np.roots([d, b + c, a])
+    assert np.isrealobj(roots)
+    expected = np.sort(np.mod(np.arctan(roots), np.pi))
+    found = np.array(asp.critical_directions(law))
+    assert found.shape == (2, 2)
+    np.testing.assert_allclose(np.sort(np.mod(found[0], np.pi)), expected, atol=1e-10)
+
+
 def test_rotation_of_the_paper():
     found = asp.critical_rotation(THREE, asp.Ellipse(0.3, 0.1))
     expected = [[EDGE, 0.5 * math.pi - EDGE], [0.5 * math.pi + EDGE, math.pi - EDGE]]

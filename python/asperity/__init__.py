@@ -31,7 +31,9 @@ from asperity.errors import (
     ParameterError,
     SimulationInterrupted,
 )
+from asperity.integrate import integrate
 from asperity.law import FlowReport, FrictionLaw
+from asperity.motion import Event, EventKind, Motion, Section
 from asperity.rate import Stribeck
 from asperity.sets import (
     Ball,
@@ -126,6 +128,8 @@ __all__ = [
     "Ellipse",
     "Ellipsoid",
     "Equilibrium",
+    "Event",
+    "EventKind",
     "Exact",
     "FlowReport",
     "FrictionLaw",
@@ -138,6 +142,7 @@ __all__ = [
     "Mapped",
     "MassOnBelt",
     "MinkowskiSum",
+    "Motion",
     "NoSolutionError",
     "Outcome",
     "ParameterError",
@@ -152,6 +157,7 @@ __all__ = [
     "ProximalPoint",
     "Rectangle",
     "RigidBodies",
+    "Section",
     "SemismoothNewton",
     "SimulationInterrupted",
     "SlidingPoint",
@@ -178,6 +184,7 @@ __all__ = [
     "equilibrium",
     "growth_chart",
     "incremental_distance",
+    "integrate",
     "simulate",
     "stability",
     "star_shape",

@@ -35,6 +35,7 @@ __all__ = [
     "cone_polar",
     "cone_projection",
     "flow_law",
+    "integrate",
     "simulate",
     "star_shape",
 ]
@@ -250,4 +251,15 @@ def simulate(
     until_rest: bool,
     raise_on_failure: bool,
     progress: Callable[[int, int], object] | None,
+) -> tuple[dict[str, Any], BaseException | None]: ...
+def integrate(
+    system: LinearSystem | CallbackSystem | RigidBodies,
+    t_end: float,
+    q0: _Array,
+    u0: _Array,
+    tolerance: float,
+    sample: float | None,
+    section: tuple[_Array, float, float] | None,
+    max_events: int,
+    progress: Callable[[float, float], object] | None,
 ) -> tuple[dict[str, Any], BaseException | None]: ...

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from asperity.motion import Motion
     from asperity.trajectory import Trajectory
 
 
@@ -63,7 +64,7 @@ class ConvergenceError(AsperityError, RuntimeError):
         contact: int | None = None,
         residual: float | None = None,
         advice: str = "",
-        trajectory: Trajectory | None = None,
+        trajectory: Trajectory | Motion | None = None,
     ) -> None:
         super().__init__(message, step, time, contact, residual, advice, trajectory)
         self.message = message
@@ -120,7 +121,7 @@ class SimulationInterrupted(KeyboardInterrupt):
         trajectory: the part computed so far.
     """
 
-    def __init__(self, trajectory: Trajectory) -> None:
+    def __init__(self, trajectory: Trajectory | Motion) -> None:
         super().__init__(trajectory)
         self.trajectory = trajectory
 

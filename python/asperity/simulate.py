@@ -104,7 +104,7 @@ def simulate(
     _arrays.choice(on_failure, "on_failure", ["raise", "record"])
     dt = _arrays.positive(dt, "dt")
     steps = _step_count(dt, _arrays.positive(t_end, "t_end"))
-    start = _start(system, q0, u0)
+    start = initial_state(system, q0, u0)
     with _reporter(progress, steps) as report:
         run, exception = _core.simulate(
             system._core,
@@ -135,7 +135,10 @@ def _step_count(dt: float, t_end: float) -> int:
     return nearest if abs(ratio - nearest) <= _MULTIPLE * nearest else math.ceil(ratio)
 
 
-def _start(system: Model, q0: ArrayLike | None, u0: ArrayLike | None) -> tuple[Array, Array]:
+def initial_state(
+    system: Model, q0: ArrayLike | None, u0: ArrayLike | None
+) -> tuple[Array, Array]:
+    """Return the initial coordinates and velocities, the system's own where none are given."""
     if isinstance(system, RigidBodies):
         q, u = system.q0, system.u0
     else:

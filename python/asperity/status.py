@@ -28,6 +28,8 @@ class Outcome(StrEnum):
     """All steps were made."""
     AT_REST = "at_rest"
     """Everything came to rest before, as asked for."""
+    SECTION = "section"
+    """The motion came to the section, where it was to stop."""
     INTERRUPTED = "interrupted"
     """Ctrl-C."""
     FAILED = "failed"

@@ -1,6 +1,7 @@
 //! Errors of the core as the exceptions of `asperity.errors`.
 
 use asperity::contact::ProblemError;
+use asperity::event::{self, FieldError};
 use asperity::law::LawError;
 use asperity::set::SetError;
 use asperity::simulate::OptionsError;
@@ -84,6 +85,22 @@ impl From<ProblemError> for Failure {
 impl From<OptionsError> for Failure {
     fn from(error: OptionsError) -> Self {
         Self(parameter(error.argument, &error.message))
+    }
+}
+
+impl From<event::OptionsError> for Failure {
+    fn from(error: event::OptionsError) -> Self {
+        Self(parameter(error.argument, &error.message))
+    }
+}
+
+impl From<FieldError> for Failure {
+    fn from(error: FieldError) -> Self {
+        let text = error.to_string();
+        match error {
+            FieldError::System(error) => error.into(),
+            FieldError::SingularMass { .. } => Self(split("mass", &text)),
+        }
     }
 }
 

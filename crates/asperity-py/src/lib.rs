@@ -7,6 +7,7 @@ mod convert;
 mod delassus;
 mod errors;
 mod evaluate;
+mod event;
 mod law;
 mod outcome;
 mod problem;
@@ -24,6 +25,8 @@ mod _core {
     use crate::cones::{cone_polar, cone_projection, star_shape};
     #[pymodule_export]
     use crate::evaluate::{advance, evaluate};
+    #[pymodule_export]
+    use crate::event::integrate;
     #[pymodule_export]
     use crate::law::{Law, flow_law};
     #[pymodule_export]

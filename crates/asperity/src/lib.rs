@@ -22,6 +22,7 @@
 pub use asperity_set as set;
 
 pub mod contact;
+pub mod event;
 pub mod law;
 mod linear;
 pub mod simulate;

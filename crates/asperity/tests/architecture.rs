@@ -4,13 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules and what they may use.
-const ALLOWED: [(&str, &[&str]); 8] = [
+const ALLOWED: [(&str, &[&str]); 9] = [
     ("law", &[]),
     ("contact", &["law"]),
     ("linear", &["contact"]),
     ("solver", &["law", "contact", "linear"]),
     ("system", &["law", "contact"]),
     ("stepper", &["law", "contact", "solver", "system"]),
+    ("event", &["law", "contact", "solver", "system", "stepper"]),
     ("trajectory", &["contact", "stepper"]),
     ("simulate", &["solver", "stepper", "system", "trajectory"]),
 ];

@@ -28,7 +28,8 @@ class Equilibrium(Value):
         normal_force: λ_N in N, shape ``(n_contact,)``.
         slip: γ in m/s, shape ``(n_contact, p)``.
         closed: numbers of the closed unilateral contacts.
-        residual: ‖h + W_N λ_N + W λ‖ over the sum of the norms of its parts.
+        residual: ‖h + W_N λ_N + W λ‖ over the sum of the norms of its parts and of the forces that
+            a displacement by one difference step makes.
 
     Reference: [WL19] §4.1, (77).
     """
@@ -75,7 +76,7 @@ def equilibrium(
         q0: coordinates to start from, shape ``(coordinates,)``; default 0, of `RigidBodies` the
             state of the bodies.
         closed: numbers of the unilateral contacts that are closed. Default all.
-        tolerance: of the residual and of the last correction of q, in parts of 1 m or 1 rad.
+        tolerance: of the residual, and of closed gaps in m.
         step: largest displacement for difference quotients in m or rad; linear systems need none.
 
     Returns:
@@ -135,6 +136,10 @@ def _residual(near: Linearisation) -> float:
 def _correction(near: Linearisation, gap: Array) -> tuple[Array, Array]:
     """Solve −K δ + E Δλ_N = −imbalance, W_Nᵀδ = −gap."""
     n, m = near.thrusts.shape
+    if m and np.linalg.matrix_rank(near.normals) < m:
+        raise ParameterError(
+            "closed", "must be contacts with independent normals: their forces are not unique"
+        )
     matrix = np.block([[total(near.stiffness), -near.thrusts], [near.normals.T, np.zeros((m, m))]])
     # Rows and columns in units of the matrix itself, so that the condition number is one.
     scale = np.ones(n + m)

@@ -14,7 +14,7 @@ from asperity._arrays import Array
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.simulate import Model
-from asperity.system import LinearSystem, RigidBodies
+from asperity.system import LinearSystem, MassOnBelt, RigidBodies, SlidingPoint
 
 # Largest of the steps with which differences are taken, in m, rad, m/s or rad/s, and their number.
 STEP = 1e-3
@@ -92,8 +92,8 @@ class Field:
 
         Linear systems are not differentiated: they hold their matrices.
         """
-        linear = getattr(self.system, "linear", self.system)
-        if isinstance(linear, LinearSystem):
+        linear = constant(self.system)
+        if linear is not None:
             rest = np.zeros((len(load(self.at(), np.zeros(self.n))) - self.n, self.n))
             return Slopes(np.vstack([-linear.stiffness, rest]), -linear.damping, _ROUNDING)
         displacement, error = _difference(lambda x: load(self.at(x), x), self.n, step)
@@ -109,13 +109,20 @@ def start(system: Model, q0: ArrayLike | None) -> Array:
     return _arrays.array(q if q0 is None else q0, "q0", q.shape)
 
 
+def constant(system: object) -> LinearSystem | None:
+    """Return the linear system that a system is, if it is one."""
+    if isinstance(system, MassOnBelt | SlidingPoint):
+        return system.linear
+    return system if isinstance(system, LinearSystem) else None
+
+
 def _contacts(system: Model) -> tuple[list[FrictionLaw], list[float | None]]:
     """Return the laws and the prescribed normal forces."""
     if isinstance(system, RigidBodies):
-        return [system.pairs[label.pair].law for label in system.contacts], [None] * len(
-            system.contacts
-        )
-    return [c.law for c in system.contacts], [c.normal_force for c in system.contacts]
+        contacts = [system.pairs[label.pair] for label in system.contacts]
+    else:
+        contacts = list(system.contacts)
+    return [one.law for one in contacts], [one.normal_force for one in contacts]
 
 
 def _difference(f: Callable[[Array], Array], n: int, step: float) -> tuple[Array, float]:

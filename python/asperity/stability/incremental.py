@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity._arrays import Array
 from asperity.errors import DimensionError, ParameterError
-from asperity.system import LinearSystem
+from asperity.stability.field import constant
+from asperity.system import LinearSystem, MassOnBelt, SlidingPoint
 from asperity.trajectory import Trajectory
 
 # Times that differ by less than this share of the step are the same.
 _SAME = 1e-6
 
 
-def incremental_distance(run_a: Trajectory, run_b: Trajectory, system: Any) -> tuple[Array, Array]:
+def incremental_distance(
+    run_a: Trajectory, run_b: Trajectory, system: LinearSystem | MassOnBelt | SlidingPoint
+) -> tuple[Array, Array]:
     """Return V = ½ Δuᵀ M Δu + ½ Δqᵀ K Δq of two motions at the times that both have.
 
     With an associated law, a symmetric positive definite K, no negative damping and prescribed
@@ -43,8 +44,8 @@ def incremental_distance(run_a: Trajectory, run_b: Trajectory, system: Any) -> t
     >>> bool(V[-1] < V[0]), round(float(V[0]), 6)
     (True, 1.0)
     """
-    linear = getattr(system, "linear", system)
-    if not isinstance(linear, LinearSystem):
+    linear = constant(system)
+    if linear is None:
         raise ParameterError(
             "system", f"must be a LinearSystem, MassOnBelt or SlidingPoint, got {system!r}"
         )

@@ -155,10 +155,10 @@ def _pushes(contact: Sliding) -> list[Array]:
 
 
 def _touching(of: Field, normal_force: Array, closed: tuple[int, ...]) -> dict[int, Sliding]:
-    """Return the contacts that touch; they must move, along directions where D is not flat."""
+    """Return the loaded contacts; they must move, along directions where D is not flat."""
     touching = {}
     for i, state in enumerate(of.contacts()):
-        if i not in closed and of.normal_forces[i] is None:
+        if i not in closed and not of.normal_forces[i]:
             continue
         if not np.linalg.norm(state.chi) > 0.0:
             raise ParameterError(

@@ -74,10 +74,14 @@ def _lacks_modes(A: Array, values: Complex, bounds: Array, width: float) -> bool
     """Compare multiplicity and number of modes of the eigenvalues with real part 0.
 
     The members of a multiple eigenvalue scatter by the square root of the error, their mean does
-    not.
+    not. Those below the real axis are the conjugates of those above.
     """
-    for value in values[np.abs(values.real) <= bounds]:
-        cluster = values[np.abs(values - value) <= 2.0 * width]
+    left = values[(np.abs(values.real) <= bounds) & (values.imag >= 0.0)]
+    while len(left):
+        cluster = values[np.abs(values - left[0]) <= 2.0 * width]
+        left = left[np.abs(left - left[0]) > 2.0 * width]
+        if len(cluster) == 1:
+            continue
         shifted = A - cluster.mean() * np.eye(len(A))
         modes = int((np.linalg.svd(shifted, compute_uv=False) <= width).sum())
         if modes < len(cluster):

@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVectorViewMut, Dyn};
 
 /// The mass matrix ready to be solved with.
 #[derive(Debug, Clone)]
-pub(super) enum MassFactor {
+pub(crate) enum MassFactor {
     /// Reciprocals of a diagonal.
     Diagonal(Vec<f64>),
     /// Cholesky factor.
@@ -13,7 +13,7 @@ pub(super) enum MassFactor {
 
 impl MassFactor {
     /// `None` unless the matrix is positive definite.
-    pub(super) fn new(mass: &DMatrix<f64>) -> Option<Self> {
+    pub(crate) fn new(mass: &DMatrix<f64>) -> Option<Self> {
         let n = mass.nrows();
         let diagonal = (0..n).all(|j| (0..n).all(|i| i == j || mass[(i, j)] == 0.0));
         if !diagonal {
@@ -26,7 +26,7 @@ impl MassFactor {
 
     /// `values ← M⁻¹ values`.
     #[inline]
-    pub(super) fn solve(&self, values: &mut [f64]) {
+    pub(crate) fn solve(&self, values: &mut [f64]) {
         match self {
             Self::Diagonal(inverse) => {
                 for (value, m) in values.iter_mut().zip(inverse) {

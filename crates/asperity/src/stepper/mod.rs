@@ -6,7 +6,7 @@
 mod bodies;
 mod closed;
 mod dense;
-mod mass;
+pub(crate) mod mass;
 mod meetings;
 mod rated;
 

@@ -1,0 +1,90 @@
+//! Event-driven integration without the interpreter.
+
+use std::ops::ControlFlow;
+
+use asperity::event::{Motion, Options, Outcome, Run, Section, integrate as run_core};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::PyBaseException;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::convert::{Numbers, numbers};
+use crate::errors::Failure;
+use crate::rigid::RigidBodies;
+use crate::system::with_system;
+
+/// The motion so far as a dictionary, and the exception that ended it, if one did.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)] // The Python side calls it in one place, by position.
+pub fn integrate<'py>(
+    py: Python<'py>,
+    system: &Bound<'py, PyAny>,
+    t_end: f64,
+    q0: Numbers<'py>,
+    u0: Numbers<'py>,
+    tolerance: f64,
+    sample: Option<f64>,
+    section: Option<(Numbers<'py>, f64, f64)>,
+    max_events: usize,
+    progress: Option<Py<PyAny>>,
+) -> Result<(Bound<'py, PyDict>, Option<Py<PyBaseException>>), Failure> {
+    let section = section.map(|(normal, level, after)| -> PyResult<Section> {
+        Ok(Section { normal: numbers(&normal, "section")?.to_vec(), level, after })
+    });
+    let (q0, u0) = (numbers(&q0, "q0")?.to_vec(), numbers(&u0, "u0")?.to_vec());
+    let section = section.transpose()?;
+    let options = Options { t_end, q0, u0, tolerance, sample, section, max_events };
+    let mut raised = None;
+    let mut observer = |t: f64| {
+        let answer = Python::attach(|py| {
+            py.check_signals()?;
+            progress.as_ref().map_or(Ok(()), |f| f.call1(py, (t, t_end)).map(drop))
+        });
+        answer.map_or_else(
+            |error| {
+                raised = Some(error);
+                ControlFlow::Break(())
+            },
+            ControlFlow::Continue,
+        )
+    };
+    let Run { motion, outcome } =
+        with_system(system, |system| py.detach(|| run_core(system, &options, &mut observer)))??;
+    let out = dictionary(py, motion)?;
+    let (name, contact, error) = match outcome {
+        Outcome::Finished => ("finished", None, None),
+        Outcome::Section => ("section", None, None),
+        Outcome::Interrupted => ("interrupted", None, raised),
+        Outcome::TooManyEvents => ("too_many_events", None, None),
+        Outcome::NoSolution { contact } => ("no_solution", Some(contact), None),
+        Outcome::StepTooSmall => ("step_too_small", None, None),
+        Outcome::Error(error) => ("failed", None, Some(Failure::from(error).0)),
+    };
+    out.set_item("ended", name)?;
+    out.set_item("contact", contact)?;
+    // A frame of Python that raised is the cause of whatever ended the run.
+    let rigid = system.cast::<RigidBodies>();
+    let error = rigid.ok().and_then(|rigid| rigid.get().raised()).or(error);
+    Ok((out, error.map(|error| error.into_value(py))))
+}
+
+fn dictionary(py: Python<'_>, motion: Motion) -> PyResult<Bound<'_, PyDict>> {
+    let (n, n_c, p, n_t) = (motion.dof, motion.contacts, motion.p, motion.t.len());
+    let out = PyDict::new(py);
+    out.set_item("t", PyArray1::from_vec(py, motion.t))?;
+    out.set_item("q", PyArray1::from_vec(py, motion.q).reshape([n_t, n])?)?;
+    out.set_item("u", PyArray1::from_vec(py, motion.u).reshape([n_t, n])?)?;
+    out.set_item("slip", PyArray1::from_vec(py, motion.slip).reshape([n_t, n_c, p])?)?;
+    out.set_item("force", PyArray1::from_vec(py, motion.force).reshape([n_t, n_c, p])?)?;
+    let normal_force = PyArray1::from_vec(py, motion.normal_force).reshape([n_t, n_c])?;
+    out.set_item("normal_force", normal_force)?;
+    out.set_item("phase", PyArray1::from_vec(py, motion.phase).reshape([n_t, n_c])?)?;
+    let events = motion.events.iter().map(|event| {
+        let phase = event.phase.map(|phase| phase as i8);
+        (event.time, event.contact, event.kind.name(), phase, event.ambiguous)
+    });
+    out.set_item("events", events.collect::<Vec<_>>())?;
+    out.set_item("steps", motion.steps)?;
+    out.set_item("rejected_steps", motion.rejected_steps)?;
+    Ok(out)
+}

@@ -1,0 +1,157 @@
+//! How long a step may be.
+
+use super::collocation::Scale;
+use super::field::{Field, ROWS, dot};
+use super::force::norm;
+use crate::contact::Phase;
+
+/// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
+/// (\[HairerWanner1996\] IV.8).
+const ESTIMATE: f64 = 6.0;
+/// Share of the time until a slip or a resistance vanishes that a step may take.
+const APPROACH: f64 = 0.9;
+
+/// Tolerances, scales and the length of the next step.
+#[derive(Debug)]
+pub(super) struct Control {
+    /// Of the error estimate.
+    estimate: f64,
+    /// Of Newton's method.
+    pub(super) newton: f64,
+    scale: Scale,
+    pub(super) h: f64,
+    last_error: f64,
+    /// Rates at which the resistances of unilateral contacts change.
+    rates: Vec<f64>,
+    resistances: Vec<f64>,
+}
+
+impl Control {
+    pub(super) fn new(tolerance: f64, contacts: usize) -> Self {
+        Self {
+            estimate: 0.01 * tolerance.powf(0.6),
+            newton: 0.01 * tolerance,
+            scale: Scale { q: 0.0, u: 0.0 },
+            h: 0.0,
+            last_error: 1.0,
+            rates: vec![0.0; contacts],
+            resistances: vec![1.0; contacts],
+        }
+    }
+
+    /// Takes a state into account.
+    pub(super) fn see(&mut self, field: &Field<'_>, q: &[f64], u: &[f64]) {
+        self.scale.q = self.scale.q.max(largest(q));
+        let slips = field.touches.iter().map(|touch| touch.speed);
+        self.scale.u = slips.fold(self.scale.u.max(largest(u)), f64::max);
+    }
+
+    /// What errors of a step are compared with: the largest values so far, at least what the step changes.
+    pub(super) fn scale(&self, h: f64, a0: &[f64]) -> Scale {
+        let u = self.scale.u.max(h * largest(a0)).max(1e-100);
+        Scale { q: self.scale.q.max(h * u), u }
+    }
+
+    /// Largest coordinate so far.
+    pub(super) fn size(&self) -> f64 {
+        self.scale.q
+    }
+
+    /// Largest velocity so far.
+    pub(super) fn speed(&self) -> f64 {
+        self.scale.u
+    }
+
+    /// A length to begin with, which need not be good.
+    pub(super) fn begin(&mut self, t_end: f64, a0: &[f64]) {
+        let Scale { q, u } = self.scale;
+        let times = [0.01 * u / largest(a0), 0.01 * q / u];
+        let usable = times.into_iter().filter(|t| t.is_finite() && *t > 0.0);
+        self.h = usable.fold(0.01 * t_end, f64::min);
+    }
+
+    /// The estimate relative to the tolerance decides whether a step is kept, and on the length of the next;
+    /// false if it is not.
+    pub(super) fn judge(&mut self, h: f64, error: f64) -> bool {
+        let error = (error / self.estimate).max(1e-12);
+        // The comparison also turns away NaN.
+        if !(error <= 1.0) {
+            self.h = h * (0.9 * error.powf(-1.0 / ESTIMATE)).clamp(0.1, 0.8);
+            if error.is_nan() {
+                self.h = 0.1 * h;
+            }
+            return false;
+        }
+        let factor = 0.9 * error.powf(-0.7 / ESTIMATE) * self.last_error.powf(0.4 / ESTIMATE);
+        self.h = h * factor.clamp(0.2, 8.0);
+        self.last_error = error.max(1e-2);
+        true
+    }
+
+    /// A step of length `h` has been made.
+    pub(super) fn made(&mut self, field: &Field<'_>, h: f64) {
+        for ((rate, last), touch) in
+            self.rates.iter_mut().zip(&mut self.resistances).zip(&field.touches)
+        {
+            *rate = (touch.resistance - *last) / h;
+            *last = touch.resistance;
+        }
+    }
+
+    /// Forgets how fast resistances change: contacts do something else.
+    pub(super) fn forget(&mut self, field: &Field<'_>) {
+        self.rates.fill(0.0);
+        for (last, touch) in self.resistances.iter_mut().zip(&field.touches) {
+            *last = touch.resistance;
+        }
+    }
+
+    /// Half the time of the flight of contacts that have just bounced or opened: a step must not go beyond it.
+    pub(super) fn flight(&self, field: &Field<'_>, u: &[f64], a0: &[f64]) -> f64 {
+        let mut limit = f64::INFINITY;
+        for (i, touch) in field.touches.iter().enumerate() {
+            if touch.mode == Phase::Open && touch.prescribed.is_none() {
+                let (velocity, rate) = (dot(field.row(ROWS * i), u), dot(field.row(ROWS * i), a0));
+                // From there on the gap is not smaller than it was.
+                let near = touch.gap < velocity * velocity / rate.abs();
+                if velocity > 0.0 && rate < 0.0 && near {
+                    limit = limit.min(-velocity / rate);
+                }
+            }
+        }
+        limit
+    }
+
+    /// The longest step that reaches neither the end of a slip, where the direction is not defined, nor the end
+    /// of a resistance.
+    pub(super) fn limit(&self, field: &Field<'_>, a0: &[f64]) -> f64 {
+        let mut limit = f64::INFINITY;
+        for (i, touch) in field.touches.iter().enumerate() {
+            if touch.mode != Phase::Slip {
+                continue;
+            }
+            let (speed, rate) = (norm(&touch.slip), slip_rate(field, i, a0));
+            if rate < 0.0 {
+                limit = limit.min(-APPROACH * speed / rate);
+            }
+            if self.rates[i] < 0.0 {
+                limit = limit.min(-APPROACH * touch.resistance / self.rates[i]);
+            }
+        }
+        limit
+    }
+}
+
+/// `d‖γ‖/dt` of a slipping contact.
+pub(super) fn slip_rate(field: &Field<'_>, contact: usize, acceleration: &[f64]) -> f64 {
+    let touch = &field.touches[contact];
+    let rows = ROWS * contact + 1..;
+    let terms = rows.zip(&touch.slip[..touch.p]);
+    let along =
+        |(row, slip): (usize, &f64)| slip * (dot(field.row(row), acceleration) + field.drift[row]);
+    terms.map(along).sum::<f64>() / norm(&touch.slip)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
+}

@@ -1,0 +1,365 @@
+//! Accelerations while every contact stays open, sticks or slips.
+//!
+//! `M a = h + Σ (w_N λ_N + W λ)`, with `λ = λ_N f(γ)` in slip, `γ̇ = 0` in stick and `γ̇_N = 0` at closed
+//! unilateral contacts: one small linear system for the forces that are not given.
+
+use nalgebra::DMatrix;
+use thiserror::Error;
+
+use super::force;
+use super::inverse::Inverse;
+use crate::contact::Phase;
+use crate::law::Law;
+use crate::stepper::mass::MassFactor;
+use crate::system::{System, SystemError};
+
+/// Rows of a contact: the normal one, then up to three tangential ones.
+pub(super) const ROWS: usize = 4;
+
+/// The accelerations cannot be evaluated.
+#[derive(Debug, Error)]
+pub enum FieldError {
+    /// The system failed.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// The mass matrix is not positive definite.
+    #[error("mass: must be symmetric positive definite, is not at t = {time:.9} s")]
+    SingularMass {
+        /// Time in s.
+        time: f64,
+    },
+}
+
+/// Time, coordinates and velocities.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct State {
+    pub(super) t: f64,
+    pub(super) q: Vec<f64>,
+    pub(super) u: Vec<f64>,
+}
+
+/// What the field says of a contact, at the state where it was evaluated last.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    /// What it does; nothing but [`Phase::Open`], [`Phase::Stick`] and [`Phase::Slip`].
+    pub(super) mode: Phase,
+    /// Closed without slip, to be decided on; meanwhile its mode is open.
+    pub(super) resting: bool,
+    pub(super) p: usize,
+    /// Normal force that is given.
+    pub(super) prescribed: Option<f64>,
+    pub(super) gap: f64,
+    pub(super) slip: [f64; 3],
+    /// λ for unit normal force while it slips.
+    pub(super) sliding: [f64; 3],
+    pub(super) normal_force: f64,
+    pub(super) force: [f64; 3],
+    /// `w_NᵀM⁻¹(w_N + W f)` over `w_NᵀM⁻¹w_N`.
+    pub(super) resistance: f64,
+    /// Largest `‖|Wᵀ||u| + |χ|‖` so far, what slips are compared with.
+    pub(super) speed: f64,
+}
+
+/// The system in a mode.
+#[derive(Debug)]
+pub(super) struct Field<'a> {
+    pub(super) system: &'a dyn System,
+    pub(super) n: usize,
+    pub(super) touches: Vec<Touch>,
+    pub(super) acceleration: Vec<f64>,
+    /// `Wᵀ` and `W_Nᵀ`, [`ROWS`] per contact, χ and `Ẇᵀu + χ̇` likewise.
+    pub(super) rows: Vec<f64>,
+    pub(super) chi: Vec<f64>,
+    pub(super) drift: Vec<f64>,
+    /// `M⁻¹` times the rows.
+    pub(super) response: Vec<f64>,
+    factor: Option<MassFactor>,
+    mass: DMatrix<f64>,
+    /// Whether rows and mass never change.
+    pub(super) constant: bool,
+    ready: bool,
+    /// Overlap of contacts that counts as none.
+    pub(super) slack: f64,
+    /// Rows of the equations for unknown forces, their columns `M⁻¹(…)`, solutions.
+    unknown: Vec<usize>,
+    columns: Vec<f64>,
+    inverse: Inverse,
+    pub(super) solution: Vec<f64>,
+    /// Smooth part of the Jacobian.
+    pub(super) smooth_u: Vec<f64>,
+    pub(super) smooth_q: Vec<f64>,
+    /// `∂γ/∂q`, row by row.
+    pub(super) slip_gradient: Vec<f64>,
+    pub(super) scratch: Vec<f64>,
+    pub(super) scratch_q: Vec<f64>,
+}
+
+impl<'a> Field<'a> {
+    pub(super) fn new(system: &'a dyn System) -> Self {
+        let (n, contacts) = (system.dof(), system.contacts().len());
+        let touch = |contact: &crate::system::ContactLaw| Touch {
+            mode: Phase::Open,
+            resting: false,
+            p: contact.law.dimension(),
+            prescribed: contact.normal_force,
+            gap: 0.0,
+            slip: [0.0; 3],
+            sliding: [0.0; 3],
+            normal_force: 0.0,
+            force: [0.0; 3],
+            resistance: 1.0,
+            speed: 0.0,
+        };
+        let row = vec![0.0; ROWS * contacts];
+        let rows = vec![0.0; ROWS * contacts * n];
+        let constancy = system.constancy();
+        Self {
+            system,
+            n,
+            touches: system.contacts().iter().map(touch).collect(),
+            acceleration: vec![0.0; n],
+            rows: rows.clone(),
+            chi: row.clone(),
+            drift: row.clone(),
+            response: rows.clone(),
+            factor: None,
+            mass: DMatrix::zeros(n, n),
+            constant: constancy.mass && constancy.contacts,
+            ready: false,
+            slack: 0.0,
+            unknown: Vec::new(),
+            columns: Vec::new(),
+            inverse: Inverse::default(),
+            solution: Vec::new(),
+            smooth_u: vec![0.0; n * n],
+            smooth_q: vec![0.0; n * n],
+            slip_gradient: rows,
+            scratch: vec![0.0; ROWS * n],
+            scratch_q: vec![0.0; n],
+        }
+    }
+
+    pub(super) fn law(&self, contact: usize) -> &'a Law {
+        &self.system.contacts()[contact].law
+    }
+
+    pub(super) fn row(&self, row: usize) -> &[f64] {
+        &self.rows[row * self.n..(row + 1) * self.n]
+    }
+
+    /// Rows of a contact that say `γ̇_N = 0` and `γ̇ = 0`.
+    pub(super) fn rows_of(&self, contact: usize) -> std::ops::Range<usize> {
+        let touch = &self.touches[contact];
+        let first = ROWS * contact + usize::from(touch.prescribed.is_some());
+        first..ROWS * contact + 1 + touch.p
+    }
+
+    /// Rows, gaps and relative velocities of all contacts.
+    pub(super) fn kinematics(&mut self, t: f64, q: &[f64], u: &[f64]) -> Result<(), FieldError> {
+        let (n, fresh) = (self.n, !self.constant || !self.ready);
+        for (i, touch) in self.touches.iter_mut().enumerate() {
+            let own = &mut self.rows[ROWS * i * n..ROWS * (i + 1) * n];
+            if touch.prescribed.is_none() {
+                touch.gap = self.system.gap(t, q, i, &mut own[..n])?;
+            }
+            let chi = &mut self.chi[ROWS * i + 1..ROWS * i + 1 + touch.p];
+            let tangent = &mut own[n..(1 + touch.p) * n];
+            if fresh {
+                self.system.tangent(t, q, i, tangent, chi)?;
+            }
+            let mut size = 0.0;
+            for ((slip, chi), row) in touch.slip.iter_mut().zip(chi).zip(tangent.chunks_exact(n)) {
+                *slip = *chi + dot(row, u);
+                let parts: f64 = row.iter().zip(u).map(|(w, u)| (w * u).abs()).sum();
+                size += (chi.abs() + parts) * (chi.abs() + parts);
+            }
+            touch.speed = touch.speed.max(size.sqrt());
+        }
+        if !fresh {
+            return Ok(());
+        }
+        if self.factor.is_none() || !self.system.constancy().mass {
+            self.system.mass(q, &mut self.mass)?;
+            self.factor = MassFactor::new(&self.mass);
+        }
+        let Some(factor) = &self.factor else { return Err(FieldError::SingularMass { time: t }) };
+        self.response.copy_from_slice(&self.rows);
+        self.response.chunks_exact_mut(n).for_each(|row| factor.solve(row));
+        self.ready = true;
+        Ok(())
+    }
+
+    /// Accelerations and contact forces; `frozen` leaves the sliding forces per unit normal force as they are.
+    pub(super) fn evaluate(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        u: &[f64],
+        frozen: bool,
+    ) -> Result<(), FieldError> {
+        self.kinematics(t, q, u)?;
+        if !self.constant {
+            self.update_drift(t, q, u)?;
+        }
+        self.system.forces(t, q, u, &mut self.acceleration)?;
+        if let Some(factor) = &self.factor {
+            factor.solve(&mut self.acceleration);
+        }
+        for i in 0..self.touches.len() {
+            if self.touches[i].mode == Phase::Slip && !frozen {
+                let slip = self.touches[i].slip;
+                if let Some(sliding) = force::sliding(self.law(i), &slip) {
+                    self.touches[i].sliding = sliding;
+                }
+            }
+        }
+        self.given_forces();
+        self.unknown_forces();
+        Ok(())
+    }
+
+    /// Friction forces of slipping contacts with given normal force.
+    fn given_forces(&mut self) {
+        let n = self.n;
+        for (i, touch) in self.touches.iter_mut().enumerate() {
+            touch.force = [0.0; 3];
+            touch.normal_force = touch.prescribed.unwrap_or(0.0);
+            if let (Phase::Slip, Some(normal_force)) = (touch.mode, touch.prescribed) {
+                for r in 0..touch.p {
+                    touch.force[r] = normal_force * touch.sliding[r];
+                    let column = &self.response[(ROWS * i + 1 + r) * n..][..n];
+                    add(&mut self.acceleration, touch.force[r], column);
+                }
+            }
+        }
+    }
+
+    /// Forces that the constraints need, and what they do.
+    fn unknown_forces(&mut self) {
+        let n = self.n;
+        self.unknown.clear();
+        self.columns.clear();
+        for i in 0..self.touches.len() {
+            let touch = self.touches[i];
+            match (touch.mode, touch.prescribed) {
+                (Phase::Stick, _) => {
+                    let rows = self.rows_of(i);
+                    self.columns.extend_from_slice(&self.response[rows.start * n..rows.end * n]);
+                    self.unknown.extend(rows);
+                }
+                (Phase::Slip, None) => {
+                    let normal = ROWS * i;
+                    let first = self.columns.len();
+                    self.unknown.push(normal);
+                    self.columns.extend_from_slice(&self.response[normal * n..(normal + 1) * n]);
+                    let column = &mut self.columns[first..];
+                    let frictionless = dot(&self.rows[normal * n..(normal + 1) * n], column);
+                    for r in 0..touch.p {
+                        add(column, touch.sliding[r], &self.response[(normal + 1 + r) * n..][..n]);
+                    }
+                    let all = dot(&self.rows[normal * n..(normal + 1) * n], column);
+                    self.touches[i].resistance = all / frictionless;
+                }
+                _ => {}
+            }
+        }
+        let count = self.unknown.len();
+        if count == 0 {
+            return;
+        }
+        let (unknown, rows, columns) = (&self.unknown, &self.rows, &self.columns);
+        let row = |k: usize| &rows[unknown[k] * n..(unknown[k] + 1) * n];
+        self.inverse.of(count, |k, l| dot(row(k), &columns[l * n..(l + 1) * n]));
+        self.solution.clear();
+        self.solution
+            .extend((0..count).map(|k| -self.drift[unknown[k]] - dot(row(k), &self.acceleration)));
+        self.inverse.apply(&mut self.solution);
+        for (column, x) in columns.chunks_exact(n).zip(&self.solution) {
+            add(&mut self.acceleration, *x, column);
+        }
+        self.read_solution();
+    }
+
+    fn read_solution(&mut self) {
+        for (&row, &x) in self.unknown.iter().zip(&self.solution) {
+            let touch = &mut self.touches[row / ROWS];
+            match (row % ROWS, touch.mode) {
+                (0, Phase::Slip) => {
+                    touch.normal_force = x;
+                    touch.force = touch.sliding.map(|f| f * x);
+                }
+                (0, _) => touch.normal_force = x,
+                (r, _) => touch.force[r - 1] = x,
+            }
+        }
+    }
+
+    /// `M⁻¹` times a vector given as `M⁻¹` of it already, less what the unknown forces answer; their change
+    /// is left in `solution`.
+    pub(super) fn constrain(&mut self, response: &mut [f64]) {
+        let n = self.n;
+        self.solution.clear();
+        for &row in &self.unknown {
+            self.solution.push(-dot(&self.rows[row * n..(row + 1) * n], response));
+        }
+        self.inverse.apply(&mut self.solution);
+        for (column, x) in self.columns.chunks_exact(n).zip(&self.solution) {
+            add(response, *x, column);
+        }
+    }
+
+    /// The contacts' rows of the last unknown forces.
+    pub(super) fn unknown(&self) -> &[usize] {
+        &self.unknown
+    }
+
+    /// Jacobian of the acceleration where it was evaluated last: the smooth part, which is kept, and that of
+    /// the sliding directions.
+    pub(super) fn jacobian(&mut self, ku: &mut [f64], kq: &mut [f64]) {
+        let n = self.n;
+        ku.copy_from_slice(&self.smooth_u);
+        kq.copy_from_slice(&self.smooth_q);
+        for i in 0..self.touches.len() {
+            let touch = self.touches[i];
+            if touch.mode != Phase::Slip {
+                continue;
+            }
+            let slope = force::jacobian(self.law(i), &touch.slip);
+            for r in 0..touch.p {
+                let first = (ROWS * i + 1 + r) * n;
+                let mut column = std::mem::take(&mut self.scratch_q);
+                column.copy_from_slice(&self.response[first..first + n]);
+                self.constrain(&mut column);
+                for s in 0..touch.p {
+                    let factor = touch.normal_force * slope[r][s];
+                    let along = (ROWS * i + 1 + s) * n;
+                    dyad(ku, factor, &column, &self.rows[along..along + n]);
+                    if !self.constant {
+                        dyad(kq, factor, &column, &self.slip_gradient[along..along + n]);
+                    }
+                }
+                self.scratch_q = column;
+            }
+        }
+    }
+}
+
+/// `matrix += factor column rowᵀ`.
+fn dyad(matrix: &mut [f64], factor: f64, column: &[f64], row: &[f64]) {
+    for (target, c) in matrix.chunks_exact_mut(row.len()).zip(column) {
+        add(target, factor * c, row);
+    }
+}
+
+/// `target += factor values`.
+#[inline]
+pub(super) fn add(target: &mut [f64], factor: f64, values: &[f64]) {
+    for (t, v) in target.iter_mut().zip(values) {
+        *t += factor * v;
+    }
+}
+
+#[inline]
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

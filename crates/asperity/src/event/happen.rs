@@ -1,0 +1,344 @@
+//! What is done at events.
+
+use super::control;
+use super::decide::{self, Blow, Decision};
+use super::field::{FieldError, ROWS, State, add, dot};
+use super::force::{self, norm};
+use super::run::Runner;
+use super::{Event, Kind, OptionsError, Outcome};
+use crate::contact::{ContactState, Phase};
+
+/// Relative slip that counts as none.
+const STILL: f64 = 1e-12;
+/// Height of a bounce over the largest coordinate below which a contact rests: the end of a sequence of
+/// impacts, whose rest takes the time of about two such bounces.
+const LOWEST: f64 = 1e-13;
+/// `w_NᵀM⁻¹(w_N + Wf)` over `w_NᵀM⁻¹w_N` that counts as none.
+const RESISTANCE: f64 = 1e-12;
+/// Difference of the sliding forces per normal force below which stick goes over to slip without a jump.
+const CONTINUOUS: f64 = 1e-3;
+
+type Next = Result<Option<Outcome>, FieldError>;
+
+impl Runner<'_> {
+    /// Contacts that overlap at the beginning.
+    pub(super) fn penetration(&mut self) -> Result<Option<OptionsError>, FieldError> {
+        let State { t, q, u } = &self.state;
+        self.field.kinematics(*t, q, u)?;
+        self.control.see(&self.field, q, u);
+        let allowed = 1e-9 * self.control.size();
+        let depth =
+            |touch: &super::field::Touch| touch.prescribed.is_none() && touch.gap < -allowed;
+        Ok(self.field.touches.iter().position(depth).map(|contact| {
+            let depth = -self.field.touches[contact].gap;
+            let message =
+                format!("must not let contacts overlap, contact {contact} does by {depth:.3e}");
+            OptionsError { argument: "q0", message }
+        }))
+    }
+
+    /// Decides what the contacts do at the beginning.
+    pub(super) fn begin(&mut self) -> Next {
+        let touching = 1e-9 * self.control.size();
+        let mut hit = None;
+        for i in 0..self.memory.len() {
+            let touch = self.field.touches[i];
+            if touch.prescribed.is_none() && touch.gap <= touching {
+                let approach = self.approach(i);
+                if approach < -STILL * self.control.speed() {
+                    hit = Some(i);
+                } else if approach <= STILL * self.control.speed() {
+                    self.close(i);
+                }
+            } else if touch.prescribed.is_some_and(|force| force > 0.0) {
+                self.close(i);
+            }
+        }
+        if let Some(contact) = hit {
+            return self.collide(contact);
+        }
+        let phases = self.phases();
+        self.settle(&phases.iter().map(|_| None).collect::<Vec<_>>())
+    }
+
+    fn phases(&self) -> Vec<Option<Phase>> {
+        self.field.touches.iter().map(|touch| Some(touch.mode)).collect()
+    }
+
+    /// `γ_N`.
+    fn approach(&self, contact: usize) -> f64 {
+        dot(self.field.row(ROWS * contact), &self.state.u)
+    }
+
+    /// A contact without approach slips, or rests.
+    fn close(&mut self, contact: usize) {
+        let touch = &mut self.field.touches[contact];
+        if norm(&touch.slip) > STILL * touch.speed {
+            touch.mode = Phase::Slip;
+            self.memory[contact] = ContactState::new(Phase::Slip, touch.slip);
+        } else {
+            touch.mode = Phase::Stick;
+            let slip = self.memory[contact].slip;
+            self.memory[contact] = ContactState::new(Phase::Stick, slip);
+        }
+    }
+
+    fn event(&mut self, contact: Option<usize>, kind: Kind, ambiguous: bool) {
+        let time = self.state.t;
+        self.motion.events.push(Event { time, contact, kind, phase: None, ambiguous });
+    }
+
+    /// Contacts without slip are decided on, all others go on. `before` are the phases that changes are told
+    /// from; none are told of the others.
+    fn settle(&mut self, before: &[Option<Phase>]) -> Next {
+        self.field.project(&mut self.state)?;
+        for touch in &mut self.field.touches {
+            let still = norm(&touch.slip) <= STILL * touch.speed;
+            touch.resting = touch.mode == Phase::Stick || (touch.mode == Phase::Slip && still);
+        }
+        let state = self.state.clone();
+        self.decide(&state, before)
+    }
+
+    fn decide(&mut self, at: &State, before: &[Option<Phase>]) -> Next {
+        let resting: Vec<bool> = self.field.touches.iter().map(|touch| touch.resting).collect();
+        let ambiguous = match decide::decide(&mut self.field, at, &self.memory)? {
+            Decision::Made { ambiguous } => ambiguous,
+            Decision::None { contact } => return Ok(Some(Outcome::NoSolution { contact })),
+        };
+        self.starting = false;
+        for i in 0..resting.len() {
+            let touch = &self.field.touches[i];
+            let (mode, slip) = (touch.mode, touch.slip);
+            if resting[i] {
+                self.starting |= mode == Phase::Slip;
+                let slip = if mode == Phase::Slip { slip } else { self.memory[i].slip };
+                self.memory[i] = ContactState::new(mode, slip);
+                self.field.touches[i].slip = [0.0; 3];
+            }
+            if before[i].is_some_and(|before| before != mode) {
+                let kind = match mode {
+                    Phase::Stick => Kind::Stick,
+                    Phase::Slip => Kind::Slip,
+                    _ => Kind::Open,
+                };
+                self.event(Some(i), kind, ambiguous && resting[i]);
+            }
+        }
+        let touches = &self.field.touches;
+        for event in self.motion.events.iter_mut().rev().take_while(|e| e.phase.is_none()) {
+            event.phase = event.contact.map(|i| touches[i].mode);
+        }
+        self.resume();
+        Ok(self.enough())
+    }
+
+    /// The motion goes on in new modes.
+    fn resume(&mut self) {
+        self.a0.copy_from_slice(&self.field.acceleration);
+        (self.slope, self.smooth, self.linear) = (None, false, false);
+        self.control.forget(&self.field);
+        self.quiet();
+        if self.options.sample.is_none() {
+            self.motion.record(&self.field, &self.state);
+        }
+    }
+
+    fn enough(&self) -> Option<Outcome> {
+        let many = self.motion.events.len() >= self.options.max_events;
+        many.then_some(Outcome::TooManyEvents)
+    }
+
+    /// An alarm went off at the present state.
+    pub(super) fn happen(&mut self, which: usize) -> Next {
+        if which == self.memory.len() {
+            let counts = self.options.section.as_ref().is_some_and(|s| self.state.t > s.after);
+            self.quiet();
+            self.alarms[which] = 0.0;
+            self.linear = false;
+            if counts {
+                self.event(None, Kind::Section, false);
+            }
+            return Ok(counts.then_some(Outcome::Section));
+        }
+        match self.field.touches[which].mode {
+            Phase::Stick => self.let_go(which),
+            Phase::Slip => {
+                let before = self.phases();
+                self.field.touches[which].mode = Phase::Open;
+                self.memory[which] = ContactState::new(Phase::Open, self.memory[which].slip);
+                self.settle(&before)
+            }
+            // Closed a moment ago, by rounding.
+            _ if self.approach(which) > STILL * self.control.speed() => {
+                Ok(self.shorten(0.25 * self.control.h))
+            }
+            _ => self.collide(which),
+        }
+    }
+
+    /// A sticking contact cannot go on sticking: what it does is decided a little later, with a load that it
+    /// cannot carry.
+    fn let_go(&mut self, contact: usize) -> Next {
+        let before = self.phases();
+        let touch = self.field.touches[contact];
+        let stuck = self.a0.clone();
+        let sliding = touch.force.map(|f| f / touch.normal_force);
+        let direction = force::direction(self.field.law(contact), &touch.force);
+        let kept = self.memory.clone();
+        let mut later = 1e-7 * self.control.h;
+        loop {
+            let mut ahead = self.state.clone();
+            ahead.t += later;
+            add(&mut ahead.q, later, &self.state.u);
+            add(&mut ahead.q, 0.5 * later * later, &stuck);
+            add(&mut ahead.u, later, &stuck);
+            self.memory.clone_from(&kept);
+            self.memory[contact] = ContactState::new(Phase::Slip, direction);
+            for (touch, mode) in self.field.touches.iter_mut().zip(&before) {
+                touch.mode = mode.unwrap_or_default();
+                touch.resting = touch.mode == Phase::Stick;
+            }
+            let (events, samples) = (self.motion.events.len(), self.motion.t.len());
+            let outcome = self.decide(&ahead, &before)?;
+            if outcome.is_some() {
+                return Ok(outcome);
+            }
+            let lets_go = self.motion.events.len() > events;
+            if lets_go || later > 0.01 * self.control.h {
+                break;
+            }
+            // Not yet outside by more than rounding.
+            self.motion.truncate(samples);
+            later *= 10.0;
+        }
+        let touch = &self.field.touches[contact];
+        let jump = touch.sliding.iter().zip(&sliding).map(|(a, b)| a - b);
+        let jump = jump.map(|d| d * d).sum::<f64>().sqrt();
+        if touch.mode == Phase::Slip && jump <= CONTINUOUS * norm(&sliding) {
+            let rate = |(a, b): (&f64, &f64)| (a - b) / later;
+            self.slope = Some(self.a0.iter().zip(&stuck).map(rate).collect());
+            self.a0 = stuck;
+        }
+        Ok(None)
+    }
+
+    /// What comes to an end with a step: slips, and the resistance against normal motions.
+    pub(super) fn arrivals(&mut self) -> Next {
+        let singular = |t: &super::field::Touch| t.mode == Phase::Slip && t.resistance < RESISTANCE;
+        if let Some(contact) = self.field.touches.iter().position(singular) {
+            return self.stop_without_collision(contact);
+        }
+        let arrived = self.arrived();
+        if arrived.is_empty() {
+            return Ok(None);
+        }
+        let mut before = self.phases();
+        let mut left = 0.0;
+        for &i in &arrived {
+            let slip = self.field.touches[i].slip;
+            let rate = control::slip_rate(&self.field, i, &self.a0);
+            if rate < 0.0 {
+                left = f64::max(left, -norm(&slip) / rate);
+            }
+            self.memory[i] = ContactState::new(Phase::Stick, slip);
+            self.field.touches[i].mode = Phase::Stick;
+            before[i] = Some(Phase::Unknown);
+        }
+        self.state.t = (self.state.t + left).min(self.options.t_end);
+        add(&mut self.state.q, left, &self.state.u);
+        add(&mut self.state.u, left, &self.a0);
+        self.settle(&before)
+    }
+
+    /// A gap has closed.
+    fn collide(&mut self, contact: usize) -> Next {
+        let mut before = self.phases();
+        let touching = 1e-12 * self.control.size();
+        let still = STILL * self.control.speed();
+        let involved: Vec<usize> = (0..self.memory.len())
+            .filter(|&i| {
+                let touch = &self.field.touches[i];
+                let closed = touch.mode != Phase::Open;
+                let meets = touch.gap <= touching && self.approach(i) <= still;
+                touch.prescribed.is_none() && (closed || meets || i == contact)
+            })
+            .collect();
+        let (start, mut after) = (self.state.clone(), vec![0.0; involved.len()]);
+        let mut ambiguous = false;
+        if involved.iter().any(|&i| self.approach(i) < -still) {
+            for blow in [Blow::Restitution, Blow::Dead] {
+                self.state.clone_from(&start);
+                let meeting = (involved.clone(), blow);
+                let (field, state) = (&mut self.field, &mut self.state);
+                match decide::strike(field, state, meeting, &self.memory, &mut after)? {
+                    Decision::Made { ambiguous: several } => ambiguous = several,
+                    Decision::None { contact } => return Ok(Some(Outcome::NoSolution { contact })),
+                }
+                if !self.too_low(&involved, &after) {
+                    break;
+                }
+            }
+        }
+        let opened = |i: usize| self.field.touches[i].mode == Phase::Open;
+        let meeting: Vec<usize> = involved.iter().copied().filter(|&i| opened(i)).collect();
+        for i in meeting {
+            self.event(Some(i), Kind::Impact, ambiguous);
+            before[i] = None;
+        }
+        self.after_blow(&involved, &after, before)
+    }
+
+    /// Whether contacts bounce, all of them lower than can be followed.
+    fn too_low(&self, involved: &[usize], after: &[f64]) -> bool {
+        let mut bounces = involved.iter().zip(after).filter(|(_, v)| **v > 0.0).peekable();
+        bounces.peek().is_some()
+            && bounces.all(|(&i, v)| {
+                let acceleration = dot(self.field.row(ROWS * i), &self.a0);
+                acceleration < 0.0 && v * v < -2.0 * acceleration * LOWEST * self.control.size()
+            })
+    }
+
+    /// Modes after velocities have jumped.
+    fn after_blow(
+        &mut self,
+        involved: &[usize],
+        after: &[f64],
+        before: Vec<Option<Phase>>,
+    ) -> Next {
+        let State { t, q, u } = &self.state;
+        self.field.kinematics(*t, q, u)?;
+        let still = STILL * self.control.speed();
+        for i in 0..self.memory.len() {
+            let place = involved.iter().position(|&k| k == i);
+            let closed = self.field.touches[i].mode != Phase::Open;
+            match place {
+                Some(k) if after[k] > still => {
+                    self.field.touches[i].mode = Phase::Open;
+                    self.memory[i] = ContactState::new(Phase::Open, self.memory[i].slip);
+                }
+                Some(_) => self.close(i),
+                None if closed => self.close(i),
+                None => {}
+            }
+        }
+        self.settle(&before)
+    }
+
+    /// Painlevé's impact without collision.
+    fn stop_without_collision(&mut self, contact: usize) -> Next {
+        let mut before = self.phases();
+        let closed = |&i: &usize| {
+            let touch = &self.field.touches[i];
+            touch.prescribed.is_none() && touch.mode != Phase::Open
+        };
+        let involved: Vec<usize> = (0..self.memory.len()).filter(closed).collect();
+        if !decide::stop(&mut self.field, &mut self.state, &involved)? {
+            return Ok(Some(Outcome::NoSolution { contact }));
+        }
+        self.event(Some(contact), Kind::ImpactWithoutCollision, false);
+        before[contact] = None;
+        let after = vec![0.0; involved.len()];
+        self.after_blow(&involved, &after, before)
+    }
+}

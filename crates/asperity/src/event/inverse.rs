@@ -1,0 +1,88 @@
+//! Inverse of a small matrix, the pseudo-inverse if it is singular.
+
+use nalgebra::DMatrix;
+
+/// Relative size of a pivot that counts as zero.
+const SINGULAR: f64 = 1e-11;
+
+/// The inverse, row by row.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Inverse {
+    size: usize,
+    entries: Vec<f64>,
+    work: Vec<f64>,
+    product: Vec<f64>,
+}
+
+impl Inverse {
+    /// Of the matrix with these entries. Statically indeterminate contacts make it singular: they share the
+    /// forces so that the sum of squares is smallest.
+    pub(super) fn of(&mut self, size: usize, entry: impl Fn(usize, usize) -> f64) {
+        self.size = size;
+        if size == 1 {
+            self.entries.clear();
+            self.entries.push(1.0 / entry(0, 0));
+            return;
+        }
+        self.work.clear();
+        self.work.extend((0..size * size).map(|k| entry(k / size, k % size)));
+        self.entries.clear();
+        self.entries.resize(size * size, 0.0);
+        if !self.eliminate() {
+            let matrix = DMatrix::from_fn(size, size, &entry);
+            let largest = matrix.amax();
+            let finite = matrix.iter().all(|m| m.is_finite());
+            if finite && let Ok(inverse) = matrix.pseudo_inverse(1e-10 * largest) {
+                // The transpose of column-major entries is row-major.
+                self.entries.copy_from_slice(inverse.transpose().as_slice());
+            }
+        }
+    }
+
+    /// Gauss–Jordan elimination with row exchanges; false if a pivot vanishes.
+    fn eliminate(&mut self) -> bool {
+        let n = self.size;
+        let (a, b) = (&mut self.work, &mut self.entries);
+        let largest = a.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        for k in 0..n {
+            b[k * n + k] = 1.0;
+        }
+        for k in 0..n {
+            let size = |i: &usize| a[i * n + k].abs();
+            let pivot = (k..n).max_by(|x, y| size(x).total_cmp(&size(y))).unwrap_or(k);
+            // The comparison also turns away NaN.
+            if !(a[pivot * n + k].abs() > SINGULAR * largest) {
+                return false;
+            }
+            for j in 0..n {
+                a.swap(k * n + j, pivot * n + j);
+                b.swap(k * n + j, pivot * n + j);
+            }
+            let reciprocal = 1.0 / a[k * n + k];
+            for j in 0..n {
+                a[k * n + j] *= reciprocal;
+                b[k * n + j] *= reciprocal;
+            }
+            for i in (0..n).filter(|&i| i != k) {
+                let factor = a[i * n + k];
+                for j in 0..n {
+                    a[i * n + j] -= factor * a[k * n + j];
+                    b[i * n + j] -= factor * b[k * n + j];
+                }
+            }
+        }
+        true
+    }
+
+    /// `values ← inverse values`.
+    pub(super) fn apply(&mut self, values: &mut [f64]) {
+        self.product.clear();
+        self.product.extend_from_slice(values);
+        if values.is_empty() {
+            return;
+        }
+        for (value, row) in values.iter_mut().zip(self.entries.chunks_exact(self.size)) {
+            *value = row.iter().zip(&self.product).map(|(m, x)| m * x).sum();
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Event-driven integration: phases as smooth ordinary differential equations, stick, slip, opening and impacts
+//! located between them.
+//!
+//! The independent check of Moreau's time stepping, and the flow of which limit cycles are fixed points.
+//!
+//! | file | concept |
+//! |---|---|
+//! | `collocation.rs` | Radau IIA of order nine, its error estimate |
+//! | `field.rs`, `differences.rs`, `force.rs` | accelerations in a mode and their Jacobian |
+//! | `decide.rs` | contact problems of accelerations and of impacts |
+//! | `locate.rs`, `watch.rs` | functions whose zeros are events, watched along steps |
+//! | `run.rs`, `control.rs` | the loop over steps, the length of steps |
+//! | `happen.rs` | what is done at events |
+//! | `motion.rs` | what is returned |
+
+mod collocation;
+mod control;
+mod decide;
+mod differences;
+mod field;
+mod force;
+mod happen;
+mod inverse;
+mod locate;
+mod lu;
+mod motion;
+mod run;
+mod watch;
+
+use std::ops::ControlFlow;
+
+use thiserror::Error;
+
+pub use field::FieldError;
+pub use motion::{Event, Kind, Motion};
+
+use crate::system::System;
+
+/// A hyperplane of states at which the integration ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// Normal vector in the space of `(q, u)`, pointing to where the motion goes.
+    pub normal: Vec<f64>,
+    /// `normal·(q, u)` on the hyperplane.
+    pub level: f64,
+    /// Crossings up to this time in s do not count.
+    pub after: f64,
+}
+
+/// What to integrate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// End time in s.
+    pub t_end: f64,
+    /// Initial coordinates.
+    pub q0: Vec<f64>,
+    /// Initial velocities.
+    pub u0: Vec<f64>,
+    /// Error that is aimed at, relative to the largest coordinate and the largest velocity.
+    pub tolerance: f64,
+    /// Time between samples in s; none keeps every step, before and after events.
+    pub sample: Option<f64>,
+    /// Where to stop.
+    pub section: Option<Section>,
+    /// Events after which the integration gives up.
+    pub max_events: usize,
+}
+
+/// Why the integration ended.
+#[derive(Debug)]
+pub enum Outcome {
+    /// The end time is reached.
+    Finished,
+    /// The section is crossed.
+    Section,
+    /// The observer asked to stop.
+    Interrupted,
+    /// There were as many events as are allowed.
+    TooManyEvents,
+    /// Friction and normal force enforce each other and no impact ends that (Painlevé), or contacts are
+    /// squeezed: no force or percussion satisfies the laws.
+    NoSolution {
+        /// The contact.
+        contact: usize,
+    },
+    /// Steps have become shorter than time resolves: the forces grow without bound or jump where the method
+    /// does not know it.
+    StepTooSmall,
+    /// The accelerations cannot be evaluated.
+    Error(FieldError),
+}
+
+/// Bad options.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{argument}: {message}")]
+pub struct OptionsError {
+    /// Name of the argument.
+    pub argument: &'static str,
+    /// What is allowed, and what was given.
+    pub message: String,
+}
+
+/// The motion so far, and why it ended; the first is there whatever the second says.
+#[derive(Debug)]
+pub struct Run {
+    /// The motion.
+    pub motion: Motion,
+    /// Why the integration ended.
+    pub outcome: Outcome,
+}
+
+/// Integrates `system` from event to event.
+///
+/// `observer(t)` is called about every 50 ms and may stop the run.
+pub fn integrate(
+    system: &dyn System,
+    options: &Options,
+    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Run, OptionsError> {
+    check(system, options)?;
+    run::run(system, options, observer)
+}
+
+fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
+    let refuse = |argument, message: String| Err(OptionsError { argument, message });
+    let (n, coordinates) = (system.dof(), system.coordinates());
+    if coordinates != n {
+        let message =
+            format!("must have as many coordinates as velocities, has {coordinates} and {n}");
+        return refuse("system", message);
+    }
+    let positive = [
+        ("t_end", options.t_end),
+        ("tolerance", options.tolerance),
+        ("dt", options.sample.unwrap_or(1.0)),
+    ];
+    for (argument, value) in positive {
+        if !(value.is_finite() && value > 0.0) {
+            return refuse(argument, format!("must be finite and positive, got {value}"));
+        }
+    }
+    if !(1e-14..=1e-2).contains(&options.tolerance) {
+        let value = options.tolerance;
+        return refuse("tolerance", format!("must lie in [1e-14, 1e-2], got {value}"));
+    }
+    if options.max_events == 0 {
+        return refuse("max_events", "must be at least 1, got 0".into());
+    }
+    let normal = options.section.as_ref().map_or(&[][..], |section| &section.normal);
+    let expected = if options.section.is_some() { 2 * n } else { 0 };
+    for (argument, values, expected) in
+        [("q0", &options.q0[..], n), ("u0", &options.u0, n), ("section", normal, expected)]
+    {
+        if values.len() != expected {
+            let got = values.len();
+            return refuse(argument, format!("must have {expected} entries, has {got}"));
+        }
+        if let Some(value) = values.iter().find(|v| !v.is_finite()) {
+            return refuse(argument, format!("must be finite, got {value}"));
+        }
+    }
+    if let Some(section) = &options.section
+        && !(section.level.is_finite() && section.after.is_finite())
+    {
+        return refuse("section", "must have a finite level and time".into());
+    }
+    Ok(())
+}

@@ -1,0 +1,216 @@
+//! What happens along a step: alarms at its stages, the time of the first one, samples.
+
+use super::collocation::Tableau;
+use super::control;
+use super::field::{FieldError, State};
+use super::locate::{self, alarm};
+use super::run::Runner;
+use crate::contact::Phase;
+
+/// What the stages of a step show.
+pub(super) enum Watch {
+    Quiet,
+    /// A resistance has passed through zero.
+    Singular,
+    /// Something happens.
+    Alarms(Alarms),
+}
+
+/// Alarms that go off between two times from the start of a step.
+pub(super) struct Alarms {
+    low: f64,
+    high: f64,
+    /// Numbers of contacts, or the number of contacts for the section, and the values at both times.
+    fired: Vec<(usize, f64, f64)>,
+}
+
+/// A step to another time that has not been found, or an error.
+pub(super) enum Lost {
+    Diverged,
+    Error(FieldError),
+}
+
+impl From<FieldError> for Lost {
+    fn from(error: FieldError) -> Self {
+        Self::Error(error)
+    }
+}
+
+impl Runner<'_> {
+    /// The value of an alarm where the field has been evaluated.
+    fn value(&self, which: usize, q: &[f64], u: &[f64]) -> f64 {
+        match &self.options.section {
+            Some(section) if which == self.memory.len() => section.height(q, u),
+            _ if which == self.memory.len() => -1.0,
+            _ => alarm(&self.field, which),
+        }
+    }
+
+    /// Alarms at the present state, at which the field has been evaluated. What has just been decided on is
+    /// quiet, and a motion that starts on the section does not cross it there.
+    pub(super) fn quiet(&mut self) {
+        self.field.slack = 1e-14 * self.control.size();
+        for which in 0..self.memory.len() {
+            self.alarms[which] = self.value(which, &self.state.q, &self.state.u).min(0.0);
+        }
+        if let Some(section) = &self.options.section {
+            let (q, u) = (&self.state.q, &self.state.u);
+            let height = section.height(q, u);
+            let on = height.abs() <= 1e-12 * section.size(q, u);
+            self.alarms[self.memory.len()] = if on { 0.0 } else { height };
+        }
+    }
+
+    /// Alarms at the stages; without one the field is left at the end of the step.
+    pub(super) fn watch(&mut self) -> Result<Watch, FieldError> {
+        let (n, count) = (self.field.n, self.alarms.len());
+        let mut lows = self.alarms.clone();
+        let mut low = 0.0;
+        for (stage, c) in Tableau::radau().c.iter().enumerate() {
+            let own = stage * n..(stage + 1) * n;
+            let high = c * self.step.h;
+            let (q, u) = (&self.step.q[own.clone()], &self.step.u[own]);
+            self.field.evaluate(self.state.t + high, q, u, false)?;
+            let singular = |t: &super::field::Touch| t.mode == Phase::Slip && t.resistance <= 0.0;
+            if self.field.touches.iter().any(singular) {
+                return Ok(Watch::Singular);
+            }
+            let mut fired = Vec::new();
+            for (which, low) in lows.iter_mut().enumerate() {
+                let value = self.value(which, q, u);
+                let happens = if which + 1 == count {
+                    // A section is crossed upwards; what lies above it from the start does not count.
+                    let after = self
+                        .options
+                        .section
+                        .as_ref()
+                        .is_some_and(|s| self.state.t + high > s.after);
+                    value >= 0.0 && *low < 0.0 && after
+                } else {
+                    value > 0.0
+                };
+                if happens {
+                    fired.push((which, *low, value));
+                }
+                *low = value;
+            }
+            if !fired.is_empty() {
+                return Ok(Watch::Alarms(Alarms { low, high, fired }));
+            }
+            low = high;
+        }
+        debug_assert_eq!(lows.len(), count);
+        Ok(Watch::Quiet)
+    }
+
+    /// Goes to the first of the alarms; its number.
+    pub(super) fn locate(&mut self, alarms: &Alarms) -> Result<usize, Lost> {
+        let width = (1e-14 * alarms.high).max(2.0 * f64::EPSILON * self.state.t);
+        let mut first = (alarms.high, alarms.fired[0].0);
+        for (k, &(which, f_low, f_high)) in alarms.fired.iter().enumerate() {
+            let at =
+                locate::zero((alarms.low, f_low.min(0.0)), (alarms.high, f_high), width, |h| {
+                    self.look(h)?;
+                    let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
+                    Ok::<f64, Lost>(self.value(which, q, u))
+                })?;
+            if k == 0 || at < first.0 {
+                first = (at, which);
+            }
+        }
+        let (h, which) = first;
+        self.sample(self.state.t + h, false)?;
+        self.look(h)?;
+        self.go_to(self.state.t + h, false);
+        self.smooth = false;
+        self.starting &= h == 0.0;
+        if self.options.sample.is_none() && h > 0.0 {
+            self.motion.record(&self.field, &self.state);
+        }
+        Ok(which)
+    }
+
+    /// The step from the present state to another time of the present attempt, with the full order; the field
+    /// is evaluated there.
+    fn look(&mut self, h: f64) -> Result<(), Lost> {
+        let goal: (f64, _) = (self.control.newton, self.control.scale(self.step.h, &self.a0));
+        self.probe.guess_from(h, &self.step, 0.0);
+        if !self.probe.solve(&mut self.field, &self.state, h, goal)? {
+            return Err(Lost::Diverged);
+        }
+        let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
+        Ok(self.field.evaluate(self.state.t + h, q, u, h == 0.0 && self.starting)?)
+    }
+
+    /// Takes the end of the attempt, or of the last look, as the present state.
+    fn go_to(&mut self, t: f64, attempt: bool) {
+        let step = if attempt { &self.step } else { &self.probe };
+        let h = step.h;
+        self.state.t = t;
+        self.state.q.copy_from_slice(step.end(&step.q));
+        self.state.u.copy_from_slice(step.end(&step.u));
+        self.a0.copy_from_slice(&self.field.acceleration);
+        self.slope = None;
+        self.motion.steps += 1;
+        self.control.see(&self.field, &self.state.q, &self.state.u);
+        if h > 0.0 {
+            self.control.made(&self.field, h);
+        }
+    }
+
+    /// Takes the attempt, which ends at `t`.
+    pub(super) fn accept(&mut self, t: f64) -> Result<(), FieldError> {
+        let sampled = match self.sample(t, true) {
+            Ok(sampled) => sampled,
+            // Parts of a step that has been found are found.
+            Err(Lost::Diverged) => true,
+            Err(Lost::Error(error)) => return Err(error),
+        };
+        if sampled {
+            let (q, u) = (self.step.end(&self.step.q), self.step.end(&self.step.u));
+            self.field.evaluate(t, q, u, false)?;
+        }
+        self.go_to(t, true);
+        if !self.field.constant {
+            self.field.project(&mut self.state)?;
+        }
+        std::mem::swap(&mut self.step, &mut self.last);
+        (self.smooth, self.starting) = (true, false);
+        self.linear = self.field.constant;
+        self.quiet();
+        if self.options.sample.is_none() {
+            self.motion.record(&self.field, &self.state);
+        }
+        Ok(())
+    }
+
+    /// Samples up to `t`; whether there were any.
+    fn sample(&mut self, t: f64, attempt: bool) -> Result<bool, Lost> {
+        let Some(dt) = self.options.sample else { return Ok(false) };
+        let first = self.samples;
+        loop {
+            let time = self.samples as f64 * dt;
+            // The end of the run is a sample of its own.
+            if time > t || (time == t && !attempt) {
+                return Ok(self.samples > first);
+            }
+            self.look(time - self.state.t)?;
+            let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
+            let state = State { t: time, q: q.to_vec(), u: u.to_vec() };
+            self.motion.record(&self.field, &state);
+            self.samples += 1;
+        }
+    }
+
+    /// Contacts whose slip has come to an end.
+    pub(super) fn arrived(&self) -> Vec<usize> {
+        let ends = |&i: &usize| {
+            let touch = &self.field.touches[i];
+            let speed = super::force::norm(&touch.slip);
+            touch.mode == Phase::Slip
+                && speed <= 1e-12 * touch.speed
+                && (speed == 0.0 || control::slip_rate(&self.field, i, &self.a0) < 0.0)
+        };
+        (0..self.memory.len()).filter(ends).collect()
+    }
+}

@@ -1,0 +1,139 @@
+"""Event-driven integration: smooth phases, and the events between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from asperity import _arrays, _core
+from asperity.errors import (
+    ConvergenceError,
+    NoSolutionError,
+    ParameterError,
+    SimulationInterrupted,
+)
+from asperity.motion import Event, Motion, Section
+from asperity.simulate import Model, initial_state
+from asperity.status import Outcome, Status
+
+_ENDS = {
+    "finished": Outcome.FINISHED,
+    "section": Outcome.SECTION,
+    "interrupted": Outcome.INTERRUPTED,
+}
+
+_FAILURES = {
+    "too_many_events": (
+        "there were max_events events",
+        "Impacts or stick-slip may follow each other ever faster: try a larger max_events or a "
+        "restitution further from 1",
+    ),
+    "step_too_small": (
+        "steps have become shorter than the time resolves",
+        "Forces may grow without bound, or the sliding direction may be kept on a flat side of the "
+        "direction set, which the method does not know: try simulate",
+    ),
+    "no_solution": (Status.NO_SOLUTION.message, Status.NO_SOLUTION.advice),
+}
+
+
+def integrate(
+    system: Model,
+    *,
+    t_end: float,
+    q0: ArrayLike | None = None,
+    u0: ArrayLike | None = None,
+    tolerance: float = 1e-10,
+    dt: float | None = None,
+    section: Section | None = None,
+    max_events: int = 10_000,
+    progress: Callable[[float, float], object] | None = None,
+) -> Motion:
+    """Integrate a system from event to event: M u̇ = h + W_N λ_N + W λ, q̇ = u.
+
+    Between events every contact is open, sticks (γ̇ = 0) or slips (λ = λ_N f(γ)), and the motion is
+    smooth: Radau IIA collocation of order 9. The beginning and the end of stick, opening and
+    impacts are located to rounding; contact problems of accelerations and of impacts decide what
+    comes next, by the rule of selection of `simulate`. What `simulate` converges to for Δt → 0.
+
+    Args:
+        system: a system with as many coordinates as velocities; the direction sets of its laws must
+            be strictly convex.
+        t_end: end time in s.
+        q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` the state of the bodies.
+        u0: initial velocities, shape ``(n,)``; default likewise.
+        tolerance: error that is aimed at, relative to the largest coordinate and the largest
+            velocity so far; between 1e-14 and 1e-2.
+        dt: time between samples in s. Default: every step of the method, before and after events.
+        section: where to stop.
+        max_events: number of events after which the integration gives up.
+        progress: a function of (t, t_end) called a few times a second.
+
+    Returns:
+        The motion. Bounces that are lower than 1e-13 of the largest coordinate end a sequence of
+        impacts: the contact stays closed from there.
+
+    Raises:
+        NoSolutionError: neither forces nor an impact satisfy the laws (Painlevé).
+        ConvergenceError: too many events, or steps too small to go on. Either holds the time, the
+            contact and the part before as ``trajectory``.
+        SimulationInterrupted: on Ctrl-C, with the part before as ``trajectory``.
+
+    Reference: [HairerWanner1996] IV.5, IV.8; [WL19] §4.3, Fig. 17; [LeineNijmeijer2004] ch. 8.
+
+    >>> from asperity import FrictionLaw, SlidingPoint, integrate
+    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> motion = integrate(block, t_end=1.0, u0=[2.0, 0.0])
+    >>> [(event.kind, round(event.time, 12)) for event in motion.events]
+    [(EventKind.STICK, 0.4)]
+    >>> round(float(motion.q[-1, 0]), 12)
+    0.4
+    """
+    if not isinstance(system, Model):
+        raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
+    if section is not None and not isinstance(section, Section):
+        raise ParameterError("section", f"must be a Section or None, got {section!r}")
+    if progress is not None and not callable(progress):
+        raise ParameterError("progress", f"must be None or a function, got {progress!r}")
+    run, exception = _core.integrate(
+        system._core,
+        _arrays.positive(t_end, "t_end"),
+        *initial_state(system, q0, u0),
+        _arrays.positive(tolerance, "tolerance"),
+        None if dt is None else _arrays.positive(dt, "dt"),
+        None if section is None else (section.normal, section.level, section.after),
+        _arrays.count(max_events, "max_events"),
+        progress,
+    )
+    ended, contact = run.pop("ended"), run.pop("contact")
+    events = [
+        Event(time, kind, number, phase, ambiguous=ambiguous)
+        for time, number, kind, phase, ambiguous in run.pop("events")
+    ]
+    motion = Motion(**run, events=events, status=_ENDS.get(ended, Outcome.FAILED))
+    if exception is not None:
+        _raise(exception, motion)
+    if ended in _FAILURES:
+        raise _failure(ended, contact, motion)
+    return motion
+
+
+def _raise(exception: BaseException, motion: Motion) -> None:
+    """Raise what stopped the run from outside: Ctrl-C or an exception in the user's code."""
+    if isinstance(exception, KeyboardInterrupt):
+        raise SimulationInterrupted(motion) from exception
+    with suppress(AttributeError):  # an exception of the user's may refuse new attributes
+        exception.trajectory = motion  # type: ignore[attr-defined]
+    time = motion.t[-1] if len(motion) else 0.0
+    exception.add_note(f"asperity: raised after t = {time:.9g} s")
+    raise exception
+
+
+def _failure(ended: str, contact: Any, motion: Motion) -> ConvergenceError:
+    message, advice = _FAILURES[ended]
+    kind = NoSolutionError if ended == "no_solution" else ConvergenceError
+    time = float(motion.t[-1]) if len(motion) else 0.0
+    return kind(message, time=time, contact=contact, advice=advice, trajectory=motion)
