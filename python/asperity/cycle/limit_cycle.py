@@ -179,9 +179,7 @@ def _recurring(
     t, scale = 0.0, None
     while len(states) < _PASSAGES and t < t_end:
         wait = 1e-3 * (times[-1] - times[-2] if len(times) > 1 else 0.0)
-        motion = integrate(
-            system, t_end=t_end - t, q0=q, u0=u, section=section.replace(after=wait)
-        )
+        motion = integrate(system, t_end=t_end - t, q0=q, u0=u, section=section.replace(after=wait))
         if not motion.at_section:
             if scale is not None and _has_died_out(_second_half(motion), scale):
                 raise NoCycleError("the motion settles")
