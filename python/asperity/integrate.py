@@ -63,7 +63,7 @@ def integrate(
         system: a system with as many coordinates as velocities; the direction sets of its laws must
             be strictly convex.
         t_end: end time in s.
-        q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` the state of the bodies.
+        q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
         u0: initial velocities, shape ``(n,)``; default likewise.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far; between 1e-14 and 1e-2.

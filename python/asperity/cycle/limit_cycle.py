@@ -10,12 +10,13 @@ from asperity._arrays import Array
 from asperity.cycle.orbit import LimitCycle
 from asperity.cycle.shooting import ReturnMap, fixed_point
 from asperity.errors import NoCycleError, ParameterError
-from asperity.integrate import Model, integrate
+from asperity.integrate import integrate
 from asperity.motion import Motion, Section
+from asperity.simulate import Model
 from asperity.stability import Equilibrium, equilibrium, stability
 
-# The motion is followed for at most so many of the longest periods of the linearised system, and for
-# this part of the time before a section is chosen.
+# The motion is followed for at most so many of the longest periods of the linearised system, and
+# for this part of the time before a section is chosen.
 _LONGEST, _SETTLING = 200.0, 0.05
 # Turns of a section that may make up one period.
 _LOOPS = 6
@@ -102,7 +103,7 @@ def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) ->
     multipliers = multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
     if np.abs(multipliers - 1.0).min(initial=np.inf) < _ISOLATED:
         raise NoCycleError(
-            f"periodic orbits form a continuum here: a multiplier is 1 (period {fixed.period:.6g} s)"
+            f"periodic orbits form a continuum, of period {fixed.period:.6g} s: a multiplier is 1"
         )
     return LimitCycle(
         closed.period,
