@@ -102,4 +102,6 @@ def test_bifurcation_over_the_belt_direction():
     found = np.isfinite(diagram.periods)
     assert found[unstable].all(), [f for f in diagram.failures if f]
     assert (diagram.cycle_minima[found] < diagram.equilibria[found]).all()
-    assert diagram == asp.bifurcation_diagram(belt, "phi", values, threads=1)
+    again = asp.bifurcation_diagram(belt, "phi", values, threads=1)
+    assert again.cycles == diagram.cycles
+    assert again.failures == diagram.failures

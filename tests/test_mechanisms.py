@@ -346,6 +346,53 @@ def test_painleve_rod_keeps_its_energy_balance():
     assert np.diff(energy).max() < 1e-9
 
 
+# what the linearisation says of them
+
+
+@pytest.mark.parametrize(
+    ("make", "limit", "mechanism"),
+    [
+        (lambda v: mechanisms.stribeck_block(belt_velocity=v), None, "Stribeck slope"),
+        (
+            lambda mu: mechanisms.mode_coupling(mu, belt_mass=0.05),
+            flutter_limit(1.0, 0.05),
+            "mode coupling",
+        ),
+        (
+            mechanisms.FrictionalImpactOscillator,
+            np.tan(np.pi / 6) + 0.1 / np.sin(np.pi / 6) / np.cos(np.pi / 6),
+            "velocity feedback of the normal force",
+        ),
+        (
+            lambda mu: mechanisms.FrictionalImpactOscillator(mu).small_angles,
+            np.tan(np.pi / 6) + 0.1 / np.sin(np.pi / 6) / np.cos(np.pi / 6),
+            "velocity feedback of the normal force",
+        ),
+        (mechanisms.FollowerPendulum, 0.35 - np.sqrt(0.02), "follower force"),
+    ],
+    ids=["stribeck", "coupling", "oscillator", "small angles", "follower"],
+)
+def test_stability_finds_the_limit_and_names_the_mechanism(make, limit, mechanism):
+    unstable = asp.stability(make(0.2 if limit is None else limit + 1e-6))
+    assert unstable.kind == "unstable"
+    assert unstable.mechanisms[mechanism] <= 0.0
+    left = {name: rate for name, rate in unstable.mechanisms.items() if name != mechanism}
+    assert all(rate > 0.0 for rate in left.values())
+    if limit is not None:
+        assert asp.stability(make(limit - 1e-6)).kind != "unstable"
+
+
+def test_stability_finds_the_equilibria_that_the_docstrings_name():
+    rod = mechanisms.FrictionalImpactOscillator(0.9, angle=0.7, normal_force=2.0)
+    steady = asp.equilibrium(rod, q0=np.add(rod.equilibrium, [0.01, 0.02]))
+    np.testing.assert_allclose(steady.q, rod.equilibrium, atol=1e-9)
+    assert steady.normal_force == pytest.approx([2.0])
+    for mu in (0.3, 0.9):
+        steady = asp.equilibrium(mechanisms.mode_coupling(mu, normal_force=3.0))
+        np.testing.assert_allclose(steady.q, 0.0, atol=1e-12)
+        assert steady.normal_force == pytest.approx([3.0])
+
+
 # all of them
 
 

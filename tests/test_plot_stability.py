@@ -85,13 +85,29 @@ def test_root_locus_takes_objects_with_eigenvalues_and_colours_by_the_parameter(
     assert ends == {complex(np.round(root, 9)) for root in ROOTS[-1]}
 
 
+def test_root_locus_and_chart_take_what_the_analysis_returns():
+    mu = np.linspace(0.7, 0.8, 6)
+    found = [asp.stability(asp.mechanisms.mode_coupling(value)) for value in mu]
+    drawn = plot_root_locus(found, mu)
+    lines = [one for one in drawn if isinstance(one, LineCollection)]
+    assert sum(points(one)[-1].real > 1e-3 for one in lines) == 2
+    law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
+    phi, zeta = np.linspace(0.0, np.pi, 7), np.linspace(0.0, np.pi / 2, 5)
+    belt = asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
+    growth = asp.growth_chart(belt, phi, zeta)
+    mesh = plot_growth_chart(phi, zeta, growth)[0]
+    np.testing.assert_array_equal(mesh.get_array().reshape(5, 7), growth.T)
+
+
 def test_growth_chart_draws_the_border_where_growth_begins():
     x, y = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 31)
-    mesh, border = plot_growth_chart(x, y, x - y[:, None])
+    mesh, border = plot_growth_chart(x, y, x[:, None] - y)
     assert isinstance(mesh, QuadMesh)
     assert isinstance(border, QuadContourSet)
     low, high = mesh.get_clim()
     assert low == -high == -1.0
+    assert len(plot_growth_chart(x, y, x[:, None] - y, border=False)) == 1
+    assert plot_growth_chart(x, y, x[:, None] - y, limit=0.5)[0].get_clim() == (-0.5, 0.5)
     for path in border.get_paths():
         np.testing.assert_allclose(*path.vertices.T, atol=1e-5)
 
@@ -134,9 +150,10 @@ def test_bifurcation_without_cycles_draws_equilibria_only():
         (lambda: plot_root_locus([[1.0, 2.0], [1.0]], [0.0, 1.0]), "eigenvalues"),
         (lambda: plot_root_locus([[np.nan], [1.0]], [0.0, 1.0]), "eigenvalues"),
         (lambda: plot_root_locus([[1.0]], [0.0]), "eigenvalues"),
-        (lambda: plot_growth_chart([0.0, 1.0], [0.0], [[1.0], [2.0]]), "growth"),
+        (lambda: plot_growth_chart([0.0, 1.0], [0.0], [[1.0, 2.0]]), "growth"),
         (lambda: plot_growth_chart([0.0], [0.0], [["x"]]), "growth"),
         (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], tolerance=0.0), "tolerance"),
+        (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], limit=-1.0), "limit"),
         (lambda: plot_growth_chart([np.nan], [0.0], [[1.0]]), "x"),
         (lambda: plot_bifurcation(belt(), coordinate=2), "coordinate"),
         (lambda: plot_bifurcation("x"), "diagram"),

@@ -45,12 +45,7 @@ class Continuation:
         found = Found()
         with ThreadPoolExecutor(threads) as pool:
             starts = list(pool.map(self._first, self._intervals()))
-            runs = [
-                (start, step)
-                for start in starts
-                for step in (1, -1)
-                if start.cycles
-            ]
+            runs = [(start, step) for start in starts for step in (1, -1) if start.cycles]
             for start in starts:
                 found.add(start)
             for run in pool.map(lambda run: self._follow(*run), runs):

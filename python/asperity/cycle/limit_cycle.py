@@ -96,8 +96,7 @@ def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) ->
     fixed, iterations = fixed_point(returns, state, period, tolerance)
     dt = fixed.period / _SAMPLES
     closed = returns(fixed.state, fixed.period, dt=dt)
-    swing = np.ptp(closed.motion.q, axis=0)
-    if not (swing > _DIED_OUT * returns.scale[: len(swing)]).any():
+    if _has_died_out(closed.motion, returns.scale):
         raise NoCycleError("the motion settles at the equilibrium")
     multipliers = np.linalg.eigvals(returns.jacobian(fixed.state, fixed.period))
     multipliers = multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
@@ -180,15 +179,15 @@ def _recurring(
     t, scale = 0.0, None
     while len(states) < _PASSAGES and t < t_end:
         wait = 1e-3 * (times[-1] - times[-2] if len(times) > 1 else 0.0)
-        motion = integrate(
-            system, t_end=t_end - t, q0=q, u0=u, section=section.replace(after=wait)
-        )
+        motion = integrate(system, t_end=t_end - t, q0=q, u0=u, section=section.replace(after=wait))
         if not motion.at_section:
+            if scale is not None and _has_died_out(_second_half(motion), scale):
+                raise NoCycleError("the motion settles")
             break
         q, u, t = motion.q[-1], motion.u[-1], t + float(motion.t[-1])
         extent = _extent(motion)
         scale = extent if scale is None else np.maximum(scale, extent)
-        if (extent < _DIED_OUT * scale).all():
+        if _has_died_out(motion, scale):
             raise NoCycleError("the motion settles")
         states.append(np.concatenate([q, u]))
         times.append(t)
@@ -198,6 +197,11 @@ def _recurring(
     raise NoCycleError(
         f"the motion passes the section {len(states)} times in {t_end:.6g} s and does not recur"
     )
+
+
+def _has_died_out(motion: Motion, scale: Array) -> bool:
+    n = motion.q.shape[1]
+    return bool((np.ptp(motion.q, axis=0) < _DIED_OUT * scale[:n]).all())
 
 
 def _second_half(motion: Motion) -> Motion:

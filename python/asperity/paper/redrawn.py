@@ -42,11 +42,16 @@ def panels(
     look = {"figsize": (4.6 * count, 4.6), "layout": "constrained", "squeeze": False, **kwargs}
     with style():
         figure, axes = plt.subplots(1, count, **look)
-        heading = f"Fig. {number} of Walker & Leine (2019), redrawn: {title}"
-        figure.suptitle(heading, x=0.01, ha="left", color=INK)
-        top = 1.0 - 0.06 / figure.get_figheight()
-        figure.text(0.99, top, parameters, ha="right", va="top", color=GREY, fontsize="small")
+        heading(figure, number, title, parameters)
     return figure, axes[0]
+
+
+def heading(figure: Figure, number: int, title: str, parameters: str) -> None:
+    """Write what a figure redraws, and where its parameters come from."""
+    text = f"Fig. {number} of Walker & Leine (2019), redrawn: {title}"
+    figure.suptitle(text, x=0.01, ha="left", color=INK)
+    top = 1.0 - 0.06 / figure.get_figheight()
+    figure.text(0.99, top, parameters, ha="right", va="top", color=GREY, fontsize="small")
 
 
 def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> None:
@@ -65,11 +70,15 @@ def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> 
 
 
 def record(curves: Curves, panel: str, curve: str, artists: Sequence[Artist]) -> None:
-    """Put what lines and arrows show into the table; several lines are numbered."""
+    """Put what lines and arrows show into the table; several lines are numbered.
+
+    NaN, which interrupts a line, is left out.
+    """
     lines = [one for one in artists if isinstance(one, Line2D)]
     for k, line in enumerate(lines, start=1):
         name = curve if len(lines) == 1 else f"{curve} {k}"
-        curves.add(panel, name, np.column_stack(line.get_data(orig=True)))
+        points = np.column_stack(line.get_data(orig=True))
+        curves.add(panel, name, points[np.isfinite(points).all(axis=1)])
     for arrows in artists:
         if isinstance(arrows, Quiver):
             vectors = np.column_stack([arrows.U, arrows.V])

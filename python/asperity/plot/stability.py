@@ -137,6 +137,8 @@ def plot_growth_chart(
     ax: Axes | None = None,
     *,
     tolerance: float = 1e-6,
+    limit: float | None = None,
+    border: bool = True,
     colorbar: bool = True,
 ) -> list[Artist]:
     """Draw growth rates over two parameters; the border of instability is a line.
@@ -146,10 +148,13 @@ def plot_growth_chart(
     Args:
         x: values of the first parameter, shape ``(n_x,)``.
         y: values of the second, shape ``(n_y,)``.
-        growth: largest real parts of the eigenvalues in 1/s, shape ``(n_y, n_x)``; NaN where
-            there is no equilibrium.
+        growth: largest real parts of the eigenvalues in 1/s, shape ``(n_x, n_y)``, as of
+            `asperity.growth_chart`; NaN where there is no equilibrium.
         ax: axes; default new ones.
         tolerance: growth rate in 1/s up to which a system counts as neutral.
+        limit: growth rate in 1/s of the darkest colours; default the largest magnitude.
+        border: whether to draw the border; between growth and a neutral plateau it follows the
+            grid.
         colorbar: whether to draw the colour bar.
 
     Returns:
@@ -160,33 +165,41 @@ def plot_growth_chart(
     >>> import numpy as np
     >>> from asperity.plot import plot_growth_chart
     >>> mu, damping = np.linspace(0.0, 1.0, 30), np.linspace(0.0, 0.5, 20)
-    >>> mesh, border = plot_growth_chart(mu, damping, mu - damping[:, None])
+    >>> mesh, border = plot_growth_chart(mu, damping, mu[:, None] - damping)
     """
     first, second = (_arrays.array(values, name, (None,)) for values, name in ((x, "x"), (y, "y")))
     try:
         rates = np.asarray(growth, dtype=float)
     except (TypeError, ValueError):
         raise ParameterError("growth", "must be an array of real numbers") from None
-    _arrays.check_shape(rates, "growth", (len(second), len(first)))
+    _arrays.check_shape(rates, "growth", (len(first), len(second)))
     level = _arrays.positive(tolerance, "tolerance")
-    scale = CenteredNorm(halfrange=float(np.nanmax(np.abs(rates), initial=level)))
+    largest = float(np.nanmax(np.abs(rates), initial=level))
+    scale = CenteredNorm(halfrange=largest if limit is None else _arrays.positive(limit, "limit"))
     ax = look.axes_or_new(ax)
     mesh = ax.pcolormesh(
-        first, second, rates, cmap=_DECAY_TO_GROWTH, norm=scale, shading="nearest", rasterized=True
+        first,
+        second,
+        rates.T,
+        cmap=_DECAY_TO_GROWTH,
+        norm=scale,
+        shading="nearest",
+        rasterized=True,
     )
     ax.set_facecolor("#EDEDED")
     ax.grid(False)
     artists: list[Artist] = [mesh]
-    if np.nanmin(rates) <= level < np.nanmax(rates):
-        border = ax.contour(first, second, rates, [level], colors=look.INK, linewidths=1.2)
-        artists.append(border)
+    if border and np.nanmin(rates) <= level < np.nanmax(rates):
+        line = ax.contour(first, second, rates.T, [level], colors=look.INK, linewidths=1.2)
+        artists.append(line)
     if colorbar:
-        _colorbar(ax, mesh, "growth rate in 1/s")
+        beyond = limit is not None and limit < largest
+        _colorbar(ax, mesh, "growth rate in 1/s", extend="both" if beyond else "neither")
     return artists
 
 
 def plot_bifurcation(
-    diagram: Diagram, ax: Axes | None = None, *, coordinate: int = 0
+    diagram: Diagram, ax: Axes | None = None, *, coordinate: int = 0, legend: bool = True
 ) -> list[Artist]:
     """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
 
@@ -197,6 +210,7 @@ def plot_bifurcation(
             units.
         ax: axes; default new ones.
         coordinate: number of the coordinate.
+        legend: whether to add a legend.
 
     Returns:
         The filling between least and greatest coordinate of the cycles with both lines, if there
@@ -225,7 +239,8 @@ def plot_bifurcation(
     ax.margins(x=0.0)
     ax.set_xlabel(diagram.parameter)
     ax.set_ylabel(f"$q_{number + 1}$ in m")
-    ax.legend(frameon=False)
+    if legend:
+        ax.legend(frameon=False)
     return artists
 
 
@@ -263,7 +278,7 @@ def _with_next(shown: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return grown
 
 
-def _colorbar(ax: Axes, mappable: Any, label: str) -> None:
+def _colorbar(ax: Axes, mappable: Any, label: str, extend: str = "neither") -> None:
     with look.style():
-        bar = ax.figure.colorbar(mappable, ax=ax, label=label)
+        bar = ax.figure.colorbar(mappable, ax=ax, label=label, extend=extend)
         bar.outline.set_visible(False)

@@ -25,7 +25,7 @@ impl Runner<'_> {
     pub(super) fn penetration(&mut self) -> Result<Option<OptionsError>, FieldError> {
         let State { t, q, u } = &self.state;
         self.field.kinematics(*t, q, u)?;
-        self.control.see(&self.field, q, u);
+        self.control.see(&mut self.field, q, u);
         let allowed = 1e-9 * self.control.size();
         let depth =
             |touch: &super::field::Touch| touch.prescribed.is_none() && touch.gap < -allowed;
