@@ -21,6 +21,7 @@ from asperity._arrays import Array, unit_vectors
 from asperity._files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
+from asperity.motion import Motion
 from asperity.trajectory import Trajectory
 
 # Okabe and Ito's palette, distinguishable with every kind of colour vision.
@@ -85,10 +86,10 @@ def planar_law(law: FrictionLaw) -> FrictionLaw:
     return law
 
 
-def checked_trajectory(trajectory: Trajectory) -> Trajectory:
+def checked_trajectory(trajectory: Trajectory | Motion) -> Trajectory | Motion:
     """Return `trajectory` if it is one."""
-    if not isinstance(trajectory, Trajectory):
-        raise ParameterError("trajectory", f"must be a Trajectory, got {trajectory!r}")
+    if not isinstance(trajectory, Trajectory | Motion):
+        raise ParameterError("trajectory", f"must be a Trajectory or a Motion, got {trajectory!r}")
     return trajectory
 
 

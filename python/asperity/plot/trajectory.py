@@ -1,4 +1,4 @@
-"""Plots of trajectories."""
+"""Plots of trajectories and motions."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
+from asperity.motion import Motion
 from asperity.plot import look
 from asperity.plot.sets import plot_set
 from asperity.status import Phase
@@ -26,7 +27,7 @@ _LOOK = {
 
 
 def plot_path(
-    trajectory: Trajectory,
+    trajectory: Trajectory | Motion,
     ax: Axes | None = None,
     *,
     coordinates: tuple[int, int] = (0, 1),
@@ -35,7 +36,7 @@ def plot_path(
     """Draw two coordinates against each other; a dot marks the end.
 
     Args:
-        trajectory: with lengths as coordinates.
+        trajectory: of `simulate` or `integrate`, with lengths as coordinates.
         ax: axes; default new ones.
         coordinates: numbers of the two.
         **kwargs: as for ``Axes.plot``.
@@ -60,7 +61,7 @@ def plot_path(
 
 
 def plot_phase(
-    trajectory: Trajectory,
+    trajectory: Trajectory | Motion,
     ax: Axes | None = None,
     *,
     coordinates: tuple[int, int] = (0, 1),
@@ -69,7 +70,7 @@ def plot_phase(
     """Draw two coordinates against each other, coloured by the phase of a contact.
 
     Args:
-        trajectory: with lengths as coordinates.
+        trajectory: of `simulate` or `integrate`, with lengths as coordinates.
         ax: axes; default new ones.
         coordinates: numbers of the two.
         contact: number of the contact.
@@ -101,14 +102,14 @@ def plot_phase(
 
 
 def plot_forces_in_reservoir(
-    trajectory: Trajectory, law: FrictionLaw, ax: Axes | None = None, *, contact: int = 0
+    trajectory: Trajectory | Motion, law: FrictionLaw, ax: Axes | None = None, *, contact: int = 0
 ) -> list[Artist]:
     """Draw the friction forces −λ of a contact within the force reservoir λ_N C.
 
     The reservoir is that of the largest normal force that occurs.
 
     Args:
-        trajectory: the trajectory.
+        trajectory: of `simulate` or `integrate`.
         law: law of the contact.
         ax: axes; default new ones.
         contact: number of the contact.
@@ -142,7 +143,7 @@ def plot_forces_in_reservoir(
     return artists
 
 
-def _two(trajectory: Trajectory, coordinates: tuple[int, int]) -> tuple[Array, Array]:
+def _two(trajectory: Trajectory | Motion, coordinates: tuple[int, int]) -> tuple[Array, Array]:
     shown = look.checked_trajectory(trajectory).q
     i, j = (_arrays.count(index, "coordinates", 0) for index in coordinates)
     if max(i, j) >= shown.shape[1]:
@@ -150,7 +151,7 @@ def _two(trajectory: Trajectory, coordinates: tuple[int, int]) -> tuple[Array, A
     return shown[:, i], shown[:, j]
 
 
-def _contact(trajectory: Trajectory, contact: int) -> int:
+def _contact(trajectory: Trajectory | Motion, contact: int) -> int:
     contacts = trajectory.phase.shape[1]
     if _arrays.count(contact, "contact", 0) >= contacts:
         raise ParameterError("contact", f"must be below {contacts}, got {contact}")
