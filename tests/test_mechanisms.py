@@ -11,6 +11,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import mechanisms
+from asperity.integrate import integrate
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -391,6 +392,43 @@ def test_stability_finds_the_equilibria_that_the_docstrings_name():
         steady = asp.equilibrium(mechanisms.mode_coupling(mu, normal_force=3.0))
         np.testing.assert_allclose(steady.q, 0.0, atol=1e-12)
         assert steady.normal_force == pytest.approx([3.0])
+
+
+# event-driven integration
+
+
+ROD = mechanisms.FrictionalImpactOscillator(1.0)
+
+
+@pytest.mark.parametrize(
+    ("system", "q0", "t_end", "events"),
+    [
+        (mechanisms.stribeck_block(), [0.0], 15.0, {"slip", "stick"}),
+        (mechanisms.mode_coupling(1.5), [0.1, 0.0, 0.0], 16.0, {"open", "impact"}),
+        (ROD, np.add(ROD.equilibrium, [0.2, 0.0]), 9.0, {"open", "impact"}),
+        (ROD.small_angles, [0.2, 0.0], 9.0, {"impact"}),
+        (mechanisms.FollowerPendulum(0.25, damping=0.1), [0.3, 0.1], 12.0, {"stick", "slip"}),
+    ],
+    ids=["stribeck", "coupling", "oscillator", "small angles", "follower"],
+)
+def test_time_steps_converge_to_the_motion_with_located_events(system, q0, t_end, events):
+    exact = integrate(system, t_end=t_end, q0=q0)
+    assert events <= {str(event.kind) for event in exact.events}
+    errors = []
+    for dt in (2e-3, 2.5e-4):
+        stepped = asp.simulate(system, dt=dt, t_end=t_end, q0=q0)
+        errors.append(np.abs(stepped.q[-1] - exact.q[-1]).max())
+    assert errors[1] < 2e-3
+    assert errors[0] > 3.0 * errors[1]
+
+
+def test_located_events_give_the_known_numbers():
+    motion = integrate(mechanisms.stribeck_block(), t_end=45.0)
+    sticks = [event.time for event in motion.events if event.kind == "stick"]
+    assert np.diff(sticks)[1:] == pytest.approx(12.001031, abs=1e-6)
+    (impact,) = integrate(mechanisms.painleve_rod(), t_end=0.82).events
+    assert impact.kind == "impact_without_collision"
+    assert impact.time == pytest.approx(0.8145497, abs=1e-7)
 
 
 # all of them

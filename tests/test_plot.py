@@ -7,6 +7,7 @@ import pytest
 
 mpl.use("Agg")
 
+from asperity.integrate import integrate
 from asperity.plot import (
     look,
     plot_cones,
@@ -87,6 +88,16 @@ def test_every_plot_returns_the_artists_it_drew_into_the_axes_given(plot, motion
     assert all(isinstance(one, Artist) and one.axes is ax for one in artists)
     assert len(plot(None, motion)) == len(artists)
     assert len(plt.get_fignums()) == 2
+
+
+@pytest.mark.parametrize("plot", ["path", "phase", "forces"])
+def test_motions_are_drawn_as_trajectories_are(plot, motion):
+    belt = asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [0.1, 0.05])
+    exact = integrate(belt, t_end=20.0, dt=1e-2)
+    drawn, stepped = PLOTS[plot](None, exact), PLOTS[plot](None, motion)
+    assert [type(one) for one in drawn] == [type(one) for one in stepped]
+    limits = [one[0].axes.dataLim.get_points() for one in (drawn, stepped)]
+    np.testing.assert_allclose(*limits, atol=5e-3)
 
 
 def test_set_outline_lies_on_the_boundary():

@@ -53,15 +53,15 @@ def _parser() -> argparse.ArgumentParser:
     demo.set_defaults(run=_demo)
     figures = commands.add_parser(
         "figures",
-        help="redraw Figs. 1-8 and 10-12 of Walker & Leine (2019) and check what they state",
-        description="Redraw Figs. 1-8 and 10-12 of Walker & Leine (2019): figNN.png, figNN.csv "
+        help="redraw Figs. 1-8 and 10-17 of Walker & Leine (2019) and check what they state",
+        description="Redraw Figs. 1-8 and 10-17 of Walker & Leine (2019): figNN.png, figNN.csv "
         "with its curves (points x, y) and arrows (from x, y by dx, dy), and a table of the "
         "statements that belong to it, Propositions 1-5 among them. Parameters the paper does not "
         "give are own ones; each figure says so. Exit code 1 if a statement does not hold.",
         epilog="example: asperity figures --only 1-4,7 --out out/figures",
     )
     figures.add_argument(
-        "--only", metavar="NUMBERS", default="1-12", help="such as 1-4,7; default all"
+        "--only", metavar="NUMBERS", default="1-17", help="such as 1-4,7; default all"
     )
     figures.add_argument(
         "--out", metavar="DIR", type=Path, required=True, help="folder to write into"

@@ -278,7 +278,7 @@ def _border() -> Array:
     low, high = critical_rotation(Ellipse(3.0, 1.0), Ellipse(3.0, 1.0))[0]
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     # Close to the ends, where the interval of directions shrinks to a point like a square root.
-    turns = middle - half * np.cos(np.linspace(0.02, np.pi - 0.02, 91))
+    turns = middle - half * np.cos(np.linspace(0.02, np.pi - 0.02, 61))
     laws = [FrictionLaw(Ellipse(3.0, 1.0, angle=turn), Ellipse(3.0, 1.0)) for turn in turns]
     spans = np.array([critical_directions(law)[0] for law in laws])
     left, right = (np.column_stack([spans[:, side], turns]) for side in (0, 1))

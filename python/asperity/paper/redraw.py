@@ -1,4 +1,4 @@
-"""Figures 1–8 and 10–12 with their data and checks: ``asperity figures``."""
+"""Figures 1–8 and 10–17 with their data and checks: ``asperity figures``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,16 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 
 from asperity.errors import ParameterError
-from asperity.paper import associated, convexity, dry, extended, nonassociated
+from asperity.paper import (
+    associated,
+    convexity,
+    dry,
+    extended,
+    fig13,
+    instability,
+    limit_cycle,
+    nonassociated,
+)
 from asperity.paper.checks import Check
 from asperity.paper.data import write_csv
 from asperity.paper.redrawn import Redrawn
@@ -27,6 +36,11 @@ FIGURES: dict[int, Callable[[], Redrawn]] = {
     10: nonassociated.fig10,
     11: extended.fig11,
     12: extended.fig12,
+    13: fig13.fig13,
+    14: instability.fig14,
+    15: instability.fig15,
+    16: instability.fig16,
+    17: limit_cycle.fig17,
 }
 """What draws a figure, by its number in the paper."""
 
@@ -64,8 +78,8 @@ def numbers(text: str) -> list[int]:
 def _check_known(number: int) -> None:
     if number in FIGURES or number in LEFT_OUT:
         return
-    elsewhere = f"; asperity demo computes Fig. {number}" if number in (17, 27) else ""
-    raise ParameterError("only", f"must name figures from 1-8,10-12, got {number}{elsewhere}")
+    elsewhere = f"; asperity demo computes Fig. {number}" if number == 27 else ""
+    raise ParameterError("only", f"must name figures from 1-8,10-17, got {number}{elsewhere}")
 
 
 def run(folder: Path, chosen: Sequence[int]) -> list[Check]:

@@ -87,9 +87,9 @@ def planar_law(law: FrictionLaw) -> FrictionLaw:
 
 
 def checked_trajectory(trajectory: Trajectory | Motion) -> Trajectory | Motion:
-    """Return `trajectory` if it is one, of time steps or from event to event."""
+    """Return `trajectory` if it is one."""
     if not isinstance(trajectory, Trajectory | Motion):
-        raise ParameterError("trajectory", f"must be a Trajectory or Motion, got {trajectory!r}")
+        raise ParameterError("trajectory", f"must be a Trajectory or a Motion, got {trajectory!r}")
     return trajectory
 
 

@@ -1,4 +1,4 @@
-"""Plots of trajectories."""
+"""Plots of trajectories and motions."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def plot_path(
     """Draw two coordinates against each other; a dot marks the end.
 
     Args:
-        trajectory: or motion, with lengths as coordinates.
+        trajectory: of `simulate` or `integrate`, with lengths as coordinates.
         ax: axes; default new ones.
         coordinates: numbers of the two.
         **kwargs: as for ``Axes.plot``.
@@ -70,7 +70,7 @@ def plot_phase(
     """Draw two coordinates against each other, coloured by the phase of a contact.
 
     Args:
-        trajectory: or motion, with lengths as coordinates.
+        trajectory: of `simulate` or `integrate`, with lengths as coordinates.
         ax: axes; default new ones.
         coordinates: numbers of the two.
         contact: number of the contact.
@@ -109,7 +109,7 @@ def plot_forces_in_reservoir(
     The reservoir is that of the largest normal force that occurs.
 
     Args:
-        trajectory: the trajectory or motion.
+        trajectory: of `simulate` or `integrate`.
         law: law of the contact.
         ax: axes; default new ones.
         contact: number of the contact.
