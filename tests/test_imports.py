@@ -20,9 +20,9 @@ LAYERS = [
     {"solve_files"},
     {"simulate", "integrate", "motion"},
     {"stability"},
-    {"cycle"},
+    {"cycle", "track"},
     {"mechanisms", "plot", "problems"},
-    {"paper"},
+    {"paper", "track_video"},
     {"cli"},
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
