@@ -164,10 +164,11 @@ def _overlay(result: Result) -> bytes:
 def _motion(path: MeasuredPath) -> bytes:
     import matplotlib.pyplot as plt
 
-    from asperity.plot import plot_motion
+    from asperity.plot import plot_motion, style
 
-    figure = plt.figure(figsize=(9.0, 4.5), layout="constrained")
-    plot_motion(path, figure)
+    with style():
+        figure = plt.figure(figsize=(9.0, 4.5), layout="constrained")
+        plot_motion(path, figure)
     return _png(figure)
 
 

@@ -145,7 +145,7 @@ def plot_motion(path: MeasuredPath, figure: Figure | None = None) -> list[Artist
     speeds.set_ylabel("speed [m/s]")
     accelerations.set_ylabel("acceleration [m/s²]")
     accelerations.set_xlabel("time [s]")
-    speeds.set_title(f"local cubics, ± {1e3 * path.bandwidth:.3g} ms; bands: 2 standard errors")
+    speeds.set_title(f"cubics within ± {1e3 * path.bandwidth:.3g} ms, 2 standard errors")
     return artists
 
 

@@ -14,7 +14,7 @@ _ITERATIONS = 30
 _CONVERGED = 1e-12
 # Tukey's constant: 95 % efficiency for normal errors; and the median of |x| in units of sigma.
 _TUKEY, _MEDIAN = 4.685, 0.6745
-_SECTORS = 24
+_GAP = np.deg2rad(20.0)
 _HARMONICS = np.arange(2, 8)
 _FEWEST = 4
 _SMALLEST = 1e-9
@@ -28,7 +28,7 @@ class Circle(Value):
         radius: in the unit of the points.
         covariance: of centre and radius, shape ``(3, 3)``.
         rms: root mean square of the distances of the points used.
-        coverage: share of 24 sectors that hold points used.
+        coverage: share of the circle outside gaps of more than 20° between points used.
     """
 
     centre: Array
@@ -102,8 +102,7 @@ def fit_circle(points: ArrayLike, *, robust: bool = False) -> Circle:
         spread * float(guess[2]),
         covariance=_covariance(angles, distance, slope, weights, stiffness) * spread**2,
         rms=spread * float(np.sqrt(np.mean(distance[used] ** 2))),
-        coverage=len(np.unique(np.floor(angles[used] / (2.0 * np.pi) * _SECTORS) % _SECTORS))
-        / _SECTORS,
+        coverage=_coverage(angles[used]),
     )
 
 
@@ -122,6 +121,12 @@ def _distances(points: Array, circle: Array) -> tuple[Array, Array]:
     arms = points - circle[:2]
     length = np.maximum(np.hypot(*arms.T), 1e-12)
     return length - circle[2], np.column_stack([-arms / length[:, None], -np.ones(len(points))])
+
+
+def _coverage(angles: Array) -> float:
+    ordered = np.sort(angles)
+    gaps = np.diff(ordered, append=ordered[0] + 2.0 * np.pi)
+    return 1.0 - min(float(gaps[gaps > _GAP].sum()) / (2.0 * np.pi), 1.0)
 
 
 def _biweight(distance: Array) -> tuple[Array, Array]:
