@@ -1,5 +1,6 @@
 """The round trip: a simulated path is filmed, the film is tracked; and the command."""
 
+import pickle
 import re
 import shutil
 
@@ -12,6 +13,7 @@ from asperity.track import (
     Scene,
     VideoFile,
     VirtualCamera,
+    fit_circle,
     open_frames,
     read_config,
     track_mark,
@@ -298,3 +300,34 @@ def test_videos_without_pyav_say_what_to_install(tmp_path, folder, capsys, monke
     arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
     assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
     assert "pip install 'asperity[video]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        Mark("blue", diameter=0.01, threshold=20.0),
+        Scene.from_scale(1e-3, angle=0.3),
+        VirtualCamera(RUN, size=(64, 54), fps=50.0, tilt=0.1),
+        track_mark(
+            VirtualCamera(RUN, size=(160, 135), fps=50.0).frames(),
+            fps=50.0,
+            scene=Scene.from_scale(1e-3),
+        ),
+        track_mark(
+            VirtualCamera(RUN, size=(160, 135), fps=50.0).frames(),
+            fps=50.0,
+            scene=Scene.from_scale(1e-3),
+        ).path(),
+        fit_circle([[3.0, 1.0], [1.0, 3.0], [-1.0, 1.0], [1.0, -1.1]]),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_values_pickle_compare_and_do_not_change(value):
+    twin = pickle.loads(pickle.dumps(value))
+    assert twin == value == value.replace()
+    assert hash(twin) == hash(value)
+    assert repr(value)
+    with pytest.raises(AttributeError, match="immutable"):
+        value.fps = 1.0
+    for one in value._parameters.values():
+        assert not isinstance(one, np.ndarray) or not one.flags.writeable

@@ -11,7 +11,7 @@ from asperity._value import Value
 from asperity.errors import DimensionError, ParameterError
 
 _ITERATIONS = 30
-_CONVERGED = 1e-12
+_CONVERGED = 1e-9
 # Tukey's constant: 95 % efficiency for normal errors; and the median of |x| in units of sigma.
 _TUKEY, _MEDIAN = 4.685, 0.6745
 _GAP = np.deg2rad(20.0)
