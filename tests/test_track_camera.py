@@ -11,6 +11,7 @@ from asperity import ParameterError, cli
 from asperity.track import (
     Mark,
     Scene,
+    Sight,
     VideoFile,
     VirtualCamera,
     fit_circle,
@@ -71,6 +72,8 @@ def test_centres_and_end_point_of_the_round_trip(options):
     assert len(track) == len(camera)
     assert track.time == pytest.approx(camera.time)
     assert np.abs(track.pixel - camera.pixel).max() < 0.1
+    reflected = len(track.frames(Sight.REFLECTION))
+    assert reflected == (len(track) if "glare" in options else 0)
     path = track.path()
     assert 1e3 * np.abs(path.end - RUN.q[-1]).max() < 0.02
     off = np.abs(path.velocity[0] - RUN.u[0])

@@ -52,7 +52,7 @@ class Mark(Value):
             blurred.
 
     >>> Mark("blue", diameter=0.01)
-    Mark('blue', diameter=0.01)
+    Mark(colour='blue', diameter=0.01)
     """
 
     colour: Colour
