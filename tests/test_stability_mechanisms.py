@@ -328,3 +328,22 @@ def test_redundant_contacts_have_no_unique_forces():
     found = asp.stability(system, asp.equilibrium(system, closed=touching[:3]))
     assert len(touching) == 4
     np.testing.assert_allclose(found.equilibrium.normal_force.sum(), 9.81, rtol=1e-6)
+
+
+@pytest.mark.parametrize("mu", [0.5, 1.0, 1.6, 2.2])
+def test_leaning_rod_in_full_and_for_small_angles(mu):
+    """Its closed form, with the curvature of the constraint and the inertia in λ_N."""
+    rod = asp.mechanisms.FrictionalImpactOscillator(mu)
+    steady = asp.equilibrium(rod, q0=rod.equilibrium + np.array([0.0, 0.02]))
+    np.testing.assert_allclose(steady.q, rod.equilibrium, atol=1e-13)
+    s, c = math.sin(rod.angle), math.cos(rod.angle)
+    a = s**2 - mu * s * c
+    # Masses, length, λ_N and k_y, d_y are 1, k_φ = 4, d_φ = 0.1.
+    roots = np.roots([c**2 + a, 0.1 + a, 4.0 + a - (c + mu * s)])
+    for found in (asp.stability(rod, steady), asp.stability(rod.small_angles)):
+        for root in roots:
+            assert np.abs(found.eigenvalues - root).min() < 1e-10
+        left = found.mechanisms["velocity feedback of the normal force"]
+        assert left < 0.0
+        assert (found.kind == "unstable") == (a < -0.1)
+    assert "velocity feedback" in found.reason or found.kind != "unstable"

@@ -15,6 +15,11 @@ LAW = PLANE_LAWS[3]
 PROBLEM = asp.ContactProblem(np.eye(3), [-1.0, 0.2, 3.0], LAW, normal_restitution=0.5)
 CONTACT = asp.Contact(LAW, np.eye(2), normal_force=1.0, velocity=[0.0, -1.0])
 MOTION = asp.simulate(asp.SlidingPoint(1.0, LAW), dt=0.01, t_end=0.1, u0=[1.0, 0.0])
+BELT = asp.MassOnBelt(
+    1.0, 1.0, asp.FrictionLaw.isotropic(1.0).replace(rate=asp.Stribeck(0.1)), 1.0, [0.1, 0.2]
+)
+CYCLE = asp.limit_cycle(BELT)
+SUMMARISED = (asp.Trajectory, asp.Motion, asp.LimitCycle, asp.BifurcationDiagram)
 
 VALUES = [
     *ALL_SETS,
@@ -52,6 +57,14 @@ VALUES = [
     asp.SlidingPoint(0.018, LAW),
     asp.MassOnBelt(1.0, 2.0, LAW, 1.0, [1.0, 0.0]),
     MOTION,
+    asp.Section([1.0, 0.0], 0.5, after=1.0),
+    asp.Event(0.5, "stick", 0, asp.Phase.STICK, ambiguous=True),
+    CYCLE.motion,
+    CYCLE,
+    asp.equilibrium(BELT),
+    asp.BifurcationDiagram(
+        "speed", [0.1, 0.2], [asp.stability(BELT), None], [CYCLE, None], ["", "stuck"]
+    ),
     asp.Body(1.3, (1.0, 2.0, 2.9), orientation=(0.5, 0.1, -0.7, 0.2), torque=(0.0, 0.1, 0.0)),
     asp.Body.ball(1.0, 0.1),
     asp.PlanarBody(1.0, 0.1, angle=0.3),
@@ -96,8 +109,8 @@ def test_every_public_class_is_among_the_values():
 
 @every_value
 def test_repr_is_the_constructor_call(value):
-    if isinstance(value, asp.Trajectory):
-        assert repr(value).startswith("<Trajectory: 11 samples")
+    if isinstance(value, SUMMARISED):
+        assert repr(value).startswith(f"<{type(value).__name__}: ")
     else:
         assert eval(repr(value), {**NAMES, "csr_array": csr_array}) == value
 

@@ -92,9 +92,7 @@ class NoSolutionError(ConvergenceError):
 
 
 class NoCycleError(AsperityError, RuntimeError):
-    """The search for a limit cycle found none: the motion settles, does not recur, or there is a
-    continuum of periodic orbits.
-    """
+    """No limit cycle: the motion settles or does not recur, or periodic orbits are not isolated."""
 
 
 class DivergenceError(AsperityError, ArithmeticError):

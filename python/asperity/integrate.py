@@ -31,10 +31,10 @@ _FAILURES = {
         "Impacts or stick-slip may follow each other ever faster: try a larger max_events or a "
         "restitution further from 1",
     ),
-    "step_too_small": (
-        "steps have become shorter than the time resolves",
-        "Forces may grow without bound, or the sliding direction may be kept on a flat side of the "
-        "direction set, which the method does not know: try simulate",
+    "stuck": (
+        "steps fail however short they are, or events follow each other without time passing",
+        "Forces may grow without bound, or the direction set may be nearly flat where the sliding "
+        "direction is held: try simulate",
     ),
     "no_solution": (Status.NO_SOLUTION.message, Status.NO_SOLUTION.advice),
 }
@@ -63,7 +63,7 @@ def integrate(
         system: a system with as many coordinates as velocities; the direction sets of its laws must
             be strictly convex.
         t_end: end time in s.
-        q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` the state of the bodies.
+        q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
         u0: initial velocities, shape ``(n,)``; default likewise.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far; between 1e-14 and 1e-2.
@@ -78,7 +78,7 @@ def integrate(
 
     Raises:
         NoSolutionError: neither forces nor an impact satisfy the laws (Painlevé).
-        ConvergenceError: too many events, or steps too small to go on. Either holds the time, the
+        ConvergenceError: too many events, or no step succeeds. Either holds the time, the
             contact and the part before as ``trajectory``.
         SimulationInterrupted: on Ctrl-C, with the part before as ``trajectory``.
 

@@ -104,7 +104,9 @@ class Section(Value):
                 "normal", "must have an entry for every coordinate and velocity, not all zero"
             )
         self._set(
-            normal=n, level=_arrays.number(level, "level"), after=_arrays.number(after, "after")
+            normal=_arrays.read_only(n),
+            level=_arrays.number(level, "level"),
+            after=_arrays.number(after, "after"),
         )
 
 
@@ -172,8 +174,9 @@ class Motion(Value):
 
     def __repr__(self) -> str:
         return (
-            f"<Motion: {len(self)} samples to t = {self.t[-1]:.9g} s, {self.q.shape[1]} coordinates, "
-            f"{self.phase.shape[1]} contacts, {len(self.events)} events, {self.status}>"
+            f"<Motion: {len(self)} samples to t = {self.t[-1]:.9g} s, "
+            f"{self.q.shape[1]} coordinates, {self.phase.shape[1]} contacts, "
+            f"{len(self.events)} events, {self.status}>"
         )
 
     @property

@@ -135,9 +135,7 @@ def _step_count(dt: float, t_end: float) -> int:
     return nearest if abs(ratio - nearest) <= _MULTIPLE * nearest else math.ceil(ratio)
 
 
-def initial_state(
-    system: Model, q0: ArrayLike | None, u0: ArrayLike | None
-) -> tuple[Array, Array]:
+def initial_state(system: Model, q0: ArrayLike | None, u0: ArrayLike | None) -> tuple[Array, Array]:
     """Return the initial coordinates and velocities, the system's own where none are given."""
     if isinstance(system, RigidBodies):
         q, u = system.q0, system.u0

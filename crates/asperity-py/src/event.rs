@@ -57,7 +57,7 @@ pub fn integrate<'py>(
         Outcome::Interrupted => ("interrupted", None, raised),
         Outcome::TooManyEvents => ("too_many_events", None, None),
         Outcome::NoSolution { contact } => ("no_solution", Some(contact), None),
-        Outcome::StepTooSmall => ("step_too_small", None, None),
+        Outcome::Stuck => ("stuck", None, None),
         Outcome::Error(error) => ("failed", None, Some(Failure::from(error).0)),
     };
     out.set_item("ended", name)?;

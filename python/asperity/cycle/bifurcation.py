@@ -14,7 +14,7 @@ from asperity._value import Value
 from asperity.cycle.continuation import Continuation, Found
 from asperity.cycle.orbit import LimitCycle
 from asperity.errors import ConvergenceError, ParameterError
-from asperity.integrate import Model
+from asperity.simulate import Model
 from asperity.stability import Stability, stability
 
 Family = Callable[..., Model]

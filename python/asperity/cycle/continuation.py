@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from asperity.cycle.limit_cycle import limit_cycle
 from asperity.cycle.orbit import LimitCycle
 from asperity.errors import AsperityError
-from asperity.integrate import Model
+from asperity.simulate import Model
 
 # A run through an interval of instability ends after so many members in a row without a cycle.
 _GIVE_UP = 3

@@ -10,12 +10,13 @@ from asperity._arrays import Array
 from asperity.cycle.orbit import LimitCycle
 from asperity.cycle.shooting import ReturnMap, fixed_point
 from asperity.errors import NoCycleError, ParameterError
-from asperity.integrate import Model, integrate
+from asperity.integrate import integrate
 from asperity.motion import Motion, Section
+from asperity.simulate import Model
 from asperity.stability import Equilibrium, equilibrium, stability
 
-# The motion is followed for at most so many of the longest periods of the linearised system, and for
-# this part of the time before a section is chosen.
+# The motion is followed for at most so many of the longest periods of the linearised system, and
+# for this part of the time before a section is chosen.
 _LONGEST, _SETTLING = 200.0, 0.05
 # Turns of a section that may make up one period.
 _LOOPS = 6
@@ -96,14 +97,13 @@ def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) ->
     fixed, iterations = fixed_point(returns, state, period, tolerance)
     dt = fixed.period / _SAMPLES
     closed = returns(fixed.state, fixed.period, dt=dt)
-    swing = np.ptp(closed.motion.q, axis=0)
-    if not (swing > _DIED_OUT * returns.scale[: len(swing)]).any():
+    if _has_died_out(closed.motion, returns.scale):
         raise NoCycleError("the motion settles at the equilibrium")
     multipliers = np.linalg.eigvals(returns.jacobian(fixed.state, fixed.period))
     multipliers = multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
     if np.abs(multipliers - 1.0).min(initial=np.inf) < _ISOLATED:
         raise NoCycleError(
-            f"periodic orbits form a continuum here: a multiplier is 1 (period {fixed.period:.6g} s)"
+            f"periodic orbits form a continuum, of period {fixed.period:.6g} s: a multiplier is 1"
         )
     return LimitCycle(
         closed.period,
@@ -182,11 +182,13 @@ def _recurring(
         wait = 1e-3 * (times[-1] - times[-2] if len(times) > 1 else 0.0)
         motion = integrate(system, t_end=t_end - t, q0=q, u0=u, section=section.replace(after=wait))
         if not motion.at_section:
+            if scale is not None and _has_died_out(_second_half(motion), scale):
+                raise NoCycleError("the motion settles")
             break
         q, u, t = motion.q[-1], motion.u[-1], t + float(motion.t[-1])
         extent = _extent(motion)
         scale = extent if scale is None else np.maximum(scale, extent)
-        if (extent < _DIED_OUT * scale).all():
+        if _has_died_out(motion, scale):
             raise NoCycleError("the motion settles")
         states.append(np.concatenate([q, u]))
         times.append(t)
@@ -196,6 +198,11 @@ def _recurring(
     raise NoCycleError(
         f"the motion passes the section {len(states)} times in {t_end:.6g} s and does not recur"
     )
+
+
+def _has_died_out(motion: Motion, scale: Array) -> bool:
+    n = motion.q.shape[1]
+    return bool((np.ptp(motion.q, axis=0) < _DIED_OUT * scale[:n]).all())
 
 
 def _second_half(motion: Motion) -> Motion:

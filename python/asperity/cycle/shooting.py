@@ -8,8 +8,9 @@ import numpy as np
 
 from asperity._arrays import Array
 from asperity.errors import NoCycleError
-from asperity.integrate import Model, integrate
+from asperity.integrate import integrate
 from asperity.motion import Motion, Section
+from asperity.simulate import Model
 
 # Steps of difference quotients in parts of the scale of the states: forward ones within Newton's
 # method, central ones for the multipliers.
@@ -94,7 +95,7 @@ class ReturnMap:
                 ahead = self(state + _CENTRAL * direction, period).state
                 behind = self(state - _CENTRAL * direction, period).state
                 columns.append((ahead - behind) / (2.0 * _CENTRAL))
-        derivative: Array = inverse @ np.column_stack(columns)
+        derivative = np.asarray(inverse @ np.column_stack(columns), dtype=np.float64)
         return derivative
 
 

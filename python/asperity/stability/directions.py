@@ -149,12 +149,10 @@ class _LeastMargin:
 
     def margin(self, phi: Array, zeta: Array) -> Array:
         """Return the larger margin of two neighbours: what holds in one direction only is none."""
-        angles = np.broadcast_to(zeta, phi.shape).ravel()
-        sides = [
-            margins(self.C, self.D, unit_vectors(phi.ravel() + side), angles)
-            for side in (-NARROW, NARROW)
-        ]
-        worse: Array = np.maximum(*sides).reshape(phi.shape)
+        sides = np.stack([phi - NARROW, phi + NARROW])
+        angles = np.broadcast_to(zeta, sides.shape).ravel()
+        both = margins(self.C, self.D, unit_vectors(sides.ravel()), angles)
+        worse: Array = both.reshape(sides.shape).max(axis=0)
         return worse
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,6 +17,8 @@ from asperity.stability.field import STEP, Field, start
 from asperity.stability.linearisation import Linearisation, linearisation, total
 
 _ITERATIONS = 50
+# Residual that is rounding.
+_EXACT = 1e-15
 
 
 class Equilibrium(Value):
@@ -98,17 +101,21 @@ def equilibrium(
     of = Field(system, start(system, q0))
     touching = closed_contacts(of, closed)
     load = np.array([0.0 if known is None else known for known in of.normal_forces])
+    residual = math.inf
     for _ in range(_ITERATIONS):
         near = linearisation(of, load, touching, step=step)
         gap = np.array([near.contacts[i].state.gap for i in touching])
-        if _balanced(near, gap, tolerance):
+        last, residual = residual, _residual(near)
+        balanced = residual <= tolerance and np.abs(gap).max(initial=0.0) <= tolerance
+        # Newton's method goes on for as long as it gains digits.
+        if balanced and not _EXACT < residual < 0.1 * last:
             return _checked(of, near, load, tolerance)
         delta, change = _correction(near, gap)
         of, load = Field(system, of.moved(delta)), load.copy()
         load[list(touching)] += change
     raise ConvergenceError(
         "no steady sliding was found",
-        residual=_residual(near),
+        residual=residual,
         advice="Start from a nearer q0, or name other closed contacts",
     )
 
@@ -123,10 +130,6 @@ def closed_contacts(of: Field, closed: Sequence[int] | None) -> tuple[int, ...]:
         if i not in unilateral:
             raise ParameterError("closed", f"must name unilateral contacts {unilateral}, got {i}")
     return wanted
-
-
-def _balanced(near: Linearisation, gap: Array, tolerance: float) -> bool:
-    return bool(_residual(near) <= tolerance and np.abs(gap).max(initial=0.0) <= tolerance)
 
 
 def _residual(near: Linearisation) -> float:

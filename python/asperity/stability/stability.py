@@ -165,6 +165,15 @@ class Stability:
             return "Small motions grow like t: an eigenvalue on the imaginary axis lacks a mode."
         return "Small motions neither grow nor all decay: eigenvalues lie on the imaginary axis."
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Stability):
+            return NotImplemented
+        same = np.array_equal(self.first_order_matrix, other.first_order_matrix)
+        return same and self.equilibrium == other.equilibrium
+
+    def __hash__(self) -> int:
+        return hash(self.equilibrium)
+
     def __repr__(self) -> str:
         return f"<Stability: {self.kind}. {self.reason}>"
 

@@ -40,10 +40,13 @@ impl Control {
     }
 
     /// Takes a state into account.
-    pub(super) fn see(&mut self, field: &Field<'_>, q: &[f64], u: &[f64]) {
+    pub(super) fn see(&mut self, field: &mut Field<'_>, q: &[f64], u: &[f64]) {
         self.scale.q = self.scale.q.max(largest(q));
-        let slips = field.touches.iter().map(|touch| touch.speed);
-        self.scale.u = slips.fold(self.scale.u.max(largest(u)), f64::max);
+        self.scale.u = self.scale.u.max(largest(u));
+        for touch in &mut field.touches {
+            touch.speed = touch.speed.max(touch.size);
+            self.scale.u = self.scale.u.max(touch.speed);
+        }
     }
 
     /// What errors of a step are compared with: the largest values so far, at least what the step changes.

@@ -56,7 +56,9 @@ pub(super) struct Touch {
     pub(super) force: [f64; 3],
     /// `w_NᵀM⁻¹(w_N + W f)` over `w_NᵀM⁻¹w_N`.
     pub(super) resistance: f64,
-    /// Largest `‖|Wᵀ||u| + |χ|‖` so far, what slips are compared with.
+    /// `‖|Wᵀ||u| + |χ|‖`.
+    pub(super) size: f64,
+    /// The largest of these along the motion, what slips are compared with; attempts do not count.
     pub(super) speed: f64,
 }
 
@@ -108,6 +110,7 @@ impl<'a> Field<'a> {
             normal_force: 0.0,
             force: [0.0; 3],
             resistance: 1.0,
+            size: 0.0,
             speed: 0.0,
         };
         let row = vec![0.0; ROWS * contacts];
@@ -173,7 +176,7 @@ impl<'a> Field<'a> {
                 let parts: f64 = row.iter().zip(u).map(|(w, u)| (w * u).abs()).sum();
                 size += (chi.abs() + parts) * (chi.abs() + parts);
             }
-            touch.speed = touch.speed.max(size.sqrt());
+            touch.size = size.sqrt();
         }
         if !fresh {
             return Ok(());

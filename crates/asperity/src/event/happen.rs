@@ -25,7 +25,7 @@ impl Runner<'_> {
     pub(super) fn penetration(&mut self) -> Result<Option<OptionsError>, FieldError> {
         let State { t, q, u } = &self.state;
         self.field.kinematics(*t, q, u)?;
-        self.control.see(&self.field, q, u);
+        self.control.see(&mut self.field, q, u);
         let allowed = 1e-9 * self.control.size();
         let depth =
             |touch: &super::field::Touch| touch.prescribed.is_none() && touch.gap < -allowed;
@@ -223,12 +223,8 @@ impl Runner<'_> {
         Ok(None)
     }
 
-    /// What comes to an end with a step: slips, and the resistance against normal motions.
+    /// Slips that come to an end with a step.
     pub(super) fn arrivals(&mut self) -> Next {
-        let singular = |t: &super::field::Touch| t.mode == Phase::Slip && t.resistance < RESISTANCE;
-        if let Some(contact) = self.field.touches.iter().position(singular) {
-            return self.stop_without_collision(contact);
-        }
         let arrived = self.arrived();
         if arrived.is_empty() {
             return Ok(None);
@@ -325,8 +321,14 @@ impl Runner<'_> {
         self.settle(&before)
     }
 
+    /// A slipping contact that no longer resists to normal motions.
+    pub(super) fn singular(&self) -> Option<usize> {
+        let singular = |t: &super::field::Touch| t.mode == Phase::Slip && t.resistance < RESISTANCE;
+        self.field.touches.iter().position(singular)
+    }
+
     /// Painlevé's impact without collision.
-    fn stop_without_collision(&mut self, contact: usize) -> Next {
+    pub(super) fn stop_without_collision(&mut self, contact: usize) -> Next {
         let mut before = self.phases();
         let closed = |&i: &usize| {
             let touch = &self.field.touches[i];

@@ -29,11 +29,13 @@ mod watch;
 
 use std::ops::ControlFlow;
 
+use asperity_set::{Star, strict_convexity};
 use thiserror::Error;
 
 pub use field::FieldError;
 pub use motion::{Event, Kind, Motion};
 
+use crate::law::{FrictionLaw, Law};
 use crate::system::System;
 
 /// A hyperplane of states at which the integration ends.
@@ -83,9 +85,9 @@ pub enum Outcome {
         /// The contact.
         contact: usize,
     },
-    /// Steps have become shorter than time resolves: the forces grow without bound or jump where the method
-    /// does not know it.
-    StepTooSmall,
+    /// Steps have become shorter than time resolves, or most of them fail, or events follow each other without
+    /// time passing: the forces grow without bound or jump where the method does not know it.
+    Stuck,
     /// The accelerations cannot be evaluated.
     Error(FieldError),
 }
@@ -129,6 +131,14 @@ fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
             format!("must have as many coordinates as velocities, has {coordinates} and {n}");
         return refuse("system", message);
     }
+    for (i, contact) in system.contacts().iter().enumerate() {
+        if !has_strictly_convex_direction(&contact.law) {
+            let message = format!(
+                "the direction set of contact {i} must be strictly convex: on a flat side one direction of the slip vanishes by itself"
+            );
+            return refuse("contacts", message);
+        }
+    }
     let positive = [
         ("t_end", options.t_end),
         ("tolerance", options.tolerance),
@@ -165,4 +175,16 @@ fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
         return refuse("section", "must have a finite level and time".into());
     }
     Ok(())
+}
+
+fn has_strictly_convex_direction(law: &Law) -> bool {
+    fn strictly<const P: usize>(law: &FrictionLaw<P>) -> bool {
+        law.isotropic_coefficient().is_some()
+            || strict_convexity(&Star::Convex(law.direction().clone())).holds
+    }
+    match law {
+        Law::One(_) => true,
+        Law::Two(law) => strictly(law),
+        Law::Three(law) => strictly(law),
+    }
 }

@@ -12,6 +12,12 @@ use crate::contact::ContactState;
 use crate::system::System;
 
 const POLL_EVERY: Duration = Duration::from_millis(50);
+/// Attempts among which the rejected ones are counted, and how many of them are too many: where *D* is nearly
+/// flat, the sliding direction is held where Newton's method does not find it.
+const WINDOW: usize = 2000;
+const TOO_MANY: usize = 800;
+/// Events at one time that are too many.
+const AT_ONCE: usize = 50;
 
 /// Everything that changes during a run.
 pub(super) struct Runner<'a> {
@@ -36,6 +42,8 @@ pub(super) struct Runner<'a> {
     pub(super) linear: bool,
     /// Alarms at the present state, contacts first, then the section.
     pub(super) alarms: Vec<f64>,
+    /// Steps made and rejected when they were looked at last.
+    counted: (usize, usize),
     /// Number of the next sample.
     pub(super) samples: usize,
 }
@@ -74,6 +82,7 @@ impl<'a> Runner<'a> {
             smooth: false,
             linear: false,
             alarms: vec![0.0; contacts + 1],
+            counted: (0, 0),
             samples: 1,
         }
     }
@@ -115,7 +124,13 @@ impl<'a> Runner<'a> {
             h = h.min(self.control.limit(&self.field, &self.a0));
         }
         if self.state.t + h == self.state.t {
-            return Ok(Some(Outcome::StepTooSmall));
+            return Ok(Some(Outcome::Stuck));
+        }
+        if self.is_stuck() {
+            return Ok(Some(Outcome::Stuck));
+        }
+        if let Some(contact) = self.singular() {
+            return self.stop_without_collision(contact);
         }
         let scale = self.control.scale(h, &self.a0);
         if !self.linear {
@@ -143,6 +158,19 @@ impl<'a> Runner<'a> {
                 Err(Lost::Error(error)) => Err(error),
             },
         }
+    }
+
+    /// Whether there is no hope to get on.
+    fn is_stuck(&mut self) -> bool {
+        let (steps, rejected) = (self.motion.steps, self.motion.rejected_steps);
+        let done = (steps - self.counted.0, rejected - self.counted.1);
+        if done.0 + done.1 >= WINDOW {
+            self.counted = (steps, rejected);
+            return done.1 >= TOO_MANY;
+        }
+        let events = &self.motion.events;
+        let before = events.len().checked_sub(AT_ONCE + self.memory.len()).map(|k| events[k].time);
+        before == Some(self.state.t)
     }
 
     /// Tries again with a shorter step.

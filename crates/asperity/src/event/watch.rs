@@ -152,7 +152,7 @@ impl Runner<'_> {
         self.a0.copy_from_slice(&self.field.acceleration);
         self.slope = None;
         self.motion.steps += 1;
-        self.control.see(&self.field, &self.state.q, &self.state.u);
+        self.control.see(&mut self.field, &self.state.q, &self.state.u);
         if h > 0.0 {
             self.control.made(&self.field, h);
         }
