@@ -4,7 +4,6 @@ import os
 import pickle
 import signal
 import threading
-import time
 
 import asperity as asp
 import numpy as np
@@ -103,7 +102,8 @@ def test_a_section_ends_the_motion():
     start = {"q0": [1.0], "u0": [0.0], "tolerance": 1e-12}
     section = asp.Section([1.0, 0.0], 0.0)
     motion = asp.integrate(system, t_end=20.0, section=section, **start)
-    assert motion.at_section and motion.status is asp.Outcome.SECTION
+    assert motion.at_section
+    assert motion.status is asp.Outcome.SECTION
     assert motion.t[-1] == pytest.approx(1.5 * np.pi, abs=1e-11)
     assert motion.events[-1] == asp.Event(motion.t[-1], "section")
     later = asp.integrate(system, t_end=20.0, section=section.replace(after=6.0), **start)
@@ -117,7 +117,10 @@ def test_a_section_ends_the_motion():
 
 
 class Pendulum(asp.System):
-    """A bob on a rod of length 1 that rubs in its joint; a third coordinate turns the contact."""
+    """A bob on a rod that rubs in its joint; the second coordinate turns the contact."""
+
+    dof = 2
+    contacts = (asp.ContactLaw(asp.FrictionLaw.isotropic(0.3, dimension=1), normal_force=2.0),)
 
     def mass(self, q):
         return np.diag([1.0, 2.0 + np.cos(q[0])])
@@ -131,17 +134,25 @@ class Pendulum(asp.System):
 
 
 def test_systems_of_python_agree_with_time_stepping():
-    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
-    system = Pendulum(2, [asp.ContactLaw(law, normal_force=2.0)])
+    system = Pendulum()
     start = {"t_end": 1.5, "q0": [0.5, 0.3], "u0": [0.0, 1.0]}
     motion = asp.integrate(system, **start)
     errors = []
     for dt in (1e-2, 1e-3):
         steps = asp.simulate(system, dt=dt, **start)
         errors.append(np.abs(steps.q[-1] - motion.q[-1]).max())
-    assert errors[1] < 0.2 * errors[0] and errors[1] < 1e-2
+    assert errors[1] < 0.2 * errors[0]
+    assert errors[1] < 1e-2
     sharper = asp.integrate(system, tolerance=1e-12, **start)
     assert motion.q[-1] == pytest.approx(sharper.q[-1], abs=1e-8)
+
+
+def test_choices_are_marked():
+    """The third slip on the belt begins, or might have begun, in several directions."""
+    motion = asp.integrate(belt(), t_end=38.0, q0=[20.2, 2.7])
+    assert [event.ambiguous for event in motion.events].count(True) == motion.ambiguous_events == 1
+    steps = asp.simulate(belt(), dt=1e-3, t_end=38.0, q0=[20.2, 2.7])
+    assert steps.ambiguous_steps > 0
 
 
 def test_samples_do_not_change_the_motion():
@@ -214,9 +225,8 @@ def test_failures_hold_the_part_before():
                 raise RuntimeError("no forces")
             return super().forces(t, q, u)
 
-    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
     with pytest.raises(RuntimeError, match="no forces") as error:
-        asp.integrate(Broken(2, [asp.ContactLaw(law, normal_force=2.0)]), t_end=1.0, u0=[1.0, 0.0])
+        asp.integrate(Broken(), t_end=1.0, u0=[1.0, 0.0])
     assert error.value.trajectory.t[-1] <= 0.1
 
 
@@ -229,9 +239,7 @@ def test_a_long_run_is_interrupted_and_reports():
         if len(seen) == 3:
             threading.Thread(target=os.kill, args=(os.getpid(), signal.SIGINT)).start()
 
-    started = time.perf_counter()
     with pytest.raises(asp.SimulationInterrupted) as info:
         asp.integrate(system, t_end=1e6, q0=[1.0], dt=1e3, progress=report)
-    assert time.perf_counter() - started < 60.0
     assert info.value.trajectory.t[-1] > 0.0
     assert all(t < t_end == 1e6 for t, t_end in seen)

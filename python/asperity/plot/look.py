@@ -22,7 +22,6 @@ from asperity._files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.motion import Motion
-from asperity.motion import Motion
 from asperity.trajectory import Trajectory
 
 # Okabe and Ito's palette, distinguishable with every kind of colour vision.

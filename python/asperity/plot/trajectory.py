@@ -14,7 +14,6 @@ from asperity._arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.motion import Motion
-from asperity.motion import Motion
 from asperity.plot import look
 from asperity.plot.sets import plot_set
 from asperity.status import Phase
