@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity.cycle.orbit import LimitCycle
-from asperity.cycle.shooting import ReturnMap, fixed_point
+from asperity.cycle.shooting import Return, ReturnMap, fixed_point
 from asperity.errors import NoCycleError, ParameterError
 from asperity.integrate import integrate
 from asperity.motion import Motion, Section
@@ -27,6 +27,8 @@ _RECURRENCE = 0.02
 _PASSAGES = 200
 # Samples of the period that a cycle keeps.
 _SAMPLES = 1000
+# Turns that agree so far are one period.
+_SAME = 1e-6
 # Orbits whose extent falls below this part of the first swing have died out.
 _DIED_OUT = 1e-3
 # A multiplier that is one to this accuracy belongs to a continuum of periodic orbits.
@@ -95,6 +97,7 @@ def limit_cycle(
 def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) -> LimitCycle:
     """Converge to the fixed point and measure the cycle."""
     fixed, iterations = fixed_point(returns, state, period, tolerance)
+    fixed = _once_around(returns, fixed)
     dt = fixed.period / _SAMPLES
     closed = returns(fixed.state, fixed.period, dt=dt)
     if _has_died_out(closed.motion, returns.scale):
@@ -115,6 +118,19 @@ def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) ->
         residual=returns.defect(fixed.state, closed.state),
         iterations=iterations,
     )
+
+
+def _once_around(returns: ReturnMap, fixed: Return) -> Return:
+    """Return the fixed point with its shortest period."""
+    for turns in range(_LOOPS, 1, -1):
+        try:
+            image = returns(fixed.state, fixed.period / turns)
+        except NoCycleError:
+            continue
+        same = returns.defect(fixed.state, image.state) <= _SAME
+        if same and abs(turns * image.period - fixed.period) <= _SAME * fixed.period:
+            return Return(fixed.state, image.period, image.motion)
+    return fixed
 
 
 def _start(
