@@ -1,8 +1,9 @@
 //! How long a step may be.
 
 use super::collocation::Scale;
-use super::field::{Field, ROWS, dot};
+use super::field::{Field, dot};
 use super::force::norm;
+use super::touch::ROWS;
 use crate::contact::Phase;
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
