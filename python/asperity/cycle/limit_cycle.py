@@ -99,8 +99,10 @@ def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) ->
     closed = returns(fixed.state, fixed.period, dt=dt)
     if _has_died_out(closed.motion, returns.scale):
         raise NoCycleError("the motion settles at the equilibrium")
-    multipliers = np.linalg.eigvals(returns.jacobian(fixed.state, fixed.period))
-    multipliers = multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
+    known = np.linalg.eigvals(returns.jacobian(fixed.state, fixed, central=True))
+    # Deviations from contacts that stay closed or stick are gone at the next turn.
+    multipliers = np.zeros(len(fixed.state) - 1, dtype=complex)
+    multipliers[: len(known)] = known[np.argsort(-np.abs(known), kind="stable")]
     if np.abs(multipliers - 1.0).min(initial=np.inf) < _ISOLATED:
         raise NoCycleError(
             f"periodic orbits form a continuum, of period {fixed.period:.6g} s: a multiplier is 1"
@@ -151,7 +153,7 @@ def _middle(motion: Motion) -> tuple[Section, Array]:
     height = motion.q[:, k] - 0.5 * (motion.q[:, k].max() + motion.q[:, k].min())
     passages = np.flatnonzero(np.diff(np.signbit(height)))
     if not passages.size:
-        raise NoCycleError("the motion does not oscillate")
+        raise NoCycleError("the motion does not oscillate: give q0, u0 that disturb it more")
     speed = np.nan_to_num(np.linalg.norm(motion.slip, axis=-1)).sum(axis=-1)
     at = int(passages[np.minimum(speed[passages], speed[passages + 1]).argmax()])
     share = height[at] / (height[at] - height[at + 1])

@@ -204,13 +204,16 @@ impl Runner<'_> {
             if outcome.is_some() {
                 return Ok(outcome);
             }
-            let lets_go = self.motion.events.len() > events;
-            if lets_go || later > 0.01 * self.control.h {
+            if self.motion.events.len() > events {
                 break;
             }
             // Not yet outside by more than rounding.
             self.motion.truncate(samples);
             later *= 10.0;
+            if later > 0.1 * self.control.h {
+                self.a0 = stuck;
+                return Ok(self.shorten(0.25 * self.control.h));
+            }
         }
         let touch = &self.field.touches[contact];
         let jump = touch.sliding.iter().zip(&sliding).map(|(a, b)| a - b);
