@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from asperity import _arrays, _core
 from asperity._arrays import Array
@@ -14,6 +14,8 @@ from asperity.integrate import integrate
 from asperity.motion import Motion, Section
 from asperity.simulate import Model
 from asperity.stability import Equilibrium, equilibrium, stability
+
+Complex = NDArray[np.complex128]
 
 # The motion is followed for at most so many of the longest periods of the linearised system, and
 # for this part of the time before a section is chosen.
@@ -31,6 +33,10 @@ _SAMPLES = 1000
 _SAME = 1e-6
 # Orbits whose extent falls below this part of the first swing have died out.
 _DIED_OUT = 1e-3
+# Step of the central differences for the multipliers, in parts of the scale of the states.
+_ASIDE = 1e-5
+# Orbits that are by this share smaller or larger are tried.
+_NEXT = 1e-2
 # A multiplier that is one to this accuracy belongs to a continuum of periodic orbits.
 _ISOLATED = 1e-4
 
@@ -102,14 +108,7 @@ def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) ->
     closed = returns(fixed.state, fixed.period, dt=dt)
     if _has_died_out(closed.motion, returns.scale):
         raise NoCycleError("the motion settles at the equilibrium")
-    known = np.linalg.eigvals(returns.jacobian(fixed.state, fixed, central=True))
-    # Deviations from contacts that stay closed or stick are gone at the next turn.
-    multipliers = np.zeros(len(fixed.state) - 1, dtype=complex)
-    multipliers[: len(known)] = known[np.argsort(-np.abs(known), kind="stable")]
-    if np.abs(multipliers - 1.0).min(initial=np.inf) < _ISOLATED:
-        raise NoCycleError(
-            f"periodic orbits form a continuum, of period {fixed.period:.6g} s: a multiplier is 1"
-        )
+    multipliers = _multipliers(returns, fixed)
     return LimitCycle(
         closed.period,
         closed.motion,
@@ -118,6 +117,41 @@ def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) ->
         residual=returns.defect(fixed.state, closed.state),
         iterations=iterations,
     )
+
+
+def _multipliers(returns: ReturnMap, fixed: Return) -> Complex:
+    """Return the Floquet multipliers by falling modulus.
+
+    Raises:
+        NoCycleError: if there are periodic orbits next to this one.
+    """
+    ahead, behind = (returns.jacobian(fixed.state, fixed, step) for step in (_ASIDE, -_ASIDE))
+    known = np.linalg.eigvals(0.5 * (ahead + behind))
+    if np.abs(known - 1.0).min(initial=np.inf) < _ISOLATED or _has_neighbours(returns, fixed):
+        raise NoCycleError(f"periodic orbits form a continuum, of period {fixed.period:.6g} s")
+    # Deviations from contacts that stay closed or stick are gone at the next turn.
+    multipliers = np.zeros(len(fixed.state) - 1, dtype=complex)
+    multipliers[: len(known)] = known[np.argsort(-np.abs(known), kind="stable")]
+    return multipliers
+
+
+def _has_neighbours(returns: ReturnMap, fixed: Return) -> bool:
+    """Whether a slightly smaller or larger orbit is periodic, too.
+
+    The largest of the harmonic motions along γ is the rim of a continuum, where derivatives to
+    both sides differ: multipliers do not show that.
+    """
+    motion = fixed.motion
+    steps = np.diff(motion.t)[:, None]
+    states = np.concatenate([motion.q, motion.u], axis=1)
+    middle = (0.5 * (states[1:] + states[:-1]) * steps).sum(axis=0) / motion.t[-1]
+    place = returns.place(fixed)
+    for share in (1.0 - _NEXT, 1.0 + _NEXT):
+        state = place.onto(middle + share * (fixed.state - middle))
+        image = returns(state, fixed.period)
+        if returns.defect(state, image.state) < _ISOLATED * returns.defect(state, fixed.state):
+            return True
+    return False
 
 
 def _once_around(returns: ReturnMap, fixed: Return) -> Return:

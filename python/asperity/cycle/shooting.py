@@ -13,9 +13,8 @@ from asperity.integrate import integrate
 from asperity.motion import Motion, Section
 from asperity.simulate import Model
 
-# Steps of difference quotients in parts of the scale of the states: forward ones within Newton's
-# method, central ones for the multipliers.
-_FORWARD, _CENTRAL = 1e-6, 1e-5
+# Step of difference quotients in parts of the scale of the states.
+_FORWARD = 1e-6
 _ITERATIONS = 25
 # A return is looked for up to so many times the expected period.
 _PATIENCE = 4.0
@@ -76,24 +75,15 @@ class ReturnMap:
         """Return the part of the section in which x ↦ `image` begins."""
         return Place.of(self.system, self.section, self.scale, image.motion)
 
-    def jacobian(self, state: Array, image: Return, *, central: bool = False) -> Array:
-        """Return ∂P/∂x in the coordinates of the place's tangents, by difference quotients."""
+    def jacobian(self, state: Array, image: Return, step: float = _FORWARD) -> Array:
+        """Return ∂P/∂x in the coordinates of the place's tangents, by one-sided differences."""
         place = self.place(image)
         directions = place.tangents(state)
-        columns = []
-        for direction in directions.T:
-            if central:
-                ends = [
-                    self(place.onto(state + step * direction), image.period).state
-                    for step in (_CENTRAL, -_CENTRAL)
-                ]
-                columns.append((ends[0] - ends[1]) / (2.0 * _CENTRAL))
-            else:
-                ahead = self(place.onto(state + _FORWARD * direction), image.period).state
-                columns.append((ahead - image.state) / _FORWARD)
-        columns.append(np.zeros(len(state)))  # so that there is one where there is no direction
-        whole = np.linalg.pinv(directions) @ np.column_stack(columns)
-        derivative: Array = np.asarray(whole[:, :-1], dtype=np.float64)
+        columns = np.zeros(directions.shape)
+        for k, direction in enumerate(directions.T):
+            end = self(place.onto(state + step * direction), image.period).state
+            columns[:, k] = (end - image.state) / step
+        derivative: Array = np.asarray(np.linalg.pinv(directions) @ columns, dtype=np.float64)
         return derivative
 
 
