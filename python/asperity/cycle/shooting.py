@@ -15,7 +15,7 @@ from asperity.simulate import Model
 
 # Step of difference quotients in parts of the scale of the states.
 _FORWARD = 1e-6
-_ITERATIONS = 25
+_ITERATIONS = 15
 # A return is looked for up to so many times the expected period.
 _PATIENCE = 4.0
 
