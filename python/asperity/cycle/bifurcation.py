@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from asperity import _arrays
 from asperity._arrays import Array
@@ -84,12 +83,17 @@ class BifurcationDiagram(Value):
         return _table([None if c is None else c.maximum for c in self.cycles])
 
     @property
+    def cycle_stable(self) -> NDArray[np.bool_]:
+        """Whether there is a cycle and it is stable, shape ``(n,)``."""
+        return np.array([cycle is not None and cycle.is_stable for cycle in self.cycles])
+
+    @property
     def periods(self) -> Array:
         """Periods of the cycles in s, shape ``(n,)``; NaN where there is none."""
         return np.array([np.nan if c is None else c.period for c in self.cycles])
 
     @property
-    def coexistence(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    def coexistence(self) -> NDArray[np.bool_]:
         """Whether a cycle exists beside an equilibrium that is not unstable, shape ``(n,)``."""
         pairs = zip(self.kinds, self.cycles, strict=True)
         return np.array([kind not in ("unstable", "none") and c is not None for kind, c in pairs])
