@@ -15,6 +15,7 @@ Outcome.AT_REST
 from typing import Any as _Any
 
 from asperity._core import __version__
+from asperity.comparison import PathComparison, compare_path
 from asperity.contact import (
     Certificate,
     ContactProblem,
@@ -97,6 +98,7 @@ from asperity.system import (
     Plane,
     PointPlane,
     RigidBodies,
+    SlidingDisk,
     SlidingPoint,
     SpherePlane,
     SphereSphere,
@@ -151,6 +153,7 @@ __all__ = [
     "NoSolutionError",
     "Outcome",
     "ParameterError",
+    "PathComparison",
     "Phase",
     "PlanarBody",
     "Plane",
@@ -165,6 +168,7 @@ __all__ = [
     "Section",
     "SemismoothNewton",
     "SimulationInterrupted",
+    "SlidingDisk",
     "SlidingPoint",
     "Solver",
     "SpherePlane",
@@ -184,6 +188,7 @@ __all__ = [
     "WedgeAsperity",
     "__version__",
     "bifurcation_diagram",
+    "compare_path",
     "critical_directions",
     "critical_rotation",
     "ellipses_can_be_unstable",
