@@ -111,7 +111,8 @@ class PathComparison(Value):
     @property
     def end_difference(self) -> Array:
         """Simulated minus measured last position in m, shape ``(2,)``."""
-        return self.difference[-1]
+        difference: Array = self.difference[-1]
+        return difference
 
     @property
     def end_distance(self) -> float:
