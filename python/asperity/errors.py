@@ -43,6 +43,10 @@ class DimensionError(ParameterError):
     """An argument has the wrong shape or dimension."""
 
 
+class FitError(AsperityError, ValueError):
+    """Measured data cannot be read, processed or fitted; the message says why and what to do."""
+
+
 class ConvergenceError(AsperityError, RuntimeError):
     """A contact problem was not solved to the tolerance.
 

@@ -1,0 +1,155 @@
+"""Covariance of fitted coordinates: what differs between turns, and what all turns share."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity.errors import FitError
+from asperity.identify.bins import Bins
+from asperity.identify.coordinates import Estimate, Roundness, Scale
+from asperity.identify.descent import damped_step
+from asperity.identify.sums import Family, Sums
+
+# An angle is told from none at this level.
+_LEVEL = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance:
+    """Covariance of the coordinates: from the scatter of turns, from calibration, from zero records.
+
+    `turns` is the number of turns behind the first one.
+    """
+
+    scatter: Array
+    calibration: Array
+    zero: Array
+    turns: int
+
+    @property
+    def total(self) -> Array:
+        """Sum of the parts."""
+        return self.scatter + self.calibration + self.zero
+
+    def degrees(self, direction: Array) -> float:
+        """Return the effective degrees of freedom of a combination of coordinates.
+
+        Scatter has one less than there are turns, the other parts are taken as known (Welch and
+        Satterthwaite).
+        """
+        scattered = float(direction @ self.scatter @ direction)
+        total = float(direction @ self.total @ direction)
+        return math.inf if scattered <= 0.0 else (self.turns - 1) * (total / scattered) ** 2
+
+    def half_width(self, direction: Array, confidence: float) -> float:
+        """Return the half width of the band of a combination of coordinates."""
+        from scipy.stats import t
+
+        deviation = math.sqrt(max(float(direction @ self.total @ direction), 0.0))
+        degrees = min(self.degrees(direction), 1e9)
+        return float(t.ppf(0.5 + 0.5 * confidence, degrees)) * deviation
+
+    def half_widths(self, directions: Array, confidence: float) -> Array:
+        """Return the half widths for directions ``(n, k)``."""
+        from scipy.stats import t
+
+        scattered = np.einsum("ni,ij,nj->n", directions, self.scatter, directions)
+        total = np.einsum("ni,ij,nj->n", directions, self.total, directions)
+        share = np.maximum(scattered, 1e-30 * np.abs(total).max(initial=1e-300))
+        degrees = np.minimum((self.turns - 1) * (total / share) ** 2, 1e9)
+        widths: Array = t.ppf(0.5 + 0.5 * confidence, degrees) * np.sqrt(np.maximum(total, 0.0))
+        return widths
+
+
+def scatter_of(sums: Sums) -> Array:
+    """Return the covariance of an estimate whose gradients differ between turns (sandwich).
+
+    A residual of one sample tells nothing about the next one: noise is coloured. Turns are nearly
+    independent, and the t-distribution with one degree less than turns makes up for their number.
+    """
+    turns = len(sums.cost)
+    if turns < 2:
+        raise FitError(
+            "data: one complete turn has no scatter between turns: record at least 2 turns (10 are "
+            "better), or fit with confidence=None"
+        )
+    matrix = sums.matrix.sum(axis=0)
+    steps = np.stack([damped_step(matrix, gradient) for gradient in sums.gradient])
+    spread: Array = steps.T @ steps * (turns / (turns - 1.0))
+    return spread
+
+
+def shared(family: Family, bins: Bins, p: Array, matrix: Array, data: Any) -> tuple[Array, Array]:
+    """Return the covariances that errors of the calibration matrix and of the zeros cause.
+
+    Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
+    is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119).
+    """
+    calibration = getattr(data, "calibration_covariance", None)
+    zero = getattr(data, "zero_covariance", None)
+    none = np.zeros((family.size, family.size))
+    if calibration is None and zero is None:
+        return none, none
+    transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
+    by_entry, by_zero = _sensitivities(family, bins, p, matrix, transform)
+    parts = []
+    for covariance, by, size in ((calibration, by_entry, 9), (zero, by_zero, 3)):
+        if covariance is None:
+            parts.append(none)
+        else:
+            known = _arrays.array(covariance, "data covariance", (size, size))
+            parts.append(by @ known @ by.T)
+    return parts[0], parts[1]
+
+
+def _sensitivities(
+    family: Family, bins: Bins, p: Array, matrix: Array, transform: Array
+) -> tuple[Array, Array]:
+    """Return the derivatives of the estimate by the entries of T, row by row, and by the zeros."""
+    model, derivative = family.forces(bins.phi, p)
+    cos, sin = np.cos(bins.phi), np.sin(bins.phi)
+    # What one unit in the tangential, radial and normal force changes the residual by, per bin.
+    unit = np.stack([np.stack([cos, sin], -1), np.stack([-sin, cos], -1), -model])
+    pull = np.einsum("knc,jnc->kjn", derivative, unit)
+    x, y = bins.force.T
+    channels = np.stack([x * cos + y * sin, y * cos - x * sin, np.ones_like(x)])
+    readings = np.linalg.solve(transform, channels)
+    by_entry = np.einsum("kin,jn,n->kij", pull, readings, bins.squares).reshape(len(p), 9)
+    by_zero = -np.einsum("kin,n,ij->kj", pull, bins.normal, transform)
+    step = np.stack([damped_step(matrix, column) for column in (*by_entry.T, *by_zero.T)], axis=-1)
+    return step[:, :9], step[:, 9:]
+
+
+def has_angle(p: Array, roundness: Roundness, covariance: Covariance) -> bool:
+    """Return whether the set differs from one without angle, by Wald's test with Hotelling's T²."""
+    from scipy.stats import f
+
+    off = roundness.matrix @ p - roundness.offset
+    spread = roundness.matrix @ covariance.total @ roundness.matrix.T
+    count, degrees = off.size, covariance.turns - 1
+    if degrees < count:
+        # Too few turns for all at once: the first combination, the ratio of the axes, alone.
+        off, spread, count = off[:1], spread[:1, :1], 1
+    if not off @ off > 1e-18:
+        return False
+    statistic = off @ np.linalg.lstsq(spread, off, rcond=None)[0] if spread.any() else math.inf
+    left = degrees - count + 1
+    return bool(statistic * left / (count * degrees) > f.ppf(1.0 - _LEVEL, count, left))
+
+
+def estimate(
+    x: float, scale: Scale, half_width: float, standard_error: float, told: bool
+) -> Estimate:
+    """Return a parameter with its band from its coordinate."""
+    value, low, high = scale.natural(np.array([x, x - half_width, x + half_width]))
+    slope = float(scale.slope(np.array(x)))
+    if not told:
+        # All that is known of an angle that the data cannot tell.
+        low, high = -0.25 * math.pi, 0.25 * math.pi
+    return Estimate(value, low, high, slope * standard_error, identifiable=told)
