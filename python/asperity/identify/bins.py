@@ -42,12 +42,16 @@ class Bins:
 
 @dataclass(frozen=True, eq=False)
 class GroupedBins:
-    """Sums over fine bins, for each of several groups of turns: ``(groups, FINE)`` each."""
+    """Sums over fine bins, for each of several groups of turns: ``(groups, FINE)`` each.
+
+    `energy` is the sum of squares of all forces.
+    """
 
     squares: Array
     normal: Array
     product: Array
     offset: Array
+    energy: float
 
     def bins(self, without: int | None = None, width: int = 1) -> Bins:
         """Return bins of all groups, or of all but one; `width` neighbours are joined."""
@@ -75,11 +79,13 @@ def grouped(samples: Samples, groups: int) -> GroupedBins:
     """Return the sums over fine bins; turns are dealt out to the groups in order."""
     size = groups * FINE
     squares, normal, x, y, offset = np.zeros((5, size))
+    energy = 0.0
     for part, turn in samples.chunks():
         phi, force, load = samples.phi[part], samples.force[part], samples.normal[part]
         first = turn % groups * FINE
         at = bin_of(phi, FINE)
         weight = load * load
+        energy += float(np.einsum("ij,ij->", force, force))
         place = phi - np.floor(phi * (0.5 / np.pi)) * (2.0 * np.pi)
         window = slice(first, first + FINE)
         for total, values in (
@@ -92,7 +98,8 @@ def grouped(samples: Samples, groups: int) -> GroupedBins:
             total[window] += np.bincount(at, values, FINE)
     shape = (groups, FINE)
     product = np.stack([x, y], axis=-1).reshape(*shape, 2)
-    return GroupedBins(squares.reshape(shape), normal.reshape(shape), product, offset.reshape(shape))
+    squares, normal, offset = (total.reshape(shape) for total in (squares, normal, offset))
+    return GroupedBins(squares, normal, product, offset, energy)
 
 
 def support(bins: Bins) -> tuple[Array, Array]:

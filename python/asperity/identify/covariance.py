@@ -37,26 +37,17 @@ class Covariance:
         """Sum of the parts."""
         return self.scatter + self.calibration + self.zero
 
-    def degrees(self, direction: Array) -> float:
-        """Return the effective degrees of freedom of a combination of coordinates.
-
-        Scatter has one less than there are turns, the other parts are taken as known (Welch and
-        Satterthwaite).
-        """
-        scattered = float(direction @ self.scatter @ direction)
-        total = float(direction @ self.total @ direction)
-        return math.inf if scattered <= 0.0 else (self.turns - 1) * (total / scattered) ** 2
-
-    def half_width(self, direction: Array, confidence: float) -> float:
-        """Return the half width of the band of a combination of coordinates."""
-        from scipy.stats import t
-
-        deviation = math.sqrt(max(float(direction @ self.total @ direction), 0.0))
-        degrees = min(self.degrees(direction), 1e9)
-        return float(t.ppf(0.5 + 0.5 * confidence, degrees)) * deviation
+    def of(self, part: slice) -> Covariance:
+        """Return the covariance of some of the coordinates."""
+        blocks = (full[part, part] for full in (self.scatter, self.calibration, self.zero))
+        return Covariance(*blocks, self.turns)
 
     def half_widths(self, directions: Array, confidence: float) -> Array:
-        """Return the half widths for directions ``(n, k)``."""
+        """Return the half widths of the bands of combinations ``(n, k)`` of coordinates.
+
+        Scatter has one degree of freedom less than there are turns, the other parts are taken as
+        known; a sum has an effective number (Welch and Satterthwaite).
+        """
         from scipy.stats import t
 
         scattered = np.einsum("ni,ij,nj->n", directions, self.scatter, directions)
@@ -112,11 +103,17 @@ def _sensitivities(
     family: Family, bins: Bins, p: Array, matrix: Array, transform: Array
 ) -> tuple[Array, Array]:
     """Return the derivatives of the estimate by the entries of T, row by row, and by the zeros."""
-    model, derivative = family.forces(bins.phi, p)
+    on_force, on_normal = family.responses(bins.phi, p)
     cos, sin = np.cos(bins.phi), np.sin(bins.phi)
-    # What one unit in the tangential, radial and normal force changes the residual by, per bin.
-    unit = np.stack([np.stack([cos, sin], -1), np.stack([-sin, cos], -1), -model])
-    pull = np.einsum("knc,jnc->kjn", derivative, unit)
+    # What one unit in the tangential, radial and normal force adds to the gradient, per bin.
+    pull = np.stack(
+        [
+            on_force[..., 0] * cos + on_force[..., 1] * sin,
+            on_force[..., 1] * cos - on_force[..., 0] * sin,
+            on_normal,
+        ],
+        axis=1,
+    )
     x, y = bins.force.T
     channels = np.stack([x * cos + y * sin, y * cos - x * sin, np.ones_like(x)])
     readings = np.linalg.solve(transform, channels)

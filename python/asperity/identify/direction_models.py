@@ -133,12 +133,12 @@ class SuperellipseDirection(DirectionModel):
 
     def start(self, c: Array, s: Array, log_support: Array, slope: Array) -> list[Array]:
         """Return the ellipse nearest in h² = nᵀPn, also turned by 45°."""
-        # The least-squares ellipse of Q = P has the reciprocal semi-axes.
-        minor, major, angle = ellipse_through(
+        # The ellipse of Q = P has the reciprocal semi-axes.
+        first, second, angle = ellipse_through(
             c, s, np.exp(2.0 * log_support), np.exp(-4.0 * log_support)
         )
         excess = [0.0] if self.exponent is None else []
-        starts = [np.array([math.log(major / minor), *excess, angle])]
+        starts = [np.array([math.log(second / first), *excess, angle])]
         if self.exponent != 2.0:
             starts.append(np.array([0.0, *excess, angle + math.pi / 4.0]))
         return starts

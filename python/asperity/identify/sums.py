@@ -72,6 +72,21 @@ class Family(Value):
         )
         return along.T.copy(), np.moveaxis(derivative, 1, 2).copy()
 
+    def responses(self, phi: Array, p: Array) -> tuple[Array, Array]:
+        """Return how gradients per unit normal force answer to forces, ``(k, n, 2)``, and to λ_N, ``(k, n)``."""
+        force, derivative = self.forces(phi, p)
+        if self.joint:
+            return derivative, -np.einsum("knc,nc->kn", derivative, force)
+        cos, sin, turn = self.direction.force_direction(np.cos(phi), np.sin(phi), p[self.split :])
+        log_radius, slope, by = self.reservoir.log_radius(cos, sin, p[: self.split])
+        radius = np.exp(log_radius)
+        along, across = np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)
+        # A force across the other turns the direction in which the radius is looked up.
+        by_c = (by * radius)[..., None] * (along - slope[:, None] * across)
+        by_d = (turn * radius)[..., None] * across
+        on_normal = np.concatenate([-by * radius**2, np.zeros_like(turn)])
+        return np.concatenate([by_c, by_d]), on_normal
+
     def residuals(
         self, phi: Array, force: Array, normal: Array, p: Array
     ) -> tuple[Array, Array, Array, Array]:
