@@ -21,6 +21,7 @@ LAYERS = [
     {"simulate", "integrate", "motion"},
     {"stability"},
     {"cycle"},
+    {"identify", "track"},
     {"mechanisms", "plot", "problems"},
     {"paper"},
     {"cli"},
