@@ -44,7 +44,24 @@ class DimensionError(ParameterError):
 
 
 class FitError(AsperityError, ValueError):
-    """Measured data cannot be read, processed or fitted; the message says why and what to do."""
+    """Measured forces cannot be fitted; the message says why and what to do."""
+
+
+class RecordError(AsperityError, ValueError):
+    """A measured record cannot be used as it is.
+
+    Attributes:
+        source: the file or record.
+        message: rows and column, what is wrong with them, what to do.
+    """
+
+    def __init__(self, source: str, message: str) -> None:
+        super().__init__(source, message)
+        self.source = source
+        self.message = message
+
+    def __str__(self) -> str:
+        return f"{self.source}: {self.message}" if self.source else self.message
 
 
 class ConvergenceError(AsperityError, RuntimeError):

@@ -76,8 +76,13 @@ def scatter_of(sums: Sums) -> Array:
     return spread
 
 
-def shared(family: Family, bins: Bins, p: Array, matrix: Array, data: Any) -> tuple[Array, Array]:
+def shared(
+    family: Family, parts: list[tuple[Bins, float]], p: Array, matrix: Array, data: Any
+) -> tuple[Array, Array]:
     """Return the covariances that errors of the calibration matrix and of the zeros cause.
+
+    `parts` are means of the runs in either sense of rotation, +1 or −1: channels keep their axes
+    when the disk turns backwards.
 
     Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
     is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119).
@@ -88,39 +93,43 @@ def shared(family: Family, bins: Bins, p: Array, matrix: Array, data: Any) -> tu
     if calibration is None and zero is None:
         return none, none
     transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
-    by_entry, by_zero = _sensitivities(family, bins, p, matrix, transform)
-    parts = []
-    for covariance, by, size in ((calibration, by_entry, 9), (zero, by_zero, 3)):
+    pulls = sum(_pulls(family, bins, sense, p, transform) for bins, sense in parts)
+    by = np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
+
+    def caused(covariance: Array | None, by: Array, name: str) -> Array:
         if covariance is None:
-            parts.append(none)
-        else:
-            known = _arrays.array(covariance, "data covariance", (size, size))
-            parts.append(by @ known @ by.T)
-    return parts[0], parts[1]
+            return none
+        known = _arrays.array(covariance, f"data.{name}", 2 * (by.shape[1],))
+        spread: Array = by @ known @ by.T
+        return spread
+
+    return (
+        caused(calibration, by[:, :9], "calibration_covariance"),
+        caused(zero, by[:, 9:], "zero_covariance"),
+    )
 
 
-def _sensitivities(
-    family: Family, bins: Bins, p: Array, matrix: Array, transform: Array
-) -> tuple[Array, Array]:
-    """Return the derivatives of the estimate by the entries of T, row by row, and by the zeros."""
+def _pulls(family: Family, bins: Bins, sense: float, p: Array, transform: Array) -> Array:
+    """Return the derivatives of the gradient by the entries of T, row by row, and by the zeros."""
     on_force, on_normal = family.responses(bins.phi, p)
     cos, sin = np.cos(bins.phi), np.sin(bins.phi)
-    # What one unit in the tangential, radial and normal force adds to the gradient, per bin.
+    # What one unit in the tangential, radial and normal channel adds to the gradient, per bin.
     pull = np.stack(
         [
-            on_force[..., 0] * cos + on_force[..., 1] * sin,
-            on_force[..., 1] * cos - on_force[..., 0] * sin,
+            sense * (on_force[..., 0] * cos + on_force[..., 1] * sin),
+            sense * (on_force[..., 1] * cos - on_force[..., 0] * sin),
             on_normal,
         ],
         axis=1,
     )
     x, y = bins.force.T
-    channels = np.stack([x * cos + y * sin, y * cos - x * sin, np.ones_like(x)])
+    channels = np.stack(
+        [sense * (x * cos + y * sin), sense * (y * cos - x * sin), np.ones_like(x)]
+    )
     readings = np.linalg.solve(transform, channels)
     by_entry = np.einsum("kin,jn,n->kij", pull, readings, bins.squares).reshape(len(p), 9)
     by_zero = -np.einsum("kin,n,ij->kj", pull, bins.normal, transform)
-    step = np.stack([damped_step(matrix, column) for column in (*by_entry.T, *by_zero.T)], axis=-1)
-    return step[:, :9], step[:, 9:]
+    return np.hstack([by_entry, by_zero])
 
 
 def has_angle(p: Array, roundness: Roundness, covariance: Covariance) -> bool:

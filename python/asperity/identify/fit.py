@@ -14,7 +14,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import FitError, ParameterError
-from asperity.identify.bins import Bins, grouped
+from asperity.identify.bins import grouped
 from asperity.identify.coordinates import Estimate
 from asperity.identify.covariance import Covariance, estimate, has_angle, scatter_of, shared
 from asperity.identify.descent import Descent, descend
@@ -26,7 +26,7 @@ from asperity.identify.models import (
     name_of,
     reservoir_model,
 )
-from asperity.identify.samples import Measured, Samples, samples_of
+from asperity.identify.samples import Measured, Samples, by_sense, samples_of
 from asperity.identify.start import fit_bins, starts
 from asperity.identify.sums import Family
 from asperity.law import FrictionLaw
@@ -85,19 +85,19 @@ class Fit:
         self,
         data: Any,
         samples: Samples,
-        bins: Bins,
         family: Family,
         descent: Descent,
         loss: Loss,
         confidence: float | None,
     ) -> None:
-        self._samples, self._bins, self._family, self._data = samples, bins, family, data
+        self._samples, self._family, self._data = samples, family, data
         self._descent, self.loss, self.confidence = descent, loss, confidence
         self.coordinates = _arrays.read_only(descent.p)
         self.covariance: Covariance | None = None
         if confidence is not None:
             matrix = descent.sums.matrix.sum(axis=0)
-            common = shared(family, bins, descent.p, matrix, data)
+            parts = [(grouped(s, 1).bins(), sense) for s, sense in by_sense(samples, data)]
+            common = shared(family, parts, descent.p, matrix, data)
             self.covariance = Covariance(scatter_of(descent.sums), *common, samples.turns)
 
     def __repr__(self) -> str:
@@ -323,7 +323,7 @@ def fit_law(
             f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
             "try a simpler model"
         )
-    return Fit(data, samples, bins, family, descent, measure, confidence)
+    return Fit(data, samples, family, descent, measure, confidence)
 
 
 def _fit_samples(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -68,6 +68,20 @@ def samples_of(data: Any) -> Samples:
     samples = Samples(phi, force, normal, runs, turns)
     _check(samples)
     return samples
+
+
+def by_sense(samples: Samples, data: Any) -> list[tuple[Samples, float]]:
+    """Return the samples of runs that turn forwards, +1, and of those that turn backwards, −1."""
+    raw = getattr(data, "raw", None)
+    if raw is None:
+        return [(samples, 1.0)]
+    senses = np.array([1.0 if recording.turns > 0.0 else -1.0 for recording in raw.recordings])
+    recording = np.searchsorted(np.asarray(data.run), samples.runs[:, 0], side="right") - 1
+    parts = []
+    for sense in np.unique(senses):
+        runs = samples.runs[senses[recording] == sense]
+        parts.append((replace(samples, runs=runs), float(sense)))
+    return parts
 
 
 def _counted_turns(phi: Array) -> NDArray[np.intp]:
