@@ -22,7 +22,7 @@ LAYERS = [
     {"stability"},
     {"cycle"},
     {"comparison"},
-    {"mechanisms", "plot", "problems"},
+    {"identify", "mechanisms", "plot", "problems", "track"},
     {"paper"},
     {"cli"},
 ]

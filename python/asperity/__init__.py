@@ -29,6 +29,7 @@ from asperity.errors import (
     ConvergenceError,
     DimensionError,
     DivergenceError,
+    FitError,
     NoCycleError,
     NoSolutionError,
     ParameterError,
@@ -136,6 +137,7 @@ __all__ = [
     "Event",
     "EventKind",
     "Exact",
+    "FitError",
     "FlowReport",
     "FrictionLaw",
     "InteriorPoint",
@@ -205,7 +207,7 @@ __all__ = [
 
 def __getattr__(name: str) -> _Any:
     # Matplotlib and SciPy are imported by the first use of these modules, not before.
-    if name in ("mechanisms", "plot", "problems"):
+    if name in ("identify", "mechanisms", "plot", "problems"):
         from importlib import import_module
 
         return import_module(f"asperity.{name}")

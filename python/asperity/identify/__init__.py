@@ -1,0 +1,54 @@
+"""From measured forces to a friction law with its uncertainty, and a virtual tribometer.
+
+>>> import asperity as asp
+>>> law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(3.0, 2.0))
+>>> raw = asp.identify.VirtualTribometer(law, normal_force=9.3, turns=4, sample_rate=1e3).record()
+>>> fit = asp.identify.fit_law(asp.identify.process(raw), "ellipse", "ellipse")
+>>> fit.parameters["direction.ratio"].covers(1.5)
+True
+
+Reference: [WL19] §5.2.
+"""
+
+from asperity.identify.averaged import Averaged
+from asperity.identify.calibration import Calibration
+from asperity.identify.coordinates import Estimate
+from asperity.identify.direction_models import (
+    CircleDirection,
+    FourierDirection,
+    SuperellipseDirection,
+)
+from asperity.identify.fit import Bands, Fit, fit_law
+from asperity.identify.process import ProcessedData, process
+from asperity.identify.record import RawData, Recording
+from asperity.identify.reservoir_models import (
+    CircleReservoir,
+    FourierReservoir,
+    SuperellipseReservoir,
+)
+from asperity.identify.signals import low_pass
+from asperity.identify.tribometer import VirtualTribometer
+from asperity.identify.turns import TurnAverage, average_turns
+
+__all__ = [
+    "Averaged",
+    "Bands",
+    "Calibration",
+    "CircleDirection",
+    "CircleReservoir",
+    "Estimate",
+    "Fit",
+    "FourierDirection",
+    "FourierReservoir",
+    "ProcessedData",
+    "RawData",
+    "Recording",
+    "SuperellipseDirection",
+    "SuperellipseReservoir",
+    "TurnAverage",
+    "VirtualTribometer",
+    "average_turns",
+    "fit_law",
+    "low_pass",
+    "process",
+]
