@@ -99,7 +99,7 @@ PVC = Pairing(
 
 STEEL = Pairing(
     "steel pin on surface ground steel",
-    FrictionLaw(Superellipse(0.15, 0.21, 1.8), Superellipse(1.0, 1.15, 3.2)),
+    FrictionLaw(Superellipse(0.15, 0.21, 1.5), Superellipse(1.0, 1.5, 2.4)),
     18.5,
     0.1,
     seed=25,
