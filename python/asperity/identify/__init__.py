@@ -13,19 +13,23 @@ Reference: [WL19] §5.2.
 from asperity.identify.averaged import Averaged
 from asperity.identify.calibration import Calibration
 from asperity.identify.coordinates import Estimate
+from asperity.identify.dependence import Dependence, load_dependence, speed_dependence
 from asperity.identify.direction_models import (
     CircleDirection,
     FourierDirection,
     SuperellipseDirection,
 )
+from asperity.identify.files import Configuration, read_raw, write_raw
 from asperity.identify.fit import Bands, Fit, fit_law
 from asperity.identify.process import ProcessedData, process
+from asperity.identify.reading import read_csv
 from asperity.identify.record import RawData, Recording
 from asperity.identify.reservoir_models import (
     CircleReservoir,
     FourierReservoir,
     SuperellipseReservoir,
 )
+from asperity.identify.sets import ConvexDirection, MeasuredSets
 from asperity.identify.signals import low_pass
 from asperity.identify.tribometer import VirtualTribometer
 from asperity.identify.turns import TurnAverage, average_turns
@@ -36,10 +40,14 @@ __all__ = [
     "Calibration",
     "CircleDirection",
     "CircleReservoir",
+    "Configuration",
+    "ConvexDirection",
+    "Dependence",
     "Estimate",
     "Fit",
     "FourierDirection",
     "FourierReservoir",
+    "MeasuredSets",
     "ProcessedData",
     "RawData",
     "Recording",
@@ -49,6 +57,11 @@ __all__ = [
     "VirtualTribometer",
     "average_turns",
     "fit_law",
+    "load_dependence",
     "low_pass",
     "process",
+    "read_csv",
+    "read_raw",
+    "speed_dependence",
+    "write_raw",
 ]

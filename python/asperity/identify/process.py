@@ -17,11 +17,12 @@ from asperity.errors import ParameterError, RecordError
 from asperity.identify import signals
 from asperity.identify.averaged import Averaged
 from asperity.identify.record import RawData, Recording
+from asperity.identify.sets import MeasuredSets
 from asperity.identify.turns import TurnAverage, average_turns, bin_centres, sense, turn_numbers
 from asperity.identify.zero import Zero, zero_of
 
 # Samples that are worked on at a time.
-_CHUNK = 1 << 18
+_CHUNK = 1 << 15
 
 
 class ProcessedData(Value):
@@ -94,11 +95,12 @@ class ProcessedData(Value):
         turns = 0
         for number, run in enumerate(self.raw.recordings):
             rows = slice(self.run[number], self.run[number + 1])
-            out.turn[rows] = turn_numbers(run)
+            sign = sense(run)
+            out.turn[rows] = turn_numbers(run, sign)
             found = int(out.turn[rows].max()) + 1
             out.turn[rows][out.turn[rows] >= 0] += turns
             turns += found
-            backwards = math.pi if sense(run) < 0.0 else 0.0
+            backwards = math.pi if sign < 0.0 else 0.0
             np.add(run.angle, self.grid_angle + backwards, out=out.phi[rows])
             self._forces(number, self.matrix, self._zero, out.force[rows], out.normal[rows])
         if turns == 0:
@@ -115,13 +117,18 @@ class ProcessedData(Value):
     def _forces(self, number: int, matrix: Array, zero: Zero, force: Array, normal: Array) -> None:
         """Write −λ (119) and λ_N of a run for a matrix T and a zero."""
         run = self.raw.recordings[number]
+        offset, slope = matrix @ zero.mean, matrix @ zero.slope
         for rows in _chunks(len(run)):
-            forces = (run.readings[rows] - zero.at(run.time[rows])) @ matrix.T
+            later = run.time[rows] - zero.middle
+            along, across, pressing = (
+                line @ run.readings[rows].T - (start + rate * later)
+                for line, start, rate in zip(matrix, offset, slope, strict=True)
+            )
             angle = run.angle[rows] + self.grid_angle
             c, s = np.cos(angle), np.sin(angle)
-            force[rows, 0] = c * forces[:, 0] - s * forces[:, 1]
-            force[rows, 1] = s * forces[:, 0] + c * forces[:, 1]
-            normal[rows] = forces[:, 2]
+            force[rows, 0] = c * along - s * across
+            force[rows, 1] = s * along + c * across
+            normal[rows] = pressing
         if self.raw.normal_load is not None:
             normal[:] = self.raw.normal_load
         else:
@@ -191,25 +198,31 @@ class ProcessedData(Value):
         for number, run in enumerate(self.raw.recordings):
             for rows in _chunks(len(run)):
                 here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
-                readings = run.readings[rows] - self._zero.at(run.time[rows])
-                used = self.turn[here] >= 0
-                columns = (*readings.T, self.normal_force[here])
-                cell, within = _cells(self.phi[here][used], k)
-                sums[0] += np.bincount(cell, minlength=k)
-                sums[1] += np.bincount(cell, within, k)
-                for row, column in enumerate(columns, 2):
-                    sums[row] += np.bincount(cell, column[used], k)
+                cell, within = _cells(self.phi[here], k)
+                later = run.time[rows] - self._zero.middle
+                # Incomplete turns have no weight.
+                used = (self.turn[here] >= 0).astype(np.float64)
+                columns = (1.0, within, *run.readings[rows].T, self.normal_force[here])
+                drift = (0.0, 0.0, *self._zero.slope, 0.0)
+                for row, (column, rate) in enumerate(zip(columns, drift, strict=True)):
+                    sums[row] += np.bincount(cell, used * (column - rate * later), k)
         count = sums[0]
         if not count.all():
             raise ParameterError("bins", f"must be fewer: of {k}, some hold no sample")
         return Averaged(
             bin_centres(k) + sums[1] / count,
-            sums[2:5].T / count[:, None],
+            sums[2:5].T / count[:, None] - self.zero,
             sums[5] / count,
             count,
             matrix=self.matrix,
             zero=self.zero,
         )
+
+    @cached_property
+    def sets(self) -> MeasuredSets:
+        """Points of bdry C and of D from the means in 720 directions, with their defects."""
+        means = self.averaged()
+        return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
 
     def turn_averages(self, bins: int = 360) -> dict[str, TurnAverage]:
         """Return l_t and l_p, per unit normal force, and λ_N in N over each turn, with bands."""

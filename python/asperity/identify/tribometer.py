@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -185,6 +186,19 @@ class VirtualTribometer(Value):
         run = part(idle, running, "virtual")
         after = [part(idle + running, idle, "virtual, after")] if idle > 1 else []
         return RawData([run], calibration=calibration, no_load=before + after, radius=self.radius)
+
+    def write(self, folder: str | os.PathLike[str]) -> list[str]:
+        """Write what `record` returns as CSV files with a configuration, for `read_raw`.
+
+        Args:
+            folder: made if it is not there.
+
+        Returns:
+            Names of the files, the run first, ``tribometer.toml`` last.
+        """
+        from asperity.identify.files import write_raw
+
+        return write_raw(self.record(), folder)
 
     def _levels(self) -> Array:
         phi = 2.0 * math.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
