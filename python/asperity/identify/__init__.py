@@ -18,7 +18,8 @@ from asperity.identify.direction_models import (
     FourierDirection,
     SuperellipseDirection,
 )
-from asperity.identify.fit import Bands, Fit, fit_law
+from asperity.identify.fit import Bands, Fit
+from asperity.identify.fitting import fit_law
 from asperity.identify.process import ProcessedData, process
 from asperity.identify.record import RawData, Recording
 from asperity.identify.reservoir_models import (
@@ -26,6 +27,7 @@ from asperity.identify.reservoir_models import (
     FourierReservoir,
     SuperellipseReservoir,
 )
+from asperity.identify.selection import Candidate, Comparison, compare_models
 from asperity.identify.signals import low_pass
 from asperity.identify.tribometer import VirtualTribometer
 from asperity.identify.turns import TurnAverage, average_turns
@@ -34,8 +36,10 @@ __all__ = [
     "Averaged",
     "Bands",
     "Calibration",
+    "Candidate",
     "CircleDirection",
     "CircleReservoir",
+    "Comparison",
     "Estimate",
     "Fit",
     "FourierDirection",
@@ -48,6 +52,7 @@ __all__ = [
     "TurnAverage",
     "VirtualTribometer",
     "average_turns",
+    "compare_models",
     "fit_law",
     "low_pass",
     "process",
