@@ -20,7 +20,8 @@ from asperity.identify.direction_models import (
     SuperellipseDirection,
 )
 from asperity.identify.files import Configuration, read_raw, write_raw
-from asperity.identify.fit import Bands, Fit, fit_law
+from asperity.identify.fit import Bands, Fit
+from asperity.identify.fitting import fit_law
 from asperity.identify.process import ProcessedData, process
 from asperity.identify.reading import read_csv
 from asperity.identify.record import RawData, Recording
@@ -29,6 +30,7 @@ from asperity.identify.reservoir_models import (
     FourierReservoir,
     SuperellipseReservoir,
 )
+from asperity.identify.selection import Candidate, Comparison, compare_models
 from asperity.identify.sets import ConvexDirection, MeasuredSets
 from asperity.identify.signals import low_pass
 from asperity.identify.tribometer import VirtualTribometer
@@ -38,8 +40,10 @@ __all__ = [
     "Averaged",
     "Bands",
     "Calibration",
+    "Candidate",
     "CircleDirection",
     "CircleReservoir",
+    "Comparison",
     "Configuration",
     "ConvexDirection",
     "Dependence",
@@ -56,6 +60,7 @@ __all__ = [
     "TurnAverage",
     "VirtualTribometer",
     "average_turns",
+    "compare_models",
     "fit_law",
     "load_dependence",
     "low_pass",

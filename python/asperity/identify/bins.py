@@ -65,12 +65,13 @@ class GroupedBins:
     def _of(self, chosen: Array, width: int) -> Bins:
         def joined(values: Array) -> Array:
             total: Array = values[chosen].sum(axis=0)
-            return total.reshape(FINE // width, width, *total.shape[1:]).sum(axis=1)
+            cells = total.reshape(FINE // width, width, *total.shape[1:])
+            return np.asarray(cells.sum(axis=1), dtype=np.float64)
 
         squares, normal = joined(self.squares), joined(self.normal)
         product, offset = joined(self.product), joined(self.offset)
         filled = squares > 0.0
-        # Forces at the mean direction of a bin's samples: the error is of second order in the width.
+        # Taken at the mean direction, forces err by the second order of the width.
         phi = offset[filled] / squares[filled]
         return Bins(phi, squares[filled], normal[filled], product[filled])
 

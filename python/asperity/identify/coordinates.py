@@ -37,7 +37,7 @@ class Scale(Enum):
 
 
 class Coordinate(NamedTuple):
-    """Name of a reported parameter, how it follows from the coordinate, and the coordinate's bounds."""
+    """Name of a reported parameter, how it follows from the coordinate, bounds of this."""
 
     name: str
     scale: Scale

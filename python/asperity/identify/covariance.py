@@ -22,7 +22,7 @@ _LEVEL = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Covariance:
-    """Covariance of the coordinates: from the scatter of turns, from calibration, from zero records.
+    """Covariance of coordinates: from the scatter of turns, calibration, records without load.
 
     `turns` is the number of turns behind the first one.
     """
@@ -39,8 +39,12 @@ class Covariance:
 
     def of(self, part: slice) -> Covariance:
         """Return the covariance of some of the coordinates."""
-        blocks = (full[part, part] for full in (self.scatter, self.calibration, self.zero))
-        return Covariance(*blocks, self.turns)
+        return Covariance(
+            self.scatter[part, part],
+            self.calibration[part, part],
+            self.zero[part, part],
+            self.turns,
+        )
 
     def half_widths(self, directions: Array, confidence: float) -> Array:
         """Return the half widths of the bands of combinations ``(n, k)`` of coordinates.
@@ -93,7 +97,7 @@ def shared(
     if calibration is None and zero is None:
         return none, none
     transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
-    pulls = sum(_pulls(family, bins, sense, p, transform) for bins, sense in parts)
+    pulls = np.sum([_pulls(family, bins, sense, p, transform) for bins, sense in parts], axis=0)
     by = np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
 
     def caused(covariance: Array | None, by: Array, name: str) -> Array:
@@ -123,9 +127,7 @@ def _pulls(family: Family, bins: Bins, sense: float, p: Array, transform: Array)
         axis=1,
     )
     x, y = bins.force.T
-    channels = np.stack(
-        [sense * (x * cos + y * sin), sense * (y * cos - x * sin), np.ones_like(x)]
-    )
+    channels = np.stack([sense * (x * cos + y * sin), sense * (y * cos - x * sin), np.ones_like(x)])
     readings = np.linalg.solve(transform, channels)
     by_entry = np.einsum("kin,jn,n->kij", pull, readings, bins.squares).reshape(len(p), 9)
     by_zero = -np.einsum("kin,n,ij->kj", pull, bins.normal, transform)

@@ -51,8 +51,8 @@ def descend(
         step = np.clip(p + step, low, high) - p
         if np.abs(step).max(initial=0.0) <= _SHORTEST_STEP:
             return Descent(p, sums, cost, True)
-        if damping == 0.0 and step @ matrix @ step <= close**2 * cost / degrees:
-            return Descent(p + step, _continued(sums, step), cost - step @ gradient, True)
+        if damping == 0.0 and float(step @ matrix @ step) <= close**2 * cost / degrees:
+            return Descent(p + step, _continued(sums, step), cost - float(step @ gradient), True)
         trial = sums_at(p + step)
         if trial.cost.sum() < cost:
             gain = cost - trial.cost.sum()

@@ -15,7 +15,7 @@ from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import FitError
 from asperity.identify.coordinates import SHARPEST, TINY, Coordinate, Roundness, Scale
-from asperity.identify.harmonics import harmonics_of, series
+from asperity.identify.harmonics import harmonics_of, least_squares, series
 from asperity.identify.reservoir_models import ellipse_through
 from asperity.sets import Disk, Ellipse, StarSet, Superellipse, SupportCurve
 
@@ -105,7 +105,10 @@ class SuperellipseDirection(DirectionModel):
         self._keep(coordinates=(ratio, *free, angle))
 
     def force_direction(self, c: Array, s: Array, p: Array) -> tuple[Array, Array, Array]:
-        """Return the direction of the support point: |tan θ| = (p₂/p₁)^{s/(s−1)} |tan φ|^{1/(s−1)}."""
+        """Return the direction of the support point.
+
+        |tan θ| = (p₂/p₁)^{s/(s−1)} |tan φ|^{1/(s−1)} from the first axis, [WL19] (84).
+        """
         flow = 1.0 / (self._exponent(p) - 1.0)
         cos, sin = math.cos(p[-1]), math.sin(p[-1])
         x, y = c * cos + s * sin, s * cos - c * sin
@@ -149,7 +152,7 @@ class SuperellipseDirection(DirectionModel):
         return Roundness(matrix, np.zeros(len(matrix)))
 
     def folded(self, p: Array) -> Array:
-        """Return the set's coordinates with the angle within ±45°: a quarter turn swaps the axes."""
+        """Return coordinates with the angle within ±45°: a quarter turn swaps the axes."""
         quarters = round(p[-1] / (math.pi / 2.0))
         result = p.copy()
         result[-1] -= quarters * math.pi / 2.0
@@ -181,7 +184,9 @@ class FourierDirection(DirectionModel):
     def __init__(self, order: int = 8, *, odd: bool = False) -> None:
         self._set(order=_arrays.count(order, "order"), odd=bool(odd))
         self._keep(_harmonics=harmonics_of(self.order, self.odd))
-        waves = [Coordinate(f"{f}{k}", Scale.PLAIN) for k in self._harmonics for f in ("cos", "sin")]
+        waves = [
+            Coordinate(f"{f}{k}", Scale.PLAIN) for k in self._harmonics for f in ("cos", "sin")
+        ]
         self._keep(coordinates=tuple(waves))
 
     _harmonics: tuple[int, ...]
@@ -214,7 +219,7 @@ class FourierDirection(DirectionModel):
 
     def start(self, c: Array, s: Array, log_support: Array, slope: Array) -> list[Array]:
         """Return the least-squares polynomial through the derivatives of ln h_D."""
-        return [np.linalg.lstsq(series(c, s, self._harmonics)[1].T, slope, rcond=None)[0]]
+        return [least_squares(series(c, s, self._harmonics)[1].T, slope)]
 
 
 def _too_sharp(exponent: float) -> FitError:

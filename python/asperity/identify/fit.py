@@ -1,7 +1,8 @@
-"""Least-squares fits of a friction law to measured forces."""
+"""A law fitted to measured forces: sets, parameters with bands, residuals, report."""
 
 from __future__ import annotations
 
+import math
 import os
 from functools import cached_property
 from pathlib import Path
@@ -13,21 +14,15 @@ from numpy.typing import ArrayLike
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
-from asperity.errors import FitError, ParameterError
 from asperity.identify.bins import grouped
 from asperity.identify.coordinates import Estimate
 from asperity.identify.covariance import Covariance, estimate, has_angle, scatter_of, shared
-from asperity.identify.descent import Descent, descend
+from asperity.identify.descent import Descent
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
-    DirectionName,
-    ReservoirName,
-    direction_model,
     name_of,
-    reservoir_model,
 )
-from asperity.identify.samples import Measured, Samples, by_sense, samples_of
-from asperity.identify.start import fit_bins, starts
+from asperity.identify.samples import Samples, by_sense
 from asperity.identify.sums import Family
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
@@ -35,11 +30,8 @@ from asperity.sets import StarSet
 if TYPE_CHECKING:
     from asperity.identify.selection import Comparison
 
-_COARSE_WIDTH = 5
-# A last step so short, in standard errors, is taken without another look at the samples.
-_CLOSE = 0.1
-_ROUNDS, _SAME_SCALE = 10, 1e-3
-_MOST_LENGTHS = 100_000
+# Means for figures are taken over half a degree.
+_WIDTH = 5
 # Without bands, a set counts as round if its combinations of coordinates are below this.
 _ROUND = 1e-9
 
@@ -145,7 +137,7 @@ class Fit:
 
     @cached_property
     def parameters(self) -> dict[str, Estimate]:
-        """Estimates with bands by name: ``reservoir.a``, ``direction.ratio`` = p₁/p₂, …
+        """Estimates with bands by name: ``reservoir.a``, ``direction.ratio`` = p₁/p₂ and others.
 
         Semi-axes are per unit normal force, angles in rad within ±45°. An angle is identifiable if
         the set differs from one that has none (at the level 0.01); the scale of D never is.
@@ -178,9 +170,20 @@ class Fit:
             result[part] = samples.force[part] - samples.normal[part, None] * model
         return result
 
+    @cached_property
+    def means(self) -> tuple[Array, Array]:
+        """Sliding directions φ in rad and mean forces −λ/λ_N there, ``(n,)`` and ``(n, 2)``."""
+        bins = grouped(self._samples, 1).bins(width=_WIDTH)
+        return bins.phi, bins.force
+
+    @property
+    def joint(self) -> bool:
+        """Whether C and D were fitted together."""
+        return self._family.joint
+
     @property
     def rms(self) -> float:
-        """Root mean square of a component of the residuals in turns, in N; robust with such a loss."""
+        """Root mean square of a component of the residuals in N, or the scale of a robust loss."""
         if not self.loss.is_linear:
             return self.loss.scale
         return float(np.sqrt(max(self._descent.cost, 0.0) / (2 * self.samples)))
@@ -251,7 +254,7 @@ class Fit:
     def _deviation(self, direction: Array) -> float:
         if self.covariance is None:
             return float("nan")
-        return float(np.sqrt(max(direction @ self.covariance.total @ direction, 0.0)))
+        return math.sqrt(max(float(direction @ self.covariance.total @ direction), 0.0))
 
     def _has_angle(self, part: slice, roundness: Any) -> bool:
         if roundness is None:
@@ -260,106 +263,3 @@ class Fit:
         if self.covariance is None:
             return bool(np.abs(roundness.matrix @ p - roundness.offset).max() > _ROUND)
         return has_angle(p, roundness, self.covariance.of(part))
-
-
-def fit_law(
-    data: Measured,
-    reservoir: ReservoirName = "superellipse",
-    direction: DirectionName = "superellipse",
-    *,
-    joint: bool = True,
-    loss: str = "linear",
-    confidence: float | None = 0.95,
-) -> Fit:
-    """Fit a law's sets C and D to measured forces: min Σ‖−λ − λ_N f(φ)‖² over all samples.
-
-    The model meets the unfiltered samples. Bands hold what differs between turns (Student's t with
-    one degree less than turns) and the uncertainty of calibration and zeros, which turns share.
-
-    Args:
-        data: what `process` returns, or arrays (φ in rad, −λ/λ_N ``(n, 2)``), by turns if φ is
-            unwrapped, or (φ, −λ/λ_N, turn) with integers that are negative outside of turns.
-        reservoir: model of C: ``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"`` or a
-            model such as `FourierReservoir`.
-        direction: model of D, likewise.
-        joint: fit C and D together to the forces; else C to their magnitudes over their
-            directions and D to their directions over the sliding directions.
-        loss: ``"linear"``, or ``"huber"`` or ``"cauchy"`` against outliers.
-        confidence: of the bands; None for a fit without bands, then one turn will do.
-
-    Raises:
-        FitError: if directions are missing, forces do not oppose sliding, or nothing fits.
-
-    Reference: [WL19] §5.2, Table 1, (84), (119), (125).
-
-    >>> import numpy as np
-    >>> import asperity as asp
-    >>> from asperity.identify import fit_law
-    >>> law = asp.FrictionLaw(asp.Superellipse(0.54, 0.46, 2.9), asp.Ellipse(1.5, 1.0))
-    >>> phi = np.linspace(0.0, 6.0 * np.pi, 3000, endpoint=False)
-    >>> slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-    >>> noise = 0.005 * np.random.default_rng(1).normal(size=slip.shape)
-    >>> fit = fit_law((phi, -law.force(slip) + noise), direction="ellipse")
-    >>> fit.parameters["reservoir.exponent"].covers(2.9)
-    True
-    >>> fit.parameters["direction.scale"].identifiable
-    False
-    """
-    if confidence is not None:
-        confidence = _arrays.fraction(confidence, "confidence")
-        if not 0.0 < confidence < 1.0:
-            raise ParameterError("confidence", f"must lie between 0 and 1, got {confidence!r}")
-    measure = Loss(loss)
-    family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))
-    samples = samples_of(data)
-    sums = grouped(samples, 1)
-    bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
-    if 2 * bins.phi.size <= family.size:
-        raise FitError(f"data: {bins.phi.size} directions cannot tell {family.size} parameters")
-    start = fit_bins(family, bins, starts(family, coarse)).p
-    descent, measure = _fit_samples(family, samples, start, measure)
-    if not descent.converged:
-        raise FitError(
-            f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
-            "try a simpler model"
-        )
-    return Fit(data, samples, family, descent, measure, confidence)
-
-
-def _fit_samples(
-    family: Family, samples: Samples, start: Array, loss: Loss
-) -> tuple[Descent, Loss]:
-    """Descend on all samples; a robust loss finds its scale in turns with the coordinates."""
-    degrees = max(2 * len(samples) - family.size, 1)
-
-    def from_here(p: Array, measure: Loss) -> Descent:
-        return descend(
-            lambda at: family.sums(samples, at, measure),
-            p,
-            family.coordinates,
-            damping=0.0,
-            close=_CLOSE,
-            degrees=degrees,
-        )
-
-    if loss.is_linear:
-        return from_here(start, loss), loss
-    p, inside = start, _some(samples)
-    for _ in range(_ROUNDS):
-        along, across, *_ = family.residuals(
-            samples.phi[inside], samples.force[inside], samples.normal[inside], p
-        )
-        rescaled = loss.scaled_by(np.hypot(along, across))
-        settled = abs(rescaled.scale - loss.scale) <= _SAME_SCALE * rescaled.scale
-        loss = rescaled
-        descent = from_here(p, loss)
-        p = descent.p
-        if settled:
-            break
-    return descent, loss
-
-
-def _some(samples: Samples) -> Array:
-    """Return numbers of samples in turns, evenly spread."""
-    inside = np.concatenate([np.arange(first, end) for first, end, _ in samples.runs])
-    return inside[:: max(1, inside.size // _MOST_LENGTHS)]

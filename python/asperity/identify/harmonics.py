@@ -1,4 +1,4 @@
-"""Trigonometric polynomials at directions given as unit vectors."""
+"""Trigonometric polynomials at directions given as unit vectors; linear least squares."""
 
 from __future__ import annotations
 
@@ -24,3 +24,8 @@ def series(c: Array, s: Array, harmonics: tuple[int, ...]) -> tuple[Array, Array
         waves[2 * row], waves[2 * row + 1] = power.real, power.imag
         slopes[2 * row], slopes[2 * row + 1] = -k * power.imag, k * power.real
     return waves, slopes
+
+
+def least_squares(matrix: Array, values: Array) -> Array:
+    """Return x of the smallest ‖A x − values‖."""
+    return np.asarray(np.linalg.lstsq(matrix, values, rcond=None)[0], dtype=np.float64)

@@ -18,7 +18,7 @@ from asperity.identify.coordinates import (
     Roundness,
     Scale,
 )
-from asperity.identify.harmonics import harmonics_of, series
+from asperity.identify.harmonics import harmonics_of, least_squares, series
 from asperity.sets import Disk, Ellipse, PolarCurve, StarSet, Superellipse
 
 _SAMPLES = 720
@@ -148,7 +148,7 @@ class SuperellipseReservoir(ReservoirModel):
         return Roundness(matrix, np.zeros(1))
 
     def folded(self, p: Array) -> Array:
-        """Return the set's coordinates with the angle within ±45°: a quarter turn swaps the axes."""
+        """Return coordinates with the angle within ±45°: a quarter turn swaps the axes."""
         quarters = round(p[-1] / (math.pi / 2.0))
         result = p.copy()
         result[-1] -= quarters * math.pi / 2.0
@@ -178,7 +178,9 @@ class FourierReservoir(ReservoirModel):
     def __init__(self, order: int = 8, *, odd: bool = False) -> None:
         self._set(order=_arrays.count(order, "order"), odd=bool(odd))
         self._keep(_harmonics=harmonics_of(self.order, self.odd))
-        waves = [Coordinate(f"{f}{k}", Scale.PLAIN) for k in self._harmonics for f in ("cos", "sin")]
+        waves = [
+            Coordinate(f"{f}{k}", Scale.PLAIN) for k in self._harmonics for f in ("cos", "sin")
+        ]
         self._keep(coordinates=(Coordinate("log", Scale.PLAIN), *waves))
 
     _harmonics: tuple[int, ...]
@@ -198,14 +200,14 @@ class FourierReservoir(ReservoirModel):
         """Return the least-squares polynomial through the logarithms of the radii."""
         by = np.vstack([np.ones(c.size), series(c, s, self._harmonics)[0]])
         root = np.sqrt(weight) * radius
-        return [np.linalg.lstsq((by * root).T, np.log(radius) * root, rcond=None)[0]]
+        return [least_squares((by * root).T, np.log(radius) * root)]
 
 
 def ellipse_through(c: Array, s: Array, values: Array, weight: Array) -> tuple[float, float, float]:
-    """Return a, b and angle of the ellipse nᵀQn = values in least squares, Q = A diag(a⁻², b⁻²) Aᵀ."""
+    """Return a, b and angle of the ellipse whose matrix Q fits nᵀQn = values best."""
     rows = np.stack([c * c, 2.0 * c * s, s * s], axis=-1)
     root = np.sqrt(weight)
-    q11, q12, q22 = np.linalg.lstsq(rows * root[:, None], values * root, rcond=None)[0]
+    q11, q12, q22 = least_squares(rows * root[:, None], values * root)
     sizes, vectors = np.linalg.eigh(np.array([[q11, q12], [q12, q22]]))
     sizes = np.maximum(sizes, 1e-6 * abs(sizes[1]))
     angle = math.atan2(vectors[1, 0], vectors[0, 0])

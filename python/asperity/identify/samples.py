@@ -53,7 +53,9 @@ def samples_of(data: Any) -> Samples:
     """Return the samples of processed data, or of arrays (φ, −λ/λ_N) or (φ, −λ/λ_N, turn)."""
     if isinstance(data, tuple):
         if len(data) not in (2, 3):
-            raise DimensionError("data", f"must be (phi, force) or (phi, force, turn), got {len(data)}")
+            raise DimensionError(
+                "data", f"must be (phi, force) or (phi, force, turn), got {len(data)}"
+            )
         phi = _arrays.array(data[0], "data.phi", (None,))
         force = _arrays.array(data[1], "data.force", (phi.size, 2))
         turn = _counted_turns(phi) if len(data) == 2 else np.asarray(data[2])
@@ -63,7 +65,9 @@ def samples_of(data: Any) -> Samples:
     else:
         raise FitError(f"data: must be what process() returns or (phi, force), got {data!r:.60}")
     if turn.shape != phi.shape or turn.dtype.kind not in "iu":
-        raise DimensionError("data.turn", f"must be integers of shape {phi.shape}, got {turn.shape}")
+        raise DimensionError(
+            "data.turn", f"must be integers of shape {phi.shape}, got {turn.shape}"
+        )
     runs, turns = _runs(turn)
     samples = Samples(phi, force, normal, runs, turns)
     _check(samples)
@@ -85,11 +89,11 @@ def by_sense(samples: Samples, data: Any) -> list[tuple[Samples, float]]:
 
 
 def _counted_turns(phi: Array) -> NDArray[np.intp]:
-    """Number complete turns of an unwrapped direction; angles within one turn are one turn."""
+    """Return numbers of the turns of an unwrapped direction; −1 in an incomplete last one."""
     if phi.size < 2 or np.ptp(phi) <= 2.0 * np.pi:
         return np.zeros(phi.size, dtype=np.intp)
     progress = (phi - phi[0]) * np.sign(phi[-1] - phi[0]) / (2.0 * np.pi)
-    turn = np.floor(progress + 1e-9).astype(np.intp)
+    turn: NDArray[np.intp] = np.floor(progress + 1e-9).astype(np.intp)
     # One step is missing from the last turn when it ends just before its start.
     complete = int(np.floor(progress[-1] + 1.5 * abs(progress[-1] - progress[-2])))
     turn[(turn < 0) | (turn >= complete)] = -1

@@ -1,4 +1,4 @@
-"""Normal equations of a law's parameters, summed turn by turn; the only place that meets the samples.
+"""Normal equations of a law's coordinates, summed turn by turn.
 
 D gives the direction of the force, C its magnitude in that direction: −λ = λ_N r_C(θ) e(θ) with
 θ = θ_D(φ). Derivatives are taken along the force and across it.
@@ -12,6 +12,7 @@ import numpy as np
 
 from asperity._arrays import Array
 from asperity._value import Value
+from asperity.identify.coordinates import TINY, Coordinate
 from asperity.identify.direction_models import DirectionModel
 from asperity.identify.loss import Loss
 from asperity.identify.reservoir_models import ReservoirModel
@@ -45,7 +46,9 @@ class Family(Value):
     direction: DirectionModel
     joint: bool
 
-    def __init__(self, reservoir: ReservoirModel, direction: DirectionModel, *, joint: bool) -> None:
+    def __init__(
+        self, reservoir: ReservoirModel, direction: DirectionModel, *, joint: bool
+    ) -> None:
         self._set(reservoir=reservoir, direction=direction, joint=joint)
         self._keep(
             coordinates=(*reservoir.coordinates, *direction.coordinates),
@@ -53,7 +56,7 @@ class Family(Value):
         )
         self._keep(size=len(self.coordinates))
 
-    coordinates: tuple[object, ...]
+    coordinates: tuple[Coordinate, ...]
     split: int
     size: int
 
@@ -73,7 +76,10 @@ class Family(Value):
         return along.T.copy(), np.moveaxis(derivative, 1, 2).copy()
 
     def responses(self, phi: Array, p: Array) -> tuple[Array, Array]:
-        """Return how gradients per unit normal force answer to forces, ``(k, n, 2)``, and to λ_N, ``(k, n)``."""
+        """Return the derivatives of Jᵀe, per unit normal force, by forces and normal forces.
+
+        Their shapes are ``(k, n, 2)`` and ``(k, n)``.
+        """
         force, derivative = self.forces(phi, p)
         if self.joint:
             return derivative, -np.einsum("knc,nc->kn", derivative, force)
@@ -102,7 +108,7 @@ class Family(Value):
             along -= size
             jacobian_along[self.split :] = slope * turn
         else:
-            length = np.hypot(x, y)
+            length = np.maximum(np.hypot(x, y), TINY)
             log_radius, _, by = self.reservoir.log_radius(x / length, y / length, p[: self.split])
             size = normal * np.exp(log_radius)
             along = length - size
