@@ -24,9 +24,7 @@ _PIN_DIAMETER = 7.0
 
 def fig20() -> Redrawn:
     """Draw the pin-on-disk tribometer."""
-    figure, (ax,) = panels(
-        20, "tribometer", 1, figsize=(8.0, 6.0), parameters="not to scale"
-    )
+    figure, (ax,) = panels(20, "tribometer", 1, figsize=(8.0, 6.0), parameters="not to scale")
     with style():
         setup_sketches.tribometer_view(ax)
     area = 0.25 * math.pi * _PIN_DIAMETER**2

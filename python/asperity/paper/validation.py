@@ -126,9 +126,7 @@ def _path_checks(film: filmed.Filmed, compared: Mapping[str, PathComparison]) ->
     return [
         Check("Fig. 27 initial speed", filmed.SPEED, speed, 0.01, "m/s"),
         Check("Fig. 27 end point off, extended law", 0.0, ends[_EXTENDED], 3.0, "mm"),
-        Check(
-            "Fig. 27 rms distance, extended law", 0.0, 1e3 * compared[_EXTENDED].rms, 1.5, "mm"
-        ),
+        Check("Fig. 27 rms distance, extended law", 0.0, 1e3 * compared[_EXTENDED].rms, 1.5, "mm"),
         truth("Fig. 27 no other law ends within 15 mm", min(others) > 15.0),
     ]
 
