@@ -43,10 +43,12 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     demo = commands.add_parser(
         "demo",
-        help="compute Fig. 17 and Fig. 27 of Walker & Leine (2019) and check them",
+        help="compute Fig. 17 and Fig. 27 of Walker & Leine (2019) and a round trip; check them",
         description="Compute Fig. 17 (limit cycle) and Fig. 27 (sliding paths) of Walker & Leine "
-        "(2019) from the measured parameters; write fig17.png, fig17.csv, fig27.png, fig27.csv "
-        "and compare with converged values. Exit code 1 if one is off.",
+        "(2019) from the measured parameters, and a round trip: synthetic forces of a known law, "
+        "the law identified from them, a path simulated with it. Write fig17, fig27 and roundtrip "
+        "as .png and .csv and compare with converged values and the truth. Exit code 1 if one is "
+        "off.",
         epilog="example: asperity demo --out out/demo",
     )
     demo.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder to write into")
@@ -57,7 +59,8 @@ def _parser() -> argparse.ArgumentParser:
         description="Redraw Figs. 1-8 and 10-27 of Walker & Leine (2019): figNN.png, figNN.csv "
         "with its curves (points x, y) and arrows (from x, y by dx, dy), and a table of the "
         "statements that belong to it, Propositions 1-5 among them. Parameters the paper does not "
-        "give are own ones, measurements are synthetic; each figure says so. Exit code 1 if a statement does not hold.",
+        "give are own ones, measurements are synthetic; each figure says so. Exit code 1 if a "
+        "statement does not hold.",
         epilog="example: asperity figures --only 1-4,7 --out out/figures",
     )
     figures.add_argument(

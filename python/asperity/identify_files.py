@@ -6,6 +6,7 @@ import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from asperity._arrays import Array, unit_vectors
 from asperity._files import atomic
 from asperity._progress import stages
 from asperity.errors import FitError
-from asperity.identify import Configuration, Fit, ProcessedData, fit_law
+from asperity.identify import Averaged, Configuration, Fit, MeasuredSets, ProcessedData, fit_law
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +32,7 @@ FILES = (
 """What `identify` writes."""
 
 _STAGES = 6
-_DEGREES = np.arange(0.5, 360.0)
+_DIRECTIONS = 360
 
 
 @dataclass(frozen=True)
@@ -41,9 +42,21 @@ class Identification:
     data: ProcessedData
     fit: Fit
 
+    @cached_property
+    def averaged(self) -> Averaged:
+        """Means over directions of sliding, so many that each holds samples of every turn."""
+        per_turn = int((self.data.turn >= 0).sum()) // self.data.turns
+        return self.data.averaged(min(_DIRECTIONS, max(per_turn // 2, 8)))
+
+    @cached_property
+    def sets(self) -> MeasuredSets:
+        """C and D from these means."""
+        means = self.averaged
+        return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
+
     def summary(self) -> str:
         """Return a few lines of text: the data, their defects, Table 1 of [WL19], the law."""
-        data, sets = self.data, self.data.sets
+        data, sets = self.data, self.sets
         force = float(data.normal_force.mean())
         calibration = data.raw.calibration
         condition = "none" if calibration is None else f"condition {calibration.condition:.4g}"
@@ -169,16 +182,16 @@ _DIRECTION_COLUMNS = (
 
 
 def _directions(found: Identification) -> Array:
-    """Return mean measured and modelled forces over 360 directions of sliding, and points of D."""
-    phi, bins = np.deg2rad(_DEGREES), found.data.averaged(len(_DEGREES))
+    """Return mean measured and modelled forces over directions of sliding, and points of D."""
+    bins = found.averaged
     force = bins.force / bins.normal_force[:, None]
     e = unit_vectors(bins.phi)
     along, across = np.sum(e * force, axis=1), e[:, 0] * force[:, 1] - e[:, 1] * force[:, 0]
-    bands = found.fit.bands(phi)
-    sets = found.data.sets
-    points = [np.interp(bins.phi, sets.phi, column) for column in sets.direction_by_support.T]
+    bands = found.fit.bands(bins.phi)
     columns = [bins.phi, *force.T, along, across, *bands.resistance.T]
-    return np.column_stack([*columns, *bands.resistance_half_width.T, *points])
+    return np.column_stack(
+        [*columns, *bands.resistance_half_width.T, *found.sets.direction_by_support.T]
+    )
 
 
 def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

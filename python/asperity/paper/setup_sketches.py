@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, Ellipse, FancyArrowPatch, Polygon, Rectangle
@@ -140,9 +142,9 @@ def disk_frames(ax: Axes, turned: float = np.deg2rad(32.0)) -> None:
         parts.arrow(ax, pin, vector, color=color)
         parts.label(ax, text, np.add(pin, vector), offset=offset, color=color, bbox=_PAPER)
     across, along = unit_vectors(-turned), unit_vectors(np.pi / 2 - turned)
-    for vector, text in ((across, "$e_1^K$"), (along, "$e_2^K$")):
-        parts.arrow(ax, [0.0, 0.0], 1.1 * vector, color=BLUE)
-        parts.label(ax, text, 1.32 * vector, color=BLUE, bbox=_PAPER)
+    for axis, text in ((across, "$e_1^K$"), (along, "$e_2^K$")):
+        parts.arrow(ax, [0.0, 0.0], 1.1 * axis, color=BLUE)
+        parts.label(ax, text, 1.32 * axis, color=BLUE, bbox=_PAPER)
     ax.plot([0.0, 1.15], [0.0, 0.0], color=GREY, linewidth=0.8, linestyle=":")
     angle = np.rad2deg(turned)
     ax.add_patch(Arc((0.0, 0.0), 1.5, 1.5, theta1=-angle, theta2=0.0, color=GREEN))
@@ -185,7 +187,7 @@ def _cylinder(
     half = np.linspace(-np.pi, 0.0, 60)
     rim = np.stack([x + radius * np.cos(half), y - height + 0.5 * flat * np.sin(half)], axis=-1)
     side = np.vstack([[x - radius, y], rim, [x + radius, y]])
-    look = {"facecolor": color, "edgecolor": INK, "linewidth": 0.9}
+    look: dict[str, Any] = {"facecolor": color, "edgecolor": INK, "linewidth": 0.9}
     ax.add_patch(Polygon(side, zorder=zorder, **look))
     ax.add_patch(Ellipse((x, y), 2.0 * radius, flat, zorder=zorder + 0.1, **look))
 
@@ -198,7 +200,7 @@ def _puck(ax: Axes, center: Array) -> None:
 
 def _camera(ax: Axes, center: Array) -> None:
     x, y = center
-    look = {"facecolor": INK, "edgecolor": INK}
+    look: dict[str, Any] = {"facecolor": INK, "edgecolor": INK}
     ax.add_patch(Rectangle((x - 0.32, y - 0.2), 0.64, 0.42, **look))
     lens = [[x - 0.13, y - 0.2], [x + 0.13, y - 0.2], [x + 0.2, y - 0.43], [x - 0.2, y - 0.43]]
     ax.add_patch(Polygon(np.array(lens), **look))

@@ -29,7 +29,7 @@ _SLOW = 0.05
 
 
 def fig18() -> Redrawn:
-    """Draw (a) the experiment and (b) the tracked points over the last frame of a virtual camera."""
+    """Draw (a) the experiment and (b) the tracked points over the last frame of the camera."""
     figure, axes = panels(
         18, "tracking of a sliding disk", 2, figsize=(11.0, 4.9), parameters=SYNTHETIC
     )

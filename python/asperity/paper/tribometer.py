@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -237,7 +238,7 @@ def _draw_sets(curves: Curves, data: ProcessedData, pair: Pairing, ax: Axes) -> 
         record(curves, "b", name, [dots])
     direction = sets.direction.polygon.vertices
     curves.add("b", "convex D", scale * direction)
-    truth_look = {"color": INK, "linewidth": 0.8, "linestyle": "--"}
+    truth_look: dict[str, Any] = {"color": INK, "linewidth": 0.8, "linestyle": "--"}
     for chosen, name in ((pair.law.reservoir, "true C"), (pair.law.direction, "true D")):
         outline = scale * chosen.boundary(_BINS)
         (line,) = ax.plot(*np.vstack([outline, outline[:1]]).T, **truth_look)
