@@ -103,7 +103,7 @@ def test_statements_of_a_redrawn_figure_hold(redrawn, number):
 
 
 SCHEMATIC = {(4, "a"), (6, "a"), (10, "a"), (14, "a"), (14, "b")}
-SCHEMATIC |= {(13, panel) for panel in "abcd"}
+SCHEMATIC |= {(13, panel) for panel in "abcd"} | {(18, "a"), (22, "a")}
 """Panels that show nothing computed."""
 
 FILLED = {"gauge", "edge of the half-plane", "contour of no growth", "eigenvalues", "orbit"}
@@ -167,6 +167,9 @@ def test_a_redrawn_figure_says_where_its_parameters_come_from(redrawn, number):
     heading, caption = redrawn[number].figure.texts
     assert heading.get_text().startswith(f"Fig. {number} ")
     given = {10: "parameters of the paper"} | dict.fromkeys((15, 16, 17), "parameters of §4.3")
+    given |= {18: "synthetic data: virtual camera", 19: "simulated disk on three pads"}
+    given |= {20: "not to scale", 21: "not to scale", 22: "law of Fig. 24"}
+    given |= dict.fromkeys((23, 24, 25, 26, 27), "synthetic data: virtual tribometer")
     assert caption.get_text().startswith(given.get(number, "own parameters"))
 
 

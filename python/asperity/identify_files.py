@@ -113,7 +113,7 @@ def identify(
         announce("fitting")
         # The bands need two turns.
         bands = confidence if data.turns > 1 else None
-        fit = fit_law(data, reservoir, direction, loss=loss, confidence=bands)  # type: ignore[arg-type]
+        fit = fit_law(data, reservoir, direction, loss=loss, confidence=bands)
         found = Identification(data, fit)
         if not np.isfinite(fit.law.alpha_min):
             raise FitError("the fitted sets make no law")

@@ -58,7 +58,7 @@ def initial_velocity(speed: float, angle: float) -> Array:
 def filmed() -> Filmed:
     """Film and track the disk of Fig. 27, which obeys the law of PVC on ground steel."""
     disk, run = slide(PVC.law, SPEED, ANGLE)
-    camera = VirtualCamera(run, fps=500.0, size=(800, 680), seed=27)
+    camera = VirtualCamera(run, fps=500.0, size=(640, 560), seed=27)
     scene = Scene.from_points(*reference_points(camera))
     track = track_mark(camera.frames(), fps=500.0, scene=scene, mark=camera.mark)
     return Filmed(disk, run, camera, track, track.path())

@@ -88,11 +88,26 @@ def table_checks(found: Identified) -> list[Check]:
     semi_axes = [force * estimates[f"reservoir.{name}"].value for name in "ab"]
     ratio = table1.SUPERELLIPSE_D.a / table1.SUPERELLIPSE_D.b
     return [
-        Check("Table 1 ellipse C, across", 5.00, float(across), 0.05, "N"),
-        Check("Table 1 ellipse C, along", 4.49, float(along), 0.05, "N"),
-        Check("Table 1 superellipse C, across", 4.99, semi_axes[0], 0.05, "N"),
-        Check("Table 1 superellipse C, along", 4.25, semi_axes[1], 0.05, "N"),
-        Check("Table 1 superellipse C, exponent", 2.94, estimates["reservoir.exponent"].value, 0.1),
-        Check("Table 1 superellipse D, ratio", ratio, estimates["direction.ratio"].value, 0.015),
-        Check("Table 1 superellipse D, exponent", 2.51, estimates["direction.exponent"].value, 0.1),
+        Check("Fig. 26 Table 1 ellipse C, across", 5.00, float(across), 0.05, "N"),
+        Check("Fig. 26 Table 1 ellipse C, along", 4.49, float(along), 0.05, "N"),
+        Check("Fig. 26 Table 1 superellipse C, across", 4.99, semi_axes[0], 0.05, "N"),
+        Check("Fig. 26 Table 1 superellipse C, along", 4.25, semi_axes[1], 0.05, "N"),
+        Check(
+            "Fig. 26 Table 1 superellipse C, exponent",
+            2.94,
+            estimates["reservoir.exponent"].value,
+            0.1,
+        ),
+        Check(
+            "Fig. 26 Table 1 superellipse D, ratio",
+            ratio,
+            estimates["direction.ratio"].value,
+            0.015,
+        ),
+        Check(
+            "Fig. 26 Table 1 superellipse D, exponent",
+            2.51,
+            estimates["direction.exponent"].value,
+            0.1,
+        ),
     ]

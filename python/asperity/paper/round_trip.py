@@ -99,11 +99,11 @@ def draw(trip: RoundTrip) -> Figure:
 
 
 def _draw_paths(trip: RoundTrip, ax: Axes) -> None:
-    for motion, label, look in (
-        (trip.truth, "true law", {"linewidth": 4.0, "alpha": 0.35}),
-        (trip.run, "identified law", {}),
+    for motion, label, width, alpha in (
+        (trip.truth, "true law", 4.0, 0.35),
+        (trip.run, "identified law", 1.6, 1.0),
     ):
-        ax.plot(*(1e3 * motion.q[:, :2]).T, label=label, **look)
+        ax.plot(*(1e3 * motion.q[:, :2]).T, label=label, linewidth=width, alpha=alpha)
     ax.set_aspect("equal")
     ax.set(
         title=f"Path of the disk, ends {1e3 * trip.comparison.end_distance:.2f} mm apart",

@@ -91,10 +91,13 @@ def _draw_construction(curves: Curves, ax: Axes) -> None:
         record(curves, "b", name, [arrow])
         note(ax, text, tail + vector, offset, color=color)
     for angle, reach, text, color in ((phi, 0.13, r"$\varphi$", GREEN), (theta, 0.22, "θ", INK)):
-        arc = reach * unit_vectors(np.linspace(0.0, angle, 40))
-        ax.plot(*arc.T, color=color, linewidth=0.9)
+        points = reach * unit_vectors(np.linspace(0.0, angle, 40))
+        (arc,) = ax.plot(*points.T, color=color, linewidth=0.9)
+        record(curves, "b", f"angle {text}", [arc])
         note(ax, text, 1.12 * reach * unit_vectors(0.4 * angle), color=color)
-    ax.plot([0.0, 0.26 * e[0]], [0.0, 0.26 * e[1]], color=GREEN, linewidth=0.9, linestyle=":")
+    ray = np.stack([np.zeros(2), 0.26 * e])
+    (ahead,) = ax.plot(*ray.T, color=GREEN, linewidth=0.9, linestyle=":")
+    record(curves, "b", "direction of sliding", [ahead])
     ax.axhline(0.0, color=GREY, linewidth=0.7, zorder=0.9)
     ax.axvline(0.0, color=GREY, linewidth=0.7, zorder=0.9)
     ax.set(title="(b) force and sliding direction", xlabel="$x_1$", ylabel="$x_2$")
@@ -214,7 +217,14 @@ def _draw_forces(curves: Curves, data: ProcessedData, pair: Pairing, ax: Axes) -
         (BLUE, ORANGE),
         strict=True,
     ):
-        ax.plot(turned[::8], samples[::8], ".", color=color, alpha=0.18, markersize=2.0, mew=0.0)
+        look: dict[str, Any] = {
+            "color": color,
+            "alpha": 0.18,
+            "markersize": 2.0,
+            "markeredgewidth": 0.0,
+        }
+        (dots,) = ax.plot(turned[::8], samples[::8], ".", **look)
+        record(curves, "a", f"{name}, one turn", [dots])
         (line,) = ax.plot(phi, values, color=color, label=text)
         record(curves, "a", name, [line])
     ax.axhline(0.0, color=GREY, linewidth=0.7, zorder=0.9)
@@ -236,8 +246,9 @@ def _draw_sets(curves: Curves, data: ProcessedData, pair: Pairing, ax: Axes) -> 
         (dots,) = ax.plot(*(scale * points).T, ".", color=color, markersize=3.0)
         ax.plot([], [], "o", color=color, markersize=4.0, label=text)
         record(curves, "b", name, [dots])
-    direction = sets.direction.polygon.vertices
-    curves.add("b", "convex D", scale * direction)
+    corners = scale * sets.direction.polygon.vertices
+    (convex,) = ax.plot(*np.vstack([corners, corners[:1]]).T, color=DIRECTION, linewidth=0.8)
+    record(curves, "b", "convex D", [convex])
     truth_look: dict[str, Any] = {"color": INK, "linewidth": 0.8, "linestyle": "--"}
     for chosen, name in ((pair.law.reservoir, "true C"), (pair.law.direction, "true D")):
         outline = scale * chosen.boundary(_BINS)
