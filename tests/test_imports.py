@@ -21,8 +21,7 @@ LAYERS = [
     {"simulate", "integrate", "motion"},
     {"stability"},
     {"cycle"},
-    {"identify", "track"},
-    {"mechanisms", "plot", "problems"},
+    {"identify", "mechanisms", "plot", "problems", "track"},
     {"paper"},
     {"cli"},
 ]
