@@ -1,5 +1,7 @@
 """Reading runs of a tribometer: formats, and everything that can be wrong in a file."""
 
+from contextlib import suppress
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -131,6 +133,18 @@ def test_gaps_are_reported_and_split(run, write):
     assert [len(piece) for piece in pieces] == [100, 398, 699]
 
 
+def test_time_that_is_rounded_or_out_of_order(run, write):
+    table = columns(run)
+    table[:, 0] = table[:, 0].round(2)
+    path = write(lines_of(table))
+    with pytest.raises(RecordError, match=r"rounded .* or out of order after lines"):
+        read_csv(path)
+    table[:, 0] = run.time
+    table[[30, 31]] = table[[31, 30]]
+    with pytest.raises(RecordError, match=r"out of order after line 32;"):
+        read_csv(write(lines_of(table)))
+
+
 def test_clipping_is_told_from_a_smooth_maximum(run, write):
     table = columns(run)
     limit = np.quantile(table[:, 2], 0.9)
@@ -138,6 +152,10 @@ def test_clipping_is_told_from_a_smooth_maximum(run, write):
     clipped[:, 2] = np.minimum(table[:, 2], limit)
     with pytest.raises(RecordError, match=r"'tangential' .*: clipped lines .* \(12[01] lines\)"):
         read_csv(write(lines_of(clipped)))
+    # A quiet channel that toggles between two levels.
+    quiet = columns(run)
+    quiet[:, 3] = np.where(np.arange(len(quiet)) % 40 == 0, 0.0, 0.25)
+    assert len(read_csv(write(lines_of(quiet)))) == 1
     # Flat tops of a coarse but unclipped channel.
     t = np.arange(20_000) / 2000.0
     step = 8.0 * 10.0 / 2**12
@@ -336,3 +354,24 @@ def test_wrong_calibration_files(run, write):
     weighings.write_text(header + "\n1,0,0,1,0,0\n")
     with pytest.raises(RecordError, match="must act along all three axes"):
         Configuration({"calibration": {"file": "weights.csv"}}, folder=path.parent).read(path)
+
+
+def test_damaged_files_raise_nothing_but_our_errors(run, tmp_path):
+    whole = "\n".join(lines_of(columns(run)[:300])).encode()
+    random, path = np.random.default_rng(7), tmp_path / "run.csv"
+    for _ in range(150):
+        damaged = bytearray(whole)
+        for _ in range(random.integers(1, 40)):
+            at = random.integers(len(damaged))
+            kind = random.integers(3)
+            if kind == 0:
+                damaged[at] = random.integers(256)
+            elif kind == 1:
+                del damaged[at : at + random.integers(1, 200)]
+            else:
+                damaged[at:at] = damaged[: random.integers(1, 50)]
+        path.write_bytes(bytes(damaged))
+        for on_defect in ("raise", "split"):
+            with suppress(RecordError):
+                runs = read_csv(path, on_defect=on_defect)
+                assert all(np.isfinite(columns(read)).all() for read in runs)

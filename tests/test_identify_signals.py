@@ -302,7 +302,9 @@ def test_recordings_report_rows():
     with pytest.raises(RecordError, match="f: readings: NaN or infinity in rows 5, 10"):
         Recording(t, t, broken, source="f")
     late = np.where(np.arange(100) > 41, t + 1.0, t)
-    with pytest.raises(RecordError, match="time: steps unevenly after row 42"):
+    with pytest.raises(RecordError, match="time: does not go on without gap after row 42"):
         Recording(late, t, readings)
+    with pytest.raises(RecordError, match="time: does not rise after row 10"):
+        Recording(np.where(np.arange(100) == 10, t[9], t), t, readings)
     with pytest.raises(asp.DimensionError, match="angle"):
         Recording(t, t[:-1], readings)

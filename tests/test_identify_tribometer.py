@@ -1,5 +1,7 @@
 """The virtual tribometer: what it is told to do to the forces is what it does."""
 
+import pickle
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -131,3 +133,33 @@ def test_bad_parameters_name_themselves(options, argument):
     with pytest.raises(ParameterError) as caught:
         VirtualTribometer(**{"law": LAW, "normal_force": 9.3, **options})
     assert caught.value.argument == argument
+
+
+def values():
+    machine = virtual(sample_rate=200.0, no_load_time=1.0, noise=0.01)
+    data = process(machine.record())
+    means = data.averaged(36)
+    return [
+        machine,
+        data.raw,
+        *data.raw.recordings,
+        data.raw.calibration,
+        data,
+        means,
+        asp.identify.MeasuredSets(means.phi, means.force),
+        asp.identify.MeasuredSets(means.phi, means.force).direction,
+        data.turn_averages(36)["tangential"],
+        asp.identify.Dependence([1.0, 2.0, 3.0], [0.3, 0.3, 0.31]),
+        asp.identify.Configuration({"units": {"angle": "deg"}}),
+    ]
+
+
+@pytest.mark.parametrize("value", values(), ids=lambda value: type(value).__name__)
+def test_values_are_equal_picklable_and_immutable(value):
+    again = pickle.loads(pickle.dumps(value))
+    assert again == value
+    assert hash(again) == hash(value)
+    assert value.replace() == value
+    assert "array" not in repr(value)
+    with pytest.raises(AttributeError, match="immutable"):
+        value.source = "other"
