@@ -31,6 +31,7 @@ from asperity.errors import (
     NoCycleError,
     NoSolutionError,
     ParameterError,
+    RecordError,
     SimulationInterrupted,
 )
 from asperity.integrate import integrate
@@ -160,6 +161,7 @@ __all__ = [
     "ProxGaussSeidel",
     "ProxJacobi",
     "ProximalPoint",
+    "RecordError",
     "Rectangle",
     "RigidBodies",
     "Section",
