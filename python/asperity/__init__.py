@@ -33,6 +33,7 @@ from asperity.errors import (
     NoCycleError,
     NoSolutionError,
     ParameterError,
+    RecordError,
     SimulationInterrupted,
 )
 from asperity.integrate import integrate
@@ -165,6 +166,7 @@ __all__ = [
     "ProxGaussSeidel",
     "ProxJacobi",
     "ProximalPoint",
+    "RecordError",
     "Rectangle",
     "RigidBodies",
     "Section",

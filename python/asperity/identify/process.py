@@ -194,29 +194,38 @@ class ProcessedData(Value):
     def averaged(self, bins: int = 720) -> Averaged:
         """Return the means of all complete turns in equal bins of the sliding direction."""
         k = _arrays.count(bins, "bins", least=8)
-        sums = np.zeros((6, k))
+        forwards, backwards = np.zeros((6, k)), np.zeros((6, k))
         for number, run in enumerate(self.raw.recordings):
-            for rows in _chunks(len(run)):
-                here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
-                cell, within = _cells(self.phi[here], k)
-                later = run.time[rows] - self._zero.middle
-                # Incomplete turns have no weight.
-                used = (self.turn[here] >= 0).astype(np.float64)
-                columns = (1.0, within, *run.readings[rows].T, self.normal_force[here])
-                drift = (0.0, 0.0, *self._zero.slope, 0.0)
-                for row, (column, rate) in enumerate(zip(columns, drift, strict=True)):
-                    sums[row] += np.bincount(cell, used * (column - rate * later), k)
-        count = sums[0]
+            sums = forwards if sense(run) > 0.0 else backwards
+            self._add(number, sums)
+        count = forwards[0] + backwards[0]
         if not count.all():
             raise ParameterError("bins", f"must be fewer: of {k}, some hold no sample")
+        total, signed = (forwards + backwards) / count, (forwards - backwards) / count
         return Averaged(
-            bin_centres(k) + sums[1] / count,
-            sums[2:5].T / count[:, None] - self.zero,
-            sums[5] / count,
+            bin_centres(k) + total[1],
+            (signed[2:5] - signed[0] * self.zero[:, None]).T,
+            total[5],
             count,
+            unsigned_readings=(total[2:5] - self.zero[:, None]).T,
+            sense=signed[0],
             matrix=self.matrix,
             zero=self.zero,
         )
+
+    def _add(self, number: int, sums: Array) -> None:
+        """Add a run to the sums of 1, φ from the centre, readings without drift, λ_N in bins."""
+        run, k = self.raw.recordings[number], sums.shape[1]
+        for rows in _chunks(len(run)):
+            here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
+            cell, within = _cells(self.phi[here], k)
+            later = run.time[rows] - self._zero.middle
+            # Incomplete turns have no weight.
+            used = (self.turn[here] >= 0).astype(np.float64)
+            columns = (1.0, within, *run.readings[rows].T, self.normal_force[here])
+            drift = (0.0, 0.0, *self._zero.slope, 0.0)
+            for row, (column, rate) in enumerate(zip(columns, drift, strict=True)):
+                sums[row] += np.bincount(cell, used * (column - rate * later), k)
 
     @cached_property
     def sets(self) -> MeasuredSets:
@@ -262,9 +271,10 @@ def process(
     >>> from asperity import Ellipse, FrictionLaw
     >>> from asperity.identify import VirtualTribometer, process
     >>> law = FrictionLaw.collinear(Ellipse(0.5, 0.4))
-    >>> data = process(VirtualTribometer(law, normal_force=10.0, turns=3).record())
+    >>> machine = VirtualTribometer(law, normal_force=10.0, turns=3, turn_rate=0.5)
+    >>> data = process(machine.record())
     >>> data.turns, data.force.shape
-    (3, (30000, 2))
+    (3, (60000, 2))
     """
     return ProcessedData(raw, cut_off=cut_off, order=order, grid_angle=grid_angle)
 

@@ -14,7 +14,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import ParameterError, RecordError
 from asperity.identify import units as _units
-from asperity.identify.record import CHANNELS, Recording, gap_rows, rows_text
+from asperity.identify.record import CHANNELS, Recording, gap_rows, rows_text, standstill_rows
 from asperity.identify.table import Format, Table, read_table
 
 PathLike = str | os.PathLike[str]
@@ -22,6 +22,8 @@ _TURN = 2.0 * math.pi
 # A channel is clipped if its extreme value comes at least so often, and so many times more often
 # than the value next to it.
 _REPEATED, _CROWDED = 8, 10.0
+# A quiet channel with fewer levels than this may stay at one of them.
+_LEVELS = 16.0
 # What stands for a column that is not there.
 _CONSTANTS = {"time": "sample_rate", "angle": "turn_rate", "normal": "normal_load"}
 
@@ -169,16 +171,22 @@ def _defects(
     for name in where:
         bad = np.flatnonzero(~np.isfinite(series[name]))
         if bad.size:
-            found.append((name, "no number", bad))
+            found.append((name, "no number in", bad))
     if found:
         return found
-    gaps = gap_rows(series["time"]) if len(series["time"]) > 2 else np.array([], dtype=np.intp)
+    if len(series["time"]) < 2:
+        return found
+    halts = standstill_rows(series["time"])
+    if halts.size:
+        # Time that is rounded too coarsely repeats itself everywhere.
+        return [("time", "rounded (then give sample_rate=) or out of order after", halts)]
+    gaps = gap_rows(series["time"])
     if gaps.size:
         found.append(("time", "sampling gap after", gaps))
     for name in CHANNELS:
         clipped = _clipped(series[name])
         if clipped.size:
-            found.append((name, "clipped", clipped))
+            found.append((name, "clipped in", clipped))
     return found
 
 
@@ -198,6 +206,8 @@ def _clipped(values: Array) -> NDArray[np.intp]:
             continue
         rest = values[values != extreme]
         neighbour = rest.max() if extreme == high else rest.min()
+        if high - low < _LEVELS * abs(extreme - neighbour):
+            continue
         if len(at) > _CROWDED * np.count_nonzero(values == neighbour):
             rows.append(at)
     return np.sort(np.concatenate(rows)) if rows else np.array([], dtype=np.intp)
@@ -222,7 +232,7 @@ def _pieces(defects: list[tuple[str, str, NDArray[np.intp]]], n: int) -> list[sl
     good = np.ones(n, dtype=bool)
     cuts = set()
     for _, what, rows in defects:
-        if what.startswith("sampling gap"):
+        if what.endswith("after"):
             cuts |= set((rows + 1).tolist())
         else:
             good[rows] = False

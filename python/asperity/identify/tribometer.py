@@ -31,7 +31,7 @@ class VirtualTribometer(Value):
         law: planar law in the frame of the disk.
         normal_force: mean λ_N in N.
         turns: length of the run in turns.
-        turn_rate: in turns/s; negative turns backwards.
+        turn_rate: in turns/s; negative turns backwards. 0.16 turns/s at 0.05 m are 50 mm/s.
         sample_rate: in Hz.
         start_angle: rotation at the start in rad, which is the sliding direction then.
         radius: distance of the pin from the axis in m.
@@ -83,7 +83,7 @@ class VirtualTribometer(Value):
         *,
         normal_force: float,
         turns: float = 10.0,
-        turn_rate: float = 1.0,
+        turn_rate: float = 0.16,
         sample_rate: float = 10_000.0,
         start_angle: float = 0.0,
         radius: float = 0.05,

@@ -22,9 +22,10 @@ DEFAULTS = {"time": "s", "angle": "rad", **dict.fromkeys(CHANNELS, "N")}
 
 _RATES, _TURN_RATES, _PER_TURN = (0.5, 2e7), (2e-3, 60.0), 16.0
 _LOADS, _COEFFICIENTS = (1e-4, 1e4), (3e-3, 50.0)
-# Angles whose turns explain less than the first share of the signal, while those in another unit
-# explain more than the second, are in the other unit.
-_LITTLE, _MUCH = 0.1, 0.5
+# An angle is in another unit if the turns of that one explain more than the first share of the
+# friction's variance and leave less than the second of what its own turns leave. Over the third
+# number of turns a drift is not periodic.
+_MUCH, _LEFT, _TURNS = 0.5, 0.3, 2.5
 _FOLDED, _BINS = 200_000, 36
 
 
@@ -71,13 +72,15 @@ def check_wrapping(angle: Array, unit: str, source: str) -> None:
 def check_magnitudes(run: Recording, units: Mapping[str, str]) -> None:
     """Refuse a run whose magnitudes do not fit a tribometer: a unit is wrong then."""
     source = run.source
+    _check_folding(run)
     _inside(run.sample_rate, _RATES, "Hz", source, "time: sample rate of")
     if run.turns != 0.0:
         _inside(run.turn_rate, _TURN_RATES, "turns/s", source, "angle or time: turns at")
         per_turn = len(run) / abs(run.turns)
         if abs(run.turns) > 1.0 and per_turn < _PER_TURN:
             raise RecordError(
-                source, f"angle: {per_turn:.3g} samples per turn, the unit or sample rate is wrong"
+                source,
+                f"angle: {per_turn:.3g} samples per turn, wrong unit? check_units=False accepts it",
             )
     if all(units[channel].removeprefix("-") in _FORCES for channel in CHANNELS):
         size = np.abs(run.readings.mean(axis=0))
@@ -107,11 +110,14 @@ def _check_folding(run: Recording) -> None:
     """Refuse an angle over which friction repeats with the turns of another unit only."""
     stride = max(1, len(run) // _FOLDED)
     angle, signal = run.angle[::stride], run.readings[::stride, 0]
-    if np.ptp(signal) == 0.0 or _explained(angle, signal) > _LITTLE:
+    if np.ptp(signal) == 0.0:
         return
-    degree = math.pi / 180.0
+    left, degree = 1.0 - _explained(angle, signal), math.pi / 180.0
     for factor, told in ((degree, "degrees"), (1.0 / degree, "radians"), (_TURN, "turns")):
-        if np.ptp(angle) * factor > 1.5 * _TURN and _explained(angle * factor, signal) > _MUCH:
+        if np.ptp(angle) * factor < _TURNS * _TURN:
+            continue
+        explained = _explained(angle * factor, signal)
+        if explained > _MUCH and 1.0 - explained < _LEFT * left:
             raise RecordError(
                 run.source, f"angle: friction repeats as if it were given in {told}: wrong unit?"
             )
