@@ -20,7 +20,7 @@ from asperity.identify.models import (
     reservoir_model,
 )
 from asperity.identify.samples import Measured, Samples, samples_of
-from asperity.identify.start import fit_bins, starts
+from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
 
 _COARSE_WIDTH = 5
@@ -84,8 +84,8 @@ def fit_law(
     bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
     if 2 * bins.phi.size <= family.size:
         raise FitError(f"data: {bins.phi.size} directions cannot tell {family.size} parameters")
-    start = fit_bins(family, bins, starts(family, coarse)).p
-    descent, measure = _fit_samples(family, samples, start, measure)
+    first = fit_bins(family, bins, start(family, coarse)).p
+    descent, measure = _fit_samples(family, samples, first, measure)
     if not descent.converged:
         raise FitError(
             f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
@@ -95,7 +95,7 @@ def fit_law(
 
 
 def _fit_samples(
-    family: Family, samples: Samples, start: Array, loss: Loss
+    family: Family, samples: Samples, first: Array, loss: Loss
 ) -> tuple[Descent, Loss]:
     """Descend on all samples; a robust loss finds its scale in turns with the coordinates."""
     degrees = max(2 * len(samples) - family.size, 1)
@@ -111,8 +111,8 @@ def _fit_samples(
         )
 
     if loss.is_linear:
-        return from_here(start, loss), loss
-    p, inside = start, _some(samples)
+        return from_here(first, loss), loss
+    p, inside = first, _some(samples)
     for _ in range(_ROUNDS):
         along, across, *_ = family.residuals(
             samples.phi[inside], samples.force[inside], samples.normal[inside], p

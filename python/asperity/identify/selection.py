@@ -22,7 +22,7 @@ from asperity.identify.models import (
     reservoir_model,
 )
 from asperity.identify.samples import Measured, samples_of
-from asperity.identify.start import fit_bins, starts
+from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
 
 PAIRS: tuple[tuple[ReservoirName, DirectionName], ...] = (
@@ -157,7 +157,7 @@ def compare_models(
     # What varies within a bin is the same for all models.
     bins = sums.bins(width=_WIDTH)
     within = max(sums.energy - float((bins.squares[:, None] * bins.force**2).sum()), 0.0)
-    fits = [fit_bins(family, bins, starts(family, bins)) for family in families]
+    fits = [fit_bins(family, bins, start(family, bins)) for family in families]
     squares = np.array([fit.cost for fit in fits]) + within
     components = 2.0 * len(samples)
     at = int(squares.argmin())
@@ -207,7 +207,7 @@ def _left_out(family: Family, sums: GroupedBins, p: Array) -> Array:
     """Return the mean square error of each group of turns, predicted from the others."""
     errors = []
     for group in range(len(sums.squares)):
-        rest = fit_bins(family, sums.bins(group, _WIDTH), [p])
+        rest = fit_bins(family, sums.bins(group, _WIDTH), p)
         bins = sums.only(group, _WIDTH)
         cost = family.sums(bins.samples, rest.p, Loss()).cost[0]
         errors.append(cost / max(float(bins.squares.sum()), 1e-300))
