@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
-from asperity.identify.bins import grouped
+from asperity.identify.bins import Bins, grouped
 from asperity.identify.coordinates import Estimate
 from asperity.identify.covariance import Covariance, estimate, has_angle, scatter_of, shared
 from asperity.identify.descent import Descent
@@ -77,6 +77,7 @@ class Fit:
         self,
         data: Any,
         samples: Samples,
+        bins: Bins,
         family: Family,
         descent: Descent,
         loss: Loss,
@@ -88,8 +89,10 @@ class Fit:
         self.covariance: Covariance | None = None
         if confidence is not None:
             matrix = descent.sums.matrix.sum(axis=0)
-            parts = [(grouped(s, 1).bins(), sense) for s, sense in by_sense(samples, data)]
-            common = shared(family, parts, descent.p, matrix, data)
+            parts = by_sense(samples, data)
+            means = [bins] if len(parts) == 1 else [grouped(part, 1).bins() for part, _ in parts]
+            senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
+            common = shared(family, senses, descent.p, matrix, data)
             self.covariance = Covariance(scatter_of(descent.sums), *common, samples.turns)
 
     def __repr__(self) -> str:

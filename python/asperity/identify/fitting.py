@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import FitError, ParameterError
-from asperity.identify.bins import grouped
+from asperity.identify.bins import check_coverage, grouped
 from asperity.identify.descent import Descent, descend
 from asperity.identify.fit import Fit
 from asperity.identify.loss import Loss
@@ -82,6 +82,7 @@ def fit_law(
     samples = samples_of(data)
     sums = grouped(samples, 1)
     bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
+    check_coverage(bins)
     if 2 * bins.phi.size <= family.size:
         raise FitError(f"data: {bins.phi.size} directions cannot tell {family.size} parameters")
     first = fit_bins(family, bins, start(family, coarse)).p
@@ -91,7 +92,7 @@ def fit_law(
             f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
             "try a simpler model"
         )
-    return Fit(data, samples, family, descent, measure, confidence)
+    return Fit(data, samples, bins, family, descent, measure, confidence)
 
 
 def _fit_samples(

@@ -11,7 +11,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import FitError
-from asperity.identify.bins import GroupedBins, grouped
+from asperity.identify.bins import GroupedBins, check_coverage, grouped
 from asperity.identify.descent import damped_step
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
@@ -156,6 +156,7 @@ def compare_models(
     sums = grouped(samples, min(samples.turns, _MOST_GROUPS))
     # What varies within a bin is the same for all models.
     bins = sums.bins(width=_WIDTH)
+    check_coverage(bins)
     within = max(sums.energy - float((bins.squares[:, None] * bins.force**2).sum()), 0.0)
     fits = [fit_bins(family, bins, start(family, bins)) for family in families]
     squares = np.array([fit.cost for fit in fits]) + within

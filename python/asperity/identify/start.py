@@ -17,7 +17,7 @@ _CLOSE = 1e-3
 
 
 def start(family: Family, bins: Bins) -> Array:
-    """Return coordinates near the means: those of C and D, each fitted apart from several starts."""
+    """Return coordinates near the means: those of C and D, fitted apart from several starts."""
     x, y = bins.force.T
     radius = np.hypot(x, y)
     log_support, slope = support(bins)
