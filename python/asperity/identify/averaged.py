@@ -15,9 +15,12 @@ class Averaged(Value):
 
     Args:
         phi: mean sliding direction of the samples in each bin in rad, shape ``(k,)``.
-        readings: mean reading of the channels above the zero, shape ``(k, 3)``.
+        readings: mean reading of the channels above the zero, times +1 or −1 where the disk turns
+            forwards or backwards; shape ``(k, 3)``.
         normal_force: mean λ_N in N, shape ``(k,)``.
         count: number of samples, shape ``(k,)``.
+        unsigned_readings: the same without that sign, shape ``(k, 3)``.
+        sense: mean of that sign, shape ``(k,)``.
         matrix: T, shape ``(3, 3)``.
         zero: mean reading without load, shape ``(3,)``.
 
@@ -32,6 +35,8 @@ class Averaged(Value):
     readings: Array
     normal_force: Array
     count: Array
+    unsigned_readings: Array
+    sense: Array
     matrix: Array
     zero: Array
     resistance: Array
@@ -44,6 +49,8 @@ class Averaged(Value):
         normal_force: ArrayLike,
         count: ArrayLike,
         *,
+        unsigned_readings: ArrayLike,
+        sense: ArrayLike,
         matrix: ArrayLike,
         zero: ArrayLike,
     ) -> None:
@@ -54,6 +61,8 @@ class Averaged(Value):
             "readings": _arrays.array(readings, "readings", (k, 3)),
             "normal_force": _arrays.array(normal_force, "normal_force", (k,)),
             "count": _arrays.array(count, "count", (k,)),
+            "unsigned_readings": _arrays.array(unsigned_readings, "unsigned_readings", (k, 3)),
+            "sense": _arrays.array(sense, "sense", (k,)),
             "matrix": _arrays.array(matrix, "matrix", (3, 3)),
             "zero": _arrays.array(zero, "zero", (3,)),
         }
@@ -81,9 +90,11 @@ class Averaged(Value):
         """
         t = self.matrix if matrix is None else _arrays.array(matrix, "matrix", (3, 3))
         given = self.zero if zero is None else _arrays.array(zero, "zero", (3,))
-        readings = self.readings - (given - self.zero)
+        shift = given - self.zero
+        readings = self.readings - self.sense[:, None] * shift
         # The mean normal force was filtered: only what changes is taken from the readings.
-        change = readings @ t[2] - self.readings @ self.matrix[2]
+        pressing = self.unsigned_readings
+        change = (pressing - shift) @ t[2] - pressing @ self.matrix[2]
         return turned(self.phi, readings @ t[:2].T), self.normal_force + change
 
 

@@ -68,8 +68,8 @@ def fit_law(
     >>> slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     >>> noise = 0.005 * np.random.default_rng(1).normal(size=slip.shape)
     >>> fit = fit_law((phi, -law.force(slip) + noise), direction="ellipse")
-    >>> fit.parameters["reservoir.exponent"].covers(2.9)
-    True
+    >>> round(fit.parameters["reservoir.exponent"].value, 1)
+    2.9
     >>> fit.parameters["direction.scale"].identifiable
     False
     """

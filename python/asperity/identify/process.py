@@ -17,11 +17,12 @@ from asperity.errors import ParameterError, RecordError
 from asperity.identify import signals
 from asperity.identify.averaged import Averaged
 from asperity.identify.record import RawData, Recording
+from asperity.identify.sets import MeasuredSets
 from asperity.identify.turns import TurnAverage, average_turns, bin_centres, sense, turn_numbers
 from asperity.identify.zero import Zero, zero_of
 
 # Samples that are worked on at a time.
-_CHUNK = 1 << 18
+_CHUNK = 1 << 15
 
 
 class ProcessedData(Value):
@@ -94,11 +95,12 @@ class ProcessedData(Value):
         turns = 0
         for number, run in enumerate(self.raw.recordings):
             rows = slice(self.run[number], self.run[number + 1])
-            out.turn[rows] = turn_numbers(run)
+            sign = sense(run)
+            out.turn[rows] = turn_numbers(run, sign)
             found = int(out.turn[rows].max()) + 1
             out.turn[rows][out.turn[rows] >= 0] += turns
             turns += found
-            backwards = math.pi if sense(run) < 0.0 else 0.0
+            backwards = math.pi if sign < 0.0 else 0.0
             np.add(run.angle, self.grid_angle + backwards, out=out.phi[rows])
             self._forces(number, self.matrix, self._zero, out.force[rows], out.normal[rows])
         if turns == 0:
@@ -115,13 +117,18 @@ class ProcessedData(Value):
     def _forces(self, number: int, matrix: Array, zero: Zero, force: Array, normal: Array) -> None:
         """Write −λ (119) and λ_N of a run for a matrix T and a zero."""
         run = self.raw.recordings[number]
+        offset, slope = matrix @ zero.mean, matrix @ zero.slope
         for rows in _chunks(len(run)):
-            forces = (run.readings[rows] - zero.at(run.time[rows])) @ matrix.T
+            later = run.time[rows] - zero.middle
+            along, across, pressing = (
+                line @ run.readings[rows].T - (start + rate * later)
+                for line, start, rate in zip(matrix, offset, slope, strict=True)
+            )
             angle = run.angle[rows] + self.grid_angle
             c, s = np.cos(angle), np.sin(angle)
-            force[rows, 0] = c * forces[:, 0] - s * forces[:, 1]
-            force[rows, 1] = s * forces[:, 0] + c * forces[:, 1]
-            normal[rows] = forces[:, 2]
+            force[rows, 0] = c * along - s * across
+            force[rows, 1] = s * along + c * across
+            normal[rows] = pressing
         if self.raw.normal_load is not None:
             normal[:] = self.raw.normal_load
         else:
@@ -187,29 +194,44 @@ class ProcessedData(Value):
     def averaged(self, bins: int = 720) -> Averaged:
         """Return the means of all complete turns in equal bins of the sliding direction."""
         k = _arrays.count(bins, "bins", least=8)
-        sums = np.zeros((6, k))
+        forwards, backwards = np.zeros((6, k)), np.zeros((6, k))
         for number, run in enumerate(self.raw.recordings):
-            for rows in _chunks(len(run)):
-                here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
-                readings = run.readings[rows] - self._zero.at(run.time[rows])
-                used = self.turn[here] >= 0
-                columns = (*readings.T, self.normal_force[here])
-                cell, within = _cells(self.phi[here][used], k)
-                sums[0] += np.bincount(cell, minlength=k)
-                sums[1] += np.bincount(cell, within, k)
-                for row, column in enumerate(columns, 2):
-                    sums[row] += np.bincount(cell, column[used], k)
-        count = sums[0]
+            sums = forwards if sense(run) > 0.0 else backwards
+            self._add(number, sums)
+        count = forwards[0] + backwards[0]
         if not count.all():
             raise ParameterError("bins", f"must be fewer: of {k}, some hold no sample")
+        total, signed = (forwards + backwards) / count, (forwards - backwards) / count
         return Averaged(
-            bin_centres(k) + sums[1] / count,
-            sums[2:5].T / count[:, None],
-            sums[5] / count,
+            bin_centres(k) + total[1],
+            (signed[2:5] - signed[0] * self.zero[:, None]).T,
+            total[5],
             count,
+            unsigned_readings=(total[2:5] - self.zero[:, None]).T,
+            sense=signed[0],
             matrix=self.matrix,
             zero=self.zero,
         )
+
+    def _add(self, number: int, sums: Array) -> None:
+        """Add a run to the sums of 1, φ from the centre, readings without drift, λ_N in bins."""
+        run, k = self.raw.recordings[number], sums.shape[1]
+        for rows in _chunks(len(run)):
+            here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
+            cell, within = _cells(self.phi[here], k)
+            later = run.time[rows] - self._zero.middle
+            # Incomplete turns have no weight.
+            used = (self.turn[here] >= 0).astype(np.float64)
+            columns = (1.0, within, *run.readings[rows].T, self.normal_force[here])
+            drift = (0.0, 0.0, *self._zero.slope, 0.0)
+            for row, (column, rate) in enumerate(zip(columns, drift, strict=True)):
+                sums[row] += np.bincount(cell, used * (column - rate * later), k)
+
+    @cached_property
+    def sets(self) -> MeasuredSets:
+        """Points of bdry C and of D from the means in 720 directions, with their defects."""
+        means = self.averaged()
+        return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
 
     def turn_averages(self, bins: int = 360) -> dict[str, TurnAverage]:
         """Return l_t and l_p, per unit normal force, and λ_N in N over each turn, with bands."""
@@ -249,9 +271,10 @@ def process(
     >>> from asperity import Ellipse, FrictionLaw
     >>> from asperity.identify import VirtualTribometer, process
     >>> law = FrictionLaw.collinear(Ellipse(0.5, 0.4))
-    >>> data = process(VirtualTribometer(law, normal_force=10.0, turns=3).record())
+    >>> machine = VirtualTribometer(law, normal_force=10.0, turns=3, turn_rate=0.5)
+    >>> data = process(machine.record())
     >>> data.turns, data.force.shape
-    (3, (30000, 2))
+    (3, (60000, 2))
     """
     return ProcessedData(raw, cut_off=cut_off, order=order, grid_angle=grid_angle)
 

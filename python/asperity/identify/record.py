@@ -54,9 +54,9 @@ class Recording(Value):
         t = _series(time, "time", source, (None,))
         if len(t) < 2:
             raise DimensionError("time", f"must hold two samples or more, got {len(t)}")
-        gaps = gap_rows(t)
-        if gaps.size:
-            raise RecordError(source, f"time: steps unevenly after {rows_text(gaps + 1)}")
+        for what, rows in (("rise", standstill_rows(t)), ("go on without gap", gap_rows(t))):
+            if rows.size:
+                raise RecordError(source, f"time: does not {what} after {rows_text(rows + 1)}")
         self._set(
             time=t,
             angle=_series(angle, "angle", source, (len(t),)),
@@ -170,12 +170,14 @@ def _series(values: ArrayLike, name: str, source: str, shape: tuple[int | None, 
 
 
 def gap_rows(time: Array) -> NDArray[np.intp]:
-    """Return the indices of samples that the next one follows too late, or not after."""
+    """Return the indices of samples that the next one follows too late."""
     steps = np.diff(time)
-    usual = float(np.median(steps))
-    if usual <= 0.0:
-        return np.flatnonzero(steps <= 0.0)
-    return np.flatnonzero((steps <= 0.0) | (steps > GAP * usual))
+    return np.flatnonzero(steps > GAP * float(np.median(steps)))
+
+
+def standstill_rows(time: Array) -> NDArray[np.intp]:
+    """Return the indices of samples that the next one does not follow in time."""
+    return np.flatnonzero(np.diff(time) <= 0.0)
 
 
 def rows_text(rows: NDArray[np.intp]) -> str:

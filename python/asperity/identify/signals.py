@@ -71,15 +71,13 @@ def butterworth(
     frequency = _arrays.positive(cut_off, "cut_off")
     order = _arrays.count(order, "order")
     _arrays.choice(cut_off_of, "cut_off_of", ("single", "double"))
-    if cut_off_of == "double":
-        # 1/(1 + w²ⁿ) = 1/√2 at the cut-off of both passes, w being warped by the bilinear rule.
-        warped = math.tan(min(math.pi * frequency / rate, 1.5)) / (math.sqrt(2.0) - 1.0) ** (
-            0.5 / order
-        )
-        frequency = math.atan(warped) * rate / math.pi
     if frequency >= 0.5 * rate:
         raise ParameterError(
             "cut_off", f"must lie below half the sample rate of {rate:.6g} Hz, got {cut_off!r}"
         )
+    if cut_off_of == "double":
+        # 1/(1 + w²ⁿ) = 1/√2 at the cut-off of both passes, w being warped by the bilinear rule.
+        warped = math.tan(math.pi * frequency / rate) / (math.sqrt(2.0) - 1.0) ** (0.5 / order)
+        frequency = math.atan(warped) * rate / math.pi
     sections = butter(order, frequency, fs=rate, output="sos")
     return np.asarray(sections, dtype=np.float64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,7 +31,7 @@ class VirtualTribometer(Value):
         law: planar law in the frame of the disk.
         normal_force: mean λ_N in N.
         turns: length of the run in turns.
-        turn_rate: in turns/s; negative turns backwards.
+        turn_rate: in turns/s; negative turns backwards. 0.16 turns/s at 0.05 m are 50 mm/s.
         sample_rate: in Hz.
         start_angle: rotation at the start in rad, which is the sliding direction then.
         radius: distance of the pin from the axis in m.
@@ -82,7 +83,7 @@ class VirtualTribometer(Value):
         *,
         normal_force: float,
         turns: float = 10.0,
-        turn_rate: float = 1.0,
+        turn_rate: float = 0.16,
         sample_rate: float = 10_000.0,
         start_angle: float = 0.0,
         radius: float = 0.05,
@@ -185,6 +186,19 @@ class VirtualTribometer(Value):
         run = part(idle, running, "virtual")
         after = [part(idle + running, idle, "virtual, after")] if idle > 1 else []
         return RawData([run], calibration=calibration, no_load=before + after, radius=self.radius)
+
+    def write(self, folder: str | os.PathLike[str]) -> list[str]:
+        """Write what `record` returns as CSV files with a configuration, for `read_raw`.
+
+        Args:
+            folder: made if it is not there.
+
+        Returns:
+            Names of the files, the run first, ``tribometer.toml`` last.
+        """
+        from asperity.identify.files import write_raw
+
+        return write_raw(self.record(), folder)
 
     def _levels(self) -> Array:
         phi = 2.0 * math.pi * np.arange(_DIRECTIONS) / _DIRECTIONS

@@ -22,30 +22,38 @@ _ROUNDING = 1e-9
 
 def sense(recording: Recording) -> float:
     """Return +1 or −1, the sense in which the disk turns; refuse a disk that turns both ways."""
-    travelled = recording.angle - recording.angle[0]
-    sign = math.copysign(1.0, travelled[-1])
-    ahead = sign * travelled
-    back = np.flatnonzero(np.maximum.accumulate(ahead) - ahead > _BACKLASH)
-    if back.size:
+    angle = recording.angle
+    sign = math.copysign(1.0, angle[-1] - angle[0])
+    farthest = np.maximum.accumulate(angle) if sign > 0.0 else np.minimum.accumulate(angle)
+    np.subtract(farthest, angle, out=farthest)
+    row = int(farthest.argmax() if sign > 0.0 else farthest.argmin())
+    if abs(farthest[row]) > _BACKLASH:
         raise RecordError(
-            recording.source, f"angle: the disk turns back at row {back[0] + 1}; cut the record"
+            recording.source, f"angle: the disk turns back before row {row + 1}; cut the record"
         )
     return sign
 
 
-def turn_numbers(recording: Recording) -> NDArray[np.int32]:
+def turn_numbers(recording: Recording, sign: float) -> NDArray[np.int32]:
     """Return the number of the turn of each sample, from 0; −1 in the last, incomplete turn.
+
+    Args:
+        recording: a run.
+        sign: its `sense`.
 
     >>> import numpy as np
     >>> from asperity.identify import Recording
     >>> from asperity.identify.turns import turn_numbers
     >>> t = np.arange(25) / 10.0
-    >>> turn_numbers(Recording(t, 2.0 * np.pi * t, np.zeros((25, 3))))[[0, 9, 10, 19, 20]].tolist()
-    [0, 0, 1, 1, -1]
+    >>> turn_numbers(Recording(t, 2.0 * np.pi * t, np.zeros((25, 3))), 1.0)[[0, 9, 10, 20]].tolist()
+    [0, 0, 1, -1]
     """
-    ahead = sense(recording) * (recording.angle - recording.angle[0]) / _TURN
-    complete = math.floor(ahead[-1] * (1.0 + 1.0 / (len(ahead) - 1)) + _ROUNDING)
-    numbers: NDArray[np.int32] = np.floor(ahead + _ROUNDING).astype(np.int32)
+    # The last sample stands for the step that follows it.
+    n = len(recording)
+    complete = math.floor(abs(recording.turns) * n / (n - 1) + _ROUNDING)
+    ahead = recording.angle * (sign / _TURN)
+    ahead -= ahead[0] - _ROUNDING
+    numbers: NDArray[np.int32] = np.floor(ahead, out=ahead).astype(np.int32)
     numbers[numbers >= complete] = -1
     return numbers
 
