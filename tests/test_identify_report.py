@@ -32,6 +32,7 @@ def test_report_is_one_file_that_needs_no_other(tmp_path):
     assert all(base64.b64decode(picture).startswith(b"\x89PNG") for picture in pictures)
     assert not re.search(r"(src|href)=\"(?!data:)|@import|url\(", text)
     for word in (
+        "closure",
         "reservoir.exponent",
         "direction.ratio",
         "not identifiable",

@@ -23,6 +23,7 @@ from asperity.identify.models import (
     name_of,
 )
 from asperity.identify.samples import Samples, by_sense
+from asperity.identify.sets import MeasuredSets
 from asperity.identify.sums import Family
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
@@ -178,6 +179,11 @@ class Fit:
         """Sliding directions φ in rad and mean forces −λ/λ_N there, ``(n,)`` and ``(n, 2)``."""
         bins = grouped(self._samples, 1).bins(width=_WIDTH)
         return bins.phi, bins.force
+
+    @cached_property
+    def measured(self) -> MeasuredSets:
+        """The points of bdry C and of D that follow from the mean forces without a model."""
+        return MeasuredSets(*self.means)
 
     @property
     def joint(self) -> bool:
