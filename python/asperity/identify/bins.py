@@ -11,7 +11,9 @@ from asperity._arrays import Array
 from asperity.errors import FitError
 from asperity.identify.samples import Samples, bin_of
 
-FINE, COARSE = 3600, 720
+FINE = 3600
+# Directions without samples must not span more than this.
+_WIDEST_GAP = np.deg2rad(15.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +103,19 @@ def grouped(samples: Samples, groups: int) -> GroupedBins:
     product = np.stack([x, y], axis=-1).reshape(*shape, 2)
     squares, normal, offset = (total.reshape(shape) for total in (squares, normal, offset))
     return GroupedBins(squares, normal, product, offset, energy)
+
+
+def check_coverage(bins: Bins) -> None:
+    """Refuse data that leave out more than 15° of the sliding directions."""
+    ends = np.append(bins.phi[1:], bins.phi[0] + 2.0 * np.pi)
+    gaps = ends - bins.phi
+    widest = gaps.argmax()
+    if gaps[widest] > _WIDEST_GAP:
+        low, high = np.rad2deg([bins.phi[widest], ends[widest]])
+        raise FitError(
+            f"data: no samples between φ = {low:.0f}° and {high:.0f}°: the force must be known in "
+            "all sliding directions"
+        )
 
 
 def support(bins: Bins) -> tuple[Array, Array]:

@@ -37,6 +37,12 @@ class Covariance:
         """Sum of the parts."""
         return self.scatter + self.calibration + self.zero
 
+    def shares(self) -> Array:
+        """Return the parts of each variance from scatter, calibration and zeros, ``(k, 3)``."""
+        parts = np.stack([np.diag(p) for p in (self.scatter, self.calibration, self.zero)], axis=-1)
+        total = parts.sum(axis=1, keepdims=True)
+        return parts / np.where(total > 0.0, total, 1.0)
+
     def of(self, part: slice) -> Covariance:
         """Return the covariance of some of the coordinates."""
         return Covariance(

@@ -14,6 +14,7 @@ from asperity.identify.sums import Sums
 _MOST = 100
 _LONGEST_STEP = 0.5
 _SHORTEST_STEP = 1e-13
+_SETTLED = 1e-4
 
 
 class Descent(NamedTuple):
@@ -43,6 +44,7 @@ def descend(
     low = np.array([c.low for c in coordinates])
     high = np.array([c.high for c in coordinates])
     p = np.clip(start, low, high)
+    step = np.zeros_like(p)
     sums = sums_at(p)
     cost, gradient, matrix = sums.total()
     for _ in range(_MOST):
@@ -63,11 +65,12 @@ def descend(
             # Close to the minimum the undamped step is best, and is the criterion to stop.
             damping = 0.0 if damping < 1e-6 else damping / 10.0
         elif damping > 1e6 or np.abs(step).max() < 1e-9:
-            # Rounding hides any further decrease.
-            return Descent(p, sums, cost, bool(np.abs(step).max() < 1e-6))
+            # Not even a tiny step down the gradient decreases the cost.
+            return Descent(p, sums, cost, True)
         else:
             damping = max(10.0 * damping, 1e-6)
-    return Descent(p, sums, cost, False)
+    # Convergence is only linear where samples lie on the axes of a D with flat sides.
+    return Descent(p, sums, cost, bool(np.abs(step).max() < _SETTLED))
 
 
 def damped_step(matrix: Array, gradient: Array, damping: float = 0.0) -> Array:

@@ -16,7 +16,7 @@ from asperity._value import Value
 from asperity.errors import FitError
 from asperity.identify.coordinates import SHARPEST, TINY, Coordinate, Roundness, Scale
 from asperity.identify.harmonics import harmonics_of, least_squares, series
-from asperity.identify.reservoir_models import ellipse_through
+from asperity.identify.reservoir_models import START_ANGLES, around, ellipse_through
 from asperity.sets import Disk, Ellipse, StarSet, Superellipse, SupportCurve
 
 _SAMPLES = 720
@@ -135,15 +135,22 @@ class SuperellipseDirection(DirectionModel):
         return Superellipse(root, 1.0 / root, self._exponent(p), p[-1])
 
     def start(self, c: Array, s: Array, log_support: Array, slope: Array) -> list[Array]:
-        """Return the ellipse nearest in h² = nᵀPn, also turned by 45°."""
+        """Return the ellipse nearest in h² = nᵀPn, and superellipses of some of the values of h."""
+        h = np.exp(log_support)
         # The ellipse of Q = P has the reciprocal semi-axes.
-        first, second, angle = ellipse_through(
-            c, s, np.exp(2.0 * log_support), np.exp(-4.0 * log_support)
-        )
-        excess = [0.0] if self.exponent is None else []
-        starts = [np.array([math.log(second / first), *excess, angle])]
-        if self.exponent != 2.0:
-            starts.append(np.array([0.0, *excess, angle + math.pi / 4.0]))
+        first, second, angle = ellipse_through(c, s, h**2, h**-4)
+        ratio = math.log(second / first)
+        if self.exponent is not None:
+            return [np.array([ratio, angle])]
+        starts = [np.array([ratio, 0.0, angle])]
+        for angle in START_ANGLES:
+            p1, p2 = (around(c, s, h, angle + turn) for turn in (0.0, 0.5 * math.pi))
+            halfway = math.atan2(p1, p2)
+            between = 0.5 * sum(around(c, s, h, angle + sign * halfway) for sign in (-1, 1))
+            # There p₁|n₁| = p₂|n₂|, so that h = 2^{1/q} p₁p₂/√(p₁² + p₂²) with 1/s + 1/q = 1.
+            inverse = math.log(between * math.hypot(p1, p2) / (p1 * p2)) / math.log(2.0)
+            inverse = min(max(inverse, 0.05), 0.95)
+            starts.append(np.array([math.log(p1 / p2), math.log(inverse / (1 - inverse)), angle]))
         return starts
 
     def roundness(self) -> Roundness:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
-from asperity.identify.bins import grouped
+from asperity.identify.bins import Bins, grouped
 from asperity.identify.coordinates import Estimate
 from asperity.identify.covariance import Covariance, estimate, has_angle, scatter_of, shared
 from asperity.identify.descent import Descent
@@ -23,6 +23,7 @@ from asperity.identify.models import (
     name_of,
 )
 from asperity.identify.samples import Samples, by_sense
+from asperity.identify.sets import MeasuredSets
 from asperity.identify.sums import Family
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
@@ -77,6 +78,7 @@ class Fit:
         self,
         data: Any,
         samples: Samples,
+        bins: Bins,
         family: Family,
         descent: Descent,
         loss: Loss,
@@ -88,8 +90,10 @@ class Fit:
         self.covariance: Covariance | None = None
         if confidence is not None:
             matrix = descent.sums.matrix.sum(axis=0)
-            parts = [(grouped(s, 1).bins(), sense) for s, sense in by_sense(samples, data)]
-            common = shared(family, parts, descent.p, matrix, data)
+            parts = by_sense(samples, data)
+            means = [bins] if len(parts) == 1 else [grouped(part, 1).bins() for part, _ in parts]
+            senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
+            common = shared(family, senses, descent.p, matrix, data)
             self.covariance = Covariance(scatter_of(descent.sums), *common, samples.turns)
 
     def __repr__(self) -> str:
@@ -175,6 +179,11 @@ class Fit:
         """Sliding directions φ in rad and mean forces −λ/λ_N there, ``(n,)`` and ``(n, 2)``."""
         bins = grouped(self._samples, 1).bins(width=_WIDTH)
         return bins.phi, bins.force
+
+    @cached_property
+    def measured(self) -> MeasuredSets:
+        """The points of bdry C and of D that follow from the mean forces without a model."""
+        return MeasuredSets(*self.means)
 
     @property
     def joint(self) -> bool:

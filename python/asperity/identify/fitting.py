@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import FitError, ParameterError
-from asperity.identify.bins import grouped
+from asperity.identify.bins import check_coverage, grouped
 from asperity.identify.descent import Descent, descend
 from asperity.identify.fit import Fit
 from asperity.identify.loss import Loss
@@ -20,7 +20,7 @@ from asperity.identify.models import (
     reservoir_model,
 )
 from asperity.identify.samples import Measured, Samples, samples_of
-from asperity.identify.start import fit_bins, starts
+from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
 
 _COARSE_WIDTH = 5
@@ -68,8 +68,8 @@ def fit_law(
     >>> slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     >>> noise = 0.005 * np.random.default_rng(1).normal(size=slip.shape)
     >>> fit = fit_law((phi, -law.force(slip) + noise), direction="ellipse")
-    >>> fit.parameters["reservoir.exponent"].covers(2.9)
-    True
+    >>> round(fit.parameters["reservoir.exponent"].value, 1)
+    2.9
     >>> fit.parameters["direction.scale"].identifiable
     False
     """
@@ -82,20 +82,21 @@ def fit_law(
     samples = samples_of(data)
     sums = grouped(samples, 1)
     bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
+    check_coverage(bins)
     if 2 * bins.phi.size <= family.size:
         raise FitError(f"data: {bins.phi.size} directions cannot tell {family.size} parameters")
-    start = fit_bins(family, bins, starts(family, coarse)).p
-    descent, measure = _fit_samples(family, samples, start, measure)
+    first = fit_bins(family, bins, start(family, coarse)).p
+    descent, measure = _fit_samples(family, samples, first, measure)
     if not descent.converged:
         raise FitError(
             f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
             "try a simpler model"
         )
-    return Fit(data, samples, family, descent, measure, confidence)
+    return Fit(data, samples, bins, family, descent, measure, confidence)
 
 
 def _fit_samples(
-    family: Family, samples: Samples, start: Array, loss: Loss
+    family: Family, samples: Samples, first: Array, loss: Loss
 ) -> tuple[Descent, Loss]:
     """Descend on all samples; a robust loss finds its scale in turns with the coordinates."""
     degrees = max(2 * len(samples) - family.size, 1)
@@ -111,8 +112,8 @@ def _fit_samples(
         )
 
     if loss.is_linear:
-        return from_here(start, loss), loss
-    p, inside = start, _some(samples)
+        return from_here(first, loss), loss
+    p, inside = first, _some(samples)
     for _ in range(_ROUNDS):
         along, across, *_ = family.residuals(
             samples.phi[inside], samples.force[inside], samples.normal[inside], p

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asperity._files import atomic
-from asperity.errors import FitError
+from asperity.errors import FitError, ParameterError
 from asperity.identify.coordinates import Estimate
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ def write_report(fit: Fit, path: str | os.PathLike[str], title: str) -> Path:
         _parameters(fit),
         _law(fit),
         *_figures(fit),
+        "<h2>Defects of the measured forces</h2>",
+        _defects(fit),
         *_comparison(fit),
     ]
     head = f'<meta charset="utf-8"><title>{html.escape(title)}</title><style>{_STYLE}</style>'
@@ -63,18 +65,43 @@ def _summary(fit: Fit) -> str:
 
 
 def _parameters(fit: Fit) -> str:
-    rows = []
-    for name, parameter in fit.parameters.items():
-        cells = [f"<td>{html.escape(name)}</td>", *_cells(name, parameter)]
-        rows.append(f"<tr>{''.join(cells)}</tr>")
+    head = ["parameter", "estimate", "from", "to", "standard error"]
+    rows = [
+        [f"<td>{html.escape(name)}</td>", *_cells(name, parameter)]
+        for name, parameter in fit.parameters.items()
+    ]
     sources = ""
     if fit.covariance is not None:
+        head += ["turns", "calibration", "zeros"]
+        # The scale of D is the last parameter, and no coordinate.
+        for row, shares in zip(rows, fit.covariance.shares(), strict=False):
+            row += [f"<td>{100.0 * share:.0f} %</td>" for share in shares]
         sources = (
             "<p>Bands hold the scatter between turns (Student's t), and the uncertainty of the "
-            "calibration and of the records without load where these are known. "
+            "calibration and of the records without load where these are known; the last columns "
+            "are their shares of the variance. "
             "Semi-axes are per unit normal force. The scale of D has no effect on forces.</p>"
         )
-    return _table(("parameter", "estimate", "from", "to", "standard error"), rows) + sources
+    return _table(head, [f"<tr>{''.join(row)}</tr>" for row in rows]) + sources
+
+
+def _defects(fit: Fit) -> str:
+    """Return what the mean forces tell about their law without any model."""
+    try:
+        sets = fit.measured
+        direction = sets.direction
+    except ParameterError as error:
+        return f"<p>{html.escape(str(error))}</p>"
+    lines = {
+        "closure r_D(2π)/r_D(0); a direction set exists where it is 1": f"{sets.closure:.6f}",
+        "largest decrease of θ(φ), where D would not be convex": f"{sets.convexity_defect:.2g} rad",
+        "largest |f(φ + π) + f(φ)| in parts of the largest force": f"{sets.asymmetry:.2g}",
+        "largest |ln r_D| between (125) and the support function": f"{sets.difference:.2g}",
+        "change of θ that makes D convex": f"{direction.angle_change:.2g} rad",
+        "relative change of h_D that makes D convex": f"{direction.support_change:.2g}",
+    }
+    rows = [f"<tr><td>{name}</td><td>{value}</td></tr>" for name, value in lines.items()]
+    return _table(("mean forces in half degrees, no model", "noise included"), rows)
 
 
 def _cells(name: str, parameter: Estimate) -> Iterable[str]:

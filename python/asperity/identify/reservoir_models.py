@@ -22,6 +22,11 @@ from asperity.identify.harmonics import harmonics_of, least_squares, series
 from asperity.sets import Disk, Ellipse, PolarCurve, StarSet, Superellipse
 
 _SAMPLES = 720
+_LOG_2 = math.log(2.0)
+# Superellipses turned by 45° are false minima: starts are tried at all these angles.
+START_ANGLES = tuple(k * math.pi / 8.0 for k in range(4))
+# Means about a direction are taken within this angle of it and of the opposite one.
+_NEAR = math.cos(0.07)
 
 
 class ReservoirModel(Value, ABC):
@@ -128,14 +133,19 @@ class SuperellipseReservoir(ReservoirModel):
         return Superellipse(a, b, self._exponent(p), p[-1])
 
     def start(self, c: Array, s: Array, radius: Array, weight: Array) -> list[Array]:
-        """Return the ellipse nearest to the points, also turned by 45°."""
+        """Return the ellipse nearest to the points, and superellipses through some of them."""
         a, b, angle = ellipse_through(c, s, 1.0 / radius**2, weight * radius**6)
         axes = [math.log(a), math.log(b)]
-        middle = [math.log(2.0)] if self.exponent is None else []
-        starts = [np.array([*axes, *middle, angle])]
-        if self.exponent != 2.0:
-            mean = sum(axes) / 2.0
-            starts.append(np.array([mean, mean, *middle, angle + math.pi / 4.0]))
+        if self.exponent is not None:
+            return [np.array([*axes, angle])]
+        starts = [np.array([*axes, math.log(2.0), angle])]
+        for angle in START_ANGLES:
+            a, b = (around(c, s, radius, angle + turn) for turn in (0.0, 0.5 * math.pi))
+            halfway = math.atan2(b, a)
+            between = 0.5 * sum(around(c, s, radius, angle + sign * halfway) for sign in (-1, 1))
+            # There |x₁/a| = |x₂/b|, so that 2 (r/√(a² + b²))^s = 1.
+            exponent = _LOG_2 / max(math.log(math.hypot(a, b) / between), 0.05)
+            starts.append(np.array([math.log(a), math.log(b), math.log(exponent), angle]))
         return starts
 
     def roundness(self) -> Roundness:
@@ -201,6 +211,12 @@ class FourierReservoir(ReservoirModel):
         by = np.vstack([np.ones(c.size), series(c, s, self._harmonics)[0]])
         root = np.sqrt(weight) * radius
         return [least_squares((by * root).T, np.log(radius) * root)]
+
+
+def around(c: Array, s: Array, values: Array, angle: float) -> float:
+    """Return the mean of values at the directions (c, s) about an angle and its opposite."""
+    closeness = np.abs(c * math.cos(angle) + s * math.sin(angle))
+    return float(values[closeness >= min(_NEAR, closeness.max())].mean())
 
 
 def ellipse_through(c: Array, s: Array, values: Array, weight: Array) -> tuple[float, float, float]:

@@ -11,7 +11,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import FitError
-from asperity.identify.bins import GroupedBins, grouped
+from asperity.identify.bins import GroupedBins, check_coverage, grouped
 from asperity.identify.descent import damped_step
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
@@ -22,7 +22,7 @@ from asperity.identify.models import (
     reservoir_model,
 )
 from asperity.identify.samples import Measured, samples_of
-from asperity.identify.start import fit_bins, starts
+from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
 
 PAIRS: tuple[tuple[ReservoirName, DirectionName], ...] = (
@@ -156,8 +156,9 @@ def compare_models(
     sums = grouped(samples, min(samples.turns, _MOST_GROUPS))
     # What varies within a bin is the same for all models.
     bins = sums.bins(width=_WIDTH)
+    check_coverage(bins)
     within = max(sums.energy - float((bins.squares[:, None] * bins.force**2).sum()), 0.0)
-    fits = [fit_bins(family, bins, starts(family, bins)) for family in families]
+    fits = [fit_bins(family, bins, start(family, bins)) for family in families]
     squares = np.array([fit.cost for fit in fits]) + within
     components = 2.0 * len(samples)
     at = int(squares.argmin())
@@ -207,7 +208,7 @@ def _left_out(family: Family, sums: GroupedBins, p: Array) -> Array:
     """Return the mean square error of each group of turns, predicted from the others."""
     errors = []
     for group in range(len(sums.squares)):
-        rest = fit_bins(family, sums.bins(group, _WIDTH), [p])
+        rest = fit_bins(family, sums.bins(group, _WIDTH), p)
         bins = sums.only(group, _WIDTH)
         cost = family.sums(bins.samples, rest.p, Loss()).cost[0]
         errors.append(cost / max(float(bins.squares.sum()), 1e-300))

@@ -2,38 +2,37 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from asperity._arrays import Array
 from asperity.identify.bins import Bins, support
 from asperity.identify.descent import Descent, descend
+from asperity.identify.direction_models import CircleDirection
 from asperity.identify.loss import Loss
+from asperity.identify.reservoir_models import CircleReservoir
 from asperity.identify.sums import Family
 
 _DAMPING = 1e-3
 _CLOSE = 1e-3
 
 
-def starts(family: Family, bins: Bins) -> list[Array]:
-    """Return coordinates of sets of the family near the means.
-
-    Superellipses start as ellipses, upright on their axes and turned by 45°: a minimum that is
-    not the lowest one looks like the set turned by 45°.
-    """
+def start(family: Family, bins: Bins) -> Array:
+    """Return coordinates near the means: those of C and D, fitted apart from several starts."""
     x, y = bins.force.T
     radius = np.hypot(x, y)
     log_support, slope = support(bins)
     c_starts = family.reservoir.start(x / radius, y / radius, radius, bins.squares)
     d_starts = family.direction.start(np.cos(bins.phi), np.sin(bins.phi), log_support, slope)
-    return [np.concatenate(pair) for pair in itertools.product(c_starts, d_starts)]
+    alone = Family(family.reservoir, CircleDirection(), joint=False)
+    c = _best(alone, bins, c_starts)
+    alone = Family(CircleReservoir(), family.direction, joint=False)
+    d = _best(alone, bins, [np.append(np.log(radius.mean()), at) for at in d_starts])[1:]
+    return np.concatenate([c, d])
 
 
-def fit_bins(family: Family, bins: Bins, candidates: list[Array]) -> Descent:
-    """Return the best of the descents from several starts, angles within ±45°."""
-    best = min((_descend(family, bins, p) for p in candidates), key=lambda descent: descent.cost)
-    return _descend(family, bins, folded(family, best.p))
+def fit_bins(family: Family, bins: Bins, p: Array) -> Descent:
+    """Return the descent from a start, angles within ±45°."""
+    return _descend(family, bins, folded(family, _descend(family, bins, p).p))
 
 
 def folded(family: Family, p: Array) -> Array:
@@ -42,10 +41,16 @@ def folded(family: Family, p: Array) -> Array:
     return np.concatenate([family.reservoir.folded(c), family.direction.folded(d)])
 
 
+def _best(family: Family, bins: Bins, starts: list[Array]) -> Array:
+    if len(starts) == 1:
+        return starts[0]
+    return min((_descend(family, bins, p) for p in starts), key=lambda descent: descent.cost).p
+
+
 def _descend(family: Family, bins: Bins, p: Array) -> Descent:
-    least_squares = Loss()
+    squares = Loss()
     return descend(
-        lambda at: family.sums(bins.samples, at, least_squares),
+        lambda at: family.sums(bins.samples, at, squares),
         p,
         family.coordinates,
         damping=_DAMPING,
