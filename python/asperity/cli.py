@@ -93,9 +93,30 @@ def _parser() -> argparse.ArgumentParser:
     solve.add_argument("--csv", metavar="FILE", type=Path, help="write the table to a file too")
     solve.set_defaults(run=_solve)
     _add_identify(commands)
+    _add_track(commands)
     info = commands.add_parser("info", help="print versions and the build profile")
     info.set_defaults(run=_info)
     return parser
+
+
+def _add_track(commands: Any) -> None:
+    track = commands.add_parser(
+        "track",
+        help="track a round mark in a video and measure its path",
+        description="Track a round mark in a video or a folder of images; write path.csv, "
+        "frames.csv, overlay.png, motion.png and report.html. The configuration states fps (of the "
+        "recording, not of the playback), [mark] and [scene]. Exit code 1 if no position is known "
+        "for more than a tenth of the frames.",
+        epilog="example: asperity track frames/ --config track.toml --out out/track",
+    )
+    track.add_argument("video", metavar="VIDEO", type=Path, help="video file or folder of images")
+    track.add_argument(
+        "--config", metavar="FILE", type=Path, required=True, help="such as track.toml"
+    )
+    track.add_argument(
+        "--out", metavar="DIR", type=Path, required=True, help="folder to write into"
+    )
+    track.set_defaults(run=_track)
 
 
 def _add_identify(commands: Any) -> None:
@@ -190,6 +211,16 @@ def _solve(options: argparse.Namespace) -> int:
     return SUCCESS if solved == total else CHECK_FAILED
 
 
+def _track(options: argparse.Namespace) -> int:
+    from asperity import track_video
+
+    start = time.perf_counter()
+    result = track_video.run(options.video, options.config, options.out)
+    print(result.text())
+    print(f"\nfigures and tables in {options.out}; {time.perf_counter() - start:.1f} s")
+    return SUCCESS if result.complete else CHECK_FAILED
+
+
 def _report(run: Callable[[], list[Check]], out: Path) -> int:
     """Run, print the table of checks, and return the exit code."""
     from asperity.paper.checks import table
@@ -208,7 +239,7 @@ def _info(options: argparse.Namespace) -> int:
 
     print(f"asperity    {__version__} ({_core.build_profile} build)")
     print(f"python      {platform.python_version()} on {platform.system()} {platform.machine()}")
-    for package in ("numpy", "scipy", "matplotlib", "h5py", "tqdm"):
+    for package in ("numpy", "scipy", "matplotlib", "h5py", "av", "tqdm"):
         try:
             print(f"{package:<11} {metadata.version(package)}")
         except metadata.PackageNotFoundError:
@@ -218,6 +249,6 @@ def _info(options: argparse.Namespace) -> int:
 
 def _explained(error: Exception) -> str:
     if isinstance(error, ModuleNotFoundError):
-        extra = "data" if error.name == "h5py" else "plot"
+        extra = {"h5py": "data", "av": "video", "PIL": "video"}.get(error.name or "", "plot")
         return f"{error.name} is missing: pip install 'asperity[{extra}]'"
     return str(error)

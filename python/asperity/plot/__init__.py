@@ -12,6 +12,7 @@ from asperity.plot.law import plot_law
 from asperity.plot.look import save_figure, style
 from asperity.plot.sets import plot_set
 from asperity.plot.stability import plot_bifurcation, plot_growth_chart, plot_root_locus
+from asperity.plot.tracking import plot_motion, plot_track
 from asperity.plot.trajectory import plot_forces_in_reservoir, plot_path, plot_phase
 
 __all__ = [
@@ -25,12 +26,14 @@ __all__ = [
     "plot_gauge",
     "plot_growth_chart",
     "plot_law",
+    "plot_motion",
     "plot_path",
     "plot_phase",
     "plot_projection",
     "plot_residuals",
     "plot_root_locus",
     "plot_set",
+    "plot_track",
     "save_figure",
     "style",
 ]

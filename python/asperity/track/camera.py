@@ -192,8 +192,8 @@ class VirtualCamera(Value):
         # The first exposure begins before the run.
         early = np.minimum(time, 0.0)[:, None] * (places[1] - places[0]) / (since[1] - since[0])
         along = [np.interp(time, since, coordinate) for coordinate in places.T]
-        places = np.column_stack(along) + early
-        return places
+        moved: Array = np.column_stack(along) + early
+        return moved
 
     def _facing(self, tilt: float) -> Scene:
         places = self.run.q[:, list(self.coordinates)]

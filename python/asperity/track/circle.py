@@ -14,7 +14,10 @@ _ITERATIONS = 30
 _CONVERGED = 1e-12
 # Tukey's constant: 95 % efficiency for normal errors; and the median of |x| in units of sigma.
 _TUKEY, _MEDIAN = 4.685, 0.6745
-_SECTORS = 12
+_GAP = np.deg2rad(20.0)
+_HARMONICS = np.arange(2, 8)
+_FEWEST = 4
+_SMALLEST = 1e-9
 
 
 class Circle(Value):
@@ -25,7 +28,7 @@ class Circle(Value):
         radius: in the unit of the points.
         covariance: of centre and radius, shape ``(3, 3)``.
         rms: root mean square of the distances of the points used.
-        coverage: share of 12 sectors that hold points used.
+        coverage: share of the circle outside gaps of more than 20° between points used.
     """
 
     centre: Array
@@ -55,16 +58,16 @@ class Circle(Value):
 def fit_circle(points: ArrayLike, *, robust: bool = False) -> Circle:
     """Fit the circle with the least squared distances to points.
 
-    The covariance takes the errors of the points of one of 12 sectors as dependent, those of
-    different ones as independent: neighbours on the outline of a filtered image share theirs.
+    Neighbours on the outline of a filtered image share their errors; the covariance follows from
+    the power of the harmonics 2 to 7 of the distances over the angle, which contains that.
 
     Args:
-        points: shape ``(n, 2)``, n ≥ 3.
+        points: shape ``(n, 2)``, n ≥ 4.
         robust: whether points far off, in units of the others' median distance, count less and
             less (Tukey's biweight).
 
     Raises:
-        DimensionError: if there are fewer than three points.
+        DimensionError: if there are fewer than four points.
         ParameterError: if they lie in line.
 
     >>> circle = fit_circle([[3.0, 1.0], [1.0, 3.0], [-1.0, 1.0], [1.0, -1.0]])
@@ -72,31 +75,34 @@ def fit_circle(points: ArrayLike, *, robust: bool = False) -> Circle:
     ([1.0, 1.0], 2.0)
     """
     outline = _arrays.array(points, "points", (None, 2))
-    if len(outline) < 3:
-        raise DimensionError("points", f"must hold at least 3 points, got {len(outline)}")
+    if len(outline) < _FEWEST:
+        raise DimensionError("points", f"must hold at least {_FEWEST} points, got {len(outline)}")
     # In units of their own spread about their own mean, no digits are lost.
     middle = outline.mean(axis=0)
     spread = float(np.sqrt(np.mean((outline - middle) ** 2)))
     if spread == 0.0:
         raise ParameterError("points", "must not all be one point")
     unit = (outline - middle) / spread
-    guess, weights = _algebraic(unit), np.ones(len(unit))
+    guess = _algebraic(unit)
+    weights = stiffness = np.ones(len(unit))
     for _ in range(_ITERATIONS):
         distance, slope = _distances(unit, guess)
         if robust:
-            weights = _biweight(distance)
-        step, *_ = np.linalg.lstsq(slope * weights[:, None], -distance * weights, rcond=None)
+            weights, stiffness = _biweight(distance)
+        root = np.sqrt(weights)
+        step, *_ = np.linalg.lstsq(slope * root[:, None], -distance * root, rcond=None)
         guess = guess + step
         if np.abs(step).max() < _CONVERGED:
             break
     distance, slope = _distances(unit, guess)
     used = weights > 0.0
+    angles = _angles(unit, guess)
     return Circle(
         middle + spread * guess[:2],
         spread * float(guess[2]),
-        covariance=_clustered(unit, guess, distance * weights, slope, weights) * spread**2,
+        covariance=_covariance(angles, distance, slope, weights, stiffness) * spread**2,
         rms=spread * float(np.sqrt(np.mean(distance[used] ** 2))),
-        coverage=len(np.unique(_sectors(unit[used], guess))) / _SECTORS,
+        coverage=_coverage(angles[used]),
     )
 
 
@@ -117,31 +123,37 @@ def _distances(points: Array, circle: Array) -> tuple[Array, Array]:
     return length - circle[2], np.column_stack([-arms / length[:, None], -np.ones(len(points))])
 
 
-def _biweight(distance: Array) -> Array:
-    """Return the roots of the weights."""
-    scale = max(float(np.median(np.abs(distance))) / _MEDIAN, 1e-9)
-    weights: Array = np.maximum(1.0 - (distance / (_TUKEY * scale)) ** 2, 0.0)
-    return weights
+def _coverage(angles: Array) -> float:
+    ordered = np.sort(angles)
+    gaps = np.diff(ordered, append=ordered[0] + 2.0 * np.pi)
+    return 1.0 - min(float(gaps[gaps > _GAP].sum()) / (2.0 * np.pi), 1.0)
 
 
-def _sectors(points: Array, circle: Array) -> Array:
+def _biweight(distance: Array) -> tuple[Array, Array]:
+    """Return Tukey's weights and the derivatives of weight times distance."""
+    scale = max(float(np.median(np.abs(distance))) / _MEDIAN, _SMALLEST)
+    share = np.minimum((distance / (_TUKEY * scale)) ** 2, 1.0)
+    return (1.0 - share) ** 2, (1.0 - share) * (1.0 - 5.0 * share)
+
+
+def _angles(points: Array, circle: Array) -> Array:
     x, y = (points - circle[:2]).T
-    turn = np.arctan2(y, x) / (2.0 * np.pi) % 1.0
-    sectors: Array = np.floor(turn * _SECTORS)
-    return sectors
+    angles: Array = np.arctan2(y, x)
+    return angles
 
 
-def _clustered(
-    points: Array, circle: Array, distance: Array, slope: Array, weights: Array
+def _covariance(
+    angles: Array, distance: Array, slope: Array, weights: Array, stiffness: Array
 ) -> Array:
-    weighted = slope * weights[:, None]
-    inverse = np.linalg.pinv(weighted.T @ weighted)
-    sectors = _sectors(points, circle).astype(np.int64)
-    scores = np.stack(
-        [np.bincount(sectors, column * distance, minlength=_SECTORS) for column in weighted.T]
-    )
-    count = len(np.unique(sectors))
-    # Three parameters have been taken out of the scores.
-    correction = count / max(count - 3, 1)
-    covariance: Array = correction * inverse @ (scores @ scores.T) @ inverse
+    """Return the covariance of centre and radius.
+
+    The centre follows the first harmonic of the distances over the angle. The fit has taken that
+    out; the power of the next harmonics tells how large it was.
+    """
+    count = min(len(_HARMONICS), (len(angles) - 2) // 2)
+    waves = np.exp(1j * np.outer(_HARMONICS[:count], angles)) @ (weights * distance)
+    power = 0.5 * float(np.mean(np.abs(waves) ** 2))
+    inverse = np.linalg.pinv(slope.T @ (slope * stiffness[:, None]))
+    scores = 2.0 * power / weights.sum() * slope.T @ (slope * weights[:, None])
+    covariance: Array = inverse @ scores @ inverse
     return covariance

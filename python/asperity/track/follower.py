@@ -20,7 +20,7 @@ _BORDER = 8
 # Steps of the search of a whole frame, in pixels: coarse first.
 _STEPS = (4, 1)
 # From here on the outline is broken by a reflection; beyond the last one it is another thing.
-_FILLING, _COVERAGE, _RMS, _SIZE, _OTHER_SIZE = 0.95, 0.8, 0.05, 0.15, 0.5
+_FILLING, _COVERAGE, _RMS, _SIZE, _OTHER_SIZE = 0.95, 0.95, 0.05, 0.15, 0.5
 _SHARPEST_RMS = 0.5
 
 
@@ -51,18 +51,20 @@ class Follower:
     def _search(self, frame: Frame) -> Sighting:
         whole = frame.crop(slice(None), slice(None))
         for step in _STEPS:
-            box = search(whole, self.mark, self._area(), step)
+            box = search(whole, self.mark, self._area(frame), step)
             if box is not None:
                 middle = 0.5 * (box[:2] + box[2:])[::-1]
                 reach = 0.6 * float(np.max(box[2:] - box[:2])) + _BORDER
                 return self._measure(frame, middle, reach)
         return Sighting.none(Sight.LOST)
 
-    def _area(self) -> float | None:
-        """Return the expected area in square pixels."""
-        if self._radius > 0.0:
-            return math.pi * self._radius**2
-        return None
+    def _area(self, frame: Frame) -> float | None:
+        """Return the expected area in square pixels, if it is known."""
+        radius = self._radius
+        if not radius and self.mark.diameter is not None:
+            rows, columns = frame.shape
+            radius = 0.5 * self.mark.diameter / self.scene.pixel_size([0.5 * columns, 0.5 * rows])
+        return math.pi * radius**2 if radius else None
 
     def _measure(self, frame: Frame, middle: Array, reach: float) -> Sighting:
         """Look into a square region; widen it while the mark reaches its border."""
@@ -75,7 +77,7 @@ class Follower:
             if right - left < 3 or bottom - top < 3:
                 return Sighting.none(Sight.LOST)
             part = frame.crop(slice(top, bottom), slice(left, right))
-            seen = outline(part, self.mark, self._area())
+            seen = outline(part, self.mark, self._area(frame))
             if seen is None:
                 return Sighting.none(Sight.LOST)
             if not seen.cut:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ class Frame(Protocol):
         """Return red, green and blue of a part, shape ``(rows, columns, 3)``."""
 
 
+@runtime_checkable
 class Frames(Protocol):
     """Frames of one size, each as long after the last one as that after its own."""
 
@@ -128,12 +129,12 @@ class ImageFolder:
             yield ArrayFrame(pixels)
 
 
-def open_frames(source: str | os.PathLike[str] | Iterable[Pixels]) -> Frames:
+def open_frames(source: str | os.PathLike[str] | Frames | Iterable[Pixels]) -> Frames:
     """Return the frames of a folder of images, of a video, or of arrays.
 
     Args:
         source: a folder, a video file (PyAV reads it, extra ``video``), or arrays
-            ``(rows, columns, 3)`` of uint8.
+            ``(rows, columns, 3)`` of uint8; what is `Frames` already stays as it is.
 
     Raises:
         ParameterError: if there is no such file or folder, or no image in it.
@@ -142,7 +143,11 @@ def open_frames(source: str | os.PathLike[str] | Iterable[Pixels]) -> Frames:
     >>> len(open_frames([np.zeros((4, 6, 3), dtype=np.uint8)]))
     1
     """
+    if isinstance(source, Frames):
+        return source
     if not isinstance(source, str | os.PathLike):
+        if not isinstance(source, Iterable):
+            raise ParameterError("frames", f"must be a path or arrays, got {source!r}")
         return _Arrays(source)
     path = Path(source)
     if path.is_dir():

@@ -172,9 +172,10 @@ def _direct(points: Array, image: Array) -> Array:
         ]
     )
     _, singular, right = np.linalg.svd(equations)
-    if singular[7] < _ROUNDING * singular[0]:
-        raise ParameterError("pixels", "do not determine the scene: too many points lie in line")
     homography: Array = right[-1].reshape(3, 3)
+    stretch = np.linalg.svd(homography, compute_uv=False)
+    if singular[7] < _ROUNDING * singular[0] or stretch[2] < _ROUNDING * stretch[0]:
+        raise ParameterError("pixels", "do not determine the scene: too many points lie in line")
     return homography
 
 

@@ -30,6 +30,8 @@ _Mask = NDArray[np.bool_]
 _FEWEST_PIXELS = 12
 # How far inside the hull a point still counts as one of the outline, in pixels.
 _HULL_DEPTH = 1.0
+# The strength of the mark as a percentile: blurred edges and reflections are below it.
+_FULL = 75.0
 # The width of the most blurred edges, as a percentile of all.
 _WIDEST = 90.0
 
@@ -136,7 +138,7 @@ def outline(pixels: Pixels, mark: Mark, area: float | None = None) -> Outline | 
     if region is None:
         return None
     level = background + max(
-        mark.threshold, 0.5 * (float(np.median(strength[region])) - background)
+        mark.threshold, 0.5 * (float(np.percentile(strength[region], _FULL)) - background)
     )
     inside = region & (strength > level)
     points, widths = _crossings(strength, inside, level, 2.0 * (level - background))

@@ -15,7 +15,7 @@ from asperity._files import atomic
 from asperity._value import Value
 from asperity.errors import ParameterError
 from asperity.track.follower import Follower
-from asperity.track.frames import Pixels, open_frames
+from asperity.track.frames import Frames, Pixels, open_frames
 from asperity.track.path import MeasuredPath
 from asperity.track.scene import Scene
 from asperity.track.segmentation import Mark
@@ -130,7 +130,7 @@ class Track(Value):
 
 
 def track_mark(
-    frames: str | os.PathLike[str] | Iterable[Pixels],
+    frames: str | os.PathLike[str] | Frames | Iterable[Pixels],
     *,
     fps: float,
     scene: Scene,
@@ -193,6 +193,8 @@ _SERIES = (
 
 
 def _check(sightings: Sequence[Sighting], mark: Mark, source: str) -> None:
+    if not sightings:
+        raise ParameterError(source, "holds no frame")
     diameters = [one.diameter for one in sightings if not math.isnan(one.diameter)]
     if not diameters:
         raise ParameterError(
