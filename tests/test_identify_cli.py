@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 from asperity import cli, identify_files
-from asperity.identify import VirtualTribometer, write_raw
+from asperity.identify import MeasuredSets, VirtualTribometer, write_raw
 from asperity.paper import table1
 
 LAW = table1.laws()["extended, superellipses C, D"]
@@ -33,7 +33,13 @@ def test_a_law_is_identified_from_files(campaign, tmp_path, capsys):
     assert identify(campaign, "run_1.csv", out=out) == 0
     assert sorted(file.name for file in out.iterdir()) == sorted(identify_files.FILES)
     printed = capsys.readouterr().out
-    for words in ("4 turns", "closure of D", "reservoir.exponent", "semi-axes of C at"):
+    for words in (
+        "4 turns",
+        "C on e1, e2",
+        "closure of D",
+        "reservoir.exponent",
+        "semi-axes of C at",
+    ):
         assert words in printed
     with (out / "parameters.csv").open() as file:
         found = {row["parameter"]: row for row in csv.DictReader(file)}
@@ -142,3 +148,10 @@ def test_one_turn_is_fitted_without_bands(tmp_path, capsys):
     write_raw(virtual.record(), tmp_path)
     assert identify(tmp_path, "run_1.csv", out=tmp_path / "out") == 0
     assert "nan" in capsys.readouterr().out
+
+
+def test_radii_on_the_axes_are_those_of_the_reservoir():
+    phi = 2.0 * np.pi * (np.arange(360) + 0.5) / 360
+    sets = MeasuredSets(phi, -LAW.force(np.stack([np.cos(phi), np.sin(phi)], axis=1)))
+    found = identify_files.radii_on_axes(sets)
+    assert found == pytest.approx((4.99 / 9.3, 4.25 / 9.3), rel=5e-3)

@@ -33,6 +33,7 @@ FILES = (
 
 _STAGES = 6
 _DIRECTIONS = 360
+_NEAR = np.deg2rad(np.linspace(-3.0, 3.0, 13))
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,7 @@ class Identification:
             f"{len(data.raw.recordings)} runs",
             f"normal force      {force:.4g} N",
             f"calibration       {condition}",
+            "C on e1, e2       {:.4g}, {:.4g} per unit normal force".format(*radii_on_axes(sets)),
             f"closure of D      {sets.closure:.6g}",
             f"convexity defect  {sets.convexity_defect:.3g} rad",
             f"residuals         {self.fit.rms:.4g} N rms",
@@ -77,6 +79,16 @@ class Identification:
             a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
             lines += ["", f"semi-axes of C at {force:.4g} N: {a:.4g} N, {b:.4g} N"]
         return "\n".join(lines)
+
+
+def radii_on_axes(sets: MeasuredSets) -> tuple[float, float]:
+    """Return the radius of C on e₁ and on e₂, each a mean over ±3° on both sides."""
+
+    def mean(axis: float) -> float:
+        near = axis + np.concatenate([_NEAR, _NEAR + np.pi])
+        return float(np.interp(near, sets.theta, sets.radius, period=2.0 * np.pi).mean())
+
+    return mean(0.0), mean(0.5 * np.pi)
 
 
 def identify(

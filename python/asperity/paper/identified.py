@@ -9,13 +9,13 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from asperity.identify import Fit, ProcessedData, fit_law
+from asperity.identify_files import radii_on_axes
 from asperity.law import FrictionLaw
 from asperity.paper import table1
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
 from asperity.paper.pairings import PVC, SYNTHETIC, processed
 from asperity.paper.redrawn import Redrawn, cross, draw_law, panels, record, shared_legend
-from asperity.paper.tribometer import friction_coefficients
 from asperity.plot.look import GREY, style
 from asperity.sets import Ellipse
 
@@ -47,7 +47,7 @@ class Identified:
 def identified() -> Identified:
     """Identify the law once."""
     data = processed(PVC)
-    return Identified(data, Ellipse(*friction_coefficients(data)), fit_law(data))
+    return Identified(data, Ellipse(*radii_on_axes(data.sets)), fit_law(data))
 
 
 def fig26() -> Redrawn:

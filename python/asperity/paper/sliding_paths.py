@@ -49,7 +49,7 @@ def _draw_frame(curves: Curves, film: Filmed, ax: Axes) -> None:
     record(curves, "b", "tracked centre in pixels", [dots])
     ax.grid(False)
     ax.set(title="(b) tracked path over the last frame", xticks=[], yticks=[])
-    ax.legend(loc="upper left", labelcolor="white")
+    ax.legend(loc="upper left", labelcolor="white", markerscale=3.0)
 
 
 def _frame_checks(film: Filmed) -> list[Check]:

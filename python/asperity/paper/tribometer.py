@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from asperity._arrays import Array, unit_vectors
 from asperity.identify import ProcessedData
+from asperity.identify_files import radii_on_axes
 from asperity.paper import setup_sketches
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
@@ -101,7 +102,7 @@ def _draw_construction(curves: Curves, ax: Axes) -> None:
     ax.axhline(0.0, color=GREY, linewidth=0.7, zorder=0.9)
     ax.axvline(0.0, color=GREY, linewidth=0.7, zorder=0.9)
     ax.set(title="(b) force and sliding direction", xlabel="$x_1$", ylabel="$x_2$")
-    ax.legend(loc="lower left")
+    ax.legend(loc="upper left", bbox_to_anchor=(0.0, -0.12), ncols=2)
 
 
 def _construction_checks() -> list[Check]:
@@ -146,7 +147,7 @@ def fig23() -> Redrawn:
 def fig24() -> Redrawn:
     """Draw forces and sets of a PVC pin on surface ground steel."""
     data = processed(PVC)
-    across, along = friction_coefficients(data)
+    across, along = radii_on_axes(data.sets)
     return _forces_and_sets(
         24,
         PVC,
@@ -161,7 +162,7 @@ def fig24() -> Redrawn:
 def fig25() -> Redrawn:
     """Draw forces and sets of a steel pin on surface ground steel."""
     data = processed(STEEL)
-    across, along = friction_coefficients(data)
+    across, along = radii_on_axes(data.sets)
     against = _resistance(data)[:, 0]
     highest = float(np.rad2deg(data.sets.phi[against.argmax()])) % 180.0
     return _forces_and_sets(
@@ -174,14 +175,6 @@ def fig25() -> Redrawn:
             *_set_checks(25, data, STEEL),
         ],
     )
-
-
-def friction_coefficients(data: ProcessedData) -> tuple[float, float]:
-    """Return the radius of C across and along the grooves, a mean over ±3° on both sides."""
-    sets = data.sets
-    off = np.rad2deg(sets.theta) % 180.0
-    across = sets.radius[(off < 3.0) | (off > 177.0)].mean()
-    return float(across), float(sets.radius[np.abs(off - 90.0) < 3.0].mean())
 
 
 def _resistance(data: ProcessedData) -> Array:
@@ -254,7 +247,7 @@ def _draw_sets(curves: Curves, data: ProcessedData, pair: Pairing, ax: Axes) -> 
         outline = scale * chosen.boundary(_BINS)
         (line,) = ax.plot(*np.vstack([outline, outline[:1]]).T, **truth_look)
         record(curves, "b", name, [line])
-    ax.plot([], [], **truth_look, label="what was measured virtually")
+    ax.plot([], [], **truth_look, label="true sets")
     ax.set_aspect("equal")
     ax.set(
         title="(b) calculated sets",
@@ -269,7 +262,7 @@ def _set_checks(number: int, data: ProcessedData, pair: Pairing) -> list[Check]:
     ratios = pair.law.direction.gauge(sets.direction_by_support)
     name = f"Fig. {number}"
     return [
-        Check(f"{name} points off bdry C, share", 0.0, float(off_c), 0.03),
+        Check(f"{name} points off bdry C, share", 0.0, float(off_c), 0.05),
         Check(f"{name} shape of D off, share", 0.0, _variation(ratios), 0.03),
         # An error of the radial force counts 2π/μ-fold.
         Check(f"{name} closure of D", 1.0, sets.closure, 0.1),

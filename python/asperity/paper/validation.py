@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -75,6 +76,9 @@ def _draw_paths(
     for (name, run), color in zip(runs.items(), _COLORS, strict=True):
         (line,) = ax.plot(*(1e3 * run.q[:, :2]).T, color=color, label=name)
         record(curves, "a", name, [line])
+    spinning = _spinning().q[:, :2]
+    (line,) = ax.plot(*(1e3 * spinning).T, ":", color=INK, label=f"disk with spin {_SPIN:g} rad/s")
+    record(curves, "a", "disk with spin", [line])
     ax.set_aspect("equal")
     ax.set(
         title="(a) paths",
@@ -101,7 +105,7 @@ def _draw_distances(curves: Curves, compared: Mapping[str, PathComparison], ax: 
 
 
 def _draw_loads(curves: Curves, film: filmed.Filmed, ax: Axes) -> None:
-    runs = {"without spin": film.run, f"{_SPIN:g} rad/s": _spinning(film)}
+    runs = {"without spin": film.run, f"{_SPIN:g} rad/s": _spinning()}
     for (name, run), linestyle in zip(runs.items(), ("-", ":"), strict=True):
         moving = run.normal_force[1:]
         for pad, color in enumerate((BLUE, ORANGE, GREEN)):
@@ -114,8 +118,9 @@ def _draw_loads(curves: Curves, film: filmed.Filmed, ax: Axes) -> None:
     ax.legend(loc="upper left", ncols=2, fontsize="small")
 
 
-def _spinning(film: filmed.Filmed) -> Trajectory:
-    disk = film.disk.replace(spin=_SPIN)
+@cache
+def _spinning() -> Trajectory:
+    disk = filmed.filmed().disk.replace(spin=_SPIN)
     return simulate(disk, dt=_STEP, t_end=1.0, until_rest=True, tolerance=1e-13)
 
 
@@ -141,7 +146,7 @@ def _disk_checks(film: filmed.Filmed) -> list[Check]:
         tolerance=1e-13,
     )
     apart = compare_path(film.run, point).largest
-    sums = (film.run.normal_force[1:].sum(axis=1), _spinning(film).normal_force[1:].sum(axis=1))
+    sums = (film.run.normal_force[1:].sum(axis=1), _spinning().normal_force[1:].sum(axis=1))
     off = max(float(np.abs(total / _WEIGHT - 1.0).max()) for total in sums)
     return [
         Check("Fig. 27 disk without spin beside the point", 0.0, 1e3 * apart, 1e-6, "mm"),
