@@ -4,6 +4,7 @@ Run: python docs/make_figures.py
 """
 
 from pathlib import Path
+from typing import Any
 
 import asperity as asp
 import matplotlib.pyplot as plt
@@ -264,6 +265,60 @@ def directions() -> None:
     asp.plot.save_figure(figure, IMAGES / "directions.png", dpi=110)
 
 
+def belt(phi: float) -> asp.MassOnBelt:
+    """Return the mass on a belt of docs/stability.md; the belt moves at the angle φ."""
+    law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+    return asp.MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(phi), np.sin(phi)])
+
+
+def growth() -> None:
+    """Draw the chart of docs/stability.md; ζ = 30° is the belt of that page."""
+    unturned = belt(0.0).replace(
+        law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0), asp.Ellipse(3.0, 1.0))
+    )
+    phi, zeta = np.linspace(20.0, 100.0, 401), np.linspace(0.0, 90.0, 361)
+    rates = asp.growth_chart(unturned, np.deg2rad(phi), np.deg2rad(zeta))
+    with asp.plot.style():
+        figure, ax = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
+        asp.plot.plot_growth_chart(phi, zeta, rates, ax, limit=12.0)
+        ax.axhline(30.0, color=INK, linewidth=0.9, linestyle=":")
+        ax.set(
+            title="Growth rate of small motions",
+            xlabel=r"belt direction $\varphi$ in degrees",
+            ylabel=r"rotation $\zeta$ of $C$ in degrees",
+        )
+    asp.plot.save_figure(figure, IMAGES / "growth_chart.png", dpi=110)
+
+
+def bifurcation() -> None:
+    """Draw equilibria and limit cycles of docs/stability.md, and the periods of the cycles."""
+    phi = np.linspace(30.0, 90.0, 241)
+    diagram = asp.bifurcation_diagram(belt, "phi", np.deg2rad(phi))
+    found = [cycle is not None and cycle.is_stable for cycle in diagram.cycles]
+    plain: dict[str, Any] = {"frameon": True, "framealpha": 1.0, "edgecolor": "none"}
+    with asp.plot.style():
+        figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
+        asp.plot.plot_bifurcation(diagram.replace(values=phi), left)
+        for name, shown, marker in (("stable", found, "o"), ("unstable", np.invert(found), "x")):
+            right.plot(
+                phi[shown],
+                diagram.periods[shown],
+                marker,
+                color=ORANGE if marker == "o" else INK,
+                markersize=3.0,
+                label=f"{name} limit cycle",
+            )
+        for ax in (left, right):
+            for border in np.rad2deg(asp.critical_directions(belt(0.0).law)[0]):
+                ax.axvline(border, color=GREY, linewidth=0.9)
+            ax.set(xlabel=r"belt direction $\varphi$ in degrees", xlim=(30.0, 90.0))
+        left.set(title="Equilibria and limit cycles", ylabel="$x$ in m", ylim=(5.0, 29.0))
+        left.legend(loc="lower left", **plain)
+        right.set(title="Periods", ylabel="period in s", ylim=(0.0, 140.0))
+        right.legend(loc="lower right", **plain)
+    asp.plot.save_figure(figure, IMAGES / "bifurcation.png", dpi=110)
+
+
 def paper() -> None:
     """Draw the figures of the paper that the documentation shows."""
     for number in (10, 12):
@@ -272,5 +327,15 @@ def paper() -> None:
 
 
 if __name__ == "__main__":
-    for draw in (prox_constant_r, selection, sets, cones, laws, directions, paper):
+    for draw in (
+        prox_constant_r,
+        selection,
+        sets,
+        cones,
+        laws,
+        directions,
+        growth,
+        bifurcation,
+        paper,
+    ):
         draw()

@@ -48,19 +48,30 @@ def test_time_stepping_converges_to_the_cycle_at_first_order(cycle):
     assert (np.abs(orders - 1.0) < 0.25).all()
 
 
-def test_multipliers_are_those_of_neighbouring_motions(cycle):
-    largest = cycle.multipliers[0]
-    assert largest.imag == 0.0
+def test_deviations_shrink_by_the_multiplier(cycle):
+    assert cycle.multipliers[0].imag == 0.0
     # One multiplier is left where the motion sticks: the others are zero.
-    assert np.abs(cycle.multipliers[1:]).max() < 1e-3
-    q, u = cycle.motion.q[0], cycle.motion.u[0]
-    ends = []
-    for shift in (0.0, 1e-3):
-        motion = asp.integrate(belt(), t_end=3.0 * cycle.period, q0=q + shift, u0=u)
-        slips = np.array([e.time for e in motion.events if e.kind == "slip"])
-        ends.append(slips[:2])
-    delays = ends[1] - ends[0]
-    assert delays[1] != 0.0
+    assert np.abs(cycle.multipliers[1:]).max() < 1e-6
+    motion = asp.integrate(belt(), t_end=330.0, u0=belt().belt_velocity)
+    slips = np.array([e.time for e in motion.events if e.kind == "slip"])
+    deviations = np.diff(slips) - cycle.period
+    ratios = deviations[1:] / deviations[:-1]
+    assert ratios[-1] == pytest.approx(cycle.multipliers[0].real, abs=2e-3)
+
+
+@pytest.mark.parametrize("damping", [0.1, 1e-3, -1e-4])
+def test_multipliers_of_an_uncoupled_oscillator(damping):
+    # Its coordinate does not move on the cycle; its states turn and shrink by exp(-dT/2).
+    falling = asp.Stribeck(1.0 / 3.0, shape="hyperbolic")
+    law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(rate=falling)
+    contact = asp.Contact(law, [1.0, 0.0], normal_force=1.0, velocity=[-0.2])
+    system = asp.LinearSystem(1.0, [1.0, 7.0], [0.0, damping], contacts=[contact])
+    cycle = asp.limit_cycle(system)
+    omega = np.sqrt(7.0 - 0.25 * damping**2)
+    expected = np.exp((-0.5 * damping + 1j * omega) * cycle.period)
+    found = cycle.multipliers[cycle.multipliers.imag * expected.imag > 0.0][0]
+    assert found == pytest.approx(expected, abs=1e-6)
+    assert cycle.is_stable == (damping > 0.0)
 
 
 @pytest.mark.parametrize(
@@ -104,3 +115,77 @@ def test_bifurcation_over_the_belt_direction():
     again = asp.bifurcation_diagram(belt, "phi", values, threads=1)
     assert again.cycles == diagram.cycles
     assert again.failures == diagram.failures
+
+
+@pytest.mark.parametrize("phi", [44.2, 62.0, 66.0])
+def test_cycles_are_found_from_the_default_start_with_their_shortest_period(phi):
+    # 44.2 degrees: the first start ends in harmonic motions along γ. 62, 66: near resonances.
+    cycle = asp.limit_cycle(belt(np.deg2rad(phi)))
+    assert len(cycle.phases()) == 3
+    assert 25.0 < cycle.period < 50.0
+
+
+def test_the_rim_of_a_continuum_is_no_limit_cycle():
+    # Just slow enough not to stick: smaller swings along γ are periodic, larger ones are not.
+    slow = belt(np.deg2rad(43.0))
+    with pytest.raises(NoCycleError, match="continuum"):
+        asp.limit_cycle(slow, q0=slow.equilibrium)
+    assert asp.limit_cycle(slow).period == pytest.approx(24.942656, abs=1e-5)
+
+
+def test_a_cycle_with_impacts():
+    hopping = asp.mechanisms.mode_coupling(0.8, damping=0.05)
+    cycle = asp.limit_cycle(hopping)
+    assert cycle.is_stable
+    assert {phase for phase, _ in cycle.phases()} == {Phase.SLIP, Phase.OPEN}
+    motion = asp.integrate(hopping, t_end=cycle.period, q0=cycle.motion.q[0], u0=cycle.motion.u[0])
+    assert motion.q[-1] == pytest.approx(cycle.motion.q[0], abs=1e-8)
+    start = {"q0": cycle.motion.q[0], "u0": cycle.motion.u[0]}
+    path = asp.simulate(hopping, dt=1e-4, t_end=20.0 * cycle.period, **start)
+    late = path.slice(19.0 * cycle.period, 20.0 * cycle.period).q
+    assert late.max(axis=0) == pytest.approx(cycle.maximum, abs=2e-3)
+
+
+def test_every_value_of_the_critical_interval_has_a_cycle():
+    values = np.deg2rad(np.linspace(44.2, 75.8, 60))
+    diagram = asp.bifurcation_diagram(belt, "phi", values)
+    assert set(diagram.kinds) == {"unstable"}
+    assert np.isfinite(diagram.periods).all(), [f for f in diagram.failures if f]
+
+
+def test_equilibria_are_continued():
+    class Duffing(asp.System):
+        dof = 1
+
+        def __init__(self, p):
+            self.p = p
+
+        def mass(self, q):
+            return np.eye(1)
+
+        def forces(self, t, q, u):
+            return self.p * q - q**3 - 0.1 * u
+
+    diagram = asp.bifurcation_diagram(Duffing, "p", [0.5, 1.0, 2.0], cycles=False, q0=[1.0])
+    assert diagram.equilibria[:, 0] == pytest.approx(np.sqrt([0.5, 1.0, 2.0]))
+    assert set(diagram.kinds) == {"asymptotically stable"}
+
+
+def test_members_that_cannot_be_made_are_named():
+    family = asp.mechanisms.mode_coupling
+    diagram = asp.bifurcation_diagram(family, "mu", [0.0, 0.5], cycles=False)
+    assert diagram.kinds == ("none", "neutral")
+    assert "mu" in diagram.failures[0]
+    with pytest.raises(asp.ParameterError, match="nosuch"):
+        asp.bifurcation_diagram(family, "nosuch", [0.0, 0.5])
+
+
+def test_bad_arguments_are_named(cycle):
+    with pytest.raises(asp.ParameterError, match="section"):
+        asp.limit_cycle(belt(), section="x")
+    with pytest.raises(asp.ParameterError, match="near"):
+        asp.limit_cycle(belt(), near=3)
+    with pytest.raises(asp.ParameterError, match="near"):
+        asp.limit_cycle(belt(), near=cycle, q0=[0.0, 0.0])
+    with pytest.raises(asp.ParameterError, match="near"):
+        asp.limit_cycle(asp.mechanisms.stribeck_block(), near=cycle)

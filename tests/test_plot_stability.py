@@ -28,6 +28,7 @@ def belt():
         values=values,
         equilibria=np.column_stack([values, -values]),
         kinds=["neutral", "neutral", "unstable", "unstable", "asymptotically stable", "none"],
+        cycle_stable=cycle,
         cycle_minima=np.where(cycle, values - 1.0, np.nan)[:, None] * [1.0, 2.0],
         cycle_maxima=np.where(cycle, values + 1.0, np.nan)[:, None] * [1.0, 2.0],
     )
@@ -35,6 +36,7 @@ def belt():
 
 @pytest.fixture(autouse=True)
 def _close():
+    plt.close("all")
     yield
     plt.close("all")
 
@@ -135,6 +137,14 @@ def test_bifurcation_shows_every_kind_of_equilibrium_once():
     np.testing.assert_allclose(lower.get_ydata(), [np.nan, 0.0, 2.0, 4.0, np.nan, np.nan])
     np.testing.assert_allclose(upper.get_ydata(), [np.nan, 4.0, 6.0, 8.0, np.nan, np.nan])
     assert filling.axes.get_xlabel() == "speed"
+
+
+def test_unstable_cycles_are_dotted():
+    diagram = belt()
+    diagram.cycle_stable = diagram.values == 1.0
+    lines = plot_bifurcation(diagram)[1:5]
+    assert [line.get_linestyle() for line in lines] == ["-", "-", ":", ":"]
+    np.testing.assert_allclose(lines[2].get_ydata(), [np.nan, 0.0, 1.0, 2.0, np.nan, np.nan])
 
 
 def test_bifurcation_without_cycles_draws_equilibria_only():

@@ -32,6 +32,7 @@ from asperity.errors import (
     NoCycleError,
     NoSolutionError,
     ParameterError,
+    RecordError,
     SimulationInterrupted,
 )
 from asperity.integrate import integrate
@@ -162,6 +163,7 @@ __all__ = [
     "ProxGaussSeidel",
     "ProxJacobi",
     "ProximalPoint",
+    "RecordError",
     "Rectangle",
     "RigidBodies",
     "Section",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from asperity import _arrays
 from asperity._arrays import Array
@@ -15,7 +15,7 @@ from asperity.cycle.continuation import Continuation, Found
 from asperity.cycle.orbit import LimitCycle
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.simulate import Model
-from asperity.stability import Stability, stability
+from asperity.stability import Stability, equilibrium, stability
 
 Family = Callable[..., Model]
 
@@ -83,12 +83,17 @@ class BifurcationDiagram(Value):
         return _table([None if c is None else c.maximum for c in self.cycles])
 
     @property
+    def cycle_stable(self) -> NDArray[np.bool_]:
+        """Whether there is a cycle and it is stable, shape ``(n,)``."""
+        return np.array([cycle is not None and cycle.is_stable for cycle in self.cycles])
+
+    @property
     def periods(self) -> Array:
         """Periods of the cycles in s, shape ``(n,)``; NaN where there is none."""
         return np.array([np.nan if c is None else c.period for c in self.cycles])
 
     @property
-    def coexistence(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    def coexistence(self) -> NDArray[np.bool_]:
         """Whether a cycle exists beside an equilibrium that is not unstable, shape ``(n,)``."""
         pairs = zip(self.kinds, self.cycles, strict=True)
         return np.array([kind not in ("unstable", "none") and c is not None for kind, c in pairs])
@@ -108,15 +113,19 @@ def bifurcation_diagram(
     values: ArrayLike,
     *,
     cycles: bool = True,
+    q0: ArrayLike | None = None,
+    t_end: float | None = None,
     tolerance: float = 1e-8,
     threads: int = 2,
 ) -> BifurcationDiagram:
     """Find equilibria, their stability and limit cycles over one parameter.
 
-    A cycle is searched for in the middle of every interval in which the equilibrium is unstable and
+    Equilibria are continued from value to value; where that fails they are searched for afresh. A
+    cycle is searched for in the middle of every interval in which the equilibrium is unstable and
     continued from value to value to both sides, also past the ends of the interval, until it is
     lost; so a cycle that coexists with a stable equilibrium is found if it hangs together with an
-    unstable interval.
+    unstable interval. Of several equilibria or cycles at one value one is found; branches are not
+    followed around folds.
 
     Args:
         family: function that makes a system; called as ``family(**{parameter: value})``.
@@ -124,8 +133,15 @@ def bifurcation_diagram(
         values: of the parameter, ascending, shape ``(n,)``; cycles are continued from one to the
             next, so that they should lie close.
         cycles: whether to look for limit cycles.
+        q0: coordinates near the equilibrium of the first value, shape ``(n_q,)``. Default as for
+            `equilibrium`.
+        t_end: as for `limit_cycle`.
         tolerance: of the cycles, as for `limit_cycle`.
         threads: cycles of so many intervals and directions are continued at a time.
+
+    Returns:
+        The diagram. Systems that cannot be made, equilibria and cycles that are not found are empty
+        places, with the reason among its failures.
 
     Raises:
         ParameterError: if the values do not ascend or `family` does not take the argument.
@@ -144,13 +160,13 @@ def bifurcation_diagram(
     grid = _arrays.array(values, "values", (None,))
     if not grid.size or (np.diff(grid) <= 0.0).any():
         raise ParameterError("values", "must ascend and not be empty")
-    systems = [_member(family, parameter, float(value)) for value in grid]
-    stabilities, failures = _equilibria(systems)
+    member = _members(family, parameter)
+    stabilities, failures = _equilibria(member, grid, q0)
     found = Found()
     if cycles:
         unstable = [s is not None and s.kind == "unstable" for s in stabilities]
         sharpness = _arrays.positive(tolerance, "tolerance")
-        search = Continuation(systems, unstable, sharpness)
+        search = Continuation(member, grid.tolist(), unstable, sharpness, t_end)
         found = search.everywhere(_arrays.count(threads, "threads"))
     return BifurcationDiagram(
         parameter,
@@ -161,24 +177,50 @@ def bifurcation_diagram(
     )
 
 
-def _member(family: Family, parameter: str, value: float) -> Model:
-    system = family(**{parameter: value})
-    if not isinstance(system, Model):
-        raise ParameterError("family", f"must return a system, returned {system!r}")
-    return system
+def _members(family: Family, parameter: str) -> Callable[[float], Model]:
+    """Return the system as a function of the parameter."""
+    try:
+        inspect.signature(family).bind_partial(**{parameter: 0.0})
+    except TypeError:
+        raise ParameterError(
+            "parameter", f"must be an argument of {family!r}, got {parameter!r}"
+        ) from None
+
+    def member(value: float) -> Model:
+        system = family(**{parameter: value})
+        if not isinstance(system, Model):
+            raise ParameterError("family", f"must return a system, returned {system!r}")
+        return system
+
+    return member
 
 
-def _equilibria(systems: Sequence[Model]) -> tuple[list[Stability | None], list[str]]:
+def _equilibria(
+    member: Callable[[float], Model], grid: Array, q0: ArrayLike | None
+) -> tuple[list[Stability | None], list[str]]:
     stabilities: list[Stability | None] = []
     failures: list[str] = []
-    for system in systems:
+    last = q0
+    for value in grid.tolist():
         try:
-            stabilities.append(stability(system))
+            system = member(value)
+            stabilities.append(_nearest(system, last))
             failures.append("")
+            last = stabilities[-1].equilibrium.q if stabilities[-1] else last
         except (ParameterError, ConvergenceError) as error:
             stabilities.append(None)
             failures.append(str(error))
     return stabilities, failures
+
+
+def _nearest(system: Model, q0: ArrayLike | None) -> Stability:
+    """Return the steady sliding near `q0`, else whichever is found."""
+    try:
+        return stability(system, equilibrium(system, q0=q0))
+    except (ParameterError, ConvergenceError):
+        if q0 is None:
+            raise
+    return stability(system)
 
 
 def _table(rows: Sequence[Array | None]) -> Array:

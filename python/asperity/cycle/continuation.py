@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
@@ -13,6 +13,8 @@ from asperity.simulate import Model
 
 # A run through an interval of instability ends after so many members in a row without a cycle.
 _GIVE_UP = 3
+# A step of the parameter that loses the cycle is halved so often.
+_HALVINGS = 3
 
 
 @dataclass
@@ -25,16 +27,19 @@ class Found:
     def add(self, other: Found) -> None:
         """Take over what is not known yet."""
         self.cycles = {**other.cycles, **self.cycles}
-        self.failures = {**other.failures, **self.failures}
+        failures = {**other.failures, **self.failures}
+        self.failures = {i: why for i, why in failures.items() if i not in self.cycles}
 
 
 @dataclass(frozen=True)
 class Continuation:
     """The search for the cycles of a family, some of whose members are unstable."""
 
-    systems: Sequence[Model]
+    member: Callable[[float], Model]
+    values: Sequence[float]
     unstable: Sequence[bool]
     tolerance: float
+    t_end: float | None
 
     def everywhere(self, threads: int) -> Found:
         """Search from the middle of every interval of instability to both sides.
@@ -46,18 +51,15 @@ class Continuation:
         with ThreadPoolExecutor(threads) as pool:
             starts = list(pool.map(self._first, self._intervals()))
             runs = [(start, step) for start in starts for step in (1, -1) if start.cycles]
-            for start in starts:
-                found.add(start)
-            for run in pool.map(lambda run: self._follow(*run), runs):
-                found.add(run)
+            followed = list(pool.map(lambda run: self._follow(*run), runs))
+        for part in [*starts, *followed]:
+            found.add(part)
+        self._fill(found)
         return found
 
     def _intervals(self) -> list[range]:
-        edges = [
-            i
-            for i in range(len(self.unstable) + 1)
-            if (i > 0 and self.unstable[i - 1]) != (i < len(self.unstable) and self.unstable[i])
-        ]
+        flags = [False, *self.unstable, False]
+        edges = [i for i in range(len(flags) - 1) if flags[i] != flags[i + 1]]
         return [range(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
     def _first(self, interval: range) -> Found:
@@ -72,29 +74,52 @@ class Continuation:
     def _follow(self, start: Found, step: int) -> Found:
         """Continue from member to member until the cycle is lost."""
         found = Found()
-        (index, near), *_ = start.cycles.items()
-        missed = 0
-        while 0 <= index + step < len(self.systems) and missed < _GIVE_UP:
-            index += step
-            if self._try(index, near, found):
-                near, missed = found.cycles[index], 0
-            elif self.unstable[index]:
-                # An unstable equilibrium sends the motion somewhere: perhaps to another cycle.
-                if self._try(index, None, found):
-                    near, missed = found.cycles[index], 0
-                else:
-                    missed += 1
-            else:
+        [last] = start.cycles
+        near, missed, index = start.cycles[last], 0, last + step
+        while 0 <= index < len(self.values) and missed < _GIVE_UP:
+            if self._try(index, (last, near), found):
+                last, near, missed = index, found.cycles[index], 0
+            elif not self.unstable[index]:
                 del found.failures[index]
                 break
+            # An unstable equilibrium sends the motion somewhere: perhaps to another cycle.
+            elif self._try(index, None, found):
+                last, near, missed = index, found.cycles[index], 0
+            else:
+                missed += 1
+            index += step
         return found
 
-    def _try(self, index: int, near: LimitCycle | None, found: Found) -> bool:
+    def _fill(self, found: Found) -> None:
+        """Try once more where the equilibrium is unstable, from the neighbours on both sides."""
+        for index, unstable in enumerate(self.unstable):
+            for side in (index + 1, index - 1):
+                if unstable and index not in found.cycles and side in found.cycles:
+                    self._try(index, (side, found.cycles[side]), found)
+
+    def _try(self, index: int, near: tuple[int, LimitCycle] | None, found: Found) -> bool:
+        """Look for the cycle of a member, from that of another one if there is one."""
         try:
-            cycle = limit_cycle(self.systems[index], near=near, tolerance=self.tolerance)
+            if near is None:
+                system = self.member(self.values[index])
+                cycle = limit_cycle(system, tolerance=self.tolerance, t_end=self.t_end)
+            else:
+                start = self.values[near[0]]
+                cycle = self._reach(near[1], start, self.values[index], _HALVINGS)
         except AsperityError as error:
             found.failures[index] = str(error)
             return False
         found.cycles[index] = cycle
         found.failures.pop(index, None)
         return True
+
+    def _reach(self, near: LimitCycle, start: float, end: float, halvings: int) -> LimitCycle:
+        """Continue a cycle from one value to another, by way of the middle if need be."""
+        try:
+            return limit_cycle(self.member(end), near=near, tolerance=self.tolerance)
+        except AsperityError:
+            if not halvings:
+                raise
+        middle = 0.5 * (start + end)
+        near = self._reach(near, start, middle, halvings - 1)
+        return self._reach(near, middle, end, halvings - 1)

@@ -2,35 +2,39 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator
+
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
+from asperity import _arrays
 from asperity._arrays import Array
+from asperity.cycle.floquet import multipliers
 from asperity.cycle.orbit import LimitCycle
-from asperity.cycle.shooting import ReturnMap, fixed_point
+from asperity.cycle.recurrence import (
+    SAME_TURN,
+    extent,
+    has_died_out,
+    middle,
+    recurring,
+    second_half,
+)
+from asperity.cycle.shooting import Return, ReturnMap, fixed_point
+from asperity.cycle.start import dragged, longest_time, starts
 from asperity.errors import NoCycleError, ParameterError
 from asperity.integrate import integrate
-from asperity.motion import Motion, Section
+from asperity.motion import Section
 from asperity.simulate import Model
-from asperity.stability import Equilibrium, equilibrium, stability
+from asperity.stability import equilibrium, stability
 
-# The motion is followed for at most so many of the longest periods of the linearised system, and
-# for this part of the time before a section is chosen.
+# The motion is followed for at most so many of the longest times of the linearised system, and for
+# this part of it before a section is chosen.
 _LONGEST, _SETTLING = 200.0, 0.05
-# Turns of a section that may make up one period.
-_LOOPS = 6
+# Turns of a section that may make up one period, and the accuracy to which they have to agree.
+_LOOPS, _SAME = SAME_TURN, 1e-6
 # The motion is integrated so much more sharply than the cycle has to close.
 _SHARPER = 0.05
-# Newton's method begins when two passages are so close, in parts of the orbit's extent.
-_RECURRENCE = 0.02
-_PASSAGES = 200
 # Samples of the period that a cycle keeps.
 _SAMPLES = 1000
-# Orbits whose extent falls below this part of the first swing have died out.
-_DIED_OUT = 1e-3
-# A multiplier that is one to this accuracy belongs to a continuum of periodic orbits.
-_ISOLATED = 1e-4
 
 
 def limit_cycle(
@@ -50,21 +54,26 @@ def limit_cycle(
 
     Args:
         system: the system; its forces must not depend on time.
-        q0: coordinates to start from, shape ``(n,)``. Default: the equilibrium.
+        q0: coordinates to start from, shape ``(n,)``. Default: the equilibrium; without `u0`
+            several velocities are tried there, beginning with those with which all contacts stick.
         u0: velocities to start from, shape ``(n,)``. Default: those with which all contacts stick.
         section: hyperplane that the cycle passes once per turn. Default: the middle of the widest
             swing of a coordinate, in the sense in which slip is faster.
         t_end: longest time in s until the motion recurs. Default 200 times the longest period of
-            the linearised system.
-        near: cycle of a similar system; Newton's method starts from it at once.
+            the linearised system and the longest stick.
+        near: cycle of a similar system; Newton's method starts from it at once. Excludes the other
+            starts.
         tolerance: largest ‖P(x) − x‖ in parts of the orbit's extent.
 
     Returns:
-        The cycle, stable or not; from the motion's own recurrence only stable ones are found.
+        The cycle, stable or not; from the motion's own recurrence only stable ones are found. Its
+        multipliers are accurate to about 1e-6.
 
     Raises:
         NoCycleError: if the motion settles, does not recur, or if periodic orbits form a continuum
             (as the undamped ones of a mass that never stops sliding).
+        ParameterError, ConvergenceError: as `integrate`, `equilibrium` and `stability`; the last
+            two are not needed if `q0` and `t_end` are given.
 
     Reference: [WL19] §4.3, Fig. 17; [LeineNijmeijer2004] ch. 8 on shooting in nonsmooth systems.
 
@@ -76,18 +85,70 @@ def limit_cycle(
     12.001031
     """
     tolerance = _arrays.positive(tolerance, "tolerance")
+    if section is not None and not isinstance(section, Section):
+        raise ParameterError("section", f"must be a Section or None, got {section!r}")
     if near is not None:
-        section, state = _middle(near.motion)
-        scale, period = _extent(near.motion), near.period
+        if any(given is not None for given in (q0, u0, section, t_end)):
+            raise ParameterError("near", "excludes q0, u0, section and t_end")
+        return _continued(system, near, tolerance)
+    horizon, states = _beginnings(system, q0, u0, t_end)
+    failure = None
+    for q, u in states:
+        try:
+            return _followed(system, section, (q, u), horizon, tolerance)
+        except NoCycleError as error:
+            failure = failure or error
+    assert failure is not None
+    raise failure
+
+
+def _continued(system: Model, near: LimitCycle, tolerance: float) -> LimitCycle:
+    if not isinstance(near, LimitCycle):
+        raise ParameterError("near", f"must be a LimitCycle, got {near!r}")
+    if near.motion.q.shape[1] != system.dof:
+        raise ParameterError("near", f"must be the cycle of a system with {system.dof} coordinates")
+    section, state = middle(near.motion)
+    returns = ReturnMap(system, section, extent(near.motion), _SHARPER * tolerance)
+    return _found(returns, state, near.period, tolerance)
+
+
+def _beginnings(
+    system: Model, q0: ArrayLike | None, u0: ArrayLike | None, t_end: float | None
+) -> tuple[float, Iterator[tuple[Array, Array]]]:
+    """Return the longest time and the states to start from."""
+    n = system.dof
+    state = None if q0 is not None and t_end is not None else stability(system, equilibrium(system))
+    if t_end is not None:
+        horizon = _arrays.positive(t_end, "t_end")
     else:
-        rest = equilibrium(system) if q0 is None or t_end is None else None
-        q, u = _start(system, rest, q0, u0)
-        horizon = _horizon(system, rest) if t_end is None else _arrays.positive(t_end, "t_end")
-        if section is None:
-            swing = integrate(system, t_end=_SETTLING * horizon, q0=q, u0=u)
-            section = _middle(_second_half(swing))[0]
-            q, u = swing.q[-1], swing.u[-1]
-        scale, state, period = _recurring(system, section, q, u, horizon)
+        assert state is not None
+        horizon = _LONGEST * longest_time(system, state)
+    if q0 is None and u0 is None:
+        assert state is not None
+        return horizon, starts(system, state)
+    if q0 is None:
+        assert state is not None
+        q = state.equilibrium.q
+    else:
+        q = _arrays.array(q0, "q0", (n,))
+    u = dragged(system, q) if u0 is None else _arrays.array(u0, "u0", (n,))
+    return horizon, iter([(q, u)])
+
+
+def _followed(
+    system: Model,
+    section: Section | None,
+    start: tuple[Array, Array],
+    horizon: float,
+    tolerance: float,
+) -> LimitCycle:
+    """Follow the motion until it recurs and converge to the cycle."""
+    q, u = start
+    if section is None:
+        swing = integrate(system, t_end=_SETTLING * horizon, q0=q, u0=u)
+        section = middle(second_half(swing))[0]
+        q, u = swing.q[-1], swing.u[-1]
+    scale, state, period = recurring(system, section, q, u, horizon)
     returns = ReturnMap(system, section, scale, _SHARPER * tolerance)
     return _found(returns, state, period, tolerance)
 
@@ -95,116 +156,28 @@ def limit_cycle(
 def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) -> LimitCycle:
     """Converge to the fixed point and measure the cycle."""
     fixed, iterations = fixed_point(returns, state, period, tolerance)
-    dt = fixed.period / _SAMPLES
-    closed = returns(fixed.state, fixed.period, dt=dt)
-    if _has_died_out(closed.motion, returns.scale):
+    fixed = _once_around(returns, fixed)
+    closed = returns(fixed.state, fixed.period, dt=fixed.period / _SAMPLES)
+    if has_died_out(closed.motion, returns.scale):
         raise NoCycleError("the motion settles at the equilibrium")
-    multipliers = np.linalg.eigvals(returns.jacobian(fixed.state, fixed.period))
-    multipliers = multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
-    if np.abs(multipliers - 1.0).min(initial=np.inf) < _ISOLATED:
-        raise NoCycleError(
-            f"periodic orbits form a continuum, of period {fixed.period:.6g} s: a multiplier is 1"
-        )
     return LimitCycle(
         closed.period,
         closed.motion,
         returns.section,
-        multipliers,
+        multipliers(returns, Return(fixed.state, closed.period, closed.motion)),
         residual=returns.defect(fixed.state, closed.state),
         iterations=iterations,
     )
 
 
-def _start(
-    system: Model, rest: Equilibrium | None, q0: ArrayLike | None, u0: ArrayLike | None
-) -> tuple[Array, Array]:
-    """Return the initial state; by default everything sticks where the equilibrium is."""
-    n = system.dof
-    if q0 is not None:
-        q = _arrays.array(q0, "q0", (n,))
-    else:
-        assert rest is not None
-        q = rest.q
-    if u0 is not None:
-        return q, _arrays.array(u0, "u0", (n,))
-    contacts = _core.evaluate(system._core, 0.0, q, np.zeros(n))["contacts"]
-    rows = np.vstack([np.zeros((0, n)), *(contact["tangent"] for contact in contacts)])
-    belts = np.concatenate([np.zeros(0), *(contact["velocity"] for contact in contacts)])
-    return q, np.linalg.lstsq(rows, -belts, rcond=None)[0]
-
-
-def _horizon(system: Model, rest: Equilibrium | None) -> float:
-    frequencies = np.abs(stability(system, rest).eigenvalues.imag)
-    frequencies = frequencies[frequencies > 1e-6 * frequencies.max(initial=0.0)]
-    if not frequencies.size:
-        raise ParameterError("t_end", "must be given where the equilibrium does not oscillate")
-    return float(_LONGEST * 2.0 * np.pi / frequencies.min())
-
-
-def _middle(motion: Motion) -> tuple[Section, Array]:
-    """Return the section through the middle of the widest swing, and the state that passes it.
-
-    Of all passages, in both senses, the one with the fastest slip is taken: where the contacts
-    stick, the return map would be singular.
-    """
-    k = int(np.ptp(motion.q, axis=0).argmax())
-    height = motion.q[:, k] - 0.5 * (motion.q[:, k].max() + motion.q[:, k].min())
-    passages = np.flatnonzero(np.diff(np.signbit(height)))
-    if not passages.size:
-        raise NoCycleError("the motion does not oscillate")
-    speed = np.nan_to_num(np.linalg.norm(motion.slip, axis=-1)).sum(axis=-1)
-    at = int(passages[np.minimum(speed[passages], speed[passages + 1]).argmax()])
-    share = height[at] / (height[at] - height[at + 1])
-    states = np.concatenate([motion.q, motion.u], axis=-1)
-    state = states[at] + share * (states[at + 1] - states[at])
-    normal = np.zeros(states.shape[-1])
-    normal[k] = np.sign(height[at + 1] - height[at])
-    return Section(normal, float(normal @ state)), state
-
-
-def _extent(motion: Motion) -> Array:
-    """Return the extent of a motion in every state component; none is zero."""
-    extents = []
-    for series in (motion.q, motion.u):
-        extent = np.ptp(series, axis=0)
-        extents.append(np.maximum(extent, 1e-3 * extent.max()))
-    return np.concatenate(extents)
-
-
-def _recurring(
-    system: Model, section: Section, q: Array, u: Array, t_end: float
-) -> tuple[Array, Array, float]:
-    """Return scale, state and period when the motion passes the section as it did before."""
-    states: list[Array] = []
-    times: list[float] = []
-    t, scale = 0.0, None
-    while len(states) < _PASSAGES and t < t_end:
-        wait = 1e-3 * (times[-1] - times[-2] if len(times) > 1 else 0.0)
-        motion = integrate(system, t_end=t_end - t, q0=q, u0=u, section=section.replace(after=wait))
-        if not motion.at_section:
-            if scale is not None and _has_died_out(_second_half(motion), scale):
-                raise NoCycleError("the motion settles")
-            break
-        q, u, t = motion.q[-1], motion.u[-1], t + float(motion.t[-1])
-        extent = _extent(motion)
-        scale = extent if scale is None else np.maximum(scale, extent)
-        if _has_died_out(motion, scale):
-            raise NoCycleError("the motion settles")
-        states.append(np.concatenate([q, u]))
-        times.append(t)
-        for back in range(2, min(_LOOPS + 2, len(states) + 1)):
-            if np.abs((states[-1] - states[-back]) / extent).max() < _RECURRENCE:
-                return scale, states[-1], times[-1] - times[-back]
-    raise NoCycleError(
-        f"the motion passes the section {len(states)} times in {t_end:.6g} s and does not recur"
-    )
-
-
-def _has_died_out(motion: Motion, scale: Array) -> bool:
-    n = motion.q.shape[1]
-    return bool((np.ptp(motion.q, axis=0) < _DIED_OUT * scale[:n]).all())
-
-
-def _second_half(motion: Motion) -> Motion:
-    half = motion.t >= 0.5 * motion.t[-1]
-    return motion.slice(float(motion.t[half][0]), float(motion.t[-1]))
+def _once_around(returns: ReturnMap, fixed: Return) -> Return:
+    """Return the fixed point with its shortest period."""
+    for turns in range(_LOOPS, 1, -1):
+        try:
+            image = returns(fixed.state, fixed.period / turns)
+        except NoCycleError:
+            continue
+        same = returns.defect(fixed.state, image.state) <= _SAME
+        if same and abs(turns * image.period - fixed.period) <= _SAME * fixed.period:
+            return Return(fixed.state, image.period, image.motion)
+    return fixed

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity._arrays import Array
+from asperity.cycle.place import Place
 from asperity.errors import NoCycleError
 from asperity.integrate import integrate
 from asperity.motion import Motion, Section
 from asperity.simulate import Model
 
-# Steps of difference quotients in parts of the scale of the states: forward ones within Newton's
-# method, central ones for the multipliers.
-_FORWARD, _CENTRAL = 1e-6, 1e-5
-_ITERATIONS = 25
+# Step of difference quotients in parts of the scale of the states.
+_FORWARD = 1e-6
+_ITERATIONS = 15
 # A return is looked for up to so many times the expected period.
 _PATIENCE = 4.0
 
@@ -71,31 +71,19 @@ class ReturnMap:
         """Return ‖P(x) − x‖ in parts of the scale of the states."""
         return float(np.abs((image - state) / self.scale).max())
 
-    def tangents(self) -> Array:
-        """Return directions within the section, scaled: shape ``(2n, 2n − 1)``."""
-        normal = self.section.normal * self.scale
-        # The last left singular vectors of a single column are orthogonal to it.
-        basis = np.linalg.svd(normal[:, None])[0][:, 1:]
-        within: Array = self.scale[:, None] * basis
-        return within
+    def place(self, image: Return) -> Place:
+        """Return the part of the section in which x ↦ `image` begins."""
+        return Place.of(self.system, self.section, self.scale, image.motion)
 
-    def jacobian(self, state: Array, period: float, image: Array | None = None) -> Array:
-        """Return ∂P/∂x within the section in the coordinates of `tangents`.
-
-        Forward differences if `image` = P(x) is given, else central ones.
-        """
-        directions = self.tangents()
-        inverse = np.linalg.pinv(directions)
-        columns = []
-        for direction in directions.T:
-            if image is not None:
-                ahead = self(state + _FORWARD * direction, period).state
-                columns.append((ahead - image) / _FORWARD)
-            else:
-                ahead = self(state + _CENTRAL * direction, period).state
-                behind = self(state - _CENTRAL * direction, period).state
-                columns.append((ahead - behind) / (2.0 * _CENTRAL))
-        derivative = np.asarray(inverse @ np.column_stack(columns), dtype=np.float64)
+    def jacobian(self, state: Array, image: Return, step: float = _FORWARD) -> Array:
+        """Return ∂P/∂x in the coordinates of the place's tangents, by one-sided differences."""
+        place = self.place(image)
+        directions = place.tangents(state)
+        columns = np.zeros(directions.shape)
+        for k, direction in enumerate(directions.T):
+            end = self(place.onto(state + step * direction), image.period).state
+            columns[:, k] = (end - image.state) / step
+        derivative: Array = np.asarray(np.linalg.pinv(directions) @ columns, dtype=np.float64)
         return derivative
 
 
@@ -107,16 +95,17 @@ def fixed_point(
     Raises:
         NoCycleError: if Newton's method does not converge or the motion does not return.
     """
-    directions = returns.tangents()
-    inverse = np.linalg.pinv(directions)
     here, image = state, returns(state, period)
     for iteration in range(_ITERATIONS):
         defect = returns.defect(here, image.state)
         if defect <= tolerance:
             return Return(here, image.period, image.motion), iteration
-        jacobian = returns.jacobian(here, image.period, image.state)
+        directions = returns.place(image).tangents(here)
+        jacobian = returns.jacobian(here, image)
         change = np.linalg.lstsq(
-            np.eye(len(jacobian)) - jacobian, inverse @ (image.state - here), rcond=1e-10
+            np.eye(len(jacobian)) - jacobian,
+            np.linalg.pinv(directions) @ (image.state - here),
+            rcond=1e-10,
         )[0]
         here, image = _step(returns, here, image, directions @ change, defect)
     raise NoCycleError(
@@ -128,8 +117,9 @@ def _step(
     returns: ReturnMap, here: Array, image: Return, change: Array, defect: float
 ) -> tuple[Array, Return]:
     """Take the longest of the Newton steps 1, ½, ¼, … that comes closer, else follow the motion."""
+    place = returns.place(image)
     for halvings in range(5):
-        there = here + change * 0.5**halvings
+        there = place.onto(here + change * 0.5**halvings)
         try:
             moved = returns(there, image.period)
         except NoCycleError:

@@ -171,7 +171,7 @@ def _defects(
     for name in where:
         bad = np.flatnonzero(~np.isfinite(series[name]))
         if bad.size:
-            found.append((name, "no number", bad))
+            found.append((name, "no number in", bad))
     if found:
         return found
     if len(series["time"]) < 2:
@@ -186,7 +186,7 @@ def _defects(
     for name in CHANNELS:
         clipped = _clipped(series[name])
         if clipped.size:
-            found.append((name, "clipped", clipped))
+            found.append((name, "clipped in", clipped))
     return found
 
 

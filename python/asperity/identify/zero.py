@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -54,28 +55,31 @@ def zero_of(raw: RawData) -> Zero:
     before = [record for record in raw.no_load if record.time[-1] <= first]
     after = [record for record in raw.no_load if record.time[0] >= last]
     if not (before and after):
-        _, mean, covariance = _mean(raw.no_load)
-        return Zero(mean, np.zeros(3), middle, covariance)
-    (t0, m0, c0), (t1, m1, c1) = _mean(before), _mean(after)
-    share = (middle - t0) / (t1 - t0)
-    return Zero(
-        (1.0 - share) * m0 + share * m1,
-        (m1 - m0) / (t1 - t0),
-        middle,
-        (1.0 - share) ** 2 * c0 + share**2 * c1,
-    )
+        none = np.zeros(3)
+        return Zero(_mean(raw.no_load)[1], none, middle, _covariance(raw.no_load, none))
+    (t0, m0), (t1, m1) = _mean(before), _mean(after)
+    slope, share = (m1 - m0) / (t1 - t0), (middle - t0) / (t1 - t0)
+    covariance = (1.0 - share) ** 2 * _covariance(before, slope)
+    covariance += share**2 * _covariance(after, slope)
+    return Zero((1.0 - share) * m0 + share * m1, slope, middle, covariance)
 
 
-def _mean(records: list[Recording] | tuple[Recording, ...]) -> tuple[float, Array, Array]:
-    """Return the middle of some records, their mean and its covariance from batch means."""
-    weights = np.array([len(record) for record in records], dtype=float)
-    weights /= weights.sum()
-    means = np.array([record.readings.mean(axis=0) for record in records])
-    times = np.array([record.time.mean() for record in records])
-    covariance = sum(
-        w**2 * batch_covariance(record.readings) for w, record in zip(weights, records, strict=True)
-    )
-    return float(weights @ times), weights @ means, np.asarray(covariance, dtype=np.float64)
+def _mean(records: Sequence[Recording]) -> tuple[float, Array]:
+    """Return the mean time and reading of all samples of some records."""
+    weights = [len(record) for record in records]
+    times = [float(record.time.mean()) for record in records]
+    means = [record.readings.mean(axis=0) for record in records]
+    mean: Array = np.average(means, axis=0, weights=weights)
+    return float(np.average(times, weights=weights)), mean
+
+
+def _covariance(records: Sequence[Recording], slope: Array) -> Array:
+    """Return the covariance of the mean reading; the drift along the line is no noise."""
+    weights = np.array([len(record) for record in records], dtype=np.float64)
+    total = np.zeros((3, 3))
+    for share, record in zip(weights / weights.sum(), records, strict=True):
+        total += share**2 * batch_covariance(record.readings - np.outer(record.time, slope))
+    return total
 
 
 def batch_covariance(values: Array) -> Array:

@@ -59,6 +59,10 @@ class Diagram(Protocol):
         """Kinds of the equilibria."""
 
     @property
+    def cycle_stable(self) -> NDArray[np.bool_]:
+        """Whether there is a stable limit cycle, shape ``(n,)``."""
+
+    @property
     def cycle_minima(self) -> Array:
         """Least coordinates of the limit cycles, shape ``(n, n_q)``; NaN where there is none."""
 
@@ -203,7 +207,7 @@ def plot_bifurcation(
 ) -> list[Artist]:
     """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
 
-    Stable equilibria are solid, neutral ones broken, unstable ones dotted.
+    Stable equilibria and cycles are solid, neutral equilibria broken, unstable ones dotted.
 
     Args:
         diagram: as of `asperity.bifurcation_diagram`; with ``diagram.replace(values=…)`` in other
@@ -229,8 +233,7 @@ def plot_bifurcation(
     if np.isfinite(lower).any():
         filling: dict[str, Any] = {"color": look.ORANGE, "alpha": 0.15, "linewidth": 0.0}
         artists.append(ax.fill_between(values, lower, upper, **filling))
-        artists += ax.plot(values, lower, color=look.ORANGE, label="limit cycle, extremes")
-        artists += ax.plot(values, upper, color=look.ORANGE)
+        artists += _cycle_lines(ax, diagram, lower, upper)
     rest = diagram.equilibria[:, number]
     for kind, options in _KINDS.items():
         shown = _with_next(np.array([found == kind for found in diagram.kinds]))
@@ -242,6 +245,20 @@ def plot_bifurcation(
     if legend:
         ax.legend(frameon=False)
     return artists
+
+
+def _cycle_lines(ax: Axes, diagram: Diagram, lower: Array, upper: Array) -> list[Artist]:
+    """Draw extremes of cycles, solid where stable and dotted where not."""
+    lines: list[Artist] = []
+    for kind, style in (("stable", "-"), ("unstable", ":")):
+        own = (diagram.cycle_stable == (kind == "stable")) & np.isfinite(lower)
+        shown = _with_next(own)
+        for values, label in ((lower, f"{kind} limit cycle, extremes"), (upper, None)):
+            drawn = np.where(shown, values, np.nan)
+            if np.isfinite(drawn).any():
+                options: dict[str, Any] = {"color": look.ORANGE, "linestyle": style}
+                lines += ax.plot(diagram.values, drawn, label=label, **options)
+    return lines
 
 
 def _eigenvalues(given: Any, n: int) -> _Complex:

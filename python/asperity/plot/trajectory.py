@@ -27,7 +27,7 @@ _LOOK = {
 
 
 def plot_path(
-    trajectory: Trajectory | Motion,
+    trajectory: Trajectory | Motion | Motion,
     ax: Axes | None = None,
     *,
     coordinates: tuple[int, int] = (0, 1),
@@ -61,7 +61,7 @@ def plot_path(
 
 
 def plot_phase(
-    trajectory: Trajectory | Motion,
+    trajectory: Trajectory | Motion | Motion,
     ax: Axes | None = None,
     *,
     coordinates: tuple[int, int] = (0, 1),
@@ -102,7 +102,11 @@ def plot_phase(
 
 
 def plot_forces_in_reservoir(
-    trajectory: Trajectory | Motion, law: FrictionLaw, ax: Axes | None = None, *, contact: int = 0
+    trajectory: Trajectory | Motion | Motion,
+    law: FrictionLaw,
+    ax: Axes | None = None,
+    *,
+    contact: int = 0,
 ) -> list[Artist]:
     """Draw the friction forces −λ of a contact within the force reservoir λ_N C.
 
@@ -126,7 +130,7 @@ def plot_forces_in_reservoir(
     >>> outline, *_ = plot_forces_in_reservoir(simulate(belt, dt=1e-2, t_end=10.0), law)
     """
     contact = _contact(look.checked_trajectory(trajectory), contact)
-    largest = np.nanmax(trajectory.normal_force[1:, contact], initial=0.0)
+    largest = np.nanmax(trajectory.normal_force[:, contact], initial=0.0)
     if largest <= 0.0:
         raise ParameterError("contact", f"must have carried load, contact {contact} never did")
     reservoir = look.planar_law(law).reservoir.scaled(largest)
@@ -143,7 +147,9 @@ def plot_forces_in_reservoir(
     return artists
 
 
-def _two(trajectory: Trajectory | Motion, coordinates: tuple[int, int]) -> tuple[Array, Array]:
+def _two(
+    trajectory: Trajectory | Motion | Motion, coordinates: tuple[int, int]
+) -> tuple[Array, Array]:
     shown = look.checked_trajectory(trajectory).q
     i, j = (_arrays.count(index, "coordinates", 0) for index in coordinates)
     if max(i, j) >= shown.shape[1]:
@@ -151,7 +157,7 @@ def _two(trajectory: Trajectory | Motion, coordinates: tuple[int, int]) -> tuple
     return shown[:, i], shown[:, j]
 
 
-def _contact(trajectory: Trajectory | Motion, contact: int) -> int:
+def _contact(trajectory: Trajectory | Motion | Motion, contact: int) -> int:
     contacts = trajectory.phase.shape[1]
     if _arrays.count(contact, "contact", 0) >= contacts:
         raise ParameterError("contact", f"must be below {contacts}, got {contact}")

@@ -8,8 +8,9 @@ use std::sync::OnceLock;
 
 use nalgebra::SMatrix;
 
-use super::field::{Field, FieldError, State};
+use super::field::Field;
 use super::lu;
+use super::touch::{FieldError, State};
 
 /// Number of stages.
 pub(super) const STAGES: usize = 5;
@@ -255,11 +256,14 @@ impl Step {
         };
         // The first stage is near the start, where the Jacobian may not exist.
         let (ku, kq) = (&self.ku[..n * n], &self.kq[..n * n]);
-        let q: Vec<f64> = (0..n).map(|k| step * (start.u[k] - at_zero(&self.u, k))).collect();
-        let u = &mut self.residual[..n];
+        let (u, q) = self.residual.split_at_mut(n);
+        let q = &mut q[..n];
+        for (k, q) in q.iter_mut().enumerate() {
+            *q = step * (start.u[k] - at_zero(&self.u, k));
+        }
         for r in 0..n {
             let row = &kq[r * n..(r + 1) * n];
-            let coupled: f64 = row.iter().zip(&q).map(|(k, e)| k * e).sum();
+            let coupled: f64 = row.iter().zip(q.iter()).map(|(k, e)| k * e).sum();
             u[r] = step * (a0[r] - at_zero(&self.a, r)) + step * coupled;
         }
         for (k, m) in self.small.iter_mut().enumerate() {

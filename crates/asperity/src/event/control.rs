@@ -1,15 +1,17 @@
 //! How long a step may be.
 
 use super::collocation::Scale;
-use super::field::{Field, ROWS, dot};
+use super::field::{Field, dot};
 use super::force::norm;
+use super::touch::ROWS;
 use crate::contact::Phase;
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
 /// (\[HairerWanner1996\] IV.8).
 const ESTIMATE: f64 = 6.0;
-/// Share of the time until a slip or a resistance vanishes that a step may take.
-const APPROACH: f64 = 0.9;
+/// Share of the time until a slip or a resistance vanishes that a step may take. Powers of the time that is left
+/// are approximated to the tolerance then, which the estimate would not see to.
+const APPROACH: f64 = 0.75;
 
 /// Tolerances, scales and the length of the next step.
 #[derive(Debug)]

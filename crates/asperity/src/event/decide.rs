@@ -5,9 +5,10 @@
 
 use nalgebra::DMatrix;
 
-use super::field::{Field, FieldError, ROWS, State, add, dot};
+use super::field::{Field, add, dot};
 use super::force;
 use super::inverse::Inverse;
+use super::touch::{FieldError, ROWS, State, Touch};
 use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
@@ -62,7 +63,7 @@ pub(super) fn decide(
             .map(|&row| dot(field.row(row), &field.acceleration) + field.drift[row])
             .collect();
         let problem = problem(field, &part, load, |touch| touch.prescribed);
-        let (decision, remembered, velocity) = solve(field, &part, &problem, memory);
+        let (decision, remembered, velocity) = solve(&part, &problem, memory);
         let Decision::Made { .. } = decision else { return Ok(decision) };
         for (k, force) in remembered.percussion.iter().enumerate() {
             add(&mut field.acceleration, *force, &part.responses[k * field.n..][..field.n]);
@@ -97,7 +98,7 @@ fn problem(
     field: &Field<'_>,
     part: &Part,
     load: Vec<f64>,
-    normal_force: impl Fn(&super::field::Touch) -> Option<f64>,
+    normal_force: impl Fn(&Touch) -> Option<f64>,
 ) -> ContactProblem {
     let (n, size) = (field.n, part.rows.len());
     let delassus = DMatrix::from_fn(size, size, |i, j| {
@@ -131,7 +132,6 @@ fn problem(
 
 /// Solves a contact problem: the decision, the percussions and what came of the contacts, the velocities.
 fn solve(
-    field: &Field<'_>,
     part: &Part,
     problem: &ContactProblem,
     memory: &[ContactState],
@@ -152,7 +152,6 @@ fn solve(
         }
         worst = report.worst_contact;
     }
-    debug_assert!(worst < field.touches.len());
     (Decision::None { contact: part.contacts[worst] }, start, Vec::new())
 }
 
@@ -218,7 +217,7 @@ pub(super) fn strike(
             problem.restitution[row] = e * before[row];
         }
     }
-    let (decision, found, velocity) = solve(field, &part, &problem, memory);
+    let (decision, found, velocity) = solve(&part, &problem, memory);
     let Decision::Made { .. } = decision else { return Ok(decision) };
     for (percussion, response) in found.percussion.iter().zip(part.responses.chunks_exact(n)) {
         add(&mut state.u, *percussion, response);

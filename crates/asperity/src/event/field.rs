@@ -4,63 +4,14 @@
 //! unilateral contacts: one small linear system for the forces that are not given.
 
 use nalgebra::DMatrix;
-use thiserror::Error;
 
 use super::force;
 use super::inverse::Inverse;
+use super::touch::{FieldError, ROWS, Touch};
 use crate::contact::Phase;
 use crate::law::Law;
 use crate::stepper::mass::MassFactor;
-use crate::system::{System, SystemError};
-
-/// Rows of a contact: the normal one, then up to three tangential ones.
-pub(super) const ROWS: usize = 4;
-
-/// The accelerations cannot be evaluated.
-#[derive(Debug, Error)]
-pub enum FieldError {
-    /// The system failed.
-    #[error(transparent)]
-    System(#[from] SystemError),
-    /// The mass matrix is not positive definite.
-    #[error("mass: must be symmetric positive definite, is not at t = {time:.9} s")]
-    SingularMass {
-        /// Time in s.
-        time: f64,
-    },
-}
-
-/// Time, coordinates and velocities.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct State {
-    pub(super) t: f64,
-    pub(super) q: Vec<f64>,
-    pub(super) u: Vec<f64>,
-}
-
-/// What the field says of a contact, at the state where it was evaluated last.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Touch {
-    /// What it does; nothing but [`Phase::Open`], [`Phase::Stick`] and [`Phase::Slip`].
-    pub(super) mode: Phase,
-    /// Closed without slip, to be decided on; meanwhile its mode is open.
-    pub(super) resting: bool,
-    pub(super) p: usize,
-    /// Normal force that is given.
-    pub(super) prescribed: Option<f64>,
-    pub(super) gap: f64,
-    pub(super) slip: [f64; 3],
-    /// λ for unit normal force while it slips.
-    pub(super) sliding: [f64; 3],
-    pub(super) normal_force: f64,
-    pub(super) force: [f64; 3],
-    /// `w_NᵀM⁻¹(w_N + W f)` over `w_NᵀM⁻¹w_N`.
-    pub(super) resistance: f64,
-    /// `‖|Wᵀ||u| + |χ|‖`.
-    pub(super) size: f64,
-    /// The largest of these along the motion, what slips are compared with; attempts do not count.
-    pub(super) speed: f64,
-}
+use crate::system::System;
 
 /// The system in a mode.
 #[derive(Debug)]
@@ -314,43 +265,6 @@ impl<'a> Field<'a> {
     /// The contacts' rows of the last unknown forces.
     pub(super) fn unknown(&self) -> &[usize] {
         &self.unknown
-    }
-
-    /// Jacobian of the acceleration where it was evaluated last: the smooth part, which is kept, and that of
-    /// the sliding directions.
-    pub(super) fn jacobian(&mut self, ku: &mut [f64], kq: &mut [f64]) {
-        let n = self.n;
-        ku.copy_from_slice(&self.smooth_u);
-        kq.copy_from_slice(&self.smooth_q);
-        for i in 0..self.touches.len() {
-            let touch = self.touches[i];
-            if touch.mode != Phase::Slip {
-                continue;
-            }
-            let slope = force::jacobian(self.law(i), &touch.slip);
-            for r in 0..touch.p {
-                let first = (ROWS * i + 1 + r) * n;
-                let mut column = std::mem::take(&mut self.scratch_q);
-                column.copy_from_slice(&self.response[first..first + n]);
-                self.constrain(&mut column);
-                for s in 0..touch.p {
-                    let factor = touch.normal_force * slope[r][s];
-                    let along = (ROWS * i + 1 + s) * n;
-                    dyad(ku, factor, &column, &self.rows[along..along + n]);
-                    if !self.constant {
-                        dyad(kq, factor, &column, &self.slip_gradient[along..along + n]);
-                    }
-                }
-                self.scratch_q = column;
-            }
-        }
-    }
-}
-
-/// `matrix += factor column rowᵀ`.
-fn dyad(matrix: &mut [f64], factor: f64, column: &[f64], row: &[f64]) {
-    for (target, c) in matrix.chunks_exact_mut(row.len()).zip(column) {
-        add(target, factor * c, row);
     }
 }
 

@@ -2,9 +2,10 @@
 
 use super::control;
 use super::decide::{self, Blow, Decision};
-use super::field::{FieldError, ROWS, State, add, dot};
+use super::field::{add, dot};
 use super::force::{self, norm};
 use super::run::Runner;
+use super::touch::{FieldError, ROWS, State, Touch};
 use super::{Event, Kind, OptionsError, Outcome};
 use crate::contact::{ContactState, Phase};
 
@@ -27,8 +28,7 @@ impl Runner<'_> {
         self.field.kinematics(*t, q, u)?;
         self.control.see(&mut self.field, q, u);
         let allowed = 1e-9 * self.control.size();
-        let depth =
-            |touch: &super::field::Touch| touch.prescribed.is_none() && touch.gap < -allowed;
+        let depth = |touch: &Touch| touch.prescribed.is_none() && touch.gap < -allowed;
         Ok(self.field.touches.iter().position(depth).map(|contact| {
             let depth = -self.field.touches[contact].gap;
             let message =
@@ -204,13 +204,16 @@ impl Runner<'_> {
             if outcome.is_some() {
                 return Ok(outcome);
             }
-            let lets_go = self.motion.events.len() > events;
-            if lets_go || later > 0.01 * self.control.h {
+            if self.motion.events.len() > events {
                 break;
             }
             // Not yet outside by more than rounding.
             self.motion.truncate(samples);
             later *= 10.0;
+            if later > 0.1 * self.control.h {
+                self.a0 = stuck;
+                return Ok(self.shorten(0.25 * self.control.h));
+            }
         }
         let touch = &self.field.touches[contact];
         let jump = touch.sliding.iter().zip(&sliding).map(|(a, b)| a - b);
@@ -323,7 +326,7 @@ impl Runner<'_> {
 
     /// A slipping contact that no longer resists to normal motions.
     pub(super) fn singular(&self) -> Option<usize> {
-        let singular = |t: &super::field::Touch| t.mode == Phase::Slip && t.resistance < RESISTANCE;
+        let singular = |t: &Touch| t.mode == Phase::Slip && t.resistance < RESISTANCE;
         self.field.touches.iter().position(singular)
     }
 

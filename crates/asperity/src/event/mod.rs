@@ -6,7 +6,7 @@
 //! | file | concept |
 //! |---|---|
 //! | `collocation.rs` | Radau IIA of order nine, its error estimate |
-//! | `field.rs`, `differences.rs`, `force.rs` | accelerations in a mode and their Jacobian |
+//! | `field.rs`, `touch.rs`, `derivatives.rs`, `force.rs` | accelerations in a mode and their Jacobian |
 //! | `decide.rs` | contact problems of accelerations and of impacts |
 //! | `locate.rs`, `watch.rs` | functions whose zeros are events, watched along steps |
 //! | `run.rs`, `control.rs` | the loop over steps, the length of steps |
@@ -16,7 +16,7 @@
 mod collocation;
 mod control;
 mod decide;
-mod differences;
+mod derivatives;
 mod field;
 mod force;
 mod happen;
@@ -25,6 +25,7 @@ mod locate;
 mod lu;
 mod motion;
 mod run;
+mod touch;
 mod watch;
 
 use std::ops::ControlFlow;
@@ -32,8 +33,8 @@ use std::ops::ControlFlow;
 use asperity_set::{Star, strict_convexity};
 use thiserror::Error;
 
-pub use field::FieldError;
 pub use motion::{Event, Kind, Motion};
+pub use touch::FieldError;
 
 use crate::law::{FrictionLaw, Law};
 use crate::system::System;

@@ -1,6 +1,7 @@
 //! What an event-driven integration returns.
 
-use super::field::{Field, State};
+use super::field::Field;
+use super::touch::State;
 use crate::contact::Phase;
 
 /// What happens at an event.

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use super::collocation::Step;
 use super::control::Control;
-use super::field::{Field, FieldError, State};
+use super::field::Field;
+use super::touch::{FieldError, State};
 use super::watch::{Lost, Watch};
 use super::{Motion, Options, OptionsError, Outcome, Run};
 use crate::contact::ContactState;

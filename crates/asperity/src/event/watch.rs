@@ -2,9 +2,9 @@
 
 use super::collocation::Tableau;
 use super::control;
-use super::field::{FieldError, State};
 use super::locate::{self, alarm};
 use super::run::Runner;
+use super::touch::{FieldError, State, Touch};
 use crate::contact::Phase;
 
 /// What the stages of a step show.
@@ -71,7 +71,7 @@ impl Runner<'_> {
             let high = c * self.step.h;
             let (q, u) = (&self.step.q[own.clone()], &self.step.u[own]);
             self.field.evaluate(self.state.t + high, q, u, false)?;
-            let singular = |t: &super::field::Touch| t.mode == Phase::Slip && t.resistance <= 0.0;
+            let singular = |t: &Touch| t.mode == Phase::Slip && t.resistance <= 0.0;
             if self.field.touches.iter().any(singular) {
                 return Ok(Watch::Singular);
             }
@@ -99,7 +99,6 @@ impl Runner<'_> {
             }
             low = high;
         }
-        debug_assert_eq!(lows.len(), count);
         Ok(Watch::Quiet)
     }
 
@@ -133,7 +132,7 @@ impl Runner<'_> {
     /// The step from the present state to another time of the present attempt, with the full order; the field
     /// is evaluated there.
     fn look(&mut self, h: f64) -> Result<(), Lost> {
-        let goal: (f64, _) = (self.control.newton, self.control.scale(self.step.h, &self.a0));
+        let goal = (self.control.newton, self.control.scale(self.step.h, &self.a0));
         self.probe.guess_from(h, &self.step, 0.0);
         if !self.probe.solve(&mut self.field, &self.state, h, goal)? {
             return Err(Lost::Diverged);

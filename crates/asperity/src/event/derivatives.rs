@@ -1,7 +1,9 @@
-//! Derivatives that systems do not give, by differences.
+//! Derivatives: of the sliding forces by the laws, of what systems do not give by differences.
 
 use super::collocation::Scale;
-use super::field::{Field, FieldError, ROWS, State, dot};
+use super::field::{Field, add, dot};
+use super::force;
+use super::touch::{FieldError, ROWS, State};
 use crate::contact::Phase;
 
 impl Field<'_> {
@@ -55,8 +57,8 @@ impl Field<'_> {
             let step = u[j] - kept;
             self.evaluate(*t, &q, &u, true)?;
             u[j] = kept;
-            for k in 0..n {
-                self.smooth_u[k * n + j] = (self.acceleration[k] - here[k]) / step;
+            for (k, (there, here)) in self.acceleration.iter().zip(&here).enumerate() {
+                self.smooth_u[k * n + j] = (there - here) / step;
             }
         }
         for j in 0..n {
@@ -65,13 +67,12 @@ impl Field<'_> {
             let step = q[j] - kept;
             self.evaluate(*t, &q, &u, true)?;
             q[j] = kept;
-            for k in 0..n {
-                self.smooth_q[k * n + j] = (self.acceleration[k] - here[k]) / step;
+            for (k, (there, here)) in self.acceleration.iter().zip(&here).enumerate() {
+                self.smooth_q[k * n + j] = (there - here) / step;
             }
-            for (i, touch) in self.touches.iter().enumerate() {
-                for r in 0..touch.p {
-                    self.slip_gradient[(ROWS * i + 1 + r) * n + j] =
-                        (touch.slip[r] - slips[i][r]) / step;
+            for (i, (touch, here)) in self.touches.iter().zip(&slips).enumerate() {
+                for (r, (there, here)) in touch.slip[..touch.p].iter().zip(here).enumerate() {
+                    self.slip_gradient[(ROWS * i + 1 + r) * n + j] = (there - here) / step;
                 }
             }
         }
@@ -80,5 +81,42 @@ impl Field<'_> {
 
     fn slips(&self) -> Vec<[f64; 3]> {
         self.touches.iter().map(|touch| touch.slip).collect()
+    }
+
+    /// Jacobian of the acceleration where it was evaluated last: the smooth part, which is kept, and that of
+    /// the sliding directions.
+    pub(super) fn jacobian(&mut self, ku: &mut [f64], kq: &mut [f64]) {
+        let n = self.n;
+        ku.copy_from_slice(&self.smooth_u);
+        kq.copy_from_slice(&self.smooth_q);
+        let mut column = std::mem::take(&mut self.scratch_q);
+        for i in 0..self.touches.len() {
+            let touch = self.touches[i];
+            if touch.mode != Phase::Slip {
+                continue;
+            }
+            let slope = force::jacobian(self.law(i), &touch.slip);
+            for (r, slope) in slope[..touch.p].iter().enumerate() {
+                let first = (ROWS * i + 1 + r) * n;
+                column.copy_from_slice(&self.response[first..first + n]);
+                self.constrain(&mut column);
+                for (s, slope) in slope[..touch.p].iter().enumerate() {
+                    let factor = touch.normal_force * slope;
+                    let along = (ROWS * i + 1 + s) * n;
+                    dyad(ku, factor, &column, &self.rows[along..along + n]);
+                    if !self.constant {
+                        dyad(kq, factor, &column, &self.slip_gradient[along..along + n]);
+                    }
+                }
+            }
+        }
+        self.scratch_q = column;
+    }
+}
+
+/// `matrix += factor column rowᵀ`.
+fn dyad(matrix: &mut [f64], factor: f64, column: &[f64], row: &[f64]) {
+    for (target, c) in matrix.chunks_exact_mut(row.len()).zip(column) {
+        add(target, factor * c, row);
     }
 }

@@ -1,0 +1,55 @@
+//! What is known of a state and of a contact in it.
+
+use thiserror::Error;
+
+use crate::contact::Phase;
+use crate::system::SystemError;
+
+/// Rows of a contact: the normal one, then up to three tangential ones.
+pub(super) const ROWS: usize = 4;
+
+/// The accelerations cannot be evaluated.
+#[derive(Debug, Error)]
+pub enum FieldError {
+    /// The system failed.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// The mass matrix is not positive definite.
+    #[error("mass: must be symmetric positive definite, is not at t = {time:.9} s")]
+    SingularMass {
+        /// Time in s.
+        time: f64,
+    },
+}
+
+/// Time, coordinates and velocities.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct State {
+    pub(super) t: f64,
+    pub(super) q: Vec<f64>,
+    pub(super) u: Vec<f64>,
+}
+
+/// What the field says of a contact, at the state where it was evaluated last.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    /// What it does; nothing but [`Phase::Open`], [`Phase::Stick`] and [`Phase::Slip`].
+    pub(super) mode: Phase,
+    /// Closed without slip, to be decided on; meanwhile its mode is open.
+    pub(super) resting: bool,
+    pub(super) p: usize,
+    /// Normal force that is given.
+    pub(super) prescribed: Option<f64>,
+    pub(super) gap: f64,
+    pub(super) slip: [f64; 3],
+    /// λ for unit normal force while it slips.
+    pub(super) sliding: [f64; 3],
+    pub(super) normal_force: f64,
+    pub(super) force: [f64; 3],
+    /// `w_NᵀM⁻¹(w_N + W f)` over `w_NᵀM⁻¹w_N`.
+    pub(super) resistance: f64,
+    /// `‖|Wᵀ||u| + |χ|‖`.
+    pub(super) size: f64,
+    /// The largest of these along the motion, what slips are compared with; attempts do not count.
+    pub(super) speed: f64,
+}

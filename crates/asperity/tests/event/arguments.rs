@@ -1,0 +1,73 @@
+//! Bad input is named.
+
+use std::ops::ControlFlow;
+
+use asperity::event::{Options, Outcome, Section, integrate};
+use asperity::law::FrictionLaw;
+use asperity::set::{Convex, Cuboid, Vector};
+use asperity::system::rigid::{Body, RigidBodies};
+use asperity::system::{Contact, LinearSystem, Normal, System, sliding_point};
+use nalgebra::DMatrix;
+
+use crate::support::*;
+
+fn refused(system: &dyn System, options: &Options) -> String {
+    integrate(system, options, &mut |_| ControlFlow::Continue(())).unwrap_err().to_string()
+}
+
+#[test]
+fn bad_options_are_named() {
+    let system = sliding_point(1.0, FrictionLaw::isotropic(0.5).unwrap(), 10.0).unwrap();
+    let good = options(&[0.0; 2], &[0.0; 2], 1.0);
+    let section = |normal: Vec<f64>, level| Some(Section { normal, level, after: 0.0 });
+    let cases = [
+        ("t_end", Options { t_end: -1.0, ..good.clone() }),
+        ("q0", Options { q0: vec![0.0], ..good.clone() }),
+        ("u0", Options { u0: vec![0.0, f64::NAN], ..good.clone() }),
+        ("tolerance", Options { tolerance: 0.0, ..good.clone() }),
+        ("tolerance", Options { tolerance: 1.0, ..good.clone() }),
+        ("dt", Options { sample: Some(0.0), ..good.clone() }),
+        ("section", Options { section: section(vec![1.0], 0.0), ..good.clone() }),
+        ("section", Options { section: section(vec![1.0; 4], f64::NAN), ..good.clone() }),
+        ("max_events", Options { max_events: 0, ..good.clone() }),
+    ];
+    for (argument, options) in cases {
+        let message = refused(&system, &options);
+        assert!(message.starts_with(argument), "{message}");
+    }
+}
+
+#[test]
+fn systems_that_cannot_be_integrated_are_refused() {
+    let body = RigidBodies::new(vec![Body::new(1.0, [1.0; 3])], &[], vec![], [0.0; 3]).unwrap();
+    let message = refused(&body, &options(body.q0(), body.u0(), 1.0));
+    assert!(message.starts_with("system: must have as many coordinates"), "{message}");
+
+    let square = Convex::from(Cuboid::symmetric(Vector::<2>::new(0.5, 0.3)).unwrap());
+    let table = sliding_point(1.0, FrictionLaw::associated(square), 10.0).unwrap();
+    let message = refused(&table, &options(&[0.0; 2], &[1.0, 0.0], 1.0));
+    assert!(message.contains("direction set of contact 0"), "{message}");
+
+    let one = DMatrix::identity(1, 1);
+    let contact = Contact {
+        law: FrictionLaw::<1>::isotropic(0.5).unwrap().into(),
+        direction: one.clone(),
+        velocity: vec![0.0],
+        normal: Normal::Gap { direction: vec![1.0], gap: -0.1 },
+        restitution: (0.0, 0.0),
+    };
+    let zero = DMatrix::zeros(1, 1);
+    let deep = LinearSystem::new(one, zero.clone(), zero, vec![0.0], vec![contact]).unwrap();
+    let message = refused(&deep, &options(&[0.0], &[0.0], 1.0));
+    assert!(message.starts_with("q0: must not let contacts overlap"), "{message}");
+}
+
+#[test]
+fn runs_stop_when_they_are_told_to() {
+    let system = sliding_point(1.0, FrictionLaw::isotropic(0.5).unwrap(), 10.0).unwrap();
+    let good = options(&[0.0; 2], &[1.0, 0.0], 1.0);
+    let few = Options { max_events: 1, ..good };
+    let run = integrate(&system, &few, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(matches!(run.outcome, Outcome::TooManyEvents));
+    assert_eq!(run.motion.events.len(), 1);
+}

@@ -1,0 +1,11 @@
+//! Event-driven integration against closed forms, published motions and time stepping.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod arguments;
+mod belt;
+mod impacts;
+mod sliding;
+mod stepping;
+mod support;

@@ -1,0 +1,124 @@
+//! Time stepping converges to the event-driven motion.
+
+use std::ops::ControlFlow;
+
+use asperity::event::Options;
+use asperity::law::Law;
+use asperity::set::{Star, strict_convexity};
+use asperity::simulate;
+use asperity::solver::Solver;
+use asperity::system::{Contact, LinearSystem, Normal};
+use nalgebra::DMatrix;
+
+use crate::common::{Random, gram, laws};
+use crate::support::*;
+
+const T_END: f64 = 4.0;
+
+/// Smooth laws of every kind. Of thin and of nearly flat direction sets the method may not find the sliding
+/// direction.
+fn tame_laws() -> Vec<(&'static str, Law)> {
+    let hard =
+        ["superellipse 20", "C 1.2 at 20°, D 20", "C rectangle, D superellipse 100", "thin D"];
+    let strict = |law: &asperity::law::FrictionLaw<2>| {
+        strict_convexity(&Star::Convex(law.direction().clone())).holds
+    };
+    let tame = laws().into_iter().filter(|(name, law)| strict(law) && !hard.contains(name));
+    tame.map(|(name, law)| (name, law.into())).collect()
+}
+
+fn random_system(
+    law: &Law,
+    contacts: usize,
+    unilateral: bool,
+    random: &mut Random,
+) -> LinearSystem {
+    let n = 2 * contacts + 1;
+    let solid = |random: &mut Random| gram(n, n + 3, random) + DMatrix::identity(n, n) * 0.5;
+    let (mass, stiffness) = (solid(random), solid(random));
+    let contacts = (0..contacts).map(|_| Contact {
+        law: law.clone(),
+        direction: DMatrix::from_fn(n, 2, |_, _| random.normal()),
+        velocity: vec![random.normal(), random.normal()],
+        normal: if unilateral {
+            let direction = (0..n).map(|_| random.normal()).collect();
+            Normal::Gap { direction, gap: random.within(0.0, 0.5) }
+        } else {
+            Normal::Force(random.within(0.5, 2.0))
+        },
+        restitution: (if unilateral { 0.3 } else { 0.0 }, 0.0),
+    });
+    let contacts = contacts.collect();
+    let force = (0..n).map(|_| random.normal()).collect();
+    LinearSystem::new(mass, stiffness.clone(), stiffness * 0.1, force, contacts).unwrap()
+}
+
+fn stepped(system: &LinearSystem, start: &Options, dt: f64) -> (Vec<f64>, usize) {
+    let steps = (T_END / dt).round() as usize;
+    let options = simulate::Options {
+        dt,
+        steps,
+        q0: start.q0.clone(),
+        u0: start.u0.clone(),
+        solver: Solver::Auto { interior_point: true, threads: 1 },
+        tolerance: 1e-11,
+        save_every: steps,
+        until_rest: false,
+        stop_on_failure: false,
+    };
+    let run = simulate::simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let n = start.q0.len();
+    (run.trajectory.q[n..].to_vec(), run.trajectory.ambiguous_steps)
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |m, (a, b)| f64::max(m, (a - b).abs()))
+}
+
+/// At first order: a tenth of the step, a tenth of the difference, on average over random systems.
+#[test]
+fn time_stepping_converges_to_the_motion() {
+    let mut compared = 0;
+    for (name, law) in tame_laws() {
+        for contacts in [1, 2] {
+            let mut random = Random::new(17 * contacts as u64);
+            let (mut coarse, mut fine) = (0.0, 0.0);
+            for _ in 0..4 {
+                let system = random_system(&law, contacts, false, &mut random);
+                let n = 2 * contacts + 1;
+                let u0: Vec<f64> = (0..n).map(|_| random.normal()).collect();
+                let start = Options { tolerance: 1e-10, ..options(&vec![0.0; n], &u0, T_END) };
+                let motion = run(&system, &start);
+                let (a, several) = stepped(&system, &start, 2e-2);
+                let (b, more) = stepped(&system, &start, 2e-3);
+                if several + more + motion.ambiguous_events() == 0 {
+                    coarse += distance(&a, last_q(&motion));
+                    fine += distance(&b, last_q(&motion));
+                    compared += 1;
+                }
+            }
+            assert!(fine < 0.2 * coarse + 1e-9, "{name}, {contacts} contacts: {coarse} {fine}");
+            assert!(fine < 4.0 * 2e-3, "{name}, {contacts} contacts: {fine}");
+        }
+    }
+    assert!(compared > 70, "{compared}");
+}
+
+/// Contacts that bounce: the stepped motion is near, the order is lost in impacts that a step joins.
+#[test]
+fn motions_with_impacts_are_near_too() {
+    let (_, law) = tame_laws().swap_remove(1);
+    let mut random = Random::new(5);
+    for contacts in [1, 2, 3] {
+        for _ in 0..4 {
+            let system = random_system(&law, contacts, true, &mut random);
+            let n = 2 * contacts + 1;
+            let u0: Vec<f64> = (0..n).map(|_| random.normal()).collect();
+            let start = Options { tolerance: 1e-10, ..options(&vec![0.0; n], &u0, T_END) };
+            let motion = run(&system, &start);
+            let (q, _) = stepped(&system, &start, 5e-4);
+            let off = distance(&q, last_q(&motion));
+            assert!(off < 2e-2, "{contacts} contacts: {off}, {:?}", motion.events);
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Runs and what is read from them.
+
+use std::ops::ControlFlow;
+
+use asperity::event::{Event, Kind, Motion, Options, Outcome, Section, integrate};
+use asperity::system::System;
+
+/// Options that matter seldom.
+pub fn options(q0: &[f64], u0: &[f64], t_end: f64) -> Options {
+    Options {
+        t_end,
+        q0: q0.to_vec(),
+        u0: u0.to_vec(),
+        tolerance: 1e-12,
+        sample: None,
+        section: None,
+        max_events: 10_000,
+    }
+}
+
+/// A motion that comes to its end.
+pub fn run(system: &dyn System, options: &Options) -> Motion {
+    let run = integrate(system, options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let wanted = matches!(run.outcome, Outcome::Finished | Outcome::Section);
+    assert!(wanted, "{:?} after {:?}", run.outcome, run.motion.events);
+    run.motion
+}
+
+/// The state in which the hyperplane is crossed.
+pub fn cross(system: &dyn System, from: &Options, normal: &[f64], level: f64) -> (f64, Vec<f64>) {
+    let section = Some(Section { normal: normal.to_vec(), level, after: 0.0 });
+    let motion = run(system, &Options { section, ..from.clone() });
+    assert_eq!(motion.events.last().unwrap().kind, Kind::Section);
+    let state = [last_q(&motion), last_u(&motion)].concat();
+    (*motion.t.last().unwrap(), state)
+}
+
+pub fn last_q(motion: &Motion) -> &[f64] {
+    &motion.q[motion.q.len() - motion.dof..]
+}
+
+pub fn last_u(motion: &Motion) -> &[f64] {
+    &motion.u[motion.u.len() - motion.dof..]
+}
+
+pub fn times(motion: &Motion, kind: Kind) -> Vec<f64> {
+    motion.events.iter().filter(|e| e.kind == kind).map(|e| e.time).collect()
+}
+
+pub fn first(motion: &Motion, kind: Kind) -> Event {
+    *motion.events.iter().find(|event| event.kind == kind).unwrap()
+}
+
+#[track_caller]
+pub fn close(value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance, "{value} instead of {expected}");
+}

@@ -1,0 +1,245 @@
+"""Event-driven integration against SciPy, closed forms and time stepping."""
+
+import os
+import pickle
+import signal
+import threading
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import plot
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+TIGHT = {"rtol": 1e-12, "atol": 1e-13}
+
+
+def stribeck_block():
+    rate = asp.Stribeck(1.0 / 3.0, shape="hyperbolic")
+    law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(rate=rate)
+    return asp.MassOnBelt(1.0, 1.0, law, 1.0, [0.2])
+
+
+def belt():
+    c = asp.Ellipse(30.0, 10.0).rotated(np.deg2rad(30.0))
+    v = np.deg2rad(50.0)
+    law = asp.FrictionLaw(c, asp.Ellipse(3.0, 1.0))
+    return asp.MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(v), np.sin(v)])
+
+
+def test_the_stribeck_block_agrees_with_scipy():
+    """Slip from the edge of stick, x = F_S/k, until the slip vanishes; then stick until x = 1."""
+
+    def slip(_, y):
+        return [y[1], -y[0] + 1.0 / (1.0 + 3.0 * abs(y[1] - 0.2))]
+
+    def sticks(_, y):
+        return y[1] - 0.2
+
+    sticks.terminal, sticks.direction = True, 1
+    # A first step by the series x = 1 + .2 t, γ = −.2 t²/2 + …, which the event would end at once.
+    start = solve_ivp(slip, (0.0, 1e-2), [1.0, 0.2], method="DOP853", **TIGHT)
+    rest = solve_ivp(slip, (1e-2, 10.0), start.y[:, -1], method="DOP853", events=sticks, **TIGHT)
+    slipping, end = rest.t_events[0][0], rest.y_events[0][0]
+    sticking = (1.0 - end[0]) / 0.2
+    motion = asp.integrate(stribeck_block(), t_end=30.0, q0=[1.0], u0=[0.2], tolerance=1e-12)
+    times = {kind: [e.time for e in motion.events if e.kind == kind] for kind in asp.EventKind}
+    first, second = times["slip"][1:3]
+    assert times["stick"][1] - first == pytest.approx(slipping, abs=1e-9)
+    assert second - times["stick"][1] == pytest.approx(sticking, abs=1e-9)
+    assert second - first == pytest.approx(12.001031, abs=5e-7)
+
+
+def ellipse_force(g):
+    """−λ of C with semi-axes 30, 10 at 30° and D with semi-axes 3, 1: closed formulas."""
+    z = np.array([9.0, 1.0]) * g / np.sqrt(9.0 * g[0] ** 2 + g[1] ** 2)
+    turn = np.deg2rad(30.0)
+    x, y = np.cos(turn) * z[0] + np.sin(turn) * z[1], np.cos(turn) * z[1] - np.sin(turn) * z[0]
+    return z / np.hypot(x / 30.0, y / 10.0)
+
+
+def test_slip_on_the_belt_agrees_with_scipy():
+    """From a state in full slip until the slip is almost over, and the time when it vanishes."""
+    v = np.array([np.cos(np.deg2rad(50.0)), np.sin(np.deg2rad(50.0))])
+    q0, u0 = [22.0, 8.0], [-1.0, -3.0]
+
+    def field(_, y):
+        return [*y[2:], *(-y[:2] - ellipse_force(y[2:] - v))]
+
+    def speed(_, y):
+        return np.hypot(*(y[2:] - v)) - 1e-7
+
+    speed.terminal, speed.direction = True, -1
+    expected = solve_ivp(
+        field, (0.0, 30.0), [*q0, *u0], method="Radau", events=speed, rtol=1e-10, atol=1e-12
+    )
+    motion = asp.integrate(belt(), t_end=30.0, q0=q0, u0=u0, tolerance=1e-12)
+    event = motion.events[0]
+    state = expected.y_events[0][0]
+    slip = state[2:] - v
+    rate = slip @ (np.array(field(0.0, state))[2:]) / np.hypot(*slip)
+    assert event.time == pytest.approx(expected.t[-1] - 1e-7 / rate, abs=1e-7)
+    at = asp.integrate(belt(), t_end=event.time, q0=q0, u0=u0, tolerance=1e-12)
+    assert at.q[-1] == pytest.approx(state[:2], abs=3e-7)
+    half = 0.5 * event.time
+    middle = solve_ivp(field, (0.0, half), [*q0, *u0], method="DOP853", **TIGHT).y[:, -1]
+    ours = asp.integrate(belt(), t_end=half, q0=q0, u0=u0, tolerance=1e-12)
+    assert np.concatenate([ours.q[-1], ours.u[-1]]) == pytest.approx(middle, abs=1e-9)
+
+
+def test_stick_ends_on_the_boundary_of_the_reservoir():
+    law = belt().law
+    v = np.array([np.cos(np.deg2rad(50.0)), np.sin(np.deg2rad(50.0))])
+    motion = asp.integrate(belt(), t_end=30.0, u0=v)
+    expected = brentq(lambda t: law.reservoir.gauge(v * t) - 1.0, 1.0, 100.0, xtol=1e-13)
+    assert motion.events[0].kind is asp.EventKind.SLIP
+    assert motion.events[0].time == pytest.approx(expected, abs=1e-11)
+
+
+def test_a_section_ends_the_motion():
+    system = asp.LinearSystem(1.0, stiffness=1.0)
+    start = {"q0": [1.0], "u0": [0.0], "tolerance": 1e-12}
+    section = asp.Section([1.0, 0.0], 0.0)
+    motion = asp.integrate(system, t_end=20.0, section=section, **start)
+    assert motion.at_section
+    assert motion.status is asp.Outcome.SECTION
+    assert motion.t[-1] == pytest.approx(1.5 * np.pi, abs=1e-11)
+    assert motion.events[-1] == asp.Event(motion.t[-1], "section")
+    later = asp.integrate(system, t_end=20.0, section=section.replace(after=6.0), **start)
+    assert later.t[-1] == pytest.approx(3.5 * np.pi, abs=1e-11)
+    # A motion that starts on the section crosses it when it comes back.
+    again = asp.integrate(
+        system, t_end=20.0, q0=motion.q[-1], u0=motion.u[-1], section=section, tolerance=1e-12
+    )
+    assert again.t[-1] == pytest.approx(2.0 * np.pi, abs=1e-11)
+    assert not asp.integrate(system, t_end=1.0, section=section, **start).at_section
+
+
+class Pendulum(asp.System):
+    """A bob on a rod that rubs in its joint; the second coordinate turns the contact."""
+
+    dof = 2
+    contacts = (asp.ContactLaw(asp.FrictionLaw.isotropic(0.3, dimension=1), normal_force=2.0),)
+
+    def mass(self, q):
+        return np.diag([1.0, 2.0 + np.cos(q[0])])
+
+    def forces(self, t, q, u):
+        bend = 0.5 * np.sin(q[0])
+        return np.array([-9.81 * np.sin(q[0]) - bend * u[1] ** 2, 2 * bend * u[0] * u[1]])
+
+    def direction(self, t, q, contact):
+        return np.array([[np.cos(q[1])], [np.sin(q[1])]])
+
+
+def test_systems_of_python_agree_with_time_stepping():
+    system = Pendulum()
+    start = {"t_end": 1.5, "q0": [0.5, 0.3], "u0": [0.0, 1.0]}
+    motion = asp.integrate(system, **start)
+    errors = []
+    for dt in (1e-2, 1e-3):
+        steps = asp.simulate(system, dt=dt, **start)
+        errors.append(np.abs(steps.q[-1] - motion.q[-1]).max())
+    assert errors[1] < 0.2 * errors[0]
+    assert errors[1] < 1e-2
+    sharper = asp.integrate(system, tolerance=1e-12, **start)
+    assert motion.q[-1] == pytest.approx(sharper.q[-1], abs=1e-8)
+
+
+def test_choices_are_marked():
+    """The third slip on the belt begins, or might have begun, in several directions."""
+    motion = asp.integrate(belt(), t_end=38.0, q0=[20.2, 2.7])
+    assert [event.ambiguous for event in motion.events].count(True) == motion.ambiguous_events == 1
+    steps = asp.simulate(belt(), dt=1e-3, t_end=38.0, q0=[20.2, 2.7])
+    assert steps.ambiguous_steps > 0
+
+
+def test_samples_do_not_change_the_motion():
+    motion = asp.integrate(belt(), t_end=60.0, q0=[20.2, 2.7], tolerance=1e-12)
+    grid = asp.integrate(belt(), t_end=60.0, q0=[20.2, 2.7], tolerance=1e-12, dt=0.5)
+    assert grid.t == pytest.approx(np.arange(121) * 0.5)
+    assert grid.events == motion.events
+    assert (grid.q[-1] == motion.q[-1]).all()
+    law = belt().law
+    slipping = grid.phase[:, 0] == asp.Phase.SLIP
+    expected = [law.force(slip, 1.0) for slip in grid.slip[slipping, 0]]
+    assert grid.force[slipping, 0] == pytest.approx(np.array(expected), rel=1e-9)
+
+
+def test_motions_are_values():
+    motion = asp.integrate(belt(), t_end=10.0, q0=[20.2, 2.7])
+    assert pickle.loads(pickle.dumps(motion)) == motion
+    assert "3 events" in repr(motion)
+    part = motion.slice(2.0, 6.0)
+    assert [event.phase for event in part.events] == [asp.Phase.SLIP, asp.Phase.SLIP]
+    with pytest.raises(asp.ParameterError, match="t0"):
+        motion.slice(20.0, 30.0)
+
+
+def test_plots_show_motions():
+    motion = asp.integrate(belt(), t_end=30.0, q0=[20.2, 2.7], dt=0.1)
+    assert len(plot.plot_path(motion)) == 2
+    assert [lines.get_label() for lines in plot.plot_phase(motion)] == ["stick", "slip"]
+    assert len(plot.plot_forces_in_reservoir(motion, belt().law)) >= 3
+
+
+def bad(**changes):
+    return {"system": belt(), "t_end": 1.0, **changes}
+
+
+@pytest.mark.parametrize(
+    ("argument", "arguments"),
+    [
+        ("system", bad(system=3)),
+        ("t_end", bad(t_end=0.0)),
+        ("q0", bad(q0=[1.0])),
+        ("u0", bad(u0=[1.0, np.nan])),
+        ("tolerance", bad(tolerance=1.0)),
+        ("dt", bad(dt=-1.0)),
+        ("section", bad(section=3.0)),
+        ("section", bad(section=asp.Section([1.0, 0.0], 0.0))),
+        ("max_events", bad(max_events=0)),
+        ("progress", bad(progress=3)),
+        (
+            "contacts",
+            bad(system=asp.SlidingPoint(1.0, asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.3)))),
+        ),
+        ("system", bad(system=asp.RigidBodies([asp.Body(1.0, [1.0, 1.0, 1.0])]))),
+    ],
+)
+def test_bad_input_is_named(argument, arguments):
+    with pytest.raises(asp.ParameterError) as info:
+        asp.integrate(arguments.pop("system"), **arguments)
+    assert info.value.argument == argument
+
+
+def test_failures_hold_the_part_before():
+    with pytest.raises(asp.ConvergenceError, match="max_events") as info:
+        asp.integrate(belt(), t_end=60.0, q0=[20.2, 2.7], max_events=2)
+    assert len(info.value.trajectory.events) == 2
+
+    class Broken(Pendulum):
+        def forces(self, t, q, u):
+            if t > 0.1:
+                raise RuntimeError("no forces")
+            return super().forces(t, q, u)
+
+    with pytest.raises(RuntimeError, match="no forces") as error:
+        asp.integrate(Broken(), t_end=1.0, u0=[1.0, 0.0])
+    assert error.value.trajectory.t[-1] <= 0.1
+
+
+def test_a_long_run_is_interrupted_and_reports():
+    seen = []
+    system = asp.LinearSystem(1.0, stiffness=1e6)
+
+    def report(t, t_end):
+        seen.append((t, t_end))
+        if len(seen) == 3:
+            threading.Thread(target=os.kill, args=(os.getpid(), signal.SIGINT)).start()
+
+    with pytest.raises(asp.SimulationInterrupted) as info:
+        asp.integrate(system, t_end=1e6, q0=[1.0], dt=1e3, progress=report)
+    assert info.value.trajectory.t[-1] > 0.0
+    assert all(t < t_end == 1e6 for t, t_end in seen)
