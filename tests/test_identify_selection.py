@@ -1,5 +1,7 @@
 """Models are told apart where the data can tell, and not where they cannot."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from asperity import Ellipse, FitError, FrictionLaw, Superellipse
@@ -47,6 +49,21 @@ def test_they_are_chosen_with_coloured_noise_through_the_tribometer(name):
     assert (comparison.best.reservoir, comparison.best.direction) == (reservoir, direction)
     # 20 s of noise that forgets itself within 1/(10π) s hold some 1000 independent values.
     assert 300 < comparison.effective_samples < 6000
+
+
+def test_no_model_follows_the_errors_of_the_calibration():
+    law, (reservoir, direction) = LAWS["superellipses"]
+    for rate in (0.16, -0.16):
+        raw = VirtualTribometer(law, normal_force=9.3, turn_rate=rate, seed=3).record()
+        data = process(raw)
+        pairs = [("superellipse", "superellipse"), ("fourier", "superellipse")]
+        best = compare_models(data, pairs).best
+        assert (best.reservoir, best.direction) == (reservoir, direction)
+        # Taken as exact, the distorted forces are a curve's rather than a superellipse's.
+        blind = SimpleNamespace(
+            phi=data.phi, force=data.force, normal_force=data.normal_force, turn=data.turn
+        )
+        assert compare_models(blind, pairs).best.reservoir == "fourier"
 
 
 def test_wedges_need_a_curve_for_the_reservoir():

@@ -13,6 +13,7 @@ from asperity._value import Value
 from asperity.errors import FitError
 from asperity.identify.bins import GroupedBins, check_coverage, grouped
 from asperity.identify.descent import damped_step
+from asperity.identify.distortion import Distortion
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
     DirectionName,
@@ -125,7 +126,9 @@ def compare_models(
 
     Noise is correlated: n samples are worth n/κ independent ones, where κ is the ratio of the
     variances of the coordinates by the scatter of turns and by JᵀJ, on the average over the
-    coordinates of the pair that fits best. Then BIC = (n/κ) ln(RSS/n) + k ln(n/κ).
+    coordinates of the pair that fits best. Then BIC = (n/κ) ln(RSS/n) + k ln(n/κ), where the sum of
+    squares RSS leaves out what errors of calibration and zeros within their covariance explain.
+    Turns left out have these errors in common with the others: there, models may follow them.
 
     Args:
         data: as for `fit_law`, with at least two turns.
@@ -164,9 +167,16 @@ def compare_models(
     at = int(squares.argmin())
     kappa = _inflation(families[at], sums, fits[at].p, squares[at] / components)
     effective = components / kappa
+    # What an error of the calibration may be is not for a model to follow.
+    distortion = Distortion(samples, data)
+    variance = kappa * squares[at] / components
+    explained = [
+        distortion.explained(family, fit.p, variance)
+        for family, fit in zip(families, fits, strict=True)
+    ]
+    clean = np.maximum(squares - explained, np.finfo(float).tiny)
     sizes = np.array([family.size for family in families])
-    floor = np.finfo(float).tiny
-    bic = effective * np.log(np.maximum(squares, floor) / components) + sizes * math.log(effective)
+    bic = effective * np.log(clean / components) + sizes * math.log(effective)
     errors = np.stack(
         [_left_out(family, sums, fit.p) for family, fit in zip(families, fits, strict=True)]
     )
