@@ -1,5 +1,6 @@
 """The round trip: a simulated path is filmed, the film is tracked; and the command."""
 
+import pickle
 import re
 import shutil
 
@@ -10,8 +11,10 @@ from asperity import ParameterError, cli
 from asperity.track import (
     Mark,
     Scene,
+    Sight,
     VideoFile,
     VirtualCamera,
+    fit_circle,
     open_frames,
     read_config,
     track_mark,
@@ -69,6 +72,8 @@ def test_centres_and_end_point_of_the_round_trip(options):
     assert len(track) == len(camera)
     assert track.time == pytest.approx(camera.time)
     assert np.abs(track.pixel - camera.pixel).max() < 0.1
+    reflected = len(track.frames(Sight.REFLECTION))
+    assert reflected == (len(track) if "glare" in options else 0)
     path = track.path()
     assert 1e3 * np.abs(path.end - RUN.q[-1]).max() < 0.02
     off = np.abs(path.velocity[0] - RUN.u[0])
@@ -298,3 +303,34 @@ def test_videos_without_pyav_say_what_to_install(tmp_path, folder, capsys, monke
     arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
     assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
     assert "pip install 'asperity[video]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        Mark("blue", diameter=0.01, threshold=20.0),
+        Scene.from_scale(1e-3, angle=0.3),
+        VirtualCamera(RUN, size=(64, 54), fps=50.0, tilt=0.1),
+        track_mark(
+            VirtualCamera(RUN, size=(160, 135), fps=50.0).frames(),
+            fps=50.0,
+            scene=Scene.from_scale(1e-3),
+        ),
+        track_mark(
+            VirtualCamera(RUN, size=(160, 135), fps=50.0).frames(),
+            fps=50.0,
+            scene=Scene.from_scale(1e-3),
+        ).path(),
+        fit_circle([[3.0, 1.0], [1.0, 3.0], [-1.0, 1.0], [1.0, -1.1]]),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_values_pickle_compare_and_do_not_change(value):
+    twin = pickle.loads(pickle.dumps(value))
+    assert twin == value == value.replace()
+    assert hash(twin) == hash(value)
+    assert repr(value)
+    with pytest.raises(AttributeError, match="immutable"):
+        value.fps = 1.0
+    for one in value._parameters.values():
+        assert not isinstance(one, np.ndarray) or not one.flags.writeable

@@ -11,10 +11,11 @@ from asperity._value import Value
 from asperity.errors import DimensionError, ParameterError
 
 _ITERATIONS = 30
-_CONVERGED = 1e-12
+_CONVERGED = 1e-9
 # Tukey's constant: 95 % efficiency for normal errors; and the median of |x| in units of sigma.
 _TUKEY, _MEDIAN = 4.685, 0.6745
-_GAP = np.deg2rad(20.0)
+# What counts as a gap: an angle, and as many mean distances of neighbours, for small marks.
+_GAP, _SPACINGS = np.deg2rad(20.0), 5.0
 _HARMONICS = np.arange(2, 8)
 _FEWEST = 4
 _SMALLEST = 1e-9
@@ -28,7 +29,8 @@ class Circle(Value):
         radius: in the unit of the points.
         covariance: of centre and radius, shape ``(3, 3)``.
         rms: root mean square of the distances of the points used.
-        coverage: share of the circle outside gaps of more than 20° between points used.
+        coverage: share of the circle outside gaps between points used of more than 20°, and of five mean
+            distances.
     """
 
     centre: Array
@@ -126,7 +128,8 @@ def _distances(points: Array, circle: Array) -> tuple[Array, Array]:
 def _coverage(angles: Array) -> float:
     ordered = np.sort(angles)
     gaps = np.diff(ordered, append=ordered[0] + 2.0 * np.pi)
-    return 1.0 - min(float(gaps[gaps > _GAP].sum()) / (2.0 * np.pi), 1.0)
+    limit = max(_GAP, _SPACINGS * 2.0 * np.pi / len(angles))
+    return 1.0 - min(float(gaps[gaps > limit].sum()) / (2.0 * np.pi), 1.0)
 
 
 def _biweight(distance: Array) -> tuple[Array, Array]:

@@ -48,8 +48,10 @@ class MeasuredPath(Value):
     >>> t = np.linspace(0.0, 0.3, 151)
     >>> x = np.column_stack([1.5 * t - 2.5 * t**2, 0.5 * t])
     >>> path = MeasuredPath(t, x, np.full_like(x, 1e-5), bandwidth=0.02)
-    >>> path.velocity[0].round(6).tolist(), path.acceleration[75].round(6).tolist()
-    ([1.5, 0.5], [-5.0, 0.0])
+    >>> path.velocity[0].round(6).tolist()
+    [1.5, 0.5]
+    >>> bool(np.allclose(path.acceleration, [-5.0, 0.0], atol=1e-6))
+    True
     """
 
     time: Array

@@ -51,8 +51,8 @@ class Mark(Value):
         blur_limit: edge width, as a share of the mark's diameter, from which a frame is marked as
             blurred.
 
-    >>> Mark("red", diameter=0.01)
-    Mark('red', diameter=0.01)
+    >>> Mark("blue", diameter=0.01)
+    Mark(colour='blue', diameter=0.01)
     """
 
     colour: Colour

@@ -3,7 +3,7 @@
 use super::collocation::Scale;
 use super::field::{Field, dot};
 use super::force::norm;
-use super::touch::ROWS;
+use super::touch::{ROWS, STILL};
 use crate::contact::Phase;
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
@@ -45,8 +45,12 @@ impl Control {
     pub(super) fn see(&mut self, field: &mut Field<'_>, q: &[f64], u: &[f64]) {
         self.scale.q = self.scale.q.max(largest(q));
         self.scale.u = self.scale.u.max(largest(u));
-        for touch in &mut field.touches {
+        for i in 0..field.touches.len() {
+            let terms = field.row(ROWS * i).iter().zip(q).map(|(w, q)| (w * q).abs());
+            let reach = terms.sum();
+            let touch = &mut field.touches[i];
             touch.speed = touch.speed.max(touch.size);
+            touch.reach = touch.reach.max(reach);
             self.scale.u = self.scale.u.max(touch.speed);
         }
     }
@@ -55,11 +59,6 @@ impl Control {
     pub(super) fn scale(&self, h: f64, a0: &[f64]) -> Scale {
         let u = self.scale.u.max(h * largest(a0)).max(1e-100);
         Scale { q: self.scale.q.max(h * u), u }
-    }
-
-    /// Largest coordinate so far.
-    pub(super) fn size(&self) -> f64 {
-        self.scale.q
     }
 
     /// Largest velocity so far.
@@ -115,11 +114,12 @@ impl Control {
     pub(super) fn flight(&self, field: &Field<'_>, u: &[f64], a0: &[f64]) -> f64 {
         let mut limit = f64::INFINITY;
         for (i, touch) in field.touches.iter().enumerate() {
-            if touch.mode == Phase::Open && touch.prescribed.is_none() {
-                let (velocity, rate) = (dot(field.row(ROWS * i), u), dot(field.row(ROWS * i), a0));
+            if touch.is_free() {
+                let (velocity, rate) =
+                    (dot(field.row(ROWS * i), u), field.rate(ROWS * i, a0));
                 // From there on the gap is not smaller than it was.
                 let near = touch.gap < velocity * velocity / rate.abs();
-                if velocity > 0.0 && rate < 0.0 && near {
+                if velocity > STILL * self.scale.u && rate < 0.0 && near {
                     limit = limit.min(-velocity / rate);
                 }
             }
@@ -152,8 +152,7 @@ pub(super) fn slip_rate(field: &Field<'_>, contact: usize, acceleration: &[f64])
     let touch = &field.touches[contact];
     let rows = ROWS * contact + 1..;
     let terms = rows.zip(&touch.slip[..touch.p]);
-    let along =
-        |(row, slip): (usize, &f64)| slip * (dot(field.row(row), acceleration) + field.drift[row]);
+    let along = |(row, slip): (usize, &f64)| slip * field.rate(row, acceleration);
     terms.map(along).sum::<f64>() / norm(&touch.slip)
 }
 

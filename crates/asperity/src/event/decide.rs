@@ -60,7 +60,7 @@ pub(super) fn decide(
         let load: Vec<f64> = part
             .rows
             .iter()
-            .map(|&row| dot(field.row(row), &field.acceleration) + field.drift[row])
+            .map(|&row| field.rate(row, &field.acceleration))
             .collect();
         let problem = problem(field, &part, load, |touch| touch.prescribed);
         let (decision, remembered, velocity) = solve(&part, &problem, memory);

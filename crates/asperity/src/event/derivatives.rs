@@ -3,42 +3,120 @@
 use super::collocation::Scale;
 use super::field::{Field, add, dot};
 use super::force;
-use super::touch::{FieldError, ROWS, State};
+use super::touch::{FieldError, ROWS, State, Touch};
 use crate::contact::Phase;
 
+/// Width of differences along the motion over the time scale of the rows: truncation and rounding are of one size.
+const CHANGE: f64 = 1e-3;
+/// Widths that are tried at the beginning.
+const TRIALS: usize = 30;
+
 impl Field<'_> {
-    /// `Ẇᵀu + χ̇` and `ẇ_Nᵀu` of the closed contacts, by central differences of fourth order along the motion.
-    pub(super) fn update_drift(&mut self, t: f64, q: &[f64], u: &[f64]) -> Result<(), FieldError> {
-        let largest = |v: &[f64]| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let step = f64::min(1e-4, 1e-3 * (largest(q) + 0.01) / largest(u).max(f64::MIN_POSITIVE));
-        self.drift.fill(0.0);
-        let n = self.n;
-        for (k, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
-            let time = t + k * step;
-            self.system.advance(q, u, k * step, &mut self.scratch_q);
-            for (i, touch) in self.touches.iter().enumerate() {
-                if touch.mode == Phase::Open && !touch.resting {
-                    continue;
-                }
+    /// `Ẇᵀu + χ̇` and `ẇ_Nᵀu` of these contacts, zero of the others, by central differences of fourth order
+    /// along the motion.
+    pub(super) fn update_drift(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        u: &[f64],
+        wanted: impl Fn(&Touch) -> bool,
+    ) -> Result<(), FieldError> {
+        let (n, step) = (self.n, self.stencil);
+        self.along.fill([0.0; 4]);
+        for (k, place) in [-2.0, -1.0, 1.0, 2.0].into_iter().enumerate() {
+            let time = t + place * step;
+            self.system.advance(q, u, place * step, &mut self.scratch_q);
+            for (i, touch) in self.touches.iter().enumerate().filter(|(_, touch)| wanted(touch)) {
                 let rows = &mut self.scratch;
                 let mut chi = [0.0; ROWS];
                 if touch.prescribed.is_none() {
                     self.system.gap(time, &self.scratch_q, i, &mut rows[..n])?;
+                    self.along[ROWS * i][k] = dot(&rows[..n], u);
                 }
-                let own = (1 + touch.p) * n;
-                self.system.tangent(
-                    time,
-                    &self.scratch_q,
-                    i,
-                    &mut rows[n..own],
-                    &mut chi[1..=touch.p],
-                )?;
-                let first = usize::from(touch.prescribed.is_some());
-                for r in first..=touch.p {
-                    let velocity = chi[r] + dot(&rows[r * n..(r + 1) * n], u);
-                    self.drift[ROWS * i + r] += weight * velocity / (12.0 * step);
+                if touch.is_free() {
+                    continue;
+                }
+                let (tangent, chi) = (&mut rows[n..(1 + touch.p) * n], &mut chi[..touch.p]);
+                self.system.tangent(time, &self.scratch_q, i, tangent, chi)?;
+                for (r, row) in tangent.chunks_exact(n).enumerate() {
+                    self.along[ROWS * i + 1 + r][k] = chi[r] + dot(row, u);
                 }
             }
+        }
+        for (drift, [a, b, c, d]) in self.drift.iter_mut().zip(&self.along) {
+            *drift = (a - 8.0 * b + 8.0 * c - d) / (12.0 * step);
+        }
+        Ok(())
+    }
+
+    /// The drift of all contacts, open ones too, at a state where the field has been evaluated; the stencil
+    /// widens where rows hardly change.
+    pub(super) fn survey(&mut self, State { t, q, u }: &State) -> Result<(), FieldError> {
+        if self.constant {
+            return Ok(());
+        }
+        if self.touches.iter().any(Touch::is_free) {
+            self.update_drift(*t, q, u, |_| true)?;
+        }
+        let change = self.change(u);
+        if change < 0.25 * CHANGE {
+            self.stencil = f64::min(self.stencil * wider(change), self.widest);
+        }
+        Ok(())
+    }
+
+    /// How much the rows change over the stencil: the stencil over their time scale.
+    fn change(&self, u: &[f64]) -> f64 {
+        let mut change = 0.0;
+        for (i, touch) in self.touches.iter().enumerate() {
+            let rows = ROWS * i..=ROWS * i + touch.p;
+            let parts = |row: usize| {
+                let terms = self.row(row).iter().zip(u).map(|(w, u)| (w * u).abs());
+                terms.sum::<f64>() + self.chi[row].abs()
+            };
+            let size: f64 = rows.clone().map(parts).sum();
+            for row in rows {
+                let [a, b, c, d] = self.along[row];
+                let here = dot(self.row(row), u) + self.chi[row];
+                let size = [a, b, c, d].iter().fold(size, |m, v| m.max(v.abs()));
+                if size > 0.0 && [a, b, c, d] != [0.0; 4] {
+                    let second = (b - 2.0 * here + c).abs() / size;
+                    let third = (d - 2.0 * c + 2.0 * b - a).abs() / (2.0 * size);
+                    change = f64::max(change, second.sqrt().max(third.cbrt()));
+                }
+            }
+        }
+        change
+    }
+
+    /// Narrows a stencil over which the rows have changed too much; whether it has.
+    pub(super) fn narrow(&mut self, u: &[f64]) -> bool {
+        if self.constant {
+            return false;
+        }
+        let change = self.change(u);
+        let narrow = change > 10.0 * CHANGE;
+        if narrow {
+            self.stencil *= wider(change);
+        }
+        narrow
+    }
+
+    /// Finds a stencil at the beginning, from a narrow one.
+    pub(super) fn begin(&mut self, State { t, q, u }: &State, t_end: f64) -> Result<(), FieldError> {
+        self.widest = power_of_two(CHANGE * t_end);
+        self.stencil = power_of_two(1e-9 * t_end);
+        for _ in 0..TRIALS {
+            if self.constant {
+                break;
+            }
+            self.update_drift(*t, q, u, |_| true)?;
+            let change = self.change(u);
+            let fits = (0.25 * CHANGE..4.0 * CHANGE).contains(&change);
+            if fits || (change < CHANGE && self.stencil >= self.widest) {
+                break;
+            }
+            self.stencil = f64::min(self.stencil * wider(change), self.widest);
         }
         Ok(())
     }
@@ -112,6 +190,16 @@ impl Field<'_> {
         }
         self.scratch_q = column;
     }
+}
+
+/// The factor that brings a change over the stencil to what it should be, as far as one step of it is to be
+/// trusted: powers of two, so that times are exact.
+fn wider(change: f64) -> f64 {
+    power_of_two((CHANGE / change).clamp(1.0 / 1024.0, 32.0))
+}
+
+fn power_of_two(x: f64) -> f64 {
+    x.log2().round().exp2()
 }
 
 /// `matrix += factor column rowᵀ`.

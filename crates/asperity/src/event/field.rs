@@ -31,8 +31,10 @@ pub(super) struct Field<'a> {
     /// Whether rows and mass never change.
     pub(super) constant: bool,
     ready: bool,
-    /// Overlap of contacts that counts as none.
-    pub(super) slack: f64,
+    /// Time between the points of differences along the motion, and the rows' velocities there.
+    pub(super) stencil: f64,
+    pub(super) widest: f64,
+    pub(super) along: Vec<[f64; 4]>,
     /// Rows of the equations for unknown forces, their columns `M⁻¹(…)`, solutions.
     unknown: Vec<usize>,
     columns: Vec<f64>,
@@ -63,6 +65,7 @@ impl<'a> Field<'a> {
             resistance: 1.0,
             size: 0.0,
             speed: 0.0,
+            reach: 0.0,
         };
         let row = vec![0.0; ROWS * contacts];
         let rows = vec![0.0; ROWS * contacts * n];
@@ -80,7 +83,9 @@ impl<'a> Field<'a> {
             mass: DMatrix::zeros(n, n),
             constant: constancy.mass && constancy.contacts,
             ready: false,
-            slack: 0.0,
+            stencil: 0.0,
+            widest: 0.0,
+            along: vec![[0.0; 4]; ROWS * contacts],
             unknown: Vec::new(),
             columns: Vec::new(),
             inverse: Inverse::default(),
@@ -99,6 +104,11 @@ impl<'a> Field<'a> {
 
     pub(super) fn row(&self, row: usize) -> &[f64] {
         &self.rows[row * self.n..(row + 1) * self.n]
+    }
+
+    /// `γ̈_N` or a component of `γ̇` with these accelerations.
+    pub(super) fn rate(&self, row: usize, acceleration: &[f64]) -> f64 {
+        dot(self.row(row), acceleration) + self.drift[row]
     }
 
     /// Rows of a contact that say `γ̇_N = 0` and `γ̇ = 0`.
@@ -153,7 +163,7 @@ impl<'a> Field<'a> {
     ) -> Result<(), FieldError> {
         self.kinematics(t, q, u)?;
         if !self.constant {
-            self.update_drift(t, q, u)?;
+            self.update_drift(t, q, u, |touch| !touch.is_free())?;
         }
         self.system.forces(t, q, u, &mut self.acceleration)?;
         if let Some(factor) = &self.factor {

@@ -1,25 +1,18 @@
 //! What is done at events.
 
 use super::control;
-use super::decide::{self, Blow, Decision};
+use super::decide::{self, Decision};
 use super::field::{add, dot};
 use super::force::{self, norm};
 use super::run::Runner;
-use super::touch::{FieldError, ROWS, State, Touch};
+use super::touch::{FieldError, ROWS, STILL, State, TOUCHING, Touch, instant};
 use super::{Event, Kind, OptionsError, Outcome};
 use crate::contact::{ContactState, Phase};
 
-/// Relative slip that counts as none.
-const STILL: f64 = 1e-12;
-/// Height of a bounce over the largest coordinate below which a contact rests: the end of a sequence of
-/// impacts, whose rest takes the time of about two such bounces.
-const LOWEST: f64 = 1e-13;
-/// `w_NᵀM⁻¹(w_N + Wf)` over `w_NᵀM⁻¹w_N` that counts as none.
-const RESISTANCE: f64 = 1e-12;
 /// Difference of the sliding forces per normal force below which stick goes over to slip without a jump.
 const CONTINUOUS: f64 = 1e-3;
 
-type Next = Result<Option<Outcome>, FieldError>;
+pub(super) type Next = Result<Option<Outcome>, FieldError>;
 
 impl Runner<'_> {
     /// Contacts that overlap at the beginning.
@@ -27,8 +20,9 @@ impl Runner<'_> {
         let State { t, q, u } = &self.state;
         self.field.kinematics(*t, q, u)?;
         self.control.see(&mut self.field, q, u);
-        let allowed = 1e-9 * self.control.size();
-        let depth = |touch: &Touch| touch.prescribed.is_none() && touch.gap < -allowed;
+        let depth = |touch: &Touch| {
+            touch.prescribed.is_none() && touch.gap < -TOUCHING * touch.reach
+        };
         Ok(self.field.touches.iter().position(depth).map(|contact| {
             let depth = -self.field.touches[contact].gap;
             let message =
@@ -39,11 +33,11 @@ impl Runner<'_> {
 
     /// Decides what the contacts do at the beginning.
     pub(super) fn begin(&mut self) -> Next {
-        let touching = 1e-9 * self.control.size();
+        self.field.begin(&self.state, self.options.t_end)?;
         let mut hit = None;
         for i in 0..self.memory.len() {
             let touch = self.field.touches[i];
-            if touch.prescribed.is_none() && touch.gap <= touching {
+            if touch.prescribed.is_none() && touch.gap <= TOUCHING * touch.reach {
                 let approach = self.approach(i);
                 if approach < -STILL * self.control.speed() {
                     hit = Some(i);
@@ -61,17 +55,17 @@ impl Runner<'_> {
         self.settle(&phases.iter().map(|_| None).collect::<Vec<_>>())
     }
 
-    fn phases(&self) -> Vec<Option<Phase>> {
+    pub(super) fn phases(&self) -> Vec<Option<Phase>> {
         self.field.touches.iter().map(|touch| Some(touch.mode)).collect()
     }
 
     /// `γ_N`.
-    fn approach(&self, contact: usize) -> f64 {
+    pub(super) fn approach(&self, contact: usize) -> f64 {
         dot(self.field.row(ROWS * contact), &self.state.u)
     }
 
     /// A contact without approach slips, or rests.
-    fn close(&mut self, contact: usize) {
+    pub(super) fn close(&mut self, contact: usize) {
         let touch = &mut self.field.touches[contact];
         if norm(&touch.slip) > STILL * touch.speed {
             touch.mode = Phase::Slip;
@@ -83,14 +77,14 @@ impl Runner<'_> {
         }
     }
 
-    fn event(&mut self, contact: Option<usize>, kind: Kind, ambiguous: bool) {
+    pub(super) fn event(&mut self, contact: Option<usize>, kind: Kind, ambiguous: bool) {
         let time = self.state.t;
         self.motion.events.push(Event { time, contact, kind, phase: None, ambiguous });
     }
 
     /// Contacts without slip are decided on, all others go on. `before` are the phases that changes are told
     /// from; none are told of the others.
-    fn settle(&mut self, before: &[Option<Phase>]) -> Next {
+    pub(super) fn settle(&mut self, before: &[Option<Phase>]) -> Next {
         self.field.project(&mut self.state)?;
         for touch in &mut self.field.touches {
             let still = norm(&touch.slip) <= STILL * touch.speed;
@@ -129,19 +123,21 @@ impl Runner<'_> {
         for event in self.motion.events.iter_mut().rev().take_while(|e| e.phase.is_none()) {
             event.phase = event.contact.map(|i| touches[i].mode);
         }
-        self.resume();
+        self.resume()?;
         Ok(self.enough())
     }
 
     /// The motion goes on in new modes.
-    fn resume(&mut self) {
+    fn resume(&mut self) -> Result<(), FieldError> {
         self.a0.copy_from_slice(&self.field.acceleration);
         (self.slope, self.smooth, self.linear) = (None, false, false);
         self.control.forget(&self.field);
-        self.quiet();
+        self.field.survey(&self.state)?;
+        self.quiet(true);
         if self.options.sample.is_none() {
             self.motion.record(&self.field, &self.state);
         }
+        Ok(())
     }
 
     fn enough(&self) -> Option<Outcome> {
@@ -153,8 +149,8 @@ impl Runner<'_> {
     pub(super) fn happen(&mut self, which: usize) -> Next {
         if which == self.memory.len() {
             let counts = self.options.section.as_ref().is_some_and(|s| self.state.t > s.after);
-            self.quiet();
             self.alarms[which] = 0.0;
+            self.quiet(false);
             self.linear = false;
             if counts {
                 self.event(None, Kind::Section, false);
@@ -170,8 +166,10 @@ impl Runner<'_> {
                 self.settle(&before)
             }
             // Closed a moment ago, by rounding.
-            _ if self.approach(which) > STILL * self.control.speed() => {
-                Ok(self.shorten(0.25 * self.control.h))
+            _ if self.approach(which) > STILL * self.control.speed()
+                && 0.25 * self.step.h > instant(self.state.t) =>
+            {
+                Ok(self.shorten(0.25 * self.step.h))
             }
             _ => self.collide(which),
         }
@@ -186,7 +184,7 @@ impl Runner<'_> {
         let sliding = touch.force.map(|f| f / touch.normal_force);
         let direction = force::direction(self.field.law(contact), &touch.force);
         let kept = self.memory.clone();
-        let mut later = 1e-7 * self.control.h;
+        let mut later = 1e-7 * self.step.h;
         loop {
             let mut ahead = self.state.clone();
             ahead.t += later;
@@ -210,9 +208,9 @@ impl Runner<'_> {
             // Not yet outside by more than rounding.
             self.motion.truncate(samples);
             later *= 10.0;
-            if later > 0.1 * self.control.h {
+            if later > 0.1 * self.step.h {
                 self.a0 = stuck;
-                return Ok(self.shorten(0.25 * self.control.h));
+                return Ok(self.shorten(0.25 * self.step.h));
             }
         }
         let touch = &self.field.touches[contact];
@@ -248,102 +246,5 @@ impl Runner<'_> {
         add(&mut self.state.q, left, &self.state.u);
         add(&mut self.state.u, left, &self.a0);
         self.settle(&before)
-    }
-
-    /// A gap has closed.
-    fn collide(&mut self, contact: usize) -> Next {
-        let mut before = self.phases();
-        let touching = 1e-12 * self.control.size();
-        let still = STILL * self.control.speed();
-        let involved: Vec<usize> = (0..self.memory.len())
-            .filter(|&i| {
-                let touch = &self.field.touches[i];
-                let closed = touch.mode != Phase::Open;
-                let meets = touch.gap <= touching && self.approach(i) <= still;
-                touch.prescribed.is_none() && (closed || meets || i == contact)
-            })
-            .collect();
-        let (start, mut after) = (self.state.clone(), vec![0.0; involved.len()]);
-        let mut ambiguous = false;
-        if involved.iter().any(|&i| self.approach(i) < -still) {
-            for blow in [Blow::Restitution, Blow::Dead] {
-                self.state.clone_from(&start);
-                let meeting = (involved.clone(), blow);
-                let (field, state) = (&mut self.field, &mut self.state);
-                match decide::strike(field, state, meeting, &self.memory, &mut after)? {
-                    Decision::Made { ambiguous: several } => ambiguous = several,
-                    Decision::None { contact } => return Ok(Some(Outcome::NoSolution { contact })),
-                }
-                if !self.too_low(&involved, &after) {
-                    break;
-                }
-            }
-        }
-        let opened = |i: usize| self.field.touches[i].mode == Phase::Open;
-        let meeting: Vec<usize> = involved.iter().copied().filter(|&i| opened(i)).collect();
-        for i in meeting {
-            self.event(Some(i), Kind::Impact, ambiguous);
-            before[i] = None;
-        }
-        self.after_blow(&involved, &after, before)
-    }
-
-    /// Whether contacts bounce, all of them lower than can be followed.
-    fn too_low(&self, involved: &[usize], after: &[f64]) -> bool {
-        let mut bounces = involved.iter().zip(after).filter(|(_, v)| **v > 0.0).peekable();
-        bounces.peek().is_some()
-            && bounces.all(|(&i, v)| {
-                let acceleration = dot(self.field.row(ROWS * i), &self.a0);
-                acceleration < 0.0 && v * v < -2.0 * acceleration * LOWEST * self.control.size()
-            })
-    }
-
-    /// Modes after velocities have jumped.
-    fn after_blow(
-        &mut self,
-        involved: &[usize],
-        after: &[f64],
-        before: Vec<Option<Phase>>,
-    ) -> Next {
-        let State { t, q, u } = &self.state;
-        self.field.kinematics(*t, q, u)?;
-        let still = STILL * self.control.speed();
-        for i in 0..self.memory.len() {
-            let place = involved.iter().position(|&k| k == i);
-            let closed = self.field.touches[i].mode != Phase::Open;
-            match place {
-                Some(k) if after[k] > still => {
-                    self.field.touches[i].mode = Phase::Open;
-                    self.memory[i] = ContactState::new(Phase::Open, self.memory[i].slip);
-                }
-                Some(_) => self.close(i),
-                None if closed => self.close(i),
-                None => {}
-            }
-        }
-        self.settle(&before)
-    }
-
-    /// A slipping contact that no longer resists to normal motions.
-    pub(super) fn singular(&self) -> Option<usize> {
-        let singular = |t: &Touch| t.mode == Phase::Slip && t.resistance < RESISTANCE;
-        self.field.touches.iter().position(singular)
-    }
-
-    /// Painlevé's impact without collision.
-    pub(super) fn stop_without_collision(&mut self, contact: usize) -> Next {
-        let mut before = self.phases();
-        let closed = |&i: &usize| {
-            let touch = &self.field.touches[i];
-            touch.prescribed.is_none() && touch.mode != Phase::Open
-        };
-        let involved: Vec<usize> = (0..self.memory.len()).filter(closed).collect();
-        if !decide::stop(&mut self.field, &mut self.state, &involved)? {
-            return Ok(Some(Outcome::NoSolution { contact }));
-        }
-        self.event(Some(contact), Kind::ImpactWithoutCollision, false);
-        before[contact] = None;
-        let after = vec![0.0; involved.len()];
-        self.after_blow(&involved, &after, before)
     }
 }

@@ -1,6 +1,7 @@
 //! When something happens: functions of the state whose zeros are events, and where these zeros are.
 
 use super::field::Field;
+use super::touch::SLACK;
 use super::{Section, force};
 use crate::contact::Phase;
 
@@ -9,7 +10,7 @@ use crate::contact::Phase;
 pub(super) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
     let touch = &field.touches[contact];
     match (touch.mode, touch.prescribed) {
-        (Phase::Open, None) => -touch.gap - field.slack,
+        (Phase::Open, None) => -touch.gap - SLACK * touch.reach,
         (Phase::Stick, _) => force::gauge(field.law(contact), &touch.force) - touch.normal_force,
         (Phase::Slip, None) => -touch.normal_force,
         _ => -1.0,

@@ -10,7 +10,7 @@
 //! | `decide.rs` | contact problems of accelerations and of impacts |
 //! | `locate.rs`, `watch.rs` | functions whose zeros are events, watched along steps |
 //! | `run.rs`, `control.rs` | the loop over steps, the length of steps |
-//! | `happen.rs` | what is done at events |
+//! | `happen.rs`, `impact.rs` | what is done at events |
 //! | `motion.rs` | what is returned |
 
 mod collocation;
@@ -20,6 +20,7 @@ mod derivatives;
 mod field;
 mod force;
 mod happen;
+mod impact;
 mod inverse;
 mod locate;
 mod lu;

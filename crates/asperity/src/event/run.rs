@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::collocation::Step;
 use super::control::Control;
 use super::field::Field;
-use super::touch::{FieldError, State};
+use super::touch::{FieldError, State, instant};
 use super::watch::{Lost, Watch};
 use super::{Motion, Options, OptionsError, Outcome, Run};
 use crate::contact::ContactState;
@@ -119,11 +119,12 @@ impl<'a> Runner<'a> {
         if left <= 0.0 {
             return Ok(Some(Outcome::Finished));
         }
-        let mut h =
-            self.control.h.min(left).min(self.control.flight(&self.field, &self.state.u, &self.a0));
+        let mut limit = self.control.flight(&self.field, &self.state.u, &self.a0);
         if !self.starting {
-            h = h.min(self.control.limit(&self.field, &self.a0));
+            limit = limit.min(self.control.limit(&self.field, &self.a0));
         }
+        // What ends within less than time resolves is over when it is looked at.
+        let h = self.control.h.min(left).min(limit.max(instant(self.state.t)));
         if self.state.t + h == self.state.t {
             return Ok(Some(Outcome::Stuck));
         }
@@ -148,6 +149,7 @@ impl<'a> Runner<'a> {
         }
         match self.watch()? {
             Watch::Singular => Ok(self.shorten(0.5 * h)),
+            Watch::Quiet if self.field.narrow(self.step.end(&self.step.u)) => Ok(self.shorten(h)),
             Watch::Quiet => {
                 let end = if h == left { self.options.t_end } else { self.state.t + h };
                 self.accept(end)?;

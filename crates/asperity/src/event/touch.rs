@@ -8,6 +8,20 @@ use crate::system::SystemError;
 /// Rows of a contact: the normal one, then up to three tangential ones.
 pub(super) const ROWS: usize = 4;
 
+/// Slip over the speed of a contact, and approach over the largest velocity, that count as none.
+pub(super) const STILL: f64 = 1e-12;
+/// Gap over the reach of a contact that counts as closed at an impact and at the beginning.
+pub(super) const TOUCHING: f64 = 1e-12;
+/// Overlap over the reach of a contact that rounding explains.
+pub(super) const SLACK: f64 = 1e-14;
+/// Spacings of the time that are too short for a step.
+const SHORTEST: f64 = 4.0;
+
+/// A time too short for a step at `t`.
+pub(super) fn instant(t: f64) -> f64 {
+    SHORTEST * f64::EPSILON * t
+}
+
 /// The accelerations cannot be evaluated.
 #[derive(Debug, Error)]
 pub enum FieldError {
@@ -52,4 +66,13 @@ pub(super) struct Touch {
     pub(super) size: f64,
     /// The largest of these along the motion, what slips are compared with; attempts do not count.
     pub(super) speed: f64,
+    /// `|w_N|ᵀ|q|`, the largest along the motion: what gaps are compared with, whatever the other coordinates are.
+    pub(super) reach: f64,
+}
+
+impl Touch {
+    /// Unilateral and not closed.
+    pub(super) fn is_free(&self) -> bool {
+        self.mode == Phase::Open && !self.resting && self.prescribed.is_none()
+    }
 }

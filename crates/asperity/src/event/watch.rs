@@ -4,7 +4,7 @@ use super::collocation::Tableau;
 use super::control;
 use super::locate::{self, alarm};
 use super::run::Runner;
-use super::touch::{FieldError, State, Touch};
+use super::touch::{FieldError, STILL, State, Touch, instant};
 use crate::contact::Phase;
 
 /// What the stages of a step show.
@@ -47,17 +47,25 @@ impl Runner<'_> {
     }
 
     /// Alarms at the present state, at which the field has been evaluated. What has just been decided on is
-    /// quiet, and a motion that starts on the section does not cross it there.
-    pub(super) fn quiet(&mut self) {
-        self.field.slack = 1e-14 * self.control.size();
+    /// quiet. `jumped` says whether velocities may have jumped, over the section too.
+    pub(super) fn quiet(&mut self, jumped: bool) {
         for which in 0..self.memory.len() {
             self.alarms[which] = self.value(which, &self.state.q, &self.state.u).min(0.0);
         }
         if let Some(section) = &self.options.section {
             let (q, u) = (&self.state.q, &self.state.u);
             let height = section.height(q, u);
-            let on = height.abs() <= 1e-12 * section.size(q, u);
-            self.alarms[self.memory.len()] = if on { 0.0 } else { height };
+            let on = height.abs() <= STILL * section.size(q, u);
+            let last = &mut self.alarms[self.memory.len()];
+            *last = match *last < 0.0 {
+                // Arrives from below, or has got above: the next step crosses it at its start.
+                true if on || (jumped && self.state.t > section.after) => {
+                    height.min(-f64::MIN_POSITIVE)
+                }
+                // Starts on it: does not cross it there.
+                false if on => 0.0,
+                _ => height,
+            };
         }
     }
 
@@ -120,9 +128,10 @@ impl Runner<'_> {
         let (h, which) = first;
         self.sample(self.state.t + h, false)?;
         self.look(h)?;
-        self.go_to(self.state.t + h, false);
+        self.go_to(self.state.t + h, false)?;
         self.smooth = false;
         self.starting &= h == 0.0;
+        self.quiet(false);
         if self.options.sample.is_none() && h > 0.0 {
             self.motion.record(&self.field, &self.state);
         }
@@ -142,7 +151,7 @@ impl Runner<'_> {
     }
 
     /// Takes the end of the attempt, or of the last look, as the present state.
-    fn go_to(&mut self, t: f64, attempt: bool) {
+    fn go_to(&mut self, t: f64, attempt: bool) -> Result<(), FieldError> {
         let step = if attempt { &self.step } else { &self.probe };
         let h = step.h;
         self.state.t = t;
@@ -150,11 +159,12 @@ impl Runner<'_> {
         self.state.u.copy_from_slice(step.end(&step.u));
         self.a0.copy_from_slice(&self.field.acceleration);
         self.slope = None;
-        self.motion.steps += 1;
         self.control.see(&mut self.field, &self.state.q, &self.state.u);
         if h > 0.0 {
+            self.motion.steps += 1;
             self.control.made(&self.field, h);
         }
+        self.field.survey(&self.state)
     }
 
     /// Takes the attempt, which ends at `t`.
@@ -169,14 +179,14 @@ impl Runner<'_> {
             let (q, u) = (self.step.end(&self.step.q), self.step.end(&self.step.u));
             self.field.evaluate(t, q, u, false)?;
         }
-        self.go_to(t, true);
+        self.go_to(t, true)?;
         if !self.field.constant {
             self.field.project(&mut self.state)?;
         }
         std::mem::swap(&mut self.step, &mut self.last);
         (self.smooth, self.starting) = (true, false);
         self.linear = self.field.constant;
-        self.quiet();
+        self.quiet(false);
         if self.options.sample.is_none() {
             self.motion.record(&self.field, &self.state);
         }
@@ -206,9 +216,11 @@ impl Runner<'_> {
         let ends = |&i: &usize| {
             let touch = &self.field.touches[i];
             let speed = super::force::norm(&touch.slip);
-            touch.mode == Phase::Slip
-                && speed <= 1e-12 * touch.speed
-                && (speed == 0.0 || control::slip_rate(&self.field, i, &self.a0) < 0.0)
+            if touch.mode != Phase::Slip || speed == 0.0 {
+                return touch.mode == Phase::Slip;
+            }
+            let rate = control::slip_rate(&self.field, i, &self.a0);
+            rate < 0.0 && speed <= f64::max(STILL * touch.speed, -rate * instant(self.state.t))
         };
         (0..self.memory.len()).filter(ends).collect()
     }

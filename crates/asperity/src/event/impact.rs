@@ -1,0 +1,114 @@
+//! Impacts, and what contacts do after velocities have jumped.
+
+use super::decide::{self, Blow, Decision};
+use super::happen::Next;
+use super::run::Runner;
+use super::touch::{ROWS, STILL, State, TOUCHING, Touch, instant};
+use super::{Kind, Outcome};
+use crate::contact::{ContactState, Phase};
+
+/// Height of a bounce over the reach of the contact below which it rests: the end of a sequence of impacts,
+/// whose rest takes the time of about two such bounces.
+const LOWEST: f64 = 1e-13;
+/// `w_NᵀM⁻¹(w_N + Wf)` over `w_NᵀM⁻¹w_N` that counts as none.
+const RESISTANCE: f64 = 1e-12;
+
+impl Runner<'_> {
+    /// A gap has closed.
+    pub(super) fn collide(&mut self, contact: usize) -> Next {
+        let mut before = self.phases();
+        let still = STILL * self.control.speed();
+        let involved: Vec<usize> = (0..self.memory.len())
+            .filter(|&i| {
+                let touch = &self.field.touches[i];
+                let closed = touch.mode != Phase::Open;
+                let meets = touch.gap <= TOUCHING * touch.reach && self.approach(i) <= still;
+                touch.prescribed.is_none() && (closed || meets || i == contact)
+            })
+            .collect();
+        let (start, mut after) = (self.state.clone(), vec![0.0; involved.len()]);
+        let mut ambiguous = false;
+        if involved.iter().any(|&i| self.approach(i) < -still) {
+            for blow in [Blow::Restitution, Blow::Dead] {
+                self.state.clone_from(&start);
+                let meeting = (involved.clone(), blow);
+                let (field, state) = (&mut self.field, &mut self.state);
+                match decide::strike(field, state, meeting, &self.memory, &mut after)? {
+                    Decision::Made { ambiguous: several } => ambiguous = several,
+                    Decision::None { contact } => return Ok(Some(Outcome::NoSolution { contact })),
+                }
+                if !self.too_low(&involved, &after) {
+                    break;
+                }
+            }
+        }
+        let opened = |i: usize| self.field.touches[i].mode == Phase::Open;
+        let meeting: Vec<usize> = involved.iter().copied().filter(|&i| opened(i)).collect();
+        for i in meeting {
+            self.event(Some(i), Kind::Impact, ambiguous);
+            before[i] = None;
+        }
+        self.after_blow(&involved, &after, before)
+    }
+
+    /// Whether contacts bounce, all of them lower than can be followed.
+    fn too_low(&self, involved: &[usize], after: &[f64]) -> bool {
+        let still = STILL * self.control.speed();
+        let mut bounces = involved.iter().zip(after).filter(|(_, v)| **v > still).peekable();
+        bounces.peek().is_some()
+            && bounces.all(|(&i, &v)| {
+                let fall = -self.field.rate(ROWS * i, &self.a0);
+                let low = v * v < 2.0 * fall * LOWEST * self.field.touches[i].reach;
+                fall > 0.0 && (low || v < fall * instant(self.state.t))
+            })
+    }
+
+    /// Modes after velocities have jumped.
+    fn after_blow(
+        &mut self,
+        involved: &[usize],
+        after: &[f64],
+        before: Vec<Option<Phase>>,
+    ) -> Next {
+        let State { t, q, u } = &self.state;
+        self.field.kinematics(*t, q, u)?;
+        let still = STILL * self.control.speed();
+        for i in 0..self.memory.len() {
+            let place = involved.iter().position(|&k| k == i);
+            let closed = self.field.touches[i].mode != Phase::Open;
+            match place {
+                Some(k) if after[k] > still => {
+                    self.field.touches[i].mode = Phase::Open;
+                    self.memory[i] = ContactState::new(Phase::Open, self.memory[i].slip);
+                }
+                Some(_) => self.close(i),
+                None if closed => self.close(i),
+                None => {}
+            }
+        }
+        self.settle(&before)
+    }
+
+    /// A slipping contact that no longer resists to normal motions.
+    pub(super) fn singular(&self) -> Option<usize> {
+        let singular = |t: &Touch| t.mode == Phase::Slip && t.resistance < RESISTANCE;
+        self.field.touches.iter().position(singular)
+    }
+
+    /// Painlevé's impact without collision.
+    pub(super) fn stop_without_collision(&mut self, contact: usize) -> Next {
+        let mut before = self.phases();
+        let closed = |&i: &usize| {
+            let touch = &self.field.touches[i];
+            touch.prescribed.is_none() && touch.mode != Phase::Open
+        };
+        let involved: Vec<usize> = (0..self.memory.len()).filter(closed).collect();
+        if !decide::stop(&mut self.field, &mut self.state, &involved)? {
+            return Ok(Some(Outcome::NoSolution { contact }));
+        }
+        self.event(Some(contact), Kind::ImpactWithoutCollision, false);
+        before[contact] = None;
+        let after = vec![0.0; involved.len()];
+        self.after_blow(&involved, &after, before)
+    }
+}
