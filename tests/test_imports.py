@@ -20,9 +20,10 @@ LAYERS = [
     {"solve_files"},
     {"simulate", "integrate", "motion"},
     {"stability"},
-    {"cycle"},
-    {"mechanisms", "plot", "problems"},
-    {"paper"},
+    {"cycle", "track"},
+    {"comparison"},
+    {"identify", "mechanisms", "plot", "problems"},
+    {"paper", "track_video", "identify_files"},
     {"cli"},
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}

@@ -1,0 +1,211 @@
+"""Following a mark from frame to frame."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._files import atomic
+from asperity._value import Value
+from asperity.errors import ParameterError
+from asperity.track.follower import Follower
+from asperity.track.frames import Frames, Pixels, open_frames
+from asperity.track.path import MeasuredPath
+from asperity.track.scene import Scene
+from asperity.track.segmentation import Mark
+from asperity.track.sight import Sight, Sighting
+
+_WRONG_SCALE = 0.1
+
+
+class Track(Value):
+    """What was seen of a mark in every frame; all arrays are read-only.
+
+    Frame k is taken at k/fps. Frames without a position hold NaN.
+
+    Attributes:
+        fps: frames per second of the recording in 1/s.
+        scene: from pixels to the plane.
+        pixel: image of the centre (column, row), shape ``(n, 2)``.
+        position: centre in m, shape ``(n, 2)``.
+        position_error: its standard errors from the scatter of the outline in m, shape ``(n, 2)``.
+        diameter: of the circle in m, shape ``(n,)``.
+        blur: width of the most blurred edges in pixels, shape ``(n,)``.
+        filling: share of the mark's hull that has its colour, shape ``(n,)``.
+        coverage: share of the circle on which the outline was used, shape ``(n,)``.
+        status: `Sight` of each frame as integers, shape ``(n,)``.
+    """
+
+    fps: float
+    scene: Scene
+    pixel: Array
+    position: Array
+    position_error: Array
+    diameter: Array
+    blur: Array
+    filling: Array
+    coverage: Array
+    status: NDArray[np.int64]
+
+    def __init__(
+        self,
+        fps: float,
+        scene: Scene,
+        pixel: ArrayLike,
+        position: ArrayLike,
+        position_error: ArrayLike,
+        diameter: ArrayLike,
+        blur: ArrayLike,
+        filling: ArrayLike,
+        coverage: ArrayLike,
+        status: ArrayLike,
+    ) -> None:
+        series = {
+            "pixel": pixel,
+            "position": position,
+            "position_error": position_error,
+            "diameter": diameter,
+            "blur": blur,
+            "filling": filling,
+            "coverage": coverage,
+        }
+        self._set(
+            fps=_arrays.positive(fps, "fps"),
+            scene=scene,
+            **{n: _arrays.read_only(np.asarray(v, dtype=np.float64)) for n, v in series.items()},
+            status=_arrays.read_only(np.asarray(status, dtype=np.int64)),
+        )
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __repr__(self) -> str:
+        return f"<Track: {len(self)} frames at {self.fps:.9g}/s, {self.summary()}>"
+
+    @property
+    def time(self) -> Array:
+        """Times of the frames in s, shape ``(n,)``."""
+        time: Array = np.arange(len(self)) / self.fps
+        return time
+
+    def frames(self, sight: Sight) -> NDArray[np.int64]:
+        """Return the numbers of the frames with a status, such as ``Sight.LOST``."""
+        return np.flatnonzero(self.status & int(sight)).astype(np.int64)
+
+    def summary(self) -> str:
+        """Return how many frames are good, blurred and so on."""
+        good = int((self.status == 0).sum())
+        troubles = [(one.name or "", len(self.frames(one))) for one in Sight if one]
+        told = (f"{count} {name.lower()}" for name, count in troubles if count)
+        return ", ".join([f"{good} good", *told])
+
+    def path(self, bandwidth: float | None = None) -> MeasuredPath:
+        """Return the path with velocity and acceleration.
+
+        Args:
+            bandwidth: half width of the window of their local cubics in s; default a tenth of the
+                time in which the mark was seen.
+        """
+        return MeasuredPath(self.time, self.position, self.position_error, bandwidth=bandwidth)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a table with one row per frame; the status is in words, `+` between several."""
+        header = (
+            "frame,t [s],column [px],row [px],x1 [m],x2 [m],x1_error [m],x2_error [m],"
+            "diameter [m],blur [px],filling [-],coverage [-],status"
+        )
+        columns = np.column_stack([self.time, *(getattr(self, name) for name in _SERIES[:-1])])
+        lines = [
+            ",".join([str(k), *(f"{x:.10g}" for x in row), str(Sight(int(status)))])
+            for k, (row, status) in enumerate(zip(columns, self.status, strict=True))
+        ]
+        with atomic(path) as file:
+            file.write("\n".join([header, *lines, ""]).encode())
+
+
+def track_mark(
+    frames: str | os.PathLike[str] | Frames | Iterable[Pixels],
+    *,
+    fps: float,
+    scene: Scene,
+    mark: Mark | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Track:
+    """Follow a round mark through the frames.
+
+    In a region around the expected place, and in the whole frame where it is not there: Gaussian
+    filter, regions of the mark's colour, edge between pixels, convex hull, least-squares circle in
+    the plane of the mark. The circle is fitted in the plane, since the image of its centre is not
+    the centre of its image under perspective.
+
+    Args:
+        frames: a folder of images, a video file, or arrays ``(rows, columns, 3)`` of uint8.
+        fps: frames per second at which they were recorded in 1/s; the rate a slow-motion file
+            states is that of its playback.
+        scene: from pixels to the plane in which the mark moves.
+        mark: what to look for; default `Mark`, red.
+        progress: called with the number of frames done and the number of frames, 0 if unknown.
+
+    Raises:
+        ParameterError: if frames cannot be read, no frame shows the mark, or its diameter is not
+            the stated one.
+
+    Reference: [WL19] §5.1.
+
+    >>> import numpy as np
+    >>> row, column = np.mgrid[:80, :120]
+    >>> frames = np.full((9, 80, 120, 3), 120, dtype=np.uint8)
+    >>> for k, frame in enumerate(frames):
+    ...     frame[np.hypot(column - 40.0 - 3.0 * k, row - 40.0) < 12.0] = 200, 30, 30
+    >>> track = track_mark(frames, fps=500.0, scene=Scene.from_scale(1e-3))
+    >>> track.summary()
+    '9 good'
+    >>> (track.pixel[8] - track.pixel[0]).round(3).tolist()
+    [24.0, 0.0]
+    """
+    fps = _arrays.positive(fps, "fps")
+    if not isinstance(scene, Scene):
+        raise ParameterError("scene", f"must be a Scene, got {scene!r}")
+    source = open_frames(frames)
+    follower = Follower(scene, mark or Mark())
+    sightings = []
+    for number, frame in enumerate(source):
+        sightings.append(follower.look(frame))
+        if progress is not None:
+            progress(number + 1, len(source))
+    _check(sightings, follower.mark, source.source)
+    return Track(
+        fps,
+        scene,
+        *(np.array([getattr(one, name) for one in sightings]) for name in _SERIES),
+    )
+
+
+_SERIES = (
+    "pixel", "position", "position_error", "diameter", "blur", "filling", "coverage", "status"
+)  # fmt: skip
+
+
+def _check(sightings: Sequence[Sighting], mark: Mark, source: str) -> None:
+    if not sightings:
+        raise ParameterError(source, "holds no frame")
+    diameters = [one.diameter for one in sightings if not math.isnan(one.diameter)]
+    if not diameters:
+        raise ParameterError(
+            source,
+            f"shows no {mark.colour} mark in any of {len(sightings)} frames: check the colour and "
+            f"the threshold {mark.threshold:g} of the mark",
+        )
+    seen = float(np.median(diameters))
+    if mark.diameter is not None and abs(seen / mark.diameter - 1.0) > _WRONG_SCALE:
+        raise ParameterError(
+            "mark.diameter",
+            f"is stated as {1e3 * mark.diameter:.4g} mm, the {mark.colour} mark in {source} has "
+            f"{1e3 * seen:.4g} mm: check it and the scale of the scene (lengths are in m)",
+        )

@@ -1,0 +1,144 @@
+"""Videos, read and written with PyAV (extra ``video``)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from asperity.errors import ParameterError
+from asperity.track.frames import Frame, Pixels
+
+# Frames of a constant rate are apart by one interval, up to the ticks of the file's clock.
+_LONGEST_GAP = 1.6
+
+
+class VideoFile:
+    """The frames of a video; its own frame rate is not used.
+
+    Args:
+        path: of the video.
+
+    Raises:
+        ParameterError: if it is no video, is damaged, or its frame rate varies.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.source = os.fspath(path)
+        with self._open() as container:
+            self._length = int(container.streams.video[0].frames)
+
+    def __len__(self) -> int:
+        return self._length
+
+    def __iter__(self) -> Iterator[Frame]:
+        import av
+
+        stamps: list[int] = []
+        with self._open() as container:
+            stream = container.streams.video[0]
+            stream.thread_type = "AUTO"
+            try:
+                for frame in container.decode(stream):
+                    self._check_clock(stamps, frame.pts)
+                    yield _VideoFrame(frame)
+            except av.error.FFmpegError as error:
+                raise ParameterError(
+                    self.source, f"is damaged after frame {len(stamps) - 1}: {error.strerror}"
+                ) from None
+
+    def _open(self) -> Any:
+        import av
+
+        try:
+            container = av.open(self.source)
+        except (av.error.FFmpegError, OSError) as error:
+            raise ParameterError(
+                self.source, f"is no video that can be read: {error.strerror}"
+            ) from None
+        if not container.streams.video:
+            container.close()
+            raise ParameterError(self.source, "holds no video stream")
+        return container
+
+    def _check_clock(self, stamps: list[int], stamp: int | None) -> None:
+        if stamp is None:
+            return
+        stamps.append(stamp)
+        if len(stamps) > 2 and stamp - stamps[-2] > _LONGEST_GAP * (stamps[1] - stamps[0]) + 1:
+            raise ParameterError(
+                self.source,
+                f"lacks frames before frame {len(stamps) - 1}, or its frame rate varies: record "
+                "with a constant frame rate, or track the parts apart",
+            )
+
+
+class _VideoFrame:
+    def __init__(self, frame: Any) -> None:
+        self._frame = frame
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self._frame.height, self._frame.width
+
+    def crop(self, rows: slice, columns: slice) -> Pixels:
+        """Convert only the part: that of a full frame takes longer than to track the mark."""
+        height, width = self.shape
+        top, bottom, _ = rows.indices(height)
+        left, right, _ = columns.indices(width)
+        small = 2 * (bottom - top) < height and 2 * (right - left) < width
+        if self._frame.format.name != "yuv420p" or not small:
+            whole: Pixels = self._frame.to_ndarray(format="rgb24")
+            return whole[rows, columns]
+        # Two rows of even number above and below, and as many columns, share their colours.
+        start_row, start_column = max(top // 2 - 2, 0), max(left // 2 - 2, 0)
+        end_row, end_column = min(bottom // 2 + 3, height // 2), min(right // 2 + 3, width // 2)
+        part = self._part(start_row, end_row, start_column, end_column)
+        part = part[top - 2 * start_row :, left - 2 * start_column :]
+        return part[: bottom - top, : right - left]
+
+    def _part(self, start_row: int, end_row: int, start_column: int, end_column: int) -> Pixels:
+        import av
+
+        rows, columns = 2 * (end_row - start_row), 2 * (end_column - start_column)
+        packed = []
+        for plane, scale in zip(self._frame.planes, (2, 1, 1), strict=True):
+            samples = np.frombuffer(plane, dtype=np.uint8).reshape(-1, plane.line_size)
+            packed.append(
+                samples[
+                    scale * start_row : scale * end_row, scale * start_column : scale * end_column
+                ].reshape(-1)
+            )
+        planes = np.concatenate(packed).reshape(3 * rows // 2, columns)
+        part = av.VideoFrame.from_ndarray(planes, format="yuv420p")
+        part.colorspace, part.color_range = self._frame.colorspace, self._frame.color_range
+        return np.asarray(part.to_ndarray(format="rgb24"), dtype=np.uint8)
+
+
+def write_video(
+    frames: Iterable[Pixels], path: str | os.PathLike[str], *, quality: int = 12
+) -> None:
+    """Write frames as an H.264 video of 30 frames per second, as slow-motion cameras do.
+
+    Args:
+        frames: arrays ``(rows, columns, 3)`` of uint8, rows and columns even.
+        path: of the file, such as ``slow.mp4``.
+        quality: constant rate factor; 0 best, 18 good, 51 worst.
+    """
+    import av
+
+    with av.open(os.fspath(path), "w") as container:
+        stream: Any = None
+        for pixels in frames:
+            if stream is None:
+                stream = container.add_stream("libx264", rate=30, options={"crf": str(quality)})
+                stream.height, stream.width = pixels.shape[:2]
+                stream.pix_fmt = "yuv420p"
+            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(pixels), format="rgb24")
+            for packet in stream.encode(frame):
+                container.mux(packet)
+        if stream is not None:
+            for packet in stream.encode():
+                container.mux(packet)

@@ -1,0 +1,267 @@
+"""Marks in frames: circles, outlines, what is reported of bad frames."""
+
+import numpy as np
+import pytest
+from asperity import DimensionError, ParameterError
+from asperity.track import Mark, Scene, Sight, fit_circle, track_mark
+from asperity.track.segmentation import outline
+from scipy.ndimage import gaussian_filter
+
+PIXELS = Scene.from_scale(1.0)
+PAINT = {
+    "red": (200, 30, 40),
+    "green": (40, 180, 60),
+    "blue": (40, 60, 210),
+    "yellow": (215, 205, 40),
+    "magenta": (200, 40, 190),
+    "cyan": (40, 190, 200),
+    "white": (250, 250, 250),
+    "black": (5, 5, 5),
+}
+
+
+def share(shape, centre, radius, parts=8):
+    """Count which of many points in each pixel lie in a disk."""
+    fine = (np.arange(parts) + 0.5) / parts - 0.5
+    row = (np.arange(shape[0])[:, None] + fine).ravel()
+    column = (np.arange(shape[1])[:, None] + fine).ravel()
+    inside = np.hypot(column - centre[0], row[:, None] - centre[1]) < radius
+    return inside.reshape(shape[0], parts, shape[1], parts).mean(axis=(1, 3))
+
+
+def painted(shape, *disks, background=128.0, defocus=0.6, noise=0.0, rng=None):
+    """Return a frame with disks (centre, radius, colour) drawn one over the other."""
+    image = np.full((*shape, 3), background)
+    for centre, radius, colour in disks:
+        covered = gaussian_filter(share(shape, centre, radius), defocus)[..., None]
+        image += covered * (np.array(colour, dtype=float) - image)
+    if noise:
+        image += noise * rng.standard_normal(image.shape)
+    return np.clip(np.rint(image), 0.0, 255.0).astype(np.uint8)
+
+
+def followed(frames, **mark):
+    return track_mark(frames, fps=500.0, scene=PIXELS, mark=Mark(**mark))
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6])
+@pytest.mark.parametrize("robust", [False, True])
+def test_circles_through_exact_points(offset, robust):
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        centre, radius = offset + rng.normal(size=2), rng.uniform(0.1, 5.0)
+        angle = rng.uniform(0.0, 2.0 * np.pi, 17)
+        points = centre + radius * np.column_stack([np.cos(angle), np.sin(angle)])
+        circle = fit_circle(points, robust=robust)
+        assert circle.centre == pytest.approx(centre, abs=1e-9 + 1e-15 * offset)
+        assert circle.radius == pytest.approx(radius, abs=1e-9)
+
+
+@pytest.mark.parametrize("robust", [False, True])
+@pytest.mark.parametrize("correlation", [0.0, 1.5])
+def test_errors_of_circles_are_as_large_as_stated(robust, correlation):
+    rng = np.random.default_rng(2)
+    angle = np.arange(160) * 2.0 * np.pi / 160
+    directions = np.column_stack([np.cos(angle), np.sin(angle)])
+    off, stated = [], []
+    for _ in range(400):
+        noise = gaussian_filter(rng.standard_normal(160), correlation, mode="wrap")
+        circle = fit_circle((20.0 + 0.1 * noise[:, None]) * directions, robust=robust)
+        off.append(circle.centre)
+        stated.append(np.diag(circle.covariance)[:2])
+    ratio = np.sqrt(np.mean(np.square(off)) / np.mean(stated))
+    assert 0.9 < ratio < 1.2
+
+
+def test_points_far_off_do_not_move_a_robust_circle():
+    rng = np.random.default_rng(3)
+    angle = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
+    radius = 20.0 + 0.05 * rng.standard_normal(120)
+    radius[:18] += 3.0
+    points = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    assert np.hypot(*fit_circle(points).centre) > 0.5
+    assert np.hypot(*fit_circle(points, robust=True).centre) < 0.03
+
+
+@pytest.mark.parametrize(
+    ("points", "error", "message"),
+    [
+        ([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], DimensionError, "at least 4"),
+        ([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]], ParameterError, "in line"),
+        ([[1.0, 1.0]] * 5, ParameterError, "one point"),
+        ([[1.0, np.nan]] * 5, ParameterError, "finite"),
+        ([1.0, 2.0], DimensionError, "shape"),
+    ],
+)
+def test_points_without_a_circle_are_refused(points, error, message):
+    with pytest.raises(error, match=f"points: .*{message}"):
+        fit_circle(points)
+
+
+def test_centres_between_pixels():
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        centre, radius = 32.0 + rng.uniform(-1.0, 1.0, 2), rng.uniform(5.0, 16.0)
+        frame = painted((64, 64), (centre, radius, PAINT["red"]))
+        track = followed([frame])
+        assert track.pixel[0] == pytest.approx(centre, abs=0.02)
+        assert track.diameter[0] == pytest.approx(2.0 * radius, abs=0.25)
+
+
+@pytest.mark.parametrize("colour", PAINT)
+def test_every_colour_is_found_among_the_others(colour):
+    others = [name for name in PAINT if name != colour]
+    rng = np.random.default_rng(5)
+    for other in others:
+        disks = [((30.3, 30.6), 12.0, PAINT[colour])]
+        if {colour, other} & {"white", "black"} == set():
+            disks.append(((80.0, 30.0), 18.0, PAINT[other]))
+        frame = painted((60, 120), *disks, noise=3.0, rng=rng)
+        track = followed([frame], colour=colour)
+        assert track.pixel[0] == pytest.approx([30.3, 30.6], abs=0.1)
+        assert track.status[0] == Sight.GOOD
+
+
+def test_noise_moves_the_centre_as_much_as_stated():
+    rng = np.random.default_rng(6)
+    off, stated = [], []
+    for _ in range(150):
+        centre = 32.0 + rng.uniform(-0.5, 0.5, 2)
+        frame = painted((64, 64), (centre, 14.0, PAINT["red"]), noise=8.0, rng=rng)
+        track = followed([frame])
+        off.append(track.pixel[0] - centre)
+        stated.append(track.position_error[0])
+    rms = np.sqrt(np.mean(np.square(off)))
+    assert rms < 0.04
+    assert 0.75 < rms / np.sqrt(np.mean(np.square(stated))) < 1.35
+
+
+def test_reflections_are_reported_and_hardly_move_the_centre():
+    red = ((40.2, 39.7), 18.0, PAINT["red"])
+    inside, rim = ((45.0, 42.0), 6.0, (255, 255, 255)), ((55.0, 48.0), 6.0, (255, 255, 255))
+    ghost = ((40.2, 60.0), 5.0, PAINT["red"])
+    frames = [painted((80, 80), red, *extra) for extra in [(), (inside,), (rim,), (ghost,)]]
+    tracks = [followed([frame]) for frame in frames]
+    assert [Sight(int(track.status[0])) for track in tracks] == [
+        Sight.GOOD,
+        Sight.REFLECTION,
+        Sight.REFLECTION,
+        Sight.REFLECTION,
+    ]
+    for track in tracks:
+        assert track.pixel[0] == pytest.approx([40.2, 39.7], abs=0.1)
+    assert tracks[1].filling[0] == pytest.approx(1.0 - (6.0 / 18.0) ** 2, abs=0.03)
+    assert tracks[2].coverage[0] < 1.0
+
+
+@pytest.mark.parametrize("defocus", [0.5, 2.0, 4.0])
+def test_blur_is_the_width_of_the_edge(defocus):
+    frame = painted((90, 90), ((45.0, 45.0), 20.0, PAINT["red"]), defocus=defocus)
+    track = followed([frame], blur_limit=0.15)
+    # A step through a Gaussian filter has the width sqrt(2π) σ.
+    assert track.blur[0] == pytest.approx(np.sqrt(2.0 * np.pi) * defocus, abs=0.7)
+    assert bool(track.status[0] & Sight.BLURRED) == (defocus > 3.0)
+
+
+def test_a_lost_mark_is_found_again_elsewhere():
+    blank = painted((100, 160))
+    places = [(30.0, 30.0), (34.0, 30.0), None, None, (120.0, 70.0), (124.0, 71.0)]
+    frames = [
+        blank if place is None else painted((100, 160), (place, 9.0, PAINT["red"]))
+        for place in places
+    ]
+    track = followed(frames)
+    assert track.frames(Sight.LOST).tolist() == [2, 3]
+    assert track.summary() == "4 good, 2 lost"
+    assert np.isnan(track.position[2:4]).all()
+    assert track.pixel[4:] == pytest.approx(np.array(places[4:]), abs=0.02)
+
+
+def test_a_mark_at_the_border_has_no_position():
+    frames = [
+        painted((60, 100), ((x, 30.0), 9.0, PAINT["red"])) for x in (60.0, 75.0, 88.0, 95.0, 120.0)
+    ]
+    track = followed(frames)
+    assert track.status.tolist() == [0, 0, 0, Sight.CLIPPED, Sight.LOST]
+    assert np.isnan(track.pixel[3:]).all()
+
+
+def test_the_mark_is_followed_past_another_one():
+    frames = [
+        painted(
+            (100, 200),
+            ((30.0 + 4.0 * k, 30.0), 9.0, PAINT["red"]),
+            *([((160.0, 75.0), 14.0, PAINT["red"])] if k else []),
+        )
+        for k in range(6)
+    ]
+    track = followed(frames)
+    assert track.pixel[:, 0] == pytest.approx(30.0 + 4.0 * np.arange(6), abs=0.02)
+
+
+def test_a_known_diameter_chooses_the_mark_and_reveals_a_wrong_scale():
+    frame = painted(
+        (100, 200), ((40.0, 50.0), 9.0, PAINT["red"]), ((150.0, 50.0), 16.0, PAINT["red"])
+    )
+    assert followed([frame], diameter=18.0).pixel[0] == pytest.approx([40.0, 50.0], abs=0.02)
+    assert followed([frame], diameter=32.0).pixel[0] == pytest.approx([150.0, 50.0], abs=0.02)
+    with pytest.raises(ParameterError, match=r"mark.diameter: .* scale"):
+        followed([frame], diameter=24.0)
+
+
+def test_no_mark_at_all_is_an_error():
+    with pytest.raises(ParameterError, match="no green mark in any of 2 frames"):
+        followed([painted((40, 40))] * 2, colour="green")
+    with pytest.raises(ParameterError, match="holds no frame"):
+        followed([])
+    assert outline(np.zeros((2, 2, 3), dtype=np.uint8), Mark()) is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"fps": 0.0}, "fps: must be positive"),
+        ({"fps": float("nan")}, "fps"),
+        ({"scene": None}, "scene: must be a Scene"),
+        ({"mark": "red"}, "mark: must be a Mark"),
+        ({"frames": 3}, "frames: must be"),
+        ({"frames": [np.zeros((4, 4))]}, "frames: must be .*frame 0"),
+        ({"frames": [np.zeros((4, 4, 3))]}, "frames: must be .*float64"),
+        ({"frames": "nowhere.mp4"}, "nowhere.mp4: is neither"),
+    ],
+)
+def test_bad_arguments_are_named(arguments, message):
+    good = {"frames": [painted((40, 40))], "fps": 500.0, "scene": PIXELS}
+    with pytest.raises(ParameterError, match=message):
+        track_mark(**{**good, **arguments})
+
+
+def test_frames_of_two_sizes_are_refused():
+    red = ((20.0, 20.0), 9.0, PAINT["red"])
+    with pytest.raises(DimensionError, match="frame 1"):
+        followed([painted((40, 40), red), painted((40, 44), red)])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ({"colour": "pink"}, "colour"),
+        ({"diameter": 0.0}, "diameter"),
+        ({"threshold": -1.0}, "threshold"),
+        ({"smoothing": -1.0}, "smoothing"),
+        ({"blur_limit": 0.0}, "blur_limit"),
+    ],
+)
+def test_marks_check_their_arguments(arguments, name):
+    with pytest.raises(ParameterError, match=name):
+        Mark(**arguments)
+
+
+def test_a_table_of_frames(tmp_path):
+    track = followed([painted((60, 60), ((30.0, 30.0), 9.0, PAINT["red"]))] * 2)
+    track.to_csv(tmp_path / "frames.csv")
+    header, first, _ = (tmp_path / "frames.csv").read_text().splitlines()
+    assert header.split(",")[2:4] == ["column [px]", "row [px]"]
+    assert first.split(",")[-1] == "good"
+    assert len(first.split(",")) == len(header.split(","))
+    assert float(first.split(",")[2]) == pytest.approx(30.0, abs=0.02)

@@ -1,0 +1,336 @@
+"""The round trip: a simulated path is filmed, the film is tracked; and the command."""
+
+import pickle
+import re
+import shutil
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import ParameterError, cli
+from asperity.track import (
+    Mark,
+    Scene,
+    Sight,
+    VideoFile,
+    VirtualCamera,
+    fit_circle,
+    open_frames,
+    read_config,
+    track_mark,
+    write_video,
+)
+
+# Table 1 of [WL19]; the scale of the direction set is free.
+LAW = asp.FrictionLaw(
+    asp.Superellipse(4.99 / 9.3, 4.25 / 9.3, 2.94), asp.Superellipse(1.84, 1.19, 2.51)
+)
+ANGLE = np.deg2rad(32.0)
+RUN = asp.simulate(
+    asp.SlidingPoint(0.018, LAW),
+    dt=1e-4,
+    t_end=1.0,
+    u0=[1.52 * np.cos(ANGLE), 1.52 * np.sin(ANGLE)],
+    until_rest=True,
+)
+SMALL = {"size": (640, 540), "fps": 250.0}
+CONFIG = """
+fps = 500.0
+bandwidth = 0.03
+[mark]
+colour = "red"
+diameter = 0.01
+[scene]
+metres_per_pixel = 2e-4
+origin = [10, 20]
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A film of the run as images, with its configuration."""
+    out = tmp_path_factory.mktemp("film") / "new" / "frames"
+    VirtualCamera(RUN, tilt=0.2, **SMALL).write(out)
+    return out
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"tilt": 0.4, "seed": 1},
+        {"exposure": 2e-3, "fps": 500.0, "size": (320, 270)},
+        {"noise": 6.0, "defocus": 1.5},
+        {"glare": 0.6},
+        {"mark": Mark("blue", diameter=0.014)},
+    ],
+    ids=str,
+)
+def test_centres_and_end_point_of_the_round_trip(options):
+    camera = VirtualCamera(RUN, **{**SMALL, **options})
+    track = track_mark(camera.frames(), fps=camera.fps, scene=camera.view, mark=camera.mark)
+    assert len(track) == len(camera)
+    assert track.time == pytest.approx(camera.time)
+    assert np.abs(track.pixel - camera.pixel).max() < 0.1
+    reflected = len(track.frames(Sight.REFLECTION))
+    assert reflected == (len(track) if "glare" in options else 0)
+    path = track.path()
+    assert 1e3 * np.abs(path.end - RUN.q[-1]).max() < 0.02
+    off = np.abs(path.velocity[0] - RUN.u[0])
+    assert (off < 4.0 * path.velocity_error[0] + 2e-3).all()
+
+
+def test_stated_errors_of_centres_are_of_the_right_size():
+    camera = VirtualCamera(RUN, noise=5.0, **SMALL)
+    track = track_mark(camera.frames(), fps=camera.fps, scene=camera.view, mark=camera.mark)
+    score = (track.position - camera.position) / track.position_error
+    assert 0.7 < np.sqrt(np.mean(score**2)) < 1.5
+
+
+def test_the_film_as_files(folder):
+    config = read_config(folder / "track.toml")
+    assert config.fps == 250.0
+    assert config.mark.diameter == 0.01
+    assert config.mismatch < 0.3
+    frames = open_frames(folder)
+    track = track_mark(folder, fps=config.fps, scene=config.scene, mark=config.mark)
+    assert len(track) == len(frames) == len(VirtualCamera(RUN, tilt=0.2, **SMALL))
+    assert 1e3 * np.hypot(*(track.path().end - RUN.q[-1])) < 0.2
+
+
+def test_frames_are_the_same_every_time():
+    camera = VirtualCamera(RUN, size=(64, 54), fps=50.0)
+    first, again = list(camera.frames()), list(camera.frames())
+    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
+    other = next(camera.replace(seed=1).frames())
+    assert not np.array_equal(first[0], other)
+
+
+def test_the_camera_shows_what_its_scene_says():
+    run = asp.simulate(asp.SlidingPoint(1.0, LAW), dt=1e-3, t_end=0.01, q0=[0.02, 0.01])
+    scene = Scene.from_scale(5e-4, origin=(30.0, 80.0))
+    camera = VirtualCamera(
+        run, fps=100.0, size=(120, 100), scene=scene, noise=0.0, mark=Mark(diameter=0.012)
+    )
+    frame = next(camera.frames()).astype(float)
+    red = np.clip((frame[..., 0] - frame[..., 1]) / 160.0, 0.0, 1.0)
+    row, column = np.mgrid[:100, :120]
+    assert red.sum() == pytest.approx(np.pi * 12.0**2, rel=0.03)
+    assert np.sum(red * column) / red.sum() == pytest.approx(70.0, abs=0.05)
+    assert np.sum(red * row) / red.sum() == pytest.approx(60.0, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        ({"fps": 0.0}, "fps"),
+        ({"exposure": 0.1}, "exposure"),
+        ({"coordinates": (0, 2)}, "coordinates"),
+        ({"coordinates": (0,)}, "coordinates"),
+        ({"size": (640,)}, "size"),
+        ({"mark": Mark("red")}, "mark"),
+        ({"noise": -1.0}, "noise"),
+        ({"run": 3}, "run"),
+    ],
+)
+def test_bad_cameras_are_refused(options, name):
+    with pytest.raises(ParameterError, match=name):
+        VirtualCamera(**{"run": RUN, **options})
+
+
+def test_the_command_writes_tables_figures_and_report(folder, tmp_path, capsys):
+    out = tmp_path / "new" / "out"
+    code = cli.main(
+        ["track", str(folder), "--config", str(folder / "track.toml"), "--out", str(out)]
+    )
+    assert code == 0
+    assert sorted(file.name for file in out.iterdir()) == [
+        "frames.csv",
+        "motion.png",
+        "overlay.png",
+        "path.csv",
+        "report.html",
+    ]
+    told = capsys.readouterr().out
+    end = [float(x) for x in re.search(r"end point +(\S+), (\S+) mm", told).groups()]
+    assert end == pytest.approx(1e3 * RUN.q[-1], abs=0.2)
+    table = np.loadtxt(out / "path.csv", delimiter=",", skiprows=1)
+    assert 1e3 * table[-1, 1:3] == pytest.approx(1e3 * RUN.q[-1], abs=0.2)
+    report = (out / "report.html").read_text()
+    assert report.count("data:image/png;base64,") == 2
+    assert "end point" in report
+    assert "http" not in report.replace("<!doctype html>", "")
+
+
+def test_a_film_that_loses_the_mark_exits_with_1(folder, tmp_path, capsys):
+    images = sorted(folder.glob("*.png"))
+    film = tmp_path / "film"
+    film.mkdir()
+    for number in range(20):
+        shutil.copy(images[min(number, 11)], film / f"{number}.png")
+    from PIL import Image
+
+    for number in range(12, 20):
+        Image.new("RGB", (640, 540), (120, 120, 120)).save(film / f"{number}.png")
+    arguments = ["track", str(film), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 1
+    told = capsys.readouterr().out
+    assert "12 good, 8 lost" in told
+    assert "frames 12-19" in told
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda text: text.replace("fps = 500.0", ""), "track.toml: must state fps"),
+        (lambda text: text.replace("500.0", "-1"), "track.toml: fps: must be positive"),
+        (lambda text: text.replace("500.0", '"fast"'), "track.toml: fps: must hold real numbers"),
+        (lambda text: text.replace("bandwidth", "bandwith"), "unknown key 'bandwith'"),
+        (lambda text: text.replace("diameter", "radius"), r"\[mark\].* unknown key 'radius'"),
+        (lambda text: text.replace('"red"', '"pink"'), "track.toml: colour: must be"),
+        (lambda text: text.replace("metres", "miles"), r"\[scene\].* unknown key"),
+        (lambda text: text.split("[scene]")[0], "must have .scene"),
+        (lambda text: text.replace("[10, 20]", "[10]"), "origin: must have shape"),
+        (lambda text: text.replace("[mark]", "[mark"), "is no TOML file"),
+        (lambda text: "\ufeff".join(text), "is no TOML file"),
+        (
+            lambda text: (
+                text.split("metres")[0] + "pixels = [[0, 0], [1, 0], [0, 1]]\n"
+                "plane = [[0, 0], [1, 0], [0, 1]]"
+            ),
+            "pixels: must hold at least 4",
+        ),
+    ],
+)
+def test_bad_configurations_are_one_line(change, message, tmp_path, capsys, folder):
+    config, out = tmp_path / "track.toml", tmp_path / "out"
+    config.write_text(change(CONFIG), encoding="utf-8")
+    assert cli.main(["track", str(folder), "--config", str(config), "--out", str(out)]) == 2
+    told = capsys.readouterr().err.strip()
+    assert re.search(message, told)
+    assert "\n" not in told
+    assert not out.exists()
+
+
+def test_binary_configurations_and_missing_ones(tmp_path, capsys, folder):
+    config = tmp_path / "track.toml"
+    config.write_bytes(b"\xff\xfe\x00fps")
+    for path in (config, tmp_path / "none.toml"):
+        arguments = ["track", str(folder), "--config", str(path), "--out", str(tmp_path / "out")]
+        assert cli.main(arguments) == 2
+        assert path.name in capsys.readouterr().err
+
+
+def damaged(folder, kind):
+    """Return a folder of frames that cannot be tracked."""
+    images = sorted(folder.parent.glob("frames/*.png"))[:4]
+    film = folder.parent / kind
+    film.mkdir()
+    for number, image in enumerate(images):
+        shutil.copy(image, film / f"f{number}.png")
+    if kind == "empty":
+        for image in film.iterdir():
+            image.unlink()
+    elif kind == "text":
+        (film / "f2.png").write_text("no image")
+    elif kind == "half":
+        (film / "f2.png").write_bytes(images[2].read_bytes()[:5000])
+    elif kind == "gap":
+        (film / "f2.png").unlink()
+    elif kind == "twice":
+        shutil.copy(images[0], film / "g2.png")
+    elif kind == "unnumbered":
+        shutil.copy(images[0], film / "last.png")
+    elif kind == "size":
+        from PIL import Image
+
+        Image.new("RGB", (64, 54)).save(film / "f3.png")
+    return film
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        ("empty", "must hold images"),
+        ("text", "f2.png: is no image"),
+        ("half", "f2.png: is no image"),
+        ("gap", "image 2 is missing after f1.png"),
+        ("twice", "2.png: has the number of .2.png"),
+        ("unnumbered", "last.png: has no number"),
+        ("size", "f3.png: has 64 x 54 pixels"),
+        ("short", "too short"),
+    ],
+)
+def test_bad_folders_are_one_line(kind, message, folder, tmp_path, capsys):
+    film, out = damaged(folder, kind), tmp_path / "out"
+    code = cli.main(["track", str(film), "--config", str(folder / "track.toml"), "--out", str(out)])
+    told = capsys.readouterr().err.strip().splitlines()[-1]
+    assert code == 2
+    assert re.search(message, told)
+    assert not out.exists()
+
+
+def test_videos(tmp_path, folder, capsys):
+    pytest.importorskip("av", reason="PyAV, the extra video, is not installed")
+    camera = VirtualCamera(RUN, noise=1.0, **{**SMALL, "fps": 100.0})
+    write_video(camera.frames(), tmp_path / "slow.mp4", quality=10)
+    video = VideoFile(tmp_path / "slow.mp4")
+    assert len(video) == len(camera)
+    track = track_mark(video, fps=100.0, scene=camera.view, mark=camera.mark)
+    # Colours are stored for 2 x 2 pixels together.
+    assert np.abs(track.pixel - camera.pixel).max() < 0.2
+    for frame in video:
+        whole = frame.crop(slice(None), slice(None))
+        for rows, columns in (
+            ((101, 223), (33, 170)),
+            ((0, 57), (0, 101)),
+            ((501, 540), (600, 640)),
+        ):
+            part = slice(*rows), slice(*columns)
+            assert np.array_equal(frame.crop(*part), whole[part])
+        break
+    (tmp_path / "text.mp4").write_text("no video")
+    (tmp_path / "cut.mp4").write_bytes((tmp_path / "slow.mp4").read_bytes()[:3000])
+    for name in ("text.mp4", "cut.mp4"):
+        arguments = ["track", str(tmp_path / name), "--config", str(folder / "track.toml")]
+        assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+        assert f"{name}: is no video" in capsys.readouterr().err
+
+
+def test_videos_without_pyav_say_what_to_install(tmp_path, folder, capsys, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "av", None)
+    (tmp_path / "slow.mp4").write_bytes(b"")
+    arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert "pip install 'asperity[video]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        Mark("blue", diameter=0.01, threshold=20.0),
+        Scene.from_scale(1e-3, angle=0.3),
+        VirtualCamera(RUN, size=(64, 54), fps=50.0, tilt=0.1),
+        track_mark(
+            VirtualCamera(RUN, size=(160, 135), fps=50.0).frames(),
+            fps=50.0,
+            scene=Scene.from_scale(1e-3),
+        ),
+        track_mark(
+            VirtualCamera(RUN, size=(160, 135), fps=50.0).frames(),
+            fps=50.0,
+            scene=Scene.from_scale(1e-3),
+        ).path(),
+        fit_circle([[3.0, 1.0], [1.0, 3.0], [-1.0, 1.0], [1.0, -1.1]]),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_values_pickle_compare_and_do_not_change(value):
+    twin = pickle.loads(pickle.dumps(value))
+    assert twin == value == value.replace()
+    assert hash(twin) == hash(value)
+    assert repr(value)
+    with pytest.raises(AttributeError, match="immutable"):
+        value.fps = 1.0
+    for one in value._parameters.values():
+        assert not isinstance(one, np.ndarray) or not one.flags.writeable
