@@ -12,7 +12,7 @@ from asperity._arrays import Array
 from asperity.errors import ParameterError
 from asperity.stability.field import STEP, Field
 from asperity.stability.painleve import not_keeping_apart
-from asperity.stability.pencil import ROUNDING, Pencil
+from asperity.stability.pencil import ROUNDING, SAFETY, Pencil
 from asperity.stability.sliding import Sliding
 
 # Names of the contributions to B and K.
@@ -21,8 +21,6 @@ CONE, DIRECTION, SLOPE = "tangent cone", "direction of friction", "Stribeck slop
 COUPLING, FEEDBACK = "mode coupling", "velocity feedback of the normal force"
 FOLLOWER = "follower force"
 
-# Factor for estimated errors.
-_SAFETY = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +118,7 @@ def linearisation(
     contacts = _touching(of, normal_force, closed)
     slopes = of.slopes(lambda found, delta: _loads(of, found, contacts, delta), step)
     n, rows, at = of.n, slopes.displacement, of.n
-    doubt, blur = _SAFETY * slopes.displacement_error, _SAFETY * slopes.velocity_error
+    doubt, blur = SAFETY * slopes.displacement_error, SAFETY * slopes.velocity_error
     unsure = doubt[:n].copy()
     stiffness = {INTERNAL: -rows[:n], FOLLOWER: np.zeros((n, n))}
     damping = {INTERNAL: -slopes.velocity}
@@ -137,7 +135,7 @@ def linearisation(
         damping[cone] -= W @ contact.direction_jacobian @ W.T
         damping[SLOPE] -= W @ contact.rate_jacobian @ W.T
         size, relative = np.full((p, p), np.abs(jacobian).max()), contact.error
-        blunt = max(ROUNDING * n, _SAFETY * relative) * np.abs(W) @ size
+        blunt = max(ROUNDING * n, SAFETY * relative) * np.abs(W) @ size
         turned, pressed, moved = np.split(doubt[mine], [n, 2 * n])
         unsure += turned + pressed + np.abs(W) @ size @ moved + blunt @ np.abs(belt)
         blur = blur + blunt @ np.abs(W.T)

@@ -14,6 +14,8 @@ Complex = NDArray[np.complex128]
 _EPS = float(np.finfo(np.float64).eps)
 # Rounding in matrices of n equations and their inverses, in parts of the entries and of n.
 ROUNDING = 50.0 * _EPS
+# Factor for estimated errors.
+SAFETY = 4.0
 _POLISHINGS, _SQUARINGS = 3, 4
 
 
