@@ -27,10 +27,12 @@ def test_demo_writes_figures_and_tables_and_passes(tmp_path):
         "fig17.png",
         "fig27.csv",
         "fig27.png",
+        "roundtrip.csv",
+        "roundtrip.png",
     ]
-    for name in ("fig17.png", "fig27.png"):
+    for name in ("fig17.png", "fig27.png", "roundtrip.png"):
         assert (out / name).read_bytes().startswith(b"\x89PNG")
-    for words in ("Fig. 17 period", "28.703", "order in dt", "0 off"):
+    for words in ("Fig. 17 period", "28.703", "order in dt", "round trip", "0 off"):
         assert words in done.stdout
     assert "t [s]" in (out / "fig27.csv").read_text().splitlines()[0]
 
@@ -59,7 +61,7 @@ def test_all_figures_are_the_default(tmp_path, monkeypatch, capsys):
     asked = []
     monkeypatch.setattr(redraw, "run", lambda folder, chosen: asked.extend(chosen) or [CHECK])
     assert cli.main(["figures", "--out", str(tmp_path)]) == 0
-    assert asked == list(range(1, 18))
+    assert asked == list(range(1, 28))
     assert "is not redrawn" in capsys.readouterr().out
 
 
@@ -73,7 +75,7 @@ def test_a_statement_that_is_off_exits_with_1(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize(
     ("only", "words"),
-    [("9", "is not redrawn"), ("18", "must name figures"), ("x", "ranges like 1-4,7")],
+    [("9", "is not redrawn"), ("28", "must name figures"), ("x", "ranges like 1-4,7")],
 )
 def test_figures_that_cannot_be_drawn_exit_with_2(tmp_path, capsys, only, words):
     assert cli.main(["figures", "--only", only, "--out", str(tmp_path / "new")]) == 2

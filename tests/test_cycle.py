@@ -189,3 +189,11 @@ def test_bad_arguments_are_named(cycle):
         asp.limit_cycle(belt(), near=cycle, q0=[0.0, 0.0])
     with pytest.raises(asp.ParameterError, match="near"):
         asp.limit_cycle(asp.mechanisms.stribeck_block(), near=cycle)
+
+
+def test_the_impact_oscillator_hops_periodically():
+    # Beyond its limit μ = 0.808 the rod lifts off once per turn; the contact is curved.
+    cycle = asp.limit_cycle(asp.mechanisms.FrictionalImpactOscillator(1.0))
+    assert cycle.is_stable
+    assert cycle.period == pytest.approx(3.156546, abs=1e-5)
+    assert {phase for phase, _ in cycle.phases()} == {Phase.SLIP, Phase.OPEN}

@@ -21,8 +21,9 @@ LAYERS = [
     {"simulate", "integrate", "motion"},
     {"stability"},
     {"cycle", "track"},
-    {"mechanisms", "plot", "problems"},
-    {"paper", "track_video"},
+    {"comparison"},
+    {"identify", "mechanisms", "plot", "problems"},
+    {"paper", "track_video", "identify_files"},
     {"cli"},
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}

@@ -431,6 +431,12 @@ def test_located_events_give_the_known_numbers():
     assert impact.time == pytest.approx(0.8145497, abs=1e-7)
 
 
+def test_follower_starts_beside_its_straight_position():
+    """As its docstring says; the small angle grows or not as from any other start."""
+    motion = asp.simulate(mechanisms.FollowerPendulum(0.19), dt=0.01, t_end=20.0, q0=[1e-6, 0.0])
+    assert np.abs(motion.q).max() < 1e-4
+
+
 # all of them
 
 
@@ -456,6 +462,9 @@ def test_full_systems_are_values():
         (lambda: mechanisms.mode_coupling(0.5, belt_mass=0.0), "mass"),
         (lambda: mechanisms.mode_coupling(0.5, angles=(0.1, 0.2, 0.3)), "angles"),
         (lambda: mechanisms.mode_coupling(0.5, normal_force=0.0), "normal_force"),
+        (lambda: mechanisms.mode_coupling(0.9, belt_velocity=-1.0), "belt_velocity"),
+        (lambda: mechanisms.mode_coupling(0.9, belt_velocity=0.0), "belt_velocity"),
+        (lambda: mechanisms.stribeck_block(belt_velocity=0.0), "belt_velocity"),
         (lambda: mechanisms.FollowerPendulum(0.2, length=0.0), "length"),
         (lambda: mechanisms.FollowerPendulum(0.2, belt_velocity=-1.0), "belt_velocity"),
         (lambda: mechanisms.FrictionalImpactOscillator(0.5, angle=1.6), "angle"),

@@ -229,11 +229,48 @@ def test_distance_takes_the_common_times():
     assert len(t) == 101
 
 
+def test_distance_takes_motions():
+    """Steps without and with located events agree on V at the times that both have."""
+    law = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2, angle=0.4))
+    system = asp.MassOnBelt(1.0, [[2.0, 0.3], [0.3, 0.0451]], law, 1.0, [0.3, 0.2])
+    starts = [[1.0, 0.0], [0.0, 1.5]]
+    exact = [asp.integrate(system, t_end=6.0, dt=0.125, q0=q0) for q0 in starts]
+    steps = [asp.simulate(system, dt=1e-3, t_end=6.0, q0=q0) for q0 in starts]
+    t, V = asp.incremental_distance(*exact, system)
+    np.testing.assert_allclose(t, np.arange(49) * 0.125, atol=1e-9)
+    assert np.diff(V).max() < 1e-9 * V[0]
+    for pair in (steps, (exact[0], steps[1])):
+        at, stepped = asp.incremental_distance(*pair, system)
+        stepped = stepped[np.isin(at.round(9), t.round(9))]
+        np.testing.assert_allclose(stepped, V, atol=2e-2 * V[0])
+    # Without samples in common steps only the ends are the same; events have two samples.
+    free = [asp.integrate(system, t_end=6.0, q0=q0) for q0 in starts]
+    assert free[0].events and (np.diff(free[0].t) == 0.0).any()
+    at, V_free = asp.incremental_distance(*free, system)
+    np.testing.assert_allclose(V_free[[0, -1]], V[[0, -1]], atol=1e-8)
+    own, zero = asp.incremental_distance(free[0], free[0], system)
+    assert (np.diff(own) > 0.0).all() and not zero.any()
+
+
+def test_chart_goes_by_the_belt_and_directions_by_the_slip():
+    """With a C that is not symmetric the two differ by half a turn."""
+    theta = np.linspace(0.0, 2.0 * np.pi, 65)[:-1]
+    C = asp.PolarCurve(theta, THREE.rotated(0.6).radius(theta) * (1.0 + 0.3 * np.cos(theta - 0.5)))
+    law = asp.FrictionLaw(C, THREE)
+    found = asp.critical_directions(law)
+    phi = np.linspace(0.0, 2.0 * np.pi, 721)[:-1] + 1e-3
+    slips = np.array([any(a < p < b or a < p + 2 * np.pi < b for a, b in found) for p in phi])
+    chart = asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), phi)
+    assert np.array_equal(np.roll(slips, 360), chart > 0.0)
+    assert not np.array_equal(slips, chart > 0.0)
+
+
 def test_bad_arguments_are_named():
     law = asp.FrictionLaw.isotropic(0.3, dimension=3)
     point = asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0, 0.0])
     run = asp.simulate(point, dt=0.1, t_end=0.2)
     turned = asp.LinearSystem(np.eye(3), [[1, 1, 0], [0, 1, 0], [0, 0, 1]])
+    pushing = asp.LinearSystem(np.eye(3), [[1, 2, 0], [2, 1, 0], [0, 0, 1]])
     cases = [
         ("law", lambda: asp.critical_directions(law)),
         ("law", lambda: asp.critical_directions(THREE)),
@@ -246,6 +283,7 @@ def test_bad_arguments_are_named():
         ("run_b", lambda: asp.incremental_distance(run, None, point)),
         ("system", lambda: asp.incremental_distance(run, run, turned)),
         ("system", lambda: asp.incremental_distance(run, run, None)),
+        ("system", lambda: asp.incremental_distance(run, run, pushing)),
     ]
     for name, call in cases:
         with pytest.raises(asp.ParameterError) as caught:

@@ -19,7 +19,13 @@ BELT = asp.MassOnBelt(
     1.0, 1.0, asp.FrictionLaw.isotropic(1.0).replace(rate=asp.Stribeck(0.1)), 1.0, [0.1, 0.2]
 )
 CYCLE = asp.limit_cycle(BELT)
-SUMMARISED = (asp.Trajectory, asp.Motion, asp.LimitCycle, asp.BifurcationDiagram)
+SUMMARISED = (
+    asp.PathComparison,
+    asp.Trajectory,
+    asp.Motion,
+    asp.LimitCycle,
+    asp.BifurcationDiagram,
+)
 
 VALUES = [
     *ALL_SETS,
@@ -55,6 +61,7 @@ VALUES = [
     asp.ContactLaw(LAW),
     asp.LinearSystem(2.0, [1.0, 2.0], force=[0.0, 1.0], contacts=[CONTACT]),
     asp.SlidingPoint(0.018, LAW),
+    asp.SlidingDisk(LAW, velocity=(1.0, 0.5), spin=2.0),
     asp.MassOnBelt(1.0, 2.0, LAW, 1.0, [1.0, 0.0]),
     MOTION,
     asp.Section([1.0, 0.0], 0.5, after=1.0),
@@ -85,6 +92,7 @@ VALUES = [
     asp.BoxPlane(0, (0.1, 0.2, 0.3), asp.Plane(), LAW, normal_restitution=0.3),
     asp.SphereSphere(0, 0.1, 1, 0.2, LAW, center=(0.1, 0.0, 0.0)),
     asp.Spring(0, (0.1, 0.0), stiffness=2.0),
+    asp.compare_path(MOTION, MOTION),
     asp.RigidBodies(
         [asp.Body.ball(1.0, 0.1), asp.Body.ball(2.0, 0.2)],
         [asp.SphereSphere(0, 0.1, 1, 0.2, LAW)],

@@ -15,6 +15,7 @@ Outcome.AT_REST
 from typing import Any as _Any
 
 from asperity._core import __version__
+from asperity.comparison import PathComparison, compare_path
 from asperity.contact import (
     Certificate,
     ContactProblem,
@@ -28,9 +29,11 @@ from asperity.errors import (
     ConvergenceError,
     DimensionError,
     DivergenceError,
+    FitError,
     NoCycleError,
     NoSolutionError,
     ParameterError,
+    RecordError,
     SimulationInterrupted,
 )
 from asperity.integrate import integrate
@@ -97,6 +100,7 @@ from asperity.system import (
     Plane,
     PointPlane,
     RigidBodies,
+    SlidingDisk,
     SlidingPoint,
     SpherePlane,
     SphereSphere,
@@ -134,6 +138,7 @@ __all__ = [
     "Event",
     "EventKind",
     "Exact",
+    "FitError",
     "FlowReport",
     "FrictionLaw",
     "InteriorPoint",
@@ -151,6 +156,7 @@ __all__ = [
     "NoSolutionError",
     "Outcome",
     "ParameterError",
+    "PathComparison",
     "Phase",
     "PlanarBody",
     "Plane",
@@ -160,11 +166,13 @@ __all__ = [
     "ProxGaussSeidel",
     "ProxJacobi",
     "ProximalPoint",
+    "RecordError",
     "Rectangle",
     "RigidBodies",
     "Section",
     "SemismoothNewton",
     "SimulationInterrupted",
+    "SlidingDisk",
     "SlidingPoint",
     "Solver",
     "SpherePlane",
@@ -184,6 +192,7 @@ __all__ = [
     "WedgeAsperity",
     "__version__",
     "bifurcation_diagram",
+    "compare_path",
     "critical_directions",
     "critical_rotation",
     "ellipses_can_be_unstable",
@@ -200,7 +209,7 @@ __all__ = [
 
 def __getattr__(name: str) -> _Any:
     # Matplotlib and SciPy are imported by the first use of these modules, not before.
-    if name in ("mechanisms", "plot", "problems"):
+    if name in ("identify", "mechanisms", "plot", "problems"):
         from importlib import import_module
 
         return import_module(f"asperity.{name}")

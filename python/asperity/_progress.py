@@ -19,3 +19,26 @@ def bar(steps: int) -> Iterator[Callable[[int, int], object]]:
         ) from None
     with tqdm(total=steps, unit="step", unit_scale=True) as display:
         yield lambda step, _: display.update(step - display.n)
+
+
+@contextmanager
+def stages(count: int) -> Iterator[Callable[[str], object]]:
+    """Yield a function that announces the next of `count` stages.
+
+    On a terminal a tqdm bar shows them, if there is tqdm; else nothing does.
+    """
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        yield lambda _: None
+        return
+    with tqdm(total=count, unit="stage", disable=None, leave=False) as display:
+        begun = 0
+
+        def announce(name: str) -> None:
+            nonlocal begun
+            display.set_description(name)
+            display.update(begun - display.n)
+            begun += 1
+
+        yield announce

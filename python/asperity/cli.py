@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Sequence
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from asperity import __version__, _arrays
 from asperity.errors import AsperityError
@@ -43,25 +43,28 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     demo = commands.add_parser(
         "demo",
-        help="compute Fig. 17 and Fig. 27 of Walker & Leine (2019) and check them",
+        help="compute Fig. 17 and Fig. 27 of Walker & Leine (2019) and a round trip; check them",
         description="Compute Fig. 17 (limit cycle) and Fig. 27 (sliding paths) of Walker & Leine "
-        "(2019) from the measured parameters; write fig17.png, fig17.csv, fig27.png, fig27.csv "
-        "and compare with converged values. Exit code 1 if one is off.",
+        "(2019) from the measured parameters, and a round trip: synthetic forces of a known law, "
+        "the law identified from them, a path simulated with it. Write fig17, fig27 and roundtrip "
+        "as .png and .csv and compare with converged values and the truth. Exit code 1 if one is "
+        "off.",
         epilog="example: asperity demo --out out/demo",
     )
     demo.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder to write into")
     demo.set_defaults(run=_demo)
     figures = commands.add_parser(
         "figures",
-        help="redraw Figs. 1-8 and 10-17 of Walker & Leine (2019) and check what they state",
-        description="Redraw Figs. 1-8 and 10-17 of Walker & Leine (2019): figNN.png, figNN.csv "
+        help="redraw the figures of Walker & Leine (2019) and check what they state",
+        description="Redraw Figs. 1-8 and 10-27 of Walker & Leine (2019): figNN.png, figNN.csv "
         "with its curves (points x, y) and arrows (from x, y by dx, dy), and a table of the "
         "statements that belong to it, Propositions 1-5 among them. Parameters the paper does not "
-        "give are own ones; each figure says so. Exit code 1 if a statement does not hold.",
+        "give are own ones, measurements are synthetic; each figure says so. Exit code 1 if a "
+        "statement does not hold.",
         epilog="example: asperity figures --only 1-4,7 --out out/figures",
     )
     figures.add_argument(
-        "--only", metavar="NUMBERS", default="1-17", help="such as 1-4,7; default all"
+        "--only", metavar="NUMBERS", default="1-27", help="such as 1-4,7; default all"
     )
     figures.add_argument(
         "--out", metavar="DIR", type=Path, required=True, help="folder to write into"
@@ -89,6 +92,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     solve.add_argument("--csv", metavar="FILE", type=Path, help="write the table to a file too")
     solve.set_defaults(run=_solve)
+    _add_identify(commands)
+    _add_track(commands)
+    info = commands.add_parser("info", help="print versions and the build profile")
+    info.set_defaults(run=_info)
+    return parser
+
+
+def _add_track(commands: Any) -> None:
     track = commands.add_parser(
         "track",
         help="track a round mark in a video and measure its path",
@@ -106,9 +117,54 @@ def _parser() -> argparse.ArgumentParser:
         "--out", metavar="DIR", type=Path, required=True, help="folder to write into"
     )
     track.set_defaults(run=_track)
-    info = commands.add_parser("info", help="print versions and the build profile")
-    info.set_defaults(run=_info)
-    return parser
+
+
+def _add_identify(commands: Any) -> None:
+    identify = commands.add_parser(
+        "identify",
+        help="identify a friction law from measured forces",
+        description="Identify the force reservoir C and the direction set D from the forces of a "
+        "pin-on-disk tribometer, with confidence bands, and compare models. The TOML file says how "
+        "the files are read: sections file, columns, units, calibration, no_load, tribometer, "
+        "processing, all optional. Writes sets.png, forces.png, residuals.png, parameters.csv, "
+        "directions.csv, report.html. Exit code 2 if something is wrong with the files; then "
+        "nothing is written.",
+        epilog="example: asperity identify run_1.csv --config tribometer.toml --out out/identify",
+    )
+    identify.add_argument("paths", metavar="DATA", type=Path, nargs="+", help="CSV files of runs")
+    identify.add_argument("--config", metavar="FILE", type=Path, required=True, help="TOML file")
+    identify.add_argument(
+        "--out", metavar="DIR", type=Path, required=True, help="folder to write into"
+    )
+    for name, meaning in (("reservoir", "C"), ("direction", "D")):
+        identify.add_argument(
+            f"--{name}",
+            choices=("circle", "ellipse", "superellipse", "fourier"),
+            default="superellipse",
+            help=f"model of {meaning}; default superellipse",
+        )
+    identify.add_argument(
+        "--loss", choices=("linear", "huber", "cauchy"), default="linear", help="default linear"
+    )
+    identify.add_argument("--confidence", type=float, default=0.95, help="default 0.95")
+    identify.set_defaults(run=_identify)
+
+
+def _identify(options: argparse.Namespace) -> int:
+    from asperity import identify_files
+
+    found = identify_files.identify(
+        options.paths,
+        options.config,
+        options.out,
+        reservoir=options.reservoir,
+        direction=options.direction,
+        loss=options.loss,
+        confidence=options.confidence,
+    )
+    print(found.summary())
+    print(f"\nfigures, tables and report.html in {options.out}")
+    return SUCCESS
 
 
 def _demo(options: argparse.Namespace) -> int:

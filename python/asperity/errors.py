@@ -43,6 +43,27 @@ class DimensionError(ParameterError):
     """An argument has the wrong shape or dimension."""
 
 
+class FitError(AsperityError, ValueError):
+    """Measured forces cannot be fitted; the message says why and what to do."""
+
+
+class RecordError(AsperityError, ValueError):
+    """A measured record cannot be used as it is.
+
+    Attributes:
+        source: the file or record.
+        message: rows and column, what is wrong with them, what to do.
+    """
+
+    def __init__(self, source: str, message: str) -> None:
+        super().__init__(source, message)
+        self.source = source
+        self.message = message
+
+    def __str__(self) -> str:
+        return f"{self.source}: {self.message}" if self.source else self.message
+
+
 class ConvergenceError(AsperityError, RuntimeError):
     """A contact problem was not solved to the tolerance.
 

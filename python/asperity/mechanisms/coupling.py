@@ -43,7 +43,7 @@ def mode_coupling(
         belt_stiffness: k₃ in N/m, of the spring under the belt.
         damping: d in N s/m, of the mass.
         normal_force: λ_N of the steady sliding in N.
-        belt_velocity: speed of the belt in m/s.
+        belt_velocity: speed v > 0 of the belt in m/s.
 
     Reference: [WL19] §4.1, Fig. 13b.
 
@@ -60,7 +60,7 @@ def mode_coupling(
         FrictionLaw.isotropic(mu, dimension=1),
         [1.0, 0.0, 0.0],
         normal=[0.0, 1.0, -1.0],
-        velocity=[belt_velocity],
+        velocity=[_arrays.positive(belt_velocity, "belt_velocity")],
     )
     return LinearSystem(
         [mass, mass, belt_mass],

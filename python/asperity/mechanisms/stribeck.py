@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from asperity import _arrays
 from asperity.law import FrictionLaw
 from asperity.rate import Stribeck
 from asperity.system import Contact, LinearSystem
@@ -29,7 +30,7 @@ def stribeck_block(
         normal_force: λ_N in N.
         mu: static friction coefficient μ.
         rate: f.
-        belt_velocity: v in m/s.
+        belt_velocity: v > 0 in m/s.
 
     Reference: [WL19] §4.1, Fig. 13a.
 
@@ -40,5 +41,6 @@ def stribeck_block(
     1.13
     """
     law = FrictionLaw.isotropic(mu, dimension=1).replace(rate=rate)
-    belt = Contact(law, [1.0], normal_force=normal_force, velocity=[-belt_velocity])
+    speed = _arrays.positive(belt_velocity, "belt_velocity")
+    belt = Contact(law, [1.0], normal_force=normal_force, velocity=[-speed])
     return LinearSystem(mass, stiffness, contacts=[belt])

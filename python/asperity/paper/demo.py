@@ -1,4 +1,4 @@
-"""Both simulations with their figures, tables and checks: ``asperity demo``."""
+"""Both simulations and the round trip with figures, tables, checks: ``asperity demo``."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from asperity.paper.data import write_csv
 
 
 def run(folder: Path) -> list[Check]:
-    """Write fig17.png, fig17.csv, fig27.png, fig27.csv into `folder`; return the checks."""
+    """Write figures and tables of Fig. 17, Fig. 27 and the round trip; return the checks."""
     import matplotlib as mpl
 
     mpl.use("Agg")
-    from asperity.paper import figures
+    from asperity.paper import figures, round_trip
     from asperity.plot import save_figure
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -27,10 +27,14 @@ def run(folder: Path) -> list[Check]:
     runs = [fig27.run(dt) for dt in fig27.TIME_STEPS]
     write_csv(folder / "fig27.csv", _columns(runs[-1]))
     save_figure(figures.draw_fig27(runs[-1]), folder / "fig27.png")
+    trip = round_trip.run()
+    write_csv(folder / "roundtrip.csv", round_trip.columns(trip))
+    save_figure(round_trip.draw(trip), folder / "roundtrip.png")
     return [
         *fig17.checks(cycle, fig17.system()),
         *fig27.checks(runs[-1]),
         *fig27.convergence(runs),
+        *round_trip.checks(trip),
     ]
 
 

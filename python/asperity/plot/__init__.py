@@ -7,6 +7,7 @@ Every function draws into `ax`, or into new axes, and returns the list of artist
 from asperity.plot.cones import plot_cones, plot_projection
 from asperity.plot.direction import plot_deflection, plot_friction_coefficient
 from asperity.plot.gauge import plot_gauge
+from asperity.plot.identification import plot_fitted_forces, plot_fitted_sets, plot_residuals
 from asperity.plot.law import plot_law
 from asperity.plot.look import save_figure, style
 from asperity.plot.sets import plot_set
@@ -18,6 +19,8 @@ __all__ = [
     "plot_bifurcation",
     "plot_cones",
     "plot_deflection",
+    "plot_fitted_forces",
+    "plot_fitted_sets",
     "plot_forces_in_reservoir",
     "plot_friction_coefficient",
     "plot_gauge",
@@ -27,6 +30,7 @@ __all__ = [
     "plot_path",
     "plot_phase",
     "plot_projection",
+    "plot_residuals",
     "plot_root_locus",
     "plot_set",
     "plot_track",

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import DimensionError, ParameterError
+from asperity.stability.pencil import ROUNDING, SAFETY, Pencil
 from asperity.system import MassOnBelt
-
-# Growth rates below this share of ‖A‖ are those of eigenvalues on the imaginary axis: a double one
-# scatters by the square root of rounding.
-_SCATTER = 1e-7
 
 
 def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> Array:
@@ -21,13 +18,13 @@ def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> A
     Args:
         system: mass on a planar belt, of which stiffness, law and speed of the belt are used.
         phi: directions φ of the belt velocity from e₁ in rad, shape ``(m,)``; the slip of the mass
-            has the direction φ + π.
+            has the direction φ + π, which is what `critical_directions` tells of.
         zeta: angles ζ in rad by which the reservoir C of the law is turned counter-clockwise, D
             stays; shape ``(k,)``.
 
     Returns:
-        Largest real part of an eigenvalue in 1/s, shape ``(m, k)``; 0 where it is below 1e-7 ‖A‖,
-        NaN where D is flat. The shape of a scalar argument is left out.
+        Largest real part of an eigenvalue in 1/s, shape ``(m, k)``; 0 where `stability` says that it
+        is within errors, NaN where D is flat. The shape of a scalar argument is left out.
 
     Raises:
         DimensionError: if the law is not planar.
@@ -55,12 +52,15 @@ def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> A
         -_arrays.unit_vectors(angle).reshape(-1, 1, 2), (angle.size, turn.size, 2)
     ).reshape(-1, 2)
     rotation = np.broadcast_to(turn.reshape(1, -1), (angle.size, turn.size)).ravel()
-    damping = _damping(system, slip, rotation, speed) / system.mass
-    return _growth(damping, system.stiffness / system.mass).reshape(lead)[()]
+    damping, error = _damping(system, slip, rotation, speed)
+    return _growth(system.mass, damping, system.stiffness, error).reshape(lead)[()]
 
 
-def _damping(system: MassOnBelt, slip: Array, rotation: Array, speed: float) -> Array:
-    """Return −∂λ/∂γ for unit vectors γ and rotations of C, shape ``(n, 2, 2)``."""
+def _damping(system: MassOnBelt, slip: Array, rotation: Array, speed: float) -> tuple[Array, Array]:
+    """Return −∂λ/∂γ for unit vectors γ and rotations of C, ``(n, 2, 2)``, and its error.
+
+    What the derivative at constant speed is along γ, where it should vanish, tells the error.
+    """
     law = system.law
     z, H = law.direction.support_point(slip), law.direction.support_hessian(slip)
     c, s = np.cos(rotation), np.sin(rotation)
@@ -74,8 +74,9 @@ def _damping(system: MassOnBelt, slip: Array, rotation: Array, speed: float) -> 
         matrix = H - force[:, :, None] * np.einsum("ni,nij->nj", slope, H)[:, None, :]
     factor, drop = _rate(system, speed)
     matrix *= factor / (gauge[:, :, None] * speed)
+    along = np.linalg.norm(np.einsum("nij,nj->ni", matrix, slip), axis=1)
     whole: Array = system.normal_force * (matrix + drop * force[:, :, None] * slip[:, None, :])
-    return whole
+    return whole, system.normal_force * along
 
 
 def _rate(system: MassOnBelt, speed: float) -> tuple[float, float]:
@@ -88,14 +89,20 @@ def _rate(system: MassOnBelt, speed: float) -> tuple[float, float]:
     return float(system.law.rate(speed)), float(drop)
 
 
-def _growth(damping: Array, stiffness: Array) -> Array:
-    """Return the largest real part of the eigenvalues of [[0, I], [−K, −B]]."""
-    finite: NDArray[np.bool_] = np.asarray(np.isfinite(damping).all(axis=(1, 2)))
-    B = np.where(finite[:, None, None], damping, 0.0)
+def _growth(mass: float, damping: Array, stiffness: Array, error: Array) -> Array:
+    """Return the largest certain real part of the eigenvalues of m q̈ + B q̇ + K q = 0."""
+    finite = np.asarray(np.isfinite(damping).all(axis=(1, 2)))
+    B = damping[finite]
+    M, K = mass * np.eye(2), np.broadcast_to(stiffness, B.shape)
     A = np.zeros((len(B), 4, 4))
-    rate = np.sqrt(np.linalg.norm(stiffness, 2)) or 1.0
+    rate = np.sqrt(np.linalg.norm(stiffness, 2) / mass) or 1.0
     A[:, :2, 2:] = np.eye(2)
-    A[:, 2:, :2], A[:, 2:, 2:] = -stiffness / rate**2, -B / rate
-    growth = np.linalg.eigvals(A).real.max(axis=-1)
-    certain: NDArray[np.bool_] = np.abs(growth) > _SCATTER * np.linalg.norm(A, axis=(1, 2))
-    return np.where(finite, rate * np.where(certain, growth, 0.0), np.nan)
+    A[:, 2:, :2], A[:, 2:, 2:] = -K / (mass * rate**2), -B / (mass * rate)
+    pencil = Pencil(M, B, K)
+    values = pencil.polished(rate * np.linalg.eigvals(A).astype(np.complex128))
+    blur = np.maximum(2.0 * ROUNDING * np.abs(B).max(axis=(1, 2)), SAFETY * error[finite])
+    errors = Pencil(*(2.0 * ROUNDING * np.abs(part) for part in pencil))
+    open_ = pencil.on_axis(errors._replace(damping=errors.damping + blur[:, None, None]), values)
+    growth = np.full(len(damping), np.nan)
+    growth[finite] = np.where(open_, np.where(open_, 0.0, -np.inf), values.real).max(axis=1)
+    return growth

@@ -1,8 +1,6 @@
-"""The sliding directions, and the rotations of C against D, that are critical."""
+"""The sliding directions that are critical."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
@@ -11,13 +9,10 @@ from asperity._arrays import Array, unit_vectors
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
-from asperity.stability.scan import NARROW, TURN, Interval, least, negative, refined
+from asperity.stability.scan import Interval, negative, refined
 
 # Angle by which normals are taken on both sides of a point, to see corners.
 _SIDE = 1e-12
-# Minima over the sliding direction that are followed to the end.
-_FOLLOWED = 4
-_ROTATIONS, _POINTS = 360, 360
 
 
 def margins(C: StarSet, D: StarSet, slip: Array, rotation: Array | float = 0.0) -> Array:
@@ -46,7 +41,9 @@ def margins(C: StarSet, D: StarSet, slip: Array, rotation: Array | float = 0.0) 
 def critical_directions(law: FrictionLaw) -> list[Interval]:
     """Return the intervals of sliding direction in which γ ∈ int T_C(−λ).
 
-    There a body with M ∝ I slides unsteadily on a belt. Where D is flat the force is set-valued
+    There a body with M ∝ I slides unsteadily on a belt. φ is the direction of γ, of the body's slip
+    over the ground: on a belt that moves along φ_b a resting body slips along φ_b + π, which is the
+    other one unless both C and D are symmetric; `growth_chart` goes by φ_b. Where D is flat the force is set-valued
     for one direction, which is no interval and is not reported.
 
     Args:
@@ -80,80 +77,9 @@ def critical_directions(law: FrictionLaw) -> list[Interval]:
 
     def shape(phi: Array) -> Array:
         z = D.support_point(unit_vectors(phi))
-        return np.stack([_angle(z), _angle(C.gauge_gradient(z))], axis=-1)
+        return np.stack([angle_of(z), angle_of(C.gauge_gradient(z))], axis=-1)
 
     return negative(margin, refined(shape))
-
-
-def critical_rotation(reservoir: StarSet, direction: StarSet) -> list[Interval]:
-    """Return the rotations of C against D for which some sliding directions are critical.
-
-    With δ(θ), the angle from a boundary point to the normal there, C turned by ζ has critical
-    directions where |δ_C(θ − ζ) − δ_D(θ)| > π/2 for some θ.
-
-    Args:
-        reservoir: planar C, which is turned counter-clockwise by ζ.
-        direction: convex planar D of any scale, which is not turned.
-
-    Returns:
-        (ζ₀, ζ₁) in rad with 0 ≤ ζ₀ < ζ₁; ζ₁ is above the period if the interval holds 0. The period
-        is π if both sets are symmetric, else 2π.
-
-    Raises:
-        DimensionError: if a set is not planar.
-        ParameterError: if D is not convex.
-
-    Reference: [WL19] Thm. 2, (115)–(118).
-
-    >>> import math
-    >>> from asperity import Ellipse, critical_rotation
-    >>> ellipse = Ellipse(3.0, 1.0)
-    >>> [round(math.degrees(zeta), 4) for zeta in critical_rotation(ellipse, ellipse)[0]]
-    [17.1144, 72.8856]
-    """
-    for name, one in (("reservoir", reservoir), ("direction", direction)):
-        if not isinstance(one, StarSet):
-            raise ParameterError(name, f"must be a set such as Ellipse, got {one!r}")
-        if one.dimension != 2:
-            raise DimensionError(name, f"must be planar, has dimension {one.dimension}")
-    direction._convex("critical_rotation", "direction")
-    period = math.pi if reservoir.is_symmetric and direction.is_symmetric else TURN
-    least_margin = _LeastMargin(reservoir, direction)
-    return negative(least_margin, 0.1 + period * np.arange(_ROTATIONS + 1) / _ROTATIONS)
-
-
-class _LeastMargin:
-    """The least margin over all sliding directions as a function of the rotation of C."""
-
-    def __init__(self, C: StarSet, D: StarSet) -> None:
-        self.C, self.D = C, D
-        self.phi = refined(lambda phi: _angle(D.support_point(unit_vectors(phi)))[:, None], _POINTS)
-        self.theta = refined(lambda t: _angle(C.gauge_gradient(unit_vectors(t)))[:, None], _POINTS)
-
-    def __call__(self, zeta: Array) -> Array:
-        # Directions around D, and those in which the turned C has its turning points.
-        at = unit_vectors(self.theta + zeta[:, None])
-        normals = self.D.gauge_gradient(at)
-        phi = np.hstack([np.tile(self.phi, (len(zeta), 1)), np.mod(_angle(normals), TURN)])
-        phi.sort(axis=1)
-        values = self.margin(phi, zeta[:, None])
-        minima = np.full(values.shape, np.inf)
-        lower = (values[:, 1:-1] <= values[:, :-2]) & (values[:, 1:-1] <= values[:, 2:])
-        minima[:, 1:-1][lower] = values[:, 1:-1][lower]
-        chosen = np.argpartition(minima, _FOLLOWED, axis=1)[:, :_FOLLOWED]
-        chosen = np.clip(chosen, 1, phi.shape[1] - 2)
-        low, high = (np.take_along_axis(phi, chosen + side, axis=1) for side in (-1, 1))
-        found = least(lambda phi: self.margin(phi, zeta[:, None]), low, high)[1]
-        lowest: Array = np.minimum(found.min(axis=1), values.min(axis=1))
-        return lowest
-
-    def margin(self, phi: Array, zeta: Array) -> Array:
-        """Return the larger margin of two neighbours: what holds in one direction only is none."""
-        sides = np.stack([phi - NARROW, phi + NARROW])
-        angles = np.broadcast_to(zeta, sides.shape).ravel()
-        both = margins(self.C, self.D, unit_vectors(sides.ravel()), angles)
-        worse: Array = both.reshape(sides.shape).max(axis=0)
-        return worse
 
 
 def ellipses_can_be_unstable(n1: float, n2: float, nu: float, p1: float, p2: float) -> bool:
@@ -197,6 +123,7 @@ def _sine(normal: Array, gamma: Array) -> Array:
     return sine
 
 
-def _angle(x: Array) -> Array:
+def angle_of(x: Array) -> Array:
+    """Return the angles of plane vectors, shape ``(..., 2)``."""
     angle: Array = np.arctan2(x[..., 1], x[..., 0])
     return angle

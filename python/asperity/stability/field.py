@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -14,12 +15,21 @@ from asperity._arrays import Array
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.simulate import Model
-from asperity.system import LinearSystem, MassOnBelt, RigidBodies, SlidingPoint
+from asperity.system import LinearSystem, MassOnBelt, RigidBodies, SlidingPoint, System
 
 # Largest of the steps with which differences are taken, in m, rad, m/s or rad/s, and their number.
 STEP = 1e-3
 _LEVELS = 4
-_ROUNDING = float(np.finfo(np.float64).eps)
+# Times in s at which a system is compared with itself at 0; their ratios are irrational.
+_TIMES = (0.013, 0.37, math.e, 7.0 * math.sqrt(5.0), 100.0 * math.pi)
+_SAID = {
+    "mass": "mass",
+    "forces": "forces",
+    "tangent": "directions W",
+    "velocity": "velocity χ",
+    "normal": "direction w_N",
+    "gap": "gap",
+}
 
 
 @dataclass(frozen=True)
@@ -38,8 +48,9 @@ class Slopes:
 
     displacement: Array
     velocity: Array
-    error: float
-    """Relative error of the differences."""
+    displacement_error: Array
+    """Errors of the entries, estimated; 0 where matrices are known."""
+    velocity_error: Array
 
 
 class Field:
@@ -95,10 +106,11 @@ class Field:
         linear = constant(self.system)
         if linear is not None:
             rest = np.zeros((len(load(self.at(), np.zeros(self.n))) - self.n, self.n))
-            return Slopes(np.vstack([-linear.stiffness, rest]), -linear.damping, _ROUNDING)
+            slope = np.vstack([-linear.stiffness, rest])
+            return Slopes(slope, -linear.damping, 0.0 * slope, 0.0 * linear.damping)
         displacement, error = _difference(lambda x: load(self.at(x), x), self.n, step)
         velocity, other = _difference(lambda x: self.at(None, x)["forces"], self.n, step)
-        return Slopes(displacement, velocity, max(error, other))
+        return Slopes(displacement, velocity, error, other)
 
 
 def start(system: Model, q0: ArrayLike | None) -> Array:
@@ -106,7 +118,26 @@ def start(system: Model, q0: ArrayLike | None) -> Array:
     if not isinstance(system, Model):
         raise ParameterError("system", f"must be a system such as MassOnBelt, got {system!r}")
     q = system.q0 if isinstance(system, RigidBodies) else np.zeros(system.dof)
-    return _arrays.array(q if q0 is None else q0, "q0", q.shape)
+    q = _arrays.array(q if q0 is None else q0, "q0", q.shape)
+    if isinstance(system, System):
+        _check_autonomous(system, q)
+    return q
+
+
+def _check_autonomous(system: System, q: Array) -> None:
+    """Compare forces and contacts at some times, at rest and in motion beside q."""
+    aside = STEP * np.cos(np.arange(1.0, system.dof + 1.0))
+    for x, u in ((q, 0.0 * aside), (q + aside, aside)):
+        first, *others = (_core.evaluate(system._core, t, x, u) for t in (0.0, *_TIMES))
+        for t, other in zip(_TIMES, others, strict=True):
+            for a, b in zip([first, *first["contacts"]], [other, *other["contacts"]], strict=True):
+                for name in a.keys() - {"contacts"}:
+                    if not np.allclose(a[name], b[name], rtol=1e-12, atol=0.0):
+                        raise ParameterError(
+                            "system",
+                            f"depends on time, as its {_SAID[name]} at t = 0 and t = {t} s: there "
+                            "is no steady sliding whose stability could be told from one time",
+                        )
 
 
 def constant(system: object) -> LinearSystem | None:
@@ -125,17 +156,16 @@ def _contacts(system: Model) -> tuple[list[FrictionLaw], list[float | None]]:
     return [one.law for one in contacts], [one.normal_force for one in contacts]
 
 
-def _difference(f: Callable[[Array], Array], n: int, step: float) -> tuple[Array, float]:
-    """Return the matrix of central differences, extrapolated, and its relative error."""
-    columns, errors = [], []
-    for i in range(n):
-        column, error = _extrapolated(f, np.eye(n)[i], step)
-        columns.append(column)
-        errors.append(error)
-    matrix = np.stack(columns, axis=-1) if columns else np.zeros((len(f(np.zeros(0))), 0))
-    size = float(np.abs(matrix).max(initial=0.0))
-    worst = max((float(error.max(initial=0.0)) for error in errors), default=0.0)
-    return matrix, max(worst / size if size else 0.0, _ROUNDING)
+def _difference(f: Callable[[Array], Array], n: int, step: float) -> tuple[Array, Array]:
+    """Return the matrix of central differences, extrapolated, and errors of its entries.
+
+    An estimate may vanish by chance; rounding errors are those of the function, the same in all
+    columns. Hence each row has its worst.
+    """
+    if not n:
+        return np.zeros((2, len(f(np.zeros(0))), 0))[0], np.zeros((len(f(np.zeros(0))), 0))
+    matrix, errors = np.stack([_extrapolated(f, unit, step) for unit in np.eye(n)], axis=-1)
+    return matrix, np.broadcast_to(errors.max(axis=1)[:, None], matrix.shape)
 
 
 def _extrapolated(f: Callable[[Array], Array], unit: Array, step: float) -> tuple[Array, Array]:

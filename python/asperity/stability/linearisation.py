@@ -11,6 +11,8 @@ import numpy as np
 from asperity._arrays import Array
 from asperity.errors import ParameterError
 from asperity.stability.field import STEP, Field
+from asperity.stability.painleve import not_keeping_apart
+from asperity.stability.pencil import ROUNDING, SAFETY, Pencil
 from asperity.stability.sliding import Sliding
 
 # Names of the contributions to B and K.
@@ -19,7 +21,6 @@ CONE, DIRECTION, SLOPE = "tangent cone", "direction of friction", "Stribeck slop
 COUPLING, FEEDBACK = "mode coupling", "velocity feedback of the normal force"
 FOLLOWER = "follower force"
 
-_ROUNDING = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +41,8 @@ class Linearisation:
     """Sum of the sizes of the forces in it and of those of a displacement by one step."""
     stiffness: dict[str, Array]
     damping: dict[str, Array]
-    error: float
-    """Relative error of the matrices."""
+    errors: Pencil
+    """Bounds of the errors of the entries of M, B, K."""
 
     @cached_property
     def normals(self) -> Array:
@@ -80,20 +81,30 @@ class Reduced:
     mass: Array
     stiffness: dict[str, Array]
     damping: dict[str, Array]
+    errors: Pencil
+
+    @property
+    def pencil(self) -> Pencil:
+        """M, B, K."""
+        return Pencil(self.mass, total(self.damping), total(self.stiffness))
 
     @classmethod
     def of(cls, whole: Linearisation) -> Reduced:
         """Project on the null space of the closed contacts' normals."""
         Z = _null_space(whole.normals)
+        left = np.abs(Z.T)
         stiffness, damping = (
             {name: Z.T @ part @ Z for name, part in parts.items()}
             for parts in (whole.stiffness, whole.damping)
         )
         if whole.closed:
-            feedback = -Z.T @ (whole.thrusts - whole.normals) @ _normal_response(whole)
+            response, uncertain = _normal_response(whole)
+            across = -Z.T @ (whole.thrusts - whole.normals)
+            feedback, left = across @ response, left + np.abs(across) @ uncertain
             stiffness[COUPLING] = feedback @ total(whole.stiffness) @ Z
             damping[FEEDBACK] = feedback @ total(whole.damping) @ Z
-        return cls(Z, Z.T @ whole.mass @ Z, stiffness, damping)
+        errors = Pencil(*(left @ part @ np.abs(Z) for part in whole.errors))
+        return cls(Z, Z.T @ whole.mass @ Z, stiffness, damping, errors)
 
 
 def linearisation(
@@ -107,19 +118,27 @@ def linearisation(
     contacts = _touching(of, normal_force, closed)
     slopes = of.slopes(lambda found, delta: _loads(of, found, contacts, delta), step)
     n, rows, at = of.n, slopes.displacement, of.n
+    doubt, blur = SAFETY * slopes.displacement_error, SAFETY * slopes.velocity_error
+    unsure = doubt[:n].copy()
     stiffness = {INTERNAL: -rows[:n], FOLLOWER: np.zeros((n, n))}
     damping = {INTERNAL: -slopes.velocity}
     damping |= {name: np.zeros((n, n)) for name in (CONE, DIRECTION, SLOPE)}
     for contact in contacts.values():
         W = contact.state.W
         p = W.shape[1]
-        turning, pressing, belt = np.split(rows[at : at + 2 * n + p], [n, 2 * n])
+        mine = slice(at, at + 2 * n + p)
+        turning, pressing, belt = np.split(rows[mine], [n, 2 * n])
         jacobian = contact.direction_jacobian + contact.rate_jacobian
         stiffness[INTERNAL] -= pressing
         stiffness[FOLLOWER] -= turning + W @ jacobian @ belt
         cone = CONE if contact.margin < 0.0 else DIRECTION
         damping[cone] -= W @ contact.direction_jacobian @ W.T
         damping[SLOPE] -= W @ contact.rate_jacobian @ W.T
+        size, relative = np.full((p, p), np.abs(jacobian).max()), contact.error
+        blunt = max(ROUNDING * n, SAFETY * relative) * np.abs(W) @ size
+        turned, pressed, moved = np.split(doubt[mine], [n, 2 * n])
+        unsure += turned + pressed + np.abs(W) @ size @ moved + blunt @ np.abs(belt)
+        blur = blur + blunt @ np.abs(W.T)
         at += 2 * n + p
     state = of.at()
     forces = [state["forces"], *(push for one in contacts.values() for push in _pushes(one))]
@@ -132,7 +151,11 @@ def linearisation(
         size=elastic + float(sum(np.linalg.norm(force) for force in forces)),
         stiffness=stiffness,
         damping=damping,
-        error=max([slopes.error, *(contact.error for contact in contacts.values())]),
+        errors=Pencil(
+            ROUNDING * n * np.abs(state["mass"]),
+            blur + ROUNDING * n * np.sum(np.abs(list(damping.values())), axis=0),
+            unsure + ROUNDING * n * np.sum(np.abs(list(stiffness.values())), axis=0),
+        ),
     )
 
 
@@ -174,23 +197,27 @@ def _touching(of: Field, normal_force: Array, closed: tuple[int, ...]) -> dict[i
     return touching
 
 
-def _normal_response(whole: Linearisation) -> Array:
-    """Return (W_NᵀM⁻¹E)⁻¹W_NᵀM⁻¹, which takes forces to the normal forces that resist them."""
+def _normal_response(whole: Linearisation) -> tuple[Array, Array]:
+    """Return (W_NᵀM⁻¹E)⁻¹W_NᵀM⁻¹, which takes forces to the normal forces that resist them.
+
+    Also the product of the absolute values, which is larger where cancellation makes it uncertain.
+    """
     weighted = np.linalg.solve(whole.mass, whole.normals).T
-    push = weighted @ whole.thrusts
-    for place, number in enumerate(whole.closed):
-        if push[place, place] <= 0.0:
-            raise ParameterError(
-                "system",
-                f"contact {number} is in the Painlevé zone: its normal force does not keep it "
-                "from closing",
-            )
-    if np.linalg.cond(push) * _ROUNDING > 1e-3:
+    if np.linalg.cond(weighted @ whole.normals) > 1e12:
         raise ParameterError(
             "closed", "must be contacts with independent normals: their forces are not unique"
         )
-    response: Array = np.linalg.solve(push, weighted)
-    return response
+    push = weighted @ whole.thrusts
+    wrong = not_keeping_apart(push)
+    if wrong is not None:
+        names = " and ".join(str(whole.closed[place]) for place in wrong)
+        who = f"contact {names} is" if len(wrong) == 1 else f"contacts {names} together are"
+        raise ParameterError(
+            "system",
+            f"{who} in the Painlevé zone: the normal forces do not keep what touches from closing",
+        )
+    inverse = np.linalg.inv(push)
+    return inverse @ weighted, np.abs(inverse) @ np.abs(weighted)
 
 
 def _null_space(normals: Array) -> Array:

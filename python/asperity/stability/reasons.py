@@ -18,9 +18,12 @@ from asperity.stability.linearisation import (
     Linearisation,
     total,
 )
+from asperity.stability.pencil import Pencil
 from asperity.stability.spectrum import Spectrum, spectrum
 
 DAMPING, STIFFNESS = "negative damping", "negative stiffness"
+# What the direction of friction does where its part of B is symmetric.
+_UNEVEN = "uneven damping"
 
 # A mechanism counts if without it the growth rate falls by more than this share, and accounts for
 # all if no more than this share is left.
@@ -29,6 +32,8 @@ _NOTABLE = 1e-3
 _SENTENCES = {
     CONE: "the sliding direction lies in the interior of the tangent cone of C at −λ",
     DIRECTION: "the friction force turns with the sliding direction, which makes B nonsymmetric",
+    _UNEVEN: "friction damps across the sliding direction only, which shifts the modes against each "
+    "other (destabilisation by damping)",
     SLOPE: "the friction force falls with the sliding speed (Stribeck slope)",
     COUPLING: "the stiffness is nonsymmetric, as where the normal force depends on displacements "
     "(mode coupling)",
@@ -39,31 +44,32 @@ _SENTENCES = {
 }
 
 
-def reduced_spectrum(whole: Linearisation, relative_error: float) -> Spectrum:
+def reduced_spectrum(whole: Linearisation) -> Spectrum:
     """Return the spectrum of the motion within the closed contacts."""
-    part = whole.reduced
-    return spectrum(part.mass, total(part.damping), total(part.stiffness), relative_error)
+    return spectrum(whole.reduced.pencil, whole.reduced.errors)
 
 
-def growth_rates(whole: Linearisation, relative_error: float) -> dict[str, float]:
+def growth_rates(whole: Linearisation) -> dict[str, float]:
     """Return the growth rate that is left without each mechanism that acts."""
     part = whole.reduced
-    K, B = total(part.stiffness), total(part.damping)
+    M, B, K = part.pencil
     return {
-        name: spectrum(part.mass, damping, stiffness, relative_error).growth_rate
+        name: spectrum(Pencil(M, damping, stiffness), part.errors).growth_rate
         for name, damping, stiffness in _ablated(whole, B, K)
         if not (_same(damping, B) and _same(stiffness, K))
     }
 
 
-def sentence(left: dict[str, float], growth_rate: float) -> str:
+def sentence(whole: Linearisation, left: dict[str, float], growth_rate: float) -> str:
     """Name the mechanisms without which it would not be unstable."""
     alone = [name for name, rate in left.items() if rate <= _NOTABLE * growth_rate]
     helping = [n for n, rate in left.items() if rate < (1.0 - _NOTABLE) * growth_rate]
     named = alone or sorted(helping, key=left.__getitem__)
     if not named:
         return "no single force accounts for it"
-    joined = "; ".join(_SENTENCES[name] for name in named)
+    turning = whole.damping[DIRECTION]
+    even = _same(turning, turning.T)
+    joined = "; ".join(_SENTENCES[_UNEVEN if even and n == DIRECTION else n] for n in named)
     if len(named) == 1:
         return joined if alone else f"{joined}, which is not the only reason"
     return f"without any one of these it would not be: {joined}" if alone else f"together: {joined}"

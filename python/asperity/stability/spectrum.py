@@ -1,4 +1,4 @@
-"""Eigenvalues of small motions, and what rounding leaves of their signs."""
+"""Eigenvalues of small motions, and what errors leave of their signs."""
 
 from __future__ import annotations
 
@@ -8,22 +8,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._arrays import Array
+from asperity.stability.pencil import Complex, Pencil
 
-Complex = NDArray[np.complex128]
+# Real part, in parts of the eigenvalue, that errors should not hide.
+_FINE = 1e-6
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Eigenvalues of M q̈ + B q̇ + K q = 0 with bounds of their errors, [WL19] (113)."""
+    """Eigenvalues of M q̈ + B q̇ + K q = 0, [WL19] (113), and what is certain of them."""
 
     values: Complex
     """In 1/s, by falling real part."""
     modes: Complex
     """Displacements, one column each, of length 1."""
-    bounds: Array
-    """Errors of the eigenvalues that have to be reckoned with."""
+    on_axis: NDArray[np.bool_]
+    """Whether the errors of the matrices may have moved them off the imaginary axis."""
     defective: bool
     """Whether an eigenvalue with real part 0 has fewer modes than its multiplicity."""
+    hidden: float
+    """Growth rate in 1/s that errors may hide, 0 if it is below 1e-6 of the eigenvalue."""
 
     @property
     def growth_rate(self) -> float:
@@ -31,59 +35,67 @@ class Spectrum:
         if not self.values.size:
             return 0.0
         # An uncertain eigenvalue right of certain ones must not hide them.
-        certain = self.values.real[np.abs(self.values.real) > self.bounds]
-        uncertain = certain.size < self.values.size
-        return float(max([*certain, *([0.0] if uncertain else [])]))
+        certain = self.values.real[~self.on_axis]
+        return float(max([*certain, *([0.0] if self.on_axis.any() else [])]))
 
 
-def spectrum(mass: Array, damping: Array, stiffness: Array, relative_error: float) -> Spectrum:
-    """Return the spectrum of n equations with matrices known to `relative_error`.
-
-    The first-order matrix is that of M^½ q and of time in units of the fastest motion, so that its
-    entries have one unit and the error of an eigenvalue is its condition number times
-    `relative_error` ‖A‖, at a multiple eigenvalue without all its modes √`relative_error` ‖A‖.
-    """
+def spectrum(pencil: Pencil, errors: Pencil) -> Spectrum:
+    """Return the spectrum of n equations whose matrices are known to `errors`, entry by entry."""
     import scipy.linalg
 
-    n = len(mass)
+    n = len(pencil.mass)
     if not n:
         none = np.zeros(0, dtype=np.complex128)
-        return Spectrum(none, none.reshape(0, 0), np.zeros(0), False)
-    root = np.linalg.cholesky(mass)
-    K, B = (np.linalg.solve(root, np.linalg.solve(root, part).T).T for part in (stiffness, damping))
+        return Spectrum(none, none.reshape(0, 0), np.zeros(0, dtype=np.bool_), False, 0.0)
+    root = np.linalg.cholesky(pencil.mass)
+    K, B = (
+        np.linalg.solve(root, np.linalg.solve(root, part).T).T
+        for part in (pencil.stiffness, pencil.damping)
+    )
     rate = max(np.sqrt(np.linalg.norm(K, 2)), np.linalg.norm(B, 2)) or 1.0
+    # Time in units of the fastest motion, so that the entries have one unit.
     A = np.block([[np.zeros((n, n)), np.eye(n)], [-K / rate**2, -B / rate]])
-    values, left, right = scipy.linalg.eig(A, left=True, right=True)
-    size = float(np.linalg.norm(A, 2))
-    overlap = np.abs((left.conj() * right).sum(axis=0))
-    worst = np.sqrt(relative_error)
-    bounds = size * np.minimum(relative_error / np.maximum(overlap, relative_error), worst)
-    defective = _lacks_modes(A, values, bounds, size * worst)
+    values, right = scipy.linalg.eig(A)
+    values = pencil.polished(rate * values)
     order = np.lexsort((values.imag, -values.real))
-    modes = np.linalg.solve(root.T, right[:n, order])
+    values, modes = values[order], np.linalg.solve(root.T, right[:n, order])
     lengths = np.linalg.norm(modes, axis=0)
+    on_axis = pencil.on_axis(errors, values)
     return Spectrum(
-        rate * values[order],
+        values,
         (modes / np.where(lengths > 0.0, lengths, 1.0)).astype(np.complex128),
-        rate * bounds[order],
-        defective,
+        on_axis,
+        _lacks_modes(pencil, errors, values[on_axis & (values.imag >= 0.0)]),
+        _hidden(pencil, errors, values[on_axis & (values.imag > 0.0)]),
     )
 
 
-def _lacks_modes(A: Array, values: Complex, bounds: Array, width: float) -> bool:
+def _lacks_modes(pencil: Pencil, errors: Pencil, left: Complex) -> bool:
     """Compare multiplicity and number of modes of the eigenvalues with real part 0.
 
-    The members of a multiple eigenvalue scatter by the square root of the error, their mean does
-    not. Those below the real axis are the conjugates of those above.
+    Those are one if between them no point is certain to be none. The members of a multiple
+    eigenvalue scatter, their mean does not. Those below the real axis are the conjugates of those
+    above.
     """
-    left = values[(np.abs(values.real) <= bounds) & (values.imag >= 0.0)]
     while len(left):
-        cluster = values[np.abs(values - left[0]) <= 2.0 * width]
-        left = left[np.abs(left - left[0]) > 2.0 * width]
-        if len(cluster) == 1:
-            continue
-        shifted = A - cluster.mean() * np.eye(len(A))
-        modes = int((np.linalg.svd(shifted, compute_uv=False) <= width).sum())
-        if modes < len(cluster):
+        same = pencil.may_be_singular(errors, 0.5 * (left[0] + left))
+        same[0] = True
+        cluster, left = left[same], left[~same]
+        real = np.abs(cluster.imag) <= np.abs(cluster.real)
+        # Of a pair on both sides of 0 only one half is here.
+        size = len(cluster) + int((~real & pencil.may_be_singular(errors, cluster.real + 0j)).sum())
+        if size > 1 and pencil.modes_at(errors, complex(cluster.mean())) < size:
             return True
     return False
+
+
+def _hidden(pencil: Pencil, errors: Pencil, values: Complex) -> float:
+    """Return the largest real part that eigenvalues on the axis may have."""
+    real = _FINE * np.abs(values)
+    doubtful = pencil.may_be_singular(errors, real + 1j * values.imag)
+    values, real, found = values[doubtful], real[doubtful], 0.0
+    while len(values):
+        found = float(real.max())
+        doubtful = (real < np.abs(values)) & pencil.may_be_singular(errors, 10.0 * real + 1j * values.imag)
+        values, real = values[doubtful], 10.0 * real[doubtful]
+    return 10.0 * found

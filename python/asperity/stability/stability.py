@@ -17,13 +17,12 @@ from asperity.stability.equilibrium import Equilibrium, closed_contacts
 from asperity.stability.equilibrium import equilibrium as find
 from asperity.stability.field import STEP, Field, start
 from asperity.stability.linearisation import Linearisation, linearisation, total
+from asperity.stability.pencil import Complex
 from asperity.stability.sliding import Sliding
-from asperity.stability.spectrum import Complex, Spectrum
+from asperity.stability.spectrum import Spectrum
 
 Kind = Literal["unstable", "neutral", "asymptotically stable"]
 
-# Rounding in the matrices and in their eigenvalues, in parts of the matrix of n equations.
-_ROUNDING = 50.0 * float(np.finfo(np.float64).eps)
 # Residual above which a state that is handed over is none of steady sliding.
 _BALANCE = 1e-6
 
@@ -39,7 +38,7 @@ class Stability:
     Attributes:
         equilibrium: steady sliding.
         linearisation: M and all contributions to B and K.
-        spectrum: eigenvalues, modes and bounds of their errors.
+        spectrum: eigenvalues, modes, and which of them errors leave open.
 
     Reference: [WL19] (85)–(88), (111)–(114), Prop. 7–11, Thm. 2.
     """
@@ -124,7 +123,8 @@ class Stability:
     def kind(self) -> Kind:
         """Whether small motions grow, persist or decay.
 
-        Neutral: no eigenvalue is certain to be right of the imaginary axis, some are on it. A
+        Neutral: no eigenvalue is certain to be right of the imaginary axis, some are on it, or so
+        near that errors leave their side open; `reason` says so where that matters. A
         point with M, K ∝ I has such a pair always, as Bγ = 0. Where an eigenvalue on the axis lacks
         a mode (`is_defective`), the linear motion grows like t: stability is then decided by what
         linearisation leaves out.
@@ -148,7 +148,7 @@ class Stability:
         tangent cone. Mode coupling is the dependence of the normal force on displacements, and a
         nonsymmetric stiffness.
         """
-        return reasons.growth_rates(self.linearisation, _relative_error(self.linearisation))
+        return reasons.growth_rates(self.linearisation)
 
     @cached_property
     def reason(self) -> str:
@@ -158,11 +158,14 @@ class Stability:
             what = f"Small motions grow like exp({self.growth_rate:.6g} t)"
             if at > 1e-9 * np.abs(self.eigenvalues).max():
                 what += f" at {at:.6g} rad/s"
-            return f"{what}: {reasons.sentence(self.mechanisms, self.growth_rate)}."
+            why = reasons.sentence(self.linearisation, self.mechanisms, self.growth_rate)
+            return f"{what}: {why}."
         if self.kind == "asymptotically stable":
             return f"Small motions decay at least like exp({self.growth_rate:.6g} t)."
         if self.is_defective:
-            return "Small motions grow like t: an eigenvalue on the imaginary axis lacks a mode."
+            return "Small motions grow like t or a higher power of it: an eigenvalue on the imaginary axis lacks a mode."
+        if self.spectrum.hidden > 0.0:
+            return f"Undecided: the errors of the largest forces hide growth rates up to {self.spectrum.hidden:.1g} 1/s."
         return "Small motions neither grow nor all decay: eigenvalues lie on the imaginary axis."
 
     def __eq__(self, other: object) -> bool:
@@ -183,9 +186,9 @@ def stability(
 ) -> Stability:
     """Linearise a system about steady sliding and judge by the eigenvalues.
 
-    An eigenvalue counts as being on the imaginary axis if its real part is within the bound of its
-    error: its condition number times the relative error of the matrices, but at most the square
-    root of the latter, as for a double eigenvalue with one mode.
+    An eigenvalue counts as being on the imaginary axis unless it is certain that it is not: that no
+    matrices within the errors of the entries of M, B and K, of rounding and of differences, have
+    an eigenvalue half-way between it and the axis. `growth_chart` goes by the same rule.
 
     Args:
         system: `LinearSystem`, `MassOnBelt`, `RigidBodies` or a `System`, at time 0.
@@ -220,9 +223,5 @@ def stability(
     whole = linearisation(of, load, closed_contacts(of, steady.closed), step=step)
     if np.linalg.norm(whole.imbalance) > _BALANCE * whole.size:
         raise ParameterError("equilibrium", "must be one of this system: its forces do not balance")
-    found = reasons.reduced_spectrum(whole, _relative_error(whole))
+    found = reasons.reduced_spectrum(whole)
     return Stability(steady, whole, found)
-
-
-def _relative_error(whole: Linearisation) -> float:
-    return max(_ROUNDING * len(whole.mass), 4.0 * whole.error)

@@ -17,6 +17,7 @@ from asperity.system.rigid import (
     SphereSphere,
     Spring,
 )
+from asperity.system.sliding_disk import SlidingDisk
 
 __all__ = [
     "Body",
@@ -31,6 +32,7 @@ __all__ = [
     "Plane",
     "PointPlane",
     "RigidBodies",
+    "SlidingDisk",
     "SlidingPoint",
     "SpherePlane",
     "SphereSphere",

@@ -1,0 +1,209 @@
+"""Configuration of a tribometer, and raw data as files."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asperity._arrays import Array
+from asperity._files import atomic
+from asperity._value import Value
+from asperity.errors import AsperityError, ParameterError, RecordError
+from asperity.identify.calibration import Calibration
+from asperity.identify.process import ProcessedData, process
+from asperity.identify.reading import PathLike, read_csv
+from asperity.identify.record import CHANNELS, RawData, Recording
+from asperity.identify.table import Format, read_table
+from asperity.identify.units import factors
+
+_FORMAT = ("delimiter", "decimal", "header", "encoding")
+_SECTIONS: dict[str, tuple[str, ...]] = {
+    "file": (*_FORMAT, "sample_rate", "turn_rate", "check_units", "on_defect"),
+    "columns": ("time", "angle", *CHANNELS),
+    "units": ("time", "angle", *CHANNELS),
+    "calibration": ("file", "loads", "readings", "reading_error", "fit_zero"),
+    "no_load": ("files",),
+    "tribometer": ("normal_load", "radius"),
+    "processing": ("cut_off", "order", "grid_angle"),
+}
+_LOADS = tuple(f"load_{channel}" for channel in CHANNELS)
+
+
+class Configuration(Value):
+    """How the files of a tribometer are read and processed, as in a TOML file.
+
+    Args:
+        sections: ``file`` (delimiter, decimal, header, encoding, sample_rate, turn_rate,
+            check_units, on_defect), ``columns`` and ``units`` as for `read_csv`, ``calibration``
+            (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files),
+            ``tribometer`` (normal_load, radius), ``processing`` (cut_off, order, grid_angle); all
+            optional.
+        folder: what the names of files are relative to.
+
+    The file of a calibration has columns load_tangential, load_radial, load_normal in N beside the
+    three channels, whose names and units are those of the runs.
+
+    Raises:
+        ParameterError: for a section or key that is not known.
+
+    >>> from asperity.identify import Configuration
+    >>> Configuration({"units": {"angle": "deg"}}).sections["units"]
+    {'angle': 'deg'}
+    """
+
+    sections: dict[str, Any]
+    folder: str
+
+    def __init__(self, sections: Mapping[str, Any], *, folder: PathLike = ".") -> None:
+        for section, keys in sections.items():
+            if section not in _SECTIONS:
+                raise ParameterError(section, f"is no section; known are {', '.join(_SECTIONS)}")
+            if not isinstance(keys, Mapping):
+                raise ParameterError(section, f"must be a section [{section}], got {keys!r}")
+            for key in keys:
+                if key not in _SECTIONS[section]:
+                    known = ", ".join(_SECTIONS[section])
+                    raise ParameterError(f"{section}.{key}", f"is not known; known are {known}")
+        self._set(sections={k: dict(v) for k, v in sections.items()}, folder=os.fspath(folder))
+
+    def __hash__(self) -> int:
+        return hash((repr(self.sections), self.folder))
+
+    @classmethod
+    def load(cls, path: PathLike) -> Configuration:
+        """Read a TOML file; files it names are relative to it.
+
+        Raises:
+            RecordError: if it is missing, no TOML, or holds what is not known.
+        """
+        place = Path(path)
+        try:
+            with place.open("rb") as file:
+                return cls(tomllib.load(file), folder=place.parent)
+        except OSError as error:
+            raise RecordError(str(place), f"cannot be read: {error.strerror}") from None
+        except (tomllib.TOMLDecodeError, UnicodeError) as error:
+            raise RecordError(str(place), f"is no TOML: {error}") from None
+        except ParameterError as error:
+            raise RecordError(str(place), str(error)) from None
+
+    def read(self, paths: PathLike | Iterable[PathLike]) -> RawData:
+        """Return the runs in some files, with the calibration and the records without load."""
+        calibration = self._calibration()
+        names = self._section("no_load").get("files", [])
+        idle = [Path(self.folder, name) for name in ([names] if isinstance(names, str) else names)]
+        return RawData(
+            self._runs(paths, loaded=True),
+            calibration=calibration,
+            no_load=self._runs(idle, loaded=False) if idle else (),
+            **self._section("tribometer"),
+        )
+
+    def process(self, raw: RawData) -> ProcessedData:
+        """Return `process` with the options of the section ``processing``."""
+        return process(raw, **self._section("processing"))
+
+    def _section(self, name: str) -> dict[str, Any]:
+        return dict(self.sections.get(name, {}))
+
+    def _runs(self, paths: PathLike | Iterable[PathLike], *, loaded: bool) -> tuple[Recording, ...]:
+        return read_csv(
+            paths,
+            columns=self._section("columns"),
+            units=self._section("units"),
+            normal_load=self._section("tribometer").get("normal_load"),
+            loaded=loaded,
+            **self._section("file"),
+        )
+
+    def _calibration(self) -> Calibration | None:
+        given = self._section("calibration")
+        if not given:
+            return None
+        name = given.pop("file", None)
+        if name is not None:
+            given["loads"], given["readings"] = self._weighings(Path(self.folder, name))
+        if not {"loads", "readings"} <= set(given):
+            raise ParameterError("calibration", "must give file, or loads and readings")
+        try:
+            return Calibration(**given)
+        except AsperityError as error:
+            raise RecordError(str(name or "calibration"), str(error)) from None
+
+    def _weighings(self, path: Path) -> tuple[Array, Array]:
+        columns = self._section("columns")
+        wanted = {name: name for name in _LOADS} | {n: columns.get(n, n) for n in CHANNELS}
+        form = {key: value for key, value in self._section("file").items() if key in _FORMAT}
+        table = read_table(path, wanted, Format(**form))
+        if not np.isfinite(table.values).all():
+            bad = np.flatnonzero(~np.isfinite(table.values).all(axis=1))
+            raise RecordError(str(path), f"no number in line {table.lines(bad[:1])[0]}")
+        scale = factors(self._section("units"))
+        return table.values[:, :3], table.values[:, 3:] * [scale[name] for name in CHANNELS]
+
+
+def read_raw(paths: PathLike | Iterable[PathLike], config: PathLike) -> RawData:
+    """Return the runs in some files as a configuration file says: `Configuration.read`.
+
+    Args:
+        paths: files of the runs.
+        config: a TOML file, see `Configuration`.
+
+    Raises:
+        RecordError: as `read_csv`, and for the configuration.
+    """
+    return Configuration.load(config).read(paths)
+
+
+def write_raw(raw: RawData, folder: PathLike) -> list[str]:
+    """Write raw data as CSV files, with the ``tribometer.toml`` that reads them again.
+
+    Args:
+        raw: what is to be written.
+        folder: made if it is not there.
+
+    Returns:
+        Names of the files, the runs first, ``tribometer.toml`` last.
+    """
+    place = Path(folder)
+    place.mkdir(parents=True, exist_ok=True)
+    runs = {f"run_{number}.csv": run for number, run in enumerate(raw.recordings, 1)}
+    idle = {f"no_load_{number}.csv": run for number, run in enumerate(raw.no_load, 1)}
+    for name, run in {**runs, **idle}.items():
+        columns = np.column_stack([run.time, run.angle, run.readings])
+        _write_table(place / name, ("time", "angle", *CHANNELS), columns)
+    lines: list[str] = []
+    if idle:
+        lines += ["[no_load]", f"files = {_toml(list(idle))}", ""]
+    if raw.calibration is not None:
+        lines += _write_calibration(place / "calibration.csv", raw.calibration)
+    given = {"normal_load": raw.normal_load, "radius": raw.radius}
+    lines += ["[tribometer]", *(f"{k} = {v!r}" for k, v in given.items() if v is not None)]
+    with atomic(place / "tribometer.toml") as file:
+        file.write("\n".join([*lines, ""]).encode())
+    calibration = ["calibration.csv"] * (raw.calibration is not None)
+    return [*runs, *idle, *calibration, "tribometer.toml"]
+
+
+def _write_calibration(path: Path, calibration: Calibration) -> list[str]:
+    _write_table(path, (*_LOADS, *CHANNELS), np.hstack([calibration.loads, calibration.readings]))
+    lines = ["[calibration]", f'file = "{path.name}"']
+    if calibration.reading_error is not None:
+        lines.append(f"reading_error = {calibration.reading_error.tolist()!r}")
+    return [*lines, f"fit_zero = {str(calibration.fit_zero).lower()}", ""]
+
+
+def _write_table(path: Path, names: Iterable[str], values: Array) -> None:
+    with atomic(path) as file:
+        # 17 digits: what is read again is the same to the bit.
+        np.savetxt(file, values, fmt="%.17g", delimiter=",", header=",".join(names), comments="")
+
+
+def _toml(names: list[str]) -> str:
+    quoted = ", ".join(f'"{name}"' for name in names)
+    return f"[{quoted}]"

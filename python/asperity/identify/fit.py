@@ -1,0 +1,274 @@
+"""A law fitted to measured forces: sets, parameters with bands, residuals, report."""
+
+from __future__ import annotations
+
+import math
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.identify.bins import Bins, grouped
+from asperity.identify.coordinates import Estimate
+from asperity.identify.covariance import Covariance, estimate, has_angle, scatter_of, shared
+from asperity.identify.descent import Descent
+from asperity.identify.loss import Loss
+from asperity.identify.models import (
+    name_of,
+)
+from asperity.identify.samples import Samples, by_sense
+from asperity.identify.sets import MeasuredSets
+from asperity.identify.sums import Family
+from asperity.law import FrictionLaw
+from asperity.sets import StarSet
+
+if TYPE_CHECKING:
+    from asperity.identify.selection import Comparison
+
+# Means for figures are taken over half a degree.
+_WIDTH = 5
+# Without bands, a set counts as round if its combinations of coordinates are below this.
+_ROUND = 1e-9
+
+
+class Bands(Value):
+    """Model forces per unit normal force with confidence bands, pointwise.
+
+    Args:
+        phi: sliding directions in rad, ``(n,)``.
+        force: −λ/λ_N, ``(n, 2)``.
+        half_width: of the bands of its components.
+        resistance: l_t and l_p, the parts against the sliding and across it, ``(n, 2)``.
+        resistance_half_width: of their bands.
+    """
+
+    phi: Array
+    force: Array
+    half_width: Array
+    resistance: Array
+    resistance_half_width: Array
+
+    def __init__(
+        self,
+        phi: ArrayLike,
+        force: ArrayLike,
+        half_width: ArrayLike,
+        resistance: ArrayLike,
+        resistance_half_width: ArrayLike,
+    ) -> None:
+        self._set(
+            phi=np.asarray(phi),
+            force=np.asarray(force),
+            half_width=np.asarray(half_width),
+            resistance=np.asarray(resistance),
+            resistance_half_width=np.asarray(resistance_half_width),
+        )
+
+
+class Fit:
+    """A law fitted to measured forces, with its uncertainty; made by `fit_law`."""
+
+    def __init__(
+        self,
+        data: Any,
+        samples: Samples,
+        bins: Bins,
+        family: Family,
+        descent: Descent,
+        loss: Loss,
+        confidence: float | None,
+    ) -> None:
+        self._samples, self._family, self._data = samples, family, data
+        self._descent, self.loss, self.confidence = descent, loss, confidence
+        self.coordinates = _arrays.read_only(descent.p)
+        self.covariance: Covariance | None = None
+        if confidence is not None:
+            matrix = descent.sums.matrix.sum(axis=0)
+            parts = by_sense(samples, data)
+            means = [bins] if len(parts) == 1 else [grouped(part, 1).bins() for part, _ in parts]
+            senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
+            common = shared(family, senses, descent.p, matrix, data)
+            self.covariance = Covariance(scatter_of(descent.sums), *common, samples.turns)
+
+    def __repr__(self) -> str:
+        models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
+        return f"<Fit {models}, {self.samples} samples, {self.turns} turns>"
+
+    @property
+    def samples(self) -> int:
+        """Number of samples in complete turns."""
+        return len(self._samples)
+
+    @property
+    def turns(self) -> int:
+        """Number of complete turns."""
+        return self._samples.turns
+
+    @property
+    def reservoir_model(self) -> str:
+        """Name of the model of C."""
+        return name_of(self._family.reservoir)
+
+    @property
+    def direction_model(self) -> str:
+        """Name of the model of D."""
+        return name_of(self._family.direction)
+
+    @cached_property
+    def reservoir(self) -> StarSet:
+        """The force reservoir C, per unit normal force."""
+        return self._family.reservoir.reservoir(self.coordinates[: self._family.split])
+
+    @cached_property
+    def direction(self) -> StarSet:
+        """The direction set D, of any scale."""
+        return self._family.direction.direction(self.coordinates[self._family.split :])
+
+    @cached_property
+    def law(self) -> FrictionLaw:
+        """The friction law; D has the largest scale inside C.
+
+        Raises:
+            FitError: if the fitted D is not convex.
+        """
+        return FrictionLaw(self.reservoir, self.direction)
+
+    @cached_property
+    def parameters(self) -> dict[str, Estimate]:
+        """Estimates with bands by name: ``reservoir.a``, ``direction.ratio`` = p₁/p₂ and others.
+
+        Semi-axes are per unit normal force, angles in rad within ±45°. An angle is identifiable if
+        the set differs from one that has none (at the level 0.01); the scale of D never is.
+        """
+        family = self._family
+        result: dict[str, Estimate] = {}
+        for start, model, part in (
+            (0, family.reservoir, "reservoir"),
+            (family.split, family.direction, "direction"),
+        ):
+            for at, coordinate in enumerate(model.coordinates, start):
+                last = at == start + len(model.coordinates) - 1
+                told = not last or self._has_angle(slice(start, at + 1), model.roundness())
+                unit = np.eye(family.size)[at]
+                width, deviation = self._width(unit[None])[0], self._deviation(unit)
+                result[f"{part}.{coordinate.name}"] = estimate(
+                    self.coordinates[at], coordinate.scale, width, deviation, told
+                )
+        result["direction.scale"] = Estimate(np.nan, 0.0, np.inf, np.inf, identifiable=False)
+        return result
+
+    @cached_property
+    def residuals(self) -> Array:
+        """Measured minus model force of all samples, in N, ``(n, 2)``; in turns or not."""
+        samples = self._samples
+        result = np.empty_like(samples.force)
+        for start in range(0, len(result), 2**16):
+            part = slice(start, start + 2**16)
+            model = self.forces(samples.phi[part])
+            result[part] = samples.force[part] - samples.normal[part, None] * model
+        return result
+
+    @cached_property
+    def means(self) -> tuple[Array, Array]:
+        """Sliding directions φ in rad and mean forces −λ/λ_N there, ``(n,)`` and ``(n, 2)``."""
+        bins = grouped(self._samples, 1).bins(width=_WIDTH)
+        return bins.phi, bins.force
+
+    @cached_property
+    def measured(self) -> MeasuredSets:
+        """The points of bdry C and of D that follow from the mean forces without a model."""
+        return MeasuredSets(*self.means)
+
+    @property
+    def joint(self) -> bool:
+        """Whether C and D were fitted together."""
+        return self._family.joint
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of a component of the residuals in N, or the scale of a robust loss."""
+        if not self.loss.is_linear:
+            return self.loss.scale
+        return float(np.sqrt(max(self._descent.cost, 0.0) / (2 * self.samples)))
+
+    def forces(self, phi: ArrayLike) -> Array:
+        """Return −λ/λ_N of the model while sliding along φ in rad, ``(n, 2)``."""
+        angles = _arrays.array(phi, "phi", (None,))
+        return self._family.forces(angles, self.coordinates)[0]
+
+    def bands(self, phi: ArrayLike) -> Bands:
+        """Return the model forces at sliding directions φ in rad with their bands."""
+        angles = _arrays.array(phi, "phi", (None,))
+        force, derivative = self._family.forces(angles, self.coordinates)
+        e = _arrays.unit_vectors(angles)
+        turned = np.stack([-e[:, 1], e[:, 0]], axis=-1)
+
+        def widths(first: Array, second: Array) -> Array:
+            return np.stack([self._width(first.T), self._width(second.T)], axis=-1)
+
+        against, across = (np.einsum("knc,nc->kn", derivative, axis) for axis in (e, turned))
+        resistance = np.stack([(force * e).sum(axis=-1), (force * turned).sum(axis=-1)], axis=-1)
+        return Bands(
+            angles,
+            force,
+            widths(derivative[..., 0], derivative[..., 1]),
+            resistance,
+            widths(against, across),
+        )
+
+    def radius_band(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
+        """Return r_C at angles θ in rad and the ends of its band, each ``(n,)``."""
+        angles = _arrays.array(theta, "theta", (None,))
+        part = slice(0, self._family.split)
+        log_radius, _, by = self._family.reservoir.log_radius(
+            np.cos(angles), np.sin(angles), self.coordinates[part]
+        )
+        directions = np.zeros((angles.size, self._family.size))
+        directions[:, part] = by.T
+        width = self._width(directions)
+        return np.exp(log_radius), np.exp(log_radius - width), np.exp(log_radius + width)
+
+    @cached_property
+    def comparison(self) -> Comparison:
+        """Other models of the same data, by BIC and by turns left out."""
+        from asperity.identify.selection import compare_models
+
+        return compare_models(self._data)
+
+    def report(self, path: str | os.PathLike[str], *, title: str = "Friction law") -> Path:
+        """Write one HTML file with parameters, figures and the comparison of models.
+
+        Args:
+            path: of the file; it is complete or not there.
+            title: heading.
+
+        Returns:
+            The path.
+        """
+        from asperity.identify.report import write_report
+
+        return write_report(self, path, title)
+
+    def _width(self, directions: Array) -> Array:
+        if self.covariance is None or self.confidence is None:
+            return np.full(len(directions), np.nan)
+        return self.covariance.half_widths(directions, self.confidence)
+
+    def _deviation(self, direction: Array) -> float:
+        if self.covariance is None:
+            return float("nan")
+        return math.sqrt(max(float(direction @ self.covariance.total @ direction), 0.0))
+
+    def _has_angle(self, part: slice, roundness: Any) -> bool:
+        if roundness is None:
+            return True
+        p = self.coordinates[part]
+        if self.covariance is None:
+            return bool(np.abs(roundness.matrix @ p - roundness.offset).max() > _ROUND)
+        return has_angle(p, roundness, self.covariance.of(part))

@@ -1,0 +1,134 @@
+"""Least-squares fits of a friction law to measured forces."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity.errors import FitError, ParameterError
+from asperity.identify.bins import check_coverage, grouped
+from asperity.identify.descent import Descent, descend
+from asperity.identify.fit import Fit
+from asperity.identify.loss import Loss
+from asperity.identify.models import (
+    DirectionName,
+    ReservoirName,
+    direction_model,
+    name_of,
+    reservoir_model,
+)
+from asperity.identify.samples import Measured, Samples, samples_of
+from asperity.identify.start import fit_bins, start
+from asperity.identify.sums import Family
+
+_COARSE_WIDTH = 5
+# A last step so short, in standard errors, is taken without another look at the samples.
+_CLOSE = 0.1
+_ROUNDS, _SAME_SCALE = 10, 1e-3
+_MOST_LENGTHS = 100_000
+
+
+def fit_law(
+    data: Measured,
+    reservoir: ReservoirName = "superellipse",
+    direction: DirectionName = "superellipse",
+    *,
+    joint: bool = True,
+    loss: str = "linear",
+    confidence: float | None = 0.95,
+) -> Fit:
+    """Fit a law's sets C and D to measured forces: min Σ‖−λ − λ_N f(φ)‖² over all samples.
+
+    The model meets the unfiltered samples. Bands hold what differs between turns (Student's t with
+    one degree less than turns) and the uncertainty of calibration and zeros, which turns share.
+
+    Args:
+        data: what `process` returns, or arrays (φ in rad, −λ/λ_N ``(n, 2)``), by turns if φ is
+            unwrapped, or (φ, −λ/λ_N, turn) with integers that are negative outside of turns.
+        reservoir: model of C: ``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"`` or a
+            model such as `FourierReservoir`.
+        direction: model of D, likewise.
+        joint: fit C and D together to the forces; else C to their magnitudes over their
+            directions and D to their directions over the sliding directions.
+        loss: ``"linear"``, or ``"huber"`` or ``"cauchy"`` against outliers.
+        confidence: of the bands; None for a fit without bands, then one turn will do.
+
+    Raises:
+        FitError: if directions are missing, forces do not oppose sliding, or nothing fits.
+
+    Reference: [WL19] §5.2, Table 1, (84), (119), (125).
+
+    >>> import numpy as np
+    >>> import asperity as asp
+    >>> from asperity.identify import fit_law
+    >>> law = asp.FrictionLaw(asp.Superellipse(0.54, 0.46, 2.9), asp.Ellipse(1.5, 1.0))
+    >>> phi = np.linspace(0.0, 6.0 * np.pi, 3000, endpoint=False)
+    >>> slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    >>> noise = 0.005 * np.random.default_rng(1).normal(size=slip.shape)
+    >>> fit = fit_law((phi, -law.force(slip) + noise), direction="ellipse")
+    >>> round(fit.parameters["reservoir.exponent"].value, 1)
+    2.9
+    >>> fit.parameters["direction.scale"].identifiable
+    False
+    """
+    if confidence is not None:
+        confidence = _arrays.fraction(confidence, "confidence")
+        if not 0.0 < confidence < 1.0:
+            raise ParameterError("confidence", f"must lie between 0 and 1, got {confidence!r}")
+    measure = Loss(loss)
+    family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))
+    samples = samples_of(data)
+    sums = grouped(samples, 1)
+    bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
+    check_coverage(bins)
+    if 2 * bins.phi.size <= family.size:
+        raise FitError(f"data: {bins.phi.size} directions cannot tell {family.size} parameters")
+    first = fit_bins(family, bins, start(family, coarse)).p
+    descent, measure = _fit_samples(family, samples, first, measure)
+    if not descent.converged:
+        raise FitError(
+            f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
+            "try a simpler model"
+        )
+    return Fit(data, samples, bins, family, descent, measure, confidence)
+
+
+def _fit_samples(
+    family: Family, samples: Samples, first: Array, loss: Loss
+) -> tuple[Descent, Loss]:
+    """Descend on all samples; a robust loss finds its scale in turns with the coordinates."""
+    degrees = max(2 * len(samples) - family.size, 1)
+
+    def from_here(p: Array, measure: Loss) -> Descent:
+        return descend(
+            lambda at: family.sums(samples, at, measure),
+            p,
+            family.coordinates,
+            damping=0.0,
+            close=_CLOSE,
+            degrees=degrees,
+        )
+
+    if loss.is_linear:
+        return from_here(first, loss), loss
+    p, inside = first, _some(samples)
+    for _ in range(_ROUNDS):
+        along, across, *_ = family.residuals(
+            samples.phi[inside], samples.force[inside], samples.normal[inside], p
+        )
+        rescaled = loss.scaled_by(np.hypot(along, across))
+        settled = abs(rescaled.scale - loss.scale) <= _SAME_SCALE * rescaled.scale
+        loss = rescaled
+        descent = from_here(p, loss)
+        p = descent.p
+        if settled:
+            break
+    return descent, loss
+
+
+def _some(samples: Samples) -> NDArray[np.intp]:
+    """Return numbers of samples in turns, evenly spread."""
+    inside = np.concatenate([np.arange(first, end) for first, end, _ in samples.runs])
+    return inside[:: max(1, inside.size // _MOST_LENGTHS)]

@@ -1,0 +1,323 @@
+"""From raw readings to forces over the sliding direction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import ParameterError, RecordError
+from asperity.identify import signals
+from asperity.identify.averaged import Averaged
+from asperity.identify.record import RawData, Recording
+from asperity.identify.sets import MeasuredSets
+from asperity.identify.turns import TurnAverage, average_turns, bin_centres, sense, turn_numbers
+from asperity.identify.zero import Zero, zero_of
+
+# Samples that are worked on at a time.
+_CHUNK = 1 << 15
+
+
+class ProcessedData(Value):
+    """Friction forces over the sliding direction, in the frame of the disk; made by `process`.
+
+    Attributes:
+        phi: angle φ of the sliding direction from e₁ in rad, not wrapped; shape ``(n,)``.
+        force: −λ = R(φ)(λ_t, λ_r) in N, not filtered; shape ``(n, 2)``.
+        normal_force: λ_N in N after the low-pass filter, shape ``(n,)``.
+        turn: number of the turn of each sample, from 0 over all runs; −1 outside complete turns.
+        run: first sample of each run and the number of samples, shape ``(m + 1,)``.
+        matrix: T, shape ``(3, 3)``.
+        zero: mean reading without load, shape ``(3,)``.
+        calibration_covariance: of the entries of T row by row, shape ``(9, 9)``, or None.
+        zero_covariance: shape ``(3, 3)``, or None without records.
+        cut_off_frequency: of the normal force's filter for each run, in Hz; None without a filter.
+
+    Reference: [WL19] (119), (120).
+    """
+
+    raw: RawData
+    cut_off: float | None
+    order: int
+    grid_angle: float
+    phi: Array
+    force: Array
+    normal_force: Array
+    turn: NDArray[np.int32]
+    run: tuple[int, ...]
+    matrix: Array
+    zero: Array
+    calibration_covariance: Array | None
+    zero_covariance: Array | None
+    cut_off_frequency: tuple[float | None, ...]
+    _zero: Zero
+
+    def __init__(
+        self, raw: RawData, *, cut_off: float | None = 20.0, order: int = 4, grid_angle: float = 0.0
+    ) -> None:
+        if not isinstance(raw, RawData):
+            raise ParameterError("raw", f"must be RawData, got {raw!r}")
+        self._set(
+            raw=raw,
+            cut_off=None if cut_off is None else _arrays.positive(cut_off, "cut_off"),
+            order=_arrays.count(order, "order"),
+            grid_angle=_arrays.number(grid_angle, "grid_angle"),
+        )
+        calibration = raw.calibration
+        zero = zero_of(raw)
+        starts = np.concatenate([[0], np.cumsum([len(r) for r in raw.recordings])])
+        self._keep(
+            matrix=_arrays.read_only(np.eye(3) if calibration is None else calibration.matrix),
+            zero=_arrays.read_only(zero.mean),
+            calibration_covariance=None if calibration is None else calibration.covariance,
+            zero_covariance=zero.covariance,
+            run=tuple(int(start) for start in starts),
+            cut_off_frequency=tuple(
+                None if self.cut_off is None else self.cut_off * rate
+                for rate in map(_turn_rate, raw.recordings)
+            ),
+            _zero=zero,
+        )
+        self._fill(self._sized())
+
+    def _sized(self) -> _Series:
+        n = self.run[-1]
+        return _Series(np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n, dtype=np.int32))
+
+    def _fill(self, out: _Series) -> None:
+        turns = 0
+        for number, run in enumerate(self.raw.recordings):
+            rows = slice(self.run[number], self.run[number + 1])
+            sign = sense(run)
+            out.turn[rows] = turn_numbers(run, sign)
+            found = int(out.turn[rows].max()) + 1
+            out.turn[rows][out.turn[rows] >= 0] += turns
+            turns += found
+            backwards = math.pi if sign < 0.0 else 0.0
+            np.add(run.angle, self.grid_angle + backwards, out=out.phi[rows])
+            self._forces(number, self.matrix, self._zero, out.force[rows], out.normal[rows])
+        if turns == 0:
+            covered = max(abs(run.turns) for run in self.raw.recordings)
+            raise RecordError(
+                self.raw.recordings[0].source,
+                f"angle: covers {covered:.3g} turns, at least one complete turn is needed",
+            )
+        _refuse_lost_contact(self.raw, self.run, out.normal)
+        for series in (out.phi, out.force, out.normal, out.turn):
+            series.flags.writeable = False
+        self._keep(phi=out.phi, force=out.force, normal_force=out.normal, turn=out.turn)
+
+    def _forces(self, number: int, matrix: Array, zero: Zero, force: Array, normal: Array) -> None:
+        """Write −λ (119) and λ_N of a run for a matrix T and a zero."""
+        run = self.raw.recordings[number]
+        offset, slope = matrix @ zero.mean, matrix @ zero.slope
+        for rows in _chunks(len(run)):
+            later = run.time[rows] - zero.middle
+            along, across, pressing = (
+                line @ run.readings[rows].T - (start + rate * later)
+                for line, start, rate in zip(matrix, offset, slope, strict=True)
+            )
+            angle = run.angle[rows] + self.grid_angle
+            c, s = np.cos(angle), np.sin(angle)
+            force[rows, 0] = c * along - s * across
+            force[rows, 1] = s * along + c * across
+            normal[rows] = pressing
+        if self.raw.normal_load is not None:
+            normal[:] = self.raw.normal_load
+        else:
+            normal[:] = self._smooth(normal, number)
+
+    def _smooth(self, signal: Array, number: int) -> Array:
+        run, frequency = self.raw.recordings[number], self.cut_off_frequency[number]
+        if frequency is None:
+            return signal
+        return signals.low_pass(signal, run.sample_rate, frequency, order=self.order)
+
+    def __repr__(self) -> str:
+        return (
+            f"<ProcessedData: {len(self.phi)} samples, {self.turns} turns of "
+            f"{len(self.raw.recordings)} runs, λ_N = {self.normal_force.mean():.4g} N>"
+        )
+
+    @property
+    def turns(self) -> int:
+        """Number of complete turns."""
+        return int(self.turn.max()) + 1
+
+    @property
+    def time(self) -> Array:
+        """Time t in s of each sample on the clock of its run, shape ``(n,)``."""
+        return _joined([run.time for run in self.raw.recordings])
+
+    @cached_property
+    def speed(self) -> Array:
+        """Sliding speed ‖γ‖ in m/s, low-passed like the normal force, shape ``(n,)``."""
+        radius = self.raw.radius
+        if radius is None:
+            raise ParameterError("radius", "must be given in RawData for the sliding speed")
+        runs = self.raw.recordings
+        rates = [np.abs(np.gradient(run.angle, 1.0 / run.sample_rate)) for run in runs]
+        return radius * _joined([self._smooth(rate, number) for number, rate in enumerate(rates)])
+
+    def perturbed(
+        self, *, matrix: ArrayLike | None = None, zero: ArrayLike | None = None
+    ) -> tuple[Array, Array]:
+        """Return −λ and λ_N in N that another calibration or zero would have given.
+
+        Args:
+            matrix: T, shape ``(3, 3)``.
+            zero: mean reading without load, shape ``(3,)``; its drift stays.
+
+        Returns:
+            Forces ``(n, 2)`` and normal forces ``(n,)``. `averaged` has the same method for means,
+            at a thousandth of the cost.
+        """
+        t, shift = self._changed(matrix, zero)
+        out = self._sized()
+        for number in range(len(self.raw.recordings)):
+            rows = slice(self.run[number], self.run[number + 1])
+            self._forces(number, t, self._zero.shifted(shift), out.force[rows], out.normal[rows])
+        return out.force, out.normal
+
+    def _changed(self, matrix: ArrayLike | None, zero: ArrayLike | None) -> tuple[Array, Array]:
+        t = self.matrix if matrix is None else _arrays.array(matrix, "matrix", (3, 3))
+        given = self.zero if zero is None else _arrays.array(zero, "zero", (3,))
+        return t, given - self.zero
+
+    def averaged(self, bins: int = 720) -> Averaged:
+        """Return the means of all complete turns in equal bins of the sliding direction."""
+        k = _arrays.count(bins, "bins", least=8)
+        forwards, backwards = np.zeros((6, k)), np.zeros((6, k))
+        for number, run in enumerate(self.raw.recordings):
+            sums = forwards if sense(run) > 0.0 else backwards
+            self._add(number, sums)
+        count = forwards[0] + backwards[0]
+        if not count.all():
+            raise ParameterError("bins", f"must be fewer: of {k}, some hold no sample")
+        total, signed = (forwards + backwards) / count, (forwards - backwards) / count
+        return Averaged(
+            bin_centres(k) + total[1],
+            (signed[2:5] - signed[0] * self.zero[:, None]).T,
+            total[5],
+            count,
+            unsigned_readings=(total[2:5] - self.zero[:, None]).T,
+            sense=signed[0],
+            matrix=self.matrix,
+            zero=self.zero,
+        )
+
+    def _add(self, number: int, sums: Array) -> None:
+        """Add a run to the sums of 1, φ from the centre, readings without drift, λ_N in bins."""
+        run, k = self.raw.recordings[number], sums.shape[1]
+        for rows in _chunks(len(run)):
+            here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
+            cell, within = _cells(self.phi[here], k)
+            later = run.time[rows] - self._zero.middle
+            # Incomplete turns have no weight.
+            used = (self.turn[here] >= 0).astype(np.float64)
+            columns = (1.0, within, *run.readings[rows].T, self.normal_force[here])
+            drift = (0.0, 0.0, *self._zero.slope, 0.0)
+            for row, (column, rate) in enumerate(zip(columns, drift, strict=True)):
+                sums[row] += np.bincount(cell, used * (column - rate * later), k)
+
+    @cached_property
+    def sets(self) -> MeasuredSets:
+        """Points of bdry C and of D from the means in 720 directions, with their defects."""
+        means = self.averaged()
+        return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
+
+    def turn_averages(self, bins: int = 360) -> dict[str, TurnAverage]:
+        """Return l_t and l_p, per unit normal force, and λ_N in N over each turn, with bands."""
+        c, s = np.cos(self.phi), np.sin(self.phi)
+        x, y = self.force.T
+        channels = {
+            "tangential": (c * x + s * y) / self.normal_force,
+            "radial": (c * y - s * x) / self.normal_force,
+            "normal": self.normal_force,
+        }
+        return {
+            name: average_turns(self.phi, values, self.turn, bins=bins)
+            for name, values in channels.items()
+        }
+
+
+def process(
+    raw: RawData, *, cut_off: float | None = 20.0, order: int = 4, grid_angle: float = 0.0
+) -> ProcessedData:
+    """Return forces over the sliding direction: crosstalk and zero removed, transformed by (119).
+
+    Friction forces stay unfiltered: a filter would bias the models that are fitted to them. The
+    normal force is low-passed forwards and backwards.
+
+    Args:
+        raw: runs, calibration and records without load.
+        cut_off: cut-off frequency of one pass of the normal force's filter, in turn rates;
+            None leaves it unfiltered.
+        order: of one pass.
+        grid_angle: angle of the sliding direction from e₁ in rad where the rotation reads 0.
+
+    Raises:
+        RecordError: without a complete turn, or where the pin lost contact.
+
+    Reference: [WL19] §5.2, (119), (120).
+
+    >>> from asperity import Ellipse, FrictionLaw
+    >>> from asperity.identify import VirtualTribometer, process
+    >>> law = FrictionLaw.collinear(Ellipse(0.5, 0.4))
+    >>> machine = VirtualTribometer(law, normal_force=10.0, turns=3, turn_rate=0.5)
+    >>> data = process(machine.record())
+    >>> data.turns, data.force.shape
+    (3, (60000, 2))
+    """
+    return ProcessedData(raw, cut_off=cut_off, order=order, grid_angle=grid_angle)
+
+
+@dataclass(frozen=True)
+class _Series:
+    """Arrays of all runs, to be filled."""
+
+    phi: Array
+    force: Array
+    normal: Array
+    turn: NDArray[np.int32]
+
+
+def _turn_rate(run: Recording) -> float:
+    if abs(run.turns) < 1e-3:
+        raise RecordError(run.source, "angle: the disk does not turn")
+    return run.turn_rate
+
+
+def _chunks(n: int) -> Iterator[slice]:
+    for start in range(0, n, _CHUNK):
+        yield slice(start, min(start + _CHUNK, n))
+
+
+def _cells(phi: Array, bins: int) -> tuple[NDArray[np.int64], Array]:
+    """Return the bins of angles, and where in them the angles lie, from the centre in rad."""
+    width = 2.0 * math.pi / bins
+    # Angles on the edge of a bin count for the upper one, whatever their rounding.
+    number = np.floor(phi / width + 1e-9)
+    return number.astype(np.int64) % bins, phi - (number + 0.5) * width
+
+
+def _joined(parts: Sequence[Array]) -> Array:
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def _refuse_lost_contact(raw: RawData, starts: tuple[int, ...], normal: Array) -> None:
+    for run, start, stop in zip(raw.recordings, starts, starts[1:], strict=False):
+        lowest = int(normal[start:stop].argmin())
+        if normal[start + lowest] <= 0.0:
+            raise RecordError(
+                run.source,
+                f"normal channel: no pressure at row {lowest + 1} "
+                f"({normal[start + lowest]:.4g} N); compression must be positive",
+            )

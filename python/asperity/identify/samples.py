@@ -1,0 +1,132 @@
+"""Samples of the friction force over the sliding direction, ordered by turns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity.errors import DimensionError, FitError
+
+if TYPE_CHECKING:
+    from asperity.identify.process import ProcessedData
+
+Measured: TypeAlias = "ProcessedData | tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ...]"
+
+# Samples that fit into the cache with all that is evaluated at them.
+_CHUNK = 8192
+_FEWEST = 24
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Forces −λ in N at sliding directions φ with the normal forces λ_N, as runs of equal turns.
+
+    `runs` holds first, past-the-end and number of the turn of samples that follow each other;
+    samples outside of turns are in none.
+    """
+
+    phi: Array
+    force: Array
+    normal: Array
+    runs: NDArray[np.intp]
+    turns: int
+
+    def chunks(self) -> Iterator[tuple[slice, int]]:
+        """Yield slices of at most a chunk with the number of their turn, turns in order."""
+        for first, end, turn in self.runs:
+            for start in range(first, end, _CHUNK):
+                yield slice(start, min(start + _CHUNK, end)), int(turn)
+
+    def __len__(self) -> int:
+        return int((self.runs[:, 1] - self.runs[:, 0]).sum())
+
+
+def samples_of(data: Any) -> Samples:
+    """Return the samples of processed data, or of arrays (φ, −λ/λ_N) or (φ, −λ/λ_N, turn)."""
+    if isinstance(data, tuple):
+        if len(data) not in (2, 3):
+            raise DimensionError(
+                "data", f"must be (phi, force) or (phi, force, turn), got {len(data)}"
+            )
+        phi = _arrays.array(data[0], "data.phi", (None,))
+        force = _arrays.array(data[1], "data.force", (phi.size, 2))
+        turn = _counted_turns(phi) if len(data) == 2 else np.asarray(data[2])
+        normal = np.broadcast_to(np.float64(1.0), phi.shape)
+    elif all(hasattr(data, name) for name in ("phi", "force", "normal_force", "turn")):
+        phi, force, normal, turn = data.phi, data.force, data.normal_force, data.turn
+    else:
+        raise FitError(f"data: must be what process() returns or (phi, force), got {data!r:.60}")
+    if turn.shape != phi.shape or turn.dtype.kind not in "iu":
+        raise DimensionError(
+            "data.turn", f"must be integers of shape {phi.shape}, got {turn.shape}"
+        )
+    runs, turns = _runs(turn)
+    samples = Samples(phi, force, normal, runs, turns)
+    _check(samples)
+    return samples
+
+
+def by_sense(samples: Samples, data: Any) -> list[tuple[Samples, float]]:
+    """Return the samples of runs that turn forwards, +1, and of those that turn backwards, −1."""
+    raw = getattr(data, "raw", None)
+    if raw is None:
+        return [(samples, 1.0)]
+    senses = np.array([1.0 if recording.turns > 0.0 else -1.0 for recording in raw.recordings])
+    recording = np.searchsorted(np.asarray(data.run), samples.runs[:, 0], side="right") - 1
+    parts = []
+    for sense in np.unique(senses):
+        runs = samples.runs[senses[recording] == sense]
+        parts.append((replace(samples, runs=runs), float(sense)))
+    return parts
+
+
+def _counted_turns(phi: Array) -> NDArray[np.intp]:
+    """Return numbers of the turns of an unwrapped direction; −1 in an incomplete last one."""
+    if phi.size < 2 or np.ptp(phi) <= 2.0 * np.pi:
+        return np.zeros(phi.size, dtype=np.intp)
+    progress = (phi - phi[0]) * np.sign(phi[-1] - phi[0]) / (2.0 * np.pi)
+    turn: NDArray[np.intp] = np.floor(progress + 1e-9).astype(np.intp)
+    # One step is missing from the last turn when it ends just before its start.
+    complete = int(np.floor(progress[-1] + 1.5 * abs(progress[-1] - progress[-2])))
+    turn[(turn < 0) | (turn >= complete)] = -1
+    return turn
+
+
+def _runs(turn: NDArray[Any]) -> tuple[NDArray[np.intp], int]:
+    edges = np.flatnonzero(turn[1:] != turn[:-1]) + 1
+    first = np.concatenate([[0], edges]).astype(np.intp)[: turn.size]
+    end = np.append(first[1:], turn.size)
+    inside = turn[first] >= 0
+    labels, number = np.unique(turn[first[inside]], return_inverse=True)
+    return np.stack([first[inside], end[inside], number], axis=-1), labels.size
+
+
+def _check(samples: Samples) -> None:
+    count = len(samples)
+    if count < _FEWEST:
+        raise FitError(
+            f"data: {count} samples lie in complete turns, at least {_FEWEST} are needed: "
+            "record one turn or more"
+        )
+    for part, _ in samples.chunks():
+        # Sums of finite numbers are finite.
+        if not np.isfinite(samples.force[part].sum() + samples.phi[part].sum()):
+            raise FitError(f"data: samples {part.start}..{part.stop} hold NaN or infinity")
+        if not samples.normal[part].min() > 0.0:
+            raise FitError(
+                f"data: the normal force is not positive in samples {part.start}..{part.stop}: "
+                "leave out where the pin was lifted"
+            )
+
+
+def bin_of(phi: Array, bins: int) -> NDArray[np.intp]:
+    """Return the number of the bin of equal width that each direction lies in."""
+    part = phi * (1.0 / (2.0 * np.pi))
+    part -= np.floor(part)
+    return np.minimum((part * bins).astype(np.intp), bins - 1)

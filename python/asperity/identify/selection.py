@@ -1,0 +1,225 @@
+"""Comparison of models: Bayesian information criterion and prediction of turns left out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from asperity import _arrays
+from asperity._arrays import Array
+from asperity._value import Value
+from asperity.errors import FitError
+from asperity.identify.bins import GroupedBins, check_coverage, grouped
+from asperity.identify.descent import damped_step
+from asperity.identify.distortion import Distortion
+from asperity.identify.loss import Loss
+from asperity.identify.models import (
+    DirectionName,
+    ReservoirName,
+    direction_model,
+    name_of,
+    reservoir_model,
+)
+from asperity.identify.samples import Measured, samples_of
+from asperity.identify.start import fit_bins, start
+from asperity.identify.sums import Family
+
+PAIRS: tuple[tuple[ReservoirName, DirectionName], ...] = (
+    ("circle", "circle"),
+    ("ellipse", "circle"),
+    ("ellipse", "ellipse"),
+    ("superellipse", "circle"),
+    ("superellipse", "ellipse"),
+    ("superellipse", "superellipse"),
+    ("fourier", "superellipse"),
+    ("fourier", "fourier"),
+)
+"""Models that are compared if none are named; circles, ellipses and superellipses are nested."""
+
+# Fits are compared on means over half a degree; more groups of turns than this tell no more.
+_WIDTH = 5
+_MOST_GROUPS = 20
+
+
+class Candidate(Value):
+    """One pair of models in a comparison.
+
+    Args:
+        reservoir: model of C.
+        direction: model of D.
+        parameters: how many are fitted.
+        rms: root mean square of a component of the residuals in N.
+        bic: Bayesian information criterion relative to the smallest one.
+        left_out: by how much the mean square error of −λ/λ_N, where turns that were left out are
+            predicted, exceeds that of the best prediction.
+        left_out_error: standard error of that difference, over turns.
+    """
+
+    reservoir: str
+    direction: str
+    parameters: int
+    rms: float
+    bic: float
+    left_out: float
+    left_out_error: float
+
+    def __init__(
+        self,
+        reservoir: str,
+        direction: str,
+        *,
+        parameters: int,
+        rms: float,
+        bic: float,
+        left_out: float,
+        left_out_error: float,
+    ) -> None:
+        self._set(
+            reservoir=reservoir,
+            direction=direction,
+            parameters=_arrays.count(parameters, "parameters"),
+            rms=_arrays.non_negative(rms, "rms"),
+            bic=float(bic),
+            left_out=float(left_out),
+            left_out_error=float(left_out_error),
+        )
+
+
+class Comparison(Value):
+    """Pairs of models that were fitted to the same data.
+
+    Args:
+        candidates: in the order in which they were named.
+        effective_samples: number of independent components of forces among the samples.
+    """
+
+    candidates: tuple[Candidate, ...]
+    effective_samples: float
+
+    def __init__(self, candidates: Iterable[Candidate], *, effective_samples: float) -> None:
+        self._set(
+            candidates=tuple(candidates),
+            effective_samples=_arrays.positive(effective_samples, "effective_samples"),
+        )
+
+    @property
+    def best(self) -> Candidate:
+        """The candidate of the smallest BIC."""
+        return min(self.candidates, key=lambda candidate: candidate.bic)
+
+    @property
+    def best_predicting(self) -> Candidate:
+        """The smallest candidate that predicts turns left out as well as the best one.
+
+        As well means within one standard error.
+        """
+        good = [c for c in self.candidates if c.left_out <= c.left_out_error]
+        return min(good, key=lambda candidate: candidate.parameters)
+
+
+def compare_models(
+    data: Measured, pairs: Iterable[tuple[ReservoirName, DirectionName]] = PAIRS
+) -> Comparison:
+    """Fit several pairs of models of C and D to the same data.
+
+    Noise is correlated: n samples are worth n/κ independent ones, where κ is the ratio of the
+    variances of the coordinates by the scatter of turns and by JᵀJ, on the average over the
+    coordinates of the pair that fits best. Then BIC = (n/κ) ln(RSS/n) + k ln(n/κ), where the sum of
+    squares RSS leaves out what errors of calibration and zeros within their covariance explain.
+    Turns left out have these errors in common with the others: there, models may follow them.
+
+    Args:
+        data: as for `fit_law`, with at least two turns.
+        pairs: models of C and D.
+
+    Raises:
+        FitError: with less than two turns.
+
+    >>> import numpy as np
+    >>> import asperity as asp
+    >>> from asperity.identify import compare_models
+    >>> law = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.4))
+    >>> phi = np.linspace(0.0, 12.0 * np.pi, 3000, endpoint=False)
+    >>> slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    >>> noise = 0.005 * np.random.default_rng(0).normal(size=slip.shape)
+    >>> best = compare_models((phi, -law.force(slip) + noise)).best
+    >>> best.reservoir, best.direction
+    ('ellipse', 'circle')
+    """
+    samples = samples_of(data)
+    if samples.turns < 2:
+        raise FitError(
+            "data: one turn cannot be left out: models are compared over 2 turns or more"
+        )
+    families = [Family(reservoir_model(c), direction_model(d), joint=True) for c, d in pairs]
+    if not families:
+        raise FitError("pairs: no models to compare")
+    sums = grouped(samples, min(samples.turns, _MOST_GROUPS))
+    # What varies within a bin is the same for all models.
+    bins = sums.bins(width=_WIDTH)
+    check_coverage(bins)
+    within = max(sums.energy - float((bins.squares[:, None] * bins.force**2).sum()), 0.0)
+    fits = [fit_bins(family, bins, start(family, bins)) for family in families]
+    squares = np.array([fit.cost for fit in fits]) + within
+    components = 2.0 * len(samples)
+    at = int(squares.argmin())
+    kappa = _inflation(families[at], sums, fits[at].p, squares[at] / components)
+    effective = components / kappa
+    # What an error of the calibration may be is not for a model to follow.
+    distortion = Distortion(samples, data)
+    variance = kappa * squares[at] / components
+    explained = [
+        distortion.explained(family, fit.p, variance)
+        for family, fit in zip(families, fits, strict=True)
+    ]
+    clean = np.maximum(squares - explained, np.finfo(float).tiny)
+    sizes = np.array([family.size for family in families])
+    bic = effective * np.log(clean / components) + sizes * math.log(effective)
+    errors = np.stack(
+        [_left_out(family, sums, fit.p) for family, fit in zip(families, fits, strict=True)]
+    )
+    worse = errors - errors[errors.mean(axis=1).argmin()]
+    spread = worse.std(axis=1, ddof=1) / math.sqrt(worse.shape[1])
+    return Comparison(
+        [
+            Candidate(
+                name_of(family.reservoir),
+                name_of(family.direction),
+                parameters=family.size,
+                rms=math.sqrt(squares[row] / components),
+                bic=bic[row] - bic.min(),
+                left_out=worse[row].mean(),
+                left_out_error=spread[row],
+            )
+            for row, family in enumerate(families)
+        ],
+        effective_samples=effective,
+    )
+
+
+def _inflation(family: Family, sums: GroupedBins, p: Array, variance: float) -> float:
+    """Return κ, at least 1: how much more coordinates scatter than with uncorrelated noise."""
+    if variance <= 0.0:
+        return 1.0
+    groups = len(sums.squares)
+    parts = [
+        family.sums(sums.only(group, _WIDTH).samples, p, Loss()).total() for group in range(groups)
+    ]
+    matrix = np.sum([part[2] for part in parts], axis=0)
+    gradient = np.stack([part[1] for part in parts])
+    gradient = gradient - gradient.mean(axis=0)
+    scatter = sum(float(g @ damped_step(matrix, g)) for g in gradient) * groups / (groups - 1.0)
+    return max(scatter / (family.size * variance), 1.0)
+
+
+def _left_out(family: Family, sums: GroupedBins, p: Array) -> Array:
+    """Return the mean square error of each group of turns, predicted from the others."""
+    errors = []
+    for group in range(len(sums.squares)):
+        rest = fit_bins(family, sums.bins(group, _WIDTH), p)
+        bins = sums.only(group, _WIDTH)
+        cost = family.sums(bins.samples, rest.p, Loss()).cost[0]
+        errors.append(cost / max(float(bins.squares.sum()), 1e-300))
+    return np.array(errors)

@@ -1,0 +1,215 @@
+"""From files of a tribometer to a law with figures, tables and a report: ``asperity identify``."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from asperity._arrays import Array, unit_vectors
+from asperity._files import atomic
+from asperity._progress import stages
+from asperity.errors import FitError
+from asperity.identify import Averaged, Configuration, Fit, MeasuredSets, ProcessedData, fit_law
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FILES = (
+    "sets.png",
+    "forces.png",
+    "residuals.png",
+    "parameters.csv",
+    "directions.csv",
+    "report.html",
+)
+"""What `identify` writes."""
+
+_STAGES = 6
+_DIRECTIONS = 360
+_NEAR = np.deg2rad(np.linspace(-3.0, 3.0, 13))
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What a campaign of measurements tells."""
+
+    data: ProcessedData
+    fit: Fit
+
+    @cached_property
+    def averaged(self) -> Averaged:
+        """Means over directions of sliding, so many that each holds samples of every turn."""
+        per_turn = int((self.data.turn >= 0).sum()) // self.data.turns
+        return self.data.averaged(min(_DIRECTIONS, max(per_turn // 2, 8)))
+
+    @cached_property
+    def sets(self) -> MeasuredSets:
+        """C and D from these means."""
+        means = self.averaged
+        return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
+
+    def summary(self) -> str:
+        """Return a few lines of text: the data, their defects, Table 1 of [WL19], the law."""
+        data, sets = self.data, self.sets
+        force = float(data.normal_force.mean())
+        calibration = data.raw.calibration
+        condition = "none" if calibration is None else f"condition {calibration.condition:.4g}"
+        lines = [
+            f"data              {len(data.phi)} samples, {data.turns} turns, "
+            f"{len(data.raw.recordings)} runs",
+            f"normal force      {force:.4g} N",
+            f"calibration       {condition}",
+            "C on e1, e2       {:.4g}, {:.4g} per unit normal force".format(*radii_on_axes(sets)),
+            f"closure of D      {sets.closure:.6g}",
+            f"convexity defect  {sets.convexity_defect:.3g} rad",
+            f"residuals         {self.fit.rms:.4g} N rms",
+            "",
+            f"{'parameter':<22} {'estimate':>12} {'from':>12} {'to':>12}",
+            *(_line(*row) for row in _parameters(self.fit)),
+        ]
+        names = self.fit.parameters
+        if {"reservoir.a", "reservoir.b"} <= set(names):
+            a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
+            lines += ["", f"semi-axes of C at {force:.4g} N: {a:.4g} N, {b:.4g} N"]
+        return "\n".join(lines)
+
+
+def radii_on_axes(sets: MeasuredSets) -> tuple[float, float]:
+    """Return the radius of C on e₁ and on e₂, each a mean over ±3° on both sides."""
+
+    def mean(axis: float) -> float:
+        near = axis + np.concatenate([_NEAR, _NEAR + np.pi])
+        return float(np.interp(near, sets.theta, sets.radius, period=2.0 * np.pi).mean())
+
+    return mean(0.0), mean(0.5 * np.pi)
+
+
+def identify(
+    paths: Sequence[Path],
+    config: Path,
+    out: Path,
+    *,
+    reservoir: str = "superellipse",
+    direction: str = "superellipse",
+    loss: str = "linear",
+    confidence: float = 0.95,
+) -> Identification:
+    """Identify a law and write what `FILES` lists into `out`; nothing if something is wrong.
+
+    Args:
+        paths: files of the runs, one or several of a campaign.
+        config: TOML file, see `identify.Configuration`.
+        out: folder; made if it is not there.
+        reservoir: model of C, ``"circle"``, ``"ellipse"``, ``"superellipse"`` or ``"fourier"``.
+        direction: model of D, likewise.
+        loss: ``"linear"``, ``"huber"`` or ``"cauchy"``.
+        confidence: of the bands.
+
+    Raises:
+        RecordError: if a file or the configuration cannot be used.
+        FitError: if nothing fits, or the fitted D is not convex.
+    """
+    with stages(_STAGES) as announce:
+        announce("reading")
+        configuration = Configuration.load(config)
+        raw = configuration.read(list(paths))
+        announce("processing")
+        data = configuration.process(raw)
+        announce("fitting")
+        # The bands need two turns.
+        bands = confidence if data.turns > 1 else None
+        fit = fit_law(data, reservoir, direction, loss=loss, confidence=bands)
+        found = Identification(data, fit)
+        if not np.isfinite(fit.law.alpha_min):
+            raise FitError("the fitted sets make no law")
+        announce("comparing models")
+        if data.turns > 1:
+            _ = fit.comparison
+        announce("drawing")
+        figures = _figures(fit)
+        announce("writing")
+        _write(found, figures, out, title=", ".join(path.name for path in paths))
+    return found
+
+
+def _figures(fit: Fit) -> dict[str, Figure]:
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from asperity.plot import identification, style
+
+    with style():
+        return {
+            "sets.png": identification.sets_figure(fit),
+            "forces.png": identification.forces_figure(fit),
+            "residuals.png": identification.residuals_figure(fit),
+        }
+
+
+def _write(found: Identification, figures: Mapping[str, Figure], out: Path, *, title: str) -> None:
+    from asperity.plot import save_figure
+
+    out.mkdir(parents=True, exist_ok=True)
+    for name, figure in figures.items():
+        save_figure(figure, out / name)
+    header = ("parameter", "estimate", "low", "high", "standard_error", "identifiable")
+    _write_csv(out / "parameters.csv", header, _parameters(found.fit))
+    _write_csv(out / "directions.csv", _DIRECTION_COLUMNS, _directions(found).tolist())
+    found.fit.report(out / "report.html", title=f"Friction law of {title}")
+
+
+def _parameters(fit: Fit) -> list[tuple[str, float, float, float, float, bool]]:
+    return [
+        (name, one.value, one.low, one.high, one.standard_error, one.identifiable)
+        for name, one in fit.parameters.items()
+    ]
+
+
+def _line(name: str, value: float, low: float, high: float, _: float, told: bool) -> str:
+    if not told:
+        return f"{name:<22} not identifiable"
+    return f"{name:<22} {value:>12.6g} {low:>12.6g} {high:>12.6g}"
+
+
+_DIRECTION_COLUMNS = (
+    "phi [rad]",
+    "measured -lambda_1/lambda_N",
+    "measured -lambda_2/lambda_N",
+    "measured l_t",
+    "measured l_p",
+    "model l_t",
+    "model l_p",
+    "half width l_t",
+    "half width l_p",
+    "D_1",
+    "D_2",
+)
+
+
+def _directions(found: Identification) -> Array:
+    """Return mean measured and modelled forces over directions of sliding, and points of D."""
+    bins = found.averaged
+    force = bins.force / bins.normal_force[:, None]
+    e = unit_vectors(bins.phi)
+    along, across = np.sum(e * force, axis=1), e[:, 0] * force[:, 1] - e[:, 1] * force[:, 0]
+    bands = found.fit.bands(bins.phi)
+    columns = [bins.phi, *force.T, along, across, *bands.resistance.T]
+    return np.column_stack(
+        [*columns, *bands.resistance_half_width.T, *found.sets.direction_by_support.T]
+    )
+
+
+def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    with atomic(path) as file:
+        file.write(text.getvalue().encode())

@@ -1,0 +1,113 @@
+"""The law of PVC on ground steel, identified from synthetic measurements: Table 1 and Fig. 26."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from asperity.identify import Fit, ProcessedData, fit_law
+from asperity.identify_files import radii_on_axes
+from asperity.law import FrictionLaw
+from asperity.paper import table1
+from asperity.paper.checks import Check
+from asperity.paper.data import Curves
+from asperity.paper.pairings import PVC, SYNTHETIC, processed
+from asperity.paper.redrawn import Redrawn, cross, draw_law, panels, record, shared_legend
+from asperity.plot.look import GREY, style
+from asperity.sets import Ellipse
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What the measurement of PVC tells."""
+
+    data: ProcessedData
+    ellipse: Ellipse
+    """C through the friction coefficients across and along the grooves."""
+    fit: Fit
+    """C and D as superellipses."""
+
+    @property
+    def laws(self) -> dict[str, FrictionLaw]:
+        """The four laws of Fig. 27 by the names that `table1.laws` uses."""
+        reservoir = self.fit.law.reservoir
+        four = (
+            FrictionLaw.associated(self.ellipse),
+            FrictionLaw.associated(reservoir),
+            FrictionLaw.collinear(reservoir),
+            self.fit.law,
+        )
+        return dict(zip(table1.laws(), four, strict=True))
+
+
+@cache
+def identified() -> Identified:
+    """Identify the law once."""
+    data = processed(PVC)
+    return Identified(data, Ellipse(*radii_on_axes(data.sets)), fit_law(data))
+
+
+def fig26() -> Redrawn:
+    """Draw the sets of Table 1 over the measured points: (a) ellipse, (b), (c) superellipses."""
+    figure, axes = panels(
+        26, "laws of PVC on ground steel", 3, figsize=(13.0, 4.9), parameters=SYNTHETIC
+    )
+    curves, found = Curves(), identified()
+    laws = list(found.laws.values())
+    titles = ("(a) associated, ellipse", "(b) associated, superellipse", "(c) extended")
+    with style():
+        for ax, panel, law, title in zip(
+            axes, "abc", (laws[0], laws[1], laws[3]), titles, strict=True
+        ):
+            _draw_points(curves, panel, found.data, ax)
+            draw_law(curves, panel, law, ax, angles=24)
+            cross(ax)
+            ax.set_title(title)
+        shared_legend(figure, axes, columns=6)
+    return Redrawn(figure, curves, table_checks(found))
+
+
+def _draw_points(curves: Curves, panel: str, data: ProcessedData, ax: Axes) -> None:
+    points = data.sets.reservoir_points
+    (dots,) = ax.plot(*points.T, ".", color=GREY, markersize=3.0, zorder=1.5, label="measured $C$")
+    record(curves, panel, "points of bdry C", [dots])
+
+
+def table_checks(found: Identified) -> list[Check]:
+    """Compare with Table 1: semi-axes in N at 9.3 N, exponents; D to its scale.
+
+    The ellipse of Table 1 lies through the friction coefficients 0.54 and 0.48 on the axes; the
+    superellipses are least-squares fits.
+    """
+    estimates = found.fit.parameters
+    force = table1.NORMAL_FORCE
+    across, along = force * np.array([found.ellipse.a, found.ellipse.b])
+    semi_axes = [force * estimates[f"reservoir.{name}"].value for name in "ab"]
+    ratio = table1.SUPERELLIPSE_D.a / table1.SUPERELLIPSE_D.b
+    return [
+        Check("Fig. 26 Table 1 ellipse C, across", 5.00, float(across), 0.05, "N"),
+        Check("Fig. 26 Table 1 ellipse C, along", 4.49, float(along), 0.05, "N"),
+        Check("Fig. 26 Table 1 superellipse C, across", 4.99, semi_axes[0], 0.05, "N"),
+        Check("Fig. 26 Table 1 superellipse C, along", 4.25, semi_axes[1], 0.05, "N"),
+        Check(
+            "Fig. 26 Table 1 superellipse C, exponent",
+            2.94,
+            estimates["reservoir.exponent"].value,
+            0.1,
+        ),
+        Check(
+            "Fig. 26 Table 1 superellipse D, ratio",
+            ratio,
+            estimates["direction.ratio"].value,
+            0.015,
+        ),
+        Check(
+            "Fig. 26 Table 1 superellipse D, exponent",
+            2.51,
+            estimates["direction.exponent"].value,
+            0.1,
+        ),
+    ]

@@ -1,0 +1,151 @@
+"""Figs. 18 and 19 of [WL19]: sliding paths of a PVC disk on ground steel, from synthetic data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from asperity._arrays import Array
+from asperity.paper import setup_sketches
+from asperity.paper.checks import Check
+from asperity.paper.data import Curves
+from asperity.paper.filmed import SYNTHETIC, Filmed, filmed, slide
+from asperity.paper.pairings import PVC
+from asperity.paper.redrawn import Redrawn, panels, record
+from asperity.paper.statements import truth
+from asperity.plot.look import GREY, INK, ORANGE, style
+from asperity.trajectory import Trajectory
+
+SPEEDS = (0.62, 0.95, 1.25, 1.49)
+"""Initial speeds of Fig. 19a in m/s; own."""
+
+ANGLES = (0.0, 15.0, 30.0, 47.0, 60.0, 75.0, 90.0)
+"""Initial directions of Fig. 19b to the grooves in degrees; own but for 47°."""
+
+_EVERY = 100
+_SLOW = 0.05
+
+
+def fig18() -> Redrawn:
+    """Draw (a) the experiment and (b) the tracked points over the last frame of the camera."""
+    figure, axes = panels(
+        18, "tracking of a sliding disk", 2, figsize=(11.0, 4.9), parameters=SYNTHETIC
+    )
+    curves, film = Curves(), filmed()
+    with style():
+        setup_sketches.sliding_experiment(axes[0])
+        axes[0].set_title("(a) experiment")
+        _draw_frame(curves, film, axes[1])
+    return Redrawn(figure, curves, _frame_checks(film))
+
+
+def _draw_frame(curves: Curves, film: Filmed, ax: Axes) -> None:
+    *_, last = film.camera.frames()
+    ax.imshow(last)
+    seen = film.track.pixel
+    (dots,) = ax.plot(*seen.T, ".", color=ORANGE, markersize=2.0, label="centres, 2 ms apart")
+    record(curves, "b", "tracked centre in pixels", [dots])
+    ax.grid(False)
+    ax.set(title="(b) tracked path over the last frame", xticks=[], yticks=[])
+    ax.legend(loc="upper left", labelcolor="white", markerscale=3.0)
+
+
+def _frame_checks(film: Filmed) -> list[Check]:
+    seen = film.path.seen
+    off = np.linalg.norm(film.track.pixel[seen] - film.camera.pixel[seen], axis=1)
+    end = np.linalg.norm(film.path.end - film.disk.path(film.run)[-1])
+    return [
+        Check("Fig. 18 frames with the mark", float(len(film.camera)), float(seen.sum()), 0.0),
+        Check("Fig. 18 centre off, rms", 0.0, float(np.sqrt(np.mean(off**2))), 0.1, "pixel"),
+        Check("Fig. 18 end point off", 0.0, 1e3 * float(end), 0.2, "mm"),
+    ]
+
+
+def fig19() -> Redrawn:
+    """Draw paths (a) of different initial speeds at 47°, (b) of different initial directions."""
+    parameters = "simulated disk on three pads, law of Fig. 24"
+    figure, axes = panels(
+        19, "sliding paths on ground steel", 2, figsize=(12.0, 5.4), parameters=parameters
+    )
+    curves = Curves()
+    by_speed = [slide(PVC.law, speed, 47.0)[1] for speed in SPEEDS]
+    by_angle = [slide(PVC.law, SPEEDS[-1], angle)[1] for angle in ANGLES]
+    with style():
+        names = [f"$v_0$ = {speed:g} m/s" for speed in SPEEDS]
+        _draw_paths(curves, "a", by_speed, names, axes[0])
+        axes[0].set_title(r"(a) $\varphi$ = 47° to the grooves")
+        names = [rf"$\varphi$ = {angle:g}°" for angle in ANGLES]
+        _draw_paths(curves, "b", by_angle, names, axes[1])
+        axes[1].set_title(f"(b) $v_0$ = {SPEEDS[-1]:g} m/s")
+    return Redrawn(figure, curves, [*_speed_checks(by_speed), *_angle_checks(by_angle)])
+
+
+def _draw_paths(
+    curves: Curves, panel: str, runs: Sequence[Trajectory], names: Sequence[str], ax: Axes
+) -> None:
+    colors = _shades(len(runs))
+    for run, name, color in zip(runs, names, colors, strict=True):
+        place = 1e3 * run.q[:, :2]
+        (line,) = ax.plot(*place.T, color=color, label=name)
+        (dots,) = ax.plot(*place[::_EVERY].T, "o", color=color, markersize=2.5)
+        ahead = run.u[0, :2] / np.linalg.norm(run.u[0, :2])
+        reach = np.stack([np.zeros(2), np.linalg.norm(place[-1]) * ahead])
+        (ray,) = ax.plot(*reach.T, color=GREY, linewidth=0.8, linestyle=":", zorder=1.0)
+        plain = name.replace("$", "")
+        record(curves, panel, plain, [line])
+        record(curves, panel, f"{plain}, 10 ms apart", [dots])
+        record(curves, panel, f"{plain}, initial direction", [ray])
+    ax.plot([], [], "o", color=INK, markersize=2.5, label="10 ms apart")
+    ax.set_aspect("equal")
+    ax.set(xlabel="$x$ across the grooves in mm", ylabel="$y$ along the grooves in mm")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _shades(count: int) -> Array:
+    from matplotlib import colormaps
+
+    shades: Array = colormaps["viridis"](np.linspace(0.0, 0.85, count))
+    return shades
+
+
+def _speed_checks(runs: Sequence[Trajectory]) -> list[Check]:
+    ends = np.array([run.q[-1, :2] for run in runs])
+    lengths = np.linalg.norm(ends, axis=1)
+    similar = ends / np.square(SPEEDS)[:, None]
+    spread = np.abs(similar / similar[-1] - 1.0).max()
+    return [
+        truth("Fig. 19a faster disks slide farther", bool((np.diff(lengths) > 0.0).all())),
+        Check("Fig. 19a paths are similar, ends over v²", 0.0, float(spread), 2e-3),
+        truth("Fig. 19a the disk leaves the straight line", _deflection(runs[-1]) > 10.0),
+        *(
+            truth(f"Fig. 19a ends along the grooves, {speed:g} m/s", _last_angle(run) < 15.0)
+            for speed, run in zip(SPEEDS, runs, strict=True)
+        ),
+    ]
+
+
+def _angle_checks(runs: Sequence[Trajectory]) -> list[Check]:
+    along, across = runs[0], runs[-1]
+    between = [_deflection(run) for run in runs[1:-1]]
+    lengths = [float(np.linalg.norm(run.q[-1, :2])) for run in (along, across)]
+    return [
+        Check("Fig. 19b deflection along the grooves", 0.0, _deflection(along), 1e-6, "mm"),
+        Check("Fig. 19b deflection across the grooves", 0.0, _deflection(across), 1e-6, "mm"),
+        truth("Fig. 19b deflection towards the grooves between", min(between) > 0.0),
+        truth("Fig. 19b farther along the grooves than across", lengths[0] > lengths[1]),
+    ]
+
+
+def _deflection(run: Trajectory) -> float:
+    """Return how far the end lies from the initial straight line, towards the grooves, in mm."""
+    (x, y), (u, v) = run.q[-1, :2], run.u[0, :2] / np.linalg.norm(run.u[0, :2])
+    return 1e3 * float(u * y - v * x)
+
+
+def _last_angle(run: Trajectory) -> float:
+    """Return the angle of the velocity to the grooves in degrees when it has become slow."""
+    speed = np.linalg.norm(run.u[:, :2], axis=1)
+    u, v = run.u[np.flatnonzero(speed > _SLOW)[-1], :2]
+    return float(np.rad2deg(np.arctan2(abs(u), abs(v))))

@@ -1,0 +1,131 @@
+"""The sliding disk of [WL19] §5.1: a rigid body in space on three pads."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array, unit_vectors
+from asperity.errors import ParameterError
+from asperity.law import FrictionLaw
+from asperity.system.rigid import Body, Plane, PointPlane, RigidBodies
+
+if TYPE_CHECKING:
+    from asperity.trajectory import Trajectory
+
+PADS = 3
+"""Number of pads, equally spaced on a circle."""
+
+
+class SlidingDisk(RigidBodies):
+    """A rigid disk on three pads that slides on the horizontal plane z = 0 and may turn.
+
+    The pads are points with unilateral contacts, so friction below the centre of mass loads them
+    unequally. By Amontons' law the resultants of pads that slip alike still meet the vertical
+    through the centre of mass: without initial spin the disk moves as a `SlidingPoint`.
+
+    Args:
+        law: planar friction law per unit normal force, in the axes e₁, e₂ of the plane.
+        velocity: initial velocity (v₁, v₂) of the centre of mass in m/s.
+        spin: initial angular velocity about the vertical in rad/s.
+        angle: of the first pad against e₁ in rad.
+        position: initial position (x₁, x₂) of the centre of mass in m.
+        mass: m > 0 in kg.
+        diameter: of the homogeneous disk in m.
+        height: of the disk in m; the centre of mass is at half of it.
+        pad_circle: diameter of the circle of the pads in m, at most `diameter`.
+        gravity: in m/s², shape ``(3,)``; it presses the disk on the plane, and may be inclined.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    Reference: [WL19] §5.1, Figs. 18, 27.
+
+    >>> from asperity import FrictionLaw, SlidingDisk, simulate
+    >>> disk = SlidingDisk(FrictionLaw.isotropic(0.5), velocity=(1.0, 0.0))
+    >>> run = simulate(disk, dt=1e-4, t_end=1.0, until_rest=True)
+    >>> disk.path(run)[-1].round(6).tolist()  # v²/(2 μ g)
+    [0.101937, 0.0]
+    >>> run.normal_force[1].round(6).tolist()  # the pad in front carries most
+    [0.095297, 0.040641, 0.040641]
+    """
+
+    law: FrictionLaw
+    velocity: Array
+    spin: float
+    angle: float
+    position: Array
+    mass: float
+    diameter: float
+    height: float
+    pad_circle: float
+
+    def __init__(
+        self,
+        law: FrictionLaw,
+        *,
+        velocity: ArrayLike = (0.0, 0.0),
+        spin: float = 0.0,
+        angle: float = 0.0,
+        position: ArrayLike = (0.0, 0.0),
+        mass: float = 0.018,
+        diameter: float = 0.028,
+        height: float = 0.013,
+        pad_circle: float = 0.021,
+        gravity: ArrayLike = (0.0, 0.0, -9.81),
+    ) -> None:
+        if not isinstance(law, FrictionLaw) or law.dimension != 2:
+            raise ParameterError("law", f"must be a planar FrictionLaw, got {law!r}")
+        start = _arrays.read_only(_arrays.array(velocity, "velocity", (2,)))
+        place = _arrays.read_only(_arrays.array(position, "position", (2,)))
+        given = {
+            "spin": _arrays.number(spin, "spin"),
+            "angle": _arrays.number(angle, "angle"),
+            "mass": _arrays.positive(mass, "mass"),
+            "diameter": _arrays.positive(diameter, "diameter"),
+            "height": _arrays.positive(height, "height"),
+            "pad_circle": _arrays.positive(pad_circle, "pad_circle"),
+        }
+        if pad_circle > diameter:
+            raise ParameterError("pad_circle", f"must be at most {diameter!r}, got {pad_circle!r}")
+        down = _arrays.array(gravity, "gravity", (3,))
+        if down[2] >= 0.0:
+            raise ParameterError("gravity", f"must press the disk on the plane, got {gravity!r}")
+        body = Body.cylinder(
+            mass,
+            0.5 * diameter,
+            height,
+            position=(*place, 0.5 * height),
+            orientation=(np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)),
+            velocity=(*start, 0.0),
+            angular_velocity=(0.0, 0.0, spin),
+        )
+        super().__init__([body], _pads(law, pad_circle, height), gravity=down)
+        self._set(law=law, velocity=start, position=place, **given, gravity=self.gravity)
+
+    def path(self, trajectory: Trajectory) -> Array:
+        """Return the positions (x₁, x₂) of the centre of mass in m, shape ``(n_t, 2)``.
+
+        Args:
+            trajectory: of this disk.
+        """
+        return self.positions(trajectory)[:, 0, :2]
+
+    def turn(self, trajectory: Trajectory) -> Array:
+        """Return the angle by which the disk has turned about the vertical in rad, ``(n_t,)``.
+
+        Args:
+            trajectory: of this disk.
+        """
+        turned = self.rotations(trajectory)[:, 0]
+        angle = np.unwrap(np.arctan2(turned[:, 1, 0], turned[:, 0, 0]))
+        since_start: Array = angle - angle[0]
+        return since_start
+
+
+def _pads(law: FrictionLaw, circle: float, height: float) -> list[PointPlane]:
+    around = 0.5 * circle * unit_vectors(2.0 * np.pi * np.arange(PADS) / PADS)
+    return [PointPlane(0, (x, y, -0.5 * height), Plane(), law) for x, y in around]

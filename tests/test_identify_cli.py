@@ -1,0 +1,157 @@
+"""``asperity identify``: from files to figures, tables and a report; garbage exits with 2."""
+
+import csv
+
+import numpy as np
+import pytest
+from asperity import cli, identify_files
+from asperity.identify import MeasuredSets, VirtualTribometer, write_raw
+from asperity.paper import table1
+
+LAW = table1.laws()["extended, superellipses C, D"]
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("campaign")
+    virtual = VirtualTribometer(
+        LAW, normal_force=9.3, turns=4, turn_rate=0.5, sample_rate=500.0, seed=3
+    )
+    write_raw(virtual.record(), folder)
+    return folder
+
+
+def identify(folder, *files, out, config="tribometer.toml", options=()):
+    paths = [str(folder / name) for name in files]
+    return cli.main(
+        ["identify", *paths, "--config", str(folder / config), "--out", str(out), *options]
+    )
+
+
+def test_a_law_is_identified_from_files(campaign, tmp_path, capsys):
+    out = tmp_path / "new" / "out"
+    assert identify(campaign, "run_1.csv", out=out) == 0
+    assert sorted(file.name for file in out.iterdir()) == sorted(identify_files.FILES)
+    printed = capsys.readouterr().out
+    for words in (
+        "4 turns",
+        "C on e1, e2",
+        "closure of D",
+        "reservoir.exponent",
+        "semi-axes of C at",
+    ):
+        assert words in printed
+    with (out / "parameters.csv").open() as file:
+        found = {row["parameter"]: row for row in csv.DictReader(file)}
+    for name, value in (
+        ("reservoir.a", 4.99 / 9.3),
+        ("reservoir.b", 4.25 / 9.3),
+        ("reservoir.exponent", 2.94),
+        ("direction.ratio", 1.84 / 1.19),
+        ("direction.exponent", 2.51),
+    ):
+        assert float(found[name]["estimate"]) == pytest.approx(value, rel=0.03)
+    assert found["direction.scale"]["identifiable"] == "False"
+    assert (out / "report.html").read_text().count("data:image/png;base64") == 3
+
+
+def test_the_table_over_directions_holds_measurement_and_model(campaign, tmp_path):
+    assert identify(campaign, "run_1.csv", out=tmp_path) == 0
+    table = np.genfromtxt(tmp_path / "directions.csv", delimiter=",", names=True)
+    phi = table["phi_rad"]
+    assert len(phi) == 360
+    slip = np.stack([np.cos(phi), np.sin(phi)], axis=1)
+    against = -np.sum(LAW.force(slip) * slip, axis=1)
+    assert table["model_l_t"] == pytest.approx(against, abs=0.02)
+    assert table["measured_l_t"] == pytest.approx(against, abs=0.06)
+    assert (table["half_width_l_t"] > 0.0).all()
+
+
+def test_several_files_are_one_campaign_and_models_can_be_chosen(campaign, tmp_path, capsys):
+    code = identify(
+        campaign,
+        "run_1.csv",
+        "run_1.csv",
+        out=tmp_path,
+        options=["--reservoir", "ellipse", "--direction", "circle", "--loss", "huber"],
+    )
+    assert code == 0
+    printed = capsys.readouterr().out
+    assert "8 turns, 2 runs" in printed
+    assert "reservoir.exponent" not in printed
+
+
+def broken(folder, kind):
+    """Return the text or bytes of a file that is no recording."""
+    lines = (folder / "run_1.csv").read_text().splitlines()
+    cells = [line.split(",") for line in lines]
+    constant = [",".join([*row[:2], "1.25", *row[3:]]) for row in cells[1:]]
+    return {
+        "empty": "",
+        "text": "Dear reader,\nthese are no numbers.\n",
+        "missing channel": "\n".join(",".join(row[:4]) for row in cells),
+        "constant": "\n".join([lines[0], *constant]),
+        "half a turn": "\n".join(lines[:500]),
+        "encoding": "\n".join(lines).replace("time", "tîme").encode("utf-16"),
+    }[kind]
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("empty", "empty"),
+        ("text", "column"),
+        ("missing channel", "normal"),
+        ("constant", "tangential"),
+        ("half a turn", "turn"),
+        ("encoding", "encoding"),
+    ],
+)
+def test_garbage_exits_with_2_one_line_and_nothing_written(campaign, tmp_path, capsys, kind, words):
+    content = broken(campaign, kind)
+    file = campaign / "broken.csv"
+    if isinstance(content, bytes):
+        file.write_bytes(content)
+    else:
+        file.write_text(content)
+    out = tmp_path / "out"
+    assert identify(campaign, "broken.csv", out=out) == 2
+    error = capsys.readouterr().err.strip()
+    assert error.startswith("asperity: ")
+    assert "\n" not in error
+    assert "broken.csv" in error
+    assert words in error
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [(None, "none.toml"), ("[columns", "TOML"), ("[colours]\ntime = 1\n", "colours")],
+)
+def test_configurations_that_cannot_be_used_exit_with_2(campaign, tmp_path, capsys, text, words):
+    name = "none.toml"
+    if text is not None:
+        name = "bad.toml"
+        (campaign / name).write_text(text)
+    assert identify(campaign, "run_1.csv", out=tmp_path / "out", config=name) == 2
+    assert words in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_missing_file_exits_with_2(campaign, tmp_path, capsys):
+    assert identify(campaign, "absent.csv", out=tmp_path / "out") == 2
+    assert "absent.csv" in capsys.readouterr().err
+
+
+def test_one_turn_is_fitted_without_bands(tmp_path, capsys):
+    virtual = VirtualTribometer(LAW, normal_force=9.3, turns=1.2, sample_rate=500.0, seed=1)
+    write_raw(virtual.record(), tmp_path)
+    assert identify(tmp_path, "run_1.csv", out=tmp_path / "out") == 0
+    assert "nan" in capsys.readouterr().out
+
+
+def test_radii_on_the_axes_are_those_of_the_reservoir():
+    phi = 2.0 * np.pi * (np.arange(360) + 0.5) / 360
+    sets = MeasuredSets(phi, -LAW.force(np.stack([np.cos(phi), np.sin(phi)], axis=1)))
+    found = identify_files.radii_on_axes(sets)
+    assert found == pytest.approx((4.99 / 9.3, 4.25 / 9.3), rel=5e-3)

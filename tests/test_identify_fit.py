@@ -1,0 +1,341 @@
+"""Fits of laws to forces: against exact data, another solver, differences, and known noise."""
+
+import pickle
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from asperity import Ellipse, FitError, FrictionLaw, Superellipse
+from asperity.errors import DimensionError, ParameterError
+from asperity.identify import (
+    CircleDirection,
+    CircleReservoir,
+    FourierDirection,
+    FourierReservoir,
+    SuperellipseDirection,
+    SuperellipseReservoir,
+    VirtualTribometer,
+    fit_law,
+    process,
+)
+from asperity.identify.bins import grouped
+from asperity.identify.covariance import _pulls
+from asperity.identify.samples import by_sense
+from asperity.identify.sums import Family
+from scipy.optimize import least_squares
+
+TABLE_1 = FrictionLaw(Superellipse(4.99 / 9.3, 4.25 / 9.3, 2.94), Superellipse(1.84, 1.19, 2.51))
+TRUTH = {
+    "reservoir.a": 4.99 / 9.3,
+    "reservoir.b": 4.25 / 9.3,
+    "reservoir.exponent": 2.94,
+    "reservoir.angle": 0.0,
+    "direction.ratio": 1.84 / 1.19,
+    "direction.exponent": 2.51,
+    "direction.angle": 0.0,
+}
+
+
+def sampled(law, samples=4000, turns=5, noise=0.0, seed=0):
+    phi = np.linspace(0.0, turns * 2.0 * np.pi, samples, endpoint=False)
+    force = -law.force(np.stack([np.cos(phi), np.sin(phi)], axis=-1))
+    return phi, force + noise * np.random.default_rng(seed).normal(size=force.shape)
+
+
+def turned_law(c_angle=0.1, d_angle=-0.05):
+    return FrictionLaw(
+        TABLE_1.reservoir.rotated(c_angle), Superellipse(1.84, 1.19, 2.51, angle=d_angle)
+    )
+
+
+FAMILIES = {
+    "circles": (CircleReservoir(), CircleDirection(), [-0.6]),
+    "ellipses": (
+        SuperellipseReservoir(2.0),
+        SuperellipseDirection(2.0),
+        [-0.6, -0.8, 0.1, 0.4, -0.05],
+    ),
+    "superellipses": (
+        SuperellipseReservoir(),
+        SuperellipseDirection(),
+        [-0.6, -0.8, 1.08, 0.1, 0.43, 0.41, -0.05],
+    ),
+    "fourier": (
+        FourierReservoir(3, odd=True),
+        FourierDirection(4),
+        [-0.6, 0.02, 0.03, -0.1, 0.1, 0.02, 0.01, -0.08, 0.03, 0.01, 0.02],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("joint", [True, False])
+def test_derivatives_agree_with_differences(name, joint):
+    reservoir, direction, p = FAMILIES[name]
+    family, p = Family(reservoir, direction, joint=joint), np.array(p)
+    phi = np.random.default_rng(1).uniform(0.0, 7.0, 60)
+    derivative = family.forces(phi, p)[1]
+    for k, unit in enumerate(1e-6 * np.eye(family.size)):
+        difference = family.forces(phi, p + unit)[0] - family.forces(phi, p - unit)[0]
+        np.testing.assert_allclose(derivative[k], difference / 2e-6, atol=2e-8)
+
+
+@pytest.mark.parametrize("name", ["circles", "ellipses", "superellipses"])
+def test_models_have_the_forces_of_their_laws(name):
+    reservoir, direction, p = FAMILIES[name]
+    family, p = Family(reservoir, direction, joint=True), np.array(p)
+    law = FrictionLaw(
+        reservoir.reservoir(p[: family.split]), direction.direction(p[family.split :])
+    )
+    phi, force = sampled(law, 720, 1)
+    np.testing.assert_allclose(family.forces(phi, p)[0], force, atol=1e-12)
+
+
+def test_fourier_models_are_the_curves_they_hand_over():
+    reservoir, direction, p = FAMILIES["fourier"]
+    family, p = Family(reservoir, direction, joint=True), np.array(p)
+    law = FrictionLaw(
+        reservoir.reservoir(p[: family.split]), direction.direction(p[family.split :])
+    )
+    phi, force = sampled(law, 997, 1)
+    np.testing.assert_allclose(family.forces(phi, p)[0], force, atol=1e-5)
+
+
+def test_exact_forces_give_the_exact_parameters():
+    truth = {**TRUTH, "reservoir.angle": 0.1, "direction.angle": -0.05}
+    options = {"normal_force": 9.3, "sample_rate": 1e4, "crosstalk": 0.05}
+    for rate in (1.0, -1.0):
+        raw = VirtualTribometer.perfect(turned_law(), turn_rate=rate, **options).record()
+        fit = fit_law(process(raw, cut_off=None))
+        for parameter, value in truth.items():
+            assert abs(fit.parameters[parameter].value - value) < 1e-6 * max(1.0, abs(value))
+
+
+def test_random_laws_are_found_again():
+    random, missed = np.random.default_rng(5), 0
+    for _ in range(60):
+        a, b, p = np.exp(random.uniform(-0.8, 0.8, 3))
+        s, t = random.uniform(1.4, 6.0, 2)
+        x, y = random.uniform(-0.7, 0.7, 2)
+        law = FrictionLaw(Superellipse(a, b, s, x), Superellipse(p, 1.0, t, y))
+        data = sampled(law, 2000, 2)
+        fit = fit_law(data, confidence=None)
+        missed += abs(fit.forces(data[0]) - data[1]).max() > 1e-3 * np.hypot(a, b)
+    # The set turned by 45° is a false minimum; of 200 such laws 1 ends in it.
+    assert missed <= 1
+
+
+def test_minimum_is_that_of_another_solver():
+    phi, force = sampled(turned_law(), 1500, 5, noise=0.02)
+
+    def residuals(x):
+        a, b, s, c_angle, ratio, t, d_angle = x
+        law = FrictionLaw(Superellipse(a, b, s, c_angle), Superellipse(ratio, 1.0, t, d_angle))
+        return (force + law.force(np.stack([np.cos(phi), np.sin(phi)], axis=-1))).ravel()
+
+    fit = fit_law((phi, force))
+    mine = np.array([fit.parameters[name].value for name in TRUTH])
+    other = least_squares(residuals, 1.01 * mine, x_scale=np.abs(mine), xtol=1e-12, ftol=1e-12)
+    errors = np.array([fit.parameters[name].standard_error for name in TRUTH])
+    # The last step of the fit may be a tenth of a standard error, continued linearly.
+    assert (abs(mine - other.x) < 0.02 * errors).all()
+    assert (fit.residuals**2).sum() < 2.0 * other.cost * (1.0 + 1e-5)
+    assert fit.rms == pytest.approx(np.sqrt((fit.residuals**2).mean()), rel=1e-5)
+
+
+def test_apart_and_joint_fits_agree():
+    data = sampled(turned_law(), noise=0.005)
+    joint, apart = fit_law(data), fit_law(data, joint=False)
+    for name in TRUTH:
+        together, alone = joint.parameters[name], apart.parameters[name]
+        assert abs(together.value - alone.value) < 4.0 * together.standard_error + 1e-3
+
+
+@pytest.mark.parametrize("loss", ["huber", "cauchy"])
+def test_robust_losses_survive_outliers(loss):
+    phi, force = sampled(turned_law(), 20_000, noise=0.005)
+    random = np.random.default_rng(2)
+    at = random.choice(len(phi), len(phi) // 50, replace=False)
+    force[at] *= random.uniform(1.2, 1.6, (len(at), 1))
+    robust, squares = fit_law((phi, force), loss=loss), fit_law((phi, force))
+    for name, value in {**TRUTH, "reservoir.angle": 0.1, "direction.angle": -0.05}.items():
+        error = abs(robust.parameters[name].value - value)
+        assert error < 5.0 * robust.parameters[name].standard_error
+    assert robust.rms == pytest.approx(0.005, rel=0.05)
+    assert abs(squares.parameters["reservoir.a"].value - TRUTH["reservoir.a"]) > 1e-3
+
+
+def test_isotropic_friction_has_no_angle():
+    for noise in (0.0, 0.0014):
+        fit = fit_law(sampled(FrictionLaw.isotropic(0.14), 20_000, 10, noise=noise))
+        for name in ("reservoir.angle", "direction.angle", "direction.scale"):
+            assert not fit.parameters[name].identifiable
+        assert fit.parameters["reservoir.exponent"].value == pytest.approx(2.0, abs=0.03)
+        assert fit.parameters["direction.ratio"].covers(1.0) or noise == 0.0
+    assert fit_law(sampled(TABLE_1, noise=0.005)).parameters["direction.angle"].identifiable
+    known = fit_law(sampled(TABLE_1), confidence=None).parameters
+    assert known["reservoir.angle"].identifiable
+    assert np.isnan(known["reservoir.a"].low)
+
+
+def test_angles_lie_within_an_eighth_of_a_turn():
+    law = FrictionLaw(Ellipse(0.5, 0.3, angle=1.3), Ellipse(2.0, 1.0, angle=-2.0))
+    fit = fit_law(sampled(law), "ellipse", "ellipse")
+    assert fit.parameters["reservoir.angle"].value == pytest.approx(1.3 - np.pi / 2)
+    assert fit.parameters["reservoir.a"].value == pytest.approx(0.3)
+    assert fit.parameters["direction.angle"].value == pytest.approx(-2.0 + np.pi / 2)
+    assert fit.parameters["direction.ratio"].value == pytest.approx(0.5)
+
+
+def test_calibration_and_zero_move_the_fit_as_predicted():
+    for rate in (1.0, -1.0):
+        raw = VirtualTribometer(
+            turned_law(),
+            normal_force=9.3,
+            turns=4,
+            turn_rate=rate,
+            sample_rate=2e3,
+            noise=1e-4,
+            seed=3,
+        ).record()
+        data = process(raw)
+        fit = fit_law(data)
+        parts = [(grouped(s, 1).bins(), sense) for s, sense in by_sense(fit._samples, data)]
+        pulls = sum(
+            _pulls(fit._family, bins, sense, fit.coordinates, data.matrix) for bins, sense in parts
+        )
+        matrix = fit._descent.sums.matrix.sum(axis=0)
+        predicted = np.linalg.solve(matrix, pulls)[:-1]
+        for entry in range(12):
+            changed = {"matrix": data.matrix.copy(), "zero": data.zero.copy()}
+            step = 1e-3
+            if entry < 9:
+                changed["matrix"].flat[entry] += step
+            else:
+                changed["zero"][entry - 9] += step
+            force, normal = data.perturbed(**changed)
+            other = fit_law(
+                SimpleNamespace(phi=data.phi, force=force, normal_force=normal, turn=data.turn),
+                confidence=None,
+            )
+            moved = (other.coordinates - fit.coordinates)[:-1] / step
+            # Means over directions see the ripple of the normal force at first order only.
+            assert abs(moved - predicted[:, entry]).max() < 0.02 * abs(predicted).max()
+
+
+def test_bands_of_noise_that_is_known():
+    """The band of each parameter holds the truth about as often as it says."""
+    seeds, held = 60, np.zeros(7)
+    for seed in range(seeds):
+        fit = fit_law(sampled(TABLE_1, 3000, 10, noise=0.01, seed=seed))
+        held += [fit.parameters[name].covers(value) for name, value in TRUTH.items()]
+    # Fewer than 51 of 60 have a probability of 2e-4 at 95 %.
+    assert (held >= 51).all(), held
+
+
+def test_bands_follow_from_the_parameters_alone():
+    fit = fit_law(sampled(turned_law(), noise=0.01))
+    theta, phi = np.linspace(0.0, 6.0, 50), np.linspace(0.0, 6.0, 50)
+    radius, low, high = fit.radius_band(theta)
+    np.testing.assert_allclose(radius, fit.reservoir.radius(theta), rtol=1e-12)
+    assert ((low < radius) & (radius < high)).all()
+    bands = fit.bands(phi)
+    e = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    np.testing.assert_allclose(bands.force, -fit.law.force(e), atol=1e-12)
+    np.testing.assert_allclose(bands.resistance[:, 0], (bands.force * e).sum(axis=1))
+    # A band of the mean of many samples is much narrower than their noise.
+    assert bands.half_width.max() < 0.005
+    wider = fit_law(sampled(turned_law(), noise=0.01), confidence=0.99).bands(phi)
+    assert (wider.half_width > bands.half_width).all()
+
+
+def test_fits_can_be_pickled():
+    fit = fit_law(sampled(TABLE_1, 500, 2, noise=0.01))
+    again = pickle.loads(pickle.dumps(fit))
+    assert again.law == fit.law
+    assert again.parameters["reservoir.a"] == fit.parameters["reservoir.a"]
+
+
+def test_what_cannot_be_fitted_is_refused():
+    phi, force = sampled(TABLE_1, 720, 2)
+    with pytest.raises(FitError, match="no samples between φ = 1"):
+        fit_law((phi[phi < 3.0], force[phi < 3.0]))
+    with pytest.raises(FitError, match="one complete turn has no scatter"):
+        fit_law((phi[:360], force[:360]))
+    assert fit_law((phi[:360], force[:360]), confidence=None).turns == 1
+    with pytest.raises(FitError, match="samples lie in complete turns"):
+        fit_law((phi[:10], force[:10]))
+    with pytest.raises(FitError, match="does not oppose sliding"):
+        fit_law((phi, -force))
+    with pytest.raises(FitError, match="does not oppose sliding"):
+        fit_law((phi, np.ones_like(force)))
+    with pytest.raises(ParameterError, match=r"data\.force: must be finite"):
+        fit_law((phi, np.where(phi[:, None] == 0.0, np.nan, force)))
+    with pytest.raises(DimensionError, match=r"data\.force"):
+        fit_law((phi, force[:, 0]))
+    with pytest.raises(DimensionError, match=r"data\.turn"):
+        fit_law((phi, force, np.zeros(len(phi))))
+    with pytest.raises(FitError, match=r"what process\(\) returns"):
+        fit_law("forces.csv")
+    with pytest.raises(ParameterError, match=r"reservoir: must be 'circle'"):
+        fit_law((phi, force), "square")
+    with pytest.raises(ParameterError, match=r"direction: must be 'circle'"):
+        fit_law((phi, force), "circle", "square")
+    with pytest.raises(ParameterError, match="loss"):
+        fit_law((phi, force), loss="absolute")
+    with pytest.raises(ParameterError, match="confidence"):
+        fit_law((phi, force), confidence=1.0)
+
+
+def test_a_direction_set_that_is_not_convex_is_named():
+    law = FrictionLaw(Superellipse(0.5, 0.4, 3.0), Superellipse(1.0, 1.0, 9.0))
+    fit = fit_law(sampled(law), "fourier", FourierDirection(12))
+    with pytest.raises(FitError, match="not convex at φ"):
+        _ = fit.law
+
+
+def round_trip(seeds, bandwidth, turn_rate):
+    """Return relative errors, worst of all seeds, and how many bands held the truth."""
+    worst, held = np.zeros(7), np.zeros(7)
+    truth = np.array(list(TRUTH.values()))
+    for seed in seeds:
+        raw = VirtualTribometer(
+            TABLE_1,
+            normal_force=9.3,
+            turns=10,
+            turn_rate=turn_rate,
+            noise_bandwidth=bandwidth,
+            seed=seed,
+        ).record()
+        parameters = fit_law(process(raw)).parameters
+        estimates = [parameters[name] for name in TRUTH]
+        values = np.array([estimate.value for estimate in estimates])
+        worst = np.maximum(worst, abs(values - truth) / np.where(truth == 0.0, 1.0, truth))
+        held += [estimate.covers(value) for estimate, value in zip(estimates, truth, strict=True)]
+    return dict(zip(TRUTH, worst, strict=True)), held
+
+
+def check_round_trip(seeds, bandwidth, turn_rate, fewest, most):
+    worst, held = round_trip(seeds, bandwidth, turn_rate)
+    for name in ("reservoir.a", "reservoir.b", "direction.ratio"):
+        assert worst[name] < 0.01, worst
+    for name in ("reservoir.exponent", "direction.exponent"):
+        assert worst[name] < 0.05, worst
+    assert (held >= fewest).all(), held
+    assert (held <= most).all(), held
+
+
+# At the paper's 50 mm/s on 50 mm, 10 turns last a minute.
+ROUND_TRIPS = {"white": (None, 1.0), "coloured": (5.0, 0.16)}
+
+
+@pytest.mark.parametrize("noise", ROUND_TRIPS)
+def test_round_trip_through_the_tribometer(noise):
+    # Fewer than 6 of 10 have a probability of 6e-5 at 95 %.
+    check_round_trip(range(1000, 1010), *ROUND_TRIPS[noise], 6, 10)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("noise", ROUND_TRIPS)
+def test_round_trip_of_two_hundred_seeds(noise):
+    check_round_trip(range(200), *ROUND_TRIPS[noise], 180, 199)

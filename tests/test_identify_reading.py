@@ -1,0 +1,377 @@
+"""Reading runs of a tribometer: formats, and everything that can be wrong in a file."""
+
+from contextlib import suppress
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity.errors import ParameterError, RecordError
+from asperity.identify import Configuration, VirtualTribometer, process, read_csv, read_raw
+from asperity.identify.units import factors
+
+LAW = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.3))
+NAMES = ("time", "angle", "tangential", "radial", "normal")
+RUN = VirtualTribometer(
+    LAW,
+    normal_force=10.0,
+    turns=3,
+    turn_rate=1.0,
+    sample_rate=400.0,
+    no_load_time=0.0,
+    zero=0.0,
+    seed=5,
+)
+
+
+def columns(run):
+    return np.column_stack([run.time, run.angle, run.readings])
+
+
+@pytest.fixture(scope="module")
+def run():
+    return RUN.record().recordings[0]
+
+
+@pytest.fixture
+def write(tmp_path):
+    def make(lines, name="run.csv", encoding="utf-8"):
+        path = tmp_path / name
+        path.write_text("\n".join(lines) + "\n", encoding=encoding)
+        return path
+
+    return make
+
+
+HEADER = ",".join(NAMES)
+
+
+def lines_of(table, *, header=(HEADER,), delimiter=",", decimal="."):
+    body = (delimiter.join(repr(float(x)).replace(".", decimal) for x in row) for row in table)
+    return [*header, *body]
+
+
+def test_a_plain_file_comes_back_to_the_bit(run, write):
+    (read,) = read_csv(write(lines_of(columns(run))))
+    assert (columns(read) == columns(run)).all()
+
+
+def test_a_laboratory_s_file(run, write):
+    t, angle, *forces = columns(run).T
+    degrees = np.rad2deg(angle) % 360.0
+    table = np.column_stack([-1e3 * forces[2], 0.0 * t, degrees, 1e3 * t, *forces[:2]])
+    header = ["Rig 3", "", '"Fz (mN)";spare;phi;"t;ms";Ft;Fr']
+    path = write(lines_of(table, header=header, delimiter=";", decimal=","), encoding="utf-16")
+    where = {"time": "t;ms", "angle": "phi", "tangential": 4, "radial": "Fr", "normal": "Fz (mN)"}
+    (read,) = read_csv(
+        path,
+        columns=where,
+        units={"time": "ms", "angle": "deg", "normal": "-mN"},
+        delimiter=";",
+        decimal=",",
+        header=3,
+        encoding="utf-16",
+    )
+    np.testing.assert_allclose(columns(read), columns(run), atol=1e-9)
+
+
+def test_white_space_and_rates_instead_of_time_and_angle(run, write):
+    path = write(lines_of(columns(run)[:, 2:], header=("Ft Fr Fn",), delimiter="  "))
+    (read,) = read_csv(
+        path,
+        columns={"tangential": "Ft", "radial": "Fr", "normal": "Fn"},
+        delimiter=" ",
+        sample_rate=400.0,
+        turn_rate=1.0,
+    )
+    np.testing.assert_allclose(columns(read), columns(run), atol=1e-12)
+
+
+def test_a_dead_weight_instead_of_a_normal_channel(run, write):
+    path = write(lines_of(columns(run)[:, :4], header=(",".join(NAMES[:4]),)))
+    (read,) = read_csv(path, normal_load=9.9)
+    assert (read.readings[:, 2] == 9.9).all()
+    with pytest.raises(ParameterError, match="normal_load: excludes a column"):
+        read_csv(path, normal_load=9.9, columns={"normal": 3})
+
+
+def test_several_files_are_one_campaign(run, write):
+    table = columns(run)
+    paths = [write(lines_of(table), f"{n}.csv") for n in range(3)]
+    runs = read_csv(paths)
+    assert [read.source for read in runs] == [str(path) for path in paths]
+    data = process(asp.identify.RawData(runs))
+    assert data.turns == 9
+    assert data.turn[[0, 1200, 2400]].tolist() == [0, 3, 6]
+
+
+@pytest.mark.parametrize("how", ["text", "empty", "nan", "short"])
+def test_missing_numbers_are_reported_with_lines_and_split_off(run, write, how):
+    lines = lines_of(columns(run))
+    for line in (11, 12, 700):
+        cells = lines[line - 1].split(",")
+        cells[3] = {"text": "overload", "empty": "", "nan": "NaN", "short": ""}[how]
+        lines[line - 1] = ",".join(cells[:3] if how == "short" else cells)
+    # Blank lines are no samples, but lines.
+    lines.insert(5, "")
+    path = write(lines)
+    with pytest.raises(RecordError) as caught:
+        read_csv(path)
+    assert str(path) in str(caught.value)
+    assert "'radial'" in str(caught.value)
+    assert "no number in lines 12, 13, 701" in str(caught.value)
+    pieces = read_csv(path, on_defect="split", check_units=False)
+    assert [len(piece) for piece in pieces] == [9, 687, 501]
+    assert pieces[1].source.endswith("lines 14-700")
+
+
+def test_gaps_are_reported_and_split(run, write):
+    table = np.delete(columns(run), [100, 101, 500], axis=0)
+    path = write(lines_of(table))
+    with pytest.raises(RecordError, match=r"'time' \(time\): sampling gap after lines 101, 499"):
+        read_csv(path)
+    pieces = read_csv(path, on_defect="split", check_units=False)
+    assert [len(piece) for piece in pieces] == [100, 398, 699]
+
+
+def test_time_that_is_rounded_or_out_of_order(run, write):
+    table = columns(run)
+    table[:, 0] = table[:, 0].round(2)
+    path = write(lines_of(table))
+    with pytest.raises(RecordError, match=r"rounded .* or out of order after lines"):
+        read_csv(path)
+    table[:, 0] = run.time
+    table[[30, 31]] = table[[31, 30]]
+    with pytest.raises(RecordError, match=r"out of order after line 32;"):
+        read_csv(write(lines_of(table)))
+
+
+def test_clipping_is_told_from_a_smooth_maximum(run, write):
+    table = columns(run)
+    limit = np.quantile(table[:, 2], 0.9)
+    clipped = table.copy()
+    clipped[:, 2] = np.minimum(table[:, 2], limit)
+    with pytest.raises(RecordError, match=r"'tangential' .*: clipped in lines .* \(12[01] lines\)"):
+        read_csv(write(lines_of(clipped)))
+    # A quiet channel that toggles between two levels.
+    quiet = columns(run)
+    quiet[:, 3] = np.where(np.arange(len(quiet)) % 40 == 0, 0.0, 0.25)
+    assert len(read_csv(write(lines_of(quiet)))) == 1
+    # Flat tops of a coarse but unclipped channel.
+    t = np.arange(20_000) / 2000.0
+    step = 8.0 * 10.0 / 2**12
+    smooth = [4.0 + np.sin(4.0 * np.pi * t), np.cos(4.0 * np.pi * t), 10.0 + np.sin(2 * np.pi * t)]
+    rounded = np.column_stack([t, 2.0 * np.pi * t, *(step * np.round(np.array(smooth) / step))])
+    assert len(read_csv(write(lines_of(rounded)))) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({1: 180.0 / np.pi}, "as if it were given in degrees"),
+        ({1: np.pi / 180.0}, "radians|turns at"),
+        ({0: 1e3}, "sample rate of"),
+        ({0: 1e-3}, "turns at"),
+        ({4: 1e3}, "friction coefficient"),
+        ({2: 1e3, 3: 1e3}, "friction coefficient"),
+        ({2: 1e4, 3: 1e4, 4: 1e4}, r"normal channel: mean of 9\.518e\+04 N"),
+    ],
+)
+def test_wrong_units_are_told(run, write, change, message):
+    table = columns(run)
+    for column, factor in change.items():
+        table[:, column] *= factor
+    path = write(lines_of(table))
+    with pytest.raises(RecordError, match=message):
+        read_csv(path)
+    assert len(read_csv(path, check_units=False)) == 1
+
+
+@pytest.mark.parametrize(("turn", "unit"), [(360.0, "deg"), (1.0, "turn")])
+def test_wrapped_angles_betray_their_unit(run, write, turn, unit):
+    table = columns(run)
+    table[:, 1] = (table[:, 1] / (2.0 * np.pi) * turn) % turn
+    path = write(lines_of(table))
+    with pytest.raises(RecordError, match=f"its unit seems to be '{unit}'"):
+        read_csv(path)
+    (read,) = read_csv(path, units={"angle": unit})
+    np.testing.assert_allclose(read.angle, run.angle, atol=1e-9)
+
+
+GARBAGE = {
+    "empty": ("", "is empty"),
+    "header only": (",".join(NAMES) + "\n", "holds no numbers"),
+    "prose": ("It was a dark\nand stormy, night\n" * 9, "has no column 'time'"),
+    "wrong delimiter": (",".join(NAMES) + "\n" + "1;2;3;4;5\n" * 9, "check delimiter="),
+    "missing channel": ("time,angle,tangential,radial\n1,2,3,4\n", "has no column 'normal'"),
+    "constant": (
+        "\n".join(
+            [",".join(NAMES), *(f"{k / 100},{k / 10},1.0,{k % 3},{9 + k % 2}" for k in range(400))]
+        ),
+        r"'tangential' \(tangential\): does not change",
+    ),
+    "at rest": (
+        "\n".join(
+            [",".join(NAMES), *(f"{k / 100},0.5,{k % 5},{k % 3},{9 + k % 2}" for k in range(400))]
+        ),
+        r"'angle' \(angle\): does not change",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", GARBAGE)
+def test_garbage_gets_one_line_with_file_and_remedy(name, tmp_path):
+    text, message = GARBAGE[name]
+    path = tmp_path / "garbage.csv"
+    path.write_text(text)
+    with pytest.raises(RecordError, match=message) as caught:
+        read_csv(path)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00\x01" * 50, bytes(range(256)) * 4, b"\x00" * 64])
+def test_binary_files_are_refused(tmp_path, content):
+    path = tmp_path / "run.csv"
+    path.write_bytes(content)
+    with pytest.raises(RecordError) as caught:
+        read_csv(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_files_that_are_not_there(tmp_path):
+    with pytest.raises(RecordError, match="cannot be read: No such file"):
+        read_csv(tmp_path / "none.csv")
+    with pytest.raises(RecordError, match="cannot be read: Is a directory"):
+        read_csv(tmp_path)
+    with pytest.raises(ParameterError, match="paths"):
+        read_csv([])
+
+
+@pytest.mark.parametrize(
+    ("options", "argument"),
+    [
+        ({"columns": {"vertical": 3}}, "columns"),
+        ({"columns": {"time": 0.5}}, "columns"),
+        ({"columns": {"time": -1}}, "columns"),
+        ({"units": {"angle": "gon"}}, "units"),
+        ({"units": {"vertical": "N"}}, "units"),
+        ({"delimiter": "::"}, "delimiter"),
+        ({"delimiter": ",", "decimal": ","}, "delimiter"),
+        ({"decimal": "'"}, "decimal"),
+        ({"header": -1}, "header"),
+        ({"encoding": "klingon"}, "encoding"),
+        ({"on_defect": "patch"}, "on_defect"),
+        ({"sample_rate": 0.0}, "sample_rate"),
+    ],
+)
+def test_bad_options_name_themselves(run, write, options, argument):
+    with pytest.raises(ParameterError) as caught:
+        read_csv(write(lines_of(columns(run))), **options)
+    assert caught.value.argument == argument
+
+
+def test_signs_and_prefixes_of_units():
+    found = factors({"time": "us", "angle": "deg", "radial": "-cN", "normal": "kN"})
+    expected = {"time": 1e-6, "angle": np.pi / 180, "tangential": 1, "radial": -0.01, "normal": 1e3}
+    assert found == pytest.approx(expected)
+
+
+def test_raw_data_come_back_to_the_bit(tmp_path):
+    virtual = VirtualTribometer(LAW, normal_force=10.0, turns=2, sample_rate=500.0, seed=6)
+    names = virtual.write(tmp_path / "campaign")
+    assert names == [
+        "run_1.csv",
+        "no_load_1.csv",
+        "no_load_2.csv",
+        "calibration.csv",
+        "tribometer.toml",
+    ]
+    folder = tmp_path / "campaign"
+    read, made = read_raw(folder / "run_1.csv", folder / "tribometer.toml"), virtual.record()
+    assert read.calibration == made.calibration
+    for one, other in zip(
+        read.recordings + read.no_load, made.recordings + made.no_load, strict=True
+    ):
+        assert (columns(one) == columns(other)).all()
+    assert (process(read).force == process(made).force).all()
+
+
+def test_a_configuration_says_how_to_read_and_process(run, write, tmp_path):
+    text = """
+        [file]
+        delimiter = ";"
+        decimal = ","
+        header = 0
+        [columns]
+        time = 0
+        angle = 1
+        tangential = 2
+        radial = 3
+        normal = 4
+        [units]
+        angle = "deg"
+        [calibration]
+        loads = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        readings = [[2, 0, 0], [0, 2, 0], [0, 0, 2]]
+        [processing]
+        cut_off = 30
+        grid_angle = 0.1
+    """
+    (tmp_path / "rig.toml").write_text(text)
+    table = columns(run) * [1.0, 180.0 / np.pi, 2.0, 2.0, 2.0]
+    path = write(lines_of(table, header=(), delimiter=";", decimal=","))
+    configuration = Configuration.load(tmp_path / "rig.toml")
+    data = configuration.process(configuration.read(path))
+    expected = process(asp.identify.RawData([run]), cut_off=30.0, grid_angle=0.1)
+    np.testing.assert_allclose(data.force, expected.force, atol=1e-12)
+    np.testing.assert_allclose(data.phi, expected.phi, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[file", "is no TOML"),
+        ("[camera]\nfps = 3", "camera: is no section"),
+        ("[units]\nvelocity = 'm'", r"units\.velocity: is not known"),
+        ("units = 3", "units: must be a section"),
+    ],
+)
+def test_wrong_configurations(tmp_path, text, message):
+    path = tmp_path / "rig.toml"
+    path.write_text(text)
+    with pytest.raises(RecordError, match=message):
+        Configuration.load(path)
+
+
+def test_wrong_calibration_files(run, write):
+    path = write(lines_of(columns(run)))
+    with pytest.raises(ParameterError, match="calibration: must give file, or loads"):
+        Configuration({"calibration": {"loads": [[1, 2, 3]]}}).read(path)
+    header = "load_tangential,load_radial,load_normal,tangential,radial,normal"
+    weighings = write([header, "1,0,0,1,0,0", "0,1,0,0,x,0", "0,0,1,0,0,1"], "weights.csv")
+    with pytest.raises(RecordError, match=r"weights\.csv: no number in line 3"):
+        Configuration({"calibration": {"file": "weights.csv"}}, folder=path.parent).read(path)
+    weighings.write_text(header + "\n1,0,0,1,0,0\n")
+    with pytest.raises(RecordError, match="must act along all three axes"):
+        Configuration({"calibration": {"file": "weights.csv"}}, folder=path.parent).read(path)
+
+
+def test_damaged_files_raise_nothing_but_our_errors(run, tmp_path):
+    whole = "\n".join(lines_of(columns(run)[:300])).encode()
+    random, path = np.random.default_rng(7), tmp_path / "run.csv"
+    for _ in range(150):
+        damaged = bytearray(whole)
+        for _ in range(random.integers(1, 40)):
+            at = random.integers(len(damaged))
+            kind = random.integers(3)
+            if kind == 0:
+                damaged[at] = random.integers(256)
+            elif kind == 1:
+                del damaged[at : at + random.integers(1, 200)]
+            else:
+                damaged[at:at] = damaged[: random.integers(1, 50)]
+        path.write_bytes(bytes(damaged))
+        for on_defect in ("raise", "split"):
+            with suppress(RecordError):
+                runs = read_csv(path, on_defect=on_defect)
+                assert all(np.isfinite(columns(read)).all() for read in runs)

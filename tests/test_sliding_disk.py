@@ -1,0 +1,116 @@
+"""The disk on three pads: loads of the pads, agreement with the point mass, spin."""
+
+import pickle
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity.paper import table1
+
+WEIGHT = 0.018 * 9.81
+EXTENDED = table1.laws()["extended, superellipses C, D"]
+LAWS = {**table1.laws(), "isotropic": asp.FrictionLaw.isotropic(0.5)}
+VELOCITY = 1.52 * np.array([np.cos(np.deg2rad(32.0)), np.sin(np.deg2rad(32.0))])
+
+
+def slide(disk, dt=2e-4, **options):
+    return asp.simulate(disk, dt=dt, t_end=1.0, until_rest=True, tolerance=1e-13, **options)
+
+
+@pytest.mark.parametrize("spin", [0.0, 25.0])
+def test_pads_carry_the_weight(spin):
+    disk = asp.SlidingDisk(EXTENDED, velocity=VELOCITY, spin=spin, angle=0.3)
+    run = slide(disk, dt=1e-4)
+    assert run.status == "at_rest"
+    assert run.normal_force[1:].min() > 0.01
+    assert run.normal_force[1:].sum(axis=1) == pytest.approx(WEIGHT, rel=1e-10)
+    assert disk.positions(run)[:, 0, 2] == pytest.approx(0.0065, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("angle", [0.0, 1.1])
+def test_without_spin_the_disk_moves_as_the_point(name, angle):
+    disk = asp.SlidingDisk(LAWS[name], velocity=VELOCITY, angle=angle)
+    run = slide(disk)
+    point = slide(asp.SlidingPoint(0.018, LAWS[name]), u0=VELOCITY)
+    common = min(len(run), len(point))
+    assert disk.path(run)[:common] == pytest.approx(point.q[:common], abs=1e-10)
+    assert disk.turn(run) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_loads_of_the_pads_follow_from_the_moments(name):
+    """Σ λ_N r = −h Σ λ_T about the centre of mass, and Σ r rᵀ = (3/2) r² I on the circle."""
+    disk = asp.SlidingDisk(LAWS[name], velocity=VELOCITY, angle=0.4)
+    run = slide(disk)
+    pads = 0.0105 * np.stack([np.cos(a := 0.4 + 2.0 * np.pi * np.arange(3) / 3), np.sin(a)], 1)
+    friction = LAWS[name].force(run.slip[1:-9, 0], WEIGHT)
+    loads = WEIGHT / 3.0 - 0.0065 / (1.5 * 0.0105**2) * friction @ pads.T
+    assert run.normal_force[1:-9] == pytest.approx(loads, rel=1e-6)
+
+
+def test_spin_follows_the_euler_equations_of_pads_with_given_loads():
+    """Against an explicit integration of the plane motion with loads from both moments."""
+    law = asp.FrictionLaw.isotropic(0.5)
+    disk = asp.SlidingDisk(law, velocity=(1.0, 0.2), spin=30.0, angle=0.2)
+    run = asp.simulate(disk, dt=1e-4, t_end=0.1, tolerance=1e-13)
+    reference = _planar_motion(law, (1.0, 0.2), 30.0, 0.2, 0.1)
+    assert disk.path(run)[-1] == pytest.approx(reference[:2], abs=2e-6)
+    assert disk.turn(run)[-1] == pytest.approx(reference[2] - 0.2, abs=1e-4)
+
+
+def _planar_motion(law, velocity, spin, angle, t_end):
+    from scipy.integrate import solve_ivp
+
+    inertia, height, radius = 0.5 * 0.018 * 0.014**2, 0.0065, 0.0105
+
+    def rate(_, state):
+        v, omega, turned = state[3:5], state[5], state[2]
+        a = turned + 2.0 * np.pi * np.arange(3) / 3
+        pads = radius * np.stack([np.cos(a), np.sin(a)], axis=1)
+        slip = v + omega * np.stack([-pads[:, 1], pads[:, 0]], axis=1)
+        unit = law.force(slip)
+        # Σ λ = m g and Σ λ (r + h f) = 0 are three linear equations of the three loads.
+        loads = np.linalg.solve(np.vstack([np.ones(3), (pads + height * unit).T]), [WEIGHT, 0, 0])
+        force = loads[:, None] * unit
+        torque = np.sum(pads[:, 0] * force[:, 1] - pads[:, 1] * force[:, 0])
+        return [*v, omega, *(force.sum(axis=0) / 0.018), torque / inertia]
+
+    start = [0.0, 0.0, angle, *velocity, spin]
+    return solve_ivp(rate, (0.0, t_end), start, rtol=1e-9, atol=1e-12).y[:, -1]
+
+
+def test_spin_shortens_no_disk_and_bends_the_path():
+    straight, spinning = (
+        asp.SlidingDisk(EXTENDED, velocity=VELOCITY, spin=spin) for spin in (0.0, 60.0)
+    )
+    ends = [disk.path(slide(disk))[-1] for disk in (straight, spinning)]
+    assert np.hypot(*ends[1]) > np.hypot(*ends[0])
+    assert np.hypot(*(ends[1] - ends[0])) > 5e-3
+
+
+def test_disks_are_values():
+    disk = asp.SlidingDisk(EXTENDED, velocity=VELOCITY, spin=2.0)
+    assert pickle.loads(pickle.dumps(disk)) == disk
+    assert disk.replace(spin=2.0) == disk
+    assert disk.replace(spin=0.0) != disk
+    assert "spin=2.0" in repr(disk)
+    assert len(disk.contacts) == 3
+
+
+@pytest.mark.parametrize(
+    ("changes", "argument"),
+    [
+        ({"law": asp.FrictionLaw.isotropic(0.3, dimension=1)}, "law"),
+        ({"law": 0.3}, "law"),
+        ({"velocity": [1.0, 0.0, 0.0]}, "velocity"),
+        ({"spin": np.nan}, "spin"),
+        ({"mass": 0.0}, "mass"),
+        ({"pad_circle": 0.03}, "pad_circle"),
+        ({"gravity": (0.0, 0.0, 9.81)}, "gravity"),
+    ],
+)
+def test_what_is_no_disk_is_refused(changes, argument):
+    with pytest.raises(asp.ParameterError) as caught:
+        asp.SlidingDisk(**{"law": EXTENDED, **changes})
+    assert caught.value.argument == argument
