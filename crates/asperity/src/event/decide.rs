@@ -57,11 +57,8 @@ pub(super) fn decide(
         let mut pressing = if normals.is_empty() { vec![] } else { field.solution.clone() };
         let contacts = (0..field.touches.len()).filter(|&i| field.touches[i].resting).collect();
         let (part, answers) = constrained(field, contacts);
-        let load: Vec<f64> = part
-            .rows
-            .iter()
-            .map(|&row| field.rate(row, &field.acceleration))
-            .collect();
+        let load: Vec<f64> =
+            part.rows.iter().map(|&row| field.rate(row, &field.acceleration)).collect();
         let problem = problem(field, &part, load, |touch| touch.prescribed);
         let (decision, remembered, velocity) = solve(&part, &problem, memory);
         let Decision::Made { .. } = decision else { return Ok(decision) };
