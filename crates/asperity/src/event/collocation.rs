@@ -99,7 +99,7 @@ pub(super) struct Scale {
 }
 
 /// One step with its stages.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Step {
     n: usize,
     /// Length.

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `collocation.rs` | Radau IIA of order nine, its error estimate |
 //! | `field.rs`, `touch.rs`, `derivatives.rs`, `force.rs` | accelerations in a mode and their Jacobian |
-//! | `decide.rs` | contact problems of accelerations and of impacts |
+//! | `decide.rs`, `share.rs` | contact problems of accelerations and of impacts |
 //! | `locate.rs`, `watch.rs`, `between.rs` | functions whose zeros are events, watched along steps |
 //! | `sample.rs`, `dense.rs` | samples inside steps |
 //! | `run.rs`, `control.rs` | the loop over steps, the length of steps |
@@ -30,6 +30,7 @@ mod lu;
 mod motion;
 mod run;
 mod sample;
+mod share;
 mod touch;
 mod watch;
 

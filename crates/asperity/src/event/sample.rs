@@ -28,9 +28,10 @@ impl Runner<'_> {
         self.interpolate(h, attempt)?;
         while due(self.samples) && !self.interrupted {
             self.dense.at(self.samples as f64 * dt, &mut self.sampled);
-            let sampled = &self.sampled;
-            self.field.evaluate(sampled.t, &sampled.q, &sampled.u, false)?;
-            self.motion.record(&self.field, &self.sampled);
+            let sampled = std::mem::take(&mut self.sampled);
+            self.evaluate((sampled.t, &sampled.q, &sampled.u), false)?;
+            self.motion.record(&self.field, &sampled);
+            self.sampled = sampled;
             self.samples += 1;
             if self.samples % RARELY == 0 {
                 self.ask();

@@ -79,8 +79,7 @@ impl Runner<'_> {
         for (stage, c) in Tableau::radau().c.iter().enumerate() {
             let own = stage * n..(stage + 1) * n;
             let high = c * self.step.h;
-            let (q, u) = (&self.step.q[own.clone()], &self.step.u[own.clone()]);
-            self.field.evaluate(self.state.t + high, q, u, false)?;
+            self.evaluate_stage(stage)?;
             let singular = |t: &Touch| t.mode == Phase::Slip && t.resistance <= 0.0;
             if self.field.touches.iter().any(singular) {
                 return Ok(Watch::Singular);
@@ -106,6 +105,16 @@ impl Runner<'_> {
             }
         }
         Ok(Watch::Quiet)
+    }
+
+    /// The field at a stage of the attempt.
+    fn evaluate_stage(&mut self, stage: usize) -> Result<(), FieldError> {
+        let (n, t) = (self.field.n, self.state.t + Tableau::radau().c[stage] * self.step.h);
+        let own = stage * n..(stage + 1) * n;
+        let step = std::mem::take(&mut self.step);
+        let evaluated = self.evaluate((t, &step.q[own.clone()], &step.u[own]), false);
+        self.step = step;
+        evaluated
     }
 
     /// Whether something happens between two values of an alarm, the later one at `t`. A section is crossed
@@ -148,8 +157,7 @@ impl Runner<'_> {
             Err(Lost::Diverged) => {}
             Err(Lost::Error(error)) => return Err(error),
         }
-        let (q, u) = (self.step.end(&self.step.q), self.step.end(&self.step.u));
-        self.field.evaluate(self.state.t + self.step.h, q, u, false)?;
+        self.evaluate_stage(STAGES - 1)?;
         Ok(None)
     }
 
@@ -189,8 +197,11 @@ impl Runner<'_> {
         if !self.probe.solve(&mut self.field, &self.state, h, goal)? {
             return Err(Lost::Diverged);
         }
-        let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
-        Ok(self.field.evaluate(self.state.t + h, q, u, h == 0.0 && self.starting)?)
+        let probe = std::mem::take(&mut self.probe);
+        let (q, u) = (probe.end(&probe.q), probe.end(&probe.u));
+        let evaluated = self.evaluate((self.state.t + h, q, u), h == 0.0 && self.starting);
+        self.probe = probe;
+        Ok(evaluated?)
     }
 
     /// Takes the end of the attempt, or of the last look, as the present state.
@@ -213,8 +224,7 @@ impl Runner<'_> {
     /// Takes the attempt, which ends at `t`.
     pub(super) fn accept(&mut self, t: f64) -> Result<(), FieldError> {
         if self.sample(t, true)? {
-            let (q, u) = (self.step.end(&self.step.q), self.step.end(&self.step.u));
-            self.field.evaluate(t, q, u, false)?;
+            self.evaluate_stage(STAGES - 1)?;
         }
         self.go_to(t, true)?;
         if !self.field.constant {
