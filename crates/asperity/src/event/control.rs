@@ -104,6 +104,11 @@ impl Control {
         }
     }
 
+    /// The resistances at the present state, whatever an attempt has met since.
+    pub(super) fn resistances(&self) -> &[f64] {
+        &self.resistances
+    }
+
     /// Forgets how fast resistances change: contacts do something else.
     pub(super) fn forget(&mut self, field: &Field<'_>) {
         self.rates.fill(0.0);
@@ -145,7 +150,7 @@ impl Control {
                 limit = limit.min(-APPROACH * speed / rate);
             }
             if self.rates[i] < 0.0 {
-                limit = limit.min(-APPROACH * touch.resistance / self.rates[i]);
+                limit = limit.min(-APPROACH * self.resistances[i] / self.rates[i]);
             }
         }
         limit

@@ -46,6 +46,8 @@ pub(super) struct Runner<'a> {
     /// Whether the step before was of the same mode, and whether its Jacobian can be used again.
     pub(super) smooth: bool,
     pub(super) linear: bool,
+    /// Whether the field is where a rejected attempt has left it.
+    stale: bool,
     /// Alarms at the present state, contacts first, then the section; those along the attempt.
     pub(super) alarms: Vec<f64>,
     pub(super) seen: Vec<[f64; NODES]>,
@@ -98,6 +100,7 @@ impl<'a> Runner<'a> {
             starting: false,
             smooth: false,
             linear: false,
+            stale: false,
             alarms: vec![0.0; contacts + 1],
             seen: vec![[0.0; NODES]; contacts + 1],
             counted: (0, 0, 0.0),
@@ -142,6 +145,12 @@ impl<'a> Runner<'a> {
         let left = self.options.t_end - self.state.t;
         if left <= 0.0 {
             return Ok(Some(Outcome::Finished));
+        }
+        if self.stale {
+            let State { t, q, u } = &self.state;
+            self.field.evaluate(*t, q, u, self.starting)?;
+            self.field.survey(&self.state)?;
+            self.stale = false;
         }
         let mut limit = self.control.flight(&self.field, &self.state.u, &self.a0);
         if !self.starting {
@@ -218,7 +227,7 @@ impl<'a> Runner<'a> {
     /// Tries again with a shorter step.
     pub(super) fn shorten(&mut self, h: f64) -> Option<Outcome> {
         self.control.h = h;
-        self.linear = false;
+        (self.linear, self.stale) = (false, true);
         self.motion.rejected_steps += 1;
         None
     }
