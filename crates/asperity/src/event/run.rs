@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::between::NODES;
 use super::collocation::Step;
-use super::control::Control;
+use super::control::{Control, largest};
 use super::dense::Dense;
 use super::field::Field;
 use super::force::norm;
@@ -165,7 +165,7 @@ impl<'a> Runner<'a> {
         if let Some(contact) = self.singular() {
             return self.stop_without_collision(contact);
         }
-        let scale = self.control.scale(h, &self.a0);
+        let scale = self.control.scale(h, self.push(h));
         if !self.linear {
             self.field.linearise(&self.state, scale)?;
             self.linear = true;
@@ -173,6 +173,7 @@ impl<'a> Runner<'a> {
         if !self.attempt(h)? {
             return Ok(self.shorten(0.25 * h));
         }
+        let scale = self.control.scale(h, self.push(h).max(largest(&self.step.a)));
         let error = self.step.error(&self.state, &self.a0, scale);
         if !self.control.judge(h, error) {
             let shorter = self.control.h;
@@ -232,9 +233,15 @@ impl<'a> Runner<'a> {
         None
     }
 
+    /// The largest acceleration that is known to come in a time: at the beginning of a slip from rest there is
+    /// none yet.
+    fn push(&self, h: f64) -> f64 {
+        largest(&self.a0) + h * self.slope.as_deref().map_or(0.0, largest)
+    }
+
     /// Newton's method from the continued polynomial of the step before, else from constant accelerations.
     fn attempt(&mut self, h: f64) -> Result<bool, FieldError> {
-        let goal = (self.control.newton, self.control.scale(h, &self.a0));
+        let goal = (self.control.newton, self.control.scale(h, self.push(h)));
         if self.smooth && h <= 2.0 * self.last.h {
             self.step.guess_from(h, &self.last, self.last.h);
             if self.step.solve(&mut self.field, &self.state, h, goal)? {
