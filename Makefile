@@ -34,6 +34,7 @@ bench: $(VENV)/.installed
 	$(BIN)/python benches/python_overhead.py
 	$(BIN)/python benches/python_sets.py
 	$(BIN)/python benches/python_stability.py
+	$(BIN)/python benches/python_identification.py
 	$(BIN)/python benches/python_tracking.py
 
 # Time and memory of the default solver, from 10 to 10⁵ contacts.

@@ -209,7 +209,7 @@ __all__ = [
 
 def __getattr__(name: str) -> _Any:
     # Matplotlib and SciPy are imported by the first use of these modules, not before.
-    if name in ("identify", "mechanisms", "plot", "problems"):
+    if name in ("identify", "mechanisms", "plot", "problems", "track"):
         from importlib import import_module
 
         return import_module(f"asperity.{name}")

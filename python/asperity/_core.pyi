@@ -261,6 +261,7 @@ def integrate(
     u0: _Array,
     tolerance: float,
     sample: float | None,
+    max_step: float | None,
     section: tuple[_Array, float, float] | None,
     max_events: int,
     progress: Callable[[float, float], object] | None,

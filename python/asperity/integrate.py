@@ -31,10 +31,17 @@ _FAILURES = {
         "Impacts or stick-slip may follow each other ever faster: try a larger max_events or a "
         "restitution further from 1",
     ),
-    "stuck": (
-        "steps fail however short they are, or events follow each other without time passing",
-        "Forces may grow without bound, or the direction set may be nearly flat where the sliding "
-        "direction is held: try simulate",
+    "step": (
+        "steps fail however short they are",
+        "Forces may grow without bound, or jump where the method does not know it: try simulate",
+    ),
+    "rejections": (
+        "most steps fail, and time hardly passes",
+        "The direction set may be nearly flat where the sliding direction is held: try simulate",
+    ),
+    "events": (
+        "events follow each other without time passing",
+        "The contacts may not find what to do, such as when they are redundant: try simulate",
     ),
     "no_solution": (Status.NO_SOLUTION.message, Status.NO_SOLUTION.advice),
 }
@@ -48,6 +55,7 @@ def integrate(
     u0: ArrayLike | None = None,
     tolerance: float = 1e-10,
     dt: float | None = None,
+    max_step: float | None = None,
     section: Section | None = None,
     max_events: int = 10_000,
     progress: Callable[[float, float], object] | None = None,
@@ -68,13 +76,15 @@ def integrate(
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far; between 1e-14 and 1e-2.
         dt: time between samples in s. Default: every step of the method, before and after events.
+        max_step: longest step in s. Default: as the error allows. Forces that depend on time are seen
+            at five times of a step: set this to the length of pulses, which are missed otherwise.
         section: where to stop.
         max_events: number of events after which the integration gives up.
         progress: a function of (t, t_end) called a few times a second.
 
     Returns:
-        The motion. Bounces that are lower than 1e-13 of the largest coordinate end a sequence of
-        impacts: the contact stays closed from there.
+        The motion. Bounces that are lower than 1e-13 of the contact's reach, the largest
+        |w_N|ᵀ|q| so far, end a sequence of impacts: the contact stays closed from there.
 
     Raises:
         NoSolutionError: neither forces nor an impact satisfy the laws (Painlevé).
@@ -104,6 +114,7 @@ def integrate(
         *initial_state(system, q0, u0),
         _arrays.positive(tolerance, "tolerance"),
         None if dt is None else _arrays.positive(dt, "dt"),
+        None if max_step is None else _arrays.positive(max_step, "max_step"),
         None if section is None else (section.normal, section.level, section.after),
         _arrays.count(max_events, "max_events"),
         progress,

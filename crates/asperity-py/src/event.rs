@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use asperity::event::{Motion, Options, Outcome, Run, Section, integrate as run_core};
+use asperity::event::{Cause, Motion, Options, Outcome, Run, Section, integrate as run_core};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
@@ -24,6 +24,7 @@ pub fn integrate<'py>(
     u0: Numbers<'py>,
     tolerance: f64,
     sample: Option<f64>,
+    max_step: Option<f64>,
     section: Option<(Numbers<'py>, f64, f64)>,
     max_events: usize,
     progress: Option<Py<PyAny>>,
@@ -33,7 +34,7 @@ pub fn integrate<'py>(
     });
     let (q0, u0) = (numbers(&q0, "q0")?.to_vec(), numbers(&u0, "u0")?.to_vec());
     let section = section.transpose()?;
-    let options = Options { t_end, q0, u0, tolerance, sample, section, max_events };
+    let options = Options { t_end, q0, u0, tolerance, sample, max_step, section, max_events };
     let mut raised = None;
     let mut observer = |t: f64| {
         let answer = Python::attach(|py| {
@@ -57,7 +58,14 @@ pub fn integrate<'py>(
         Outcome::Interrupted => ("interrupted", None, raised),
         Outcome::TooManyEvents => ("too_many_events", None, None),
         Outcome::NoSolution { contact } => ("no_solution", Some(contact), None),
-        Outcome::Stuck => ("stuck", None, None),
+        Outcome::Stuck { cause, contact } => {
+            let name = match cause {
+                Cause::Step => "step",
+                Cause::Rejections => "rejections",
+                Cause::Events => "events",
+            };
+            (name, contact, None)
+        }
         Outcome::Error(error) => ("failed", None, Some(Failure::from(error).0)),
     };
     out.set_item("ended", name)?;

@@ -15,6 +15,7 @@ _MOST = 100
 _LONGEST_STEP = 0.5
 _SHORTEST_STEP = 1e-13
 _SETTLED = 1e-4
+_MOST_REFINEMENTS = 10
 
 
 class Descent(NamedTuple):
@@ -71,6 +72,36 @@ def descend(
             damping = max(10.0 * damping, 1e-6)
     # Convergence is only linear where samples lie on the axes of a D with flat sides.
     return Descent(p, sums, cost, bool(np.abs(step).max() < _SETTLED))
+
+
+def refine(
+    sums_at: Callable[[Array], Sums],
+    start: Array,
+    coordinates: tuple[Coordinate, ...],
+    *,
+    close: float,
+    degrees: int,
+) -> Descent:
+    """Solve Jᵀe = 0 by Gauss and Newton's steps from a start that is nearly there.
+
+    A last step shorter than `close` standard errors, or no shorter than half the one before, is
+    taken linearly. The cost is no judge so close to its minimum: derivatives are bounded near the
+    axes of D, where residuals are noise. A start that is not near ends in a descent.
+    """
+    p, before = start, np.inf
+    for _ in range(_MOST_REFINEMENTS):
+        sums = sums_at(p)
+        cost, gradient, matrix = sums.total()
+        step = damped_step(matrix, gradient)
+        length = np.abs(step).max(initial=0.0)
+        if length > 2.0 * before or length > _LONGEST_STEP:
+            break
+        near = float(step @ matrix @ step) <= close**2 * cost / degrees
+        if near or length > 0.5 * before or length < _SHORTEST_STEP:
+            left = cost - float(step @ gradient)
+            return Descent(p + step, _continued(sums, step), left, True)
+        p, before = p + step, length
+    return descend(sums_at, start, coordinates, damping=1e-3, close=close, degrees=degrees)
 
 
 def damped_step(matrix: Array, gradient: Array, damping: float = 0.0) -> Array:

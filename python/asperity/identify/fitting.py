@@ -9,7 +9,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import FitError, ParameterError
 from asperity.identify.bins import check_coverage, grouped
-from asperity.identify.descent import Descent, descend
+from asperity.identify.descent import Descent, refine
 from asperity.identify.fit import Fit
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
@@ -102,11 +102,10 @@ def _fit_samples(
     degrees = max(2 * len(samples) - family.size, 1)
 
     def from_here(p: Array, measure: Loss) -> Descent:
-        return descend(
+        return refine(
             lambda at: family.sums(samples, at, measure),
             p,
             family.coordinates,
-            damping=0.0,
             close=_CLOSE,
             degrees=degrees,
         )

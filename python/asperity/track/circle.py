@@ -29,8 +29,8 @@ class Circle(Value):
         radius: in the unit of the points.
         covariance: of centre and radius, shape ``(3, 3)``.
         rms: root mean square of the distances of the points used.
-        coverage: share of the circle outside gaps between points used of more than 20°, and of five mean
-            distances.
+        coverage: share of the circle outside gaps between points used, of more than 20° and of
+            five mean distances.
     """
 
     centre: Array
@@ -57,7 +57,7 @@ class Circle(Value):
         )
 
 
-def fit_circle(points: ArrayLike, *, robust: bool = False) -> Circle:
+def fit_circle(points: ArrayLike, *, robust: bool = False, resolution: float = 0.0) -> Circle:
     """Fit the circle with the least squared distances to points.
 
     Neighbours on the outline of a filtered image share their errors; the covariance follows from
@@ -67,6 +67,8 @@ def fit_circle(points: ArrayLike, *, robust: bool = False) -> Circle:
         points: shape ``(n, 2)``, n ≥ 4.
         robust: whether points far off, in units of the others' median distance, count less and
             less (Tukey's biweight).
+        resolution: standard deviation that the others' is taken for at least, in the unit of the
+            points.
 
     Raises:
         DimensionError: if there are fewer than four points.
@@ -79,6 +81,7 @@ def fit_circle(points: ArrayLike, *, robust: bool = False) -> Circle:
     outline = _arrays.array(points, "points", (None, 2))
     if len(outline) < _FEWEST:
         raise DimensionError("points", f"must hold at least {_FEWEST} points, got {len(outline)}")
+    resolution = _arrays.non_negative(resolution, "resolution")
     # In units of their own spread about their own mean, no digits are lost.
     middle = outline.mean(axis=0)
     spread = float(np.sqrt(np.mean((outline - middle) ** 2)))
@@ -90,7 +93,7 @@ def fit_circle(points: ArrayLike, *, robust: bool = False) -> Circle:
     for _ in range(_ITERATIONS):
         distance, slope = _distances(unit, guess)
         if robust:
-            weights, stiffness = _biweight(distance)
+            weights, stiffness = _biweight(distance, resolution / spread)
         root = np.sqrt(weights)
         step, *_ = np.linalg.lstsq(slope * root[:, None], -distance * root, rcond=None)
         guess = guess + step
@@ -132,9 +135,9 @@ def _coverage(angles: Array) -> float:
     return 1.0 - min(float(gaps[gaps > limit].sum()) / (2.0 * np.pi), 1.0)
 
 
-def _biweight(distance: Array) -> tuple[Array, Array]:
+def _biweight(distance: Array, resolution: float) -> tuple[Array, Array]:
     """Return Tukey's weights and the derivatives of weight times distance."""
-    scale = max(float(np.median(np.abs(distance))) / _MEDIAN, _SMALLEST)
+    scale = max(float(np.median(np.abs(distance))) / _MEDIAN, resolution, _SMALLEST)
     share = np.minimum((distance / (_TUKEY * scale)) ** 2, 1.0)
     return (1.0 - share) ** 2, (1.0 - share) * (1.0 - 5.0 * share)
 

@@ -22,6 +22,8 @@ _STEPS = (4, 1)
 # From here on the outline is broken by a reflection; beyond the last one it is another thing.
 _FILLING, _COVERAGE, _RMS, _SIZE, _OTHER_SIZE = 0.95, 0.95, 0.05, 0.15, 0.5
 _SHARPEST_RMS = 0.5
+# Distances of the outline from the circle, in pixels, that blur and filter explain.
+_RESOLUTION = 0.1
 
 
 class Follower:
@@ -90,9 +92,9 @@ class Follower:
 
     def _sighting(self, seen: Outline, corner: Array) -> Sighting:
         points = self.scene.to_plane(seen.points + corner)
-        circle = fit_circle(points, robust=True)
+        size = self.scene.pixel_size(seen.points.mean(axis=0) + corner)
+        circle = fit_circle(points, robust=True, resolution=_RESOLUTION * size)
         pixel = self.scene.to_pixels(circle.centre)
-        size = self.scene.pixel_size(pixel)
         expected = self._diameter or 2.0 * circle.radius
         ratio = 2.0 * circle.radius / expected
         if not 1.0 - _OTHER_SIZE < ratio < 1.0 + _OTHER_SIZE:

@@ -82,10 +82,13 @@ fn bisect(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
 }
 
 fn lagrange(c: &[f64; STAGES], x: f64) -> [f64; STAGES] {
-    std::array::from_fn(|j| {
-        let others = (0..STAGES).filter(|&k| k != j);
-        others.map(|k| (x - c[k]) / (c[j] - c[k])).product()
-    })
+    std::array::from_fn(|j| lagrange_at(c, j, x))
+}
+
+/// The polynomial that is one at the `j`-th node and zero at the others.
+pub(super) fn lagrange_at(nodes: &[f64], j: usize, x: f64) -> f64 {
+    let others = (0..nodes.len()).filter(|&k| k != j);
+    others.map(|k| (x - nodes[k]) / (nodes[j] - nodes[k])).product()
 }
 
 /// What velocities and coordinates are compared with.
@@ -96,7 +99,7 @@ pub(super) struct Scale {
 }
 
 /// One step with its stages.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Step {
     n: usize,
     /// Length.
@@ -192,7 +195,8 @@ impl Step {
         Ok(false)
     }
 
-    fn stages(&mut self, start: &State) {
+    /// The states at the stages that follow from the accelerations there.
+    pub(super) fn stages(&mut self, start: &State) {
         let (n, h, table) = (self.n, self.h, Tableau::radau());
         for i in 0..STAGES {
             for k in 0..n {

@@ -12,6 +12,8 @@ const ESTIMATE: f64 = 6.0;
 /// Share of the time until a slip or a resistance vanishes that a step may take. Powers of the time that is left
 /// are approximated to the tolerance then, which the estimate would not see to.
 const APPROACH: f64 = 0.75;
+/// Share of the time in which a gap closes at its present velocity that a step may take.
+const BEYOND: f64 = 1.2;
 
 /// Tolerances, scales and the length of the next step.
 #[derive(Debug)]
@@ -110,17 +112,20 @@ impl Control {
         }
     }
 
-    /// Half the time of the flight of contacts that have just bounced or opened: a step must not go beyond it.
+    /// A step must not go beyond half the flight of contacts that have just bounced or opened, nor far beyond
+    /// the closing of gaps that are no polynomials of the motion.
     pub(super) fn flight(&self, field: &Field<'_>, u: &[f64], a0: &[f64]) -> f64 {
         let mut limit = f64::INFINITY;
         for (i, touch) in field.touches.iter().enumerate() {
             if touch.is_free() {
-                let (velocity, rate) =
-                    (dot(field.row(ROWS * i), u), field.rate(ROWS * i, a0));
+                let (velocity, rate) = (dot(field.row(ROWS * i), u), field.rate(ROWS * i, a0));
                 // From there on the gap is not smaller than it was.
                 let near = touch.gap < velocity * velocity / rate.abs();
                 if velocity > STILL * self.scale.u && rate < 0.0 && near {
                     limit = limit.min(-velocity / rate);
+                }
+                if velocity < -STILL * self.scale.u && !field.constant {
+                    limit = limit.min(BEYOND * touch.gap.max(0.0) / -velocity);
                 }
             }
         }

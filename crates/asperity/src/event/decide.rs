@@ -19,6 +19,8 @@ const FALLBACK: Solver = Solver::Auto { interior_point: false, threads: 1 };
 const TOLERANCE: f64 = 1e-12;
 /// Relative distance from the boundary of a reservoir that counts as none.
 const BOUNDARY: f64 = 1e-6;
+/// Slip acceleration over the load that other contacts prevent.
+const REDUNDANT: f64 = 1e-11;
 
 /// The outcome of a contact problem.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,11 +59,8 @@ pub(super) fn decide(
         let mut pressing = if normals.is_empty() { vec![] } else { field.solution.clone() };
         let contacts = (0..field.touches.len()).filter(|&i| field.touches[i].resting).collect();
         let (part, answers) = constrained(field, contacts);
-        let load: Vec<f64> = part
-            .rows
-            .iter()
-            .map(|&row| field.rate(row, &field.acceleration))
-            .collect();
+        let load: Vec<f64> =
+            part.rows.iter().map(|&row| field.rate(row, &field.acceleration)).collect();
         let problem = problem(field, &part, load, |touch| touch.prescribed);
         let (decision, remembered, velocity) = solve(&part, &problem, memory);
         let Decision::Made { .. } = decision else { return Ok(decision) };
@@ -75,6 +74,7 @@ pub(super) fn decide(
             continue;
         }
         keep(field, &part, &problem, &remembered, &velocity);
+        hold_redundant(field, &part, &problem);
         return Ok(decision);
     }
 }
@@ -176,6 +176,26 @@ fn keep(
         }
         if touch.mode == Phase::Slip && touch.normal_force > 0.0 {
             touch.sliding = touch.force.map(|f| f / touch.normal_force);
+        }
+    }
+}
+
+/// Contacts at the limit of their force whose slip the other contacts prevent stick.
+fn hold_redundant(field: &mut Field<'_>, part: &Part, problem: &ContactProblem) {
+    let size = part.rows.len();
+    let mut inverse = Inverse::default();
+    inverse.of(size, |i, j| {
+        dot(field.row(part.rows[i]), &part.responses[j * field.n..(j + 1) * field.n])
+    });
+    if size == 0 || !inverse.singular {
+        return;
+    }
+    let load = problem.free_velocity.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
+    for &i in &part.contacts {
+        let touch = &mut field.touches[i];
+        if touch.mode == Phase::Slip && force::norm(&touch.slip) <= REDUNDANT * load {
+            touch.mode = Phase::Stick;
+            touch.slip = [0.0; 3];
         }
     }
 }

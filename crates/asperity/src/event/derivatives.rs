@@ -103,7 +103,11 @@ impl Field<'_> {
     }
 
     /// Finds a stencil at the beginning, from a narrow one.
-    pub(super) fn begin(&mut self, State { t, q, u }: &State, t_end: f64) -> Result<(), FieldError> {
+    pub(super) fn begin(
+        &mut self,
+        State { t, q, u }: &State,
+        t_end: f64,
+    ) -> Result<(), FieldError> {
         self.widest = power_of_two(CHANGE * t_end);
         self.stencil = power_of_two(1e-9 * t_end);
         for _ in 0..TRIALS {

@@ -55,6 +55,7 @@ impl<'a> Field<'a> {
         let touch = |contact: &crate::system::ContactLaw| Touch {
             mode: Phase::Open,
             resting: false,
+            shared: false,
             p: contact.law.dimension(),
             prescribed: contact.normal_force,
             gap: 0.0,
@@ -186,7 +187,7 @@ impl<'a> Field<'a> {
     fn given_forces(&mut self) {
         let n = self.n;
         for (i, touch) in self.touches.iter_mut().enumerate() {
-            touch.force = [0.0; 3];
+            (touch.force, touch.shared) = ([0.0; 3], false);
             touch.normal_force = touch.prescribed.unwrap_or(0.0);
             if let (Phase::Slip, Some(normal_force)) = (touch.mode, touch.prescribed) {
                 for r in 0..touch.p {
@@ -270,6 +271,11 @@ impl<'a> Field<'a> {
         for (column, x) in self.columns.chunks_exact(n).zip(&self.solution) {
             add(response, *x, column);
         }
+    }
+
+    /// Whether the contacts can share the last unknown forces in many ways, of which the smallest was taken.
+    pub(super) fn indeterminate(&self) -> bool {
+        !self.unknown.is_empty() && self.inverse.singular
     }
 
     /// The contacts' rows of the last unknown forces.

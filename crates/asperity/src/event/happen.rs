@@ -20,9 +20,8 @@ impl Runner<'_> {
         let State { t, q, u } = &self.state;
         self.field.kinematics(*t, q, u)?;
         self.control.see(&mut self.field, q, u);
-        let depth = |touch: &Touch| {
-            touch.prescribed.is_none() && touch.gap < -TOUCHING * touch.reach
-        };
+        let depth =
+            |touch: &Touch| touch.prescribed.is_none() && touch.gap < -TOUCHING * touch.reach;
         Ok(self.field.touches.iter().position(depth).map(|contact| {
             let depth = -self.field.touches[contact].gap;
             let message =
@@ -135,7 +134,7 @@ impl Runner<'_> {
         self.field.survey(&self.state)?;
         self.quiet(true);
         if self.options.sample.is_none() {
-            self.motion.record(&self.field, &self.state);
+            self.record()?;
         }
         Ok(())
     }

@@ -9,6 +9,8 @@ const SINGULAR: f64 = 1e-11;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Inverse {
     size: usize,
+    /// Whether it is a pseudo-inverse.
+    pub(super) singular: bool,
     entries: Vec<f64>,
     work: Vec<f64>,
     product: Vec<f64>,
@@ -18,7 +20,7 @@ impl Inverse {
     /// Of the matrix with these entries. Statically indeterminate contacts make it singular: they share the
     /// forces so that the sum of squares is smallest.
     pub(super) fn of(&mut self, size: usize, entry: impl Fn(usize, usize) -> f64) {
-        self.size = size;
+        (self.size, self.singular) = (size, false);
         if size == 1 {
             self.entries.clear();
             self.entries.push(1.0 / entry(0, 0));
@@ -28,7 +30,8 @@ impl Inverse {
         self.work.extend((0..size * size).map(|k| entry(k / size, k % size)));
         self.entries.clear();
         self.entries.resize(size * size, 0.0);
-        if !self.eliminate() {
+        self.singular = !self.eliminate();
+        if self.singular {
             let matrix = DMatrix::from_fn(size, size, &entry);
             let largest = matrix.amax();
             let finite = matrix.iter().all(|m| m.is_finite());

@@ -11,6 +11,7 @@ pub(super) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
     let touch = &field.touches[contact];
     match (touch.mode, touch.prescribed) {
         (Phase::Open, None) => -touch.gap - SLACK * touch.reach,
+        (Phase::Stick, _) if touch.shared => -1.0,
         (Phase::Stick, _) => force::gauge(field.law(contact), &touch.force) - touch.normal_force,
         (Phase::Slip, None) => -touch.normal_force,
         _ => -1.0,

@@ -7,15 +7,18 @@
 //! |---|---|
 //! | `collocation.rs` | Radau IIA of order nine, its error estimate |
 //! | `field.rs`, `touch.rs`, `derivatives.rs`, `force.rs` | accelerations in a mode and their Jacobian |
-//! | `decide.rs` | contact problems of accelerations and of impacts |
-//! | `locate.rs`, `watch.rs` | functions whose zeros are events, watched along steps |
+//! | `decide.rs`, `share.rs` | contact problems of accelerations and of impacts |
+//! | `locate.rs`, `watch.rs`, `between.rs` | functions whose zeros are events, watched along steps |
+//! | `sample.rs`, `dense.rs` | samples inside steps |
 //! | `run.rs`, `control.rs` | the loop over steps, the length of steps |
 //! | `happen.rs`, `impact.rs` | what is done at events |
 //! | `motion.rs` | what is returned |
 
+mod between;
 mod collocation;
 mod control;
 mod decide;
+mod dense;
 mod derivatives;
 mod field;
 mod force;
@@ -26,6 +29,8 @@ mod locate;
 mod lu;
 mod motion;
 mod run;
+mod sample;
+mod share;
 mod touch;
 mod watch;
 
@@ -64,6 +69,9 @@ pub struct Options {
     pub tolerance: f64,
     /// Time between samples in s; none keeps every step, before and after events.
     pub sample: Option<f64>,
+    /// Longest step in s. Forces that depend on time are seen at five times of a step: what is shorter than a
+    /// fifth of it may be missed.
+    pub max_step: Option<f64>,
     /// Where to stop.
     pub section: Option<Section>,
     /// Events after which the integration gives up.
@@ -87,11 +95,26 @@ pub enum Outcome {
         /// The contact.
         contact: usize,
     },
-    /// Steps have become shorter than time resolves, or most of them fail, or events follow each other without
-    /// time passing: the forces grow without bound or jump where the method does not know it.
-    Stuck,
+    /// The motion does not get on: the forces grow without bound or jump where the method does not know it.
+    Stuck {
+        /// How that shows.
+        cause: Cause,
+        /// The contact that is most likely to be the reason.
+        contact: Option<usize>,
+    },
     /// The accelerations cannot be evaluated.
     Error(FieldError),
+}
+
+/// How it shows that a motion does not get on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// Steps have become shorter than time resolves.
+    Step,
+    /// Most steps fail, and time hardly passes.
+    Rejections,
+    /// Events follow each other without time passing.
+    Events,
 }
 
 /// Bad options.
@@ -125,6 +148,11 @@ pub fn integrate(
     run::run(system, options, observer)
 }
 
+/// Latest end, so that no power of a time overflows.
+const LATEST: f64 = 1e60;
+/// Most samples.
+const MOST: f64 = 1e8;
+
 fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
     let refuse = |argument, message: String| Err(OptionsError { argument, message });
     let (n, coordinates) = (system.dof(), system.coordinates());
@@ -145,6 +173,7 @@ fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
         ("t_end", options.t_end),
         ("tolerance", options.tolerance),
         ("dt", options.sample.unwrap_or(1.0)),
+        ("max_step", options.max_step.unwrap_or(1.0)),
     ];
     for (argument, value) in positive {
         if !(value.is_finite() && value > 0.0) {
@@ -154,6 +183,18 @@ fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
     if !(1e-14..=1e-2).contains(&options.tolerance) {
         let value = options.tolerance;
         return refuse("tolerance", format!("must lie in [1e-14, 1e-2], got {value}"));
+    }
+    if options.t_end > LATEST {
+        return refuse("t_end", format!("must be at most {LATEST:e} s, got {}", options.t_end));
+    }
+    if let Some(dt) = options.sample
+        && options.t_end / dt > MOST
+    {
+        let count = options.t_end / dt;
+        return refuse(
+            "dt",
+            format!("must not give more than {MOST:e} samples, gives {count:.3e}"),
+        );
     }
     if options.max_events == 0 {
         return refuse("max_events", "must be at least 1, got 0".into());

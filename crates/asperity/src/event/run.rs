@@ -3,13 +3,16 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use super::between::NODES;
 use super::collocation::Step;
 use super::control::Control;
+use super::dense::Dense;
 use super::field::Field;
+use super::force::norm;
 use super::touch::{FieldError, State, instant};
 use super::watch::{Lost, Watch};
-use super::{Motion, Options, OptionsError, Outcome, Run};
-use crate::contact::ContactState;
+use super::{Cause, Motion, Options, OptionsError, Outcome, Run};
+use crate::contact::{ContactState, Phase};
 use crate::system::System;
 
 const POLL_EVERY: Duration = Duration::from_millis(50);
@@ -17,6 +20,8 @@ const POLL_EVERY: Duration = Duration::from_millis(50);
 /// flat, the sliding direction is held where Newton's method does not find it.
 const WINDOW: usize = 2000;
 const TOO_MANY: usize = 800;
+/// Share of the whole time in which so many attempts are worth the effort.
+const PROGRESS: f64 = 1e-5;
 /// Events at one time that are too many.
 const AT_ONCE: usize = 50;
 
@@ -41,12 +46,19 @@ pub(super) struct Runner<'a> {
     /// Whether the step before was of the same mode, and whether its Jacobian can be used again.
     pub(super) smooth: bool,
     pub(super) linear: bool,
-    /// Alarms at the present state, contacts first, then the section.
+    /// Alarms at the present state, contacts first, then the section; those along the attempt.
     pub(super) alarms: Vec<f64>,
+    pub(super) seen: Vec<[f64; NODES]>,
     /// Steps made and rejected when they were looked at last.
-    counted: (usize, usize),
-    /// Number of the next sample.
+    counted: (usize, usize, f64),
+    /// Number of the next sample, what samples are read from, and the last one.
     pub(super) samples: usize,
+    pub(super) dense: Dense,
+    pub(super) sampled: State,
+    /// Is asked from time to time whether to go on, and what it has said.
+    observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
+    asked: Instant,
+    pub(super) interrupted: bool,
 }
 
 pub(super) fn run(
@@ -54,17 +66,21 @@ pub(super) fn run(
     options: &Options,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, OptionsError> {
-    let mut runner = Runner::new(system, options);
+    let mut runner = Runner::new(system, options, observer);
     let outcome = match runner.penetration() {
         Ok(Some(error)) => return Err(error),
-        Ok(None) => runner.go(observer).unwrap_or_else(Outcome::Error),
+        Ok(None) => runner.go().unwrap_or_else(Outcome::Error),
         Err(error) => Outcome::Error(error),
     };
     Ok(Run { motion: runner.motion, outcome })
 }
 
 impl<'a> Runner<'a> {
-    fn new(system: &'a dyn System, options: &'a Options) -> Self {
+    fn new(
+        system: &'a dyn System,
+        options: &'a Options,
+        observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
         let field = Field::new(system);
         Self {
@@ -83,33 +99,41 @@ impl<'a> Runner<'a> {
             smooth: false,
             linear: false,
             alarms: vec![0.0; contacts + 1],
-            counted: (0, 0),
+            seen: vec![[0.0; NODES]; contacts + 1],
+            counted: (0, 0, 0.0),
             samples: 1,
+            dense: Dense::new(n),
+            sampled: State { t: 0.0, q: vec![0.0; n], u: vec![0.0; n] },
+            observer,
+            asked: Instant::now(),
+            interrupted: false,
         }
     }
 
-    fn go(
-        &mut self,
-        observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
-    ) -> Result<Outcome, FieldError> {
+    fn go(&mut self) -> Result<Outcome, FieldError> {
         let mut outcome = self.begin()?;
         self.control.begin(self.options.t_end, &self.a0);
-        self.motion.record(&self.field, &self.state);
-        let mut polled = Instant::now();
+        self.record()?;
         loop {
             if let Some(outcome) = outcome {
                 if self.motion.t.last() != Some(&self.state.t) {
-                    self.motion.record(&self.field, &self.state);
+                    self.record()?;
                 }
                 return Ok(outcome);
             }
             outcome = self.advance()?;
-            if outcome.is_none() && polled.elapsed() >= POLL_EVERY {
-                polled = Instant::now();
-                if observer(self.state.t).is_break() {
-                    outcome = Some(Outcome::Interrupted);
-                }
+            self.ask();
+            if outcome.is_none() && self.interrupted {
+                outcome = Some(Outcome::Interrupted);
             }
+        }
+    }
+
+    /// Asks whether to go on, if it is time to.
+    pub(super) fn ask(&mut self) {
+        if !self.interrupted && self.asked.elapsed() >= POLL_EVERY {
+            self.interrupted = (self.observer)(self.state.t).is_break();
+            self.asked = Instant::now();
         }
     }
 
@@ -124,12 +148,10 @@ impl<'a> Runner<'a> {
             limit = limit.min(self.control.limit(&self.field, &self.a0));
         }
         // What ends within less than time resolves is over when it is looked at.
-        let h = self.control.h.min(left).min(limit.max(instant(self.state.t)));
-        if self.state.t + h == self.state.t {
-            return Ok(Some(Outcome::Stuck));
-        }
-        if self.is_stuck() {
-            return Ok(Some(Outcome::Stuck));
+        let longest = self.options.max_step.unwrap_or(f64::INFINITY);
+        let h = self.control.h.min(left).min(limit.max(instant(self.state.t))).min(longest);
+        if let Some(cause) = self.stuck(h) {
+            return Ok(Some(Outcome::Stuck { cause, contact: self.hindered(cause) }));
         }
         if let Some(contact) = self.singular() {
             return self.stop_without_collision(contact);
@@ -163,17 +185,34 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// Whether there is no hope to get on.
-    fn is_stuck(&mut self) -> bool {
-        let (steps, rejected) = (self.motion.steps, self.motion.rejected_steps);
-        let done = (steps - self.counted.0, rejected - self.counted.1);
+    /// Why there is no hope to get on with a step of length `h`, if there is none.
+    fn stuck(&mut self, h: f64) -> Option<Cause> {
+        if self.state.t + h == self.state.t {
+            return Some(Cause::Step);
+        }
+        let (steps, rejected, t) = self.counted;
+        let done = (self.motion.steps - steps, self.motion.rejected_steps - rejected);
         if done.0 + done.1 >= WINDOW {
-            self.counted = (steps, rejected);
-            return done.1 >= TOO_MANY;
+            self.counted = (self.motion.steps, self.motion.rejected_steps, self.state.t);
+            let progress = self.state.t - t > PROGRESS * self.options.t_end;
+            return (done.1 >= TOO_MANY && !progress).then_some(Cause::Rejections);
         }
         let events = &self.motion.events;
         let before = events.len().checked_sub(AT_ONCE + self.memory.len()).map(|k| events[k].time);
-        before == Some(self.state.t)
+        (before == Some(self.state.t)).then_some(Cause::Events)
+    }
+
+    /// The contact that is most likely to be the reason: of the last event, or the slowest slip.
+    fn hindered(&self, cause: Cause) -> Option<usize> {
+        if cause == Cause::Events {
+            return self.motion.events.last().and_then(|event| event.contact);
+        }
+        let slow = |&i: &usize| {
+            let touch = &self.field.touches[i];
+            norm(&touch.slip) / touch.speed
+        };
+        let slips = |&i: &usize| self.field.touches[i].mode == Phase::Slip;
+        (0..self.memory.len()).filter(slips).min_by(|a, b| slow(a).total_cmp(&slow(b)))
     }
 
     /// Tries again with a shorter step.

@@ -51,6 +51,8 @@ pub(super) struct Touch {
     pub(super) mode: Phase,
     /// Closed without slip, to be decided on; meanwhile its mode is open.
     pub(super) resting: bool,
+    /// Whether its force is the part that the contact problem gave it.
+    pub(super) shared: bool,
     pub(super) p: usize,
     /// Normal force that is given.
     pub(super) prescribed: Option<f64>,

@@ -1,10 +1,11 @@
 //! What happens along a step: alarms at its stages, the time of the first one, samples.
 
-use super::collocation::Tableau;
+use super::between;
+use super::collocation::{STAGES, Tableau};
 use super::control;
 use super::locate::{self, alarm};
 use super::run::Runner;
-use super::touch::{FieldError, STILL, State, Touch, instant};
+use super::touch::{FieldError, STILL, Touch, instant};
 use crate::contact::Phase;
 
 /// What the stages of a step show.
@@ -69,45 +70,95 @@ impl Runner<'_> {
         }
     }
 
-    /// Alarms at the stages; without one the field is left at the end of the step.
+    /// Alarms at the stages and between them; without one the field is left at the end of the step.
     pub(super) fn watch(&mut self) -> Result<Watch, FieldError> {
-        let (n, count) = (self.field.n, self.alarms.len());
-        let mut lows = self.alarms.clone();
-        let mut low = 0.0;
+        let n = self.field.n;
+        for (seen, alarm) in self.seen.iter_mut().zip(&self.alarms) {
+            seen[0] = *alarm;
+        }
         for (stage, c) in Tableau::radau().c.iter().enumerate() {
             let own = stage * n..(stage + 1) * n;
             let high = c * self.step.h;
-            let (q, u) = (&self.step.q[own.clone()], &self.step.u[own]);
-            self.field.evaluate(self.state.t + high, q, u, false)?;
+            self.evaluate_stage(stage)?;
             let singular = |t: &Touch| t.mode == Phase::Slip && t.resistance <= 0.0;
             if self.field.touches.iter().any(singular) {
                 return Ok(Watch::Singular);
             }
             let mut fired = Vec::new();
-            for (which, low) in lows.iter_mut().enumerate() {
-                let value = self.value(which, q, u);
-                let happens = if which + 1 == count {
-                    // A section is crossed upwards; what lies above it from the start does not count.
-                    let after = self
-                        .options
-                        .section
-                        .as_ref()
-                        .is_some_and(|s| self.state.t + high > s.after);
-                    value >= 0.0 && *low < 0.0 && after
-                } else {
-                    value > 0.0
-                };
-                if happens {
-                    fired.push((which, *low, value));
+            for which in 0..self.seen.len() {
+                let (q, u) = (&self.step.q[own.clone()], &self.step.u[own.clone()]);
+                let (low, value) = (self.seen[which][stage], self.value(which, q, u));
+                self.seen[which][stage + 1] = value;
+                if self.goes_off(which, low, value, self.state.t + high) {
+                    fired.push((which, low, value));
                 }
-                *low = value;
+            }
+            if !fired.is_empty() || stage + 1 == STAGES {
+                if let Some(hidden) = self.between(stage + 1)? {
+                    return Ok(Watch::Alarms(hidden));
+                }
             }
             if !fired.is_empty() {
+                let low =
+                    if stage == 0 { 0.0 } else { Tableau::radau().c[stage - 1] * self.step.h };
                 return Ok(Watch::Alarms(Alarms { low, high, fired }));
             }
-            low = high;
         }
         Ok(Watch::Quiet)
+    }
+
+    /// The field at a stage of the attempt.
+    fn evaluate_stage(&mut self, stage: usize) -> Result<(), FieldError> {
+        let (n, t) = (self.field.n, self.state.t + Tableau::radau().c[stage] * self.step.h);
+        let own = stage * n..(stage + 1) * n;
+        let step = std::mem::take(&mut self.step);
+        let evaluated = self.evaluate((t, &step.q[own.clone()], &step.u[own]), false);
+        self.step = step;
+        evaluated
+    }
+
+    /// Whether something happens between two values of an alarm, the later one at `t`. A section is crossed
+    /// upwards; what lies above it from the start does not count.
+    fn goes_off(&self, which: usize, low: f64, value: f64, t: f64) -> bool {
+        if which < self.memory.len() {
+            return value > 0.0;
+        }
+        let after = self.options.section.as_ref().is_some_and(|section| t > section.after);
+        value >= 0.0 && low < 0.0 && after
+    }
+
+    /// The first alarm that goes off and is quiet again between two of the first stages.
+    fn between(&mut self, stages: usize) -> Result<Option<Alarms>, FieldError> {
+        let mut first: Option<(f64, usize)> = None;
+        for seen in &self.seen {
+            if let Some((node, x)) = between::hidden(&seen[..=stages])
+                && first.is_none_or(|(earliest, ..)| x < earliest)
+            {
+                first = Some((x, node));
+            }
+        }
+        let Some((x, node)) = first else { return Ok(None) };
+        let high = x * self.step.h;
+        match self.look(high) {
+            Ok(()) => {
+                let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
+                let values = (0..self.seen.len())
+                    .map(|which| (which, self.seen[which][node], self.value(which, q, u)));
+                let goes_off = |&(which, low, value): &(usize, f64, f64)| {
+                    self.goes_off(which, low, value, self.state.t + high)
+                };
+                let fired: Vec<_> = values.filter(goes_off).collect();
+                if !fired.is_empty() {
+                    let low =
+                        if node == 0 { 0.0 } else { Tableau::radau().c[node - 1] * self.step.h };
+                    return Ok(Some(Alarms { low, high, fired }));
+                }
+            }
+            Err(Lost::Diverged) => {}
+            Err(Lost::Error(error)) => return Err(error),
+        }
+        self.evaluate_stage(STAGES - 1)?;
+        Ok(None)
     }
 
     /// Goes to the first of the alarms; its number.
@@ -133,21 +184,24 @@ impl Runner<'_> {
         self.starting &= h == 0.0;
         self.quiet(false);
         if self.options.sample.is_none() && h > 0.0 {
-            self.motion.record(&self.field, &self.state);
+            self.record()?;
         }
         Ok(which)
     }
 
     /// The step from the present state to another time of the present attempt, with the full order; the field
     /// is evaluated there.
-    fn look(&mut self, h: f64) -> Result<(), Lost> {
+    pub(super) fn look(&mut self, h: f64) -> Result<(), Lost> {
         let goal = (self.control.newton, self.control.scale(self.step.h, &self.a0));
         self.probe.guess_from(h, &self.step, 0.0);
         if !self.probe.solve(&mut self.field, &self.state, h, goal)? {
             return Err(Lost::Diverged);
         }
-        let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
-        Ok(self.field.evaluate(self.state.t + h, q, u, h == 0.0 && self.starting)?)
+        let probe = std::mem::take(&mut self.probe);
+        let (q, u) = (probe.end(&probe.q), probe.end(&probe.u));
+        let evaluated = self.evaluate((self.state.t + h, q, u), h == 0.0 && self.starting);
+        self.probe = probe;
+        Ok(evaluated?)
     }
 
     /// Takes the end of the attempt, or of the last look, as the present state.
@@ -169,15 +223,8 @@ impl Runner<'_> {
 
     /// Takes the attempt, which ends at `t`.
     pub(super) fn accept(&mut self, t: f64) -> Result<(), FieldError> {
-        let sampled = match self.sample(t, true) {
-            Ok(sampled) => sampled,
-            // Parts of a step that has been found are found.
-            Err(Lost::Diverged) => true,
-            Err(Lost::Error(error)) => return Err(error),
-        };
-        if sampled {
-            let (q, u) = (self.step.end(&self.step.q), self.step.end(&self.step.u));
-            self.field.evaluate(t, q, u, false)?;
+        if self.sample(t, true)? {
+            self.evaluate_stage(STAGES - 1)?;
         }
         self.go_to(t, true)?;
         if !self.field.constant {
@@ -188,27 +235,9 @@ impl Runner<'_> {
         self.linear = self.field.constant;
         self.quiet(false);
         if self.options.sample.is_none() {
-            self.motion.record(&self.field, &self.state);
+            self.record()?;
         }
         Ok(())
-    }
-
-    /// Samples up to `t`; whether there were any.
-    fn sample(&mut self, t: f64, attempt: bool) -> Result<bool, Lost> {
-        let Some(dt) = self.options.sample else { return Ok(false) };
-        let first = self.samples;
-        loop {
-            let time = self.samples as f64 * dt;
-            // The end of the run is a sample of its own.
-            if time > t || (time == t && !attempt) {
-                return Ok(self.samples > first);
-            }
-            self.look(time - self.state.t)?;
-            let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
-            let state = State { t: time, q: q.to_vec(), u: u.to_vec() };
-            self.motion.record(&self.field, &state);
-            self.samples += 1;
-        }
     }
 
     /// Contacts whose slip has come to an end.

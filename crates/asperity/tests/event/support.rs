@@ -13,6 +13,7 @@ pub fn options(q0: &[f64], u0: &[f64], t_end: f64) -> Options {
         u0: u0.to_vec(),
         tolerance: 1e-12,
         sample: None,
+        max_step: None,
         section: None,
         max_events: 10_000,
     }

@@ -1,0 +1,68 @@
+//! What is kept of the motion.
+
+use super::dense::PLACES;
+use super::run::Runner;
+use super::touch::FieldError;
+use super::watch::Lost;
+
+/// Samples between two looks at the clock.
+const RARELY: usize = 256;
+
+impl Runner<'_> {
+    /// Keeps the present state.
+    pub(super) fn record(&mut self) -> Result<(), FieldError> {
+        self.motion.record(&self.field, &self.state);
+        Ok(())
+    }
+
+    /// Samples from the present state up to `t`, the end of the attempt or a time inside; whether there were
+    /// any.
+    pub(super) fn sample(&mut self, t: f64, attempt: bool) -> Result<bool, FieldError> {
+        let Some(dt) = self.options.sample else { return Ok(false) };
+        // The end of the run is a sample of its own.
+        let due = |k: usize| k as f64 * dt < t || (k as f64 * dt == t && attempt);
+        if !due(self.samples) {
+            return Ok(false);
+        }
+        let h = if attempt { self.step.h } else { t - self.state.t };
+        self.interpolate(h, attempt)?;
+        while due(self.samples) && !self.interrupted {
+            self.dense.at(self.samples as f64 * dt, &mut self.sampled);
+            let sampled = std::mem::take(&mut self.sampled);
+            self.evaluate((sampled.t, &sampled.q, &sampled.u), false)?;
+            self.motion.record(&self.field, &sampled);
+            self.sampled = sampled;
+            self.samples += 1;
+            if self.samples % RARELY == 0 {
+                self.ask();
+            }
+        }
+        Ok(true)
+    }
+
+    /// The motion over the first `h` of the attempt, its end included.
+    fn interpolate(&mut self, h: f64, attempt: bool) -> Result<(), FieldError> {
+        self.dense.begin(self.state.t, h);
+        self.dense.set(0, &self.state.q, &self.state.u, &self.a0);
+        for k in 1..PLACES {
+            if attempt && k + 1 == PLACES {
+                let step = &self.step;
+                self.dense.set(k, step.end(&step.q), step.end(&step.u), step.end(&step.a));
+                break;
+            }
+            match self.look(h * k as f64 / (PLACES - 1) as f64) {
+                Ok(()) => {}
+                // The polynomial of the attempt is what is left.
+                Err(Lost::Diverged) => {
+                    self.probe.guess_from(h * k as f64 / (PLACES - 1) as f64, &self.step, 0.0);
+                    self.probe.stages(&self.state);
+                }
+                Err(Lost::Error(error)) => return Err(error),
+            }
+            let probe = &self.probe;
+            self.dense.set(k, probe.end(&probe.q), probe.end(&probe.u), probe.end(&probe.a));
+        }
+        self.dense.finish();
+        Ok(())
+    }
+}

@@ -1,0 +1,53 @@
+//! Forces of contacts that share them in many ways.
+
+use super::decide::{self, Decision};
+use super::field::Field;
+use super::locate::alarm;
+use super::run::Runner;
+use super::touch::{FieldError, State, Touch};
+use crate::contact::{ContactState, Phase};
+
+impl Runner<'_> {
+    /// Evaluates the field. Sticking contacts that share their forces so that one could not carry its part,
+    /// though together they can, are given parts that they can carry: the accelerations stay the same.
+    pub(super) fn evaluate(
+        &mut self,
+        (t, q, u): (f64, &[f64], &[f64]),
+        frozen: bool,
+    ) -> Result<(), FieldError> {
+        self.field.evaluate(t, q, u, frozen)?;
+        let overloaded =
+            |i: usize| self.field.touches[i].mode == Phase::Stick && alarm(&self.field, i) > 0.0;
+        if self.field.indeterminate() && (0..self.memory.len()).any(overloaded) {
+            let state = State { t, q: q.to_vec(), u: u.to_vec() };
+            if !share(&mut self.field, &state, &self.memory)? {
+                self.field.evaluate(t, q, u, frozen)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Asks the contact problem whether all sticking contacts can stick on; whether they can.
+fn share(
+    field: &mut Field<'_>,
+    state: &State,
+    memory: &[ContactState],
+) -> Result<bool, FieldError> {
+    let kept = field.touches.clone();
+    for touch in &mut field.touches {
+        touch.resting = touch.mode == Phase::Stick;
+    }
+    let decision = decide::decide(field, state, memory)?;
+    let goes_on = |(touch, kept): (&Touch, &Touch)| touch.mode == kept.mode;
+    let sticks =
+        matches!(decision, Decision::Made { .. }) && field.touches.iter().zip(&kept).all(goes_on);
+    for (touch, kept) in field.touches.iter_mut().zip(kept) {
+        let (force, normal_force) = (touch.force, touch.normal_force);
+        *touch = kept;
+        if sticks && touch.mode == Phase::Stick {
+            (touch.force, touch.normal_force, touch.shared) = (force, normal_force, true);
+        }
+    }
+    Ok(sticks)
+}
