@@ -9,7 +9,7 @@ from typing import Any
 import asperity as asp
 import matplotlib.pyplot as plt
 import numpy as np
-from asperity.paper import redraw
+from asperity.paper import redraw, round_trip
 from asperity.plot.look import BLUE, GREEN, GREY, INK, ORANGE, PURPLE
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -326,6 +326,12 @@ def paper() -> None:
         asp.plot.save_figure(figure, IMAGES / f"fig{number}.png", dpi=110)
 
 
+def identified() -> None:
+    """Draw the round trip of ``asperity demo``."""
+    figure = round_trip.draw(round_trip.run())
+    asp.plot.save_figure(figure, IMAGES / "roundtrip.png", dpi=110)
+
+
 if __name__ == "__main__":
     for draw in (
         prox_constant_r,
@@ -337,5 +343,6 @@ if __name__ == "__main__":
         growth,
         bifurcation,
         paper,
+        identified,
     ):
         draw()
