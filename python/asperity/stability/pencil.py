@@ -16,7 +16,9 @@ _EPS = float(np.finfo(np.float64).eps)
 ROUNDING = 50.0 * _EPS
 # Factor for estimated errors.
 SAFETY = 4.0
-_POLISHINGS, _SQUARINGS = 3, 4
+# Change of an eigenvalue that ends the polishing.
+_STILL = 1e-13
+_SQUARINGS = 4
 
 
 class Pencil(NamedTuple):
@@ -71,7 +73,7 @@ class Pencil(NamedTuple):
         open_: NDArray[np.bool_] = self.may_be_singular(errors, half) | unpolished
         return open_
 
-    def polished(self, values: Complex) -> Complex:
+    def polished(self, values: Complex, rounds: int = 3) -> Complex:
         """Improve simple eigenvalues by Newton's method for det P(z) = 0.
 
         Of matrices with large and small entries they come with errors of the largest.
@@ -79,14 +81,18 @@ class Pencil(NamedTuple):
         n = self.mass.shape[-1]
         apart = np.abs(values[..., None] - values[..., None, :])
         apart += np.where(np.eye(2 * n, dtype=bool), np.inf, 0.0)
-        reach = apart.min(axis=-1) / (20.0 * n)
-        M, B = self.mass[..., None, :, :], self.damping[..., None, :, :]
-        for _ in range(_POLISHINGS):
-            inverse, regular = _inverse(self.at(values))
-            slope = 2.0 * values[..., None, None] * M + B
-            trace = (inverse * np.swapaxes(slope, -1, -2)).sum(axis=(-1, -2))
-            taken = regular & (np.abs(trace) * reach > 1.0)
-            values = np.where(taken, values - 1.0 / np.where(taken, trace, 1.0), values)
+        inverse, regular = _inverse(self.at(values))
+        slope = 2.0 * values[..., None, None] * self.mass[..., None, :, :]
+        slope = slope + self.damping[..., None, :, :]
+        trace = (inverse * np.swapaxes(slope, -1, -2)).sum(axis=(-1, -2))
+        taken = regular & (np.abs(trace) * apart.min(axis=-1) > 20.0 * n)
+        step = np.where(taken, 1.0 / np.where(taken, trace, 1.0), 0.0)
+        values = values - step
+        moving = (np.abs(step) > _STILL * np.abs(values)).any(axis=-1)
+        if rounds > 1 and moving.any():
+            stack = values.shape[:-1]
+            rest = Pencil(*(np.broadcast_to(part, (*stack, n, n))[moving] for part in self))
+            values[moving] = rest.polished(values[moving], rounds - 1)
         return values
 
     def modes_at(self, errors: Pencil, z: complex) -> int:
