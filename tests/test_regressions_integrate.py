@@ -1,4 +1,4 @@
-"""Motions on which the event-driven integration once failed, each against a closed form or `simulate`."""
+"""Motions on which the event-driven integration once failed, each against something else."""
 
 import asperity as asp
 import numpy as np

@@ -76,8 +76,8 @@ def integrate(
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far; between 1e-14 and 1e-2.
         dt: time between samples in s. Default: every step of the method, before and after events.
-        max_step: longest step in s. Default: as the error allows. Forces that depend on time are seen
-            at five times of a step: set this to the length of pulses, which are missed otherwise.
+        max_step: longest step in s. Default: as the error allows. Forces that depend on time are
+            seen at five times of a step: set this to the length of pulses, else they are missed.
         section: where to stop.
         max_events: number of events after which the integration gives up.
         progress: a function of (t, t_end) called a few times a second.

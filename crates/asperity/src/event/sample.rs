@@ -33,7 +33,7 @@ impl Runner<'_> {
             self.motion.record(&self.field, &sampled);
             self.sampled = sampled;
             self.samples += 1;
-            if self.samples % RARELY == 0 {
+            if self.samples.is_multiple_of(RARELY) {
                 self.ask();
             }
         }

@@ -93,10 +93,10 @@ impl Runner<'_> {
                     fired.push((which, low, value));
                 }
             }
-            if !fired.is_empty() || stage + 1 == STAGES {
-                if let Some(hidden) = self.between(stage + 1)? {
-                    return Ok(Watch::Alarms(hidden));
-                }
+            if (!fired.is_empty() || stage + 1 == STAGES)
+                && let Some(hidden) = self.between(stage + 1)?
+            {
+                return Ok(Watch::Alarms(hidden));
             }
             if !fired.is_empty() {
                 let low =
