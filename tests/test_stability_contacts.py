@@ -24,7 +24,9 @@ def coupled(A):
 def test_painleve_of_two_contacts_together():
     """Each keeps itself from closing, 0.4 > 0, but not both: the determinant is −0.2."""
     A = np.array([[1.0, 0.6, 0.6], [0.6, 1.0, 0.0], [0.6, 0.0, 1.0]])
-    with pytest.raises(asp.ParameterError, match="contacts 0 and 1 together .* Painlevé") as caught:
+    with pytest.raises(
+        asp.ParameterError, match=r"contacts 0 and 1 together .* Painlevé"
+    ) as caught:
         asp.stability(coupled(A))
     assert caught.value.argument == "system"
     A[1:, 0] = A[0, 1:] = 0.2
@@ -38,7 +40,9 @@ def complementary(P, c):
         S = np.flatnonzero(closed)
         force = np.zeros(m)
         force[S] = np.linalg.solve(P[np.ix_(S, S)], -c[S])
-        count += bool((force[S] >= 0.0).all() and (P @ force + c)[~np.array(closed)].min(initial=1) >= 0)
+        count += bool(
+            (force[S] >= 0.0).all() and (P @ force + c)[~np.array(closed)].min(initial=1) >= 0
+        )
     return count
 
 

@@ -1,6 +1,7 @@
 """Critical directions and rotations, growth charts, distances of motions."""
 
 import math
+import sys
 
 import asperity as asp
 import numpy as np
@@ -153,6 +154,28 @@ def test_rotations_of_collinear_laws_and_disks():
     assert asp.critical_rotation(asp.Disk(1.0), asp.Rectangle(5.0, 1.0)) == []
 
 
+@pytest.mark.parametrize("D", [asp.Superellipse(3.0, 1.0, 1.5), THREE])
+def test_single_rotations_with_aligned_corners_are_not_told(D):
+    """Everywhere beside them there are critical directions."""
+    spiky = asp.Superellipse(3.0, 1.0, 0.6)
+    assert asp.critical_rotation(spiky, D) == [(0.0, math.pi)]
+    for aligned in (0.0, 0.5 * math.pi):
+        kinds = [
+            bool(asp.critical_directions(asp.FrictionLaw(spiky.rotated(aligned + s), D)))
+            for s in (-1e-4, 0.0, 1e-4)
+        ]
+        assert kinds == [True, False, True]
+
+
+def test_round_sets_are_seen_at_once(monkeypatch):
+    """No rotation is tried."""
+    monkeypatch.setattr(sys.modules["asperity.stability.rotations"], "negative", None)
+    spiky = asp.Superellipse(3.0, 1.0, 0.6)
+    for disk in (asp.Disk(2.0), asp.Ellipse(0.5, 0.5, angle=0.3)):
+        assert asp.critical_rotation(spiky, disk) == []
+        assert asp.critical_rotation(disk, asp.Superellipse(3.0, 1.0, 1.5)) == []
+
+
 def test_chart_agrees_with_stability():
     rng = np.random.default_rng(2)
     law = asp.FrictionLaw(THREE.scaled(10.0), THREE, rate=asp.Stribeck(3.0, 0.7))
@@ -164,7 +187,7 @@ def test_chart_agrees_with_stability():
         for i, j in zip(rng.integers(181, size=40), rng.integers(91, size=40), strict=True):
             turned = asp.FrictionLaw(law.reservoir.rotated(zeta[j]), THREE, rate=law.rate)
             one = system.replace(law=turned, belt_velocity=0.8 * vectors(phi[i]))
-            assert abs(asp.stability(one).growth_rate - chart[i, j]) < 1e-5
+            np.testing.assert_allclose(asp.stability(one).growth_rate, chart[i, j], rtol=1e-7)
 
 
 def test_chart_shows_the_critical_rotations():
@@ -245,11 +268,13 @@ def test_distance_takes_motions():
         np.testing.assert_allclose(stepped, V, atol=2e-2 * V[0])
     # Without samples in common steps only the ends are the same; events have two samples.
     free = [asp.integrate(system, t_end=6.0, q0=q0) for q0 in starts]
-    assert free[0].events and (np.diff(free[0].t) == 0.0).any()
+    assert free[0].events
+    assert (np.diff(free[0].t) == 0.0).any()
     at, V_free = asp.incremental_distance(*free, system)
     np.testing.assert_allclose(V_free[[0, -1]], V[[0, -1]], atol=1e-8)
     own, zero = asp.incremental_distance(free[0], free[0], system)
-    assert (np.diff(own) > 0.0).all() and not zero.any()
+    assert (np.diff(own) > 0.0).all()
+    assert not zero.any()
 
 
 def test_chart_goes_by_the_belt_and_directions_by_the_slip():

@@ -27,8 +27,8 @@ class FollowerPendulum(Value, System):
     and p = P l/c the straight position has m l² ω²/c = (7/2 − p ± √((7/2 − p)² − 2))/2: undamped,
     it flutters for 7/2 − √2 < p < 7/2 + √2 and diverges beyond.
 
-    In the straight position W vanishes, which `simulate` does not accept as a start: begin beside it,
-    with `q0=[1e-6, 0.0]` say. `equilibrium` and `stability` take the straight position itself.
+    In the straight position W vanishes, which `simulate` does not accept as a start: begin beside
+    it, with `q0=[1e-6, 0.0]` say. `equilibrium` and `stability` take the straight position itself.
 
     Args:
         mu: friction coefficient μ.

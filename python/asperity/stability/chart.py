@@ -23,8 +23,8 @@ def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> A
             stays; shape ``(k,)``.
 
     Returns:
-        Largest real part of an eigenvalue in 1/s, shape ``(m, k)``; 0 where `stability` says that it
-        is within errors, NaN where D is flat. The shape of a scalar argument is left out.
+        Largest real part of an eigenvalue in 1/s, shape ``(m, k)``; 0 where `stability` finds
+        it within errors, NaN where D is flat. The shape of a scalar argument is left out.
 
     Raises:
         DimensionError: if the law is not planar.

@@ -84,7 +84,9 @@ def _common(
     run_a: Trajectory | Motion, run_b: Trajectory | Motion
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the samples at the same times, the last where there are several."""
-    unit = _SAME * min(float(run.t[-1] - run.t[0]) / max(len(run.t) - 1, 1) for run in (run_a, run_b))
+    unit = _SAME * min(
+        float(run.t[-1] - run.t[0]) / max(len(run.t) - 1, 1) for run in (run_a, run_b)
+    )
     a = np.flatnonzero(np.diff(run_a.t, append=np.inf) > unit)
     nearest = np.searchsorted(run_b.t, run_a.t[a] + unit, side="right") - 1
     same = (nearest >= 0) & (np.abs(run_b.t[nearest] - run_a.t[a]) <= unit)

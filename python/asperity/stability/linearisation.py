@@ -22,7 +22,6 @@ COUPLING, FEEDBACK = "mode coupling", "velocity feedback of the normal force"
 FOLLOWER = "follower force"
 
 
-
 @dataclass(frozen=True, eq=False)
 class Linearisation:
     """M δq̈ + B δq̇ + K δq = E δλ_N, W_Nᵀδq = 0, with B and K as sums of contributions.

@@ -1,4 +1,4 @@
-"""Painlevé's paradox of several contacts: when do normal forces exist and keep bodies apart?"""
+"""Painlevé's paradox of several contacts: whether normal forces exist that keep bodies apart."""
 
 from __future__ import annotations
 

@@ -53,7 +53,8 @@ class Pencil(NamedTuple):
             peak = np.maximum(X.max(axis=(-1, -2), initial=0.0), 1e-300)
             X /= peak[..., None, None]
             log = log + np.log(peak) / 2.0**level
-        log += np.log(np.maximum(X.sum(axis=-1).max(axis=-1, initial=0.0), 1e-300)) / 2.0**_SQUARINGS
+        norm = np.maximum(X.sum(axis=-1).max(axis=-1, initial=0.0), 1e-300)
+        log += np.log(norm) / 2.0**_SQUARINGS
         doubtful: NDArray[np.bool_] = ~finite | (log >= 0.0)
         return doubtful
 
@@ -67,7 +68,8 @@ class Pencil(NamedTuple):
         half: Complex = 0.5 * values.real + 1j * values.imag
         rough = ROUNDING * np.abs(values).max(axis=-1, initial=0.0)[..., None]
         unpolished = (np.abs(values.real) <= rough) & ~self.may_be_singular(errors, values)
-        return self.may_be_singular(errors, half) | unpolished
+        open_: NDArray[np.bool_] = self.may_be_singular(errors, half) | unpolished
+        return open_
 
     def polished(self, values: Complex) -> Complex:
         """Improve simple eigenvalues by Newton's method for det P(z) = 0.

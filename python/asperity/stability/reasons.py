@@ -32,8 +32,8 @@ _NOTABLE = 1e-3
 _SENTENCES = {
     CONE: "the sliding direction lies in the interior of the tangent cone of C at −λ",
     DIRECTION: "the friction force turns with the sliding direction, which makes B nonsymmetric",
-    _UNEVEN: "friction damps across the sliding direction only, which shifts the modes against each "
-    "other (destabilisation by damping)",
+    _UNEVEN: "friction damps across the sliding direction and not along it (destabilisation by "
+    "damping)",
     SLOPE: "the friction force falls with the sliding speed (Stribeck slope)",
     COUPLING: "the stiffness is nonsymmetric, as where the normal force depends on displacements "
     "(mode coupling)",

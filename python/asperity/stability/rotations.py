@@ -18,11 +18,11 @@ _FOLLOWED = 6
 # Margins that the outlines' samples give are right to this angle; nearer to 0 they are followed.
 _BAND = 0.15
 # Least distance of samples of an outline; around jumps they would be without number.
-_NEAR = 1e-9
+_NEAR, _REACH = 3e-11, 1e-9
 # δ of a set that is round.
 _ROUND = 1e-9
 # Gaps between intervals in which single rotations are left out, or margins are mere rounding.
-_GAP = 1e-5
+_GAP = 1e-4
 
 
 def critical_rotation(reservoir: StarSet, direction: StarSet) -> list[Interval]:
@@ -38,7 +38,7 @@ def critical_rotation(reservoir: StarSet, direction: StarSet) -> list[Interval]:
     Returns:
         (ζ₀, ζ₁) in rad with 0 ≤ ζ₀ < ζ₁; ζ₁ is above the period if the interval holds 0. The period
         is π if both sets are symmetric, else 2π; (0, period) is returned if all rotations are
-        critical. Gaps of less than 1e-5 rad are closed: at single rotations, at which corners of
+        critical. Gaps of less than 1e-4 rad are closed: at single rotations, at which corners of
         C and D are aligned, there may be no critical direction inside an interval.
 
     Raises:
@@ -75,7 +75,9 @@ class _LeastMargin:
 
     def __init__(self, C: StarSet, D: StarSet) -> None:
         self.C, self.D = C, D
-        phi = _thinned(refined(lambda x: angle_of(D.support_point(unit_vectors(x)))[:, None], _POINTS))
+        phi = _thinned(
+            refined(lambda x: angle_of(D.support_point(unit_vectors(x)))[:, None], _POINTS)
+        )
         theta = phi + _wrapped(angle_of(D.support_point(unit_vectors(phi))) - phi)
         self.phi, self.theta = phi, np.maximum.accumulate(theta)
         turn = refined(lambda x: angle_of(C.gauge_gradient(unit_vectors(x)))[:, None], _POINTS)
@@ -92,19 +94,23 @@ class _LeastMargin:
         )
 
     def __call__(self, zeta: Array) -> Array:
-        phi, rough = self.sampled(zeta)
-        lowest: Array = rough.min(axis=1)
+        lowest: Array = self.sampled(zeta)[1].min(axis=1)
         near = np.flatnonzero(np.abs(lowest) < _BAND)
         if len(near):
-            lowest[near] = self.followed(zeta[near], phi[near], rough[near])
+            lowest[near] = self.followed(zeta[near])
         return lowest
 
-    def sampled(self, zeta: Array) -> tuple[Array, Array]:
-        """Return directions and their margins from the samples of both outlines."""
+    def sampled(self, zeta: Array, *, exact: bool = False) -> tuple[Array, Array]:
+        """Return directions and their margins from the samples of both outlines.
+
+        Those of C are where D has exactly, or about, the samples of the turned C.
+        """
         there = self.turn[0] + np.mod(self.theta - zeta[:, None] - self.turn[0], TURN)
         of_d = np.abs(np.interp(there, self.turn, self.delta) - (self.phi - self.theta))
         at = self.theta[0] + np.mod(self.turn + zeta[:, None] - self.theta[0], TURN)
         phi = np.interp(at, self.theta, self.phi)
+        if exact:
+            phi += _wrapped(angle_of(self.D.gauge_gradient(unit_vectors(at))) - phi)
         of_c = np.abs(self.delta - (phi - at))
         cell = np.clip(np.searchsorted(self.theta, at, side="right") - 1, 0, len(self.flat) - 1)
         of_c[self.flat[cell]] = 0.0
@@ -113,16 +119,17 @@ class _LeastMargin:
         rough = 0.5 * math.pi - np.hstack([of_d, of_c])
         return np.take_along_axis(phi, order, axis=1), np.take_along_axis(rough, order, axis=1)
 
-    def followed(self, zeta: Array, phi: Array, rough: Array) -> Array:
+    def followed(self, zeta: Array) -> Array:
         """Return the least of the lowest minima."""
+        phi, rough = self.sampled(zeta, exact=True)
         minima = np.full(rough.shape, np.inf)
         lower = (rough[:, 1:-1] <= rough[:, :-2]) & (rough[:, 1:-1] <= rough[:, 2:])
         minima[:, 1:-1][lower] = rough[:, 1:-1][lower]
         chosen = np.argpartition(minima, _FOLLOWED, axis=1)[:, :_FOLLOWED]
         chosen = np.clip(chosen, 1, phi.shape[1] - 2)
         low, middle, high = (np.take_along_axis(phi, chosen + side, axis=1) for side in (-1, 0, 1))
-        low, high = np.minimum(low, middle - _NEAR), np.maximum(high, middle + _NEAR)
-        found = least(lambda x: self.margin(x, zeta[:, None]), low, high)[1]
+        low, high = np.minimum(low, middle - _REACH), np.maximum(high, middle + _REACH)
+        found = least(lambda x: self.margin(x, zeta[:, None, None]), low, high)[1]
         whole: Array = np.minimum(found, self.margin(middle, zeta[:, None])).min(axis=1)
         return whole
 
@@ -153,7 +160,8 @@ def _without_gaps(found: list[Interval], period: float) -> list[Interval]:
 def _thinned(x: Array) -> Array:
     """Leave out samples that are too near to the last one that stays."""
     cells = np.floor((x - x[0]) / _NEAR)
-    return x[np.append(True, np.diff(cells) > 0.0)]
+    kept: Array = x[np.append(True, np.diff(cells) > 0.0)]
+    return kept
 
 
 def _wrapped(angle: Array) -> Array:

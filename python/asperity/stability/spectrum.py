@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._arrays import Array
 from asperity.stability.pencil import Complex, Pencil
 
 # Real part, in parts of the eigenvalue, that errors should not hide.
@@ -81,9 +80,10 @@ def _lacks_modes(pencil: Pencil, errors: Pencil, left: Complex) -> bool:
         same = pencil.may_be_singular(errors, 0.5 * (left[0] + left))
         same[0] = True
         cluster, left = left[same], left[~same]
-        real = np.abs(cluster.imag) <= np.abs(cluster.real)
-        # Of a pair on both sides of 0 only one half is here.
-        size = len(cluster) + int((~real & pencil.may_be_singular(errors, cluster.real + 0j)).sum())
+        # Of a double eigenvalue 0 that is scattered along the axis only one half is here.
+        above: Complex = cluster[cluster.imag > 0.0]
+        towards: Complex = above.real + 0.5j * above.imag
+        size = len(cluster) + int(pencil.may_be_singular(errors, towards).sum())
         if size > 1 and pencil.modes_at(errors, complex(cluster.mean())) < size:
             return True
     return False
@@ -92,10 +92,12 @@ def _lacks_modes(pencil: Pencil, errors: Pencil, left: Complex) -> bool:
 def _hidden(pencil: Pencil, errors: Pencil, values: Complex) -> float:
     """Return the largest real part that eigenvalues on the axis may have."""
     real = _FINE * np.abs(values)
-    doubtful = pencil.may_be_singular(errors, real + 1j * values.imag)
+    beside: Complex = real + 1j * values.imag
+    doubtful = pencil.may_be_singular(errors, beside)
     values, real, found = values[doubtful], real[doubtful], 0.0
     while len(values):
-        found = float(real.max())
-        doubtful = (real < np.abs(values)) & pencil.may_be_singular(errors, 10.0 * real + 1j * values.imag)
-        values, real = values[doubtful], 10.0 * real[doubtful]
+        found, real = float(real.max()), 10.0 * real
+        further: Complex = real + 1j * values.imag
+        doubtful = (real < np.abs(values)) & pencil.may_be_singular(errors, further)
+        values, real = values[doubtful], real[doubtful]
     return 10.0 * found

@@ -163,9 +163,13 @@ class Stability:
         if self.kind == "asymptotically stable":
             return f"Small motions decay at least like exp({self.growth_rate:.6g} t)."
         if self.is_defective:
-            return "Small motions grow like t or a higher power of it: an eigenvalue on the imaginary axis lacks a mode."
-        if self.spectrum.hidden > 0.0:
-            return f"Undecided: the errors of the largest forces hide growth rates up to {self.spectrum.hidden:.1g} 1/s."
+            why = "an eigenvalue on the imaginary axis lacks a mode"
+            return f"Small motions grow like t or a higher power of it: {why}."
+        hidden = self.spectrum.hidden
+        if hidden > 0.0:
+            return (
+                f"Undecided: errors of the largest forces hide growth rates up to {hidden:.1g} 1/s."
+            )
         return "Small motions neither grow nor all decay: eigenvalues lie on the imaginary axis."
 
     def __eq__(self, other: object) -> bool:

@@ -57,9 +57,10 @@ impl Control {
         }
     }
 
-    /// What errors of a step are compared with: the largest values so far, at least what the step changes.
-    pub(super) fn scale(&self, h: f64, a0: &[f64]) -> Scale {
-        let u = self.scale.u.max(h * largest(a0)).max(1e-100);
+    /// What errors of a step are compared with: the largest values so far, at least what the largest
+    /// acceleration changes.
+    pub(super) fn scale(&self, h: f64, acceleration: f64) -> Scale {
+        let u = self.scale.u.max(h * acceleration).max(1e-100);
         Scale { q: self.scale.q.max(h * u), u }
     }
 
@@ -104,6 +105,11 @@ impl Control {
         }
     }
 
+    /// The resistances at the present state, whatever an attempt has met since.
+    pub(super) fn resistances(&self) -> &[f64] {
+        &self.resistances
+    }
+
     /// Forgets how fast resistances change: contacts do something else.
     pub(super) fn forget(&mut self, field: &Field<'_>) {
         self.rates.fill(0.0);
@@ -145,7 +151,7 @@ impl Control {
                 limit = limit.min(-APPROACH * speed / rate);
             }
             if self.rates[i] < 0.0 {
-                limit = limit.min(-APPROACH * touch.resistance / self.rates[i]);
+                limit = limit.min(-APPROACH * self.resistances[i] / self.rates[i]);
             }
         }
         limit
@@ -161,6 +167,7 @@ pub(super) fn slip_rate(field: &Field<'_>, contact: usize, acceleration: &[f64])
     terms.map(along).sum::<f64>() / norm(&touch.slip)
 }
 
-fn largest(values: &[f64]) -> f64 {
+/// The largest size of a component.
+pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }

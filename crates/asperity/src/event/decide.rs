@@ -176,6 +176,7 @@ fn keep(
         }
         if touch.mode == Phase::Slip && touch.normal_force > 0.0 {
             touch.sliding = touch.force.map(|f| f / touch.normal_force);
+            field.touches[i].resistance = field.resistance(i);
         }
     }
 }

@@ -273,6 +273,18 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// `w_NᵀM⁻¹(w_N + W f)` over `w_NᵀM⁻¹w_N` of a slipping unilateral contact.
+    pub(super) fn resistance(&self, contact: usize) -> f64 {
+        let touch = &self.touches[contact];
+        let normal = self.row(ROWS * contact);
+        let response = |r: usize| &self.response[(ROWS * contact + r) * self.n..][..self.n];
+        let friction = (0..touch.p).map(|r| touch.sliding[r] * dot(normal, response(1 + r)));
+        match touch.prescribed {
+            Some(_) => 1.0,
+            None => 1.0 + friction.sum::<f64>() / dot(normal, response(0)),
+        }
+    }
+
     /// Whether the contacts can share the last unknown forces in many ways, of which the smallest was taken.
     pub(super) fn indeterminate(&self) -> bool {
         !self.unknown.is_empty() && self.inverse.singular

@@ -3,7 +3,7 @@
 use super::decide::{self, Blow, Decision};
 use super::happen::Next;
 use super::run::Runner;
-use super::touch::{ROWS, STILL, State, TOUCHING, Touch, instant};
+use super::touch::{ROWS, STILL, State, TOUCHING, instant};
 use super::{Kind, Outcome};
 use crate::contact::{ContactState, Phase};
 
@@ -91,8 +91,9 @@ impl Runner<'_> {
 
     /// A slipping contact that no longer resists to normal motions.
     pub(super) fn singular(&self) -> Option<usize> {
-        let singular = |t: &Touch| t.mode == Phase::Slip && t.resistance < RESISTANCE;
-        self.field.touches.iter().position(singular)
+        let touches = self.field.touches.iter().zip(self.control.resistances());
+        let mut slipping = touches.map(|(touch, resistance)| (touch.mode, *resistance));
+        slipping.position(|(mode, resistance)| mode == Phase::Slip && resistance < RESISTANCE)
     }
 
     /// Painlevé's impact without collision.

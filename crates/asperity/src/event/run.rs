@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::between::NODES;
 use super::collocation::Step;
-use super::control::Control;
+use super::control::{Control, largest};
 use super::dense::Dense;
 use super::field::Field;
 use super::force::norm;
@@ -46,6 +46,8 @@ pub(super) struct Runner<'a> {
     /// Whether the step before was of the same mode, and whether its Jacobian can be used again.
     pub(super) smooth: bool,
     pub(super) linear: bool,
+    /// Whether the field is where a rejected attempt has left it.
+    stale: bool,
     /// Alarms at the present state, contacts first, then the section; those along the attempt.
     pub(super) alarms: Vec<f64>,
     pub(super) seen: Vec<[f64; NODES]>,
@@ -98,6 +100,7 @@ impl<'a> Runner<'a> {
             starting: false,
             smooth: false,
             linear: false,
+            stale: false,
             alarms: vec![0.0; contacts + 1],
             seen: vec![[0.0; NODES]; contacts + 1],
             counted: (0, 0, 0.0),
@@ -143,6 +146,12 @@ impl<'a> Runner<'a> {
         if left <= 0.0 {
             return Ok(Some(Outcome::Finished));
         }
+        if self.stale {
+            let State { t, q, u } = &self.state;
+            self.field.evaluate(*t, q, u, self.starting)?;
+            self.field.survey(&self.state)?;
+            self.stale = false;
+        }
         let mut limit = self.control.flight(&self.field, &self.state.u, &self.a0);
         if !self.starting {
             limit = limit.min(self.control.limit(&self.field, &self.a0));
@@ -156,7 +165,7 @@ impl<'a> Runner<'a> {
         if let Some(contact) = self.singular() {
             return self.stop_without_collision(contact);
         }
-        let scale = self.control.scale(h, &self.a0);
+        let scale = self.control.scale(h, self.push(h));
         if !self.linear {
             self.field.linearise(&self.state, scale)?;
             self.linear = true;
@@ -164,6 +173,7 @@ impl<'a> Runner<'a> {
         if !self.attempt(h)? {
             return Ok(self.shorten(0.25 * h));
         }
+        let scale = self.control.scale(h, self.push(h).max(largest(&self.step.a)));
         let error = self.step.error(&self.state, &self.a0, scale);
         if !self.control.judge(h, error) {
             let shorter = self.control.h;
@@ -218,14 +228,20 @@ impl<'a> Runner<'a> {
     /// Tries again with a shorter step.
     pub(super) fn shorten(&mut self, h: f64) -> Option<Outcome> {
         self.control.h = h;
-        self.linear = false;
+        (self.linear, self.stale) = (false, true);
         self.motion.rejected_steps += 1;
         None
     }
 
+    /// The largest acceleration that is known to come in a time: at the beginning of a slip from rest there is
+    /// none yet.
+    fn push(&self, h: f64) -> f64 {
+        largest(&self.a0) + h * self.slope.as_deref().map_or(0.0, largest)
+    }
+
     /// Newton's method from the continued polynomial of the step before, else from constant accelerations.
     fn attempt(&mut self, h: f64) -> Result<bool, FieldError> {
-        let goal = (self.control.newton, self.control.scale(h, &self.a0));
+        let goal = (self.control.newton, self.control.scale(h, self.push(h)));
         if self.smooth && h <= 2.0 * self.last.h {
             self.step.guess_from(h, &self.last, self.last.h);
             if self.step.solve(&mut self.field, &self.state, h, goal)? {

@@ -2,7 +2,7 @@
 
 use super::between;
 use super::collocation::{STAGES, Tableau};
-use super::control;
+use super::control::{self, largest};
 use super::locate::{self, alarm};
 use super::run::Runner;
 use super::touch::{FieldError, STILL, Touch, instant};
@@ -192,7 +192,7 @@ impl Runner<'_> {
     /// The step from the present state to another time of the present attempt, with the full order; the field
     /// is evaluated there.
     pub(super) fn look(&mut self, h: f64) -> Result<(), Lost> {
-        let goal = (self.control.newton, self.control.scale(self.step.h, &self.a0));
+        let goal = (self.control.newton, self.control.scale(self.step.h, largest(&self.step.a)));
         self.probe.guess_from(h, &self.step, 0.0);
         if !self.probe.solve(&mut self.field, &self.state, h, goal)? {
             return Err(Lost::Diverged);
