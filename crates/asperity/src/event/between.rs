@@ -6,6 +6,8 @@ use super::collocation::{STAGES, Tableau, lagrange_at};
 pub(super) const NODES: usize = STAGES + 1;
 /// Points of an interval at which the polynomial is looked at.
 const POINTS: usize = 8;
+/// How far polynomials may leave the range of their values at the nodes, in ranges.
+const LEBESGUE: f64 = 2.0;
 /// Height over the largest value of an alarm that is not to be trusted.
 const MARGIN: f64 = 1e-10;
 
@@ -15,7 +17,12 @@ pub(super) fn hidden(values: &[f64]) -> Option<(usize, f64)> {
     if values.len() < 3 {
         return None;
     }
-    let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let (least, most) =
+        values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+    if most + LEBESGUE * (most - least) < 0.0 {
+        return None;
+    }
+    let largest = most.abs().max(least.abs());
     let mut nodes = [0.0; NODES];
     nodes[1..].copy_from_slice(&Tableau::radau().c);
     let nodes = &nodes[..values.len()];
