@@ -189,9 +189,59 @@ def test_the_zero_is_interpolated_between_records_before_and_after():
     resistance = data.averaged(20).resistance
     np.testing.assert_allclose(resistance, np.tile(load[:2], (20, 1)), atol=1e-12)
     np.testing.assert_allclose(data.normal_force, 10.0, atol=1e-9)
-    # Records on one side only: their mean.
+    # Records on one side only: the mean of the nearest, known no better than the drift since.
     one = process(RawData([part(0.0, load)], no_load=no_load[:1]))
     np.testing.assert_allclose(one.zero, no_load[0].readings.mean(axis=0))
+    off = 20.0 * slope
+    np.testing.assert_allclose(np.sqrt(np.diag(one.zero_covariance)), abs(off), rtol=1e-6)
+
+
+def test_each_run_has_the_zero_of_the_records_around_it():
+    clock = np.arange(1000) / 100.0
+    load = np.array([2.0, 0.5, 10.0])
+
+    def bent(t):
+        # Straight between the middles of the records, with a kink at the one between the runs.
+        return np.outer(np.minimum(t, 25.0 - 0.005), [0.01, -0.02, 0.03])
+
+    def part(start, force):
+        t = clock + start
+        return Recording(t, 2.0 * np.pi * t, force + bent(t))
+
+    def tare(start):
+        # Where the kink is the mean counts, as if the zero stayed.
+        run = part(start, 0.0)
+        return run.replace(readings=np.tile(bent(run.time[[0, -1]].mean(keepdims=True)), (1000, 1)))
+
+    raw = RawData([part(0.0, load), part(40.0, load)], no_load=[tare(60), tare(-20), tare(20)])
+    data = process(raw)
+    np.testing.assert_allclose(data.normal_force, 10.0, atol=1e-9)
+    np.testing.assert_allclose(data.averaged(20).resistance, np.tile(load[:2], (20, 1)), atol=1e-12)
+    np.testing.assert_allclose(data.zero, bent(np.array([5.0, 45.0]) - 0.005).mean(axis=0))
+    force, _ = data.perturbed(zero=data.zero)
+    np.testing.assert_allclose(force, data.force)
+
+
+def test_a_zero_from_one_side_is_as_uncertain_as_its_drift():
+    deviations = []
+    for seed in range(60):
+        options = {"turns": 1, "turn_rate": 0.1, "sample_rate": 100.0, "no_load_time": 5.0}
+        raw = VirtualTribometer(LAW, normal_force=9.3, seed=seed, zero=0.0, **options, drift=0.2)
+        raw = raw.record()
+        between = process(raw).zero
+        data = process(raw.replace(no_load=raw.no_load[seed % 2 : seed % 2 + 1]))
+        deviations.append((data.zero - between) / np.sqrt(np.diag(data.zero_covariance)))
+    # Where drift is all there is, the deviation is its own measure: one standard error.
+    assert abs(np.array(deviations)).max() < 3.0
+    assert np.mean(abs(np.array(deviations)) < 2.0) > 0.9
+
+
+def test_records_on_several_clocks_are_refused():
+    clock = np.arange(1000) / 100.0
+    run = Recording(clock, 2.0 * np.pi * clock, np.tile([1.0, 0.0, 9.0], (1000, 1)), source="a")
+    tare = run.replace(readings=np.zeros((1000, 3)), source="b")
+    with pytest.raises(RecordError, match="one clock"):
+        process(RawData([run], no_load=[tare]))
 
 
 def test_the_variance_of_a_mean_of_correlated_noise():
@@ -207,7 +257,8 @@ def both_ways(make, law=LAW, **options):
     """Raw data of a run forwards and one backwards, on one sensor."""
     given = {"normal_force": 9.3, "turns": 3, "sample_rate": 2000.0, "seed": 4, **options}
     raw, back = (make(law, turn_rate=rate, **given).record() for rate in (1.0, -1.0))
-    return raw.replace(recordings=raw.recordings + back.recordings)
+    later = [run.replace(time=run.time + 100.0) for run in back.recordings]
+    return raw.replace(recordings=[*raw.recordings, *later])
 
 
 def test_means_of_runs_in_both_senses():

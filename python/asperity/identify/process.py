@@ -19,7 +19,7 @@ from asperity.identify.averaged import Averaged
 from asperity.identify.record import RawData, Recording
 from asperity.identify.sets import MeasuredSets
 from asperity.identify.turns import TurnAverage, average_turns, bin_centres, sense, turn_numbers
-from asperity.identify.zero import Zero, zero_of
+from asperity.identify.zero import Zero, zeros_of
 
 # Samples that are worked on at a time.
 _CHUNK = 1 << 15
@@ -35,7 +35,7 @@ class ProcessedData(Value):
         turn: number of the turn of each sample, from 0 over all runs; −1 outside complete turns.
         run: first sample of each run and the number of samples, shape ``(m + 1,)``.
         matrix: T, shape ``(3, 3)``.
-        zero: mean reading without load, shape ``(3,)``.
+        zero: mean reading without load in the middle of the runs, shape ``(3,)``.
         calibration_covariance: of the entries of T row by row, shape ``(9, 9)``, or None.
         zero_covariance: shape ``(3, 3)``, or None without records.
         cut_off_frequency: of the normal force's filter for each run, in Hz; None without a filter.
@@ -57,7 +57,7 @@ class ProcessedData(Value):
     calibration_covariance: Array | None
     zero_covariance: Array | None
     cut_off_frequency: tuple[float | None, ...]
-    _zero: Zero
+    _zeros: tuple[Zero, ...]
 
     def __init__(
         self, raw: RawData, *, cut_off: float | None = 20.0, order: int = 4, grid_angle: float = 0.0
@@ -71,19 +71,20 @@ class ProcessedData(Value):
             grid_angle=_arrays.number(grid_angle, "grid_angle"),
         )
         calibration = raw.calibration
-        zero = zero_of(raw)
-        starts = np.concatenate([[0], np.cumsum([len(r) for r in raw.recordings])])
+        zeros = zeros_of(raw)
+        lengths = [len(r) for r in raw.recordings]
+        starts = np.concatenate([[0], np.cumsum(lengths)])
         self._keep(
             matrix=_arrays.read_only(np.eye(3) if calibration is None else calibration.matrix),
-            zero=_arrays.read_only(zero.mean),
+            zero=_arrays.read_only(np.average([z.mean for z in zeros], axis=0, weights=lengths)),
             calibration_covariance=None if calibration is None else calibration.covariance,
-            zero_covariance=zero.covariance,
+            zero_covariance=_shared(zeros, lengths),
             run=tuple(int(start) for start in starts),
             cut_off_frequency=tuple(
                 None if self.cut_off is None else self.cut_off * rate
                 for rate in map(_turn_rate, raw.recordings)
             ),
-            _zero=zero,
+            _zeros=zeros,
         )
         self._fill(self._sized())
 
@@ -102,7 +103,9 @@ class ProcessedData(Value):
             turns += found
             backwards = math.pi if sign < 0.0 else 0.0
             np.add(run.angle, self.grid_angle + backwards, out=out.phi[rows])
-            self._forces(number, self.matrix, self._zero, out.force[rows], out.normal[rows])
+            self._forces(
+                number, self.matrix, self._zeros[number], out.force[rows], out.normal[rows]
+            )
         if turns == 0:
             covered = max(abs(run.turns) for run in self.raw.recordings)
             raise RecordError(
@@ -183,7 +186,8 @@ class ProcessedData(Value):
         out = self._sized()
         for number in range(len(self.raw.recordings)):
             rows = slice(self.run[number], self.run[number + 1])
-            self._forces(number, t, self._zero.shifted(shift), out.force[rows], out.normal[rows])
+            zero = self._zeros[number].shifted(shift)
+            self._forces(number, t, zero, out.force[rows], out.normal[rows])
         return out.force, out.normal
 
     def _changed(self, matrix: ArrayLike | None, zero: ArrayLike | None) -> tuple[Array, Array]:
@@ -214,18 +218,22 @@ class ProcessedData(Value):
         )
 
     def _add(self, number: int, sums: Array) -> None:
-        """Add a run to the sums of 1, φ from the centre, readings without drift, λ_N in bins."""
-        run, k = self.raw.recordings[number], sums.shape[1]
+        """Add a run to the sums of 1, φ from the centre, readings, λ_N in bins.
+
+        Readings are as if the run had the mean zero of all.
+        """
+        run, k, zero = self.raw.recordings[number], sums.shape[1], self._zeros[number]
+        off = (0.0, 0.0, *(zero.mean - self.zero), 0.0)
+        drift = (0.0, 0.0, *zero.slope, 0.0)
         for rows in _chunks(len(run)):
             here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
             cell, within = _cells(self.phi[here], k)
-            later = run.time[rows] - self._zero.middle
+            later = run.time[rows] - zero.middle
             # Incomplete turns have no weight.
             used = (self.turn[here] >= 0).astype(np.float64)
             columns = (1.0, within, *run.readings[rows].T, self.normal_force[here])
-            drift = (0.0, 0.0, *self._zero.slope, 0.0)
-            for row, (column, rate) in enumerate(zip(columns, drift, strict=True)):
-                sums[row] += np.bincount(cell, used * (column - rate * later), k)
+            for row, (column, start, rate) in enumerate(zip(columns, off, drift, strict=True)):
+                sums[row] += np.bincount(cell, used * (column - start - rate * later), k)
 
     @cached_property
     def sets(self) -> MeasuredSets:
@@ -306,6 +314,17 @@ def _cells(phi: Array, bins: int) -> tuple[NDArray[np.int64], Array]:
     # Angles on the edge of a bin count for the upper one, whatever their rounding.
     number = np.floor(phi / width + 1e-9)
     return number.astype(np.int64) % bins, phi - (number + 0.5) * width
+
+
+def _shared(zeros: Sequence[Zero], lengths: Sequence[int]) -> Array | None:
+    """Return the covariance of the zeros of all runs as if their errors were the same.
+
+    Runs that share no record have independent errors: their mean is known better than this, but
+    runs in opposite senses pull apart what is the same for all.
+    """
+    if zeros[0].covariance is None:
+        return None
+    return np.asarray(np.average([z.covariance for z in zeros], axis=0, weights=lengths))
 
 
 def _joined(parts: Sequence[Array]) -> Array:

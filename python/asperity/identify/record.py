@@ -100,8 +100,9 @@ class RawData(Value):
     Args:
         recordings: the runs; one or several.
         calibration: of the force sensor; None if the readings are forces in N already.
-        no_load: records without contact, on the clock of the runs. Where there are some before and
-            after a run, its zero is interpolated linearly in time; else their mean is taken.
+        no_load: records without contact, on the clock of the runs. The zero of a run is
+            interpolated linearly in time between the nearest before and after it; with records on
+            one side only the nearest is taken, and its drift until the run counts as uncertainty.
         normal_load: constant λ_N in N that replaces the normal channel.
         radius: distance of the pin from the axis in m, for the sliding speed.
 
