@@ -6,7 +6,14 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity.errors import ParameterError, RecordError
-from asperity.identify import Configuration, VirtualTribometer, process, read_csv, read_raw
+from asperity.identify import (
+    Configuration,
+    VirtualTribometer,
+    process,
+    read_csv,
+    read_raw,
+    write_raw,
+)
 from asperity.identify.units import factors
 
 LAW = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.3))
@@ -375,3 +382,63 @@ def test_damaged_files_raise_nothing_but_our_errors(run, tmp_path):
             with suppress(RecordError):
                 runs = read_csv(path, on_defect=on_defect)
                 assert all(np.isfinite(columns(read)).all() for read in runs)
+
+
+NORMAL_MIX = np.array([[1.0, 0.02, 0.06], [-0.03, 1.1, -0.05], [0.04, 0.01, 0.9]])
+
+
+def test_a_given_load_keeps_the_crosstalk_of_the_normal_channel(tmp_path):
+    virtual = VirtualTribometer(
+        LAW,
+        normal_force=10.0,
+        turns=2,
+        sample_rate=500.0,
+        load_ripple=0.0,
+        crosstalk=NORMAL_MIX,
+        noise=0.001,
+        drift=0.0,
+        zero=0.1,
+        seed=6,
+    )
+    raw = virtual.record().replace(normal_load=10.0)
+    write_raw(raw, tmp_path)
+    read = read_raw(tmp_path / "run_1.csv", tmp_path / "tribometer.toml")
+    assert (columns(read.no_load[0]) == columns(raw.no_load[0])).all()
+    assert (process(read).force == process(raw).force).all()
+    means = process(read).averaged(72)
+    exact = -LAW.force(np.stack([np.cos(means.phi), np.sin(means.phi)], axis=1), normal_force=10.0)
+    np.testing.assert_allclose(means.force, exact, atol=0.03)
+
+
+def test_a_load_cannot_stand_for_a_normal_channel_that_disturbs_the_others(run, write):
+    table = columns(run)[:, :4]
+    path = write(lines_of(table, header=(",".join(NAMES[:4]),)))
+    idle = columns(run.replace(time=run.time - 10.0, readings=0.01 * run.readings))[:, :4]
+    write(lines_of(idle, header=(",".join(NAMES[:4]),)), "idle.csv")
+    loads = np.eye(3)
+
+    def configuration(mixing):
+        readings = (loads @ mixing.T).tolist()
+        sections = {
+            "tribometer": {"normal_load": 10.0},
+            "no_load": {"files": ["idle.csv"]},
+            "calibration": {"loads": loads.tolist(), "readings": readings, "reading_error": 1e-3},
+        }
+        return Configuration(sections, folder=path.parent)
+
+    with pytest.raises(RecordError, match="give the column of the normal channel"):
+        configuration(NORMAL_MIX).read(path)
+    flat = NORMAL_MIX * [[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    raw = configuration(flat).read(path)
+    # Without load there is none, whatever the runs carry.
+    assert (raw.no_load[0].readings[:, 2] == 0.0).all()
+    assert (raw.recordings[0].readings[:, 2] == 10.0).all()
+
+
+def test_a_given_load_that_no_channel_shows_comes_back(run, tmp_path):
+    readings = np.column_stack([run.readings[:, :2], np.full(len(run), 9.9)])
+    raw = asp.identify.RawData([run.replace(readings=readings)], normal_load=9.9)
+    write_raw(raw, tmp_path)
+    assert (tmp_path / "run_1.csv").read_text().splitlines()[0] == ",".join(NAMES[:4])
+    read = read_raw(tmp_path / "run_1.csv", tmp_path / "tribometer.toml")
+    assert (columns(read.recordings[0]) == columns(raw.recordings[0])).all()

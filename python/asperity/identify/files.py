@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from asperity.identify.calibration import Calibration
 from asperity.identify.process import ProcessedData, process
 from asperity.identify.reading import PathLike, read_csv
 from asperity.identify.record import CHANNELS, RawData, Recording
-from asperity.identify.table import Format, read_table
+from asperity.identify.table import Format, has_column, read_table
 from asperity.identify.units import factors
 
 _FORMAT = ("delimiter", "decimal", "header", "encoding")
@@ -31,6 +31,8 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
     "tribometer": ("normal_load", "radius"),
     "processing": ("cut_off", "order", "grid_angle"),
 }
+# Crosstalk below this is rounding.
+_NEGLIGIBLE = 1e-9
 _LOADS = tuple(f"load_{channel}" for channel in CHANNELS)
 
 
@@ -42,7 +44,7 @@ class Configuration(Value):
             check_units, on_defect), ``columns`` and ``units`` as for `read_csv`, ``calibration``
             (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files),
             ``tribometer`` (normal_load, radius), ``processing`` (cut_off, order, grid_angle); all
-            optional.
+            optional. A column of the normal channel is read beside normal_load for its crosstalk.
         folder: what the names of files are relative to.
 
     The file of a calibration has columns load_tangential, load_radial, load_normal in N beside the
@@ -95,12 +97,20 @@ class Configuration(Value):
     def read(self, paths: PathLike | Iterable[PathLike]) -> RawData:
         """Return the runs in some files, with the calibration and the records without load."""
         calibration = self._calibration()
+        files = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
+        constant = self._constant_normal(files)
+        if constant is not None and calibration is not None and _mixes_normal(calibration):
+            raise RecordError(
+                str(files[0]),
+                "normal: the calibration says that the normal load moves the other channels, "
+                "which normal_load cannot replace: give the column of the normal channel as well",
+            )
         names = self._section("no_load").get("files", [])
         idle = [Path(self.folder, name) for name in ([names] if isinstance(names, str) else names)]
         return RawData(
-            self._runs(paths, loaded=True),
+            self._runs(files, constant, loaded=True),
             calibration=calibration,
-            no_load=self._runs(idle, loaded=False) if idle else (),
+            no_load=self._runs(idle, constant, loaded=False) if idle else (),
             **self._section("tribometer"),
         )
 
@@ -111,12 +121,27 @@ class Configuration(Value):
     def _section(self, name: str) -> dict[str, Any]:
         return dict(self.sections.get(name, {}))
 
-    def _runs(self, paths: PathLike | Iterable[PathLike], *, loaded: bool) -> tuple[Recording, ...]:
+    def _constant_normal(self, files: Sequence[PathLike]) -> float | None:
+        """Return the load that stands for a normal channel; None if the files have one.
+
+        Crosstalk of the normal load is in the other channels whether λ_N is constant or not: it
+        takes the normal channel to remove it.
+        """
+        load = self._section("tribometer").get("normal_load")
+        form = Format(**{k: v for k, v in self._section("file").items() if k in _FORMAT})
+        named = "normal" in self._section("columns")
+        if load is None or named or (files and has_column(files[0], "normal", form)):
+            return None
+        return float(load)
+
+    def _runs(
+        self, paths: Iterable[PathLike], normal_load: float | None, *, loaded: bool
+    ) -> tuple[Recording, ...]:
         return read_csv(
             paths,
             columns=self._section("columns"),
             units=self._section("units"),
-            normal_load=self._section("tribometer").get("normal_load"),
+            normal_load=normal_load,
             loaded=loaded,
             **self._section("file"),
         )
@@ -174,9 +199,11 @@ def write_raw(raw: RawData, folder: PathLike) -> list[str]:
     place.mkdir(parents=True, exist_ok=True)
     runs = {f"run_{number}.csv": run for number, run in enumerate(raw.recordings, 1)}
     idle = {f"no_load_{number}.csv": run for number, run in enumerate(raw.no_load, 1)}
+    # A normal channel that only repeats what normal_load says was none.
+    kept = 2 if _repeats_load(raw) else 3
     for name, run in {**runs, **idle}.items():
-        columns = np.column_stack([run.time, run.angle, run.readings])
-        _write_table(place / name, ("time", "angle", *CHANNELS), columns)
+        columns = np.column_stack([run.time, run.angle, run.readings[:, :kept]])
+        _write_table(place / name, ("time", "angle", *CHANNELS[:kept]), columns)
     lines: list[str] = []
     if idle:
         lines += ["[no_load]", f"files = {_toml(list(idle))}", ""]
@@ -188,6 +215,20 @@ def write_raw(raw: RawData, folder: PathLike) -> list[str]:
         file.write("\n".join([*lines, ""]).encode())
     calibration = ["calibration.csv"] * (raw.calibration is not None)
     return [*runs, *idle, *calibration, "tribometer.toml"]
+
+
+def _repeats_load(raw: RawData) -> bool:
+    load = raw.normal_load
+    return load is not None and all(
+        (run.readings[:, 2] == level).all()
+        for runs, level in ((raw.recordings, load), (raw.no_load, 0.0))
+        for run in runs
+    )
+
+
+def _mixes_normal(calibration: Calibration) -> bool:
+    t = calibration.matrix
+    return bool(abs(t[:2, 2]).max() > _NEGLIGIBLE * abs(t).max())
 
 
 def _write_calibration(path: Path, calibration: Calibration) -> list[str]:

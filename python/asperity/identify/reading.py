@@ -59,7 +59,8 @@ def read_csv(
         encoding: of the text.
         sample_rate: in Hz, instead of a time column.
         turn_rate: in turns/s, instead of an angle column; the angle is 0 at time 0.
-        normal_load: constant λ_N in N, instead of a column of the normal force.
+        normal_load: constant λ_N in N, instead of a column of the normal force; 0 is what records
+            without load get.
         loaded: False for records without load, where the disk may rest and no unit is checked.
         check_units: whether implausible magnitudes are refused.
         on_defect: ``"raise"``, or ``"split"``: the record is cut at its defects, and pieces
@@ -99,6 +100,8 @@ def read_csv(
         if value is not None
     }
     where = _columns(columns, constants)
+    if not loaded and "normal" in constants:
+        constants["normal"] = 0.0
     _arrays.choice(on_defect, "on_defect", ("raise", "split"))
     scale = _units.factors(units)
     named = {**_units.DEFAULTS, **(units or {})}

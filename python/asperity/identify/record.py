@@ -103,7 +103,8 @@ class RawData(Value):
         no_load: records without contact, on the clock of the runs. The zero of a run is
             interpolated linearly in time between the nearest before and after it; with records on
             one side only the nearest is taken, and its drift until the run counts as uncertainty.
-        normal_load: constant λ_N in N that replaces the normal channel.
+        normal_load: constant λ_N in N that replaces what the normal channel says of λ_N; its
+            crosstalk to the others is removed all the same.
         radius: distance of the pin from the axis in m, for the sliding speed.
 
     >>> from asperity import FrictionLaw
