@@ -103,10 +103,12 @@ def test_a_dead_weight_instead_of_a_normal_channel(run, write):
 
 def test_several_files_are_one_campaign(run, write):
     table = columns(run)
-    paths = [write(lines_of(table), f"{n}.csv") for n in range(3)]
+    paths = [write(lines_of(table + 1e-6 * n), f"{n}.csv") for n in range(3)]
     runs = read_csv(paths)
     assert [read.source for read in runs] == [str(path) for path in paths]
     data = process(asp.identify.RawData(runs))
+    with pytest.raises(RecordError, match=r"2\.csv: is the same as .*2\.csv"):
+        asp.identify.RawData([*runs, runs[2].replace(time=runs[2].time + 10.0)])
     assert data.turns == 9
     assert data.turn[[0, 1200, 2400]].tolist() == [0, 3, 6]
 
@@ -334,6 +336,14 @@ def test_a_configuration_says_how_to_read_and_process(run, write, tmp_path):
     np.testing.assert_allclose(data.phi, expected.phi, atol=1e-12)
 
 
+@pytest.mark.parametrize("none", ["false", "'none'"])
+def test_a_configuration_can_switch_the_filter_off(run, tmp_path, none):
+    (tmp_path / "rig.toml").write_text(f"[processing]\ncut_off = {none}\n")
+    raw = asp.identify.RawData([run])
+    data = Configuration.load(tmp_path / "rig.toml").process(raw)
+    assert (data.normal_force == process(raw, cut_off=None).normal_force).all()
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -341,6 +351,17 @@ def test_a_configuration_says_how_to_read_and_process(run, write, tmp_path):
         ("[camera]\nfps = 3", "camera: is no section"),
         ("[units]\nvelocity = 'm'", r"units\.velocity: is not known"),
         ("units = 3", "units: must be a section"),
+        ("[file]\nencoding = 5", r"file\.encoding: must be a text, got 5"),
+        ("[file]\ncheck_units = 'no'", r"file\.check_units: must be true or false"),
+        ("[file]\nheader = true", r"file\.header: must be a whole number"),
+        ("[no_load]\nfiles = 5", r"no_load\.files: must be a name or several"),
+        ("[no_load]\nfiles = [5]", r"no_load\.files: must be a name or several"),
+        ("[columns]\ntime = [1]", r"columns\.time: must be a name or a number"),
+        ("[units]\ntime = 5", r"units\.time: must be a text"),
+        ("[calibration]\nfile = 5", r"calibration\.file: must be a text"),
+        ("[calibration]\nloads = [['x']]", r"calibration\.loads: must be numbers"),
+        ("[tribometer]\nradius = '5 cm'", r"tribometer\.radius: must be a number"),
+        ("[processing]\ncut_off = true", r"processing\.cut_off: must be a number"),
     ],
 )
 def test_wrong_configurations(tmp_path, text, message):

@@ -22,14 +22,42 @@ from asperity.identify.table import Format, has_column, read_table
 from asperity.identify.units import factors
 
 _FORMAT = ("delimiter", "decimal", "header", "encoding")
-_SECTIONS: dict[str, tuple[str, ...]] = {
-    "file": (*_FORMAT, "sample_rate", "turn_rate", "check_units", "on_defect"),
-    "columns": ("time", "angle", *CHANNELS),
-    "units": ("time", "angle", *CHANNELS),
-    "calibration": ("file", "loads", "readings", "reading_error", "fit_zero"),
-    "no_load": ("files",),
-    "tribometer": ("normal_load", "radius"),
-    "processing": ("cut_off", "order", "grid_angle"),
+_TEXT, _NUMBER, _COUNT, _SWITCH = "a text", "a number", "a whole number", "true or false"
+_COLUMN, _FILES, _NUMBERS = "a name or a number from 0", "a name or several", "numbers"
+_NUMBER_OR_NONE = "a number, or false for none"
+# Types a value of each kind may have; bool is an int for Python, not for us.
+_TYPES: dict[str, tuple[type, ...]] = {
+    _TEXT: (str,),
+    _NUMBER: (int, float),
+    _COUNT: (int,),
+    _SWITCH: (bool,),
+    _COLUMN: (str, int),
+    _FILES: (str,),
+    _NUMBER_OR_NONE: (int, float),
+}
+_SECTIONS: dict[str, dict[str, str]] = {
+    "file": {
+        "delimiter": _TEXT,
+        "decimal": _TEXT,
+        "header": _COUNT,
+        "encoding": _TEXT,
+        "sample_rate": _NUMBER,
+        "turn_rate": _NUMBER,
+        "check_units": _SWITCH,
+        "on_defect": _TEXT,
+    },
+    "columns": dict.fromkeys(("time", "angle", *CHANNELS), _COLUMN),
+    "units": dict.fromkeys(("time", "angle", *CHANNELS), _TEXT),
+    "calibration": {
+        "file": _TEXT,
+        "loads": _NUMBERS,
+        "readings": _NUMBERS,
+        "reading_error": _NUMBERS,
+        "fit_zero": _SWITCH,
+    },
+    "no_load": {"files": _FILES},
+    "tribometer": {"normal_load": _NUMBER, "radius": _NUMBER},
+    "processing": {"cut_off": _NUMBER_OR_NONE, "order": _COUNT, "grid_angle": _NUMBER},
 }
 # Crosstalk below this is rounding.
 _NEGLIGIBLE = 1e-9
@@ -51,7 +79,7 @@ class Configuration(Value):
     three channels, whose names and units are those of the runs.
 
     Raises:
-        ParameterError: for a section or key that is not known.
+        ParameterError: for a section or key that is not known, or a value of another type.
 
     >>> from asperity.identify import Configuration
     >>> Configuration({"units": {"angle": "deg"}}).sections["units"]
@@ -67,10 +95,13 @@ class Configuration(Value):
                 raise ParameterError(section, f"is no section; known are {', '.join(_SECTIONS)}")
             if not isinstance(keys, Mapping):
                 raise ParameterError(section, f"must be a section [{section}], got {keys!r}")
-            for key in keys:
+            for key, value in keys.items():
                 if key not in _SECTIONS[section]:
                     known = ", ".join(_SECTIONS[section])
                     raise ParameterError(f"{section}.{key}", f"is not known; known are {known}")
+                kind = _SECTIONS[section][key]
+                if not _is_a(value, kind):
+                    raise ParameterError(f"{section}.{key}", f"must be {kind}, got {value!r}")
         self._set(sections={k: dict(v) for k, v in sections.items()}, folder=os.fspath(folder))
 
     def __hash__(self) -> int:
@@ -116,7 +147,10 @@ class Configuration(Value):
 
     def process(self, raw: RawData) -> ProcessedData:
         """Return `process` with the options of the section ``processing``."""
-        return process(raw, **self._section("processing"))
+        options = self._section("processing")
+        if options.get("cut_off") is False or options.get("cut_off") == "none":
+            options["cut_off"] = None
+        return process(raw, **options)
 
     def _section(self, name: str) -> dict[str, Any]:
         return dict(self.sections.get(name, {}))
@@ -170,6 +204,30 @@ class Configuration(Value):
             raise RecordError(str(path), f"no number in line {table.lines(bad[:1])[0]}")
         scale = factors(self._section("units"))
         return table.values[:, :3], table.values[:, 3:] * [scale[name] for name in CHANNELS]
+
+
+def _is_a(value: Any, kind: str) -> bool:
+    if value is None:
+        # What TOML cannot say is as if it were not there.
+        return True
+    if kind == _FILES and not isinstance(value, str):
+        return _all_are(value, str)
+    if kind == _NUMBER_OR_NONE and (value is False or value == "none"):
+        return True
+    if kind == _NUMBERS:
+        return _holds_numbers(value)
+    return isinstance(value, _TYPES[kind]) and (kind == _SWITCH or not isinstance(value, bool))
+
+
+def _all_are(values: Any, kind: type) -> bool:
+    return isinstance(values, list | tuple) and all(isinstance(one, kind) for one in values)
+
+
+def _holds_numbers(value: Any) -> bool:
+    """Return whether a value is a number, or a list of such values."""
+    if isinstance(value, list | tuple | np.ndarray):
+        return all(_holds_numbers(one) for one in value)
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def read_raw(paths: PathLike | Iterable[PathLike], config: PathLike) -> RawData:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -98,7 +99,7 @@ class RawData(Value):
     """All that was recorded of one pairing: runs, calibration and records without load.
 
     Args:
-        recordings: the runs; one or several.
+        recordings: the runs; one or several, none twice.
         calibration: of the force sensor; None if the readings are forces in N already.
         no_load: records without contact, on the clock of the runs. The zero of a run is
             interpolated linearly in time between the nearest before and after it; with records on
@@ -134,6 +135,7 @@ class RawData(Value):
             raise ParameterError("recordings", "must hold at least one recording")
         if not isinstance(calibration, Calibration | None):
             raise ParameterError("calibration", f"must be a Calibration or None, got {calibration}")
+        _refuse_copies(runs)
         self._set(
             recordings=runs,
             calibration=calibration,
@@ -149,6 +151,18 @@ def _recordings(values: Any, argument: str) -> tuple[Recording, ...]:
         if not isinstance(value, Recording):
             raise ParameterError(argument, f"must hold Recordings, got {value!r}")
     return found
+
+
+def _refuse_copies(runs: tuple[Recording, ...]) -> None:
+    """Refuse a run given twice: bands would be too narrow."""
+    for one, other in combinations(runs, 2):
+        if (
+            len(one) == len(other)
+            and (one.readings[0] == other.readings[0]).all()
+            and np.array_equal(one.readings, other.readings)
+            and np.array_equal(one.angle, other.angle)
+        ):
+            raise RecordError(other.source, f"is the same as {one.source or 'another run'}")
 
 
 def _optional(value: float | None, argument: str) -> float | None:
