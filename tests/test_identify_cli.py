@@ -177,6 +177,23 @@ def test_results_are_replaced_all_or_none(campaign, tmp_path, monkeypatch):
     assert not (tmp_path / "new").exists()
 
 
+def test_a_calibration_with_three_loads_is_left_out_of_the_bands(campaign, tmp_path, capsys):
+    header, *lines = (campaign / "calibration.csv").read_text().splitlines()
+    (campaign / "three.csv").write_text("\n".join([header, *lines[5::6]]))
+    (campaign / "three.toml").write_text('[calibration]\nfile = "three.csv"\n')
+    assert identify(campaign, "run_1.csv", out=tmp_path, config="three.toml") == 0
+    assert "a fourth load or reading_error" in capsys.readouterr().out
+
+
+def test_half_a_turn_beside_a_good_run_is_named(campaign, tmp_path, capsys):
+    lines = (campaign / "run_1.csv").read_text().splitlines()
+    (campaign / "good.csv").write_text("\n".join(lines[:3501]))
+    (campaign / "short.csv").write_text("\n".join([lines[0], *lines[3501:]]))
+    out = tmp_path / "out"
+    assert identify(campaign, "good.csv", "short.csv", out=out) == 2
+    assert "short.csv: angle: covers 0.4" in capsys.readouterr().err
+
+
 def test_one_turn_is_fitted_without_bands(tmp_path, capsys):
     virtual = VirtualTribometer(LAW, normal_force=9.3, turns=1.2, sample_rate=500.0, seed=1)
     write_raw(virtual.record(), tmp_path)

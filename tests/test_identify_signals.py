@@ -298,6 +298,46 @@ def test_a_constant_normal_load_replaces_the_channel():
     assert (data.normal_force == 9.0).all()
 
 
+def test_a_constant_normal_load_has_no_error_of_calibration_and_zero():
+    raw = VirtualTribometer(LAW, normal_force=9.3, turns=2, sample_rate=2000.0, seed=4).record()
+    data = process(raw.replace(normal_load=9.0))
+    means = data.averaged(72)
+    changed = {"matrix": data.matrix * 1.01 + 0.002, "zero": data.zero + 0.03}
+    force, normal = data.perturbed(**changed)
+    assert (normal == 9.0).all()
+    assert (means.perturbed(**changed)[1] == means.normal_force).all()
+    np.testing.assert_allclose(
+        np.linalg.norm(means.perturbed(**changed)[0]) / np.linalg.norm(means.force),
+        np.linalg.norm(force) / np.linalg.norm(data.force),
+        rtol=1e-3,
+    )
+    measured = process(raw).calibration_covariance
+    np.testing.assert_array_equal(data.calibration_covariance[:6, :6], measured[:6, :6])
+    assert not data.calibration_covariance[6:].any()
+    assert not data.calibration_covariance[:, 6:].any()
+    assert data.is_load_given
+
+
+def test_a_calibration_of_unknown_error_has_no_covariance():
+    raw = VirtualTribometer(LAW, normal_force=9.3, turns=2, sample_rate=500.0, seed=4).record()
+    three = raw.calibration.readings[[5, 11, 17]]
+    exact = raw.replace(calibration=Calibration(9.3 * np.eye(3), three))
+    assert np.isnan(exact.calibration.covariance).all()
+    assert process(exact).calibration_covariance is None
+
+
+def test_a_file_without_a_complete_turn_is_named():
+    t = np.arange(1000) / 500.0
+    whole = Recording(t, 2.0 * np.pi * t, np.tile([1.0, 0.0, 9.0], (1000, 1)), source="whole")
+    half = Recording(t, 0.5 * np.pi * t, whole.readings, source="half")
+    with pytest.raises(RecordError, match=r"half: angle: covers 0\.5 turns"):
+        process(RawData([whole, half]))
+    # Of a file that was cut, some pieces may be too short.
+    piece = half.replace(source="whole, lines 3-1002")
+    data = process(RawData([whole, piece]))
+    assert (data.turns, data.used, len(data.phi)) == (2, 1000, 2000)
+
+
 @pytest.mark.parametrize("exponent", [0.0, -0.1])
 def test_amontons_law_is_told_from_a_power_of_the_load(exponent):
     runs = []

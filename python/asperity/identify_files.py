@@ -49,7 +49,7 @@ class Identification:
     @cached_property
     def averaged(self) -> Averaged:
         """Means over directions of sliding, so many that each holds samples of every turn."""
-        per_turn = int((self.data.turn >= 0).sum()) // self.data.turns
+        per_turn = self.data.used // self.data.turns
         return self.data.averaged(min(_DIRECTIONS, max(per_turn // 2, 8)))
 
     @cached_property
@@ -64,8 +64,10 @@ class Identification:
         force = float(data.normal_force.mean())
         calibration = data.raw.calibration
         condition = "none" if calibration is None else f"condition {calibration.condition:.4g}"
+        if calibration is not None and data.calibration_covariance is None:
+            condition += "; not in the bands: its error takes a fourth load or reading_error"
         lines = [
-            f"data              {len(data.phi)} samples, {data.turns} turns, "
+            f"data              {data.used} of {len(data.phi)} samples in {data.turns} turns, "
             f"{len(data.raw.recordings)} runs",
             f"normal force      {force:.4g} N",
             f"calibration       {condition}",

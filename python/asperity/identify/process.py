@@ -16,10 +16,11 @@ from asperity._value import Value
 from asperity.errors import ParameterError, RecordError
 from asperity.identify import signals
 from asperity.identify.averaged import Averaged
+from asperity.identify.contact import refuse_incomplete, refuse_lost_contact
 from asperity.identify.record import RawData, Recording
 from asperity.identify.sets import MeasuredSets
 from asperity.identify.turns import TurnAverage, average_turns, bin_centres, sense, turn_numbers
-from asperity.identify.zero import Zero, zeros_of
+from asperity.identify.zero import Zero, shared_covariance, zeros_of
 
 # Samples that are worked on at a time.
 _CHUNK = 1 << 15
@@ -36,7 +37,8 @@ class ProcessedData(Value):
         run: first sample of each run and the number of samples, shape ``(m + 1,)``.
         matrix: T, shape ``(3, 3)``.
         zero: mean reading without load in the middle of the runs, shape ``(3,)``.
-        calibration_covariance: of the entries of T row by row, shape ``(9, 9)``, or None.
+        calibration_covariance: of the entries of T row by row, shape ``(9, 9)``; None without
+            calibration, or where its error is not known. A given λ_N needs no third row.
         zero_covariance: shape ``(3, 3)``, or None without records.
         cut_off_frequency: of the normal force's filter for each run, in Hz; None without a filter.
 
@@ -77,8 +79,10 @@ class ProcessedData(Value):
         self._keep(
             matrix=_arrays.read_only(np.eye(3) if calibration is None else calibration.matrix),
             zero=_arrays.read_only(np.average([z.mean for z in zeros], axis=0, weights=lengths)),
-            calibration_covariance=None if calibration is None else calibration.covariance,
-            zero_covariance=_shared(zeros, lengths),
+            calibration_covariance=None
+            if calibration is None
+            else calibration.known_covariance(is_load_given=self.is_load_given),
+            zero_covariance=shared_covariance(zeros, lengths),
             run=tuple(int(start) for start in starts),
             cut_off_frequency=tuple(
                 None if self.cut_off is None else self.cut_off * rate
@@ -93,26 +97,21 @@ class ProcessedData(Value):
         return _Series(np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n, dtype=np.int32))
 
     def _fill(self, out: _Series) -> None:
-        turns = 0
+        found: list[int] = []
         for number, run in enumerate(self.raw.recordings):
             rows = slice(self.run[number], self.run[number + 1])
             sign = sense(run)
             out.turn[rows] = turn_numbers(run, sign)
-            found = int(out.turn[rows].max()) + 1
-            out.turn[rows][out.turn[rows] >= 0] += turns
-            turns += found
+            complete = int(out.turn[rows].max()) + 1
+            out.turn[rows][out.turn[rows] >= 0] += sum(found)
+            found.append(complete)
             backwards = math.pi if sign < 0.0 else 0.0
             np.add(run.angle, self.grid_angle + backwards, out=out.phi[rows])
             self._forces(
                 number, self.matrix, self._zeros[number], out.force[rows], out.normal[rows]
             )
-        if turns == 0:
-            covered = max(abs(run.turns) for run in self.raw.recordings)
-            raise RecordError(
-                self.raw.recordings[0].source,
-                f"angle: covers {covered:.3g} turns, at least one complete turn is needed",
-            )
-        _refuse_lost_contact(self.raw, self.run, out.normal)
+        refuse_incomplete(self.raw, found)
+        refuse_lost_contact(self.raw, self.run, out.normal)
         for series in (out.phi, out.force, out.normal, out.turn):
             series.flags.writeable = False
         self._keep(phi=out.phi, force=out.force, normal_force=out.normal, turn=out.turn)
@@ -153,6 +152,16 @@ class ProcessedData(Value):
     def turns(self) -> int:
         """Number of complete turns."""
         return int(self.turn.max()) + 1
+
+    @property
+    def used(self) -> int:
+        """Number of samples in complete turns."""
+        return int(np.count_nonzero(self.turn >= 0))
+
+    @property
+    def is_load_given(self) -> bool:
+        """Whether λ_N is `RawData.normal_load` and nothing of it comes from readings."""
+        return self.raw.normal_load is not None
 
     @property
     def time(self) -> Array:
@@ -215,6 +224,7 @@ class ProcessedData(Value):
             sense=signed[0],
             matrix=self.matrix,
             zero=self.zero,
+            is_load_given=self.is_load_given,
         )
 
     def _add(self, number: int, sums: Array) -> None:
@@ -272,7 +282,7 @@ def process(
         grid_angle: angle of the sliding direction from e₁ in rad where the rotation reads 0.
 
     Raises:
-        RecordError: without a complete turn, or where the pin lost contact.
+        RecordError: for a file without a complete turn, or where the pin lost contact.
 
     Reference: [WL19] §5.2, (119), (120).
 
@@ -316,27 +326,5 @@ def _cells(phi: Array, bins: int) -> tuple[NDArray[np.int64], Array]:
     return number.astype(np.int64) % bins, phi - (number + 0.5) * width
 
 
-def _shared(zeros: Sequence[Zero], lengths: Sequence[int]) -> Array | None:
-    """Return the covariance of the zeros of all runs as if their errors were the same.
-
-    Runs that share no record have independent errors: their mean is known better than this, but
-    runs in opposite senses pull apart what is the same for all.
-    """
-    if zeros[0].covariance is None:
-        return None
-    return np.asarray(np.average([z.covariance for z in zeros], axis=0, weights=lengths))
-
-
 def _joined(parts: Sequence[Array]) -> Array:
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-
-def _refuse_lost_contact(raw: RawData, starts: tuple[int, ...], normal: Array) -> None:
-    for run, start, stop in zip(raw.recordings, starts, starts[1:], strict=False):
-        lowest = int(normal[start:stop].argmin())
-        if normal[start + lowest] <= 0.0:
-            raise RecordError(
-                run.source,
-                f"normal channel: no pressure at row {lowest + 1} "
-                f"({normal[start + lowest]:.4g} N); compression must be positive",
-            )

@@ -14,7 +14,14 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import ParameterError, RecordError
 from asperity.identify import units as _units
-from asperity.identify.record import CHANNELS, Recording, gap_rows, rows_text, standstill_rows
+from asperity.identify.record import (
+    CHANNELS,
+    PIECE,
+    Recording,
+    gap_rows,
+    rows_text,
+    standstill_rows,
+)
 from asperity.identify.table import Format, Table, read_table
 
 PathLike = str | os.PathLike[str]
@@ -252,7 +259,7 @@ def _recording(
     source = str(table.path)
     if not whole:
         first, last = table.lines(np.array([rows.start, rows.stop - 1]))
-        source = f"{source}, lines {first}-{last}"
+        source = f"{source}{PIECE}{first}-{last}"
     angle = series["angle"][rows]
     # A disk at rest has an angle that only shakes.
     if unit is not None:

@@ -19,6 +19,8 @@ from asperity.identify.calibration import Calibration
 CHANNELS = ("tangential", "radial", "normal")
 # A step longer than this many usual ones is a gap.
 GAP = 1.5
+# Between a file and the lines of one of its pieces.
+PIECE = ", lines "
 _LISTED = 5
 
 
@@ -73,6 +75,11 @@ class Recording(Value):
             f"<Recording: {len(self)} samples, {self.duration:.6g} s, "
             f"{abs(self.turns):.6g} turns{f', {self.source}' if self.source else ''}>"
         )
+
+    @property
+    def file(self) -> str:
+        """The source without the lines, for one of the pieces a file was cut into."""
+        return self.source.partition(PIECE)[0]
 
     @property
     def duration(self) -> float:

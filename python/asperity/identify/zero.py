@@ -61,6 +61,17 @@ def zeros_of(raw: RawData) -> tuple[Zero, ...]:
     return tuple(_zero(run, raw.no_load) for run in raw.recordings)
 
 
+def shared_covariance(zeros: Sequence[Zero], lengths: Sequence[int]) -> Array | None:
+    """Return the covariance of the zeros of all runs as if their errors were the same.
+
+    Runs that share no record have independent errors: their mean is known better than this, but
+    runs in opposite senses pull apart what is the same for all.
+    """
+    if zeros[0].covariance is None:
+        return None
+    return np.asarray(np.average([z.covariance for z in zeros], axis=0, weights=lengths))
+
+
 def _zero(run: Recording, records: Sequence[Recording]) -> Zero:
     before = max((r for r in records if r.time[0] < run.time[0]), key=_middle, default=None)
     after = min((r for r in records if r.time[0] > run.time[0]), key=_middle, default=None)
