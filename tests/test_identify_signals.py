@@ -399,3 +399,15 @@ def test_recordings_report_rows():
         Recording(np.where(np.arange(100) == 10, t[9], t), t, readings)
     with pytest.raises(asp.DimensionError, match="angle"):
         Recording(t, t[:-1], readings)
+
+
+def test_sparse_records_get_fewer_bins():
+    virtual = VirtualTribometer(LAW, normal_force=9.3, turns=3, turn_rate=1.0, sample_rate=150.0)
+    data = process(virtual.record())
+    assert 32 <= len(data.sets.phi) < 450
+    averages = data.turn_averages()
+    assert 32 <= averages["tangential"].turns.shape[1] < 150
+    with pytest.raises(ParameterError, match="bins: must be fewer"):
+        data.averaged(720)
+    dense = process(virtual.replace(sample_rate=4000.0).record())
+    assert (len(dense.averaged().phi), dense.full_bins(360, each_turn=True)) == (720, 360)

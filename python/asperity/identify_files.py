@@ -49,8 +49,7 @@ class Identification:
     @cached_property
     def averaged(self) -> Averaged:
         """Means over directions of sliding, so many that each holds samples of every turn."""
-        per_turn = self.data.used // self.data.turns
-        return self.data.averaged(min(_DIRECTIONS, max(per_turn // 2, 8)))
+        return self.data.averaged(self.data.full_bins(_DIRECTIONS, each_turn=True))
 
     @cached_property
     def sets(self) -> MeasuredSets:

@@ -19,7 +19,14 @@ from asperity.identify.averaged import Averaged
 from asperity.identify.contact import refuse_incomplete, refuse_lost_contact
 from asperity.identify.record import RawData, Recording
 from asperity.identify.sets import MeasuredSets
-from asperity.identify.turns import TurnAverage, average_turns, bin_centres, sense, turn_numbers
+from asperity.identify.turns import (
+    TurnAverage,
+    average_turns,
+    bin_centres,
+    full_bins,
+    sense,
+    turn_numbers,
+)
 from asperity.identify.zero import Zero, shared_covariance, zeros_of
 
 # Samples that are worked on at a time.
@@ -204,9 +211,12 @@ class ProcessedData(Value):
         given = self.zero if zero is None else _arrays.array(zero, "zero", (3,))
         return t, given - self.zero
 
-    def averaged(self, bins: int = 720) -> Averaged:
-        """Return the means of all complete turns in equal bins of the sliding direction."""
-        k = _arrays.count(bins, "bins", least=8)
+    def averaged(self, bins: int | None = None) -> Averaged:
+        """Return the means of all complete turns in equal bins of the sliding direction.
+
+        By default there are 720, or as many as hold samples.
+        """
+        k = self.full_bins(720) if bins is None else _arrays.count(bins, "bins", least=8)
         forwards, backwards = np.zeros((6, k)), np.zeros((6, k))
         for number, run in enumerate(self.raw.recordings):
             sums = forwards if sense(run) > 0.0 else backwards
@@ -247,12 +257,21 @@ class ProcessedData(Value):
 
     @cached_property
     def sets(self) -> MeasuredSets:
-        """Points of bdry C and of D from the means in 720 directions, with their defects."""
+        """Points of bdry C and of D from the means in default bins, with their defects."""
         means = self.averaged()
         return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
 
-    def turn_averages(self, bins: int = 360) -> dict[str, TurnAverage]:
-        """Return l_t and l_p, per unit normal force, and λ_N in N over each turn, with bands."""
+    def full_bins(self, most: int, *, each_turn: bool = False) -> int:
+        """Return a number of bins up to `most` that all hold samples, of every turn if wanted."""
+        return full_bins(self.phi, self.turn, _arrays.count(most, "most", 8), each_turn=each_turn)
+
+    def turn_averages(self, bins: int | None = None) -> dict[str, TurnAverage]:
+        """Return l_t and l_p, per unit normal force, and λ_N in N over each turn, with bands.
+
+        By default in 360 bins, or as many as hold samples of every turn.
+        """
+        if bins is None:
+            bins = self.full_bins(360, each_turn=True)
         c, s = np.cos(self.phi), np.sin(self.phi)
         x, y = self.force.T
         channels = {
