@@ -14,6 +14,7 @@ from asperity.identify import (
     read_raw,
     write_raw,
 )
+from asperity.identify.files import blaming
 from asperity.identify.units import factors
 
 LAW = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.3))
@@ -463,3 +464,42 @@ def test_a_given_load_that_no_channel_shows_comes_back(run, tmp_path):
     assert (tmp_path / "run_1.csv").read_text().splitlines()[0] == ",".join(NAMES[:4])
     read = read_raw(tmp_path / "run_1.csv", tmp_path / "tribometer.toml")
     assert (columns(read.recordings[0]) == columns(raw.recordings[0])).all()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[file]\nsample_rate = -1", r"rig\.toml: \[file\] sample_rate"),
+        ("[processing]\norder = 0", r"rig\.toml: \[processing\] order"),
+        ("[columns]\nradial = 'tangential'", "columns: give the same column for tangential and ra"),
+        ("[columns]\ntime = 99", r"run\.csv: has no column 99 \(time\), 5 columns"),
+    ],
+)
+def test_wrong_options_name_file_and_section(run, write, text, message):
+    path = write(lines_of(columns(run)))
+    config = write([text], "rig.toml")
+
+    def read_and_process():
+        configuration = Configuration.load(config)
+        with blaming(config):
+            configuration.process(configuration.read(path))
+
+    with pytest.raises(RecordError, match=message):
+        read_and_process()
+
+
+def test_one_sample_is_no_run(run, write):
+    path = write(lines_of(columns(run)[:1]))
+    with pytest.raises(RecordError, match=r"run\.csv: holds one sample only"):
+        read_csv(path)
+
+
+def test_long_names_are_cut_and_latin_text_is_named(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_bytes(b"\0" * 1000)
+    with pytest.raises(RecordError) as caught:
+        read_csv(path)
+    assert len(str(caught.value)) < len(str(path)) + 300
+    path.write_bytes("Größe,1\n".encode("latin-1"))
+    with pytest.raises(RecordError, match="'latin-1' or 'utf-16'"):
+        read_csv(path)

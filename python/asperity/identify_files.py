@@ -20,6 +20,7 @@ from asperity._files import atomic
 from asperity._progress import stages
 from asperity.errors import FitError, RecordError
 from asperity.identify import Averaged, Configuration, Fit, MeasuredSets, ProcessedData, fit_law
+from asperity.identify.files import blaming
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -124,9 +125,10 @@ def identify(
     with stages(_STAGES) as announce:
         announce("reading")
         configuration = Configuration.load(config)
-        raw = configuration.read(list(paths))
-        announce("processing")
-        data = configuration.process(raw)
+        with blaming(config):
+            raw = configuration.read(list(paths))
+            announce("processing")
+            data = configuration.process(raw)
         announce("fitting")
         # The bands need two turns.
         bands = confidence if data.turns > 1 else None

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -240,7 +241,20 @@ def read_raw(paths: PathLike | Iterable[PathLike], config: PathLike) -> RawData:
     Raises:
         RecordError: as `read_csv`, and for the configuration.
     """
-    return Configuration.load(config).read(paths)
+    configuration = Configuration.load(config)
+    with blaming(config):
+        return configuration.read(paths)
+
+
+@contextmanager
+def blaming(config: PathLike) -> Iterator[None]:
+    """Say of a wrong option which configuration file it is from, and in which section."""
+    try:
+        yield
+    except ParameterError as error:
+        sections = [name for name, keys in _SECTIONS.items() if error.argument in keys]
+        section = f"[{sections[0]}] " if len(sections) == 1 else ""
+        raise RecordError(str(config), f"{section}{error}") from None
 
 
 def write_raw(raw: RawData, folder: PathLike) -> list[str]:

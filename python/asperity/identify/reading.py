@@ -118,6 +118,8 @@ def read_csv(
     found: list[Recording] = []
     for path in files:
         table = read_table(path, where, form)
+        if len(table.values) < 2:
+            raise RecordError(str(path), "holds one sample only, a run needs two or more")
         series = _series(table, where, scale, constants)
         defects = _defects(series, where)
         if defects and on_defect == "raise":
@@ -183,8 +185,6 @@ def _defects(
         if bad.size:
             found.append((name, "no number in", bad))
     if found:
-        return found
-    if len(series["time"]) < 2:
         return found
     halts = standstill_rows(series["time"])
     if halts.size:
