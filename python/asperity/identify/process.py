@@ -202,8 +202,8 @@ class ProcessedData(Value):
         out = self._sized()
         for number in range(len(self.raw.recordings)):
             rows = slice(self.run[number], self.run[number + 1])
-            zero = self._zeros[number].shifted(shift)
-            self._forces(number, t, zero, out.force[rows], out.normal[rows])
+            other = self._zeros[number].shifted(shift)
+            self._forces(number, t, other, out.force[rows], out.normal[rows])
         return out.force, out.normal
 
     def _changed(self, matrix: ArrayLike | None, zero: ArrayLike | None) -> tuple[Array, Array]:

@@ -127,7 +127,7 @@ def _refuse_overlap(records: Sequence[Recording]) -> None:
                 other.source,
                 f"time: starts at {other.time[0]:.6g} s before {one.source or 'another record'} "
                 f"ends at {one.time[-1]:.6g} s: drift of the zero needs runs and records without "
-                "load on one clock; shift their times",
+                "load on one clock: give a time column, or shift it",
             )
 
 
