@@ -17,7 +17,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import ParameterError, RecordError
 
-_SHOWN = 12
+_SHOWN, _LONGEST = 12, 40
 # With more unreadable lines than this share the file is no table.
 _MOSTLY = 0.5
 
@@ -86,12 +86,15 @@ def read_table(
         with _text(place, form) as file:
             names = _names(file, form, place)
             wanted = [_position(column, names, place) for column in columns.values()]
+            _refuse_twice(columns, wanted)
             values = _quickly(file, form, wanted)
         if values is None:
+            _refuse_missing(columns, wanted, place, form)
             values = _slowly(place, form, wanted)
     except UnicodeError:
         raise RecordError(
-            str(place), f"is not {form.encoding} text; give encoding= (for example 'utf-16')"
+            str(place),
+            f"is not {form.encoding} text; give encoding= (for example 'latin-1' or 'utf-16')",
         ) from None
     except csv.Error as error:
         raise RecordError(str(place), f"is not a text table: {error}") from None
@@ -100,6 +103,15 @@ def read_table(
     if not len(values):
         raise RecordError(str(place), f"holds no numbers after {form.header} header lines")
     return Table(place, form, values)
+
+
+def has_column(path: str | os.PathLike[str], name: str, form: Format) -> bool:
+    """Return whether the last header line of a file names a column; no if it cannot be read."""
+    try:
+        with _text(Path(path), form) as file:
+            return name in _names(file, form, Path(path))
+    except (OSError, UnicodeError, csv.Error, RecordError):
+        return False
 
 
 def _text(path: Path, form: Format) -> TextIO:
@@ -127,9 +139,37 @@ def _position(column: str | int, names: Sequence[str], path: Path) -> int:
     if isinstance(column, int):
         return _arrays.count(column, "columns", least=0)
     if column not in names:
-        listed = ", ".join(repr(name) for name in names[:_SHOWN]) or "no names: header=0"
-        raise RecordError(str(path), f"has no column {column!r}, only {listed}; map it by columns=")
+        listed = ", ".join(_short(name) for name in names[:_SHOWN]) or "no names: header=0"
+        raise RecordError(
+            str(path), f"has no column {_short(column)}, only {listed}; map it by columns="
+        )
     return names.index(column)
+
+
+def _short(name: str) -> str:
+    return repr(name if len(name) <= _LONGEST else f"{name[:_LONGEST]}…")
+
+
+def _refuse_twice(columns: Mapping[str, str | int], wanted: Sequence[int]) -> None:
+    names = list(columns)
+    for at, position in enumerate(wanted):
+        first = wanted.index(position)
+        if first < at:
+            raise ParameterError(
+                "columns", f"give the same column for {names[first]} and {names[at]}"
+            )
+
+
+def _refuse_missing(
+    columns: Mapping[str, str | int], wanted: Sequence[int], path: Path, form: Format
+) -> None:
+    """Refuse a column beyond the last one of the first line of numbers."""
+    with _text(path, form) as file:
+        lines = (line for number, line in enumerate(file, 1) if number > form.header)
+        width = len(_split(next((line for line in lines if line.strip()), ""), form))
+    for name, position in zip(columns, wanted, strict=True):
+        if position >= width > 1 and isinstance(columns[name], int):
+            raise RecordError(str(path), f"has no column {position} ({name}), {width} columns")
 
 
 def _quickly(file: TextIO, form: Format, wanted: Sequence[int]) -> Array | None:
