@@ -165,6 +165,23 @@ def test_robust_losses_survive_outliers(loss):
     assert abs(squares.parameters["reservoir.a"].value - TRUTH["reservoir.a"]) > 1e-3
 
 
+@pytest.mark.parametrize("loss", ["huber", "cauchy"])
+@pytest.mark.parametrize("size", [5.0, 50.0])
+def test_robust_losses_survive_outliers_that_spoil_means(loss, size):
+    phi, force = sampled(turned_law(), 20_000, 10, noise=0.005)
+    random = np.random.default_rng(1)
+    at = random.random(len(phi)) < 0.01
+    force[at] += size * random.normal(size=(int(at.sum()), 2))
+    fit = fit_law((phi, force), loss=loss)
+    for name, value in {**TRUTH, "reservoir.angle": 0.1, "direction.angle": -0.05}.items():
+        estimate = fit.parameters[name]
+        assert abs(estimate.value - value) < 5.0 * estimate.standard_error
+    assert fit.parameters["reservoir.a"].standard_error < 1e-3
+    assert fit.rms == pytest.approx(0.005, rel=0.05)
+    assert fit.measured.closure == pytest.approx(1.0, abs=0.05)
+    assert fit.comparison.best.reservoir == "superellipse"
+
+
 def test_isotropic_friction_has_no_angle():
     for noise in (0.0, 0.0014):
         fit = fit_law(sampled(FrictionLaw.isotropic(0.14), 20_000, 10, noise=noise))

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
-from asperity.identify.bins import Bins, grouped
+from asperity.identify.bins import Bins, GroupedBins, grouped
 from asperity.identify.coordinates import Estimate
 from asperity.identify.covariance import Covariance, estimate, has_angle, scatter_of, shared
 from asperity.identify.descent import Descent
@@ -22,6 +22,7 @@ from asperity.identify.loss import Loss
 from asperity.identify.models import (
     name_of,
 )
+from asperity.identify.outliers import without_outliers
 from asperity.identify.samples import Samples, by_sense
 from asperity.identify.sets import MeasuredSets
 from asperity.identify.sums import Family
@@ -91,7 +92,7 @@ class Fit:
         if confidence is not None:
             matrix = descent.sums.matrix.sum(axis=0)
             parts = by_sense(samples, data)
-            means = [bins] if len(parts) == 1 else [grouped(part, 1).bins() for part, _ in parts]
+            means = [bins] if len(parts) == 1 else [self._grouped(part).bins() for part, _ in parts]
             senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
             common = shared(family, senses, descent.p, matrix, data)
             self.covariance = Covariance(scatter_of(descent.sums), *common, samples.turns)
@@ -177,7 +178,7 @@ class Fit:
     @cached_property
     def means(self) -> tuple[Array, Array]:
         """Sliding directions φ in rad and mean forces −λ/λ_N there, ``(n,)`` and ``(n, 2)``."""
-        bins = grouped(self._samples, 1).bins(width=_WIDTH)
+        bins = self._grouped(self._samples).bins(width=_WIDTH)
         return bins.phi, bins.force
 
     @cached_property
@@ -239,7 +240,7 @@ class Fit:
         """Other models of the same data, by BIC and by turns left out."""
         from asperity.identify.selection import compare_models
 
-        return compare_models(self._data)
+        return compare_models(self._data, loss=self.loss.kind)
 
     def report(self, path: str | os.PathLike[str], *, title: str = "Friction law") -> Path:
         """Write one HTML file with parameters, figures and the comparison of models.
@@ -254,6 +255,9 @@ class Fit:
         from asperity.identify.report import write_report
 
         return write_report(self, path, title)
+
+    def _grouped(self, samples: Samples) -> GroupedBins:
+        return grouped(samples if self.loss.is_linear else without_outliers(samples), 1)
 
     def _width(self, directions: Array) -> Array:
         if self.covariance is None or self.confidence is None:

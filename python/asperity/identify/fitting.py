@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity import _arrays
 from asperity._arrays import Array
@@ -19,6 +18,7 @@ from asperity.identify.models import (
     name_of,
     reservoir_model,
 )
+from asperity.identify.outliers import inside, without_outliers
 from asperity.identify.samples import Measured, Samples, samples_of
 from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
@@ -80,7 +80,8 @@ def fit_law(
     measure = Loss(loss)
     family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))
     samples = samples_of(data)
-    sums = grouped(samples, 1)
+    # Means do not survive outliers that a robust loss is chosen for.
+    sums = grouped(samples if measure.is_linear else without_outliers(samples), 1)
     bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
     check_coverage(bins)
     if 2 * bins.phi.size <= family.size:
@@ -112,10 +113,10 @@ def _fit_samples(
 
     if loss.is_linear:
         return from_here(first, loss), loss
-    p, inside = first, _some(samples)
+    p, some = first, inside(samples, _MOST_LENGTHS)
     for _ in range(_ROUNDS):
         along, across, *_ = family.residuals(
-            samples.phi[inside], samples.force[inside], samples.normal[inside], p
+            samples.phi[some], samples.force[some], samples.normal[some], p
         )
         rescaled = loss.scaled_by(np.hypot(along, across))
         settled = abs(rescaled.scale - loss.scale) <= _SAME_SCALE * rescaled.scale
@@ -125,9 +126,3 @@ def _fit_samples(
         if settled:
             break
     return descent, loss
-
-
-def _some(samples: Samples) -> NDArray[np.intp]:
-    """Return numbers of samples in turns, evenly spread."""
-    inside = np.concatenate([np.arange(first, end) for first, end, _ in samples.runs])
-    return inside[:: max(1, inside.size // _MOST_LENGTHS)]

@@ -22,6 +22,7 @@ from asperity.identify.models import (
     name_of,
     reservoir_model,
 )
+from asperity.identify.outliers import without_outliers
 from asperity.identify.samples import Measured, samples_of
 from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
@@ -120,7 +121,10 @@ class Comparison(Value):
 
 
 def compare_models(
-    data: Measured, pairs: Iterable[tuple[ReservoirName, DirectionName]] = PAIRS
+    data: Measured,
+    pairs: Iterable[tuple[ReservoirName, DirectionName]] = PAIRS,
+    *,
+    loss: str = "linear",
 ) -> Comparison:
     """Fit several pairs of models of C and D to the same data.
 
@@ -133,6 +137,7 @@ def compare_models(
     Args:
         data: as for `fit_law`, with at least two turns.
         pairs: models of C and D.
+        loss: of the fits that are compared; with a robust one, gross outliers are left out.
 
     Raises:
         FitError: with less than two turns.
@@ -148,7 +153,8 @@ def compare_models(
     >>> best.reservoir, best.direction
     ('ellipse', 'circle')
     """
-    samples = samples_of(data)
+    given = samples_of(data)
+    samples = given if Loss(loss).is_linear else without_outliers(given)
     if samples.turns < 2:
         raise FitError(
             "data: one turn cannot be left out: models are compared over 2 turns or more"
@@ -168,7 +174,7 @@ def compare_models(
     kappa = _inflation(families[at], sums, fits[at].p, squares[at] / components)
     effective = components / kappa
     # What an error of the calibration may be is not for a model to follow.
-    distortion = Distortion(samples, data)
+    distortion = Distortion(given, data, loss=loss)
     variance = kappa * squares[at] / components
     explained = [
         distortion.explained(family, fit.p, variance)
