@@ -240,6 +240,18 @@ def test_calibration_and_zero_move_the_fit_as_predicted():
             assert abs(moved - predicted[:, entry]).max() < 0.02 * abs(predicted).max()
 
 
+@pytest.mark.parametrize("loss", ["huber", "cauchy"])
+def test_errors_in_common_do_not_depend_on_the_loss(loss):
+    machine = VirtualTribometer(
+        TABLE_1, normal_force=9.3, turns=4, turn_rate=0.5, sample_rate=1e3, seed=3
+    )
+    data = process(machine.record())
+    squares, robust = fit_law(data).covariance, fit_law(data, loss=loss).covariance
+    for part in ("calibration", "zero"):
+        expected, found = (np.sqrt(np.diag(getattr(c, part))) for c in (squares, robust))
+        np.testing.assert_allclose(found, expected, rtol=0.02)
+
+
 def test_bands_of_noise_that_is_known():
     """The band of each parameter holds the truth about as often as it says."""
     seeds, held = 60, np.zeros(7)

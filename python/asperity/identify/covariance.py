@@ -14,6 +14,7 @@ from asperity.errors import FitError
 from asperity.identify.bins import Bins
 from asperity.identify.coordinates import Estimate, Roundness, Scale
 from asperity.identify.descent import damped_step
+from asperity.identify.loss import Loss
 from asperity.identify.sums import Family, Sums
 
 # An angle is told from none at this level.
@@ -87,7 +88,7 @@ def scatter_of(sums: Sums) -> Array:
 
 
 def shared(
-    family: Family, parts: list[tuple[Bins, float]], p: Array, matrix: Array, data: Any
+    family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any
 ) -> tuple[Array, Array]:
     """Return the covariances that errors of the calibration matrix and of the zeros cause.
 
@@ -95,7 +96,8 @@ def shared(
     when the disk turns backwards.
 
     Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
-    is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119).
+    is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119). The
+    curvature of a robust loss weighs gradient and matrix alike, and is left out of both.
     """
     calibration = getattr(data, "calibration_covariance", None)
     zero = getattr(data, "zero_covariance", None)
@@ -104,6 +106,7 @@ def shared(
         return none, none
     transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
     pulls = np.sum([_pulls(family, bins, sense, p, transform) for bins, sense in parts], axis=0)
+    matrix = np.sum([family.sums(bins.samples, p, Loss()).matrix[0] for bins, _ in parts], axis=0)
     by = np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
 
     def caused(covariance: Array | None, by: Array, name: str) -> Array:

@@ -90,11 +90,10 @@ class Fit:
         self.coordinates = _arrays.read_only(descent.p)
         self.covariance: Covariance | None = None
         if confidence is not None:
-            matrix = descent.sums.matrix.sum(axis=0)
             parts = by_sense(samples, data)
             means = [bins] if len(parts) == 1 else [self._grouped(part).bins() for part, _ in parts]
             senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
-            common = shared(family, senses, descent.p, matrix, data)
+            common = shared(family, senses, descent.p, data)
             self.covariance = Covariance(scatter_of(descent.sums), *common, samples.turns)
 
     def __repr__(self) -> str:
