@@ -8,10 +8,12 @@ import pytest
 from asperity import Ellipse, FitError, FrictionLaw, Superellipse
 from asperity.errors import DimensionError, ParameterError
 from asperity.identify import (
+    Calibration,
     CircleDirection,
     CircleReservoir,
     FourierDirection,
     FourierReservoir,
+    RawData,
     SuperellipseDirection,
     SuperellipseReservoir,
     VirtualTribometer,
@@ -250,6 +252,62 @@ def test_errors_in_common_do_not_depend_on_the_loss(loss):
     for part in ("calibration", "zero"):
         expected, found = (np.sqrt(np.diag(getattr(c, part))) for c in (squares, robust))
         np.testing.assert_allclose(found, expected, rtol=0.02)
+
+
+def campaign(seed, runs=4, scatter=0.02):
+    """Runs between which friction differs."""
+    random, recordings = np.random.default_rng(seed + 5000), []
+    for run in range(runs):
+        factor = 1.0 + scatter * random.normal()
+        law = FrictionLaw(
+            Superellipse(4.99 / 9.3 * factor, 4.25 / 9.3 * factor, 2.94), TABLE_1.direction
+        )
+        machine = VirtualTribometer.perfect(
+            law,
+            normal_force=9.3,
+            turns=3,
+            turn_rate=0.5,
+            sample_rate=250.0,
+            noise=0.02,
+            crosstalk=0.0,
+            seed=10 * seed + run,
+        )
+        recordings += machine.record().recordings
+    return process(RawData(recordings))
+
+
+def test_bands_hold_the_scatter_between_runs():
+    seeds = 25
+    held = sum(
+        fit_law(campaign(seed)).parameters["reservoir.a"].covers(TRUTH["reservoir.a"])
+        for seed in range(seeds)
+    )
+    # Fewer than 20 of 25 have a probability of 1.2e-3 at 95 %; by turns 17 hold.
+    assert held >= 20
+    assert fit_law(campaign(0)).covariance.degrees[0] == 3
+    assert fit_law(campaign(0, runs=2)).covariance.degrees[0] == 5
+
+
+def test_bands_hold_an_estimated_error_of_the_calibration():
+    seeds, held = 40, np.zeros(7)
+    for seed in range(seeds):
+        raw = VirtualTribometer(
+            TABLE_1,
+            normal_force=9.3,
+            turns=2,
+            turn_rate=0.5,
+            sample_rate=250.0,
+            calibration_loads=2,
+            seed=seed,
+        ).record()
+        loads, readings = raw.calibration.loads, raw.calibration.readings
+        few = [0, 1, 3, 5]
+        weighed = Calibration(loads[few], readings[few])
+        fit = fit_law(process(RawData(raw.recordings, calibration=weighed, no_load=raw.no_load)))
+        held += [fit.parameters[name].covers(value) for name, value in TRUTH.items()]
+    assert fit.covariance.degrees == (1, 1, 19)
+    # Fewer than 33 of 40 have a probability of 2e-3 at 95 %.
+    assert (held >= 33).all(), held
 
 
 def test_bands_of_noise_that_is_known():

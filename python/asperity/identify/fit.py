@@ -16,14 +16,21 @@ from asperity._arrays import Array
 from asperity._value import Value
 from asperity.identify.bins import Bins, GroupedBins, grouped
 from asperity.identify.coordinates import Estimate
-from asperity.identify.covariance import Covariance, estimate, has_angle, scatter_of, shared
+from asperity.identify.covariance import (
+    Covariance,
+    estimate,
+    has_angle,
+    scatter_of,
+    shared,
+    shared_degrees,
+)
 from asperity.identify.descent import Descent
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
     name_of,
 )
 from asperity.identify.outliers import without_outliers
-from asperity.identify.samples import Samples, by_sense
+from asperity.identify.samples import Samples, by_sense, clusters_of
 from asperity.identify.sets import MeasuredSets
 from asperity.identify.sums import Family
 from asperity.law import FrictionLaw
@@ -94,7 +101,8 @@ class Fit:
             means = [bins] if len(parts) == 1 else [self._grouped(part).bins() for part, _ in parts]
             senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
             common = shared(family, senses, descent.p, data)
-            self.covariance = Covariance(scatter_of(descent.sums), *common, samples.turns)
+            scatter, degrees = scatter_of(descent.sums, clusters_of(samples, data))
+            self.covariance = Covariance(scatter, *common, (degrees, *shared_degrees(data)))
 
     def __repr__(self) -> str:
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"

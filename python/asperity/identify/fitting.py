@@ -41,8 +41,9 @@ def fit_law(
 ) -> Fit:
     """Fit a law's sets C and D to measured forces: min Σ‖−λ − λ_N f(φ)‖² over all samples.
 
-    The model meets the unfiltered samples. Bands hold what differs between turns (Student's t with
-    one degree less than turns) and the uncertainty of calibration and zeros, which turns share.
+    The model meets the unfiltered samples. Bands hold what differs between turns, or between runs
+    where there are three or more, and the uncertainty of calibration and zeros, which all share.
+    Degrees of freedom are one less than turns or runs, and those of the calibration.
 
     Args:
         data: what `process` returns, or arrays (φ in rad, −λ/λ_N ``(n, 2)``), by turns if φ is
