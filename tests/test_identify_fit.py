@@ -254,6 +254,29 @@ def test_errors_in_common_do_not_depend_on_the_loss(loss):
         np.testing.assert_allclose(found, expected, rtol=0.02)
 
 
+def test_a_given_normal_force_owes_nothing_to_its_channel():
+    machine = VirtualTribometer(
+        TABLE_1, normal_force=9.3, turns=4, turn_rate=0.5, sample_rate=250.0, load_ripple=0.0
+    )
+    raw = machine.record()
+    given = RawData(
+        raw.recordings, calibration=raw.calibration, no_load=raw.no_load, normal_load=9.3
+    )
+    data = process(given)
+    covariance = np.zeros((9, 9))
+    covariance[6:, 6:] = data.calibration_covariance[6:, 6:]
+    last_row = SimpleNamespace(
+        **{
+            name: getattr(data, name) for name in ("phi", "force", "normal_force", "turn", "matrix")
+        },
+        **{name: getattr(data, name) for name in ("run", "raw")},
+        calibration_covariance=covariance,
+    )
+    assert covariance.any()
+    assert not fit_law(last_row).covariance.calibration.any()
+    assert fit_law(data).covariance.calibration[2, 2] > 0.0
+
+
 def campaign(seed, runs=4, scatter=0.02):
     """Runs between which friction differs."""
     random, recordings = np.random.default_rng(seed + 5000), []

@@ -16,6 +16,7 @@ from asperity.identify.bins import Bins
 from asperity.identify.coordinates import Estimate, Roundness, Scale
 from asperity.identify.descent import damped_step
 from asperity.identify.loss import Loss
+from asperity.identify.samples import reads_normal_force
 from asperity.identify.sums import Family, Sums
 from asperity.identify.zero import _BATCHES
 
@@ -124,7 +125,11 @@ def shared(
     if calibration is None and zero is None:
         return none, none
     transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
-    pulls = np.sum([_pulls(family, bins, sense, p, transform) for bins, sense in parts], axis=0)
+    # Row 3 of T has no effect where the normal force is given.
+    read = reads_normal_force(data)
+    pulls = np.sum(
+        [_pulls(family, bins, sense, p, transform, read=read) for bins, sense in parts], axis=0
+    )
     matrix = np.sum([family.sums(bins.samples, p, Loss()).matrix[0] for bins, _ in parts], axis=0)
     by = np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
 
@@ -141,7 +146,9 @@ def shared(
     )
 
 
-def _pulls(family: Family, bins: Bins, sense: float, p: Array, transform: Array) -> Array:
+def _pulls(
+    family: Family, bins: Bins, sense: float, p: Array, transform: Array, *, read: bool = True
+) -> Array:
     """Return the derivatives of the gradient by the entries of T, row by row, and by the zeros."""
     on_force, on_normal = family.responses(bins.phi, p)
     cos, sin = np.cos(bins.phi), np.sin(bins.phi)
@@ -150,7 +157,7 @@ def _pulls(family: Family, bins: Bins, sense: float, p: Array, transform: Array)
         [
             sense * (on_force[..., 0] * cos + on_force[..., 1] * sin),
             sense * (on_force[..., 1] * cos - on_force[..., 0] * sin),
-            on_normal,
+            on_normal * read,
         ],
         axis=1,
     )

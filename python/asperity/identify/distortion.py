@@ -12,7 +12,7 @@ from asperity.identify.bins import Bins, grouped
 from asperity.identify.descent import damped_step
 from asperity.identify.loss import Loss
 from asperity.identify.outliers import without_outliers
-from asperity.identify.samples import Samples, by_sense
+from asperity.identify.samples import Samples, by_sense, reads_normal_force
 from asperity.identify.sums import Family
 
 _WIDTH = 5
@@ -32,6 +32,7 @@ class Distortion:
                 covariance[part, part] = known
         self._parts: list[tuple[Bins, float]] = []
         if covariance.any():
+            self._read = reads_normal_force(data)
             self._transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
             for run, sense in by_sense(samples, data):
                 near = run if Loss(loss).is_linear else without_outliers(run)
@@ -77,7 +78,7 @@ class Distortion:
         )
         along = sense * np.stack([cos, sin], axis=-1)
         across = sense * np.stack([-sin, cos], axis=-1)
-        unit = np.stack([along, across, -model])
+        unit = np.stack([along, across, -model * self._read])
         root = np.sqrt(bins.squares)
         readings = np.linalg.solve(self._transform, channels) * root
         entries = np.einsum("inc,jn->ijnc", unit, readings).reshape(9, -1)

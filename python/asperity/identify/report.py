@@ -78,7 +78,8 @@ def _parameters(fit: Fit) -> str:
             row += [f"<td>{100.0 * share:.0f} %</td>" for share in shares]
         sources = (
             "<p>Bands hold the scatter between turns, or between three runs or more (Student's t), "
-            "and the uncertainty of the calibration and of the records without load where these are known; the last columns "
+            "and the uncertainty of the calibration and of the records without load where these are "
+            "known; the last columns "
             "are their shares of the variance. "
             "Semi-axes are per unit normal force. The scale of D has no effect on forces.</p>"
         )

@@ -88,6 +88,12 @@ def by_sense(samples: Samples, data: Any) -> list[tuple[Samples, float]]:
     return parts
 
 
+def reads_normal_force(data: Any) -> bool:
+    """Return whether λ_N comes from the normal channel; else it is given, whatever T's row 3."""
+    raw = getattr(data, "raw", None)
+    return raw is None or raw.normal_load is None
+
+
 def clusters_of(samples: Samples, data: Any) -> NDArray[np.intp]:
     """Return for each turn what it shares its scatter with: its run if there are enough, or none.
 
