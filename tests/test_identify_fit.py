@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from asperity import Ellipse, FitError, FrictionLaw, Superellipse
+from asperity import Ellipse, FitError, FrictionLaw, Rectangle, Superellipse
 from asperity.errors import DimensionError, ParameterError
 from asperity.identify import (
     Calibration,
@@ -331,6 +331,20 @@ def test_bands_hold_an_estimated_error_of_the_calibration():
     assert fit.covariance.degrees == (1, 1, 19)
     # Fewer than 33 of 40 have a probability of 2e-3 at 95 %.
     assert (held >= 33).all(), held
+
+
+def test_rectangles_leave_c_untold():
+    law = FrictionLaw(Ellipse(0.5, 0.4), Rectangle(1.5, 1.0))
+    fit = fit_law(sampled(law, 20_000, 10, noise=0.005))
+    for name in ("a", "b", "exponent", "angle"):
+        assert not fit.parameters[f"reservoir.{name}"].identifiable
+    assert "C is not identifiable" in " ".join(fit.warnings)
+    assert fit.parameters["reservoir.a"].covers(0.5)
+    stuck = fit_law(sampled(FrictionLaw(Rectangle(0.5, 0.4), Ellipse(2.0, 1.0)), noise=1e-4))
+    assert not stuck.parameters["reservoir.exponent"].identifiable
+    assert stuck.parameters["reservoir.a"].identifiable
+    assert stuck.warnings == ("reservoir.exponent is not identifiable: it ended at its bound 60",)
+    assert not fit_law(sampled(turned_law(), 20_000, 10, noise=0.005)).warnings
 
 
 def test_bands_of_noise_that_is_known():

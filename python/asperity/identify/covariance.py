@@ -13,7 +13,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import FitError
 from asperity.identify.bins import Bins
-from asperity.identify.coordinates import Estimate, Roundness, Scale
+from asperity.identify.coordinates import Coordinate, Estimate, Roundness, Scale
 from asperity.identify.descent import damped_step
 from asperity.identify.loss import Loss
 from asperity.identify.samples import reads_normal_force
@@ -187,12 +187,15 @@ def has_angle(p: Array, roundness: Roundness, covariance: Covariance) -> bool:
 
 
 def estimate(
-    x: float, scale: Scale, half_width: float, standard_error: float, told: bool
+    x: float, coordinate: Coordinate, half_width: float, standard_error: float, told: bool
 ) -> Estimate:
     """Return a parameter with its band from its coordinate."""
+    scale = coordinate.scale
     value, low, high = scale.natural(np.array([x, x - half_width, x + half_width]))
     slope = float(scale.slope(np.array(x)))
     if not told:
-        # All that is known of an angle that the data cannot tell.
-        low, high = -0.25 * math.pi, 0.25 * math.pi
+        # All that is known of what the data cannot tell.
+        angle = scale is Scale.ANGLE
+        ends = (-0.25 * math.pi, 0.25 * math.pi) if angle else (coordinate.low, coordinate.high)
+        low, high = scale.natural(np.array(ends))
     return Estimate(value, low, high, slope * standard_error, identifiable=told)

@@ -15,6 +15,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.identify.bins import Bins, GroupedBins, grouped
+from asperity.identify.checks import at_bounds, gaps
 from asperity.identify.coordinates import Estimate
 from asperity.identify.covariance import (
     Covariance,
@@ -152,10 +153,13 @@ class Fit:
         """Estimates with bands by name: ``reservoir.a``, ``direction.ratio`` = p₁/p₂ and others.
 
         Semi-axes are per unit normal force, angles in rad within ±45°. An angle is identifiable if
-        the set differs from one that has none (at the level 0.01); the scale of D never is.
+        the set differs from one that has none (at the level 0.01); the scale of D never is. Nor is
+        what ended at a bound of its model, nor the shape of C where forces leave out 30° and more
+        of their directions; `warnings` says so.
         """
         family = self._family
         result: dict[str, Estimate] = {}
+        stuck, blind = at_bounds(self.coordinates, family.coordinates), self._has_gaps
         for start, model, part in (
             (0, family.reservoir, "reservoir"),
             (family.split, family.direction, "direction"),
@@ -163,13 +167,34 @@ class Fit:
             for at, coordinate in enumerate(model.coordinates, start):
                 last = at == start + len(model.coordinates) - 1
                 told = not last or self._has_angle(slice(start, at + 1), model.roundness())
+                told = told and not stuck[at] and not (blind and part == "reservoir")
                 unit = np.eye(family.size)[at]
                 width, deviation = self._width(unit[None])[0], self._deviation(unit)
                 result[f"{part}.{coordinate.name}"] = estimate(
-                    self.coordinates[at], coordinate.scale, width, deviation, told
+                    self.coordinates[at], coordinate, width, deviation, told
                 )
         result["direction.scale"] = Estimate(np.nan, 0.0, np.inf, np.inf, identifiable=False)
         return result
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on what the data cannot tell or the models cannot hold."""
+        family, sentences = self._family, []
+        names = [name for name in self.parameters if name != "direction.scale"]
+        for name, stuck in zip(names, at_bounds(self.coordinates, family.coordinates), strict=True):
+            if stuck:
+                bound = self.parameters[name].value
+                sentences.append(f"{name} is not identifiable: it ended at its bound {bound:.4g}")
+        if self._has_gaps:
+            arcs = ", ".join(f"{a:.0f}°…{b:.0f}°" for a, b in np.rad2deg(gaps(self.means[1])))
+            sentences.append(
+                f"C is not identifiable: hardly any force has a direction θ within {arcs}"
+            )
+        return tuple(sentences)
+
+    @cached_property
+    def _has_gaps(self) -> bool:
+        return len(self._family.reservoir.coordinates) > 1 and bool(gaps(self.means[1]))
 
     @cached_property
     def residuals(self) -> Array:
