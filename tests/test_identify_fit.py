@@ -347,6 +347,27 @@ def test_rectangles_leave_c_untold():
     assert not fit_law(sampled(turned_law(), 20_000, 10, noise=0.005)).warnings
 
 
+def test_forces_that_no_such_sets_have_are_told():
+    phi = np.linspace(0.0, 20.0 * np.pi, 20_000, endpoint=False)
+    e = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    across = np.stack([-e[:, 1], e[:, 0]], axis=-1)
+    noise = 0.005 * np.random.default_rng(0).normal(size=e.shape)
+    skew = fit_law((phi, 0.5 * e + 0.1 * across + noise))
+    assert skew.defects["closure"].size == pytest.approx(np.exp(0.4 * np.pi), rel=0.01)
+    assert any("closure 3.5" in warning for warning in skew.warnings)
+    assert any("does not fit" in warning for warning in skew.warnings)
+    assert not skew.defects["asymmetry"].matters
+    odd = fit_law((phi, 0.5 * e + [0.05, 0.02] + noise))
+    assert any("not symmetric" in warning for warning in odd.warnings)
+    assert "not symmetric" in repr(odd)
+    assert odd.comparison.best.reservoir == "odd fourier"
+    for law in (TABLE_1, FrictionLaw.isotropic(0.14)):
+        for seed in range(4):
+            few = fit_law(sampled(law, 3000, 3, noise=0.01, seed=seed))
+            assert len(few.defects) == 3
+            assert not any(defect.matters for defect in few.defects.values()), few.defects
+
+
 def test_bands_of_noise_that_is_known():
     """The band of each parameter holds the truth about as often as it says."""
     seeds, held = 60, np.zeros(7)

@@ -68,6 +68,7 @@ class Identification:
             f"calibration       {condition}",
             "C on e1, e2       {:.4g}, {:.4g} per unit normal force".format(*radii_on_axes(sets)),
             f"closure of D      {sets.closure:.6g}",
+            f"asymmetry         {sets.asymmetry:.3g} of the largest force",
             f"convexity defect  {sets.convexity_defect:.3g} rad",
             f"residuals         {self.fit.rms:.4g} N rms",
             "",
@@ -78,7 +79,8 @@ class Identification:
         if {"reservoir.a", "reservoir.b"} <= set(names):
             a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
             lines += ["", f"semi-axes of C at {force:.4g} N: {a:.4g} N, {b:.4g} N"]
-        return "\n".join(lines)
+        lines += ["", *(f"warning: {sentence}" for sentence in self.fit.warnings)]
+        return "\n".join(lines).rstrip()
 
 
 def radii_on_axes(sets: MeasuredSets) -> tuple[float, float]:

@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
+from asperity.identify import defects
 from asperity.identify.bins import Bins, GroupedBins, grouped
-from asperity.identify.checks import at_bounds, gaps
+from asperity.identify.checks import at_bounds, gaps, warnings_of
 from asperity.identify.coordinates import Estimate
 from asperity.identify.covariance import (
     Covariance,
@@ -25,6 +26,7 @@ from asperity.identify.covariance import (
     shared,
     shared_degrees,
 )
+from asperity.identify.defects import Defect
 from asperity.identify.descent import Descent
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
@@ -107,7 +109,8 @@ class Fit:
 
     def __repr__(self) -> str:
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
-        return f"<Fit {models}, {self.samples} samples, {self.turns} turns>"
+        text = "; ".join([f"{models}, {self.samples} samples, {self.turns} turns", *self.warnings])
+        return f"<Fit {text}>"
 
     @property
     def samples(self) -> int:
@@ -159,7 +162,7 @@ class Fit:
         """
         family = self._family
         result: dict[str, Estimate] = {}
-        stuck, blind = at_bounds(self.coordinates, family.coordinates), self._has_gaps
+        stuck, blind = self.at_bounds, bool(self.gaps)
         for start, model, part in (
             (0, family.reservoir, "reservoir"),
             (family.split, family.direction, "direction"),
@@ -179,22 +182,30 @@ class Fit:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Sentences on what the data cannot tell or the models cannot hold."""
-        family, sentences = self._family, []
-        names = [name for name in self.parameters if name != "direction.scale"]
-        for name, stuck in zip(names, at_bounds(self.coordinates, family.coordinates), strict=True):
-            if stuck:
-                bound = self.parameters[name].value
-                sentences.append(f"{name} is not identifiable: it ended at its bound {bound:.4g}")
-        if self._has_gaps:
-            arcs = ", ".join(f"{a:.0f}°…{b:.0f}°" for a, b in np.rad2deg(gaps(self.means[1])))
-            sentences.append(
-                f"C is not identifiable: hardly any force has a direction θ within {arcs}"
-            )
-        return tuple(sentences)
+        return warnings_of(self)
 
     @cached_property
-    def _has_gaps(self) -> bool:
-        return len(self._family.reservoir.coordinates) > 1 and bool(gaps(self.means[1]))
+    def at_bounds(self) -> Array:
+        """Which coordinates ended at a bound of their model, in the order of the parameters."""
+        return at_bounds(self.coordinates, self._family.coordinates)
+
+    @cached_property
+    def gaps(self) -> list[tuple[float, float]]:
+        """Arcs of directions θ in rad without forces, where C has a shape to be told."""
+        return gaps(self.means[1]) if len(self._family.reservoir.coordinates) > 1 else []
+
+    @cached_property
+    def defects(self) -> dict[str, Defect]:
+        """Asymmetry, closure and lack of fit with whether they matter; none if data are sparse."""
+        groups = min(self.turns, defects.MOST_GROUPS)
+        means = defects.means_of(self._grouped(self._samples, groups))
+        if means is None:
+            return {}
+        return {
+            "asymmetry": defects.asymmetry(*means),
+            "closure": defects.closure(*means),
+            "lack of fit": defects.lack_of_fit(*means, self.forces),
+        }
 
     @cached_property
     def residuals(self) -> Array:
@@ -288,8 +299,8 @@ class Fit:
 
         return write_report(self, path, title)
 
-    def _grouped(self, samples: Samples) -> GroupedBins:
-        return grouped(samples if self.loss.is_linear else without_outliers(samples), 1)
+    def _grouped(self, samples: Samples, groups: int = 1) -> GroupedBins:
+        return grouped(samples if self.loss.is_linear else without_outliers(samples), groups)
 
     def _width(self, directions: Array) -> Array:
         if self.covariance is None or self.confidence is None:

@@ -12,6 +12,7 @@ from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import FitError
 from asperity.identify.bins import GroupedBins, check_coverage, grouped
+from asperity.identify.defects import MOST_GROUPS, asymmetry, means_of
 from asperity.identify.descent import damped_step
 from asperity.identify.distortion import Distortion
 from asperity.identify.loss import Loss
@@ -39,9 +40,14 @@ PAIRS: tuple[tuple[ReservoirName, DirectionName], ...] = (
 )
 """Models that are compared if none are named; circles, ellipses and superellipses are nested."""
 
+ODD_PAIRS: tuple[tuple[ReservoirName, DirectionName], ...] = (
+    ("odd fourier", "superellipse"),
+    ("odd fourier", "odd fourier"),
+)
+"""Compared as well where the forces are not symmetric to the origin."""
+
 # Fits are compared on means over half a degree; more groups of turns than this tell no more.
 _WIDTH = 5
-_MOST_GROUPS = 20
 
 
 class Candidate(Value):
@@ -122,7 +128,7 @@ class Comparison(Value):
 
 def compare_models(
     data: Measured,
-    pairs: Iterable[tuple[ReservoirName, DirectionName]] = PAIRS,
+    pairs: Iterable[tuple[ReservoirName, DirectionName]] | None = None,
     *,
     loss: str = "linear",
 ) -> Comparison:
@@ -136,7 +142,8 @@ def compare_models(
 
     Args:
         data: as for `fit_law`, with at least two turns.
-        pairs: models of C and D.
+        pairs: models of C and D; by default `PAIRS`, and `ODD_PAIRS` where even harmonics of the
+            forces are significant.
         loss: of the fits that are compared; with a robust one, gross outliers are left out.
 
     Raises:
@@ -159,10 +166,14 @@ def compare_models(
         raise FitError(
             "data: one turn cannot be left out: models are compared over 2 turns or more"
         )
+    sums = grouped(samples, min(samples.turns, MOST_GROUPS))
+    if pairs is None:
+        means = means_of(sums)
+        odd = means is not None and asymmetry(*means).matters
+        pairs = (*PAIRS, *ODD_PAIRS) if odd else PAIRS
     families = [Family(reservoir_model(c), direction_model(d), joint=True) for c, d in pairs]
     if not families:
         raise FitError("pairs: no models to compare")
-    sums = grouped(samples, min(samples.turns, _MOST_GROUPS))
     # What varies within a bin is the same for all models.
     bins = sums.bins(width=_WIDTH)
     check_coverage(bins)
