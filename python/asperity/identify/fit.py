@@ -94,9 +94,11 @@ class Fit:
         descent: Descent,
         loss: Loss,
         confidence: float | None,
+        comparison: Comparison | None = None,
     ) -> None:
         self._samples, self._family, self._data = samples, family, data
         self._descent, self.loss, self.confidence = descent, loss, confidence
+        self._comparison = comparison
         self.coordinates = _arrays.read_only(descent.p)
         self.covariance: Covariance | None = None
         if confidence is not None:
@@ -281,6 +283,8 @@ class Fit:
     @cached_property
     def comparison(self) -> Comparison:
         """Other models of the same data, by BIC and by turns left out."""
+        if self._comparison is not None:
+            return self._comparison
         from asperity.identify.selection import compare_models
 
         return compare_models(self._data, loss=self.loss.kind)

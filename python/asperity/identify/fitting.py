@@ -20,6 +20,7 @@ from asperity.identify.models import (
 )
 from asperity.identify.outliers import inside, without_outliers
 from asperity.identify.samples import Measured, Samples, samples_of
+from asperity.identify.selection import BEST, compare_models, matching_pairs
 from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
 
@@ -48,9 +49,9 @@ def fit_law(
     Args:
         data: what `process` returns, or arrays (φ in rad, −λ/λ_N ``(n, 2)``), by turns if φ is
             unwrapped, or (φ, −λ/λ_N, turn) with integers that are negative outside of turns.
-        reservoir: model of C: ``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"`` or a
-            model such as `FourierReservoir`.
-        direction: model of D, likewise.
+        reservoir: model of C: ``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"``, a
+            model such as `FourierReservoir`, or ``"best"`` of those compared, by BIC.
+        direction: model of D, likewise; with both ``"best"``, the best pair.
         joint: fit C and D together to the forces; else C to their magnitudes over their
             directions and D to their directions over the sliding directions.
         loss: ``"linear"``, or ``"huber"`` or ``"cauchy"`` against outliers.
@@ -79,6 +80,11 @@ def fit_law(
         if not 0.0 < confidence < 1.0:
             raise ParameterError("confidence", f"must lie between 0 and 1, got {confidence!r}")
     measure = Loss(loss)
+    comparison = None
+    if BEST in (reservoir, direction):
+        comparison = compare_models(data, matching_pairs(reservoir, direction), loss=loss)
+        best = comparison.best
+        reservoir, direction = best.reservoir_model, best.direction_model
     family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))
     samples = samples_of(data)
     # Means do not survive outliers that a robust loss is chosen for.
@@ -94,7 +100,7 @@ def fit_law(
             f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
             "try a simpler model"
         )
-    return Fit(data, samples, bins, family, descent, measure, confidence)
+    return Fit(data, samples, bins, family, descent, measure, confidence, comparison)
 
 
 def _fit_samples(

@@ -14,9 +14,12 @@ from asperity.errors import FitError
 from asperity.identify.bins import GroupedBins, check_coverage, grouped
 from asperity.identify.defects import MOST_GROUPS, asymmetry, means_of
 from asperity.identify.descent import damped_step
+from asperity.identify.direction_models import DirectionModel
 from asperity.identify.distortion import Distortion
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
+    DIRECTIONS,
+    RESERVOIRS,
     DirectionName,
     ReservoirName,
     direction_model,
@@ -24,6 +27,7 @@ from asperity.identify.models import (
     reservoir_model,
 )
 from asperity.identify.outliers import without_outliers
+from asperity.identify.reservoir_models import ReservoirModel
 from asperity.identify.samples import Measured, samples_of
 from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
@@ -46,16 +50,29 @@ ODD_PAIRS: tuple[tuple[ReservoirName, DirectionName], ...] = (
 )
 """Compared as well where the forces are not symmetric to the origin."""
 
+BEST = "best"
+
 # Fits are compared on means over half a degree; more groups of turns than this tell no more.
 _WIDTH = 5
+
+
+def matching_pairs(
+    reservoir: ReservoirName, direction: DirectionName
+) -> list[tuple[ReservoirName, DirectionName]] | None:
+    """Return the pairs to choose from where one model or both are to be the best; None for all."""
+    if reservoir == direction == BEST:
+        return None
+    if reservoir == BEST:
+        return [(name, direction) for name in RESERVOIRS]
+    return [(reservoir, name) for name in DIRECTIONS]
 
 
 class Candidate(Value):
     """One pair of models in a comparison.
 
     Args:
-        reservoir: model of C.
-        direction: model of D.
+        reservoir: name of the model of C; `reservoir_model` is the model.
+        direction: name of the model of D; `direction_model` is the model.
         parameters: how many are fitted.
         rms: root mean square of a component of the residuals in N.
         bic: Bayesian information criterion relative to the smallest one.
@@ -71,11 +88,13 @@ class Candidate(Value):
     bic: float
     left_out: float
     left_out_error: float
+    reservoir_model: ReservoirModel
+    direction_model: DirectionModel
 
     def __init__(
         self,
-        reservoir: str,
-        direction: str,
+        reservoir: ReservoirName,
+        direction: DirectionName,
         *,
         parameters: int,
         rms: float,
@@ -83,9 +102,11 @@ class Candidate(Value):
         left_out: float,
         left_out_error: float,
     ) -> None:
+        models = reservoir_model(reservoir), direction_model(direction)
+        self._keep(reservoir_model=models[0], direction_model=models[1])
         self._set(
-            reservoir=reservoir,
-            direction=direction,
+            reservoir=name_of(models[0]),
+            direction=name_of(models[1]),
             parameters=_arrays.count(parameters, "parameters"),
             rms=_arrays.non_negative(rms, "rms"),
             bic=float(bic),
@@ -202,8 +223,8 @@ def compare_models(
     return Comparison(
         [
             Candidate(
-                name_of(family.reservoir),
-                name_of(family.direction),
+                family.reservoir,
+                family.direction,
                 parameters=family.size,
                 rms=math.sqrt(squares[row] / components),
                 bic=bic[row] - bic.min(),
