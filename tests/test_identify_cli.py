@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 from asperity import cli, identify_files
-from asperity.identify import MeasuredSets, VirtualTribometer, write_raw
+from asperity.identify import Fit, MeasuredSets, VirtualTribometer, write_raw
 from asperity.paper import table1
 
 LAW = table1.laws()["extended, superellipses C, D"]
@@ -68,17 +68,25 @@ def test_the_table_over_directions_holds_measurement_and_model(campaign, tmp_pat
 
 
 def test_several_files_are_one_campaign_and_models_can_be_chosen(campaign, tmp_path, capsys):
+    header, *lines = (campaign / "run_1.csv").read_text().splitlines()
+    for number, half in enumerate((lines[:2000], lines[2000:])):
+        (campaign / f"half_{number}.csv").write_text("\n".join([header, *half]))
     code = identify(
         campaign,
-        "run_1.csv",
-        "run_1.csv",
+        "half_0.csv",
+        "half_1.csv",
         out=tmp_path,
         options=["--reservoir", "ellipse", "--direction", "circle", "--loss", "huber"],
     )
     assert code == 0
     printed = capsys.readouterr().out
-    assert "8 turns, 2 runs" in printed
+    assert "4 turns, 2 runs" in printed
     assert "reservoir.exponent" not in printed
+
+
+def test_the_same_run_twice_is_refused(campaign, tmp_path, capsys):
+    assert identify(campaign, "run_1.csv", "run_1.csv", out=tmp_path / "out") == 2
+    assert "run_1.csv: is the same as" in capsys.readouterr().err
 
 
 def broken(folder, kind):
@@ -141,6 +149,49 @@ def test_configurations_that_cannot_be_used_exit_with_2(campaign, tmp_path, caps
 def test_a_missing_file_exits_with_2(campaign, tmp_path, capsys):
     assert identify(campaign, "absent.csv", out=tmp_path / "out") == 2
     assert "absent.csv" in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_take_the_files_is_refused_at_once(campaign, tmp_path, capsys):
+    file = tmp_path / "file"
+    file.write_text("kept")
+    for out in (file, file / "below"):
+        assert identify(campaign, "run_1.csv", out=out) == 2
+        assert "file: is a file: --out must name a folder" in capsys.readouterr().err
+    assert file.read_text() == "kept"
+    (tmp_path / "out" / "report.html").mkdir(parents=True)
+    assert identify(campaign, "run_1.csv", out=tmp_path / "out") == 2
+    assert "report.html: is a folder" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["report.html"]
+
+
+def test_results_are_replaced_all_or_none(campaign, tmp_path, monkeypatch):
+    def fails(*_, **__):
+        raise OSError("disk full")
+
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "sets.png").write_text("old")
+    monkeypatch.setattr(Fit, "report", fails)
+    for out in (tmp_path / "old", tmp_path / "new" / "out"):
+        assert identify(campaign, "run_1.csv", out=out) == 2
+    assert [path.read_text() for path in (tmp_path / "old").iterdir()] == ["old"]
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_calibration_with_three_loads_is_left_out_of_the_bands(campaign, tmp_path, capsys):
+    header, *lines = (campaign / "calibration.csv").read_text().splitlines()
+    (campaign / "three.csv").write_text("\n".join([header, *lines[5::6]]))
+    (campaign / "three.toml").write_text('[calibration]\nfile = "three.csv"\n')
+    assert identify(campaign, "run_1.csv", out=tmp_path, config="three.toml") == 0
+    assert "a fourth load or reading_error" in capsys.readouterr().out
+
+
+def test_half_a_turn_beside_a_good_run_is_named(campaign, tmp_path, capsys):
+    lines = (campaign / "run_1.csv").read_text().splitlines()
+    (campaign / "good.csv").write_text("\n".join(lines[:3501]))
+    (campaign / "short.csv").write_text("\n".join([lines[0], *lines[3501:]]))
+    out = tmp_path / "out"
+    assert identify(campaign, "good.csv", "short.csv", out=out) == 2
+    assert "short.csv: angle: covers 0.4" in capsys.readouterr().err
 
 
 def test_one_turn_is_fitted_without_bands(tmp_path, capsys):

@@ -6,7 +6,14 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity.errors import ParameterError, RecordError
-from asperity.identify import Configuration, VirtualTribometer, process, read_csv, read_raw
+from asperity.identify import (
+    Configuration,
+    VirtualTribometer,
+    process,
+    read_csv,
+    read_raw,
+    write_raw,
+)
 from asperity.identify.units import factors
 
 LAW = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.3))
@@ -96,10 +103,12 @@ def test_a_dead_weight_instead_of_a_normal_channel(run, write):
 
 def test_several_files_are_one_campaign(run, write):
     table = columns(run)
-    paths = [write(lines_of(table), f"{n}.csv") for n in range(3)]
+    paths = [write(lines_of(table + 1e-6 * n), f"{n}.csv") for n in range(3)]
     runs = read_csv(paths)
     assert [read.source for read in runs] == [str(path) for path in paths]
     data = process(asp.identify.RawData(runs))
+    with pytest.raises(RecordError, match=r"2\.csv: is the same as .*2\.csv"):
+        asp.identify.RawData([*runs, runs[2].replace(time=runs[2].time + 10.0)])
     assert data.turns == 9
     assert data.turn[[0, 1200, 2400]].tolist() == [0, 3, 6]
 
@@ -327,6 +336,14 @@ def test_a_configuration_says_how_to_read_and_process(run, write, tmp_path):
     np.testing.assert_allclose(data.phi, expected.phi, atol=1e-12)
 
 
+@pytest.mark.parametrize("none", ["false", "'none'"])
+def test_a_configuration_can_switch_the_filter_off(run, tmp_path, none):
+    (tmp_path / "rig.toml").write_text(f"[processing]\ncut_off = {none}\n")
+    raw = asp.identify.RawData([run])
+    data = Configuration.load(tmp_path / "rig.toml").process(raw)
+    assert (data.normal_force == process(raw, cut_off=None).normal_force).all()
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -334,6 +351,17 @@ def test_a_configuration_says_how_to_read_and_process(run, write, tmp_path):
         ("[camera]\nfps = 3", "camera: is no section"),
         ("[units]\nvelocity = 'm'", r"units\.velocity: is not known"),
         ("units = 3", "units: must be a section"),
+        ("[file]\nencoding = 5", r"file\.encoding: must be a text, got 5"),
+        ("[file]\ncheck_units = 'no'", r"file\.check_units: must be true or false"),
+        ("[file]\nheader = true", r"file\.header: must be a whole number"),
+        ("[no_load]\nfiles = 5", r"no_load\.files: must be a name or several"),
+        ("[no_load]\nfiles = [5]", r"no_load\.files: must be a name or several"),
+        ("[columns]\ntime = [1]", r"columns\.time: must be a name or a number"),
+        ("[units]\ntime = 5", r"units\.time: must be a text"),
+        ("[calibration]\nfile = 5", r"calibration\.file: must be a text"),
+        ("[calibration]\nloads = [['x']]", r"calibration\.loads: must be numbers"),
+        ("[tribometer]\nradius = '5 cm'", r"tribometer\.radius: must be a number"),
+        ("[processing]\ncut_off = true", r"processing\.cut_off: must be a number"),
     ],
 )
 def test_wrong_configurations(tmp_path, text, message):
@@ -375,3 +403,63 @@ def test_damaged_files_raise_nothing_but_our_errors(run, tmp_path):
             with suppress(RecordError):
                 runs = read_csv(path, on_defect=on_defect)
                 assert all(np.isfinite(columns(read)).all() for read in runs)
+
+
+NORMAL_MIX = np.array([[1.0, 0.02, 0.06], [-0.03, 1.1, -0.05], [0.04, 0.01, 0.9]])
+
+
+def test_a_given_load_keeps_the_crosstalk_of_the_normal_channel(tmp_path):
+    virtual = VirtualTribometer(
+        LAW,
+        normal_force=10.0,
+        turns=2,
+        sample_rate=500.0,
+        load_ripple=0.0,
+        crosstalk=NORMAL_MIX,
+        noise=0.001,
+        drift=0.0,
+        zero=0.1,
+        seed=6,
+    )
+    raw = virtual.record().replace(normal_load=10.0)
+    write_raw(raw, tmp_path)
+    read = read_raw(tmp_path / "run_1.csv", tmp_path / "tribometer.toml")
+    assert (columns(read.no_load[0]) == columns(raw.no_load[0])).all()
+    assert (process(read).force == process(raw).force).all()
+    means = process(read).averaged(72)
+    exact = -LAW.force(np.stack([np.cos(means.phi), np.sin(means.phi)], axis=1), normal_force=10.0)
+    np.testing.assert_allclose(means.force, exact, atol=0.03)
+
+
+def test_a_load_cannot_stand_for_a_normal_channel_that_disturbs_the_others(run, write):
+    table = columns(run)[:, :4]
+    path = write(lines_of(table, header=(",".join(NAMES[:4]),)))
+    idle = columns(run.replace(time=run.time - 10.0, readings=0.01 * run.readings))[:, :4]
+    write(lines_of(idle, header=(",".join(NAMES[:4]),)), "idle.csv")
+    loads = np.eye(3)
+
+    def configuration(mixing):
+        readings = (loads @ mixing.T).tolist()
+        sections = {
+            "tribometer": {"normal_load": 10.0},
+            "no_load": {"files": ["idle.csv"]},
+            "calibration": {"loads": loads.tolist(), "readings": readings, "reading_error": 1e-3},
+        }
+        return Configuration(sections, folder=path.parent)
+
+    with pytest.raises(RecordError, match="give the column of the normal channel"):
+        configuration(NORMAL_MIX).read(path)
+    flat = NORMAL_MIX * [[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    raw = configuration(flat).read(path)
+    # Without load there is none, whatever the runs carry.
+    assert (raw.no_load[0].readings[:, 2] == 0.0).all()
+    assert (raw.recordings[0].readings[:, 2] == 10.0).all()
+
+
+def test_a_given_load_that_no_channel_shows_comes_back(run, tmp_path):
+    readings = np.column_stack([run.readings[:, :2], np.full(len(run), 9.9)])
+    raw = asp.identify.RawData([run.replace(readings=readings)], normal_load=9.9)
+    write_raw(raw, tmp_path)
+    assert (tmp_path / "run_1.csv").read_text().splitlines()[0] == ",".join(NAMES[:4])
+    read = read_raw(tmp_path / "run_1.csv", tmp_path / "tribometer.toml")
+    assert (columns(read.recordings[0]) == columns(raw.recordings[0])).all()

@@ -189,9 +189,59 @@ def test_the_zero_is_interpolated_between_records_before_and_after():
     resistance = data.averaged(20).resistance
     np.testing.assert_allclose(resistance, np.tile(load[:2], (20, 1)), atol=1e-12)
     np.testing.assert_allclose(data.normal_force, 10.0, atol=1e-9)
-    # Records on one side only: their mean.
+    # Records on one side only: the mean of the nearest, known no better than the drift since.
     one = process(RawData([part(0.0, load)], no_load=no_load[:1]))
     np.testing.assert_allclose(one.zero, no_load[0].readings.mean(axis=0))
+    off = 20.0 * slope
+    np.testing.assert_allclose(np.sqrt(np.diag(one.zero_covariance)), abs(off), rtol=1e-6)
+
+
+def test_each_run_has_the_zero_of_the_records_around_it():
+    clock = np.arange(1000) / 100.0
+    load = np.array([2.0, 0.5, 10.0])
+
+    def bent(t):
+        # Straight between the middles of the records, with a kink at the one between the runs.
+        return np.outer(np.minimum(t, 25.0 - 0.005), [0.01, -0.02, 0.03])
+
+    def part(start, force):
+        t = clock + start
+        return Recording(t, 2.0 * np.pi * t, force + bent(t))
+
+    def tare(start):
+        # Where the kink is the mean counts, as if the zero stayed.
+        run = part(start, 0.0)
+        return run.replace(readings=np.tile(bent(run.time[[0, -1]].mean(keepdims=True)), (1000, 1)))
+
+    raw = RawData([part(0.0, load), part(40.0, load)], no_load=[tare(60), tare(-20), tare(20)])
+    data = process(raw)
+    np.testing.assert_allclose(data.normal_force, 10.0, atol=1e-9)
+    np.testing.assert_allclose(data.averaged(20).resistance, np.tile(load[:2], (20, 1)), atol=1e-12)
+    np.testing.assert_allclose(data.zero, bent(np.array([5.0, 45.0]) - 0.005).mean(axis=0))
+    force, _ = data.perturbed(zero=data.zero)
+    np.testing.assert_allclose(force, data.force)
+
+
+def test_a_zero_from_one_side_is_as_uncertain_as_its_drift():
+    deviations = []
+    for seed in range(60):
+        options = {"turns": 1, "turn_rate": 0.1, "sample_rate": 100.0, "no_load_time": 5.0}
+        raw = VirtualTribometer(LAW, normal_force=9.3, seed=seed, zero=0.0, **options, drift=0.2)
+        raw = raw.record()
+        between = process(raw).zero
+        data = process(raw.replace(no_load=raw.no_load[seed % 2 : seed % 2 + 1]))
+        deviations.append((data.zero - between) / np.sqrt(np.diag(data.zero_covariance)))
+    # Where drift is all there is, the deviation is its own measure: one standard error.
+    assert abs(np.array(deviations)).max() < 3.0
+    assert np.mean(abs(np.array(deviations)) < 2.0) > 0.9
+
+
+def test_records_on_several_clocks_are_refused():
+    clock = np.arange(1000) / 100.0
+    run = Recording(clock, 2.0 * np.pi * clock, np.tile([1.0, 0.0, 9.0], (1000, 1)), source="a")
+    tare = run.replace(readings=np.zeros((1000, 3)), source="b")
+    with pytest.raises(RecordError, match="one clock"):
+        process(RawData([run], no_load=[tare]))
 
 
 def test_the_variance_of_a_mean_of_correlated_noise():
@@ -207,7 +257,8 @@ def both_ways(make, law=LAW, **options):
     """Raw data of a run forwards and one backwards, on one sensor."""
     given = {"normal_force": 9.3, "turns": 3, "sample_rate": 2000.0, "seed": 4, **options}
     raw, back = (make(law, turn_rate=rate, **given).record() for rate in (1.0, -1.0))
-    return raw.replace(recordings=raw.recordings + back.recordings)
+    later = [run.replace(time=run.time + 100.0) for run in back.recordings]
+    return raw.replace(recordings=[*raw.recordings, *later])
 
 
 def test_means_of_runs_in_both_senses():
@@ -245,6 +296,46 @@ def test_a_constant_normal_load_replaces_the_channel():
     raw = VirtualTribometer.perfect(LAW, normal_force=9.3, turns=2, load_ripple=0.0).record()
     data = process(raw.replace(normal_load=9.0))
     assert (data.normal_force == 9.0).all()
+
+
+def test_a_constant_normal_load_has_no_error_of_calibration_and_zero():
+    raw = VirtualTribometer(LAW, normal_force=9.3, turns=2, sample_rate=2000.0, seed=4).record()
+    data = process(raw.replace(normal_load=9.0))
+    means = data.averaged(72)
+    changed = {"matrix": data.matrix * 1.01 + 0.002, "zero": data.zero + 0.03}
+    force, normal = data.perturbed(**changed)
+    assert (normal == 9.0).all()
+    assert (means.perturbed(**changed)[1] == means.normal_force).all()
+    np.testing.assert_allclose(
+        np.linalg.norm(means.perturbed(**changed)[0]) / np.linalg.norm(means.force),
+        np.linalg.norm(force) / np.linalg.norm(data.force),
+        rtol=1e-3,
+    )
+    measured = process(raw).calibration_covariance
+    np.testing.assert_array_equal(data.calibration_covariance[:6, :6], measured[:6, :6])
+    assert not data.calibration_covariance[6:].any()
+    assert not data.calibration_covariance[:, 6:].any()
+    assert data.is_load_given
+
+
+def test_a_calibration_of_unknown_error_has_no_covariance():
+    raw = VirtualTribometer(LAW, normal_force=9.3, turns=2, sample_rate=500.0, seed=4).record()
+    three = raw.calibration.readings[[5, 11, 17]]
+    exact = raw.replace(calibration=Calibration(9.3 * np.eye(3), three))
+    assert np.isnan(exact.calibration.covariance).all()
+    assert process(exact).calibration_covariance is None
+
+
+def test_a_file_without_a_complete_turn_is_named():
+    t = np.arange(1000) / 500.0
+    whole = Recording(t, 2.0 * np.pi * t, np.tile([1.0, 0.0, 9.0], (1000, 1)), source="whole")
+    half = Recording(t, 0.5 * np.pi * t, whole.readings, source="half")
+    with pytest.raises(RecordError, match=r"half: angle: covers 0\.5 turns"):
+        process(RawData([whole, half]))
+    # Of a file that was cut, some pieces may be too short.
+    piece = half.replace(source="whole, lines 3-1002")
+    data = process(RawData([whole, piece]))
+    assert (data.turns, data.used, len(data.phi)) == (2, 1000, 2000)
 
 
 @pytest.mark.parametrize("exponent", [0.0, -0.1])
@@ -308,3 +399,15 @@ def test_recordings_report_rows():
         Recording(np.where(np.arange(100) == 10, t[9], t), t, readings)
     with pytest.raises(asp.DimensionError, match="angle"):
         Recording(t, t[:-1], readings)
+
+
+def test_sparse_records_get_fewer_bins():
+    virtual = VirtualTribometer(LAW, normal_force=9.3, turns=3, turn_rate=1.0, sample_rate=150.0)
+    data = process(virtual.record())
+    assert 32 <= len(data.sets.phi) < 450
+    averages = data.turn_averages()
+    assert 32 <= averages["tangential"].turns.shape[1] < 150
+    with pytest.raises(ParameterError, match="bins: must be fewer"):
+        data.averaged(720)
+    dense = process(virtual.replace(sample_rate=4000.0).record())
+    assert (len(dense.averaged().phi), dense.full_bins(360, each_turn=True)) == (720, 360)

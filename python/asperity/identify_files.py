@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Mapping, Sequence
+import os
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +18,7 @@ import numpy as np
 from asperity._arrays import Array, unit_vectors
 from asperity._files import atomic
 from asperity._progress import stages
-from asperity.errors import FitError
+from asperity.errors import FitError, RecordError
 from asperity.identify import Averaged, Configuration, Fit, MeasuredSets, ProcessedData, fit_law
 
 if TYPE_CHECKING:
@@ -46,8 +49,7 @@ class Identification:
     @cached_property
     def averaged(self) -> Averaged:
         """Means over directions of sliding, so many that each holds samples of every turn."""
-        per_turn = int((self.data.turn >= 0).sum()) // self.data.turns
-        return self.data.averaged(min(_DIRECTIONS, max(per_turn // 2, 8)))
+        return self.data.averaged(self.data.full_bins(_DIRECTIONS, each_turn=True))
 
     @cached_property
     def sets(self) -> MeasuredSets:
@@ -61,8 +63,10 @@ class Identification:
         force = float(data.normal_force.mean())
         calibration = data.raw.calibration
         condition = "none" if calibration is None else f"condition {calibration.condition:.4g}"
+        if calibration is not None and data.calibration_covariance is None:
+            condition += "; not in the bands: its error takes a fourth load or reading_error"
         lines = [
-            f"data              {len(data.phi)} samples, {data.turns} turns, "
+            f"data              {data.used} of {len(data.phi)} samples in {data.turns} turns, "
             f"{len(data.raw.recordings)} runs",
             f"normal force      {force:.4g} N",
             f"calibration       {condition}",
@@ -115,9 +119,10 @@ def identify(
         confidence: of the bands.
 
     Raises:
-        RecordError: if a file or the configuration cannot be used.
+        RecordError: if a file, the configuration or the folder cannot be used.
         FitError: if nothing fits, or the fitted D is not convex.
     """
+    _check_folder(out)
     with stages(_STAGES) as announce:
         announce("reading")
         configuration = Configuration.load(config)
@@ -158,13 +163,45 @@ def _figures(fit: Fit) -> dict[str, Figure]:
 def _write(found: Identification, figures: Mapping[str, Figure], out: Path, *, title: str) -> None:
     from asperity.plot import save_figure
 
+    with _all_or_none(out) as folder:
+        for name, figure in figures.items():
+            save_figure(figure, folder / name)
+        header = ("parameter", "estimate", "low", "high", "standard_error", "identifiable")
+        _write_csv(folder / "parameters.csv", header, _parameters(found.fit))
+        _write_csv(folder / "directions.csv", _DIRECTION_COLUMNS, _directions(found).tolist())
+        found.fit.report(folder / "report.html", title=f"Friction law of {title}")
+
+
+def _check_folder(out: Path) -> None:
+    """Refuse a folder that cannot take the files, before anything is worked out."""
+    for place in (out, *out.parents):
+        if place.exists():
+            if not place.is_dir():
+                raise RecordError(str(place), "is a file: --out must name a folder")
+            if not os.access(place, os.W_OK | os.X_OK):
+                raise RecordError(str(place), "does not allow writing: give another --out")
+            break
+    for name in FILES:
+        if (out / name).is_dir():
+            raise RecordError(str(out / name), "is a folder where a file is to be written")
+
+
+@contextmanager
+def _all_or_none(out: Path) -> Iterator[Path]:
+    """Give a folder beside the results, whose files replace older ones once all are complete."""
+    made = [place for place in (out, *out.parents) if not place.exists()]
     out.mkdir(parents=True, exist_ok=True)
-    for name, figure in figures.items():
-        save_figure(figure, out / name)
-    header = ("parameter", "estimate", "low", "high", "standard_error", "identifiable")
-    _write_csv(out / "parameters.csv", header, _parameters(found.fit))
-    _write_csv(out / "directions.csv", _DIRECTION_COLUMNS, _directions(found).tolist())
-    found.fit.report(out / "report.html", title=f"Friction law of {title}")
+    try:
+        # Inside `out`: renaming works on one file system only.
+        with tempfile.TemporaryDirectory(dir=out, prefix=".identify-") as folder:
+            yield Path(folder)
+            for name in FILES:
+                Path(folder, name).replace(out / name)
+    except BaseException:
+        for place in made:
+            with suppress(OSError):
+                place.rmdir()
+        raise
 
 
 def _parameters(fit: Fit) -> list[tuple[str, float, float, float, float, bool]]:

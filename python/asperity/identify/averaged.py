@@ -23,6 +23,7 @@ class Averaged(Value):
         sense: mean of that sign, shape ``(k,)``.
         matrix: T, shape ``(3, 3)``.
         zero: mean reading without load, shape ``(3,)``.
+        is_load_given: whether λ_N is known apart from the readings.
 
     Attributes:
         resistance: λ_t and λ_r in N, against the sliding and across it; shape ``(k, 2)``.
@@ -39,6 +40,7 @@ class Averaged(Value):
     sense: Array
     matrix: Array
     zero: Array
+    is_load_given: bool
     resistance: Array
     force: Array
 
@@ -53,6 +55,7 @@ class Averaged(Value):
         sense: ArrayLike,
         matrix: ArrayLike,
         zero: ArrayLike,
+        is_load_given: bool = False,
     ) -> None:
         angle = _arrays.array(phi, "phi", (None,))
         k = angle.size
@@ -66,7 +69,8 @@ class Averaged(Value):
             "matrix": _arrays.array(matrix, "matrix", (3, 3)),
             "zero": _arrays.array(zero, "zero", (3,)),
         }
-        self._set(**{name: _arrays.read_only(value) for name, value in values.items()})
+        given = {name: _arrays.read_only(value) for name, value in values.items()}
+        self._set(**given, is_load_given=bool(is_load_given))
         resistance = self.readings @ self.matrix[:2].T
         self._keep(
             resistance=_arrays.read_only(resistance),
@@ -92,10 +96,13 @@ class Averaged(Value):
         given = self.zero if zero is None else _arrays.array(zero, "zero", (3,))
         shift = given - self.zero
         readings = self.readings - self.sense[:, None] * shift
+        force = turned(self.phi, readings @ t[:2].T)
+        if self.is_load_given:
+            return force, self.normal_force
         # The mean normal force was filtered: only what changes is taken from the readings.
         pressing = self.unsigned_readings
         change = (pressing - shift) @ t[2] - pressing @ self.matrix[2]
-        return turned(self.phi, readings @ t[:2].T), self.normal_force + change
+        return force, self.normal_force + change
 
 
 def turned(phi: Array, resistance: Array) -> Array:

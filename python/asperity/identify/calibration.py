@@ -101,6 +101,17 @@ class Calibration(Value):
             residuals=_arrays.read_only(residuals),
         )
 
+    def known_covariance(self, *, is_load_given: bool) -> Array | None:
+        """Return the covariance as far as it matters and is known; None if it is NaN.
+
+        Args:
+            is_load_given: whether λ_N is known otherwise, so that the third row of T is not used.
+        """
+        if not np.isfinite(self.covariance).all():
+            return None
+        used = np.repeat([1.0, 1.0, 0.0 if is_load_given else 1.0], 3)
+        return _arrays.read_only(np.outer(used, used) * self.covariance)
+
 
 def _channels(error: ArrayLike) -> Array:
     values = _arrays.array(error, "reading_error")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,19 +18,49 @@ from asperity.identify.calibration import Calibration
 from asperity.identify.process import ProcessedData, process
 from asperity.identify.reading import PathLike, read_csv
 from asperity.identify.record import CHANNELS, RawData, Recording
-from asperity.identify.table import Format, read_table
+from asperity.identify.table import Format, has_column, read_table
 from asperity.identify.units import factors
 
 _FORMAT = ("delimiter", "decimal", "header", "encoding")
-_SECTIONS: dict[str, tuple[str, ...]] = {
-    "file": (*_FORMAT, "sample_rate", "turn_rate", "check_units", "on_defect"),
-    "columns": ("time", "angle", *CHANNELS),
-    "units": ("time", "angle", *CHANNELS),
-    "calibration": ("file", "loads", "readings", "reading_error", "fit_zero"),
-    "no_load": ("files",),
-    "tribometer": ("normal_load", "radius"),
-    "processing": ("cut_off", "order", "grid_angle"),
+_TEXT, _NUMBER, _COUNT, _SWITCH = "a text", "a number", "a whole number", "true or false"
+_COLUMN, _FILES, _NUMBERS = "a name or a number from 0", "a name or several", "numbers"
+_NUMBER_OR_NONE = "a number, or false for none"
+# Types a value of each kind may have; bool is an int for Python, not for us.
+_TYPES: dict[str, tuple[type, ...]] = {
+    _TEXT: (str,),
+    _NUMBER: (int, float),
+    _COUNT: (int,),
+    _SWITCH: (bool,),
+    _COLUMN: (str, int),
+    _FILES: (str,),
+    _NUMBER_OR_NONE: (int, float),
 }
+_SECTIONS: dict[str, dict[str, str]] = {
+    "file": {
+        "delimiter": _TEXT,
+        "decimal": _TEXT,
+        "header": _COUNT,
+        "encoding": _TEXT,
+        "sample_rate": _NUMBER,
+        "turn_rate": _NUMBER,
+        "check_units": _SWITCH,
+        "on_defect": _TEXT,
+    },
+    "columns": dict.fromkeys(("time", "angle", *CHANNELS), _COLUMN),
+    "units": dict.fromkeys(("time", "angle", *CHANNELS), _TEXT),
+    "calibration": {
+        "file": _TEXT,
+        "loads": _NUMBERS,
+        "readings": _NUMBERS,
+        "reading_error": _NUMBERS,
+        "fit_zero": _SWITCH,
+    },
+    "no_load": {"files": _FILES},
+    "tribometer": {"normal_load": _NUMBER, "radius": _NUMBER},
+    "processing": {"cut_off": _NUMBER_OR_NONE, "order": _COUNT, "grid_angle": _NUMBER},
+}
+# Crosstalk below this is rounding.
+_NEGLIGIBLE = 1e-9
 _LOADS = tuple(f"load_{channel}" for channel in CHANNELS)
 
 
@@ -42,14 +72,14 @@ class Configuration(Value):
             check_units, on_defect), ``columns`` and ``units`` as for `read_csv`, ``calibration``
             (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files),
             ``tribometer`` (normal_load, radius), ``processing`` (cut_off, order, grid_angle); all
-            optional.
+            optional. A column of the normal channel is read beside normal_load for its crosstalk.
         folder: what the names of files are relative to.
 
     The file of a calibration has columns load_tangential, load_radial, load_normal in N beside the
     three channels, whose names and units are those of the runs.
 
     Raises:
-        ParameterError: for a section or key that is not known.
+        ParameterError: for a section or key that is not known, or a value of another type.
 
     >>> from asperity.identify import Configuration
     >>> Configuration({"units": {"angle": "deg"}}).sections["units"]
@@ -65,10 +95,13 @@ class Configuration(Value):
                 raise ParameterError(section, f"is no section; known are {', '.join(_SECTIONS)}")
             if not isinstance(keys, Mapping):
                 raise ParameterError(section, f"must be a section [{section}], got {keys!r}")
-            for key in keys:
+            for key, value in keys.items():
                 if key not in _SECTIONS[section]:
                     known = ", ".join(_SECTIONS[section])
                     raise ParameterError(f"{section}.{key}", f"is not known; known are {known}")
+                kind = _SECTIONS[section][key]
+                if not _is_a(value, kind):
+                    raise ParameterError(f"{section}.{key}", f"must be {kind}, got {value!r}")
         self._set(sections={k: dict(v) for k, v in sections.items()}, folder=os.fspath(folder))
 
     def __hash__(self) -> int:
@@ -95,28 +128,54 @@ class Configuration(Value):
     def read(self, paths: PathLike | Iterable[PathLike]) -> RawData:
         """Return the runs in some files, with the calibration and the records without load."""
         calibration = self._calibration()
+        files = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
+        constant = self._constant_normal(files)
+        if constant is not None and calibration is not None and _mixes_normal(calibration):
+            raise RecordError(
+                str(files[0]),
+                "normal: the calibration says that the normal load moves the other channels, "
+                "which normal_load cannot replace: give the column of the normal channel as well",
+            )
         names = self._section("no_load").get("files", [])
         idle = [Path(self.folder, name) for name in ([names] if isinstance(names, str) else names)]
         return RawData(
-            self._runs(paths, loaded=True),
+            self._runs(files, constant, loaded=True),
             calibration=calibration,
-            no_load=self._runs(idle, loaded=False) if idle else (),
+            no_load=self._runs(idle, constant, loaded=False) if idle else (),
             **self._section("tribometer"),
         )
 
     def process(self, raw: RawData) -> ProcessedData:
         """Return `process` with the options of the section ``processing``."""
-        return process(raw, **self._section("processing"))
+        options = self._section("processing")
+        if options.get("cut_off") is False or options.get("cut_off") == "none":
+            options["cut_off"] = None
+        return process(raw, **options)
 
     def _section(self, name: str) -> dict[str, Any]:
         return dict(self.sections.get(name, {}))
 
-    def _runs(self, paths: PathLike | Iterable[PathLike], *, loaded: bool) -> tuple[Recording, ...]:
+    def _constant_normal(self, files: Sequence[PathLike]) -> float | None:
+        """Return the load that stands for a normal channel; None if the files have one.
+
+        Crosstalk of the normal load is in the other channels whether λ_N is constant or not: it
+        takes the normal channel to remove it.
+        """
+        load = self._section("tribometer").get("normal_load")
+        form = Format(**{k: v for k, v in self._section("file").items() if k in _FORMAT})
+        named = "normal" in self._section("columns")
+        if load is None or named or (files and has_column(files[0], "normal", form)):
+            return None
+        return float(load)
+
+    def _runs(
+        self, paths: Iterable[PathLike], normal_load: float | None, *, loaded: bool
+    ) -> tuple[Recording, ...]:
         return read_csv(
             paths,
             columns=self._section("columns"),
             units=self._section("units"),
-            normal_load=self._section("tribometer").get("normal_load"),
+            normal_load=normal_load,
             loaded=loaded,
             **self._section("file"),
         )
@@ -147,6 +206,30 @@ class Configuration(Value):
         return table.values[:, :3], table.values[:, 3:] * [scale[name] for name in CHANNELS]
 
 
+def _is_a(value: Any, kind: str) -> bool:
+    if value is None:
+        # What TOML cannot say is as if it were not there.
+        return True
+    if kind == _FILES and not isinstance(value, str):
+        return _all_are(value, str)
+    if kind == _NUMBER_OR_NONE and (value is False or value == "none"):
+        return True
+    if kind == _NUMBERS:
+        return _holds_numbers(value)
+    return isinstance(value, _TYPES[kind]) and (kind == _SWITCH or not isinstance(value, bool))
+
+
+def _all_are(values: Any, kind: type) -> bool:
+    return isinstance(values, list | tuple) and all(isinstance(one, kind) for one in values)
+
+
+def _holds_numbers(value: Any) -> bool:
+    """Return whether a value is a number, or a list of such values."""
+    if isinstance(value, list | tuple | np.ndarray):
+        return all(_holds_numbers(one) for one in value)
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 def read_raw(paths: PathLike | Iterable[PathLike], config: PathLike) -> RawData:
     """Return the runs in some files as a configuration file says: `Configuration.read`.
 
@@ -174,9 +257,11 @@ def write_raw(raw: RawData, folder: PathLike) -> list[str]:
     place.mkdir(parents=True, exist_ok=True)
     runs = {f"run_{number}.csv": run for number, run in enumerate(raw.recordings, 1)}
     idle = {f"no_load_{number}.csv": run for number, run in enumerate(raw.no_load, 1)}
+    # A normal channel that only repeats what normal_load says was none.
+    kept = 2 if _repeats_load(raw) else 3
     for name, run in {**runs, **idle}.items():
-        columns = np.column_stack([run.time, run.angle, run.readings])
-        _write_table(place / name, ("time", "angle", *CHANNELS), columns)
+        columns = np.column_stack([run.time, run.angle, run.readings[:, :kept]])
+        _write_table(place / name, ("time", "angle", *CHANNELS[:kept]), columns)
     lines: list[str] = []
     if idle:
         lines += ["[no_load]", f"files = {_toml(list(idle))}", ""]
@@ -188,6 +273,20 @@ def write_raw(raw: RawData, folder: PathLike) -> list[str]:
         file.write("\n".join([*lines, ""]).encode())
     calibration = ["calibration.csv"] * (raw.calibration is not None)
     return [*runs, *idle, *calibration, "tribometer.toml"]
+
+
+def _repeats_load(raw: RawData) -> bool:
+    load = raw.normal_load
+    return load is not None and all(
+        (run.readings[:, 2] == level).all()
+        for runs, level in ((raw.recordings, load), (raw.no_load, 0.0))
+        for run in runs
+    )
+
+
+def _mixes_normal(calibration: Calibration) -> bool:
+    t = calibration.matrix
+    return bool(abs(t[:2, 2]).max() > _NEGLIGIBLE * abs(t).max())
 
 
 def _write_calibration(path: Path, calibration: Calibration) -> list[str]:

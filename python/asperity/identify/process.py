@@ -16,10 +16,18 @@ from asperity._value import Value
 from asperity.errors import ParameterError, RecordError
 from asperity.identify import signals
 from asperity.identify.averaged import Averaged
+from asperity.identify.contact import refuse_incomplete, refuse_lost_contact
 from asperity.identify.record import RawData, Recording
 from asperity.identify.sets import MeasuredSets
-from asperity.identify.turns import TurnAverage, average_turns, bin_centres, sense, turn_numbers
-from asperity.identify.zero import Zero, zero_of
+from asperity.identify.turns import (
+    TurnAverage,
+    average_turns,
+    bin_centres,
+    full_bins,
+    sense,
+    turn_numbers,
+)
+from asperity.identify.zero import Zero, shared_covariance, zeros_of
 
 # Samples that are worked on at a time.
 _CHUNK = 1 << 15
@@ -35,8 +43,9 @@ class ProcessedData(Value):
         turn: number of the turn of each sample, from 0 over all runs; −1 outside complete turns.
         run: first sample of each run and the number of samples, shape ``(m + 1,)``.
         matrix: T, shape ``(3, 3)``.
-        zero: mean reading without load, shape ``(3,)``.
-        calibration_covariance: of the entries of T row by row, shape ``(9, 9)``, or None.
+        zero: mean reading without load in the middle of the runs, shape ``(3,)``.
+        calibration_covariance: of the entries of T row by row, shape ``(9, 9)``; None without
+            calibration, or where its error is not known. A given λ_N needs no third row.
         zero_covariance: shape ``(3, 3)``, or None without records.
         cut_off_frequency: of the normal force's filter for each run, in Hz; None without a filter.
 
@@ -57,7 +66,7 @@ class ProcessedData(Value):
     calibration_covariance: Array | None
     zero_covariance: Array | None
     cut_off_frequency: tuple[float | None, ...]
-    _zero: Zero
+    _zeros: tuple[Zero, ...]
 
     def __init__(
         self, raw: RawData, *, cut_off: float | None = 20.0, order: int = 4, grid_angle: float = 0.0
@@ -71,19 +80,22 @@ class ProcessedData(Value):
             grid_angle=_arrays.number(grid_angle, "grid_angle"),
         )
         calibration = raw.calibration
-        zero = zero_of(raw)
-        starts = np.concatenate([[0], np.cumsum([len(r) for r in raw.recordings])])
+        zeros = zeros_of(raw)
+        lengths = [len(r) for r in raw.recordings]
+        starts = np.concatenate([[0], np.cumsum(lengths)])
         self._keep(
             matrix=_arrays.read_only(np.eye(3) if calibration is None else calibration.matrix),
-            zero=_arrays.read_only(zero.mean),
-            calibration_covariance=None if calibration is None else calibration.covariance,
-            zero_covariance=zero.covariance,
+            zero=_arrays.read_only(np.average([z.mean for z in zeros], axis=0, weights=lengths)),
+            calibration_covariance=None
+            if calibration is None
+            else calibration.known_covariance(is_load_given=self.is_load_given),
+            zero_covariance=shared_covariance(zeros, lengths),
             run=tuple(int(start) for start in starts),
             cut_off_frequency=tuple(
                 None if self.cut_off is None else self.cut_off * rate
                 for rate in map(_turn_rate, raw.recordings)
             ),
-            _zero=zero,
+            _zeros=zeros,
         )
         self._fill(self._sized())
 
@@ -92,24 +104,21 @@ class ProcessedData(Value):
         return _Series(np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n, dtype=np.int32))
 
     def _fill(self, out: _Series) -> None:
-        turns = 0
+        found: list[int] = []
         for number, run in enumerate(self.raw.recordings):
             rows = slice(self.run[number], self.run[number + 1])
             sign = sense(run)
             out.turn[rows] = turn_numbers(run, sign)
-            found = int(out.turn[rows].max()) + 1
-            out.turn[rows][out.turn[rows] >= 0] += turns
-            turns += found
+            complete = int(out.turn[rows].max()) + 1
+            out.turn[rows][out.turn[rows] >= 0] += sum(found)
+            found.append(complete)
             backwards = math.pi if sign < 0.0 else 0.0
             np.add(run.angle, self.grid_angle + backwards, out=out.phi[rows])
-            self._forces(number, self.matrix, self._zero, out.force[rows], out.normal[rows])
-        if turns == 0:
-            covered = max(abs(run.turns) for run in self.raw.recordings)
-            raise RecordError(
-                self.raw.recordings[0].source,
-                f"angle: covers {covered:.3g} turns, at least one complete turn is needed",
+            self._forces(
+                number, self.matrix, self._zeros[number], out.force[rows], out.normal[rows]
             )
-        _refuse_lost_contact(self.raw, self.run, out.normal)
+        refuse_incomplete(self.raw, found)
+        refuse_lost_contact(self.raw, self.run, out.normal)
         for series in (out.phi, out.force, out.normal, out.turn):
             series.flags.writeable = False
         self._keep(phi=out.phi, force=out.force, normal_force=out.normal, turn=out.turn)
@@ -152,6 +161,16 @@ class ProcessedData(Value):
         return int(self.turn.max()) + 1
 
     @property
+    def used(self) -> int:
+        """Number of samples in complete turns."""
+        return int(np.count_nonzero(self.turn >= 0))
+
+    @property
+    def is_load_given(self) -> bool:
+        """Whether λ_N is `RawData.normal_load` and nothing of it comes from readings."""
+        return self.raw.normal_load is not None
+
+    @property
     def time(self) -> Array:
         """Time t in s of each sample on the clock of its run, shape ``(n,)``."""
         return _joined([run.time for run in self.raw.recordings])
@@ -183,7 +202,8 @@ class ProcessedData(Value):
         out = self._sized()
         for number in range(len(self.raw.recordings)):
             rows = slice(self.run[number], self.run[number + 1])
-            self._forces(number, t, self._zero.shifted(shift), out.force[rows], out.normal[rows])
+            zero = self._zeros[number].shifted(shift)
+            self._forces(number, t, zero, out.force[rows], out.normal[rows])
         return out.force, out.normal
 
     def _changed(self, matrix: ArrayLike | None, zero: ArrayLike | None) -> tuple[Array, Array]:
@@ -191,9 +211,12 @@ class ProcessedData(Value):
         given = self.zero if zero is None else _arrays.array(zero, "zero", (3,))
         return t, given - self.zero
 
-    def averaged(self, bins: int = 720) -> Averaged:
-        """Return the means of all complete turns in equal bins of the sliding direction."""
-        k = _arrays.count(bins, "bins", least=8)
+    def averaged(self, bins: int | None = None) -> Averaged:
+        """Return the means of all complete turns in equal bins of the sliding direction.
+
+        By default there are 720, or as many as hold samples.
+        """
+        k = self.full_bins(720) if bins is None else _arrays.count(bins, "bins", least=8)
         forwards, backwards = np.zeros((6, k)), np.zeros((6, k))
         for number, run in enumerate(self.raw.recordings):
             sums = forwards if sense(run) > 0.0 else backwards
@@ -211,30 +234,44 @@ class ProcessedData(Value):
             sense=signed[0],
             matrix=self.matrix,
             zero=self.zero,
+            is_load_given=self.is_load_given,
         )
 
     def _add(self, number: int, sums: Array) -> None:
-        """Add a run to the sums of 1, φ from the centre, readings without drift, λ_N in bins."""
-        run, k = self.raw.recordings[number], sums.shape[1]
+        """Add a run to the sums of 1, φ from the centre, readings, λ_N in bins.
+
+        Readings are as if the run had the mean zero of all.
+        """
+        run, k, zero = self.raw.recordings[number], sums.shape[1], self._zeros[number]
+        off = (0.0, 0.0, *(zero.mean - self.zero), 0.0)
+        drift = (0.0, 0.0, *zero.slope, 0.0)
         for rows in _chunks(len(run)):
             here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
             cell, within = _cells(self.phi[here], k)
-            later = run.time[rows] - self._zero.middle
+            later = run.time[rows] - zero.middle
             # Incomplete turns have no weight.
             used = (self.turn[here] >= 0).astype(np.float64)
             columns = (1.0, within, *run.readings[rows].T, self.normal_force[here])
-            drift = (0.0, 0.0, *self._zero.slope, 0.0)
-            for row, (column, rate) in enumerate(zip(columns, drift, strict=True)):
-                sums[row] += np.bincount(cell, used * (column - rate * later), k)
+            for row, (column, start, rate) in enumerate(zip(columns, off, drift, strict=True)):
+                sums[row] += np.bincount(cell, used * (column - start - rate * later), k)
 
     @cached_property
     def sets(self) -> MeasuredSets:
-        """Points of bdry C and of D from the means in 720 directions, with their defects."""
+        """Points of bdry C and of D from the means in default bins, with their defects."""
         means = self.averaged()
         return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
 
-    def turn_averages(self, bins: int = 360) -> dict[str, TurnAverage]:
-        """Return l_t and l_p, per unit normal force, and λ_N in N over each turn, with bands."""
+    def full_bins(self, most: int, *, each_turn: bool = False) -> int:
+        """Return a number of bins up to `most` that all hold samples, of every turn if wanted."""
+        return full_bins(self.phi, self.turn, _arrays.count(most, "most", 8), each_turn=each_turn)
+
+    def turn_averages(self, bins: int | None = None) -> dict[str, TurnAverage]:
+        """Return l_t and l_p, per unit normal force, and λ_N in N over each turn, with bands.
+
+        By default in 360 bins, or as many as hold samples of every turn.
+        """
+        if bins is None:
+            bins = self.full_bins(360, each_turn=True)
         c, s = np.cos(self.phi), np.sin(self.phi)
         x, y = self.force.T
         channels = {
@@ -264,7 +301,7 @@ def process(
         grid_angle: angle of the sliding direction from e₁ in rad where the rotation reads 0.
 
     Raises:
-        RecordError: without a complete turn, or where the pin lost contact.
+        RecordError: for a file without a complete turn, or where the pin lost contact.
 
     Reference: [WL19] §5.2, (119), (120).
 
@@ -310,14 +347,3 @@ def _cells(phi: Array, bins: int) -> tuple[NDArray[np.int64], Array]:
 
 def _joined(parts: Sequence[Array]) -> Array:
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-
-def _refuse_lost_contact(raw: RawData, starts: tuple[int, ...], normal: Array) -> None:
-    for run, start, stop in zip(raw.recordings, starts, starts[1:], strict=False):
-        lowest = int(normal[start:stop].argmin())
-        if normal[start + lowest] <= 0.0:
-            raise RecordError(
-                run.source,
-                f"normal channel: no pressure at row {lowest + 1} "
-                f"({normal[start + lowest]:.4g} N); compression must be positive",
-            )

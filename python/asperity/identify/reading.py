@@ -14,7 +14,14 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import ParameterError, RecordError
 from asperity.identify import units as _units
-from asperity.identify.record import CHANNELS, Recording, gap_rows, rows_text, standstill_rows
+from asperity.identify.record import (
+    CHANNELS,
+    PIECE,
+    Recording,
+    gap_rows,
+    rows_text,
+    standstill_rows,
+)
 from asperity.identify.table import Format, Table, read_table
 
 PathLike = str | os.PathLike[str]
@@ -59,7 +66,8 @@ def read_csv(
         encoding: of the text.
         sample_rate: in Hz, instead of a time column.
         turn_rate: in turns/s, instead of an angle column; the angle is 0 at time 0.
-        normal_load: constant λ_N in N, instead of a column of the normal force.
+        normal_load: constant λ_N in N, instead of a column of the normal force; 0 is what records
+            without load get.
         loaded: False for records without load, where the disk may rest and no unit is checked.
         check_units: whether implausible magnitudes are refused.
         on_defect: ``"raise"``, or ``"split"``: the record is cut at its defects, and pieces
@@ -99,6 +107,8 @@ def read_csv(
         if value is not None
     }
     where = _columns(columns, constants)
+    if not loaded and "normal" in constants:
+        constants["normal"] = 0.0
     _arrays.choice(on_defect, "on_defect", ("raise", "split"))
     scale = _units.factors(units)
     named = {**_units.DEFAULTS, **(units or {})}
@@ -249,7 +259,7 @@ def _recording(
     source = str(table.path)
     if not whole:
         first, last = table.lines(np.array([rows.start, rows.stop - 1]))
-        source = f"{source}, lines {first}-{last}"
+        source = f"{source}{PIECE}{first}-{last}"
     angle = series["angle"][rows]
     # A disk at rest has an angle that only shakes.
     if unit is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from asperity.identify.calibration import Calibration
 CHANNELS = ("tangential", "radial", "normal")
 # A step longer than this many usual ones is a gap.
 GAP = 1.5
+# Between a file and the lines of one of its pieces.
+PIECE = ", lines "
 _LISTED = 5
 
 
@@ -74,6 +77,11 @@ class Recording(Value):
         )
 
     @property
+    def file(self) -> str:
+        """The source without the lines, for one of the pieces a file was cut into."""
+        return self.source.partition(PIECE)[0]
+
+    @property
     def duration(self) -> float:
         """Time from the first to the last sample in s."""
         return float(self.time[-1] - self.time[0])
@@ -98,11 +106,13 @@ class RawData(Value):
     """All that was recorded of one pairing: runs, calibration and records without load.
 
     Args:
-        recordings: the runs; one or several.
+        recordings: the runs; one or several, none twice.
         calibration: of the force sensor; None if the readings are forces in N already.
-        no_load: records without contact, on the clock of the runs. Where there are some before and
-            after a run, its zero is interpolated linearly in time; else their mean is taken.
-        normal_load: constant λ_N in N that replaces the normal channel.
+        no_load: records without contact, on the clock of the runs. The zero of a run is
+            interpolated linearly in time between the nearest before and after it; with records on
+            one side only the nearest is taken, and its drift until the run counts as uncertainty.
+        normal_load: constant λ_N in N that replaces what the normal channel says of λ_N; its
+            crosstalk to the others is removed all the same.
         radius: distance of the pin from the axis in m, for the sliding speed.
 
     >>> from asperity import FrictionLaw
@@ -132,6 +142,7 @@ class RawData(Value):
             raise ParameterError("recordings", "must hold at least one recording")
         if not isinstance(calibration, Calibration | None):
             raise ParameterError("calibration", f"must be a Calibration or None, got {calibration}")
+        _refuse_copies(runs)
         self._set(
             recordings=runs,
             calibration=calibration,
@@ -147,6 +158,18 @@ def _recordings(values: Any, argument: str) -> tuple[Recording, ...]:
         if not isinstance(value, Recording):
             raise ParameterError(argument, f"must hold Recordings, got {value!r}")
     return found
+
+
+def _refuse_copies(runs: tuple[Recording, ...]) -> None:
+    """Refuse a run given twice: bands would be too narrow."""
+    for one, other in combinations(runs, 2):
+        if (
+            len(one) == len(other)
+            and (one.readings[0] == other.readings[0]).all()
+            and np.array_equal(one.readings, other.readings)
+            and np.array_equal(one.angle, other.angle)
+        ):
+            raise RecordError(other.source, f"is the same as {one.source or 'another run'}")
 
 
 def _optional(value: float | None, argument: str) -> float | None:

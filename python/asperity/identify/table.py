@@ -102,6 +102,15 @@ def read_table(
     return Table(place, form, values)
 
 
+def has_column(path: str | os.PathLike[str], name: str, form: Format) -> bool:
+    """Return whether the last header line of a file names a column; no if it cannot be read."""
+    try:
+        with _text(Path(path), form) as file:
+            return name in _names(file, form, Path(path))
+    except (OSError, UnicodeError, csv.Error, RecordError):
+        return False
+
+
 def _text(path: Path, form: Format) -> TextIO:
     return path.open(encoding=form.encoding, newline=None)
 

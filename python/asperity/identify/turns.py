@@ -18,6 +18,7 @@ _TURN = 2.0 * math.pi
 _BACKLASH = 0.1
 # Angles that miss a whole turn by this share of it complete it.
 _ROUNDING = 1e-9
+_FEWEST = 8
 
 
 def sense(recording: Recording) -> float:
@@ -169,6 +170,28 @@ def bin_numbers(phi: Array, bins: int) -> NDArray[np.int64]:
     # Angles on the edge of a bin count for the upper one, whatever their rounding.
     scaled = np.floor(phi * (bins / _TURN) + _ROUNDING).astype(np.int64)
     return scaled % bins
+
+
+def full_bins(phi: Array, turn: NDArray[np.int32], most: int, *, each_turn: bool = False) -> int:
+    """Return a number of bins, not more than `most` and not under 8, of which none is empty.
+
+    >>> import numpy as np
+    >>> from asperity.identify.turns import full_bins
+    >>> full_bins(np.arange(0.0, 6.28, 0.1), np.zeros(63, dtype=np.int32), 360) in range(32, 64)
+    True
+    """
+    used = turn >= 0
+    angle, number = phi[used], turn[used].astype(np.int64)
+    rows = int(number.max(initial=0)) + 1 if each_turn else 1
+    bins = most
+    while bins > _FEWEST:
+        cell = bin_numbers(angle, bins)
+        if each_turn:
+            cell += number * bins
+        if np.bincount(cell, minlength=rows * bins).all():
+            return bins
+        bins = max(2 * bins // 3, _FEWEST)
+    return bins
 
 
 def bin_centres(bins: int) -> Array:

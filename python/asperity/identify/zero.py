@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from asperity._arrays import Array
+from asperity.errors import RecordError
 from asperity.identify.record import RawData, Recording
 
 # Batches a record is cut into, so that their means scatter like independent numbers.
@@ -41,45 +43,101 @@ class Zero:
         return replace(self, mean=self.mean + shift)
 
 
-def zero_of(raw: RawData) -> Zero:
-    """Return the zero of the runs from the records without load.
+def zeros_of(raw: RawData) -> tuple[Zero, ...]:
+    """Return the zero of each run, from the records without load nearest before and after it.
 
-    With records before and after all runs it is the line through their means; the covariance is
-    that of its value in the middle of the runs, which all turns share.
+    Between two records it is the line through their means, and the covariance is that of its value
+    in the middle of the run. A run with records on one side only keeps the mean of the nearest;
+    how far it may have drifted since, by the slope in that record and between records, counts as
+    uncertainty.
+
+    Raises:
+        RecordError: if records overlap in time, so that they cannot be on one clock.
     """
-    first = min(run.time[0] for run in raw.recordings)
-    last = max(run.time[-1] for run in raw.recordings)
-    middle = 0.5 * float(first + last)
     if not raw.no_load:
-        return Zero(np.zeros(3), np.zeros(3), middle, None)
-    before = [record for record in raw.no_load if record.time[-1] <= first]
-    after = [record for record in raw.no_load if record.time[0] >= last]
-    if not (before and after):
         none = np.zeros(3)
-        return Zero(_mean(raw.no_load)[1], none, middle, _covariance(raw.no_load, none))
-    (t0, m0), (t1, m1) = _mean(before), _mean(after)
+        return tuple(Zero(none, none, _middle(run), None) for run in raw.recordings)
+    _refuse_overlap((*raw.recordings, *raw.no_load))
+    return tuple(_zero(run, raw.no_load) for run in raw.recordings)
+
+
+def shared_covariance(zeros: Sequence[Zero], lengths: Sequence[int]) -> Array | None:
+    """Return the covariance of the zeros of all runs as if their errors were the same.
+
+    Runs that share no record have independent errors: their mean is known better than this, but
+    runs in opposite senses pull apart what is the same for all.
+    """
+    if zeros[0].covariance is None:
+        return None
+    return np.asarray(np.average([z.covariance for z in zeros], axis=0, weights=lengths))
+
+
+def _zero(run: Recording, records: Sequence[Recording]) -> Zero:
+    before = max((r for r in records if r.time[0] < run.time[0]), key=_middle, default=None)
+    after = min((r for r in records if r.time[0] > run.time[0]), key=_middle, default=None)
+    middle = _middle(run)
+    if before is None or after is None:
+        nearest = before or after
+        assert nearest is not None
+        return _one_sided(nearest, records, middle)
+    t0, t1 = _middle(before), _middle(after)
+    m0, m1 = before.readings.mean(axis=0), after.readings.mean(axis=0)
     slope, share = (m1 - m0) / (t1 - t0), (middle - t0) / (t1 - t0)
     covariance = (1.0 - share) ** 2 * _covariance(before, slope)
     covariance += share**2 * _covariance(after, slope)
     return Zero((1.0 - share) * m0 + share * m1, slope, middle, covariance)
 
 
-def _mean(records: Sequence[Recording]) -> tuple[float, Array]:
-    """Return the mean time and reading of all samples of some records."""
-    weights = [len(record) for record in records]
-    times = [float(record.time.mean()) for record in records]
-    means = [record.readings.mean(axis=0) for record in records]
-    mean: Array = np.average(means, axis=0, weights=weights)
-    return float(np.average(times, weights=weights)), mean
+def _one_sided(record: Recording, records: Sequence[Recording], middle: float) -> Zero:
+    """Return the mean of a record as a zero, as uncertain as the drift until `middle` makes it."""
+    distance = middle - _middle(record)
+    slope, spread = _slope(record)
+    drifts = [np.outer(slope, slope) + spread]
+    for other in records:
+        if other is not record:
+            rate = (other.readings.mean(axis=0) - record.readings.mean(axis=0)) / (
+                _middle(other) - _middle(record)
+            )
+            drifts.append(np.outer(rate, rate))
+    # Of several estimates none need hold for the run: the largest counts.
+    drift = max(drifts, key=lambda d: float(np.trace(d)))
+    covariance = _covariance(record, slope) + distance**2 * drift
+    none = np.zeros(3)
+    return Zero(record.readings.mean(axis=0), none, middle, covariance)
 
 
-def _covariance(records: Sequence[Recording], slope: Array) -> Array:
+def _slope(record: Recording) -> tuple[Array, Array]:
+    """Return the slope of a record per s and its covariance, from the slopes of batches."""
+    time = record.time - _middle(record)
+    weights = time / float(time @ time)
+    slope: Array = weights @ record.readings
+    rest = record.readings - record.readings.mean(axis=0) - np.outer(time, slope)
+    # Sums over batches scatter like independent numbers, whatever the colour of the noise.
+    pulls = weights[:, None] * rest
+    edges = np.linspace(0, len(time), min(_BATCHES, len(time)) + 1).astype(int)[:-1]
+    sums = np.add.reduceat(pulls, edges, axis=0)
+    return slope, sums.T @ sums
+
+
+def _refuse_overlap(records: Sequence[Recording]) -> None:
+    ordered = sorted(records, key=lambda record: float(record.time[0]))
+    for one, other in pairwise(ordered):
+        if other.time[0] < one.time[-1]:
+            raise RecordError(
+                other.source,
+                f"time: starts at {other.time[0]:.6g} s before {one.source or 'another record'} "
+                f"ends at {one.time[-1]:.6g} s: drift of the zero needs runs and records without "
+                "load on one clock; shift their times",
+            )
+
+
+def _middle(record: Recording) -> float:
+    return 0.5 * float(record.time[0] + record.time[-1])
+
+
+def _covariance(record: Recording, slope: Array) -> Array:
     """Return the covariance of the mean reading; the drift along the line is no noise."""
-    weights = np.array([len(record) for record in records], dtype=np.float64)
-    total = np.zeros((3, 3))
-    for share, record in zip(weights / weights.sum(), records, strict=True):
-        total += share**2 * batch_covariance(record.readings - np.outer(record.time, slope))
-    return total
+    return batch_covariance(record.readings - np.outer(record.time, slope))
 
 
 def batch_covariance(values: Array) -> Array:
