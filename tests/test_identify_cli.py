@@ -4,9 +4,10 @@ import csv
 
 import numpy as np
 import pytest
-from asperity import cli, identify_files
+from asperity import Ellipse, FrictionLaw, cli, identify_files
 from asperity.identify import Fit, MeasuredSets, VirtualTribometer, write_raw
 from asperity.paper import table1
+from scipy.stats import t
 
 LAW = table1.laws()["extended, superellipses C, D"]
 
@@ -53,6 +54,41 @@ def test_a_law_is_identified_from_files(campaign, tmp_path, capsys):
         assert float(found[name]["estimate"]) == pytest.approx(value, rel=0.03)
     assert found["direction.scale"]["identifiable"] == "False"
     assert (out / "report.html").read_text().count("data:image/png;base64") == 3
+
+
+def test_the_best_models_are_fitted_and_listed(campaign, tmp_path, capsys):
+    raw = VirtualTribometer(
+        FrictionLaw.collinear(Ellipse(0.5, 0.4)),
+        normal_force=9.3,
+        turns=4,
+        turn_rate=0.5,
+        sample_rate=500.0,
+        seed=3,
+    ).record()
+    write_raw(raw, tmp_path)
+    assert identify(tmp_path, "run_1.csv", out=tmp_path / "usual") == 0
+    assert "BIC prefers ellipse for C and circle for D; fit them" in capsys.readouterr().out
+    options = ("--reservoir", "best", "--direction", "best")
+    assert identify(tmp_path, "run_1.csv", out=tmp_path / "out", options=options) == 0
+    assert "BIC prefers ellipse for C and circle for D\n" in capsys.readouterr().out
+    with (tmp_path / "out" / "models.csv").open() as file:
+        fitted = [row for row in csv.DictReader(file) if row["fitted"] == "True"]
+    assert [(row["reservoir"], row["direction"]) for row in fitted] == [("ellipse", "circle")]
+    assert float(fitted[0]["BIC minus best"]) == 0.0
+    with (tmp_path / "out" / "turns.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["channel"] for row in rows] == ["tangential"] * 4 + ["radial"] * 4 + ["normal"] * 4
+    for row in rows[-4:]:
+        assert float(row["mean"]) == pytest.approx(9.3, rel=0.02)
+    for first in (0, 4, 8):
+        means, offsets = (
+            np.array([float(row[name]) for row in rows[first : first + 4]])
+            for name in ("mean", "offset")
+        )
+        np.testing.assert_allclose(means - offsets, means.mean())
+        half = t.ppf(0.975, 3) * means.std(ddof=1) / 2.0
+        assert float(rows[first]["high"]) == pytest.approx(means.mean() + half)
+        assert float(rows[first]["low"]) == pytest.approx(means.mean() - half)
 
 
 def test_the_table_over_directions_holds_measurement_and_model(campaign, tmp_path):

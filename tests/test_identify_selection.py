@@ -7,6 +7,7 @@ import pytest
 from asperity import Ellipse, FitError, FrictionLaw, Superellipse
 from asperity.identify import (
     FourierReservoir,
+    SuperellipseDirection,
     VirtualTribometer,
     compare_models,
     fit_law,
@@ -84,6 +85,23 @@ def test_candidates_tell_what_they_are():
     # Twice the two coordinates more cost about 2 ln n.
     assert third.bic == pytest.approx(2.0 * np.log(comparison.effective_samples), abs=10.0)
     assert comparison.best is second
+
+
+@pytest.mark.parametrize("name", list(LAWS)[:-1])
+def test_the_best_pair_is_fitted(name):
+    law, models = LAWS[name]
+    fit = fit_law(sampled(law), "best", "best")
+    assert (fit.reservoir_model, fit.direction_model) == models
+    assert fit.parameters == fit_law(sampled(law), *models).parameters
+    best = fit.comparison.best
+    assert (best.reservoir, best.direction, best.bic) == (*models, 0.0)
+
+
+def test_one_of_the_models_may_be_given():
+    law, models = LAWS["ellipses"]
+    for given in ((models[0], "best"), ("best", models[1]), ("best", SuperellipseDirection(2.0))):
+        fit = fit_law(sampled(law), *given)
+        assert (fit.reservoir_model, fit.direction_model) == models
 
 
 def test_uncorrelated_samples_count_fully():

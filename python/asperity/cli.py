@@ -127,8 +127,8 @@ def _add_identify(commands: Any) -> None:
         "pin-on-disk tribometer, with confidence bands, and compare models. The TOML file says how "
         "the files are read: sections file, columns, units, calibration, no_load, tribometer, "
         "processing, all optional. Writes sets.png, forces.png, residuals.png, parameters.csv, "
-        "directions.csv, report.html. Exit code 2 if something is wrong with the files; then "
-        "nothing is written.",
+        "directions.csv, turns.csv, models.csv, report.html. Exit code 2 if something "
+        "is wrong with the files; then nothing is written.",
         epilog="example: asperity identify run_1.csv --config tribometer.toml --out out/identify",
     )
     identify.add_argument("paths", metavar="DATA", type=Path, nargs="+", help="CSV files of runs")
@@ -139,9 +139,9 @@ def _add_identify(commands: Any) -> None:
     for name, meaning in (("reservoir", "C"), ("direction", "D")):
         identify.add_argument(
             f"--{name}",
-            choices=("circle", "ellipse", "superellipse", "fourier"),
+            choices=("circle", "ellipse", "superellipse", "fourier", "best"),
             default="superellipse",
-            help=f"model of {meaning}; default superellipse",
+            help=f"model of {meaning}, or the best one by BIC; default superellipse",
         )
     identify.add_argument(
         "--loss", choices=("linear", "huber", "cauchy"), default="linear", help="default linear"

@@ -31,6 +31,8 @@ FILES = (
     "residuals.png",
     "parameters.csv",
     "directions.csv",
+    "turns.csv",
+    "models.csv",
     "report.html",
 )
 """What `identify` writes."""
@@ -73,6 +75,7 @@ class Identification:
             f"calibration       {condition}",
             "C on e1, e2       {:.4g}, {:.4g} per unit normal force".format(*radii_on_axes(sets)),
             f"closure of D      {sets.closure:.6g}",
+            f"asymmetry         {sets.asymmetry:.3g} of the largest force",
             f"convexity defect  {sets.convexity_defect:.3g} rad",
             f"residuals         {self.fit.rms:.4g} N rms",
             "",
@@ -83,7 +86,20 @@ class Identification:
         if {"reservoir.a", "reservoir.b"} <= set(names):
             a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
             lines += ["", f"semi-axes of C at {force:.4g} N: {a:.4g} N, {b:.4g} N"]
-        return "\n".join(lines)
+        if self.fit.turns > 1:
+            best = self.fit.comparison.best
+            fitted = (best.reservoir, best.direction) == (
+                self.fit.reservoir_model,
+                self.fit.direction_model,
+            )
+            remedy = "" if fitted else "; fit them with --reservoir best --direction best"
+            lines += [
+                "",
+                f"models            BIC prefers {best.reservoir} for C and {best.direction} for D"
+                + remedy,
+            ]
+        lines += ["", *(f"warning: {sentence}" for sentence in self.fit.warnings)]
+        return "\n".join(lines).rstrip()
 
 
 def radii_on_axes(sets: MeasuredSets) -> tuple[float, float]:
@@ -112,7 +128,8 @@ def identify(
         paths: files of the runs, one or several of a campaign.
         config: TOML file, see `identify.Configuration`.
         out: folder; made if it is not there.
-        reservoir: model of C, ``"circle"``, ``"ellipse"``, ``"superellipse"`` or ``"fourier"``.
+        reservoir: model of C, ``"circle"``, ``"ellipse"``, ``"superellipse"``,
+            ``"fourier"`` or ``"best"`` of those compared, by BIC.
         direction: model of D, likewise.
         loss: ``"linear"``, ``"huber"`` or ``"cauchy"``.
         confidence: of the bands.
@@ -169,6 +186,8 @@ def _write(found: Identification, figures: Mapping[str, Figure], out: Path, *, t
         header = ("parameter", "estimate", "low", "high", "standard_error", "identifiable")
         _write_csv(folder / "parameters.csv", header, _parameters(found.fit))
         _write_csv(folder / "directions.csv", _DIRECTION_COLUMNS, _directions(found).tolist())
+        _write_csv(folder / "turns.csv", _TURN_COLUMNS, _turns(found))
+        _write_csv(folder / "models.csv", _MODEL_COLUMNS, _models(found.fit))
         found.fit.report(folder / "report.html", title=f"Friction law of {title}")
 
 
@@ -243,6 +262,66 @@ def _directions(found: Identification) -> Array:
     return np.column_stack(
         [*columns, *bands.resistance_half_width.T, *found.sets.direction_by_support.T]
     )
+
+
+_MODEL_COLUMNS = (
+    "reservoir",
+    "direction",
+    "parameters",
+    "residual rms [N]",
+    "BIC minus best",
+    "left out minus best",
+    "left out error",
+    "fitted",
+)
+
+
+def _models(fit: Fit) -> list[tuple[object, ...]]:
+    """Return the compared models; none where a single turn cannot be left out."""
+    if fit.turns < 2:
+        return []
+    fitted = fit.reservoir_model, fit.direction_model
+    return [
+        (
+            one.reservoir,
+            one.direction,
+            one.parameters,
+            one.rms,
+            one.bic,
+            one.left_out,
+            one.left_out_error,
+            (one.reservoir, one.direction) == fitted,
+        )
+        for one in fit.comparison.candidates
+    ]
+
+
+_TURN_COLUMNS = (
+    "channel",
+    "turn",
+    "mean",
+    "low",
+    "high",
+    "offset",
+    "drift per turn",
+)
+
+
+def _turns(found: Identification) -> list[tuple[object, ...]]:
+    """Return the mean of each channel over each turn, its offset from all turns, and the drift.
+
+    Low and high are the band of the mean of all turns.
+    """
+    from asperity.identify.turns import TurnAverage
+
+    rows: list[tuple[object, ...]] = []
+    for channel, average in found.data.turn_averages(len(found.averaged.phi)).items():
+        level = average.turns.mean(axis=1)
+        all_turns = TurnAverage([0.0], level[:, None], confidence=average.confidence)
+        band = float(all_turns.low[0]), float(all_turns.high[0])
+        for turn, (mean, offset) in enumerate(zip(level, average.offset, strict=True)):
+            rows.append((channel, turn, mean, *band, offset, average.drift))
+    return rows
 
 
 def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

@@ -7,30 +7,35 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import FitError
 from asperity.identify.bins import Bins
-from asperity.identify.coordinates import Estimate, Roundness, Scale
+from asperity.identify.coordinates import Coordinate, Estimate, Roundness, Scale
 from asperity.identify.descent import damped_step
+from asperity.identify.loss import Loss
+from asperity.identify.samples import reads_normal_force
 from asperity.identify.sums import Family, Sums
+from asperity.identify.zero import _BATCHES
 
 # An angle is told from none at this level.
 _LEVEL = 0.01
+_MOST_DEGREES = 1e9
 
 
 @dataclass(frozen=True, eq=False)
 class Covariance:
     """Covariance of coordinates: from the scatter of turns, calibration, records without load.
 
-    `turns` is the number of turns behind the first one.
+    `degrees` are the degrees of freedom of these parts; infinite where errors are known.
     """
 
     scatter: Array
     calibration: Array
     zero: Array
-    turns: int
+    degrees: tuple[float, float, float]
 
     @property
     def total(self) -> Array:
@@ -49,30 +54,31 @@ class Covariance:
             self.scatter[part, part],
             self.calibration[part, part],
             self.zero[part, part],
-            self.turns,
+            self.degrees,
         )
 
     def half_widths(self, directions: Array, confidence: float) -> Array:
         """Return the half widths of the bands of combinations ``(n, k)`` of coordinates.
 
-        Scatter has one degree of freedom less than there are turns, the other parts are taken as
-        known; a sum has an effective number (Welch and Satterthwaite).
+        Each part has its own quantile of Student's t, and squares of half widths add up: such bands
+        never hold less than they say (Banerjee 1960), not even where one of two turns repeats the
+        other by chance.
         """
         from scipy.stats import t
 
-        scattered = np.einsum("ni,ij,nj->n", directions, self.scatter, directions)
-        total = np.einsum("ni,ij,nj->n", directions, self.total, directions)
-        share = np.maximum(scattered, 1e-30 * np.abs(total).max(initial=1e-300))
-        degrees = np.minimum((self.turns - 1) * (total / share) ** 2, 1e9)
-        widths: Array = t.ppf(0.5 + 0.5 * confidence, degrees) * np.sqrt(np.maximum(total, 0.0))
-        return widths
+        squares = np.zeros(len(directions))
+        parts = (self.scatter, self.calibration, self.zero)
+        for part, degrees in zip(parts, self.degrees, strict=True):
+            quantile = t.ppf(0.5 + 0.5 * confidence, min(degrees, _MOST_DEGREES))
+            squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
+        return np.sqrt(np.maximum(squares, 0.0))
 
 
-def scatter_of(sums: Sums) -> Array:
-    """Return the covariance of an estimate whose gradients differ between turns (sandwich).
+def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, int]:
+    """Return the covariance of an estimate whose gradients differ between clusters (sandwich).
 
-    A residual of one sample tells nothing about the next one: noise is coloured. Turns are nearly
-    independent, and the t-distribution with one degree less than turns makes up for their number.
+    A residual of one sample tells nothing about the next one: noise is coloured. Turns, or runs of
+    several turns, are nearly independent; the degrees of freedom are one less than their number.
     """
     turns = len(sums.cost)
     if turns < 2:
@@ -81,13 +87,28 @@ def scatter_of(sums: Sums) -> Array:
             "better), or fit with confidence=None"
         )
     matrix = sums.matrix.sum(axis=0)
-    steps = np.stack([damped_step(matrix, gradient) for gradient in sums.gradient])
-    spread: Array = steps.T @ steps * (turns / (turns - 1.0))
-    return spread
+    count = int(clusters.max()) + 1
+    gradients = np.zeros((count, len(matrix)))
+    np.add.at(gradients, clusters, sums.gradient)
+    steps = np.stack([damped_step(matrix, gradient) for gradient in gradients])
+    return steps.T @ steps * (count / (count - 1.0)), count - 1
+
+
+def shared_degrees(data: Any) -> tuple[float, float]:
+    """Return the degrees of freedom behind the covariances of calibration and zeros."""
+    raw = getattr(data, "raw", None)
+    if raw is None:
+        return math.inf, math.inf
+    known, weighed = math.inf, raw.calibration
+    if weighed is not None and weighed.reading_error is None:
+        known = max(len(weighed.loads) - 3.0 - weighed.fit_zero, 1.0)
+    # A record's mean scatters like those of its batches.
+    batches = min((min(len(record), _BATCHES) for record in raw.no_load), default=math.inf)
+    return known, max(batches - 1.0, 1.0)
 
 
 def shared(
-    family: Family, parts: list[tuple[Bins, float]], p: Array, matrix: Array, data: Any
+    family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any
 ) -> tuple[Array, Array]:
     """Return the covariances that errors of the calibration matrix and of the zeros cause.
 
@@ -95,7 +116,8 @@ def shared(
     when the disk turns backwards.
 
     Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
-    is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119).
+    is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119). The
+    curvature of a robust loss weighs gradient and matrix alike, and is left out of both.
     """
     calibration = getattr(data, "calibration_covariance", None)
     zero = getattr(data, "zero_covariance", None)
@@ -103,7 +125,12 @@ def shared(
     if calibration is None and zero is None:
         return none, none
     transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
-    pulls = np.sum([_pulls(family, bins, sense, p, transform) for bins, sense in parts], axis=0)
+    # Row 3 of T has no effect where the normal force is given.
+    read = reads_normal_force(data)
+    pulls = np.sum(
+        [_pulls(family, bins, sense, p, transform, read=read) for bins, sense in parts], axis=0
+    )
+    matrix = np.sum([family.sums(bins.samples, p, Loss()).matrix[0] for bins, _ in parts], axis=0)
     by = np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
 
     def caused(covariance: Array | None, by: Array, name: str) -> Array:
@@ -119,7 +146,9 @@ def shared(
     )
 
 
-def _pulls(family: Family, bins: Bins, sense: float, p: Array, transform: Array) -> Array:
+def _pulls(
+    family: Family, bins: Bins, sense: float, p: Array, transform: Array, *, read: bool = True
+) -> Array:
     """Return the derivatives of the gradient by the entries of T, row by row, and by the zeros."""
     on_force, on_normal = family.responses(bins.phi, p)
     cos, sin = np.cos(bins.phi), np.sin(bins.phi)
@@ -128,7 +157,7 @@ def _pulls(family: Family, bins: Bins, sense: float, p: Array, transform: Array)
         [
             sense * (on_force[..., 0] * cos + on_force[..., 1] * sin),
             sense * (on_force[..., 1] * cos - on_force[..., 0] * sin),
-            on_normal,
+            on_normal * read,
         ],
         axis=1,
     )
@@ -146,7 +175,7 @@ def has_angle(p: Array, roundness: Roundness, covariance: Covariance) -> bool:
 
     off = roundness.matrix @ p - roundness.offset
     spread = roundness.matrix @ covariance.total @ roundness.matrix.T
-    count, degrees = off.size, covariance.turns - 1
+    count, degrees = off.size, int(covariance.degrees[0])
     if degrees < count:
         # Too few turns for all at once: the first combination, the ratio of the axes, alone.
         off, spread, count = off[:1], spread[:1, :1], 1
@@ -158,12 +187,15 @@ def has_angle(p: Array, roundness: Roundness, covariance: Covariance) -> bool:
 
 
 def estimate(
-    x: float, scale: Scale, half_width: float, standard_error: float, told: bool
+    x: float, coordinate: Coordinate, half_width: float, standard_error: float, told: bool
 ) -> Estimate:
     """Return a parameter with its band from its coordinate."""
+    scale = coordinate.scale
     value, low, high = scale.natural(np.array([x, x - half_width, x + half_width]))
     slope = float(scale.slope(np.array(x)))
     if not told:
-        # All that is known of an angle that the data cannot tell.
-        low, high = -0.25 * math.pi, 0.25 * math.pi
+        # All that is known of what the data cannot tell.
+        angle = scale is Scale.ANGLE
+        ends = (-0.25 * math.pi, 0.25 * math.pi) if angle else (coordinate.low, coordinate.high)
+        low, high = scale.natural(np.array(ends))
     return Estimate(value, low, high, slope * standard_error, identifiable=told)

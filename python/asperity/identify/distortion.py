@@ -10,7 +10,9 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.identify.bins import Bins, grouped
 from asperity.identify.descent import damped_step
-from asperity.identify.samples import Samples, by_sense
+from asperity.identify.loss import Loss
+from asperity.identify.outliers import without_outliers
+from asperity.identify.samples import Samples, by_sense, reads_normal_force
 from asperity.identify.sums import Family
 
 _WIDTH = 5
@@ -19,7 +21,7 @@ _WIDTH = 5
 class Distortion:
     """Errors of the entries of T and of the zeros with their covariance, of given data."""
 
-    def __init__(self, samples: Samples, data: Any) -> None:
+    def __init__(self, samples: Samples, data: Any, *, loss: str = "linear") -> None:
         covariance = np.zeros((12, 12))
         for name, part in (
             ("calibration_covariance", slice(0, 9)),
@@ -30,9 +32,11 @@ class Distortion:
                 covariance[part, part] = known
         self._parts: list[tuple[Bins, float]] = []
         if covariance.any():
+            self._read = reads_normal_force(data)
             self._transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
             for run, sense in by_sense(samples, data):
-                self._parts.append((grouped(run, 1).bins(width=_WIDTH), sense))
+                near = run if Loss(loss).is_linear else without_outliers(run)
+                self._parts.append((grouped(near, 1).bins(width=_WIDTH), sense))
         values, vectors = np.linalg.eigh(covariance)
         self._root = vectors * np.sqrt(np.maximum(values, 0.0))
 
@@ -74,7 +78,7 @@ class Distortion:
         )
         along = sense * np.stack([cos, sin], axis=-1)
         across = sense * np.stack([-sin, cos], axis=-1)
-        unit = np.stack([along, across, -model])
+        unit = np.stack([along, across, -model * self._read])
         root = np.sqrt(bins.squares)
         readings = np.linalg.solve(self._transform, channels) * root
         entries = np.einsum("inc,jn->ijnc", unit, readings).reshape(9, -1)

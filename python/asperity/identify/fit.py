@@ -14,15 +14,26 @@ from numpy.typing import ArrayLike
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
-from asperity.identify.bins import Bins, grouped
+from asperity.identify import defects
+from asperity.identify.bins import Bins, GroupedBins, grouped
+from asperity.identify.checks import at_bounds, gaps, warnings_of
 from asperity.identify.coordinates import Estimate
-from asperity.identify.covariance import Covariance, estimate, has_angle, scatter_of, shared
+from asperity.identify.covariance import (
+    Covariance,
+    estimate,
+    has_angle,
+    scatter_of,
+    shared,
+    shared_degrees,
+)
+from asperity.identify.defects import Defect
 from asperity.identify.descent import Descent
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
     name_of,
 )
-from asperity.identify.samples import Samples, by_sense
+from asperity.identify.outliers import without_outliers
+from asperity.identify.samples import Samples, by_sense, clusters_of
 from asperity.identify.sets import MeasuredSets
 from asperity.identify.sums import Family
 from asperity.law import FrictionLaw
@@ -83,22 +94,25 @@ class Fit:
         descent: Descent,
         loss: Loss,
         confidence: float | None,
+        comparison: Comparison | None = None,
     ) -> None:
         self._samples, self._family, self._data = samples, family, data
         self._descent, self.loss, self.confidence = descent, loss, confidence
+        self._comparison = comparison
         self.coordinates = _arrays.read_only(descent.p)
         self.covariance: Covariance | None = None
         if confidence is not None:
-            matrix = descent.sums.matrix.sum(axis=0)
             parts = by_sense(samples, data)
-            means = [bins] if len(parts) == 1 else [grouped(part, 1).bins() for part, _ in parts]
+            means = [bins] if len(parts) == 1 else [self._grouped(part).bins() for part, _ in parts]
             senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
-            common = shared(family, senses, descent.p, matrix, data)
-            self.covariance = Covariance(scatter_of(descent.sums), *common, samples.turns)
+            common = shared(family, senses, descent.p, data)
+            scatter, degrees = scatter_of(descent.sums, clusters_of(samples, data))
+            self.covariance = Covariance(scatter, *common, (degrees, *shared_degrees(data)))
 
     def __repr__(self) -> str:
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
-        return f"<Fit {models}, {self.samples} samples, {self.turns} turns>"
+        text = "; ".join([f"{models}, {self.samples} samples, {self.turns} turns", *self.warnings])
+        return f"<Fit {text}>"
 
     @property
     def samples(self) -> int:
@@ -144,10 +158,13 @@ class Fit:
         """Estimates with bands by name: ``reservoir.a``, ``direction.ratio`` = p₁/p₂ and others.
 
         Semi-axes are per unit normal force, angles in rad within ±45°. An angle is identifiable if
-        the set differs from one that has none (at the level 0.01); the scale of D never is.
+        the set differs from one that has none (at the level 0.01); the scale of D never is. Nor is
+        what ended at a bound of its model, nor the shape of C where forces leave out 30° and more
+        of their directions; `warnings` says so.
         """
         family = self._family
         result: dict[str, Estimate] = {}
+        stuck, blind = self.at_bounds, bool(self.gaps)
         for start, model, part in (
             (0, family.reservoir, "reservoir"),
             (family.split, family.direction, "direction"),
@@ -155,13 +172,42 @@ class Fit:
             for at, coordinate in enumerate(model.coordinates, start):
                 last = at == start + len(model.coordinates) - 1
                 told = not last or self._has_angle(slice(start, at + 1), model.roundness())
+                told = told and not stuck[at] and not (blind and part == "reservoir")
                 unit = np.eye(family.size)[at]
                 width, deviation = self._width(unit[None])[0], self._deviation(unit)
                 result[f"{part}.{coordinate.name}"] = estimate(
-                    self.coordinates[at], coordinate.scale, width, deviation, told
+                    self.coordinates[at], coordinate, width, deviation, told
                 )
         result["direction.scale"] = Estimate(np.nan, 0.0, np.inf, np.inf, identifiable=False)
         return result
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on what the data cannot tell or the models cannot hold."""
+        return warnings_of(self)
+
+    @cached_property
+    def at_bounds(self) -> Array:
+        """Which coordinates ended at a bound of their model, in the order of the parameters."""
+        return at_bounds(self.coordinates, self._family.coordinates)
+
+    @cached_property
+    def gaps(self) -> list[tuple[float, float]]:
+        """Arcs of directions θ in rad without forces, where C has a shape to be told."""
+        return gaps(self.means[1]) if len(self._family.reservoir.coordinates) > 1 else []
+
+    @cached_property
+    def defects(self) -> dict[str, Defect]:
+        """Asymmetry, closure and lack of fit with whether they matter; none if data are sparse."""
+        groups = min(self.turns, defects.MOST_GROUPS)
+        means = defects.means_of(self._grouped(self._samples, groups))
+        if means is None:
+            return {}
+        return {
+            "asymmetry": defects.asymmetry(*means),
+            "closure": defects.closure(*means),
+            "lack of fit": defects.lack_of_fit(*means, self.forces),
+        }
 
     @cached_property
     def residuals(self) -> Array:
@@ -177,7 +223,7 @@ class Fit:
     @cached_property
     def means(self) -> tuple[Array, Array]:
         """Sliding directions φ in rad and mean forces −λ/λ_N there, ``(n,)`` and ``(n, 2)``."""
-        bins = grouped(self._samples, 1).bins(width=_WIDTH)
+        bins = self._grouped(self._samples).bins(width=_WIDTH)
         return bins.phi, bins.force
 
     @cached_property
@@ -237,9 +283,11 @@ class Fit:
     @cached_property
     def comparison(self) -> Comparison:
         """Other models of the same data, by BIC and by turns left out."""
+        if self._comparison is not None:
+            return self._comparison
         from asperity.identify.selection import compare_models
 
-        return compare_models(self._data)
+        return compare_models(self._data, loss=self.loss.kind)
 
     def report(self, path: str | os.PathLike[str], *, title: str = "Friction law") -> Path:
         """Write one HTML file with parameters, figures and the comparison of models.
@@ -254,6 +302,9 @@ class Fit:
         from asperity.identify.report import write_report
 
         return write_report(self, path, title)
+
+    def _grouped(self, samples: Samples, groups: int = 1) -> GroupedBins:
+        return grouped(samples if self.loss.is_linear else without_outliers(samples), groups)
 
     def _width(self, directions: Array) -> Array:
         if self.covariance is None or self.confidence is None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity import _arrays
 from asperity._arrays import Array
@@ -19,7 +18,9 @@ from asperity.identify.models import (
     name_of,
     reservoir_model,
 )
+from asperity.identify.outliers import inside, without_outliers
 from asperity.identify.samples import Measured, Samples, samples_of
+from asperity.identify.selection import BEST, compare_models, matching_pairs
 from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
 
@@ -41,15 +42,16 @@ def fit_law(
 ) -> Fit:
     """Fit a law's sets C and D to measured forces: min Σ‖−λ − λ_N f(φ)‖² over all samples.
 
-    The model meets the unfiltered samples. Bands hold what differs between turns (Student's t with
-    one degree less than turns) and the uncertainty of calibration and zeros, which turns share.
+    The model meets the unfiltered samples. Bands hold what differs between turns, or between runs
+    where there are three or more, and the uncertainty of calibration and zeros, which all share.
+    Degrees of freedom are one less than turns or runs, and those of the calibration.
 
     Args:
         data: what `process` returns, or arrays (φ in rad, −λ/λ_N ``(n, 2)``), by turns if φ is
             unwrapped, or (φ, −λ/λ_N, turn) with integers that are negative outside of turns.
-        reservoir: model of C: ``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"`` or a
-            model such as `FourierReservoir`.
-        direction: model of D, likewise.
+        reservoir: model of C: ``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"``, a
+            model such as `FourierReservoir`, or ``"best"`` of those compared, by BIC.
+        direction: model of D, likewise; with both ``"best"``, the best pair.
         joint: fit C and D together to the forces; else C to their magnitudes over their
             directions and D to their directions over the sliding directions.
         loss: ``"linear"``, or ``"huber"`` or ``"cauchy"`` against outliers.
@@ -78,9 +80,15 @@ def fit_law(
         if not 0.0 < confidence < 1.0:
             raise ParameterError("confidence", f"must lie between 0 and 1, got {confidence!r}")
     measure = Loss(loss)
+    comparison = None
+    if BEST in (reservoir, direction):
+        comparison = compare_models(data, matching_pairs(reservoir, direction), loss=loss)
+        best = comparison.best
+        reservoir, direction = best.reservoir_model, best.direction_model
     family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))
     samples = samples_of(data)
-    sums = grouped(samples, 1)
+    # Means do not survive outliers that a robust loss is chosen for.
+    sums = grouped(samples if measure.is_linear else without_outliers(samples), 1)
     bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
     check_coverage(bins)
     if 2 * bins.phi.size <= family.size:
@@ -92,7 +100,7 @@ def fit_law(
             f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
             "try a simpler model"
         )
-    return Fit(data, samples, bins, family, descent, measure, confidence)
+    return Fit(data, samples, bins, family, descent, measure, confidence, comparison)
 
 
 def _fit_samples(
@@ -112,10 +120,10 @@ def _fit_samples(
 
     if loss.is_linear:
         return from_here(first, loss), loss
-    p, inside = first, _some(samples)
+    p, some = first, inside(samples, _MOST_LENGTHS)
     for _ in range(_ROUNDS):
         along, across, *_ = family.residuals(
-            samples.phi[inside], samples.force[inside], samples.normal[inside], p
+            samples.phi[some], samples.force[some], samples.normal[some], p
         )
         rescaled = loss.scaled_by(np.hypot(along, across))
         settled = abs(rescaled.scale - loss.scale) <= _SAME_SCALE * rescaled.scale
@@ -125,9 +133,3 @@ def _fit_samples(
         if settled:
             break
     return descent, loss
-
-
-def _some(samples: Samples) -> NDArray[np.intp]:
-    """Return numbers of samples in turns, evenly spread."""
-    inside = np.concatenate([np.arange(first, end) for first, end, _ in samples.runs])
-    return inside[:: max(1, inside.size // _MOST_LENGTHS)]

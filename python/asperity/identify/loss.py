@@ -13,7 +13,7 @@ from asperity._value import Value
 # Where a loss turns from squares, in standard deviations: 95 % efficiency for Gaussian residuals.
 _TUNING = {"linear": math.inf, "huber": 1.5, "cauchy": 2.6}
 # Median length of a plane vector of independent Gaussian components of deviation 1.
-_MEDIAN = math.sqrt(2.0 * math.log(2.0))
+MEDIAN_LENGTH = math.sqrt(2.0 * math.log(2.0))
 
 
 class Loss(Value):
@@ -56,4 +56,4 @@ class Loss(Value):
     def scaled_by(self, lengths: Array) -> Loss:
         """Return the loss whose scale is that of residuals of given lengths, by their median."""
         median = float(np.median(lengths))
-        return self if median == 0.0 else Loss(self.kind, median / _MEDIAN)
+        return self if median == 0.0 else Loss(self.kind, median / MEDIAN_LENGTH)

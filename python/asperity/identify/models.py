@@ -19,21 +19,23 @@ from asperity.identify.reservoir_models import (
 )
 
 ReservoirName: TypeAlias = str | ReservoirModel
-"""``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"`` or a model."""
+"""``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"``, ``"odd fourier"`` or a model."""
 DirectionName: TypeAlias = str | DirectionModel
-"""``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"`` or a model."""
+"""``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"``, ``"odd fourier"`` or a model."""
 
 RESERVOIRS: dict[str, ReservoirModel] = {
     "circle": CircleReservoir(),
     "ellipse": SuperellipseReservoir(2.0),
     "superellipse": SuperellipseReservoir(),
     "fourier": FourierReservoir(),
+    "odd fourier": FourierReservoir(odd=True),
 }
 DIRECTIONS: dict[str, DirectionModel] = {
     "circle": CircleDirection(),
     "ellipse": SuperellipseDirection(2.0),
     "superellipse": SuperellipseDirection(),
     "fourier": FourierDirection(),
+    "odd fourier": FourierDirection(odd=True),
 }
 
 

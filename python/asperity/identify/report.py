@@ -38,6 +38,7 @@ def write_report(fit: Fit, path: str | os.PathLike[str], title: str) -> Path:
     parts = [
         f"<h1>{html.escape(title)}</h1>",
         f"<p>{_summary(fit)}</p>",
+        *(f"<p><strong>{html.escape(warning)}.</strong></p>" for warning in fit.warnings),
         "<h2>Parameters</h2>",
         _parameters(fit),
         _law(fit),
@@ -77,8 +78,9 @@ def _parameters(fit: Fit) -> str:
         for row, shares in zip(rows, fit.covariance.shares(), strict=False):
             row += [f"<td>{100.0 * share:.0f} %</td>" for share in shares]
         sources = (
-            "<p>Bands hold the scatter between turns (Student's t), and the uncertainty of the "
-            "calibration and of the records without load where these are known; the last columns "
+            "<p>Bands hold the scatter between turns, or between three runs or more (Student's t), "
+            "and the uncertainty of the calibration and of the records without load where these "
+            "are known; the last columns "
             "are their shares of the variance. "
             "Semi-axes are per unit normal force. The scale of D has no effect on forces.</p>"
         )

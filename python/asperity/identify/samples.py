@@ -21,6 +21,8 @@ Measured: TypeAlias = "ProcessedData | tuple[ArrayLike, ArrayLike] | tuple[Array
 # Samples that fit into the cache with all that is evaluated at them.
 _CHUNK = 8192
 _FEWEST = 24
+# The scatter of fewer runs says less than that of their turns.
+_FEWEST_RUNS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,12 +80,38 @@ def by_sense(samples: Samples, data: Any) -> list[tuple[Samples, float]]:
     if raw is None:
         return [(samples, 1.0)]
     senses = np.array([1.0 if recording.turns > 0.0 else -1.0 for recording in raw.recordings])
-    recording = np.searchsorted(np.asarray(data.run), samples.runs[:, 0], side="right") - 1
+    recording = _recordings(samples, data)
     parts = []
     for sense in np.unique(senses):
         runs = samples.runs[senses[recording] == sense]
         parts.append((replace(samples, runs=runs), float(sense)))
     return parts
+
+
+def reads_normal_force(data: Any) -> bool:
+    """Return whether λ_N comes from the normal channel; else it is given, whatever T's row 3."""
+    raw = getattr(data, "raw", None)
+    return raw is None or raw.normal_load is None
+
+
+def clusters_of(samples: Samples, data: Any) -> NDArray[np.intp]:
+    """Return for each turn what it shares its scatter with: its run if there are enough, or none.
+
+    Between runs the pin is set down anew, and friction need not be what it was.
+    """
+    if getattr(data, "raw", None) is not None:
+        recording = _recordings(samples, data)
+        runs, number = np.unique(recording, return_inverse=True)
+        if runs.size >= _FEWEST_RUNS:
+            cluster = np.zeros(samples.turns, dtype=np.intp)
+            cluster[samples.runs[:, 2]] = number
+            return cluster
+    return np.arange(samples.turns)
+
+
+def _recordings(samples: Samples, data: Any) -> NDArray[np.intp]:
+    first: NDArray[np.intp] = np.searchsorted(data.run, samples.runs[:, 0], side="right")
+    return first - 1
 
 
 def _counted_turns(phi: Array) -> NDArray[np.intp]:

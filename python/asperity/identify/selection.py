@@ -12,16 +12,22 @@ from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import FitError
 from asperity.identify.bins import GroupedBins, check_coverage, grouped
+from asperity.identify.defects import MOST_GROUPS, asymmetry, means_of
 from asperity.identify.descent import damped_step
+from asperity.identify.direction_models import DirectionModel
 from asperity.identify.distortion import Distortion
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
+    DIRECTIONS,
+    RESERVOIRS,
     DirectionName,
     ReservoirName,
     direction_model,
     name_of,
     reservoir_model,
 )
+from asperity.identify.outliers import without_outliers
+from asperity.identify.reservoir_models import ReservoirModel
 from asperity.identify.samples import Measured, samples_of
 from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family
@@ -38,17 +44,35 @@ PAIRS: tuple[tuple[ReservoirName, DirectionName], ...] = (
 )
 """Models that are compared if none are named; circles, ellipses and superellipses are nested."""
 
+ODD_PAIRS: tuple[tuple[ReservoirName, DirectionName], ...] = (
+    ("odd fourier", "superellipse"),
+    ("odd fourier", "odd fourier"),
+)
+"""Compared as well where the forces are not symmetric to the origin."""
+
+BEST = "best"
+
 # Fits are compared on means over half a degree; more groups of turns than this tell no more.
 _WIDTH = 5
-_MOST_GROUPS = 20
+
+
+def matching_pairs(
+    reservoir: ReservoirName, direction: DirectionName
+) -> list[tuple[ReservoirName, DirectionName]] | None:
+    """Return the pairs to choose from where one model or both are to be the best; None for all."""
+    if reservoir == direction == BEST:
+        return None
+    if reservoir == BEST:
+        return [(name, direction) for name in RESERVOIRS]
+    return [(reservoir, name) for name in DIRECTIONS]
 
 
 class Candidate(Value):
     """One pair of models in a comparison.
 
     Args:
-        reservoir: model of C.
-        direction: model of D.
+        reservoir: name of the model of C; `reservoir_model` is the model.
+        direction: name of the model of D; `direction_model` is the model.
         parameters: how many are fitted.
         rms: root mean square of a component of the residuals in N.
         bic: Bayesian information criterion relative to the smallest one.
@@ -64,11 +88,13 @@ class Candidate(Value):
     bic: float
     left_out: float
     left_out_error: float
+    reservoir_model: ReservoirModel
+    direction_model: DirectionModel
 
     def __init__(
         self,
-        reservoir: str,
-        direction: str,
+        reservoir: ReservoirName,
+        direction: DirectionName,
         *,
         parameters: int,
         rms: float,
@@ -76,9 +102,11 @@ class Candidate(Value):
         left_out: float,
         left_out_error: float,
     ) -> None:
+        models = reservoir_model(reservoir), direction_model(direction)
+        self._keep(reservoir_model=models[0], direction_model=models[1])
         self._set(
-            reservoir=reservoir,
-            direction=direction,
+            reservoir=name_of(models[0]),
+            direction=name_of(models[1]),
             parameters=_arrays.count(parameters, "parameters"),
             rms=_arrays.non_negative(rms, "rms"),
             bic=float(bic),
@@ -120,7 +148,10 @@ class Comparison(Value):
 
 
 def compare_models(
-    data: Measured, pairs: Iterable[tuple[ReservoirName, DirectionName]] = PAIRS
+    data: Measured,
+    pairs: Iterable[tuple[ReservoirName, DirectionName]] | None = None,
+    *,
+    loss: str = "linear",
 ) -> Comparison:
     """Fit several pairs of models of C and D to the same data.
 
@@ -132,7 +163,9 @@ def compare_models(
 
     Args:
         data: as for `fit_law`, with at least two turns.
-        pairs: models of C and D.
+        pairs: models of C and D; by default `PAIRS`, and `ODD_PAIRS` where even harmonics of the
+            forces are significant.
+        loss: of the fits that are compared; with a robust one, gross outliers are left out.
 
     Raises:
         FitError: with less than two turns.
@@ -148,15 +181,20 @@ def compare_models(
     >>> best.reservoir, best.direction
     ('ellipse', 'circle')
     """
-    samples = samples_of(data)
+    given = samples_of(data)
+    samples = given if Loss(loss).is_linear else without_outliers(given)
     if samples.turns < 2:
         raise FitError(
             "data: one turn cannot be left out: models are compared over 2 turns or more"
         )
+    sums = grouped(samples, min(samples.turns, MOST_GROUPS))
+    if pairs is None:
+        means = means_of(sums)
+        odd = means is not None and asymmetry(*means).matters
+        pairs = (*PAIRS, *ODD_PAIRS) if odd else PAIRS
     families = [Family(reservoir_model(c), direction_model(d), joint=True) for c, d in pairs]
     if not families:
         raise FitError("pairs: no models to compare")
-    sums = grouped(samples, min(samples.turns, _MOST_GROUPS))
     # What varies within a bin is the same for all models.
     bins = sums.bins(width=_WIDTH)
     check_coverage(bins)
@@ -168,7 +206,7 @@ def compare_models(
     kappa = _inflation(families[at], sums, fits[at].p, squares[at] / components)
     effective = components / kappa
     # What an error of the calibration may be is not for a model to follow.
-    distortion = Distortion(samples, data)
+    distortion = Distortion(given, data, loss=loss)
     variance = kappa * squares[at] / components
     explained = [
         distortion.explained(family, fit.p, variance)
@@ -185,8 +223,8 @@ def compare_models(
     return Comparison(
         [
             Candidate(
-                name_of(family.reservoir),
-                name_of(family.direction),
+                family.reservoir,
+                family.direction,
                 parameters=family.size,
                 rms=math.sqrt(squares[row] / components),
                 bic=bic[row] - bic.min(),

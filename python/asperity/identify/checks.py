@@ -1,0 +1,65 @@
+"""What a fit cannot tell or hold: bounds, directions without forces, forces of no such sets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from asperity._arrays import Array
+from asperity.identify.coordinates import Coordinate
+
+if TYPE_CHECKING:
+    from asperity.identify.fit import Fit
+
+_AT_BOUND = 1e-6
+# Between forces farther apart than this, the shape of C is a guess of its model.
+_WIDEST_GAP = np.deg2rad(30.0)
+
+
+def at_bounds(p: Array, coordinates: Sequence[Coordinate]) -> Array:
+    """Return which coordinates ended at a bound."""
+    low, high = np.array([(c.low, c.high) for c in coordinates]).reshape(-1, 2).T
+    bound: Array = (p <= low + _AT_BOUND) | (p >= high - _AT_BOUND)
+    return bound
+
+
+def gaps(force: Array) -> list[tuple[float, float]]:
+    """Return the arcs of the force's direction, in rad, that hold none of the mean forces but one.
+
+    A mean over a jump of the force lies anywhere.
+    """
+    theta = np.sort(np.arctan2(force[:, 1], force[:, 0]))
+    ends = np.append(theta, theta[:2] + 2.0 * np.pi)[2:]
+    return [(float(a), float(b)) for a, b in zip(theta, ends, strict=True) if b - a > _WIDEST_GAP]
+
+
+def warnings_of(fit: Fit) -> tuple[str, ...]:
+    """Return sentences on what the data cannot tell or the models cannot hold."""
+    sentences = []
+    for (name, estimate), stuck in zip(fit.parameters.items(), fit.at_bounds, strict=False):
+        if stuck:
+            sentences.append(
+                f"{name} is not identifiable: it ended at its bound {estimate.value:.4g}"
+            )
+    if fit.gaps:
+        arcs = ", ".join(f"{a:.0f}°…{b:.0f}°" for a, b in np.rad2deg(fit.gaps))
+        sentences.append(f"C is not identifiable: hardly any force has a direction θ within {arcs}")
+    defects = fit.defects
+    if "closure" in defects and defects["closure"].matters:
+        sentences.append(
+            f"no direction set belongs to these forces: closure {defects['closure'].size:.3g} "
+            "instead of 1"
+        )
+    if "asymmetry" in defects and defects["asymmetry"].matters:
+        sentences.append(
+            f"the forces are not symmetric: even harmonics are {defects['asymmetry'].size:.1%} of "
+            "them, which only odd Fourier models hold"
+        )
+    if "lack of fit" in defects and defects["lack of fit"].matters:
+        sentences.append(
+            f"the model does not fit: it misses the mean forces by "
+            f"{defects['lack of fit'].size:.1%}, more than turns scatter; bands do not hold this"
+        )
+    return tuple(sentences)
