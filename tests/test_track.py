@@ -186,6 +186,19 @@ def test_a_mark_at_the_border_has_no_position():
     assert np.isnan(track.pixel[3:]).all()
 
 
+@pytest.mark.parametrize("radius", [80, 120, 200])
+@pytest.mark.parametrize("place", ["corner", "edge", "middle"])
+def test_a_large_mark_is_whole_wherever_it_is(radius, place):
+    near = radius + 3.0
+    centre = {"corner": (near, near), "edge": (near, 240.0), "middle": (320.0, 240.0)}[place]
+    column, row = np.meshgrid(np.arange(640.0), np.arange(480.0))
+    depth = radius + 0.5 - np.hypot(column - centre[0], row - centre[1])
+    frame = 128.0 + np.clip(depth, 0.0, 1.0)[..., None] * (np.array(PAINT["red"]) - 128.0)
+    track = followed([np.rint(frame).astype(np.uint8)] * 2)
+    assert track.summary() == "2 good"
+    assert track.pixel[1] == pytest.approx(centre, abs=0.05)
+
+
 def test_the_mark_is_followed_past_another_one():
     frames = [
         painted(

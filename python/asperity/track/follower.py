@@ -11,7 +11,7 @@ from asperity.errors import ParameterError
 from asperity.track.circle import Circle, fit_circle
 from asperity.track.frames import Frame
 from asperity.track.scene import Scene
-from asperity.track.segmentation import Mark, Outline, outline, search
+from asperity.track.segmentation import Candidates, Mark, Outline, outline, search
 from asperity.track.sight import Sight, Sighting
 
 # The region of interest in radii of the mark, and how often it may be widened.
@@ -38,6 +38,7 @@ class Follower:
         self._place: Array | None = None
         self._step = np.zeros(2)
         self._radius = 0.0
+        self._background: float | None = None
 
     def look(self, frame: Frame) -> Sighting:
         """Return what the next frame shows."""
@@ -53,12 +54,20 @@ class Follower:
     def _search(self, frame: Frame) -> Sighting:
         whole = frame.crop(slice(None), slice(None))
         for step in _STEPS:
-            box = search(whole, self.mark, self._area(frame), step)
-            if box is not None:
+            found = search(whole, self.mark, step)
+            self._background = found.background
+            if len(found.boxes):
+                box = found.boxes[self._chosen(found, frame)]
                 middle = 0.5 * (box[:2] + box[2:])[::-1]
                 reach = 0.6 * float(np.max(box[2:] - box[:2])) + _BORDER
                 return self._measure(frame, middle, reach)
         return Sighting.none(Sight.LOST)
+
+    def _chosen(self, found: Candidates, frame: Frame) -> int:
+        area = self._area(frame)
+        if area is None:
+            return int(found.areas.argmax())
+        return int(np.abs(np.log(found.areas / area)).argmin())
 
     def _area(self, frame: Frame) -> float | None:
         """Return the expected area in square pixels, if it is known."""
@@ -79,10 +88,11 @@ class Follower:
             if right - left < 3 or bottom - top < 3:
                 return Sighting.none(Sight.LOST)
             part = frame.crop(slice(top, bottom), slice(left, right))
-            seen = outline(part, self.mark, self._area(frame))
+            seen = outline(part, self.mark, self._area(frame), self._background)
             if seen is None:
                 return Sighting.none(Sight.LOST)
             if not seen.cut:
+                self._background = seen.background
                 return self._sighting(seen, np.array([left, top]))
             corners = seen.hull + np.array([left, top])
             if (corners < 1.0).any() or (corners > [columns - 2.0, rows - 2.0]).any():
