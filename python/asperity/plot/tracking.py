@@ -20,6 +20,7 @@ _SEEN = {
     Sight.GOOD: ("#00E5FF", "good"),
     Sight.BLURRED: ("#FFD400", "blurred"),
     Sight.REFLECTION: ("#FF7AF2", "reflection"),
+    Sight.AMBIGUOUS: ("#FF3B30", "ambiguous"),
 }
 
 
@@ -70,10 +71,12 @@ def plot_track(
     known = ~np.isnan(track.pixel[:, 0])
     reflection = track.status & int(Sight.REFLECTION) > 0
     blurred = (track.status & int(Sight.BLURRED) > 0) & ~reflection
+    ambiguous = track.status & int(Sight.AMBIGUOUS) > 0
     groups = {
-        Sight.GOOD: ~reflection & ~blurred,
-        Sight.BLURRED: blurred,
-        Sight.REFLECTION: reflection,
+        Sight.GOOD: ~reflection & ~blurred & ~ambiguous,
+        Sight.BLURRED: blurred & ~ambiguous,
+        Sight.REFLECTION: reflection & ~ambiguous,
+        Sight.AMBIGUOUS: ambiguous,
     }
     for sight, group in groups.items():
         shown = group & known & chosen

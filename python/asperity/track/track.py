@@ -139,7 +139,8 @@ def track_mark(
 ) -> Track:
     """Follow a round mark through the frames.
 
-    In a region around the expected place, and in the whole frame where it is not there: Gaussian
+    In a region around the expected place, and where it is not there as far from its last way as
+    friction and a push may have moved it: Gaussian
     filter, regions of the mark's colour, edge between pixels, convex hull, least-squares circle in
     the plane of the mark. The circle is fitted in the plane, since the image of its centre is not
     the centre of its image under perspective.
@@ -173,7 +174,7 @@ def track_mark(
     if not isinstance(scene, Scene):
         raise ParameterError("scene", f"must be a Scene, got {scene!r}")
     source = open_frames(frames)
-    follower = Follower(scene, mark or Mark())
+    follower = Follower(scene, mark or Mark(), fps)
     sightings = []
     for number, frame in enumerate(source):
         sightings.append(follower.look(frame))
