@@ -179,6 +179,23 @@ def test_a_film_that_loses_the_mark_exits_with_1(folder, tmp_path, capsys):
     assert "frames 12-19" in told
 
 
+def test_a_film_that_ends_in_motion_exits_with_1(folder, tmp_path, capsys):
+    film = tmp_path / "film"
+    film.mkdir()
+    for number, image in enumerate(sorted(folder.glob("*.png"))[:15]):
+        shutil.copy(image, film / f"{number}.png")
+    config = tmp_path / "track.toml"
+    config.write_text("start = 0.004\nstop = 0.05\n" + (folder / "track.toml").read_text())
+    arguments = ["track", str(film), "--config", str(config), "--out", str(tmp_path / "out")]
+    assert cli.main(arguments) == 1
+    told = capsys.readouterr().out
+    assert "does not come to rest in view" in told
+    assert re.search(r"motion +0.0040 to 0.0500 s", told)
+    config.write_text("bandwidth = 1e300\n" + (folder / "track.toml").read_text())
+    assert cli.main(arguments) == 2
+    assert "track.toml: bandwidth: must be between" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -15,7 +15,7 @@ from asperity.errors import ParameterError
 from asperity.track.scene import Scene
 from asperity.track.segmentation import Mark
 
-_TOP = {"fps", "bandwidth", "mark", "scene"}
+_TOP = {"fps", "bandwidth", "start", "stop", "mark", "scene"}
 _MARK = {"colour", "diameter", "threshold", "smoothing", "blur_limit"}
 _POINTS = {"pixels", "plane"}
 _SCALE = {"metres_per_pixel", "origin", "angle"}
@@ -32,6 +32,8 @@ class TrackConfig:
         scene: from pixels to the plane.
         mark: what to look for.
         bandwidth: of velocity and acceleration in s, `None` for the default.
+        start: time of the first frame in which the body moves in s, `None` for the default.
+        stop: time of the last one in s.
         mismatch: of the scene's points in pixels, root mean square; 0 without points.
     """
 
@@ -39,6 +41,8 @@ class TrackConfig:
     scene: Scene
     mark: Mark
     bandwidth: float | None = None
+    start: float | None = None
+    stop: float | None = None
     mismatch: float = 0.0
 
 
@@ -48,7 +52,7 @@ def read_config(path: str | os.PathLike[str]) -> TrackConfig:
     .. code:: toml
 
         fps = 500.0
-        bandwidth = 0.03            # optional
+        bandwidth = 0.03            # optional, like the times start and stop of the motion
         [mark]
         colour = "red"
         diameter = 0.010            # optional, like threshold, smoothing, blur_limit
@@ -81,12 +85,18 @@ def read_config(path: str | os.PathLike[str]) -> TrackConfig:
     try:
         view, mismatch = _scene(scene, f"{name} [scene]")
         bandwidth = contents.get("bandwidth")
+        times = {
+            key: _arrays.non_negative(contents[key], key)
+            for key in ("start", "stop")
+            if key in contents
+        }
         return TrackConfig(
             fps=_arrays.positive(contents["fps"], "fps"),
             scene=view,
             mark=Mark(**mark),
             bandwidth=None if bandwidth is None else _arrays.positive(bandwidth, "bandwidth"),
             mismatch=mismatch,
+            **times,
         )
     except ParameterError as error:
         if error.argument.startswith(name):

@@ -105,14 +105,27 @@ class Track(Value):
         told = (f"{count} {name.lower()}" for name, count in troubles if count)
         return ", ".join([f"{good} good", *told])
 
-    def path(self, bandwidth: float | None = None) -> MeasuredPath:
+    def path(
+        self,
+        bandwidth: float | None = None,
+        *,
+        start: float | None = None,
+        stop: float | None = None,
+    ) -> MeasuredPath:
         """Return the path with velocity and acceleration.
 
         Args:
             bandwidth: half width of the window of their local cubics in s; default a tenth of the
-                time in which the mark was seen.
+                time in which the body moves.
+            start: time of the first frame in which it moves in s; default what the frames show.
+            stop: time of the last one in s.
         """
-        return MeasuredPath(self.time, self.position, self.position_error, bandwidth=bandwidth)
+        found = MeasuredPath(self.time, self.position, self.position_error)
+        if start is not None or stop is not None:
+            first, last = found.section
+            section = (first if start is None else start, last if stop is None else stop)
+            found = MeasuredPath(self.time, self.position, self.position_error, section=section)
+        return found if bandwidth is None else found.replace(bandwidth=bandwidth)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a table with one row per frame; the status is in words, `+` between several."""
