@@ -179,6 +179,32 @@ def test_a_film_that_loses_the_mark_exits_with_1(folder, tmp_path, capsys):
     assert "frames 12-19" in told
 
 
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("file", "must name a folder"), ("file/out", "must name a folder"), ("out", "report.html")],
+)
+def test_folders_to_write_into_are_checked_first(name, message, folder, tmp_path, capsys):
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "out" / "report.html").mkdir(parents=True)
+    arguments = ["track", str(folder), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / name)]) == 2
+    told = capsys.readouterr().err.strip()
+    assert re.fullmatch(f"asperity: --out: .*{message}.*", told)
+    assert (tmp_path / "file").read_text() == "mine"
+    assert [one.name for one in (tmp_path / "out").iterdir()] == ["report.html"]
+
+
+def test_half_a_result_is_none(folder, tmp_path, capsys, monkeypatch):
+    def fails(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("asperity.track_video._report", fails)
+    arguments = ["track", str(folder), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert "No space left" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_film_that_ends_in_motion_exits_with_1(folder, tmp_path, capsys):
     film = tmp_path / "film"
     film.mkdir()

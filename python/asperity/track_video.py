@@ -5,8 +5,10 @@ from __future__ import annotations
 import base64
 import html
 import io
+import os
+import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +16,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._files import atomic
 from asperity.errors import ParameterError
 from asperity.track import MeasuredPath, Sight, Track, TrackConfig, read_config, track_mark
 from asperity.track.frames import Frame, Frames, Pixels, open_frames
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 _LOST_AT_MOST = 0.1
 _LISTED = 20
+_FILES = ("path.csv", "frames.csv", "overlay.png", "motion.png", "report.html")
 
 
 @dataclass(frozen=True)
@@ -101,8 +103,9 @@ def run(video: Path, config: Path, out: Path) -> Result:
     """Track a recording and write tables, figures and report, after everything has succeeded.
 
     Raises:
-        ParameterError: naming the file and what is wrong with it.
+        ParameterError: naming the file or argument and what is wrong with it.
     """
+    _check_out(out)
     settings = read_config(config)
     frames = _Watched(open_frames(video))
     with _bar(len(frames)) as move:
@@ -119,17 +122,40 @@ def run(video: Path, config: Path, out: Path) -> Result:
         raise ParameterError(str(video), f"is too short a recording: {error}") from None
     result = Result(str(video), settings, track, path, frames.last)
     overlay, motion = _overlay(result), _motion(path)
-    out.mkdir(parents=True, exist_ok=True)
-    path.to_csv(out / "path.csv")
-    track.to_csv(out / "frames.csv")
-    for name, contents in {
-        "overlay.png": overlay,
-        "motion.png": motion,
-        "report.html": _report(result, overlay, motion).encode(),
-    }.items():
-        with atomic(out / name) as file:
-            file.write(contents)
+    with _folder(out) as folder:
+        path.to_csv(folder / "path.csv")
+        track.to_csv(folder / "frames.csv")
+        (folder / "overlay.png").write_bytes(overlay)
+        (folder / "motion.png").write_bytes(motion)
+        (folder / "report.html").write_text(_report(result, overlay, motion), encoding="utf-8")
     return result
+
+
+def _check_out(out: Path) -> None:
+    """Find out before the frames are tracked whether the results can be written."""
+    base = _existing(out)
+    if not base.is_dir():
+        raise ParameterError("--out", f"must name a folder, {base} is a file")
+    if not os.access(base, os.W_OK | os.X_OK):
+        raise ParameterError("--out", f"must be a folder to write into, {base} does not allow it")
+    for name in _FILES:
+        if (out / name).is_dir():
+            raise ParameterError("--out", f"must hold no folder of the name {name}: remove it")
+
+
+def _existing(out: Path) -> Path:
+    """Return the folder, or the nearest one above that there is."""
+    return next(one for one in (out, *out.absolute().parents) if one.exists())
+
+
+@contextmanager
+def _folder(out: Path) -> Iterator[Path]:
+    """Yield a temporary folder, whose files are moved to `out` when all are complete."""
+    with tempfile.TemporaryDirectory(prefix=".asperity-", dir=_existing(out)) as name:
+        yield Path(name)
+        out.mkdir(parents=True, exist_ok=True)
+        for file in _FILES:
+            os.replace(Path(name) / file, out / file)
 
 
 class _Watched:
