@@ -287,7 +287,9 @@ def test_frames_of_two_sizes_are_refused():
         ({"colour": "pink"}, "colour"),
         ({"diameter": 0.0}, "diameter"),
         ({"threshold": -1.0}, "threshold"),
+        ({"threshold": 300.0}, "threshold: must be at most"),
         ({"smoothing": -1.0}, "smoothing"),
+        ({"smoothing": 1e6}, "smoothing: must be at most"),
         ({"blur_limit": 0.0}, "blur_limit"),
     ],
 )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
+from asperity.errors import ParameterError
 from asperity.track.frames import Pixels
 
 Colour = Literal["red", "green", "blue", "yellow", "magenta", "cyan", "white", "black"]
@@ -34,6 +35,8 @@ _HULL_DEPTH = 1.0
 _FULL = 75.0
 # The width of the most blurred edges, as a percentile of all.
 _WIDEST = 90.0
+# Beyond these no mark is found, or the filter is wider than the mark and takes for ever.
+_STRONGEST, _SMOOTHEST = 254.0, 50.0
 
 
 class Mark(Value):
@@ -46,8 +49,8 @@ class Mark(Value):
         diameter: in m; ``None`` takes the mark as it is in the first frame. A diameter that is
             seen 10 % off is an error: it reveals a wrong scale.
         threshold: strength above that of the background from which a pixel may be of the mark;
-            black to white is 255.
-        smoothing: standard deviation of the Gaussian filter in pixels.
+            at most 254; black to white is 255.
+        smoothing: standard deviation of the Gaussian filter in pixels, at most 50.
         blur_limit: edge width, as a share of the mark's diameter, from which a frame is marked as
             blurred.
 
@@ -73,8 +76,10 @@ class Mark(Value):
         self._set(
             colour=_arrays.choice(colour, "colour", list(_COLOURS)),
             diameter=None if diameter is None else _arrays.positive(diameter, "diameter"),
-            threshold=_arrays.positive(threshold, "threshold"),
-            smoothing=_arrays.non_negative(smoothing, "smoothing"),
+            threshold=_at_most(_STRONGEST, _arrays.positive(threshold, "threshold"), "threshold"),
+            smoothing=_at_most(
+                _SMOOTHEST, _arrays.non_negative(smoothing, "smoothing"), "smoothing"
+            ),
             blur_limit=_arrays.positive(blur_limit, "blur_limit"),
         )
 
@@ -90,6 +95,12 @@ class Mark(Value):
             [channels[i] for i in present]
         ) - np.maximum.reduce([channels[i] for i in absent])
         return strength
+
+
+def _at_most(limit: float, value: float, argument: str) -> float:
+    if value > limit:
+        raise ParameterError(argument, f"must be at most {limit:g}, got {value:g}")
+    return value
 
 
 def _mean(channels: NDArray[np.float32]) -> NDArray[np.float32]:
