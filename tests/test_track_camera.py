@@ -264,6 +264,33 @@ def test_binary_configurations_and_missing_ones(tmp_path, capsys, folder):
         assert path.name in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("contents", "message"),
+    [(b"", "slow.mp4: is empty"), (b"hello\nworld", "slow.mp4: is no video .* text")],
+)
+def test_files_that_are_no_video_need_no_pyav(
+    contents, message, tmp_path, folder, capsys, monkeypatch
+):
+    monkeypatch.setitem(__import__("sys").modules, "av", None)
+    (tmp_path / "slow.mp4").write_bytes(contents)
+    arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert re.search(message, capsys.readouterr().err)
+
+
+def test_configurations_that_cannot_be_read_say_what_to_do(tmp_path):
+    for path, message in (
+        (tmp_path, "is a folder"),
+        (tmp_path / "none.toml", "is missing"),
+        (tmp_path / "wide.toml", "save it as UTF-8"),
+        (tmp_path / "flag.toml", "flag.toml: fps: must not be true"),
+    ):
+        (tmp_path / "wide.toml").write_bytes(CONFIG.encode("utf-16"))
+        (tmp_path / "flag.toml").write_text(CONFIG.replace("500.0", "true"))
+        with pytest.raises(ParameterError, match=message):
+            read_config(path)
+
+
 def damaged(folder, kind):
     """Return a folder of frames that cannot be tracked."""
     images = sorted(folder.parent.glob("frames/*.png"))[:4]
@@ -342,7 +369,7 @@ def test_videos(tmp_path, folder, capsys):
 
 def test_videos_without_pyav_say_what_to_install(tmp_path, folder, capsys, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "av", None)
-    (tmp_path / "slow.mp4").write_bytes(b"")
+    (tmp_path / "slow.mp4").write_bytes(b"\0\0\0\x18ftypmp42")
     arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
     assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
     assert "pip install 'asperity[video]'" in capsys.readouterr().err

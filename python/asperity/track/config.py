@@ -69,10 +69,7 @@ def read_config(path: str | os.PathLike[str]) -> TrackConfig:
         ParameterError: naming file and key, if one is missing, unknown or not allowed.
     """
     name = Path(path).name
-    try:
-        contents = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterError(os.fspath(path), f"is no TOML file: {error}") from None
+    contents = _contents(Path(path))
     _known(contents, _TOP, name)
     if "fps" not in contents:
         raise ParameterError(
@@ -82,6 +79,8 @@ def read_config(path: str | os.PathLike[str]) -> TrackConfig:
         raise ParameterError(name, "must have [scene]: points (pixels, plane) or metres_per_pixel")
     mark, scene = _table(contents, "mark", name), _table(contents, "scene", name)
     _known(mark, _MARK, f"{name} [mark]")
+    for table in (contents, mark, scene):
+        _no_flags(table, name)
     try:
         view, mismatch = _scene(scene, f"{name} [scene]")
         bandwidth = contents.get("bandwidth")
@@ -102,6 +101,20 @@ def read_config(path: str | os.PathLike[str]) -> TrackConfig:
         if error.argument.startswith(name):
             raise
         raise ParameterError(name, str(error)) from None
+
+
+def _contents(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except UnicodeDecodeError:
+        problem = "is no TOML file: save it as UTF-8"
+    except tomllib.TOMLDecodeError as error:
+        problem = f"is no TOML file: {error}"
+    except IsADirectoryError:
+        problem = "is a folder: name the file in it, such as track.toml"
+    except FileNotFoundError:
+        problem = "is missing: write it, or name another configuration"
+    raise ParameterError(os.fspath(path), problem)
 
 
 def config_text(fps: float, mark: Mark, pixels: Array, plane: Array) -> str:
@@ -145,3 +158,10 @@ def _known(table: Mapping[str, Any], allowed: set[str], where: str) -> None:
         raise ParameterError(
             where, f"holds an unknown key {unknown[0]!r}; known are {', '.join(sorted(allowed))}"
         )
+
+
+def _no_flags(table: Mapping[str, Any], name: str) -> None:
+    """Refuse true and false, which Python counts as 1 and 0."""
+    for key, value in table.items():
+        if isinstance(value, bool):
+            raise ParameterError(name, f"{key}: must not be {str(value).lower()}")
