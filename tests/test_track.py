@@ -163,9 +163,9 @@ def test_blur_is_the_width_of_the_edge(defocus):
     assert bool(track.status[0] & Sight.BLURRED) == (defocus > 3.0)
 
 
-def test_a_lost_mark_is_found_again_elsewhere():
+def test_a_lost_mark_is_found_again_where_it_can_be():
     blank = painted((100, 160))
-    places = [(30.0, 30.0), (34.0, 30.0), None, None, (120.0, 70.0), (124.0, 71.0)]
+    places = [(30.0, 30.0), (34.0, 30.0), None, None, (44.0, 40.0), (48.0, 41.0)]
     frames = [
         blank if place is None else painted((100, 160), (place, 9.0, PAINT["red"]))
         for place in places
@@ -184,6 +184,45 @@ def test_a_mark_at_the_border_has_no_position():
     track = followed(frames)
     assert track.status.tolist() == [0, 0, 0, Sight.CLIPPED, Sight.LOST]
     assert np.isnan(track.pixel[3:]).all()
+
+
+def test_a_covered_mark_is_not_taken_for_another_one():
+    """Another thing of its colour is in view; a gap, then the mark goes on."""
+    frames = []
+    for k in range(24):
+        disks = [((250.0, 40.0), 9.0, PAINT["red"])] if k >= 3 else []
+        if not 8 <= k < 16:
+            disks.append(((30.0 + 3.0 * k, 80.0), 9.0, PAINT["red"]))
+        frames.append(painted((120, 280), *disks))
+    track = followed(frames)
+    assert track.summary() == "16 good, 8 lost"
+    assert track.frames(Sight.LOST).tolist() == list(range(8, 16))
+    assert track.pixel[16:, 0] == pytest.approx(30.0 + 3.0 * np.arange(16, 24), abs=0.05)
+
+
+def test_two_marks_that_may_be_meant_are_ambiguous():
+    twins = [((40.0, 30.0), 9.0, PAINT["red"]), ((90.0, 30.0), 9.0, PAINT["red"])]
+    track = followed([painted((60, 120), *twins)] * 2)
+    assert [Sight(int(one)) for one in track.status] == [Sight.AMBIGUOUS, Sight.GOOD]
+    # Covered for a frame, then both are in reach: the one that is on its way.
+    frames = [painted((60, 120), twins[0])] * 3 + [painted((60, 120))]
+    near = [twins[0], ((68.0, 30.0), 9.0, PAINT["red"])]
+    track = followed([*frames, painted((60, 120), *near)])
+    assert track.pixel[4] == pytest.approx([40.0, 30.0], abs=0.05)
+    assert Sight(int(track.status[4])) == Sight.AMBIGUOUS
+
+
+@pytest.mark.parametrize("radius", [80, 120, 200])
+@pytest.mark.parametrize("place", ["corner", "edge", "middle"])
+def test_a_large_mark_is_whole_wherever_it_is(radius, place):
+    near = radius + 3.0
+    centre = {"corner": (near, near), "edge": (near, 240.0), "middle": (320.0, 240.0)}[place]
+    column, row = np.meshgrid(np.arange(640.0), np.arange(480.0))
+    depth = radius + 0.5 - np.hypot(column - centre[0], row - centre[1])
+    frame = 128.0 + np.clip(depth, 0.0, 1.0)[..., None] * (np.array(PAINT["red"]) - 128.0)
+    track = followed([np.rint(frame).astype(np.uint8)] * 2)
+    assert track.summary() == "2 good"
+    assert track.pixel[1] == pytest.approx(centre, abs=0.05)
 
 
 def test_the_mark_is_followed_past_another_one():
@@ -248,7 +287,9 @@ def test_frames_of_two_sizes_are_refused():
         ({"colour": "pink"}, "colour"),
         ({"diameter": 0.0}, "diameter"),
         ({"threshold": -1.0}, "threshold"),
+        ({"threshold": 300.0}, "threshold: must be at most"),
         ({"smoothing": -1.0}, "smoothing"),
+        ({"smoothing": 1e6}, "smoothing: must be at most"),
         ({"blur_limit": 0.0}, "blur_limit"),
     ],
 )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from asperity import DimensionError, ParameterError
 from asperity.track import MeasuredPath
+from asperity.track.cubics import _cubic
 
 TIME = np.arange(150) / 500.0
 
@@ -84,6 +85,111 @@ def test_a_table_with_units(tmp_path):
     assert path.bandwidth == pytest.approx(0.1 * TIME[-1])
 
 
+def slid(before, after, rate=500.0):
+    """Return times, places and velocities of a slide of 0.3 s between two rests."""
+    t = np.arange(round((before + 0.3 + after) * rate)) / rate
+    s = np.clip(t - before, 0.0, 0.3)
+    speed = np.where((t >= before) & (t < before + 0.3), 1.5 - 5.0 * s, 0.0)
+    return t, np.column_stack([1.5 * s - 2.5 * s**2, 0.3 * (1.5 * s - 2.5 * s**2)]), speed
+
+
+@pytest.mark.parametrize(("before", "after"), [(0.0, 0.02), (0.0, 2.0), (0.5, 2.0)])
+def test_rests_before_and_after_change_neither_bandwidth_nor_velocity(before, after):
+    rng = np.random.default_rng(5)
+    t, place, speed = slid(before, after)
+    noisy = place + 2e-5 * rng.standard_normal(place.shape)
+    path = MeasuredPath(t, noisy, np.full_like(place, 2e-5))
+    assert path.bandwidth == pytest.approx(0.03, rel=0.05)
+    assert path.section == pytest.approx((before, before + 0.3), abs=0.012)
+    moving = (t > path.section[0]) & (t < path.section[1])
+    score = (path.velocity[moving, 0] - speed[moving]) / path.velocity_error[moving, 0]
+    assert np.abs(score).max() < 5.0
+    velocity0 = path.start[1]
+    assert path.time[path.onset] == pytest.approx(before, abs=0.004)
+    assert velocity0[0] == pytest.approx(1.5, abs=5.0 * path.velocity_error[path.onset, 0] + 0.01)
+    assert path.end == pytest.approx([0.225, 0.0675], abs=3e-5)
+
+
+def test_errors_hold_up_to_the_stop():
+    score = {"velocity": [], "acceleration": []}
+    for seed in range(60):
+        t, place, speed = slid(0.0, 0.02)
+        noisy = place + 2e-5 * np.random.default_rng(seed).standard_normal(place.shape)
+        path = MeasuredPath(t, noisy, np.full_like(place, 2e-5))
+        near = (t > 0.27) & (t < 0.295)
+        truth = {"velocity": speed[near], "acceleration": np.full(near.sum(), -5.0)}
+        for name, values in score.items():
+            off = getattr(path, name)[near, 0] - truth[name]
+            values.append(np.abs(off / getattr(path, f"{name}_error")[near, 0]) < 1.96)
+    assert np.nanmean(score["velocity"]) > 0.85
+    assert np.nanmean(score["acceleration"]) > 0.8
+
+
+def test_a_section_may_be_stated():
+    t, place, _ = slid(0.5, 0.5)
+    path = MeasuredPath(t, place, np.full_like(place, 2e-5), section=(0.55, 0.7))
+    assert path.section == (0.55, 0.7)
+    assert path.bandwidth == pytest.approx(0.015)
+    assert path.start[1][0] == pytest.approx(1.25)
+    assert path.replace(bandwidth=0.02).section == path.section
+
+
+def test_windows_that_do_not_fit_are_told():
+    rng = np.random.default_rng(6)
+    t, place, _ = slid(0.0, 0.0)
+    place = place + np.where(t > 0.1, 0.5 * (t - 0.1), 0.0)[:, None]
+    path = MeasuredPath(
+        t, place + 2e-5 * rng.standard_normal(place.shape), np.full_like(place, 2e-5)
+    )
+    assert path.misfit[np.abs(t - 0.1) < 0.01].all()
+    assert path.misfit[np.abs(t - 0.1) > 0.04].mean() < 0.05
+
+
+def test_a_body_that_leaves_the_view_has_no_end_point():
+    t = np.arange(60) / 500.0
+    place = np.column_stack([1.5 * t, 0.0 * t])
+    path = MeasuredPath(t, place, np.full_like(place, 1e-5))
+    assert not path.comes_to_rest
+    with pytest.raises(ParameterError, match="does not come to rest in view"):
+        assert path.end is None
+
+
+def test_a_last_frame_that_is_off_is_not_the_end():
+    t, place, _ = slid(0.0, 0.05)
+    place = place + 2e-5 * np.random.default_rng(7).standard_normal(place.shape)
+    place[-1] += 5e-3
+    path = MeasuredPath(t, place, np.full_like(place, 2e-5))
+    assert path.end == pytest.approx([0.225, 0.0675], abs=3e-5)
+
+
+def test_no_velocity_at_the_onset_is_an_error():
+    t, place, _ = slid(0.0, 0.05)
+    place[1:60] = np.nan
+    path = MeasuredPath(t, place, np.full_like(place, 2e-5))
+    with pytest.raises(ParameterError, match="no velocity is known"):
+        assert path.start is None
+
+
+@pytest.mark.parametrize("bandwidth", [1e-30, 0.002, 0.0035, 1e300, np.inf])
+def test_bandwidths_are_between_frames_and_duration(bandwidth):
+    place = decelerated(TIME)[0]
+    with pytest.raises(ParameterError, match="bandwidth"):
+        MeasuredPath(TIME, place, np.full_like(place, 1e-5), bandwidth=bandwidth)
+
+
+def test_windows_are_exact_however_long():
+    """The closed form of the degrees of freedom against the matrix itself."""
+    rng = np.random.default_rng(8)
+    offset = np.sort(rng.uniform(-1.0, 1.0, 40))
+    places = rng.standard_normal((40, 2))
+    variance = _cubic(offset, places)[2]
+    weight = 1.0 - offset**2
+    powers = offset[:, None] ** np.arange(4)
+    left = np.eye(40) - powers @ np.linalg.pinv(powers * weight[:, None]) @ np.diag(weight)
+    trace = np.trace(np.diag(weight**2) @ left @ left.T)
+    assert variance == pytest.approx(weight**2 @ (left @ places) ** 2 / trace)
+
+
 @pytest.mark.parametrize(
     ("changes", "error", "message"),
     [
@@ -93,6 +199,7 @@ def test_a_table_with_units(tmp_path):
         ({"position": np.full((150, 2), np.inf)}, ParameterError, "position: .*finite"),
         ({"position_error": np.zeros(150)}, DimensionError, "position_error"),
         ({"bandwidth": 0.0}, ParameterError, "bandwidth"),
+        ({"section": (0.2, 0.1)}, ParameterError, "section: must ascend"),
     ],
 )
 def test_bad_arguments_are_named(changes, error, message):

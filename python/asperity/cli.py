@@ -106,7 +106,7 @@ def _add_track(commands: Any) -> None:
         description="Track a round mark in a video or a folder of images; write path.csv, "
         "frames.csv, overlay.png, motion.png and report.html. The configuration states fps (of the "
         "recording, not of the playback), [mark] and [scene]. Exit code 1 if no position is known "
-        "for more than a tenth of the frames.",
+        "for more than a tenth of the frames, or the body does not come to rest in view.",
         epilog="example: asperity track frames/ --config track.toml --out out/track",
     )
     track.add_argument("video", metavar="VIDEO", type=Path, help="video file or folder of images")

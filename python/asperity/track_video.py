@@ -5,8 +5,10 @@ from __future__ import annotations
 import base64
 import html
 import io
+import os
+import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +16,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._files import atomic
 from asperity.errors import ParameterError
 from asperity.track import MeasuredPath, Sight, Track, TrackConfig, read_config, track_mark
 from asperity.track.frames import Frame, Frames, Pixels, open_frames
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 _LOST_AT_MOST = 0.1
 _LISTED = 20
+_FILES = ("path.csv", "frames.csv", "overlay.png", "motion.png", "report.html")
 
 
 @dataclass(frozen=True)
@@ -46,32 +48,32 @@ class Result:
 
     @property
     def complete(self) -> bool:
-        """Whether the position is known in nine frames of ten."""
-        return bool(np.mean(~self.path.seen) <= _LOST_AT_MOST)
+        """Whether the position is known in nine frames of ten, and the body rests in the end."""
+        known = bool(np.mean(~self.path.seen) <= _LOST_AT_MOST)
+        return known and self.path.comes_to_rest
 
     def rows(self) -> list[tuple[str, str]]:
         """Return what there is to say, as pairs of name and text."""
         track, path = self.track, self.path
-        (x0, v0), end = path.start, path.end
-        first = int(np.flatnonzero(path.seen)[0])
+        first = path.onset
+        x0 = path.position[first]
         error = np.nanmedian(track.position_error, axis=0)
         rows = [
             ("recording", f"{self.source}, {len(track)} frames at {track.fps:g} 1/s (stated)"),
             ("frames", track.summary()),
             ("diameter of the mark", f"{1e3 * np.nanmedian(track.diameter):.4g} mm"),
             ("standard error of a centre", f"{1e6 * error[0]:.2g}, {1e6 * error[1]:.2g} µm"),
-            ("first position", f"{1e3 * x0[0]:.3f}, {1e3 * x0[1]:.3f} mm"),
-            ("end point", f"{1e3 * end[0]:.3f}, {1e3 * end[1]:.3f} mm"),
-            (
-                "first velocity",
-                f"{v0[0]:.4f} ± {2.0 * path.velocity_error[first, 0]:.4f}, "
-                f"{v0[1]:.4f} ± {2.0 * path.velocity_error[first, 1]:.4f} m/s "
-                "(2 standard errors)",
-            ),
+            ("motion", f"{path.section[0]:.4f} to {path.section[1]:.4f} s"),
+            ("position at its onset", f"{1e3 * x0[0]:.3f}, {1e3 * x0[1]:.3f} mm"),
+            ("velocity at its onset", _first_velocity(path)),
+            ("end point", _end_point(path)),
             ("bandwidth", f"± {1e3 * path.bandwidth:.3g} ms, local cubics"),
         ]
         if self.config.mismatch:
             rows.append(("points of the scene", f"{self.config.mismatch:.2g} pixels off (rms)"))
+        if path.misfit.any():
+            numbers = np.flatnonzero(path.misfit).astype(np.int64)
+            rows.append(("smoothed over", f"frames {_spans(numbers)}: the bandwidth is too wide"))
         for sight in Sight:
             numbers = track.frames(sight)
             if len(numbers):
@@ -84,12 +86,26 @@ class Result:
         return "\n".join(f"{name:<{width}}  {value}" for name, value in self.rows())
 
 
+def _first_velocity(path: MeasuredPath) -> str:
+    v0, error = path.velocity[path.onset], 2.0 * path.velocity_error[path.onset]
+    if np.isnan(v0).any():
+        return "not known: too few frames with the mark are near"
+    return f"{v0[0]:.4f} ± {error[0]:.4f}, {v0[1]:.4f} ± {error[1]:.4f} m/s (2 standard errors)"
+
+
+def _end_point(path: MeasuredPath) -> str:
+    if not path.comes_to_rest:
+        return "none: the body does not come to rest in view"
+    return "{:.3f}, {:.3f} mm".format(*1e3 * path.end)
+
+
 def run(video: Path, config: Path, out: Path) -> Result:
     """Track a recording and write tables, figures and report, after everything has succeeded.
 
     Raises:
-        ParameterError: naming the file and what is wrong with it.
+        ParameterError: naming the file or argument and what is wrong with it.
     """
+    _check_out(out)
     settings = read_config(config)
     frames = _Watched(open_frames(video))
     with _bar(len(frames)) as move:
@@ -97,22 +113,49 @@ def run(video: Path, config: Path, out: Path) -> Result:
             frames, fps=settings.fps, scene=settings.scene, mark=settings.mark, progress=move
         )
     try:
-        path = track.path(settings.bandwidth)
+        path = track.path(settings.bandwidth, start=settings.start, stop=settings.stop)
     except ParameterError as error:
+        if error.argument in ("bandwidth", "section"):
+            key = "bandwidth" if error.argument == "bandwidth" else "start, stop"
+            told = str(error).removeprefix(f"{error.argument}: ")
+            raise ParameterError(config.name, f"{key}: {told}") from None
         raise ParameterError(str(video), f"is too short a recording: {error}") from None
     result = Result(str(video), settings, track, path, frames.last)
     overlay, motion = _overlay(result), _motion(path)
-    out.mkdir(parents=True, exist_ok=True)
-    path.to_csv(out / "path.csv")
-    track.to_csv(out / "frames.csv")
-    for name, contents in {
-        "overlay.png": overlay,
-        "motion.png": motion,
-        "report.html": _report(result, overlay, motion).encode(),
-    }.items():
-        with atomic(out / name) as file:
-            file.write(contents)
+    with _folder(out) as folder:
+        path.to_csv(folder / "path.csv")
+        track.to_csv(folder / "frames.csv")
+        (folder / "overlay.png").write_bytes(overlay)
+        (folder / "motion.png").write_bytes(motion)
+        (folder / "report.html").write_text(_report(result, overlay, motion), encoding="utf-8")
     return result
+
+
+def _check_out(out: Path) -> None:
+    """Find out before the frames are tracked whether the results can be written."""
+    base = _existing(out)
+    if not base.is_dir():
+        raise ParameterError("--out", f"must name a folder, {base} is a file")
+    if not os.access(base, os.W_OK | os.X_OK):
+        raise ParameterError("--out", f"must be a folder to write into, {base} does not allow it")
+    for name in _FILES:
+        if (out / name).is_dir():
+            raise ParameterError("--out", f"must hold no folder of the name {name}: remove it")
+
+
+def _existing(out: Path) -> Path:
+    """Return the folder, or the nearest one above that there is."""
+    return next(one for one in (out, *out.absolute().parents) if one.exists())
+
+
+@contextmanager
+def _folder(out: Path) -> Iterator[Path]:
+    """Yield a temporary folder, whose files are moved to `out` when all are complete."""
+    with tempfile.TemporaryDirectory(prefix=".asperity-", dir=_existing(out)) as name:
+        yield Path(name)
+        out.mkdir(parents=True, exist_ok=True)
+        for file in _FILES:
+            os.replace(Path(name) / file, out / file)
 
 
 class _Watched:

@@ -20,6 +20,7 @@ _SEEN = {
     Sight.GOOD: ("#00E5FF", "good"),
     Sight.BLURRED: ("#FFD400", "blurred"),
     Sight.REFLECTION: ("#FF7AF2", "reflection"),
+    Sight.AMBIGUOUS: ("#FF3B30", "ambiguous"),
 }
 
 
@@ -70,10 +71,12 @@ def plot_track(
     known = ~np.isnan(track.pixel[:, 0])
     reflection = track.status & int(Sight.REFLECTION) > 0
     blurred = (track.status & int(Sight.BLURRED) > 0) & ~reflection
+    ambiguous = track.status & int(Sight.AMBIGUOUS) > 0
     groups = {
-        Sight.GOOD: ~reflection & ~blurred,
-        Sight.BLURRED: blurred,
-        Sight.REFLECTION: reflection,
+        Sight.GOOD: ~reflection & ~blurred & ~ambiguous,
+        Sight.BLURRED: blurred & ~ambiguous,
+        Sight.REFLECTION: reflection & ~ambiguous,
+        Sight.AMBIGUOUS: ambiguous,
     }
     for sight, group in groups.items():
         shown = group & known & chosen
@@ -99,7 +102,8 @@ def plot_motion(path: MeasuredPath, figure: Figure | None = None) -> list[Artist
         figure: default a new one.
 
     Returns:
-        The path and its end, then curve and band of speed and of both accelerations.
+        The path and its end, hollow without rest, then curve and band of speed and of both
+        accelerations.
 
     >>> import matplotlib
     >>> matplotlib.use("Agg")
@@ -124,7 +128,9 @@ def plot_motion(path: MeasuredPath, figure: Figure | None = None) -> list[Artist
         speeds = figure.add_subplot(grid[0, 1])
         accelerations = figure.add_subplot(grid[1, 1], sharex=speeds)
     artists: list[Artist] = list(plane.plot(*1e3 * path.position.T, color=look.SLIDING))
-    artists += plane.plot(*1e3 * path.end, "o", color=look.INK, markersize=4.5)
+    last = path.end if path.comes_to_rest else path.position[path.seen][-1]
+    face = look.INK if path.comes_to_rest else "none"
+    artists += plane.plot(*1e3 * last, "o", color=look.INK, markerfacecolor=face, markersize=4.5)
     plane.set_aspect("equal", adjustable="datalim")
     plane.set_xlabel(r"$x_1$ [mm]")
     plane.set_ylabel(r"$x_2$ [mm]")

@@ -15,7 +15,7 @@ from asperity.errors import ParameterError
 from asperity.track.scene import Scene
 from asperity.track.segmentation import Mark
 
-_TOP = {"fps", "bandwidth", "mark", "scene"}
+_TOP = {"fps", "bandwidth", "start", "stop", "mark", "scene"}
 _MARK = {"colour", "diameter", "threshold", "smoothing", "blur_limit"}
 _POINTS = {"pixels", "plane"}
 _SCALE = {"metres_per_pixel", "origin", "angle"}
@@ -32,6 +32,8 @@ class TrackConfig:
         scene: from pixels to the plane.
         mark: what to look for.
         bandwidth: of velocity and acceleration in s, `None` for the default.
+        start: time of the first frame in which the body moves in s, `None` for the default.
+        stop: time of the last one in s.
         mismatch: of the scene's points in pixels, root mean square; 0 without points.
     """
 
@@ -39,6 +41,8 @@ class TrackConfig:
     scene: Scene
     mark: Mark
     bandwidth: float | None = None
+    start: float | None = None
+    stop: float | None = None
     mismatch: float = 0.0
 
 
@@ -48,7 +52,7 @@ def read_config(path: str | os.PathLike[str]) -> TrackConfig:
     .. code:: toml
 
         fps = 500.0
-        bandwidth = 0.03            # optional
+        bandwidth = 0.03            # optional, like the times start and stop of the motion
         [mark]
         colour = "red"
         diameter = 0.010            # optional, like threshold, smoothing, blur_limit
@@ -65,10 +69,7 @@ def read_config(path: str | os.PathLike[str]) -> TrackConfig:
         ParameterError: naming file and key, if one is missing, unknown or not allowed.
     """
     name = Path(path).name
-    try:
-        contents = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterError(os.fspath(path), f"is no TOML file: {error}") from None
+    contents = _contents(Path(path))
     _known(contents, _TOP, name)
     if "fps" not in contents:
         raise ParameterError(
@@ -78,20 +79,42 @@ def read_config(path: str | os.PathLike[str]) -> TrackConfig:
         raise ParameterError(name, "must have [scene]: points (pixels, plane) or metres_per_pixel")
     mark, scene = _table(contents, "mark", name), _table(contents, "scene", name)
     _known(mark, _MARK, f"{name} [mark]")
+    for table in (contents, mark, scene):
+        _no_flags(table, name)
     try:
         view, mismatch = _scene(scene, f"{name} [scene]")
         bandwidth = contents.get("bandwidth")
+        times = {
+            key: _arrays.non_negative(contents[key], key)
+            for key in ("start", "stop")
+            if key in contents
+        }
         return TrackConfig(
             fps=_arrays.positive(contents["fps"], "fps"),
             scene=view,
             mark=Mark(**mark),
             bandwidth=None if bandwidth is None else _arrays.positive(bandwidth, "bandwidth"),
             mismatch=mismatch,
+            **times,
         )
     except ParameterError as error:
         if error.argument.startswith(name):
             raise
         raise ParameterError(name, str(error)) from None
+
+
+def _contents(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except UnicodeDecodeError:
+        problem = "is no TOML file: save it as UTF-8"
+    except tomllib.TOMLDecodeError as error:
+        problem = f"is no TOML file: {error}"
+    except IsADirectoryError:
+        problem = "is a folder: name the file in it, such as track.toml"
+    except FileNotFoundError:
+        problem = "is missing: write it, or name another configuration"
+    raise ParameterError(os.fspath(path), problem)
 
 
 def config_text(fps: float, mark: Mark, pixels: Array, plane: Array) -> str:
@@ -135,3 +158,10 @@ def _known(table: Mapping[str, Any], allowed: set[str], where: str) -> None:
         raise ParameterError(
             where, f"holds an unknown key {unknown[0]!r}; known are {', '.join(sorted(allowed))}"
         )
+
+
+def _no_flags(table: Mapping[str, Any], name: str) -> None:
+    """Refuse true and false, which Python counts as 1 and 0."""
+    for key, value in table.items():
+        if isinstance(value, bool):
+            raise ParameterError(name, f"{key}: must not be {str(value).lower()}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from asperity.errors import ParameterError
 from asperity.track.circle import Circle, fit_circle
 from asperity.track.frames import Frame
 from asperity.track.scene import Scene
-from asperity.track.segmentation import Mark, Outline, outline, search
+from asperity.track.segmentation import Candidates, Mark, Outline, outline, search
 from asperity.track.sight import Sight, Sighting
 
 # The region of interest in radii of the mark, and how often it may be widened.
@@ -24,27 +25,34 @@ _FILLING, _COVERAGE, _RMS, _SIZE, _OTHER_SIZE = 0.95, 0.95, 0.05, 0.15, 0.5
 _SHARPEST_RMS = 0.5
 # Distances of the outline from the circle, in pixels, that blur and filter explain.
 _RESOLUTION = 0.1
+# How far from where it was heading a mark is found again: a push in radii within one frame, and
+# an acceleration in m/s² that friction hardly exceeds. Areas as alike as this are the same mark's.
+_PUSH, _ACCELERATION, _ALIKE = 4.0, 20.0, 2.0
 
 
 class Follower:
     """The mark as it was in the frames so far."""
 
-    def __init__(self, scene: Scene, mark: Mark) -> None:
+    def __init__(self, scene: Scene, mark: Mark, fps: float) -> None:
         if not isinstance(mark, Mark):
             raise ParameterError("mark", f"must be a Mark, got {mark!r}")
         self.scene = scene
         self.mark = mark
+        self._fps = fps
         self._diameter: float | None = None
         self._place: Array | None = None
-        self._step = np.zeros(2)
+        self._step: Array | None = None
+        self._lost = 0
         self._radius = 0.0
+        self._background: float | None = None
 
     def look(self, frame: Frame) -> Sighting:
         """Return what the next frame shows."""
         sighting = Sighting.none(Sight.LOST)
-        if self._place is not None:
-            reach = _REGION * self._radius + 0.5 * float(np.hypot(*self._step)) + _BORDER
-            sighting = self._measure(frame, self._place + self._step, reach)
+        if self._place is not None and not self._lost:
+            step = np.zeros(2) if self._step is None else self._step
+            reach = _REGION * self._radius + 0.5 * float(np.hypot(*step)) + _BORDER
+            sighting = self._measure(frame, self._place + step, reach)
         if Sight.LOST in sighting.status:
             sighting = self._search(frame)
         self._remember(sighting)
@@ -53,12 +61,46 @@ class Follower:
     def _search(self, frame: Frame) -> Sighting:
         whole = frame.crop(slice(None), slice(None))
         for step in _STEPS:
-            box = search(whole, self.mark, self._area(frame), step)
+            found = search(whole, self.mark, step)
+            self._background = found.background
+            box, alone = self._choose(found, frame)
             if box is not None:
                 middle = 0.5 * (box[:2] + box[2:])[::-1]
                 reach = 0.6 * float(np.max(box[2:] - box[:2])) + _BORDER
-                return self._measure(frame, middle, reach)
+                sighting = self._measure(frame, middle, reach)
+                known = alone or math.isnan(sighting.diameter)
+                status = sighting.status | (Sight.GOOD if known else Sight.AMBIGUOUS)
+                return replace(sighting, status=status)
         return Sighting.none(Sight.LOST)
+
+    def _choose(self, found: Candidates, frame: Frame) -> tuple[Array | None, bool]:
+        """Return the box of the mark, if it can be there, and whether no other is like it."""
+        middles = 0.5 * (found.boxes[:, :2] + found.boxes[:, 2:])[:, ::-1]
+        away, reach = self._away(middles)
+        near = np.flatnonzero(away <= reach)
+        if not len(near):
+            return None, True
+        areas = found.areas[near]
+        area = self._area(frame) or float(areas.max())
+        unlike = np.abs(np.log(areas / area))
+        alike = unlike <= math.log(_ALIKE)
+        # Among marks of its size the nearest; what is partly hidden has no size to go by.
+        nearest = unlike if self._step is None else away[near]
+        best = np.where(alike, nearest, np.inf).argmin() if alike.any() else unlike.argmin()
+        return found.boxes[near[best]], int(alike.sum()) < 2
+
+    def _away(self, points: Array) -> tuple[Array, float]:
+        """Return distances from where the mark was heading, and the largest that is possible."""
+        if self._place is None or self._step is None:
+            return np.zeros(len(points)), math.inf
+        frames = self._lost + 1
+        # Friction may have stopped it anywhere on its way.
+        way = frames * self._step
+        share = (points - self._place) @ way / max(float(way @ way), 1e-12)
+        nearest = self._place + np.clip(share, 0.0, 1.0)[:, None] * way
+        size = self.scene.pixel_size(self._place)
+        turned = 0.5 * _ACCELERATION * (frames / self._fps) ** 2 / size
+        return np.hypot(*(points - nearest).T), _PUSH * self._radius + _BORDER + turned
 
     def _area(self, frame: Frame) -> float | None:
         """Return the expected area in square pixels, if it is known."""
@@ -79,10 +121,11 @@ class Follower:
             if right - left < 3 or bottom - top < 3:
                 return Sighting.none(Sight.LOST)
             part = frame.crop(slice(top, bottom), slice(left, right))
-            seen = outline(part, self.mark, self._area(frame))
+            seen = outline(part, self.mark, self._area(frame), self._background)
             if seen is None:
                 return Sighting.none(Sight.LOST)
             if not seen.cut:
+                self._background = seen.background
                 return self._sighting(seen, np.array([left, top]))
             corners = seen.hull + np.array([left, top])
             if (corners < 1.0).any() or (corners > [columns - 2.0, rows - 2.0]).any():
@@ -125,11 +168,11 @@ class Follower:
 
     def _remember(self, sighting: Sighting) -> None:
         if math.isnan(sighting.diameter):
-            # Without a place the next frame is searched.
-            self._place = None
-            self._step = np.zeros(2)
+            self._lost += 1
             return
-        self._step = np.zeros(2) if self._place is None else sighting.pixel - self._place
+        if self._place is not None:
+            self._step = (sighting.pixel - self._place) / (self._lost + 1)
+        self._lost = 0
         self._place = sighting.pixel
         self._diameter = self._diameter or sighting.diameter
         self._radius = 0.5 * sighting.diameter / self.scene.pixel_size(sighting.pixel)

@@ -12,11 +12,14 @@ from asperity._arrays import Array
 from asperity._files import atomic
 from asperity._value import Value
 from asperity.errors import DimensionError, ParameterError
+from asperity.track.cubics import local_cubics, noise, resting
 
-_DEGREE = 3
 _FEWEST = 7
-# A frame belongs to the rest when it is nearer to the last one than this many standard errors.
-_AT_REST = 4.0
+# A frame belongs to a rest when it is nearer to its mean than this many standard errors; so many
+# frames make a rest.
+_AT_REST, _REST = 4.0, 3
+# Of a body that a film shows until it stops, the last step is at most this share of the largest.
+_LAST_STEP = 0.05
 
 
 class MeasuredPath(Value):
@@ -25,15 +28,17 @@ class MeasuredPath(Value):
     Velocity and acceleration at a frame are those of the cubic that fits the frames within
     ± `bandwidth` with the least squares, weighted by (1 − (Δt/bandwidth)²)². Their standard errors
     follow from the scatter of the frames about these cubics, taken as independent and equal along
-    the path. Where the acceleration jumps, as at rest, they are smoothed over the bandwidth, which
-    the standard errors do not contain.
+    the path. No cubic reaches over the onset of motion or of rest; where the acceleration jumps in
+    between it is smoothed over the bandwidth, which `misfit` shows and the standard errors do not.
 
     Args:
         time: ascending, in s, shape ``(n,)``.
         position: in m, shape ``(n, 2)``; NaN where the mark was not seen.
         position_error: standard errors of the positions in m, shape ``(n, 2)``.
-        bandwidth: half width of the window in s; default a tenth of the time in which the mark
-            was seen, and at least 7 frames.
+        bandwidth: half width of the window in s; default a tenth of the time in which the body
+            moves, and at least 7 frames.
+        section: time in s of the first and of the last frame in which it moves; default those that
+            are further than 4 standard errors from the rest before and after.
 
     Attributes:
         seen: frames in which the mark was seen, shape ``(n,)``.
@@ -43,6 +48,8 @@ class MeasuredPath(Value):
         acceleration_error: its standard errors, shape ``(n, 2)``.
         scatter: standard deviation of the positions about the cubics in m, shape ``(2,)``: the
             median over the frames.
+        misfit: frames with a window that its cubic does not fit, shape ``(n,)``.
+        comes_to_rest: whether the body is at rest in the end.
 
     >>> import numpy as np
     >>> t = np.linspace(0.0, 0.3, 151)
@@ -64,6 +71,10 @@ class MeasuredPath(Value):
     acceleration: Array
     acceleration_error: Array
     scatter: Array
+    section: tuple[float, float]
+    misfit: NDArray[np.bool_]
+    comes_to_rest: bool
+    _end: Array
 
     def __init__(
         self,
@@ -72,6 +83,7 @@ class MeasuredPath(Value):
         position_error: ArrayLike,
         *,
         bandwidth: float | None = None,
+        section: tuple[float, float] | None = None,
     ) -> None:
         t = _arrays.array(time, "time", (None,))
         x = _with_gaps(position, "position", len(t))
@@ -81,19 +93,27 @@ class MeasuredPath(Value):
         seen = np.asarray(~np.isnan(x).any(axis=1))
         if seen.sum() < _FEWEST:
             raise ParameterError(
-                "position", f"must hold at least {_FEWEST} frames, {seen.sum()} are no NaN"
+                "position",
+                f"must hold at least {_FEWEST} frames with the mark, {seen.sum()} "
+                f"{'has' if seen.sum() == 1 else 'have'} it",
             )
-        if bandwidth is None:
-            bandwidth = _usual(t[seen])
+        limit = _told_apart(x[seen])
+        moves = _section(section, t) if section is not None else _moving(t[seen], x[seen], limit)
+        h = _usual(t[seen], moves) if bandwidth is None else _bandwidth(bandwidth, t[seen])
         self._set(
             time=_arrays.read_only(t),
             position=_arrays.read_only(x),
             position_error=_arrays.read_only(error),
-            bandwidth=_arrays.positive(bandwidth, "bandwidth"),
+            bandwidth=h,
+            section=moves,
         )
-        derived = _derivatives(t, x, seen, bandwidth)
+        bounds = np.array([np.searchsorted(t, moves[0]), np.searchsorted(t, moves[1], "right")])
+        derived = local_cubics(t, x, h, bounds)
+        first, place = resting(x[seen], limit)
         self._keep(
             seen=_arrays.read_only(seen),
+            comes_to_rest=_rests(t, x, seen, len(x[seen]) - first, limit),
+            _end=_arrays.read_only(place),
             **{name: _arrays.read_only(values) for name, values in derived.items()},
         )
 
@@ -108,17 +128,34 @@ class MeasuredPath(Value):
 
     @property
     def end(self) -> Array:
-        """Last position (x₁, x₂) in m: the mean of the last frames that cannot be told apart."""
-        x = self.position[self.seen]
-        limit = _AT_REST * max(float(np.hypot(*self.scatter)), float(np.finfo(float).tiny))
-        away = np.flatnonzero(np.hypot(*(x - x[-1]).T) > limit)
-        end: Array = x[away[-1] + 1 if len(away) else 0 :].mean(axis=0)
-        return end
+        """Place (x₁, x₂) of rest in m: the mean of the last frames that cannot be told apart.
+
+        Raises:
+            ParameterError: if the body does not come to rest in view.
+        """
+        if not self.comes_to_rest:
+            raise ParameterError("position", "does not come to rest in view: there is no end point")
+        return self._end
+
+    @property
+    def onset(self) -> int:
+        """Number of the first frame in which the body moves and is seen."""
+        return int(np.flatnonzero(self.seen & (self.time >= self.section[0]))[0])
 
     @property
     def start(self) -> tuple[Array, Array]:
-        """First position in m and the velocity there in m/s, as a simulation may start from."""
-        first = int(np.flatnonzero(self.seen)[0])
+        """Position in m and velocity in m/s at the onset of motion, to start a simulation from.
+
+        Raises:
+            ParameterError: if no velocity is known there.
+        """
+        first = self.onset
+        if np.isnan(self.velocity[first]).any():
+            raise ParameterError(
+                "position",
+                f"must be known in more frames after t = {self.time[first]:.6g} s, where the "
+                "motion begins: no velocity is known there",
+            )
         return self.position[first], self.velocity[first]
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -150,40 +187,52 @@ def _with_gaps(value: ArrayLike, argument: str, length: int) -> Array:
     return converted
 
 
-def _usual(seen: Array) -> float:
+def _told_apart(x: Array) -> float:
+    """Return the distance in m from which two places are not the same."""
+    least = 1e-9 * float(np.max(np.ptp(x, axis=0)))
+    return max(_AT_REST * float(np.hypot(*noise(x))), least, float(np.finfo(float).tiny))
+
+
+def _moving(t: Array, x: Array, limit: float) -> tuple[float, float]:
+    """Return the times of the first and the last frame in which a body moves."""
+    before = len(x) - resting(x[::-1], limit)[0]
+    after = resting(x, limit)[0]
+    first = before if before >= _REST else 0
+    last = after - 1 if len(x) - after >= _REST else len(x) - 1
+    if last - first < _FEWEST:
+        first, last = 0, len(x) - 1
+    return float(t[first]), float(t[last])
+
+
+def _section(section: tuple[float, float], t: Array) -> tuple[float, float]:
+    start, stop = _arrays.array(section, "section", (2,)).tolist()
+    if not t[0] <= start < stop <= t[-1]:
+        raise ParameterError(
+            "section", f"must ascend within {t[0]:.6g} and {t[-1]:.6g} s, got {start:g}, {stop:g}"
+        )
+    return start, stop
+
+
+def _usual(seen: Array, section: tuple[float, float]) -> float:
     interval = float(np.median(np.diff(seen)))
-    return max(0.1 * float(seen[-1] - seen[0]), _FEWEST * interval)
+    return max(0.1 * (section[1] - section[0]), _FEWEST * interval)
 
 
-def _derivatives(t: Array, x: Array, seen: NDArray[np.bool_], bandwidth: float) -> dict[str, Array]:
-    """Fit a cubic around every frame, with the part of its window that has been seen."""
-    count = len(t)
-    slopes, gains = np.full((count, 2, 2), np.nan), np.full((count, 2), np.nan)
-    variances = []
-    times, places = t[seen], x[seen]
-    low = np.searchsorted(times, t - bandwidth, side="right")
-    high = np.searchsorted(times, t + bandwidth, side="left")
-    for i in np.flatnonzero(seen & (high - low > _DEGREE + 1)):
-        near = slice(low[i], high[i])
-        offset = (times[near] - t[i]) / bandwidth
-        weight = 1.0 - offset**2
-        powers = offset[:, None] ** np.arange(_DEGREE + 1)
-        # Coefficients = smoother @ positions.
-        smoother = np.linalg.pinv(powers * weight[:, None]) * weight
-        coefficients = smoother @ places[near]
-        slopes[i] = coefficients[1] / bandwidth, 2.0 * coefficients[2] / bandwidth**2
-        gains[i] = np.sqrt((smoother[1:3] ** 2).sum(axis=1)) * [1.0 / bandwidth, 2.0 / bandwidth**2]
-        residual = places[near] - powers @ coefficients
-        # E Σ w² r² / σ² is the trace of W² (I − P S)(I − P S)ᵀ.
-        left = np.eye(len(offset)) - powers @ smoother
-        variances.append(weight**2 @ residual**2 / (weight**2 @ (left**2).sum(axis=1)))
-    # Not the mean: cubics do not fit where the body comes to rest.
-    scatter = np.sqrt(np.median(variances, axis=0)) if variances else np.full(2, np.nan)
-    errors = gains[:, :, None] * scatter
-    return {
-        "velocity": slopes[:, 0],
-        "velocity_error": errors[:, 0],
-        "acceleration": slopes[:, 1],
-        "acceleration_error": errors[:, 1],
-        "scatter": scatter,
-    }
+def _bandwidth(value: float, seen: Array) -> float:
+    bandwidth = _arrays.positive(value, "bandwidth")
+    duration, interval = float(seen[-1] - seen[0]), float(np.median(np.diff(seen)))
+    if not interval < bandwidth <= max(duration, _FEWEST * interval):
+        raise ParameterError(
+            "bandwidth",
+            f"must be between the {interval:.3g} s from frame to frame and the {duration:.3g} s "
+            f"in which the mark is seen, got {bandwidth:.3g}",
+        )
+    return bandwidth
+
+
+def _rests(t: Array, x: Array, seen: NDArray[np.bool_], frames: int, limit: float) -> bool:
+    """Return whether a body rests in the last frames, or a film ends with its stop."""
+    if frames >= _REST or not seen[-1]:
+        return frames >= _REST
+    speeds = np.hypot(*np.diff(x[seen], axis=0).T) / np.diff(t[seen])
+    return bool(speeds[-1] <= _LAST_STEP * float(np.percentile(speeds, 90.0)))

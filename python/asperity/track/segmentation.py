@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
+from asperity.errors import ParameterError
 from asperity.track.frames import Pixels
 
 Colour = Literal["red", "green", "blue", "yellow", "magenta", "cyan", "white", "black"]
@@ -34,6 +35,8 @@ _HULL_DEPTH = 1.0
 _FULL = 75.0
 # The width of the most blurred edges, as a percentile of all.
 _WIDEST = 90.0
+# Beyond these no mark is found, or the filter is wider than the mark and takes for ever.
+_STRONGEST, _SMOOTHEST = 254.0, 50.0
 
 
 class Mark(Value):
@@ -46,8 +49,8 @@ class Mark(Value):
         diameter: in m; ``None`` takes the mark as it is in the first frame. A diameter that is
             seen 10 % off is an error: it reveals a wrong scale.
         threshold: strength above that of the background from which a pixel may be of the mark;
-            black to white is 255.
-        smoothing: standard deviation of the Gaussian filter in pixels.
+            at most 254; black to white is 255.
+        smoothing: standard deviation of the Gaussian filter in pixels, at most 50.
         blur_limit: edge width, as a share of the mark's diameter, from which a frame is marked as
             blurred.
 
@@ -73,8 +76,10 @@ class Mark(Value):
         self._set(
             colour=_arrays.choice(colour, "colour", list(_COLOURS)),
             diameter=None if diameter is None else _arrays.positive(diameter, "diameter"),
-            threshold=_arrays.positive(threshold, "threshold"),
-            smoothing=_arrays.non_negative(smoothing, "smoothing"),
+            threshold=_at_most(_STRONGEST, _arrays.positive(threshold, "threshold"), "threshold"),
+            smoothing=_at_most(
+                _SMOOTHEST, _arrays.non_negative(smoothing, "smoothing"), "smoothing"
+            ),
             blur_limit=_arrays.positive(blur_limit, "blur_limit"),
         )
 
@@ -92,6 +97,12 @@ class Mark(Value):
         return strength
 
 
+def _at_most(limit: float, value: float, argument: str) -> float:
+    if value > limit:
+        raise ParameterError(argument, f"must be at most {limit:g}, got {value:g}")
+    return value
+
+
 def _mean(channels: NDArray[np.float32]) -> NDArray[np.float32]:
     mean: NDArray[np.float32] = channels.mean(axis=0, dtype=np.float32)
     return mean
@@ -107,6 +118,7 @@ class Outline:
         filling: share of the hull's area that has the mark's colour.
         blur: width in pixels of the most blurred edges; what the Gaussian filter adds is taken off.
         cut: whether the mark reaches the border of the part.
+        background: strength of what is not the mark.
     """
 
     points: Array
@@ -114,9 +126,12 @@ class Outline:
     filling: float
     blur: float
     cut: bool
+    background: float
 
 
-def outline(pixels: Pixels, mark: Mark, area: float | None = None) -> Outline | None:
+def outline(
+    pixels: Pixels, mark: Mark, area: float | None = None, background: float | None = None
+) -> Outline | None:
     """Return the outline of the mark, ``None`` if there is no pixel region of its colour.
 
     Gaussian filter → regions above the threshold → the one whose area is nearest to the expected
@@ -127,16 +142,23 @@ def outline(pixels: Pixels, mark: Mark, area: float | None = None) -> Outline | 
         pixels: part of a frame.
         mark: what to look for.
         area: expected area in square pixels; default the largest.
+        background: strength around the mark as far as it is known; default the median of the part,
+            of which the mark must then fill less than half.
     """
     from scipy.ndimage import gaussian_filter
 
     strength = mark.strength(pixels)
     if mark.smoothing > 0.0:
         strength = gaussian_filter(strength, mark.smoothing, truncate=3.0)
-    background = float(np.median(strength))
-    region = _region(strength > background + mark.threshold, area)
+    if background is None:
+        background = float(np.median(strength))
+    coloured = strength > background + mark.threshold
+    region = _region(coloured, area)
     if region is None:
         return None
+    if not coloured.all():
+        # At hand: what has been remembered may be of another place or light.
+        background = float(np.median(strength[~coloured]))
     level = background + max(
         mark.threshold, 0.5 * (float(np.percentile(strength[region], _FULL)) - background)
     )
@@ -154,26 +176,50 @@ def outline(pixels: Pixels, mark: Mark, area: float | None = None) -> Outline | 
         filling=min(float(inside.sum()) / _area(corners), 1.0),
         blur=_blur(widths[kept], mark.smoothing),
         cut=bool(inside[0].any() or inside[-1].any() or inside[:, 0].any() or inside[:, -1].any()),
+        background=background,
     )
 
 
-def search(pixels: Pixels, mark: Mark, area: float | None, step: int) -> Array | None:
-    """Return the box (first row, column, last row, column) of the mark on every `step`-th pixel.
+@dataclass(frozen=True)
+class Candidates:
+    """Regions of the mark's colour in a frame.
+
+    Attributes:
+        boxes: first row, column, last row, column, shape ``(n, 4)``.
+        areas: in square pixels, shape ``(n,)``.
+        background: strength of what is not the mark.
+    """
+
+    boxes: Array
+    areas: Array
+    background: float
+
+
+def search(pixels: Pixels, mark: Mark, step: int) -> Candidates:
+    """Return the regions of the mark's colour on every `step`-th pixel.
 
     Args:
         pixels: a whole frame.
         mark: what to look for.
-        area: expected area in square pixels; default the largest.
         step: pixels to go on by; the mark must be several steps wide.
     """
+    from scipy.ndimage import find_objects, label
+
     strength = mark.strength(pixels[::step, ::step])
-    coloured = strength > float(np.median(strength)) + mark.threshold
-    region = _region(coloured, None if area is None else area / step**2)
-    if region is None:
-        return None
-    rows, columns = np.nonzero(region)
-    box = np.array([rows.min() - 1, columns.min() - 1, rows.max() + 1, columns.max() + 1])
-    return (box * step).astype(np.float64)
+    background = float(np.median(strength))
+    regions, _ = label(strength > background + mark.threshold)
+    sizes = np.bincount(regions.ravel())[1:]
+    large = np.flatnonzero(sizes >= _FEWEST_PIXELS)
+    places = find_objects(regions)
+    boxes = [
+        (rows.start - 1, columns.start - 1, rows.stop, columns.stop)
+        for rows, columns in (places[i] for i in large)
+    ]
+    return Candidates(
+        boxes=step * np.array(boxes, dtype=np.float64).reshape(-1, 4),
+        areas=step**2 * sizes[large].astype(np.float64),
+        background=background,
+    )
 
 
 def _region(coloured: _Mask, area: float | None) -> _Mask | None:

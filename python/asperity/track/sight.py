@@ -22,7 +22,9 @@ class Sight(IntFlag):
     CLIPPED = 4
     """It reaches the border of the image; there is no position."""
     LOST = 8
-    """There is no such mark; there is no position."""
+    """There is no such mark where it can be; there is no position."""
+    AMBIGUOUS = 16
+    """Another one like it is as possible: it and those that follow may be the wrong one."""
 
     def __str__(self) -> str:
         return "+".join((one.name or "").lower() for one in Sight if one & self) or "good"

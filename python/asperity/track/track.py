@@ -105,14 +105,27 @@ class Track(Value):
         told = (f"{count} {name.lower()}" for name, count in troubles if count)
         return ", ".join([f"{good} good", *told])
 
-    def path(self, bandwidth: float | None = None) -> MeasuredPath:
+    def path(
+        self,
+        bandwidth: float | None = None,
+        *,
+        start: float | None = None,
+        stop: float | None = None,
+    ) -> MeasuredPath:
         """Return the path with velocity and acceleration.
 
         Args:
             bandwidth: half width of the window of their local cubics in s; default a tenth of the
-                time in which the mark was seen.
+                time in which the body moves.
+            start: time of the first frame in which it moves in s; default what the frames show.
+            stop: time of the last one in s.
         """
-        return MeasuredPath(self.time, self.position, self.position_error, bandwidth=bandwidth)
+        found = MeasuredPath(self.time, self.position, self.position_error)
+        if start is not None or stop is not None:
+            first, last = found.section
+            section = (first if start is None else start, last if stop is None else stop)
+            found = MeasuredPath(self.time, self.position, self.position_error, section=section)
+        return found if bandwidth is None else found.replace(bandwidth=bandwidth)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a table with one row per frame; the status is in words, `+` between several."""
@@ -139,7 +152,8 @@ def track_mark(
 ) -> Track:
     """Follow a round mark through the frames.
 
-    In a region around the expected place, and in the whole frame where it is not there: Gaussian
+    In a region around the expected place, and where it is not there as far from its last way as
+    friction and a push may have moved it: Gaussian
     filter, regions of the mark's colour, edge between pixels, convex hull, least-squares circle in
     the plane of the mark. The circle is fitted in the plane, since the image of its centre is not
     the centre of its image under perspective.
@@ -173,7 +187,7 @@ def track_mark(
     if not isinstance(scene, Scene):
         raise ParameterError("scene", f"must be a Scene, got {scene!r}")
     source = open_frames(frames)
-    follower = Follower(scene, mark or Mark())
+    follower = Follower(scene, mark or Mark(), fps)
     sightings = []
     for number, frame in enumerate(source):
         sightings.append(follower.look(frame))

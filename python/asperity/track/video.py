@@ -13,6 +13,7 @@ from asperity.track.frames import Frame, Pixels
 
 # Frames of a constant rate are apart by one interval, up to the ticks of the file's clock.
 _LONGEST_GAP = 1.6
+_TEXT = bytes([*range(7, 14), 27, *range(32, 127)])
 
 
 class VideoFile:
@@ -27,6 +28,7 @@ class VideoFile:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.source = os.fspath(path)
+        self._check_bytes()
         with self._open() as container:
             self._length = int(container.streams.video[0].frames)
 
@@ -48,6 +50,16 @@ class VideoFile:
                 raise ParameterError(
                     self.source, f"is damaged after frame {len(stamps) - 1}: {error.strerror}"
                 ) from None
+
+    def _check_bytes(self) -> None:
+        """Refuse what is no video before PyAV is asked for."""
+        with open(self.source, "rb") as file:
+            first = file.read(4096)
+        if not first:
+            raise ParameterError(self.source, "is empty: copy the video again")
+        # Text but for that of raw frames, which says so.
+        if not first.startswith(b"YUV4MPEG2") and not first.translate(None, _TEXT):
+            raise ParameterError(self.source, "is no video that can be read: it holds text")
 
     def _open(self) -> Any:
         import av
