@@ -21,6 +21,8 @@ PADS = 3
 
 # Points of either edge of the disk, which touch the plane only if the disk tips.
 _EDGE_POINTS = 12
+# Velocities up to this share of the largest are rest.
+_REST = 1e-9
 
 
 class SlidingDisk(RigidBodies):
@@ -34,6 +36,9 @@ class SlidingDisk(RigidBodies):
     coefficient of friction is below `pad_circle` / (2 `height`), 0.81 for the default sizes. Above,
     a pad may lift off; the disk then tilts until its edge touches the plane, and may tip over.
     Twelve points of each edge have contacts too, after those of the pads, with the same law.
+
+    At the default tolerance of `simulate` the loads sum up to the weight to 1e-6, at 1e-13 to 1e-10.
+    Before the first step a run has no loads: its `normal_force[0]` is NaN.
 
     Args:
         law: planar friction law per unit normal force, in the axes e₁, e₂ of the plane.
@@ -55,11 +60,15 @@ class SlidingDisk(RigidBodies):
 
     >>> from asperity import FrictionLaw, SlidingDisk, simulate
     >>> disk = SlidingDisk(FrictionLaw.isotropic(0.5), velocity=(1.0, 0.0))
-    >>> run = simulate(disk, dt=1e-4, t_end=1.0, until_rest=True)
+    >>> run = simulate(disk, dt=1e-4, t_end=1.0, tolerance=1e-13)
     >>> disk.path(run)[-1].round(6).tolist()  # v²/(2 μ g)
     [0.101937, 0.0]
     >>> run.normal_force[1, :3].round(6).tolist()  # the pad in front carries most
     [0.095297, 0.040641, 0.040641]
+    >>> bool(abs(run.normal_force[1:].sum(axis=1) / (0.018 * 9.81) - 1.0).max() < 1e-10)
+    True
+    >>> round(disk.rest_time(run), 4)  # v/(μ g) = 0.2039
+    0.2039
     """
 
     law: FrictionLaw
@@ -144,6 +153,21 @@ class SlidingDisk(RigidBodies):
         angle = np.unwrap(np.arctan2(turned[:, 1, 0], turned[:, 0, 0]))
         since_start: Array = angle - angle[0]
         return since_start
+
+    def rest_time(self, trajectory: Trajectory) -> float:
+        """Return the time in s from which on the disk rests; NaN if it still moves at the end.
+
+        Velocities up to 1e-9 of the largest, at least of 1 m/s and 1 rad/s, count as rest. At the
+        default tolerance of `simulate` they keep about 1e-11, so that ``until_rest``, which asks
+        for 1e-12, may stop late or not at all; at 1e-13 it stops here.
+
+        Args:
+            trajectory: of this disk.
+        """
+        speed = np.abs(trajectory.u).max(axis=1)
+        moving = np.flatnonzero(speed > _REST * max(1.0, speed.max()))
+        first = int(moving[-1]) + 1 if len(moving) else 0
+        return float(trajectory.t[first]) if first < len(speed) else float("nan")
 
 
 def _ring(count: int, radius: float, height: float) -> Array:
