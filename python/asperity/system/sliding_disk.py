@@ -37,8 +37,8 @@ class SlidingDisk(RigidBodies):
     a pad may lift off; the disk then tilts until its edge touches the plane, and may tip over.
     Twelve points of each edge have contacts too, after those of the pads, with the same law.
 
-    At the default tolerance of `simulate` the loads sum up to the weight to 1e-6, at 1e-13 to 1e-10.
-    Before the first step a run has no loads: its `normal_force[0]` is NaN.
+    At the default tolerance of `simulate` the loads sum up to the weight to 1e-6, at 1e-13 to
+    1e-10. Before the first step a run has no loads: its `normal_force[0]` is NaN.
 
     Args:
         law: planar friction law per unit normal force, in the axes e₁, e₂ of the plane.
