@@ -59,8 +59,17 @@ def test_a_wrong_law_fails_the_checks_of_the_round_trip():
     )
     trip = round_trip.run()
     assert all(check.ok for check in round_trip.checks(trip))
-    other = round_trip.RoundTrip(fit_law(process(virtual.record())), trip.truth, trip.run)
+    other = round_trip.RoundTrip(fit_law(process(virtual.record())), trip.film, trip.run)
     assert not all(check.ok for check in round_trip.checks(other))
+    assert len(trip.comparison) == len(trip.film.camera) == 80
+
+
+def test_the_checks_of_the_round_trip_are_a_few_times_what_is_seen():
+    """Tolerances that cannot fail check nothing; of ten, half are above a sixth of theirs."""
+    checks = [check for check in round_trip.checks(round_trip.run(seed=4)) if check.tolerance]
+    shares = [abs(check.error) / check.tolerance for check in checks]
+    assert max(shares) < 1.0
+    assert np.median(shares) > 1.0 / 6.0
 
 
 @pytest.fixture(scope="module")
