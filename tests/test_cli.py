@@ -32,7 +32,7 @@ def test_demo_writes_figures_and_tables_and_passes(tmp_path):
     ]
     for name in ("fig17.png", "fig27.png", "roundtrip.png"):
         assert (out / name).read_bytes().startswith(b"\x89PNG")
-    for words in ("Fig. 17 period", "28.703", "order in dt", "round trip", "0 off"):
+    for words in ("Fig. 17 period", "28.703", "order in dt", "round trip tracking", "0 off"):
         assert words in done.stdout
     assert "t [s]" in (out / "fig27.csv").read_text().splitlines()[0]
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import asperity as asp
 import numpy as np
 import pytest
+from asperity import comparison
 
 MU, SPEED = 0.5, 1.2
 BLOCK = asp.SlidingPoint(0.018, asp.FrictionLaw.isotropic(MU))
@@ -114,3 +115,11 @@ def test_what_cannot_be_compared_is_refused(arguments, argument):
     with pytest.raises(asp.ParameterError) as caught:
         asp.compare_path(*arguments)
     assert caught.value.argument == argument
+
+
+def test_only_the_tracked_path_is_called_measured_path():
+    """The protocol of `compare_path`, which tracked paths obey, has a name of its own."""
+    tracked = {"time", "position"}
+    assert not hasattr(comparison, "MeasuredPath")
+    assert tracked <= set(dir(asp.track.MeasuredPath)) | set(asp.track.MeasuredPath.__annotations__)
+    assert "`track.MeasuredPath`" in str(comparison.TimedPath.__doc__)

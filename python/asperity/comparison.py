@@ -20,8 +20,8 @@ _CHUNK = 256
 
 
 @runtime_checkable
-class MeasuredPath(Protocol):
-    """What `compare_path` needs of a measured path, such as `track.Path`."""
+class TimedPath(Protocol):
+    """What `compare_path` needs of a measured path, such as `track.MeasuredPath`."""
 
     @property
     def time(self) -> Array:
@@ -155,7 +155,7 @@ class PathComparison(Value):
 
 def compare_path(
     run: Trajectory | Motion,
-    measured: MeasuredPath | Trajectory | Motion,
+    measured: TimedPath | Trajectory | Motion,
     *,
     time_offset: float = 0.0,
 ) -> PathComparison:
@@ -208,10 +208,10 @@ def compare_path(
     )
 
 
-def _samples(measured: MeasuredPath | Trajectory | Motion) -> tuple[Array, Array, Array | None]:
+def _samples(measured: TimedPath | Trajectory | Motion) -> tuple[Array, Array, Array | None]:
     if isinstance(measured, Trajectory | Motion):
         return measured.t, measured.q[:, :2], None
-    if not isinstance(measured, MeasuredPath):
+    if not isinstance(measured, TimedPath):
         raise ParameterError("measured", f"must be a path with time and position, got {measured!r}")
     t = _arrays.array(measured.time, "measured.time", (None,))
     position = np.asarray(measured.position, dtype=float)

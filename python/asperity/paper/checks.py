@@ -38,7 +38,7 @@ def table(checks: Sequence[Check]) -> str:
     >>> from asperity.paper.checks import Check, table
     >>> print(table([Check("period", 28.703, 28.6, 0.02, "s")]))
     quantity    expected    computed    error  tolerance
-    period     28.703000   28.600000 -1.0e-01      2e-02  s  OFF
+    period     28.703000   28.600000 -1.0e-01    2.0e-02  s  OFF
     """
     width = max(len("quantity"), *(len(check.quantity) for check in checks))
     units = max(len(check.unit) for check in checks)
@@ -47,7 +47,7 @@ def table(checks: Sequence[Check]) -> str:
         numbers = f"{check.expected:>10.6f}  {check.computed:>10.6f} {check.error:>8.1e}"
         verdict = "ok" if check.ok else "OFF"
         lines.append(
-            f"{check.quantity:<{width}}  {numbers}  {check.tolerance:>9.0e}  "
+            f"{check.quantity:<{width}}  {numbers}  {check.tolerance:>9.1e}  "
             f"{check.unit:<{units}}  {verdict}"
         )
     return "\n".join(lines)

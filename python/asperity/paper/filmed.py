@@ -58,9 +58,24 @@ def initial_velocity(speed: float, angle: float) -> Array:
 def filmed() -> Filmed:
     """Film and track the disk of Fig. 27, which obeys the law of PVC on ground steel."""
     disk, run = slide(PVC.law, SPEED, ANGLE)
-    camera = VirtualCamera(run, fps=500.0, size=(640, 560), seed=27)
+    return film(disk, run, fps=500.0, size=(640, 560), seed=27)
+
+
+def film(
+    disk: SlidingDisk, run: Trajectory, *, fps: float, size: tuple[int, int], seed: int
+) -> Filmed:
+    """Film a disk and track its mark.
+
+    Args:
+        disk: that slides.
+        run: its motion.
+        fps: frames per second in 1/s.
+        size: columns and rows of the image.
+        seed: of the noise.
+    """
+    camera = VirtualCamera(run, fps=fps, size=size, seed=seed)
     scene = Scene.from_points(*reference_points(camera))
-    track = track_mark(camera.frames(), fps=500.0, scene=scene, mark=camera.mark)
+    track = track_mark(camera.frames(), fps=fps, scene=scene, mark=camera.mark)
     return Filmed(disk, run, camera, track, track.path())
 
 

@@ -57,7 +57,11 @@ def fig26() -> Redrawn:
     )
     curves, found = Curves(), identified()
     laws = list(found.laws.values())
-    titles = ("(a) associated, ellipse", "(b) associated, superellipse", "(c) extended")
+    titles = (
+        "(a) associated ($D = C$), ellipse",
+        "(b) associated ($D = C$), superellipse",
+        "(c) extended",
+    )
     with style():
         for ax, panel, law, title in zip(
             axes, "abc", (laws[0], laws[1], laws[3]), titles, strict=True
@@ -65,7 +69,10 @@ def fig26() -> Redrawn:
             _draw_points(curves, panel, found.data, ax)
             draw_law(curves, panel, law, ax, angles=24)
             cross(ax)
-            ax.set_title(title)
+            for line in ax.get_lines():
+                if law.is_associated and line.get_label() == "reservoir $C$ = direction set $D$":
+                    line.set_label("reservoir $C$")
+            ax.set(title=title, xlim=(-0.8, 0.8), ylim=(-0.75, 0.75))
         shared_legend(figure, axes, columns=6)
     return Redrawn(figure, curves, table_checks(found))
 

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.quiver import Quiver
+from matplotlib.text import Annotation
 
 from asperity._arrays import Array
 from asperity.law import FrictionLaw
@@ -35,6 +36,9 @@ OWN = "own parameters: the paper gives none"
 """What a figure says of its parameters unless the paper gives them."""
 
 
+_PADDING: dict[str, Any] = {"w_pad": 0.14, "h_pad": 0.08}
+
+
 def panels(
     number: int, title: str, count: int, *, parameters: str = OWN, **kwargs: Any
 ) -> tuple[Figure, Sequence[Axes]]:
@@ -43,6 +47,9 @@ def panels(
     with style():
         figure, axes = plt.subplots(1, count, **look)
         heading(figure, number, title, parameters)
+    # The default leaves labels at the edge of the image, where equal scales move them over it.
+    if (engine := figure.get_layout_engine()) is not None:
+        engine.set(**_PADDING)
     return figure, axes[0]
 
 
@@ -83,6 +90,14 @@ def record(curves: Curves, panel: str, curve: str, artists: Sequence[Artist]) ->
         if isinstance(arrows, Quiver):
             vectors = np.column_stack([arrows.U, arrows.V])
             curves.add_arrows(panel, curve, np.asarray(arrows.get_offsets()), vectors)
+
+
+def record_texts(curves: Curves, panel: str, ax: Axes) -> None:
+    """Put the texts of a schematic drawing and the points they belong to into the table."""
+    for text in ax.texts:
+        place = text.xy if isinstance(text, Annotation) else text.get_position()
+        if name := " ".join(text.get_text().split()):
+            curves.add(panel, name, np.array(place, dtype=float))
 
 
 def draw_law(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, Ellipse, FancyArrowPatch, Polygon, Rectangle
+from matplotlib.path import Path
 from numpy.typing import ArrayLike
 
 from asperity._arrays import Array, unit_vectors
@@ -90,13 +91,13 @@ def tribometer_view(ax: Axes) -> None:
 def tribometer_section(ax: Axes) -> None:
     """Draw the tribometer from the side, with what is measured."""
     bare(ax)
-    parts.block(ax, [0.0, -1.35], (1.1, 0.9), "motor")
+    parts.block(ax, [0.0, -1.29], (1.1, 0.9), "motor")
     parts.block(ax, [0.0, -0.67], (0.8, 0.34), "gear")
     ax.add_patch(Rectangle((-0.12, -0.5), 0.24, 0.4, facecolor=parts.METAL, edgecolor=INK))
     ax.add_patch(Rectangle((-2.0, -0.1), 4.0, 0.22, facecolor=parts.PLATE, edgecolor=INK))
     x = 1.3
     pin = np.array(
-        [[x - 0.12, 0.55], [x - 0.12, 0.2], [x, 0.12], [x + 0.12, 0.2], [x + 0.12, 0.55]]
+        [[x - 0.12, 0.57], [x - 0.12, 0.2], [x, 0.12], [x + 0.12, 0.2], [x + 0.12, 0.57]]
     )
     ax.add_patch(Polygon(pin, facecolor=_DARK, edgecolor=INK, zorder=4.0))
     parts.block(ax, [x, 0.78], (0.95, 0.42), "sensor")
@@ -105,21 +106,22 @@ def tribometer_section(ax: Axes) -> None:
         ax.add_patch(
             Rectangle((x + side * 0.2 - 0.1, 1.2), 0.2, 0.5, facecolor=parts.PLATE, edgecolor=INK)
         )
-    parts.wall(ax, [x + 0.3, 1.7], [x + 0.3, 1.2])
+    parts.wall(ax, [x + 0.3, 1.2], [x + 0.3, 1.7])
+    parts.wall(ax, [x - 0.3, 1.7], [x - 0.3, 1.2])
     parts.block(ax, [x, 2.08], (1.0, 0.3), "weights")
     ax.plot([0.0, 0.0], [0.2, 1.02], color=GREY, linewidth=0.8, linestyle="-.")
-    ax.plot([x, x], [-0.12, -0.42], color=GREY, linewidth=0.8, linestyle="-.")
     parts.arrow(ax, [0.12, -0.33], [x - 0.12, 0.0], color=INK)
     parts.label(ax, "$r_P$", [0.68, -0.5])
-    parts.arrow(ax, [x, -0.75], [0.0, 0.6], color=PURPLE)
+    parts.arrow(ax, [x, -0.75], [0.0, 0.63], color=PURPLE)
     parts.label(ax, r"$\lambda_N$", [x + 0.28, -0.72], color=PURPLE)
     parts.arrow(ax, [x + 0.16, 0.26], [0.62, 0.0], color=PURPLE)
     parts.label(ax, r"$\lambda_r$", [x + 0.92, 0.34], color=PURPLE)
     ax.plot(x - 0.3, 0.3, "o", color=PURPLE, markersize=7.0, markerfacecolor="white")
     ax.plot(x - 0.3, 0.3, ".", color=PURPLE, markersize=4.0)
     parts.label(ax, r"$\lambda_t$", [x - 0.55, 0.34], color=PURPLE)
-    ax.add_patch(Arc((0.0, 0.62), 0.7, 0.24, theta1=150.0, theta2=20.0, color=GREEN))
-    parts.arrow(ax, [0.28, 0.56], [0.07, 0.1], color=GREEN)
+    turn = [0.0, 0.62] + [0.35, 0.12] * unit_vectors(np.linspace(2.6, 6.9, 60))
+    look: dict[str, Any] = {"arrowstyle": "->", "mutation_scale": 12.0, "fill": False}
+    ax.add_patch(FancyArrowPatch(path=Path(turn), color=GREEN, linewidth=1.4, **look))
     parts.label(ax, r"$\varphi$", [-0.52, 0.62], color=GREEN)
     ax.set(xlim=(-2.5, 2.7), ylim=(-1.95, 2.5))
 
@@ -136,7 +138,7 @@ def disk_frames(ax: Axes, turned: float = np.deg2rad(32.0)) -> None:
     pin = np.array([0.0, 1.45])
     ax.add_patch(Circle(tuple(pin), 0.13, facecolor=_DARK, edgecolor=INK, zorder=5.0))
     for vector, text, offset, color in (
-        ([1.0, 0.0], r"$e_t^I,\ \gamma$", [0.05, -0.22], GREEN),
+        ([1.0, 0.0], r"$e_t^I,\ \gamma$", [0.36, 0.0], GREEN),
         ([0.0, 0.95], "$e_r^I$", [0.25, 0.0], INK),
     ):
         parts.arrow(ax, pin, vector, color=color)
@@ -151,7 +153,7 @@ def disk_frames(ax: Axes, turned: float = np.deg2rad(32.0)) -> None:
     parts.label(ax, r"$\varphi$", 0.9 * unit_vectors(-0.5 * turned), color=GREEN, bbox=_PAPER)
     force = 0.9 * unit_vectors(0.25)
     parts.arrow(ax, pin, force, color=PURPLE)
-    parts.label(ax, r"$-\lambda$", pin + force, offset=[0.0, 0.2], color=PURPLE, bbox=_PAPER)
+    parts.label(ax, r"$-\lambda$", pin + force, offset=[0.1, 0.22], color=PURPLE, bbox=_PAPER)
     rim = FancyArrowPatch(
         tuple(2.15 * unit_vectors(2.5)),
         tuple(2.15 * unit_vectors(1.95)),

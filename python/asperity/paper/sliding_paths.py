@@ -65,7 +65,7 @@ def _frame_checks(film: Filmed) -> list[Check]:
 
 def fig19() -> Redrawn:
     """Draw paths (a) of different initial speeds at 47°, (b) of different initial directions."""
-    parameters = "simulated disk on three pads, law of Fig. 24"
+    parameters = "synthetic: simulated disk on three pads, invented law of Fig. 24"
     figure, axes = panels(
         19, "sliding paths on ground steel", 2, figsize=(12.0, 5.4), parameters=parameters
     )

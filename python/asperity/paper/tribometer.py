@@ -15,7 +15,15 @@ from asperity.paper import setup_sketches
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
 from asperity.paper.pairings import PVC, SANDBLASTED, STEEL, SYNTHETIC, Pairing, processed
-from asperity.paper.redrawn import Redrawn, circle, note, panels, record, shared_legend
+from asperity.paper.redrawn import (
+    Redrawn,
+    circle,
+    note,
+    panels,
+    record,
+    record_texts,
+    shared_legend,
+)
 from asperity.paper.statements import truth
 from asperity.plot import plot_set
 from asperity.plot.look import BLUE, DIRECTION, GREEN, GREY, INK, ORANGE, draw_arrows, style
@@ -29,8 +37,10 @@ def fig20() -> Redrawn:
     figure, (ax,) = panels(20, "tribometer", 1, figsize=(8.0, 6.0), parameters="not to scale")
     with style():
         setup_sketches.tribometer_view(ax)
+    curves = Curves()
+    record_texts(curves, "a", ax)
     area = 0.25 * math.pi * _PIN_DIAMETER**2
-    return Redrawn(figure, Curves(), [Check("Fig. 20 area of the pin", 38.0, area, 0.5, "mm²")])
+    return Redrawn(figure, curves, [Check("Fig. 20 area of the pin", 38.0, area, 0.5, "mm²")])
 
 
 def fig21() -> Redrawn:
@@ -40,6 +50,8 @@ def fig21() -> Redrawn:
     )
     with style():
         setup_sketches.tribometer_section(ax)
+    curves = Curves()
+    record_texts(curves, "a", ax)
     speeds = (
         Check(
             f"Fig. 21 sliding speed, {pair.name}",
@@ -50,13 +62,17 @@ def fig21() -> Redrawn:
         )
         for pair in (SANDBLASTED, PVC, STEEL)
     )
-    return Redrawn(figure, Curves(), list(speeds))
+    return Redrawn(figure, curves, list(speeds))
 
 
 def fig22() -> Redrawn:
     """Draw (a) the frames of sensor and disk, (b) how C and D follow from the forces."""
     figure, axes = panels(
-        22, "from forces to sets", 2, figsize=(10.6, 5.2), parameters="law of Fig. 24"
+        22,
+        "from forces to sets",
+        2,
+        figsize=(10.6, 5.2),
+        parameters="synthetic: invented law of Fig. 24",
     )
     curves = Curves()
     with style():
@@ -86,7 +102,7 @@ def _draw_construction(curves: Curves, ax: Axes) -> None:
         ("force", r"$-\lambda/\lambda_N$", np.zeros(2), force, INK, (6, -2)),
         ("sliding direction", r"$\gamma$", force, 0.2 * e, GREEN, (4, 4)),
         ("normal of D", r"$n_D$", foot, 0.2 * e, GREEN, (-16, 6)),
-        ("r_D", "$r_D$", np.zeros(2), foot, ORANGE, (-30, -18)),
+        ("r_D", "$r_D$", np.zeros(2), foot, ORANGE, (-10, -28)),
     ):
         arrow = draw_arrows(ax, tail[None], vector[None], color=color, zorder=5.0)
         record(curves, "b", name, [arrow])
