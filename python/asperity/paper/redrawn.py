@@ -36,7 +36,8 @@ OWN = "own parameters: the paper gives none"
 """What a figure says of its parameters unless the paper gives them."""
 
 
-_PADDING: dict[str, Any] = {"w_pad": 0.14, "h_pad": 0.08}
+# Inches beside, above and below what a figure holds.
+_SIDE, _ABOVE = 0.14, 0.08
 
 
 def panels(
@@ -49,7 +50,7 @@ def panels(
         heading(figure, number, title, parameters)
     # The default leaves labels at the edge of the image, where equal scales move them over it.
     if (engine := figure.get_layout_engine()) is not None:
-        engine.set(**_PADDING)
+        engine.set(w_pad=_SIDE, h_pad=_ABOVE)
     return figure, axes[0]
 
 
@@ -57,7 +58,7 @@ def heading(figure: Figure, number: int, title: str, parameters: str) -> None:
     """Write what a figure redraws, and where its parameters come from."""
     text = f"Fig. {number} of Walker & Leine (2019), redrawn: {title}"
     figure.suptitle(text, x=0.01, ha="left", color=INK)
-    top = 1.0 - 0.06 / figure.get_figheight()
+    top = 1.0 - (_ABOVE + 0.02) / figure.get_figheight()
     figure.text(0.99, top, parameters, ha="right", va="top", color=GREY, fontsize="small")
 
 
