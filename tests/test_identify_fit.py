@@ -369,6 +369,19 @@ def test_forces_that_no_such_sets_have_are_told():
             assert not any(defect.matters for defect in few.defects.values()), few.defects
 
 
+def test_errors_of_the_zero_are_no_defects():
+    for seed in range(12):
+        machine = VirtualTribometer(
+            FrictionLaw.isotropic(0.14),
+            normal_force=9.3,
+            turns=3,
+            turn_rate=0.5,
+            sample_rate=250.0,
+            seed=seed,
+        )
+        assert not fit_law(process(machine.record())).warnings
+
+
 def test_bands_of_noise_that_is_known():
     """The band of each parameter holds the truth about as often as it says."""
     seeds, held = 60, np.zeros(7)
