@@ -60,7 +60,7 @@ def test_a_given_normal_force_owes_nothing_to_its_channel():
     )
     data = process(given)
     covariance = np.zeros((9, 9))
-    covariance[6:, 6:] = data.calibration_covariance[6:, 6:]
+    covariance[6:, 6:] = raw.calibration.covariance[6:, 6:]
     last_row = SimpleNamespace(
         **{
             name: getattr(data, name) for name in ("phi", "force", "normal_force", "turn", "matrix")
