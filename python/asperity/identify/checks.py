@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._arrays import Array
 from asperity.identify.coordinates import Coordinate
@@ -18,10 +19,10 @@ _AT_BOUND = 1e-6
 _WIDEST_GAP = np.deg2rad(30.0)
 
 
-def at_bounds(p: Array, coordinates: Sequence[Coordinate]) -> Array:
+def at_bounds(p: Array, coordinates: Sequence[Coordinate]) -> NDArray[np.bool_]:
     """Return which coordinates ended at a bound."""
     low, high = np.array([(c.low, c.high) for c in coordinates]).reshape(-1, 2).T
-    bound: Array = (p <= low + _AT_BOUND) | (p >= high - _AT_BOUND)
+    bound: NDArray[np.bool_] = (p <= low + _AT_BOUND) | (p >= high - _AT_BOUND)
     return bound
 
 
@@ -32,7 +33,12 @@ def gaps(force: Array) -> list[tuple[float, float]]:
     """
     theta = np.sort(np.arctan2(force[:, 1], force[:, 0]))
     ends = np.append(theta, theta[:2] + 2.0 * np.pi)[2:]
-    return [(float(a), float(b)) for a, b in zip(theta, ends, strict=True) if b - a > _WIDEST_GAP]
+    arcs: list[tuple[float, float]] = []
+    for a, b in zip(theta.tolist(), ends.tolist(), strict=True):
+        if b - a > _WIDEST_GAP:
+            first = arcs.pop()[0] if arcs and a < arcs[-1][1] else a
+            arcs.append((first, b))
+    return arcs
 
 
 def warnings_of(fit: Fit) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,8 @@ _LEVEL = 0.01
 # Numbers of bins that are tried, the largest one that leaves none empty in any turn.
 _BINS = (120, 60, 36, 24)
 _HARMONICS = (0, 2, 4)
+# Errors of calibration and zeros explain a defect up to so many standard errors.
+_ERRORS = 3.5
 
 
 class Defect(NamedTuple):
@@ -46,7 +48,25 @@ def asymmetry(phi: Array, force: Array) -> Defect:
     return Defect(size, _matters(values, size, 0.01, 0.05))
 
 
-def closure(phi: Array, force: Array) -> Defect:
+def common_error(data: Any, force: Array) -> float:
+    """Return the standard error of λ_t or λ_r that all turns share, in parts of the force."""
+    calibration = getattr(data, "calibration_covariance", None)
+    zero = getattr(data, "zero_covariance", None)
+    if calibration is None and zero is None:
+        return 0.0
+    size, normal = _mean_size(force), float(np.mean(data.normal_force))
+    readings = np.linalg.solve(data.matrix, normal * np.array([size, 0.0, 1.0]))
+    variance = np.zeros(2)
+    for row in range(2):
+        part = slice(3 * row, 3 * row + 3)
+        if calibration is not None:
+            variance[row] += readings @ calibration[part, part] @ readings
+        if zero is not None:
+            variance[row] += data.matrix[row] @ zero @ data.matrix[row]
+    return float(np.sqrt(variance.max()) / (size * normal))
+
+
+def closure(phi: Array, force: Array, error: float = 0.0) -> Defect:
     """Return r_D(2π)/r_D(0) = exp ∮ l_p/l_t dφ, which is 1 where a direction set exists.
 
     Reference: [WL19] (125).
@@ -57,11 +77,15 @@ def closure(phi: Array, force: Array) -> Defect:
     if along.min() <= 0.0:
         along, across = along.mean(axis=0, keepdims=True), across.mean(axis=0, keepdims=True)
     logarithm = 2.0 * np.pi * (across / along).mean(axis=1)
-    mean = float(logarithm.mean())
-    return Defect(float(np.exp(mean)), _matters(logarithm[:, None], abs(mean), 0.03, 0.2))
+    mean, far = float(logarithm.mean()), 2.0 * np.pi * _ERRORS * error
+    return Defect(
+        float(np.exp(mean)), _matters(logarithm[:, None], abs(mean), 0.03 + far, 0.2 + far)
+    )
 
 
-def lack_of_fit(phi: Array, force: Array, model: Callable[[Array], Array]) -> Defect:
+def lack_of_fit(
+    phi: Array, force: Array, model: Callable[[Array], Array], error: float = 0.0
+) -> Defect:
     """Return the mean distance of the model from mean forces, in parts of the force.
 
     It matters where means of all turns are farther off than the scatter of turns explains.
@@ -69,12 +93,12 @@ def lack_of_fit(phi: Array, force: Array, model: Callable[[Array], Array]) -> De
     left = force - model(phi.ravel()).reshape(force.shape)
     mean = left.mean(axis=0)
     size = float(np.sqrt((mean**2).sum(axis=-1).mean()) / _mean_size(force))
-    turns = len(phi)
+    turns, far = len(phi), _ERRORS * error
     if turns < 2:
-        return Defect(size, size > 0.05)
+        return Defect(size, size > 0.05 + far)
     within = float(((left - mean) ** 2).sum() / (turns - 1))
     beyond = turns * float((mean**2).sum()) > 3.0 * within
-    return Defect(size, size > 0.005 and (beyond or size > 0.05))
+    return Defect(size, size > 0.005 + far and (beyond or size > 0.05 + far))
 
 
 def _mean_size(force: Array) -> float:

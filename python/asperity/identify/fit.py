@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from asperity import _arrays
 from asperity._arrays import Array
@@ -187,7 +187,7 @@ class Fit:
         return warnings_of(self)
 
     @cached_property
-    def at_bounds(self) -> Array:
+    def at_bounds(self) -> NDArray[np.bool_]:
         """Which coordinates ended at a bound of their model, in the order of the parameters."""
         return at_bounds(self.coordinates, self._family.coordinates)
 
@@ -203,10 +203,11 @@ class Fit:
         means = defects.means_of(self._grouped(self._samples, groups))
         if means is None:
             return {}
+        error = defects.common_error(self._data, means[1])
         return {
             "asymmetry": defects.asymmetry(*means),
-            "closure": defects.closure(*means),
-            "lack of fit": defects.lack_of_fit(*means, self.forces),
+            "closure": defects.closure(*means, error),
+            "lack of fit": defects.lack_of_fit(*means, self.forces, error),
         }
 
     @cached_property

@@ -39,12 +39,12 @@ def without_outliers(samples: Samples) -> Samples:
     ends = np.cumsum(samples.runs[:, 1] - samples.runs[:, 0])
     last = np.cumsum(kept)[ends - 1]
     runs = np.stack([np.append(0, last[:-1]), last, samples.runs[:, 2]], axis=-1)
-    rows = all_of[kept]
+    near = all_of[kept]
     return replace(
         samples,
-        phi=samples.phi[rows],
-        force=samples.force[rows],
-        normal=samples.normal[rows],
+        phi=samples.phi[near],
+        force=samples.force[near],
+        normal=samples.normal[near],
         runs=runs,
     )
 
