@@ -62,7 +62,11 @@ class Result:
             ("recording", f"{self.source}, {len(track)} frames at {track.fps:g} 1/s (stated)"),
             ("frames", track.summary()),
             ("diameter of the mark", f"{1e3 * np.nanmedian(track.diameter):.4g} mm"),
-            ("standard error of a centre", f"{1e6 * error[0]:.2g}, {1e6 * error[1]:.2g} µm"),
+            (
+                "standard error of a centre",
+                f"{1e6 * error[0]:.2g}, {1e6 * error[1]:.2g} µm "
+                "(of the outline; those of the scene come on top)",
+            ),
             ("motion", f"{path.section[0]:.4f} to {path.section[1]:.4f} s"),
             ("position at its onset", f"{1e3 * x0[0]:.3f}, {1e3 * x0[1]:.3f} mm"),
             ("velocity at its onset", _first_velocity(path)),

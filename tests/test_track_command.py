@@ -1,0 +1,279 @@
+"""The command ``asperity track``: folders, videos, configurations, results."""
+
+import re
+import shutil
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import ParameterError, cli
+from asperity.track import VideoFile, VirtualCamera, read_config, track_mark, write_video
+
+# Table 1 of [WL19]; the scale of the direction set is free.
+LAW = asp.FrictionLaw(
+    asp.Superellipse(4.99 / 9.3, 4.25 / 9.3, 2.94), asp.Superellipse(1.84, 1.19, 2.51)
+)
+ANGLE = np.deg2rad(32.0)
+RUN = asp.simulate(
+    asp.SlidingPoint(0.018, LAW),
+    dt=1e-4,
+    t_end=1.0,
+    u0=[1.52 * np.cos(ANGLE), 1.52 * np.sin(ANGLE)],
+    until_rest=True,
+)
+SMALL = {"size": (640, 540), "fps": 250.0}
+CONFIG = """
+fps = 500.0
+bandwidth = 0.03
+[mark]
+colour = "red"
+diameter = 0.01
+[scene]
+metres_per_pixel = 2e-4
+origin = [10, 20]
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A film of the run as images, with its configuration."""
+    out = tmp_path_factory.mktemp("film") / "new" / "frames"
+    VirtualCamera(RUN, tilt=0.2, **SMALL).write(out)
+    return out
+
+
+def test_the_command_writes_tables_figures_and_report(folder, tmp_path, capsys):
+    out = tmp_path / "new" / "out"
+    code = cli.main(
+        ["track", str(folder), "--config", str(folder / "track.toml"), "--out", str(out)]
+    )
+    assert code == 0
+    assert sorted(file.name for file in out.iterdir()) == [
+        "frames.csv",
+        "motion.png",
+        "overlay.png",
+        "path.csv",
+        "report.html",
+    ]
+    told = capsys.readouterr().out
+    end = [float(x) for x in re.search(r"end point +(\S+), (\S+) mm", told).groups()]
+    assert end == pytest.approx(1e3 * RUN.q[-1], abs=0.2)
+    table = np.loadtxt(out / "path.csv", delimiter=",", skiprows=1)
+    assert 1e3 * table[-1, 1:3] == pytest.approx(1e3 * RUN.q[-1], abs=0.2)
+    report = (out / "report.html").read_text()
+    assert report.count("data:image/png;base64,") == 2
+    assert "end point" in report
+    assert "http" not in report.replace("<!doctype html>", "")
+
+
+def test_a_film_that_loses_the_mark_exits_with_1(folder, tmp_path, capsys):
+    images = sorted(folder.glob("*.png"))
+    film = tmp_path / "film"
+    film.mkdir()
+    for number in range(20):
+        shutil.copy(images[min(number, 11)], film / f"{number}.png")
+    from PIL import Image
+
+    for number in range(12, 20):
+        Image.new("RGB", (640, 540), (120, 120, 120)).save(film / f"{number}.png")
+    arguments = ["track", str(film), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 1
+    told = capsys.readouterr().out
+    assert "12 good, 8 lost" in told
+    assert "frames 12-19" in told
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("file", "must name a folder"), ("file/out", "must name a folder"), ("out", "report.html")],
+)
+def test_folders_to_write_into_are_checked_first(name, message, folder, tmp_path, capsys):
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "out" / "report.html").mkdir(parents=True)
+    arguments = ["track", str(folder), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / name)]) == 2
+    told = capsys.readouterr().err.strip()
+    assert re.fullmatch(f"asperity: --out: .*{message}.*", told)
+    assert (tmp_path / "file").read_text() == "mine"
+    assert [one.name for one in (tmp_path / "out").iterdir()] == ["report.html"]
+
+
+def test_half_a_result_is_none(folder, tmp_path, capsys, monkeypatch):
+    def fails(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("asperity.track_video._report", fails)
+    arguments = ["track", str(folder), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert "No space left" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_film_that_ends_in_motion_exits_with_1(folder, tmp_path, capsys):
+    film = tmp_path / "film"
+    film.mkdir()
+    for number, image in enumerate(sorted(folder.glob("*.png"))[:15]):
+        shutil.copy(image, film / f"{number}.png")
+    config = tmp_path / "track.toml"
+    config.write_text("start = 0.004\nstop = 0.05\n" + (folder / "track.toml").read_text())
+    arguments = ["track", str(film), "--config", str(config), "--out", str(tmp_path / "out")]
+    assert cli.main(arguments) == 1
+    told = capsys.readouterr().out
+    assert "does not come to rest in view" in told
+    assert re.search(r"motion +0.0040 to 0.0500 s", told)
+    config.write_text("bandwidth = 1e300\n" + (folder / "track.toml").read_text())
+    assert cli.main(arguments) == 2
+    assert "track.toml: bandwidth: must be between" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda text: text.replace("fps = 500.0", ""), "track.toml: must state fps"),
+        (lambda text: text.replace("500.0", "-1"), "track.toml: fps: must be positive"),
+        (lambda text: text.replace("500.0", '"fast"'), "track.toml: fps: must hold real numbers"),
+        (lambda text: text.replace("bandwidth", "bandwith"), "unknown key 'bandwith'"),
+        (lambda text: text.replace("diameter", "radius"), r"\[mark\].* unknown key 'radius'"),
+        (lambda text: text.replace('"red"', '"pink"'), "track.toml: colour: must be"),
+        (lambda text: text.replace("metres", "miles"), r"\[scene\].* unknown key"),
+        (lambda text: text.split("[scene]")[0], "must have .scene"),
+        (lambda text: text.replace("[10, 20]", "[10]"), "origin: must have shape"),
+        (lambda text: text.replace("[mark]", "[mark"), "is no TOML file"),
+        (lambda text: "\ufeff".join(text), "is no TOML file"),
+        (
+            lambda text: (
+                text.split("metres")[0] + "pixels = [[0, 0], [1, 0], [0, 1]]\n"
+                "plane = [[0, 0], [1, 0], [0, 1]]"
+            ),
+            "pixels: must hold at least 4",
+        ),
+    ],
+)
+def test_bad_configurations_are_one_line(change, message, tmp_path, capsys, folder):
+    config, out = tmp_path / "track.toml", tmp_path / "out"
+    config.write_text(change(CONFIG), encoding="utf-8")
+    assert cli.main(["track", str(folder), "--config", str(config), "--out", str(out)]) == 2
+    told = capsys.readouterr().err.strip()
+    assert re.search(message, told)
+    assert "\n" not in told
+    assert not out.exists()
+
+
+def test_binary_configurations_and_missing_ones(tmp_path, capsys, folder):
+    config = tmp_path / "track.toml"
+    config.write_bytes(b"\xff\xfe\x00fps")
+    for path in (config, tmp_path / "none.toml"):
+        arguments = ["track", str(folder), "--config", str(path), "--out", str(tmp_path / "out")]
+        assert cli.main(arguments) == 2
+        assert path.name in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("contents", "message"),
+    [(b"", "slow.mp4: is empty"), (b"hello\nworld", "slow.mp4: is no video .* text")],
+)
+def test_files_that_are_no_video_need_no_pyav(
+    contents, message, tmp_path, folder, capsys, monkeypatch
+):
+    monkeypatch.setitem(__import__("sys").modules, "av", None)
+    (tmp_path / "slow.mp4").write_bytes(contents)
+    arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert re.search(message, capsys.readouterr().err)
+
+
+def test_configurations_that_cannot_be_read_say_what_to_do(tmp_path):
+    for path, message in (
+        (tmp_path, "is a folder"),
+        (tmp_path / "none.toml", "is missing"),
+        (tmp_path / "wide.toml", "save it as UTF-8"),
+        (tmp_path / "flag.toml", "flag.toml: fps: must not be true"),
+    ):
+        (tmp_path / "wide.toml").write_bytes(CONFIG.encode("utf-16"))
+        (tmp_path / "flag.toml").write_text(CONFIG.replace("500.0", "true"))
+        with pytest.raises(ParameterError, match=message):
+            read_config(path)
+
+
+def damaged(folder, kind):
+    """Return a folder of frames that cannot be tracked."""
+    images = sorted(folder.parent.glob("frames/*.png"))[:4]
+    film = folder.parent / kind
+    film.mkdir()
+    for number, image in enumerate(images):
+        shutil.copy(image, film / f"f{number}.png")
+    if kind == "empty":
+        for image in film.iterdir():
+            image.unlink()
+    elif kind == "text":
+        (film / "f2.png").write_text("no image")
+    elif kind == "half":
+        (film / "f2.png").write_bytes(images[2].read_bytes()[:5000])
+    elif kind == "gap":
+        (film / "f2.png").unlink()
+    elif kind == "twice":
+        shutil.copy(images[0], film / "g2.png")
+    elif kind == "unnumbered":
+        shutil.copy(images[0], film / "last.png")
+    elif kind == "size":
+        from PIL import Image
+
+        Image.new("RGB", (64, 54)).save(film / "f3.png")
+    return film
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        ("empty", "must hold images"),
+        ("text", "f2.png: is no image"),
+        ("half", "f2.png: is no image"),
+        ("gap", "image 2 is missing after f1.png"),
+        ("twice", "2.png: has the number of .2.png"),
+        ("unnumbered", "last.png: has no number"),
+        ("size", "f3.png: has 64 x 54 pixels"),
+        ("short", "too short"),
+    ],
+)
+def test_bad_folders_are_one_line(kind, message, folder, tmp_path, capsys):
+    film, out = damaged(folder, kind), tmp_path / "out"
+    code = cli.main(["track", str(film), "--config", str(folder / "track.toml"), "--out", str(out)])
+    told = capsys.readouterr().err.strip().splitlines()[-1]
+    assert code == 2
+    assert re.search(message, told)
+    assert not out.exists()
+
+
+def test_videos(tmp_path, folder, capsys):
+    pytest.importorskip("av", reason="PyAV, the extra video, is not installed")
+    camera = VirtualCamera(RUN, noise=1.0, **{**SMALL, "fps": 100.0})
+    write_video(camera.frames(), tmp_path / "slow.mp4", quality=10)
+    video = VideoFile(tmp_path / "slow.mp4")
+    assert len(video) == len(camera)
+    track = track_mark(video, fps=100.0, scene=camera.view, mark=camera.mark)
+    # Colours are stored for 2 x 2 pixels together.
+    assert np.abs(track.pixel - camera.pixel).max() < 0.2
+    for frame in video:
+        whole = frame.crop(slice(None), slice(None))
+        for rows, columns in (
+            ((101, 223), (33, 170)),
+            ((0, 57), (0, 101)),
+            ((501, 540), (600, 640)),
+        ):
+            part = slice(*rows), slice(*columns)
+            assert np.array_equal(frame.crop(*part), whole[part])
+        break
+    (tmp_path / "text.mp4").write_text("no video")
+    (tmp_path / "cut.mp4").write_bytes((tmp_path / "slow.mp4").read_bytes()[:3000])
+    for name in ("text.mp4", "cut.mp4"):
+        arguments = ["track", str(tmp_path / name), "--config", str(folder / "track.toml")]
+        assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+        assert f"{name}: is no video" in capsys.readouterr().err
+
+
+def test_videos_without_pyav_say_what_to_install(tmp_path, folder, capsys, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "av", None)
+    (tmp_path / "slow.mp4").write_bytes(b"\0\0\0\x18ftypmp42")
+    arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
+    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert "pip install 'asperity[video]'" in capsys.readouterr().err
