@@ -230,6 +230,15 @@ def test_failures_hold_the_part_before():
     assert error.value.trajectory.t[-1] <= 0.1
 
 
+@pytest.fixture
+def _interrupts():
+    """Ctrl-C raises, also where a shell has started the tests with the signal ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("_interrupts")
 def test_a_long_run_is_interrupted_and_reports():
     seen = []
     system = asp.LinearSystem(1.0, stiffness=1e6)

@@ -1,4 +1,4 @@
-"""Set-valued anisotropic dry friction: laws, contact solvers, Moreau time stepping.
+"""Set-valued anisotropic dry friction: laws, solvers, motions, stability, identification.
 
 Theory: S. V. Walker, R. I. Leine, *Set-valued anisotropic dry friction laws: formulation,
 experimental verification and instability phenomenon*, Nonlinear Dynamics (2019), cited as [WL19].

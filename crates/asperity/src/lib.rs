@@ -5,7 +5,7 @@
 //! `γ ∈ N_D(−αλ)`. A [`ContactProblem`](contact::ContactProblem) is plain data (Delassus operator, free
 //! velocities, laws); a [`Solver`](solver::Solver) returns percussions with a residual that no solver
 //! computes for itself; [`simulate`](simulate::simulate) drives a [`System`](system::System) through
-//! Moreau's midpoint scheme.
+//! Moreau's midpoint scheme, [`event::integrate`] from event to event.
 //!
 //! ```
 //! use asperity::law::FrictionLaw;
