@@ -151,7 +151,8 @@ def test_data_of_a_redrawn_figure_are_what_is_drawn(redrawn, number, tmp_path):
     # Bars of colours have no title.
     panels = {title[1]: ax for title, ax in titled.items() if title}
     computed = {panel for panel in panels if (number, panel) not in SCHEMATIC}
-    assert {panel for panel, _ in found} == computed
+    # The sketches of Figs. 20 and 21 have no panels; their tables hold what is labelled.
+    assert {panel for panel, _ in found} == ({"a"} if number in (20, 21) else computed)
     for panel in computed:
         points, arrows = drawn_in(panels[panel])
         lines = {
@@ -168,8 +169,8 @@ def test_a_redrawn_figure_says_where_its_parameters_come_from(redrawn, number):
     heading, caption = redrawn[number].figure.texts
     assert heading.get_text().startswith(f"Fig. {number} ")
     given = {10: "parameters of the paper"} | dict.fromkeys((15, 16, 17), "parameters of §4.3")
-    given |= {18: "synthetic data: virtual camera", 19: "simulated disk on three pads"}
-    given |= {20: "not to scale", 21: "not to scale", 22: "law of Fig. 24"}
+    given |= {18: "synthetic data: virtual camera", 19: "synthetic: simulated disk"}
+    given |= {20: "not to scale", 21: "not to scale", 22: "synthetic: invented law"}
     given |= dict.fromkeys((23, 24, 25, 26, 27), "synthetic data: virtual tribometer")
     assert caption.get_text().startswith(given.get(number, "own parameters"))
 
