@@ -8,6 +8,7 @@ centres, too. Run `python benches/python_tracking.py`.
 import os
 import tempfile
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 # Before NumPy: its threads would count as well.
@@ -55,9 +56,7 @@ def main() -> None:
         camera = VirtualCamera(run(), fps=200.0, tilt=0.2, mark=Mark(diameter=diameter))
         frames = list(camera.frames())
         print(row(f"{name}, in memory", camera, frames))
-        try:
-            import av  # noqa: F401
-        except ImportError:
+        if not find_spec("av"):
             print("videos: PyAV is not installed (pip install 'asperity[video]')")
             continue
         with tempfile.TemporaryDirectory() as folder:

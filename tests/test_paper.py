@@ -11,7 +11,7 @@ mpl.use("Agg")
 
 from asperity.paper import convexity, fig17, fig27, nonassociated, redraw, table1
 from asperity.paper.checks import Check, table
-from asperity.paper.data import write_csv
+from asperity.paper.data import write_columns
 from asperity.paper.statements import (
     never_positive,
     proposition_1,
@@ -144,7 +144,7 @@ def tabulated(path):
 def test_data_of_a_redrawn_figure_are_what_is_drawn(redrawn, number, tmp_path):
     """Every point of a line and every arrow is in the file, and nothing else is."""
     figure, curves = redrawn[number].figure, redrawn[number].curves
-    write_csv(tmp_path / "data.csv", curves.columns())
+    write_columns(tmp_path / "data.csv", curves.columns())
     header, found = tabulated(tmp_path / "data.csv")
     assert header == ["panel", "curve", "x", "y", *(["z"] if number == 2 else []), "dx", "dy"]
     titled = {ax.get_title("left") or ax.get_title(): ax for ax in figure.axes}

@@ -16,20 +16,8 @@ from asperity.track import (
     read_config,
     track_mark,
 )
-
-# Table 1 of [WL19]; the scale of the direction set is free.
-LAW = asp.FrictionLaw(
-    asp.Superellipse(4.99 / 9.3, 4.25 / 9.3, 2.94), asp.Superellipse(1.84, 1.19, 2.51)
-)
-ANGLE = np.deg2rad(32.0)
-RUN = asp.simulate(
-    asp.SlidingPoint(0.018, LAW),
-    dt=1e-4,
-    t_end=1.0,
-    u0=[1.52 * np.cos(ANGLE), 1.52 * np.sin(ANGLE)],
-    until_rest=True,
-)
-SMALL = {"size": (640, 540), "fps": 250.0}
+from filmed import RUN, SMALL
+from table_1 import TABLE_1
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +81,7 @@ def test_frames_are_the_same_every_time():
 
 
 def test_the_camera_shows_what_its_scene_says():
-    run = asp.simulate(asp.SlidingPoint(1.0, LAW), dt=1e-3, t_end=0.01, q0=[0.02, 0.01])
+    run = asp.simulate(asp.SlidingPoint(1.0, TABLE_1), dt=1e-3, t_end=0.01, q0=[0.02, 0.01])
     scene = Scene.from_scale(5e-4, origin=(30.0, 80.0))
     camera = VirtualCamera(
         run, fps=100.0, size=(120, 100), scene=scene, noise=0.0, mark=Mark(diameter=0.012)

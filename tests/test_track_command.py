@@ -3,25 +3,12 @@
 import re
 import shutil
 
-import asperity as asp
 import numpy as np
 import pytest
 from asperity import ParameterError, cli
 from asperity.track import VideoFile, VirtualCamera, read_config, track_mark, write_video
+from filmed import RUN, SMALL
 
-# Table 1 of [WL19]; the scale of the direction set is free.
-LAW = asp.FrictionLaw(
-    asp.Superellipse(4.99 / 9.3, 4.25 / 9.3, 2.94), asp.Superellipse(1.84, 1.19, 2.51)
-)
-ANGLE = np.deg2rad(32.0)
-RUN = asp.simulate(
-    asp.SlidingPoint(0.018, LAW),
-    dt=1e-4,
-    t_end=1.0,
-    u0=[1.52 * np.cos(ANGLE), 1.52 * np.sin(ANGLE)],
-    until_rest=True,
-)
-SMALL = {"size": (640, 540), "fps": 250.0}
 CONFIG = """
 fps = 500.0
 bandwidth = 0.03

@@ -1,13 +1,18 @@
-"""Atomic writing: a file is either complete or not there."""
+"""Results on disk: a file, or the files of a folder, are complete or not there."""
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 import secrets
-from collections.abc import Iterator
-from contextlib import contextmanager
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
+
+from asperity.errors import ParameterError
 
 
 @contextmanager
@@ -23,3 +28,50 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
         os.replace(temporary, target)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def write_csv(
+    path: str | os.PathLike[str], header: Iterable[str], rows: Iterable[Iterable[object]]
+) -> None:
+    """Write a table; the file is complete or not there."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    with atomic(path) as file:
+        file.write(text.getvalue().encode())
+
+
+def check_folder(out: Path, names: Sequence[str]) -> None:
+    """Refuse a folder that cannot take files of these names, before anything is worked out.
+
+    Raises:
+        ParameterError: if it, or a folder above it, is a file or cannot be written into, or holds a
+            folder of one of the names.
+    """
+    place = next(one for one in (out, *out.absolute().parents) if one.exists())
+    if not place.is_dir():
+        raise ParameterError("--out", f"must name a folder, {place} is a file")
+    if not os.access(place, os.W_OK | os.X_OK):
+        raise ParameterError("--out", f"must be a folder to write into, {place} does not allow it")
+    for name in names:
+        if (out / name).is_dir():
+            raise ParameterError("--out", f"must hold no folder of the name {name}: remove it")
+
+
+@contextmanager
+def all_or_none(out: Path, names: Sequence[str]) -> Iterator[Path]:
+    """Yield a temporary folder, whose files replace those in `out` once all are complete."""
+    made = [place for place in (out, *out.parents) if not place.exists()]
+    out.mkdir(parents=True, exist_ok=True)
+    try:
+        # Inside `out`: renaming works on one file system only.
+        with tempfile.TemporaryDirectory(dir=out, prefix=".asperity-") as folder:
+            yield Path(folder)
+            for name in names:
+                Path(folder, name).replace(out / name)
+    except BaseException:
+        for place in made:
+            with suppress(OSError):
+                place.rmdir()
+        raise

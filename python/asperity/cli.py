@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asperity import __version__, _arrays
+from asperity._files import write_csv
 from asperity.errors import AsperityError
 from asperity.solvers import NAMES, named
 
@@ -207,7 +208,7 @@ def _solve(options: argparse.Namespace) -> int:
     total = len(rows) + len(unreadable)
     print(f"solved {solved} of {total} to {options.tolerance:g}, {seconds:.3g} s in all")
     if options.csv is not None:
-        solve_files.write_csv(rows, options.csv)
+        write_csv(options.csv, solve_files.COLUMNS, (row.cells() for row in rows))
     return SUCCESS if solved == total else CHECK_FAILED
 
 

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import os
-import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity._arrays import Array, unit_vectors
-from asperity._files import atomic
+from asperity._files import all_or_none, check_folder, write_csv
 from asperity._progress import stages
-from asperity.errors import FitError, RecordError
+from asperity.errors import FitError
 from asperity.identify import Averaged, Configuration, Fit, MeasuredSets, ProcessedData, fit_law
 from asperity.identify.files import blaming
 
@@ -135,10 +130,11 @@ def identify(
         confidence: of the bands.
 
     Raises:
-        RecordError: if a file, the configuration or the folder cannot be used.
+        RecordError: if a file or the configuration cannot be used.
+        ParameterError: if an option or the folder cannot be used.
         FitError: if nothing fits, or the fitted D is not convex.
     """
-    _check_folder(out)
+    check_folder(out, FILES)
     with stages(_STAGES) as announce:
         announce("reading")
         configuration = Configuration.load(config)
@@ -180,47 +176,15 @@ def _figures(fit: Fit) -> dict[str, Figure]:
 def _write(found: Identification, figures: Mapping[str, Figure], out: Path, *, title: str) -> None:
     from asperity.plot import save_figure
 
-    with _all_or_none(out) as folder:
+    with all_or_none(out, FILES) as folder:
         for name, figure in figures.items():
             save_figure(figure, folder / name)
         header = ("parameter", "estimate", "low", "high", "standard_error", "identifiable")
-        _write_csv(folder / "parameters.csv", header, _parameters(found.fit))
-        _write_csv(folder / "directions.csv", _DIRECTION_COLUMNS, _directions(found).tolist())
-        _write_csv(folder / "turns.csv", _TURN_COLUMNS, _turns(found))
-        _write_csv(folder / "models.csv", _MODEL_COLUMNS, _models(found.fit))
+        write_csv(folder / "parameters.csv", header, _parameters(found.fit))
+        write_csv(folder / "directions.csv", _DIRECTION_COLUMNS, _directions(found).tolist())
+        write_csv(folder / "turns.csv", _TURN_COLUMNS, _turns(found))
+        write_csv(folder / "models.csv", _MODEL_COLUMNS, _models(found.fit))
         found.fit.report(folder / "report.html", title=f"Friction law of {title}")
-
-
-def _check_folder(out: Path) -> None:
-    """Refuse a folder that cannot take the files, before anything is worked out."""
-    for place in (out, *out.parents):
-        if place.exists():
-            if not place.is_dir():
-                raise RecordError(str(place), "is a file: --out must name a folder")
-            if not os.access(place, os.W_OK | os.X_OK):
-                raise RecordError(str(place), "does not allow writing: give another --out")
-            break
-    for name in FILES:
-        if (out / name).is_dir():
-            raise RecordError(str(out / name), "is a folder where a file is to be written")
-
-
-@contextmanager
-def _all_or_none(out: Path) -> Iterator[Path]:
-    """Give a folder beside the results, whose files replace older ones once all are complete."""
-    made = [place for place in (out, *out.parents) if not place.exists()]
-    out.mkdir(parents=True, exist_ok=True)
-    try:
-        # Inside `out`: renaming works on one file system only.
-        with tempfile.TemporaryDirectory(dir=out, prefix=".identify-") as folder:
-            yield Path(folder)
-            for name in FILES:
-                Path(folder, name).replace(out / name)
-    except BaseException:
-        for place in made:
-            with suppress(OSError):
-                place.rmdir()
-        raise
 
 
 def _parameters(fit: Fit) -> list[tuple[str, float, float, float, float, bool]]:
@@ -322,12 +286,3 @@ def _turns(found: Identification) -> list[tuple[object, ...]]:
         for turn, (mean, offset) in enumerate(zip(level, average.offset, strict=True)):
             rows.append((channel, turn, mean, *band, offset, average.drift))
     return rows
-
-
-def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    with atomic(path) as file:
-        file.write(text.getvalue().encode())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -13,10 +12,9 @@ from asperity.errors import (
     ConvergenceError,
     NoSolutionError,
     ParameterError,
-    SimulationInterrupted,
 )
 from asperity.motion import Event, Motion, Section
-from asperity.simulate import Model, initial_state
+from asperity.simulate import Model, initial_state, raise_with
 from asperity.status import Outcome, Status
 
 _ENDS = {
@@ -126,21 +124,11 @@ def integrate(
     ]
     motion = Motion(**run, events=events, status=_ENDS.get(ended, Outcome.FAILED))
     if exception is not None:
-        _raise(exception, motion)
+        time = motion.t[-1] if len(motion) else 0.0
+        raise_with(exception, motion, f"after t = {time:.9g} s")
     if ended in _FAILURES:
         raise _failure(ended, contact, motion)
     return motion
-
-
-def _raise(exception: BaseException, motion: Motion) -> None:
-    """Raise what stopped the run from outside: Ctrl-C or an exception in the user's code."""
-    if isinstance(exception, KeyboardInterrupt):
-        raise SimulationInterrupted(motion) from exception
-    with suppress(AttributeError):  # an exception of the user's may refuse new attributes
-        exception.trajectory = motion  # type: ignore[attr-defined]
-    time = motion.t[-1] if len(motion) else 0.0
-    exception.add_note(f"asperity: raised after t = {time:.9g} s")
-    raise exception
 
 
 def _failure(ended: str, contact: Any, motion: Motion) -> ConvergenceError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +23,9 @@ from asperity.solvers import Solver, chosen
 from asperity.status import Status
 from asperity.system.rigid import RigidBodies
 from asperity.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from asperity.motion import Motion
 
 Progress = Callable[[int, int], object]
 
@@ -121,7 +124,10 @@ def simulate(
     failure = run.pop("failure")
     trajectory = Trajectory(dt=dt, **run)
     if exception is not None:
-        _raise(exception, trajectory)
+        if isinstance(exception, DivergenceError):
+            raise DivergenceError(exception.message, trajectory)
+        time = trajectory.steps * trajectory.dt
+        raise_with(exception, trajectory, f"in step {trajectory.steps + 1}, after t = {time:.9g} s")
     if failure is not None and on_failure == "raise":
         raise _failure(failure, trajectory)
     return trajectory
@@ -159,18 +165,16 @@ def _reporter(
     return nullcontext(progress)
 
 
-def _raise(exception: BaseException, trajectory: Trajectory) -> None:
-    """Raise what stopped the run from outside: Ctrl-C or an exception in the user's code."""
+def raise_with(exception: BaseException, part: Trajectory | Motion, when: str) -> NoReturn:
+    """Raise what stopped a run from outside, Ctrl-C or an exception in the user's code.
+
+    It holds the part before as ``trajectory``.
+    """
     if isinstance(exception, KeyboardInterrupt):
-        raise SimulationInterrupted(trajectory) from exception
-    if isinstance(exception, DivergenceError):
-        raise DivergenceError(exception.message, trajectory)
+        raise SimulationInterrupted(part) from exception
     with suppress(AttributeError):  # an exception of the user's may refuse new attributes
-        exception.trajectory = trajectory  # type: ignore[attr-defined]
-    exception.add_note(
-        f"asperity: raised in step {trajectory.steps + 1}, "
-        f"after t = {trajectory.steps * trajectory.dt:.9g} s"
-    )
+        exception.trajectory = part  # type: ignore[attr-defined]
+    exception.add_note(f"asperity: raised {when}")
     raise exception
 
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from asperity._files import atomic
 from asperity.contact import ContactProblem, ContactSolution, Stage
 from asperity.contact.files import SUFFIXES
 from asperity.errors import AsperityError, ParameterError
@@ -120,14 +117,6 @@ def line(cells: Sequence[str], width: int) -> str:
         f"{name:<{width}} {contacts:>8} {status:<14} {iterations:>10} {factorizations:>14} "
         f"{residual:>8} {seconds:>9}  {stages}"
     ).rstrip()
-
-
-def write_csv(rows: Sequence[Row], path: Path) -> None:
-    """Write the table."""
-    text = io.StringIO(newline="")
-    csv.writer(text).writerows([COLUMNS, *(row.cells() for row in rows)])
-    with atomic(path) as file:
-        file.write(text.getvalue().encode())
 
 
 def _stage(stage: Stage) -> str:

@@ -5,17 +5,18 @@ from __future__ import annotations
 import base64
 import html
 import io
-import os
-import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity._files import all_or_none, check_folder
+from asperity._progress import bar
 from asperity.errors import ParameterError
 from asperity.track import MeasuredPath, Sight, Track, TrackConfig, read_config, track_mark
 from asperity.track.frames import Frame, Frames, Pixels, open_frames
@@ -109,7 +110,7 @@ def run(video: Path, config: Path, out: Path) -> Result:
     Raises:
         ParameterError: naming the file or argument and what is wrong with it.
     """
-    _check_out(out)
+    check_folder(out, _FILES)
     settings = read_config(config)
     frames = _Watched(open_frames(video))
     with _bar(len(frames)) as move:
@@ -126,40 +127,13 @@ def run(video: Path, config: Path, out: Path) -> Result:
         raise ParameterError(str(video), f"is too short a recording: {error}") from None
     result = Result(str(video), settings, track, path, frames.last)
     overlay, motion = _overlay(result), _motion(path)
-    with _folder(out) as folder:
+    with all_or_none(out, _FILES) as folder:
         path.to_csv(folder / "path.csv")
         track.to_csv(folder / "frames.csv")
         (folder / "overlay.png").write_bytes(overlay)
         (folder / "motion.png").write_bytes(motion)
         (folder / "report.html").write_text(_report(result, overlay, motion), encoding="utf-8")
     return result
-
-
-def _check_out(out: Path) -> None:
-    """Find out before the frames are tracked whether the results can be written."""
-    base = _existing(out)
-    if not base.is_dir():
-        raise ParameterError("--out", f"must name a folder, {base} is a file")
-    if not os.access(base, os.W_OK | os.X_OK):
-        raise ParameterError("--out", f"must be a folder to write into, {base} does not allow it")
-    for name in _FILES:
-        if (out / name).is_dir():
-            raise ParameterError("--out", f"must hold no folder of the name {name}: remove it")
-
-
-def _existing(out: Path) -> Path:
-    """Return the folder, or the nearest one above that there is."""
-    return next(one for one in (out, *out.absolute().parents) if one.exists())
-
-
-@contextmanager
-def _folder(out: Path) -> Iterator[Path]:
-    """Yield a temporary folder, whose files are moved to `out` when all are complete."""
-    with tempfile.TemporaryDirectory(prefix=".asperity-", dir=_existing(out)) as name:
-        yield Path(name)
-        out.mkdir(parents=True, exist_ok=True)
-        for file in _FILES:
-            os.replace(Path(name) / file, out / file)
 
 
 class _Watched:
@@ -186,13 +160,7 @@ class _Watched:
 
 
 def _bar(frames: int) -> AbstractContextManager[Callable[[int, int], object] | None]:
-    from asperity._progress import bar
-
-    try:
-        import tqdm  # noqa: F401
-    except ImportError:
-        return nullcontext(None)
-    return bar(frames)
+    return bar(frames) if find_spec("tqdm") else nullcontext()
 
 
 def _overlay(result: Result) -> bytes:

@@ -52,6 +52,20 @@ class Roundness(NamedTuple):
     offset: Array
 
 
+class CurveModel(Value):
+    """A family of closed curves with coordinates p, the last one an angle where there is one."""
+
+    coordinates: tuple[Coordinate, ...]
+
+    def roundness(self) -> Roundness | None:
+        """Return what vanishes where the angle, the last coordinate, has no meaning."""
+        return None
+
+    def folded(self, p: Array) -> Array:
+        """Return the coordinates of the same set with the angle within ±45°."""
+        return p
+
+
 class Estimate(Value):
     """A parameter with its band.
 

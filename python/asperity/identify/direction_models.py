@@ -12,9 +12,8 @@ import numpy as np
 
 from asperity import _arrays
 from asperity._arrays import Array
-from asperity._value import Value
 from asperity.errors import FitError
-from asperity.identify.coordinates import SHARPEST, TINY, Coordinate, Roundness, Scale
+from asperity.identify.coordinates import SHARPEST, TINY, Coordinate, CurveModel, Roundness, Scale
 from asperity.identify.harmonics import harmonics_of, least_squares, series
 from asperity.identify.reservoir_models import START_ANGLES, around, ellipse_through
 from asperity.sets import Disk, Ellipse, StarSet, Superellipse, SupportCurve
@@ -26,10 +25,8 @@ _LOWEST_EXPONENT = 1.02
 _LARGEST_LOG = 300.0
 
 
-class DirectionModel(Value, ABC):
+class DirectionModel(CurveModel, ABC):
     """A family of sets D, of any scale, with coordinates p."""
-
-    coordinates: tuple[Coordinate, ...]
 
     @abstractmethod
     def force_direction(self, c: Array, s: Array, p: Array) -> tuple[Array, Array, Array]:
@@ -42,14 +39,6 @@ class DirectionModel(Value, ABC):
     @abstractmethod
     def start(self, c: Array, s: Array, log_support: Array, slope: Array) -> list[Array]:
         """Return coordinates to start from, for ln h_D and its derivative at normals (c, s)."""
-
-    def roundness(self) -> Roundness | None:
-        """Return what vanishes where the angle, the last coordinate, has no meaning."""
-        return None
-
-    def folded(self, p: Array) -> Array:
-        """Return the coordinates of the same set with the angle within ±45°."""
-        return p
 
 
 class CircleDirection(DirectionModel):

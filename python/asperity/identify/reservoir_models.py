@@ -9,12 +9,12 @@ import numpy as np
 
 from asperity import _arrays
 from asperity._arrays import Array
-from asperity._value import Value
 from asperity.identify.coordinates import (
     FLATTEST,
     SHARPEST,
     TINY,
     Coordinate,
+    CurveModel,
     Roundness,
     Scale,
 )
@@ -29,10 +29,8 @@ START_ANGLES = tuple(k * math.pi / 8.0 for k in range(4))
 _NEAR = math.cos(0.07)
 
 
-class ReservoirModel(Value, ABC):
+class ReservoirModel(CurveModel, ABC):
     """A family of sets C with coordinates p; per unit normal force."""
-
-    coordinates: tuple[Coordinate, ...]
 
     @abstractmethod
     def log_radius(self, c: Array, s: Array, p: Array) -> tuple[Array, Array, Array]:
@@ -45,14 +43,6 @@ class ReservoirModel(Value, ABC):
     @abstractmethod
     def start(self, c: Array, s: Array, radius: Array, weight: Array) -> list[Array]:
         """Return coordinates to start from, for radii in directions (c, s)."""
-
-    def roundness(self) -> Roundness | None:
-        """Return what vanishes where the angle, the last coordinate, has no meaning."""
-        return None
-
-    def folded(self, p: Array) -> Array:
-        """Return the coordinates of the same set with the angle within ±45°."""
-        return p
 
 
 class CircleReservoir(ReservoirModel):

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from asperity._arrays import Array
-from asperity._files import atomic
+from asperity._files import write_csv
 
 
 class Curves:
@@ -53,11 +51,6 @@ class Curves:
         return {name: [row[name] for row in self._rows] for name in self._names}
 
 
-def write_csv(target: Path, columns: Mapping[str, Iterable[object]]) -> None:
+def write_columns(target: Path, columns: Mapping[str, Iterable[object]]) -> None:
     """Write columns of one length; the file is complete or not there."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*columns.values(), strict=True))
-    with atomic(target) as file:
-        file.write(text.getvalue().encode())
+    write_csv(target, columns, zip(*columns.values(), strict=True))

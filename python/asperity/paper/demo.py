@@ -9,7 +9,7 @@ import numpy as np
 
 from asperity.paper import fig17, fig27
 from asperity.paper.checks import Check
-from asperity.paper.data import write_csv
+from asperity.paper.data import write_columns
 
 
 def run(folder: Path) -> list[Check]:
@@ -25,10 +25,10 @@ def run(folder: Path) -> list[Check]:
     cycle.trajectory.to_csv(folder / "fig17.csv")
     save_figure(figures.draw_fig17(cycle), folder / "fig17.png")
     runs = [fig27.run(dt) for dt in fig27.TIME_STEPS]
-    write_csv(folder / "fig27.csv", _columns(runs[-1]))
+    write_columns(folder / "fig27.csv", _columns(runs[-1]))
     save_figure(figures.draw_fig27(runs[-1]), folder / "fig27.png")
     trip = round_trip.run()
-    write_csv(folder / "roundtrip.csv", round_trip.columns(trip))
+    write_columns(folder / "roundtrip.csv", round_trip.columns(trip))
     save_figure(round_trip.draw(trip), folder / "roundtrip.png")
     return [
         *fig17.checks(cycle, fig17.system()),

@@ -24,7 +24,7 @@ from asperity.paper import (
     validation,
 )
 from asperity.paper.checks import Check
-from asperity.paper.data import write_csv
+from asperity.paper.data import write_columns
 from asperity.paper.redrawn import Redrawn
 from asperity.plot import save_figure
 
@@ -110,7 +110,7 @@ def run(folder: Path, chosen: Sequence[int]) -> list[Check]:
     for number in drawn:
         redrawn = FIGURES[number]()
         save_figure(redrawn.figure, folder / f"fig{number:02d}.png")
-        write_csv(folder / f"fig{number:02d}.csv", redrawn.curves.columns())
+        write_columns(folder / f"fig{number:02d}.csv", redrawn.curves.columns())
         plt.close(redrawn.figure)
         checks += redrawn.checks
     return checks
