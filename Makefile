@@ -27,7 +27,7 @@ test-python: $(VENV)/.installed
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest asperity._core --ignore-disjoint-bases
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses auto
 
 bench: $(VENV)/.installed
 	cargo bench --locked
@@ -51,7 +51,7 @@ peers: $(VENV)/.installed
 long: $(VENV)/.installed
 	PROPTEST_CASES=100000 cargo test --release --locked -p asperity-set
 	cargo test --release --locked -p asperity -- --ignored
-	$(BIN)/pytest -m long
+	$(BIN)/pytest --numprocesses auto --timeout 7200 -m long
 
 format:
 	cargo fmt --all
