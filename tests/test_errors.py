@@ -122,6 +122,18 @@ BAD_INPUT = [
     ("support", ParameterError, lambda: asp.SupportCurve(PHI, 1.0 + 0.4 * np.cos(2 * PHI))),
     ("support", ParameterError, lambda: asp.SupportCurve(PHI, np.cos(PHI))),
     ("support", ParameterError, lambda: asp.SupportCurve(PHI, np.full(12, NAN))),
+    # masked and complex numbers
+    ("angle", ParameterError, lambda: asp.Ellipse(1.0, 1.0, angle=np.ma.masked)),
+    ("radius", ParameterError, lambda: asp.Disk(np.ma.masked)),
+    ("n", ParameterError, lambda: DISK.boundary(np.ma.masked)),
+    ("x", ParameterError, lambda: DISK.gauge(np.ma.array([1.0, 2.0], mask=[False, True]))),
+    ("x", ParameterError, lambda: DISK.gauge([1.0, np.ma.masked])),
+    ("x", ParameterError, lambda: DISK.gauge([np.ma.array([1.0, 2.0], mask=[False, True])])),
+    ("x", ParameterError, lambda: DISK.gauge([1.0 + 0j, 2.0])),
+    ("normal_force", ParameterError, lambda: LAW.force([1.0, 0.0], np.ma.masked)),
+    ("ratio", ParameterError, lambda: asp.Stribeck(0.1, np.ma.masked)),
+    ("tolerance", ParameterError, lambda: PROBLEM.solve(tolerance=np.ma.masked)),
+    ("pressure", ParameterError, lambda: asp.CoulombContensou(0.3, np.ma.masked)),
     # cones and rates
     ("dimension", DimensionError, lambda: asp.Cone([])),
     ("dimension", DimensionError, lambda: asp.Cone([np.eye(4)])),
@@ -309,6 +321,10 @@ def test_bad_input_is_refused_by_name(argument, kind, call):
     assert len(error.message) > 8
     assert isinstance(error, asp.AsperityError)
     assert isinstance(error, ValueError)
+
+
+def test_masked_arrays_without_masked_entries_are_arrays():
+    assert DISK.gauge(np.ma.array([0.3, 0.4], mask=False)) == DISK.gauge([0.3, 0.4])
 
 
 MOTION = run()

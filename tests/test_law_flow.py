@@ -213,6 +213,31 @@ def test_noisy_samples_return_the_law_within_the_noise(law, seed):
     assert found.direction.is_convex
 
 
+@pytest.mark.parametrize("n", [12, 36, 90, 5000])
+def test_the_order_of_noisy_samples_has_the_least_cross_validation_error(n, monkeypatch):
+    rng = np.random.default_rng(n)
+    phi = np.sort(rng.uniform(0.0, 2.0 * np.pi, n)) if n > 40 else 2.0 * np.pi * np.arange(n) / n
+    law = asp.FrictionLaw(asp.Superellipse(0.5, 0.4, 2.9), asp.Ellipse(1.8, 1.2))
+    force = -law.force(np.stack([np.cos(phi), np.sin(phi)], axis=-1))
+    force += 0.01 * rng.normal(size=force.shape)
+    # ψ = θ − φ and ln r over φ + ψ/2, by one least-squares fit for each order.
+    angle = np.arctan2(force[:, 1], force[:, 0]) - phi
+    deflection = np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
+    walk = phi + 0.5 * deflection
+    values = np.stack([deflection, np.log(np.hypot(*force.T))], axis=-1)
+    errors = []
+    for order in range(1, max(2, min(60, (n - 1) // 3) + 1)):
+        angles = np.multiply.outer(walk, np.arange(1, order + 1))
+        waves = np.hstack([np.ones((n, 1)), np.cos(angles), np.sin(angles)])
+        rest = values - waves @ np.linalg.lstsq(waves, values, rcond=None)[0]
+        errors.append((rest**2).sum() / (n - 1.4 * (2 * order + 1)) ** 2)
+    fits, fit = [], np.linalg.lstsq
+    monkeypatch.setattr(np.linalg, "lstsq", lambda *a, **k: fits.append(1) or fit(*a, **k))
+    report = asp.FrictionLaw.from_samples(phi, force).report
+    assert report.order == 1 + int(np.argmin(errors))
+    assert len(fits) == 1
+
+
 def test_defects_beyond_the_tolerance_are_refused():
     phi = 2.0 * np.pi * np.arange(36) / 36
     skew = unit(phi) @ np.array([[0.3, -0.01], [0.01, 0.3]])

@@ -20,6 +20,7 @@ _NUMERIC_KINDS = "iufb"
 
 def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = None) -> Array:
     """Return a finite C-contiguous float64 array; ``None`` in `shape` stands for any length."""
+    refuse_masked(value, argument)
     try:
         raw = np.asarray(value)
     except ValueError:
@@ -33,6 +34,20 @@ def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = 
     if not math.isfinite(_sum(converted)) and not np.isfinite(converted).all():
         raise ParameterError(argument, "must be finite, it holds NaN or infinity")
     return converted
+
+
+def refuse_masked(value: Any, argument: str) -> None:
+    """Refuse masked entries, in whose place NumPy would take whatever lies under the mask."""
+    if _is_masked(value):
+        raise ParameterError(argument, "must not hold masked entries, fill or leave them out")
+
+
+def _is_masked(value: Any) -> bool:
+    if isinstance(value, np.ma.MaskedArray):
+        return bool(np.ma.is_masked(value))
+    if isinstance(value, list | tuple):
+        return any(map(_is_masked, value))
+    return False
 
 
 def _sum(values: Array) -> float:
@@ -176,6 +191,7 @@ _LARGEST_COUNT = 2**53
 
 def count(value: Any, argument: str, least: int = 1) -> int:
     """Return an integer not below `least`."""
+    refuse_masked(value, argument)
     try:
         converted = operator.index(value)
     except TypeError:
@@ -187,7 +203,8 @@ def count(value: Any, argument: str, least: int = 1) -> int:
 
 def choice(value: Word, argument: str, allowed: Sequence[Word]) -> Word:
     """Return `value` if it is one of the allowed words."""
-    if value not in allowed:
+    # An array, or a masked number, would be compared entry by entry.
+    if not isinstance(value, str) or value not in allowed:
         words = " or ".join(repr(word) for word in allowed)
         raise ParameterError(argument, f"must be {words}, got {value!r}")
     return value

@@ -19,6 +19,8 @@ _HIGHEST_ORDER = 60
 _FEWEST = 8
 _NEIGHBOURS = 6
 _FITTED = 720
+# Samples whose waves are in memory at a time.
+_BLOCK = 4096
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def _chosen(phi: Array, force: Array) -> Samples:
 
 def _smooth(phi: Array, force: Array, order: int) -> Samples:
     walk, shape = _walk(phi, force)
-    coefficients = _fit(walk, shape, order)[0]
+    coefficients = np.linalg.lstsq(_waves(walk, order), shape, rcond=None)[0]
     even = 2.0 * math.pi * np.arange(_FITTED) / _FITTED
     fitted = _forces(even, _waves(even, order) @ coefficients)
     # The forces of the series at the samples' own places along the walk.
@@ -137,13 +139,6 @@ def _waves(phi: Array, order: int) -> Array:
     return np.hstack([np.ones((len(phi), 1)), np.cos(angles), np.sin(angles)])
 
 
-def _fit(walk: Array, shape: Array, order: int) -> tuple[Array, Array]:
-    """Return least-squares coefficients and residuals of ψ and ln r."""
-    waves = _waves(walk, order)
-    coefficients = np.asarray(np.linalg.lstsq(waves, shape, rcond=None)[0], dtype=np.float64)
-    return coefficients, shape - waves @ coefficients
-
-
 def _best_order(phi: Array, force: Array) -> int:
     """Return the order with the least generalised cross-validation error.
 
@@ -151,6 +146,27 @@ def _best_order(phi: Array, force: Array) -> int:
     """
     walk, shape = _walk(phi, force)
     n = len(phi)
-    orders = range(1, max(2, min(_HIGHEST_ORDER, (n - 1) // 3) + 1))
-    errors = [(_fit(walk, shape, k)[1] ** 2).sum() / (n - 1.4 * (2 * k + 1)) ** 2 for k in orders]
-    return orders[int(np.argmin(errors))]
+    orders = np.arange(1, max(2, min(_HIGHEST_ORDER, (n - 1) // 3) + 1))
+    squares = _residual_squares(walk, shape, int(orders[-1]))
+    return int(orders[np.argmin(squares / (n - 1.4 * (2 * orders + 1)) ** 2)])
+
+
+def _residual_squares(walk: Array, shape: Array, highest: int) -> Array:
+    """Return the sums of squared residuals of the series of the orders 1 to `highest`.
+
+    With the waves by rising order each series is the first columns of the next, and one QR
+    factorisation of waves and values serves them all: an order leaves of the values what R holds
+    of them below the rows of its waves. Blocks of samples are joined one after another, as many
+    numbers as that.
+    """
+    count = 2 * highest + 1
+    rising = [0, *np.arange(1, count).reshape(2, highest).T.ravel()]
+    triangle = np.empty((0, count + shape.shape[1]))
+    for start in range(0, len(walk), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        rows = np.hstack([_waves(walk[block], highest)[:, rising], shape[block]])
+        triangle = np.asarray(np.linalg.qr(np.vstack([triangle, rows]), mode="r"))
+    rows = (triangle[:, count:] ** 2).sum(axis=1)
+    left = np.append(np.cumsum(rows[::-1])[::-1], 0.0)
+    squares: Array = left[np.minimum(2 * np.arange(1, highest + 1) + 1, len(rows))]
+    return squares
