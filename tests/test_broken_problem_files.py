@@ -133,6 +133,57 @@ def test_joints_are_refused(tmp_path):
         asp.ContactProblem.load(path)
 
 
+@needs_h5py
+@pytest.mark.parametrize("group", ["fclib_local_rolling", "fclib_global_rolling"])
+def test_rolling_friction_is_refused_by_name(tmp_path, group):
+    import h5py
+
+    path = tmp_path / "problem.h5"
+    with h5py.File(path, "w") as file:
+        file.create_group(group)
+    with pytest.raises(ParameterError, match="rolling friction") as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == group
+
+
+@needs_h5py
+def test_a_mass_matrix_that_is_not_symmetric_is_refused(tmp_path):
+    import h5py
+
+    path = tmp_path / "problem.h5"
+    of_bodies().save(path)
+    with h5py.File(path, "a") as file:
+        del file["fclib_local"]
+        file["fclib_global/M/x"][1] += 1.0
+    with pytest.raises(ParameterError, match="symmetric") as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == "fclib_global/M"
+
+
+@every_format
+def test_an_unknown_form_of_the_operator_is_refused(tmp_path, suffix):
+    path = tmp_path / f"problem{suffix}"
+    problem = plain().replace(delassus=plain().delassus.toarray())
+    problem.save(path)
+    if suffix == ".npz":
+        changed(path, W_form=np.array("round"))
+    else:
+        import h5py
+
+        with h5py.File(path, "a") as file:
+            file["fclib_local/W"].attrs["form"] = "round"
+    with pytest.raises(ParameterError, match="form"):
+        asp.ContactProblem.load(path)
+
+
+@every_format
+def test_a_folder_is_no_problem(tmp_path, suffix):
+    folder = tmp_path / f"folder{suffix}"
+    folder.mkdir()
+    with pytest.raises(ParameterError, match="is a folder"):
+        asp.ContactProblem.load(folder)
+
+
 def test_pickled_arrays_are_not_read(tmp_path):
     path = tmp_path / "problem.npz"
     plain().save(path)

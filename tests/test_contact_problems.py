@@ -9,6 +9,7 @@ from pathlib import Path
 import asperity as asp
 import numpy as np
 import pytest
+from asperity.contact.files import percussions
 from asperity.grading import natural_map
 from scipy.sparse import csr_array
 
@@ -74,3 +75,82 @@ def test_solution_satisfies_the_measure_of_the_collection(path):
 def test_all_problems_are_there():
     assert len(files()) == COUNT
     assert {path.stem for path in files()} > OPEN
+
+
+# What other engines write: triplets, bodies alone, mass matrices of which one triangle is stored.
+LIBRARY = [
+    "Box_Stacks-i0035-31-0",
+    "Box_Stacks-i0122-82-5",
+    "CubeH8",
+    "LMGC_100_PR_PerioBox-i00361-60-03000",
+    "LMGC_GlobalFrictionContactProblem00046",
+]
+
+
+def library(name):
+    folder = os.environ.get(VARIABLE)
+    if folder is None:
+        pytest.skip(f"set {VARIABLE} to the folder of the problems")
+    pytest.importorskip("h5py")
+    return Path(folder) / "fclib" / f"{name}.hdf5"
+
+
+def read_matrix(group):
+    """Return a matrix in the layout of CSparse as a dense array."""
+    rows, columns = int(group["m"][0]), int(group["n"][0])
+    form, p, i, x = int(group["nz"][0]), group["p"][:], group["i"][:], group["x"][:]
+    if form == -2:
+        p, i = i, np.repeat(np.arange(rows), np.diff(p))
+    matrix = np.zeros((rows, columns))
+    for row, column, value in zip(i, p, x, strict=True):
+        matrix[row, column] += value
+    return matrix
+
+
+def read_library(path):
+    """Return W, q and μ of the local form."""
+    import h5py
+
+    with h5py.File(path) as file:
+        if "fclib_local" in file:
+            vectors = file["fclib_local/vectors"]
+            return read_matrix(file["fclib_local/W"]), vectors["q"][:], vectors["mu"][:]
+        mass, directions = (read_matrix(file[f"fclib_global/{name}"]) for name in "MH")
+        vectors = file["fclib_global/vectors"]
+        if not np.tril(mass, -1).any():
+            mass = np.triu(mass) + np.triu(mass, 1).T
+        moved = np.linalg.solve(mass, np.column_stack([directions, vectors["f"][:]]))
+        projected = directions.T @ moved
+        return projected[:, :-1], projected[:, -1] + vectors["w"][:], vectors["mu"][:]
+
+
+@pytest.mark.parametrize("name", LIBRARY)
+def test_files_of_the_library_are_solved(name):
+    path = library(name)
+    problem = asp.ContactProblem.load(path)
+    solution = problem.solve(tolerance=TOLERANCE, time_limit=TIME_LIMIT, measure="global")
+    matrix, q, mu = read_library(path)
+    assert nat_scaled(matrix, q, mu, solution.percussion) <= 1.01 * TOLERANCE
+
+
+@pytest.mark.parametrize("name", LIBRARY)
+@pytest.mark.parametrize("suffix", [".npz", ".hdf5"])
+def test_files_of_the_library_are_equal_once_written(tmp_path, name, suffix):
+    problem = asp.ContactProblem.load(library(name))
+    copy = tmp_path / f"copy{suffix}"
+    problem.save(copy)
+    assert asp.ContactProblem.load(copy) == problem
+
+
+def test_rolling_friction_in_the_library_is_refused():
+    with pytest.raises(asp.ParameterError, match="rolling friction"):
+        asp.ContactProblem.load(library("Chute-ndof-768-nc-4-3"))
+
+
+@pytest.mark.parametrize("name", LIBRARY[:2])
+def test_what_a_file_calls_a_solution_is_graded(name):
+    problem = asp.ContactProblem.load(library(name))
+    found = percussions(library(name))
+    # These files hold zeros, not a solution.
+    assert problem.natural_map(found.solution) > 0.9
+    assert problem.solve(start=found.guesses[0], tolerance=TOLERANCE, measure="global").converged

@@ -254,7 +254,7 @@ BAD_INPUT = [
     ("solver", ParameterError, lambda: bodies().replace(laws=SQUARE).solve(asp.ADMM())),
     ("solver", ParameterError, lambda: PROBLEM.solve(asp.InteriorPoint())),
     ("solver", ParameterError, lambda: PROBLEM.solve("exact")),
-    ("start", ParameterError, lambda: PROBLEM.solve(start=[0.0, 0.0])),
+    ("start", DimensionError, lambda: PROBLEM.solve(start=[0.0])),
     ("percussion", DimensionError, lambda: PROBLEM.residual([0.0])),
     ("contact", ParameterError, lambda: PROBLEM.solutions(1)),
     ("contact", ParameterError, lambda: PROBLEM.solutions(-1)),

@@ -10,13 +10,13 @@ import pytest
 
 PACKAGE = Path(asp.__file__).parent
 LAYERS = [
-    {"errors", "_files"},
+    {"errors", "_files", "_archive"},
     {"_arrays", "_value", "_progress", "status", "_core"},
     {"verdict", "rate"},
     {"sets"},
     {"law", "solvers"},
     {"contact", "system"},
-    {"trajectory", "grading"},
+    {"trajectory", "_trajectory_file", "grading"},
     {"solve_files"},
     {"simulate", "integrate", "motion"},
     {"stability"},
@@ -28,7 +28,7 @@ LAYERS = [
 ]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "trajectory", "simulate"}
-MAY_CALL_THE_CORE |= {"integrate", "stability", "cycle", "cli"}
+MAY_CALL_THE_CORE |= {"_trajectory_file", "integrate", "stability", "cycle", "cli"}
 MODULES = [path for path in PACKAGE.rglob("*.py") if path.name not in ("__main__.py",)]
 
 

@@ -1,5 +1,8 @@
 """Rigid bodies: what they are made of, what is refused, what a trajectory holds."""
 
+import subprocess
+import sys
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -36,6 +39,61 @@ def box_on_incline(slope=0.3, mu=0.5):
     plane = asp.Plane(normal=axes[:, 2], axis=axes[:, 0])
     system = asp.RigidBodies([body], [asp.BoxPlane(0, HALF, plane, asp.FrictionLaw.isotropic(mu))])
     return system, axes
+
+
+def test_rotations_of_scipy_are_orientations():
+    turn = Rotation.from_rotvec([0.3, -0.7, 0.2])
+    x, y, z, w = turn.as_quat()
+    given = asp.Body.box(2.0, HALF, orientation=turn)
+    assert given == asp.Body.box(2.0, HALF, orientation=(w, x, y, z))
+    assert given == asp.Body.box(2.0, HALF).replace(orientation=turn)
+    system = asp.RigidBodies([given.replace(angular_velocity=(1.0, 2.0, 3.0))], [])
+    run = asp.simulate(system, dt=1e-3, t_end=1e-3)
+    np.testing.assert_allclose(system.rotations(run)[0, 0], turn.as_matrix(), atol=1e-15)
+    for kind in (asp.Body.ball(1.0, 0.1, orientation=turn), asp.Body(1.0, 1.0, orientation=turn)):
+        np.testing.assert_array_equal(kind.orientation, given.orientation)
+
+
+def test_planes_are_oriented_by_rotations_and_quaternions():
+    turn = Rotation.from_rotvec([0.3, -0.7, 0.2])
+    x, y, z, w = turn.as_quat()
+    plane = asp.Plane.oriented(turn, velocity=(0.1, 0.2), body=3)
+    np.testing.assert_allclose(plane.axes, turn.as_matrix().T, atol=1e-15)
+    assert plane == asp.Plane.oriented((w, x, y, z), velocity=(0.1, 0.2), body=3)
+    assert asp.Plane.oriented((1.0, 0.0, 0.0, 0.0)) == FLOOR
+
+
+@pytest.mark.parametrize(
+    "orientation",
+    [
+        np.zeros(4),
+        np.eye(3),
+        [1.0, 0.0, 0.0],
+        (NAN, 0.0, 0.0, 1.0),
+        "upright",
+        Rotation.from_rotvec(np.eye(3)),
+        Rotation.from_rotvec(np.zeros((1, 3))),
+    ],
+    ids=["zero", "matrix", "short", "NaN", "text", "three rotations", "a list of one"],
+)
+@pytest.mark.parametrize(
+    "use",
+    [lambda value: BALL.replace(orientation=value), asp.Plane.oriented],
+    ids=["Body", "Plane"],
+)
+def test_every_message_on_quaternions_states_their_order(orientation, use):
+    with pytest.raises(ParameterError, match=r"\(w, x, y, z\)") as caught:
+        use(orientation)
+    assert caught.value.argument == "orientation"
+
+
+def test_orientations_do_not_import_scipy():
+    script = (
+        "import sys, asperity as asp; asp.Body.ball(1.0, 0.1, orientation=[1.0, 0.0, 0.0, 0.1]); "
+        "asp.Plane.oriented((1.0, 0.1, 0.0, 0.0)); print('scipy' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout == "False\n", done.stderr
 
 
 BAD_INPUT = [

@@ -3,7 +3,7 @@
 import asperity as asp
 import numpy as np
 import pytest
-from asperity import trajectory as trajectory_module
+from asperity._trajectory_file import FORMAT
 
 
 @pytest.fixture(scope="module")
@@ -38,21 +38,179 @@ def test_save_and_load_keep_the_name_and_everything_else(motion, tmp_path, name)
     assert asp.Trajectory.load(path) == motion
     with np.load(path, allow_pickle=False) as file:
         assert str(file["version"]) == asp.__version__
-        assert int(file["format"]) == trajectory_module.FORMAT
+        assert int(file["format"]) == FORMAT
 
 
-def test_foreign_files_are_refused(tmp_path):
+def test_foreign_files_are_refused(motion, tmp_path):
     text = tmp_path / "text.npz"
     text.write_text("not a trajectory")
+    one = tmp_path / "one.npy"
+    np.save(one, np.arange(3))
+    table = tmp_path / "table.csv"
+    motion.to_csv(table)
+    for path in (text, one, table, tmp_path):
+        with pytest.raises(asp.ParameterError) as caught:
+            asp.Trajectory.load(path)
+        assert caught.value.argument == "path"
+        assert "allow_pickle" not in str(caught.value)
     other = tmp_path / "other.npz"
     np.savez(other, x=np.arange(3))
     future = tmp_path / "future.npz"
-    np.savez(future, format=trajectory_module.FORMAT + 1)
-    for path in (text, other, future):
-        with pytest.raises(asp.ParameterError, match="path"):
+    np.savez(future, format=FORMAT + 1, version="9.9")
+    for path in (other, future):
+        with pytest.raises(asp.ParameterError, match="format"):
             asp.Trajectory.load(path)
     with pytest.raises(FileNotFoundError):
         asp.Trajectory.load(tmp_path / "missing.npz")
+
+
+ARRAYS = ("t", "q", "u", "slip", "force", "normal_force", "phase", "iterations", "residual")
+SCALARS = ("status", "dt", "steps", "ambiguous_steps", "failed_steps")
+
+
+def put(value):
+    """Return a change that writes the value into the middle of an array."""
+
+    def change(array):
+        changed = array.copy()
+        changed[(len(array) // 2,) + (0,) * (array.ndim - 1)] = value
+        return changed
+
+    return change
+
+
+DAMAGE = {
+    "removed": lambda array: None,
+    "cut": lambda array: array[:-1],
+    "extended": lambda array: np.concatenate([array, array[-1:]]),
+    "an axis more": lambda array: array[..., None],
+    "an axis less": lambda array: array.reshape(-1) if array.ndim > 1 else array[0],
+    "text": lambda array: array.astype(str),
+    "objects": lambda array: array.astype(object),
+    "another width": lambda array: array.astype(np.float32 if array.dtype.kind == "f" else "i2"),
+    "NaN": put(np.nan),
+    "infinity": put(np.inf),
+    "far too small": put(-3),
+}
+SCALAR_DAMAGE = {
+    "removed": lambda value: None,
+    "an axis more": lambda value: np.asarray(value)[None],
+    "text": lambda value: np.array("?"),
+    "objects": lambda value: np.array(None),
+    "NaN": lambda value: np.array(np.nan),
+    "far too small": lambda value: np.array(-3) if value.dtype.kind == "i" else np.array(-3.0),
+    "bytes": lambda value: value.tobytes(),
+}
+
+
+def kinds_of_damage():
+    for name in (*ARRAYS, "phase_counts"):
+        integer = name in ("phase", "iterations", "phase_counts")
+        for kind in DAMAGE:
+            if (integer and kind in ("NaN", "infinity")) or (
+                # These may have any sign.
+                kind == "far too small" and name in ("q", "u", "slip", "force", "normal_force")
+            ):
+                continue
+            yield name, DAMAGE[kind], f"{name}-{kind}"
+    for name in (*SCALARS, "format", "version"):
+        for kind, change in SCALAR_DAMAGE.items():
+            if name == "version" and kind in ("text", "bytes"):
+                continue
+            yield name, change, f"{name}-{kind}"
+
+
+@pytest.mark.parametrize(
+    ("name", "change"), [pytest.param(*case[:2], id=case[2]) for case in kinds_of_damage()]
+)
+def test_every_kind_of_damage_is_refused_by_name(motion, tmp_path, name, change):
+    path = tmp_path / "run.npz"
+    motion.save(path)
+    with np.load(path) as file:
+        fields = dict(file)
+    fields[name] = change(fields[name])
+    np.savez(path, **{key: value for key, value in fields.items() if value is not None})
+    with pytest.raises(asp.ParameterError) as caught:
+        asp.Trajectory.load(path)
+    assert str(path) in str(caught.value)
+    # Of two fields that do not fit each other either may be the wrong one.
+    assert caught.value.argument in (*ARRAYS, *SCALARS, "phase_counts", "format", "version")
+    if change is DAMAGE["removed"]:
+        assert caught.value.argument == name
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"steps": 1},
+        {"failed_steps": 10**6},
+        {"ambiguous_steps": 10**6},
+        {"phase_counts": np.full((2, 3), 10**6)},
+        {"status": "somehow"},
+        {"note": "unknown field"},
+    ],
+    ids=lambda changes: next(iter(changes)),
+)
+def test_fields_that_contradict_each_other_are_refused(motion, tmp_path, changes):
+    path = tmp_path / "run.npz"
+    motion.save(path)
+    with np.load(path) as file:
+        np.savez(path, **{**file, **changes})
+    with pytest.raises(asp.ParameterError) as caught:
+        asp.Trajectory.load(path)
+    assert caught.value.argument in changes
+
+
+def outcome(path, expected):
+    """Load; what is not refused must be what was saved."""
+    try:
+        assert asp.Trajectory.load(path) == expected
+    except asp.AsperityError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("cases", [200, pytest.param(10_000, marks=pytest.mark.long)])
+def test_damaged_bytes_are_refused_or_do_not_matter(motion, tmp_path, cases):
+    path = tmp_path / "run.npz"
+    short = motion.slice(0.0, 0.1)
+    short.save(path)
+    whole = path.read_bytes()
+    rng = np.random.default_rng(1)
+    read = 0
+    for _ in range(cases):
+        damaged = bytearray(whole)
+        for place in rng.integers(len(whole), size=rng.integers(1, 4)):
+            damaged[place] ^= rng.integers(1, 256)
+        if rng.random() < 0.2:
+            del damaged[rng.integers(len(whole)) :]
+        path.write_bytes(damaged)
+        read += outcome(path, short)
+    # Dates and names of the archive do not matter, its numbers do.
+    assert read < 0.3 * cases
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        asp.SlidingPoint(1.0, asp.FrictionLaw.isotropic(0.3)),
+        asp.LinearSystem(np.eye(2), np.eye(2)),
+        asp.SlidingDisk(asp.FrictionLaw.isotropic(0.3), velocity=[1.0, 0.0]),
+    ],
+    ids=["point", "no contact", "bodies in space"],
+)
+@pytest.mark.parametrize("options", [{}, {"save_every": 7}, {"until_rest": True}])
+def test_runs_of_all_kinds_come_back(tmp_path, system, options):
+    run = asp.simulate(system, dt=1e-3, t_end=0.05, **options)
+    path = tmp_path / "run.npz"
+    run.save(path)
+    assert asp.Trajectory.load(path) == run
+    part = run.slice(run.t[-2], run.t[-1])
+    part.save(path)
+    assert asp.Trajectory.load(path) == part
+    start = run.slice(0.0, 0.0)
+    start.save(path)
+    assert asp.Trajectory.load(path) == start
 
 
 def test_csv_has_names_units_and_all_digits(motion, tmp_path):

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import os
-import zipfile
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays, _core
+from asperity import _arrays, _trajectory_file
 from asperity._arrays import Array
 from asperity._files import atomic
 from asperity._value import Value
 from asperity.errors import ParameterError
 from asperity.status import Outcome, Phase
-
-FORMAT = 1
-"""Number of the file layout written by `Trajectory.save`."""
 
 _SERIES: dict[str, type[np.generic]] = {
     "t": np.float64,
@@ -155,23 +150,18 @@ class Trajectory(Value):
 
         The file replaces an older one only when it is complete.
         """
-        with atomic(path) as file:
-            np.savez_compressed(file, format=FORMAT, version=_core.__version__, **self._parameters)
+        _trajectory_file.save(self._parameters, path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trajectory:
         """Read a file written by `save`.
 
         Raises:
-            ParameterError: if the file is something else or of a later format.
+            ParameterError: naming the field that is missing, damaged or does not fit the others;
+                or ``path``, if the file is something else.
+            FileNotFoundError: if there is none.
         """
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                return cls(**_contents(file))
-        except (ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile) as error:
-            raise ParameterError(
-                "path", f"{os.fspath(path)} is no trajectory this version can read: {error}"
-            ) from error
+        return cls(**_trajectory_file.load(path))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a table with one row per sample; the header holds names and units.
@@ -192,11 +182,3 @@ class Trajectory(Value):
             for index in np.ndindex(values.shape[1:])
         ]
         return titles, values.reshape(len(values), len(titles)).astype(np.float64)
-
-
-def _contents(file: Any) -> dict[str, Any]:
-    if "format" not in file or int(file["format"]) > FORMAT:
-        raise ValueError(f"expected format {FORMAT} or older")
-    contents = {name: file[name] for name in file.files if name not in ("format", "version")}
-    contents["status"] = str(contents["status"])
-    return contents

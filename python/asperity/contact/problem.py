@@ -16,8 +16,8 @@ from asperity._value import Value
 from asperity.contact import operator
 from asperity.contact.arguments import fractions, listed_laws, normal_forces, sizes
 from asperity.contact.certificate import Certificate
-from asperity.contact.solution import ContactSolution, LocalSolution
-from asperity.errors import ConvergenceError, DimensionError, NoSolutionError, ParameterError
+from asperity.contact.solution import ContactSolution, LocalSolution, starting
+from asperity.errors import ConvergenceError, NoSolutionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.solvers import Solver, chosen
 from asperity.status import Status
@@ -185,7 +185,7 @@ class ContactProblem(Value):
         tolerance: float = 1e-10,
         time_limit: float | None = None,
         on_failure: str = "raise",
-        start: ContactSolution | None = None,
+        start: ContactSolution | ArrayLike | None = None,
         measure: Measure = "contact",
     ) -> ContactSolution:
         """Solve the problem.
@@ -195,7 +195,8 @@ class ContactProblem(Value):
             tolerance: largest admissible value of the measure.
             time_limit: in s; default none.
             on_failure: ``"raise"`` or ``"record"``: return the best iterate with its status.
-            start: previous solution, the start of the iteration and of the rule of selection.
+            start: previous solution, the start of the iteration and of the rule of selection; or
+                percussions in N s to start the iteration from, shape ``(rows,)``.
             measure: what has to meet the tolerance: ``"contact"``, the largest relative defect of
                 a contact (`residual`), or ``"global"``, that of the whole problem (`natural_map`).
 
@@ -212,7 +213,7 @@ class ContactProblem(Value):
             chosen(solver)._core,
             _arrays.positive(tolerance, "tolerance"),
             None if time_limit is None else _arrays.positive(time_limit, "time_limit"),
-            None if start is None else self._start(start),
+            None if start is None else starting(start, self),
             _arrays.choice(measure, "measure", ("contact", "global")),
         )
         solution = ContactSolution._of(found)
@@ -328,13 +329,6 @@ class ContactProblem(Value):
 
     def _percussion(self, percussion: ArrayLike) -> Array:
         return _arrays.array(percussion, "percussion", (self.free_velocity.size,))
-
-    def _start(self, start: ContactSolution) -> tuple[Array, list[int], Array]:
-        if not isinstance(start, ContactSolution):
-            raise ParameterError("start", f"must be a ContactSolution, got {start!r}")
-        if start.percussion.shape != self.free_velocity.shape or len(start.phase) != len(self.laws):
-            raise DimensionError("start", "must be a solution of a problem with the same rows")
-        return start.percussion, start.phase.tolist(), start.velocity
 
 
 def _failure(solution: ContactSolution, measure: Measure) -> ConvergenceError | ParameterError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,8 +14,11 @@ from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.contact.certificate import Certificate
-from asperity.errors import ParameterError
+from asperity.errors import DimensionError, ParameterError
 from asperity.status import Phase, Status
+
+if TYPE_CHECKING:
+    from asperity.contact.problem import ContactProblem
 
 _STATUS = {status.value: status for status in Status}
 
@@ -200,3 +203,17 @@ class LocalSolution(Value):
             velocity=_arrays.read_only(np.asarray(velocity, dtype=np.float64)),
             degenerate=bool(degenerate),
         )
+
+
+def starting(
+    start: ContactSolution | ArrayLike, problem: ContactProblem
+) -> tuple[Array, list[int], Array]:
+    """Return percussions, phases and velocities from which a solve starts."""
+    if not isinstance(start, ContactSolution):
+        percussion = _arrays.array(start, "start", problem.free_velocity.shape)
+        unknown = [int(Phase.NONE)] * len(problem.laws)
+        return percussion, unknown, problem.delassus @ percussion + problem.free_velocity
+    same = start.percussion.shape == problem.free_velocity.shape
+    if not same or len(start.phase) != len(problem.laws):
+        raise DimensionError("start", "must be a solution of a problem with the same rows")
+    return start.percussion, start.phase.tolist(), start.velocity

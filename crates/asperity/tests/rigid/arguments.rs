@@ -132,7 +132,10 @@ fn springs_and_states_are_checked() {
     assert_eq!(error.to_string(), "q0: must have 7 entries, has 6");
     let options = Options { q0: vec![0.0; 7], ..options };
     let error = simulate(&system, &options, &mut observer).unwrap_err();
-    assert_eq!(error.to_string(), "q0: the orientation of body 0 must not be of length zero");
+    assert_eq!(
+        error.to_string(),
+        "q0: the orientation of body 0, (w, x, y, z), must not be of length zero"
+    );
     let options = Options { q0: vec![0.0, 0.0, 0.0, 3.0, 0.0, 0.0, -4.0], ..options };
     let run = simulate(&system, &options, &mut observer).unwrap();
     let trajectory = run.trajectory;

@@ -7,7 +7,13 @@ engines read and write. NPZ, for p = 2: the CSR matrix ``W_data, W_indices, W_in
 vectors ``q`` and ``mu``; of bodies also ``M_*`` (mass), ``H_*`` (directions), ``f`` and ``b`` of
 M v = f + H r, u = Hᵀ v + b. HDF5, for p = 1 and 2: the groups ``fclib_local`` (W, q, mu, spacedim)
 and, of bodies, ``fclib_global`` (M, H, f, w, mu, spacedim). A problem does not keep f: it writes
-f = 0 and its whole b. Reading takes q where it is given.
+f = 0 and its whole b. Reading takes q where it is given, else b = Hᵀ M⁻¹ f + w, and G of the
+bodies. Triplets have rows in `i` and columns in `p`, as in CSparse; of a mass matrix one triangle
+stands for both. Rolling friction (`fclib_local_rolling`, `fclib_global_rolling`) and joints are
+refused. `percussions` returns what a file of FCLIB holds as solution and guesses.
+
+G is kept sparse in files. A problem with a dense one, or with one that is made of the bodies, says
+so in ``W_form``, of HDF5 in the attribute ``form`` of ``fclib_local/W``: it comes back as it was.
 
 **Other problems** have no ``mu`` (and no ``spacedim``), so that nobody takes them for plain ones.
 They hold besides, in HDF5 within the group ``data``: ``laws``, the different laws as JSON of
@@ -27,11 +33,11 @@ from pathlib import Path
 from typing import Protocol
 
 from asperity.contact.files import fclib, npz
-from asperity.contact.files.contents import FRICTIONLESS
+from asperity.contact.files.contents import FRICTIONLESS, Percussions
 from asperity.contact.problem import ContactProblem
 from asperity.errors import ParameterError
 
-__all__ = ["FRICTIONLESS", "SUFFIXES", "load", "save"]
+__all__ = ["FRICTIONLESS", "SUFFIXES", "Percussions", "load", "percussions", "save"]
 
 
 class _Format(Protocol):
@@ -39,6 +45,7 @@ class _Format(Protocol):
 
     def save(self, problem: ContactProblem, path: Path) -> None: ...
     def load(self, path: Path) -> ContactProblem: ...
+    def percussions(self, path: Path) -> Percussions: ...
 
 
 _FORMATS: dict[str, _Format] = {".npz": npz, ".h5": fclib, ".hdf5": fclib}
@@ -55,6 +62,26 @@ def load(path: str | os.PathLike[str]) -> ContactProblem:
     """Read a problem; errors name the key."""
     source = Path(path)
     return _format(source).load(source)
+
+
+def percussions(path: str | os.PathLike[str]) -> Percussions:
+    """Return the percussions that a file holds beside its problem.
+
+    Grade a solution by `ContactProblem.natural_map` or `certificate`, start from a guess by
+    ``solve(start=...)``: a file may call anything a solution.
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from asperity import ContactProblem, FrictionLaw
+    >>> problem = ContactProblem([[1.0]], [0.5], FrictionLaw.isotropic(0.3, dimension=1),
+    ...     normal_force=1.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     problem.save(Path(folder, "problem.npz"))
+    ...     percussions(Path(folder, "problem.npz"))
+    Percussions(solution=None, guesses=())
+    """
+    source = Path(path)
+    return _format(source).percussions(source)
 
 
 def _format(path: Path) -> _Format:

@@ -21,6 +21,10 @@ from asperity.sets import Ball, Disk, Interval
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
+SPARSE, DENSE, ASSEMBLED = "sparse", "dense", "assembled"
+"""How a problem keeps G: as a sparse or a dense matrix, or made of the bodies where it is needed.
+
+Files hold it sparse always; a problem that is read keeps it as the one that was written did."""
 FRICTIONLESS = 1e-12
 """Radius of the reservoir that stands for μ = 0: sets have the origin inside."""
 
@@ -37,10 +41,23 @@ class Source(Protocol):
 
 @dataclass(frozen=True)
 class Bodies:
-    """Mass and directions with the keys under which they were found."""
+    """Mass and directions."""
 
     mass: csr_array
     directions: csr_array
+
+
+@dataclass(frozen=True)
+class Percussions:
+    """Percussions that a file holds beside its problem, in N s; nobody has checked them.
+
+    Attributes:
+        solution: those that the writer took for a solution, or ``None``.
+        guesses: those to start from.
+    """
+
+    solution: Array | None = None
+    guesses: tuple[Array, ...] = ()
 
 
 def coefficients(problem: ContactProblem) -> Array | None:
@@ -78,6 +95,14 @@ def isotropic(mu: Array, dimension: int) -> list[FrictionLaw]:
         for value in set(mu.tolist())
     }
     return [made[value] for value in mu.tolist()]
+
+
+def form(problem: ContactProblem) -> str:
+    """Return how the problem keeps its Delassus operator."""
+    kept = problem._parameters["delassus"]
+    if kept is None:
+        return ASSEMBLED
+    return DENSE if isinstance(kept, np.ndarray) else SPARSE
 
 
 def details(problem: ContactProblem) -> dict[str, NDArray[Any]]:
@@ -163,12 +188,18 @@ def built(
     free_velocity: Array,
     options: Mapping[str, Any],
     keys: Mapping[str, str],
+    form: str = SPARSE,
 ) -> ContactProblem:
     """Make the problem; complaints about its arguments name the keys they came from."""
+    if form not in (SPARSE, DENSE, ASSEMBLED):
+        raise ParameterError(keys["form"], f"must be one of the forms of G, got {form!r}")
     known: dict[str, Any] = (
         {} if bodies is None else {"mass": bodies.mass, "directions": bodies.directions}
     )
+    given = delassus.toarray() if form == DENSE and delassus is not None else delassus
     try:
-        return ContactProblem(delassus, free_velocity, **options, **known)
+        problem = ContactProblem(given, free_velocity, **options, **known)
+        # The operator of the file has been compared with the bodies' own, which takes its place.
+        return problem.replace(**known) if form == ASSEMBLED else problem
     except ParameterError as error:
         raise type(error)(keys.get(error.argument, error.argument), error.message) from None

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import io
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 from asperity._files import atomic
 from asperity.contact import operator
 from asperity.contact.files import contents
+from asperity.contact.files.contents import Percussions
 from asperity.contact.problem import ContactProblem
 from asperity.errors import ParameterError
 
@@ -24,10 +27,13 @@ _LOCAL = {
     "free_velocity": "fclib_local/vectors/q",
     "mass": "fclib_global/M",
     "directions": "fclib_global/H",
+    "form": "fclib_local/W",
 }
 _GLOBAL = {**_LOCAL, "delassus": "fclib_global/H", "free_velocity": "fclib_global/vectors/w"}
 # The library's marks for compressed columns and rows; from 0 on it is the length of a triplet form.
 _COLUMNS, _ROWS = -1, -2
+_ROLLING = ("fclib_local_rolling", "fclib_global_rolling")
+_JOINTS = ("fclib_local/V", "fclib_local/R", "fclib_global/G")
 
 
 def _h5py() -> Any:
@@ -40,22 +46,53 @@ def _h5py() -> Any:
 
 
 class _Group:
-    """An open file whose errors name the path of what is missing."""
+    """An open file whose errors name the path of what is missing.
+
+    The library raises errors of many kinds on damaged bytes; all of them are the file's.
+    """
 
     def __init__(self, file: Any, path: Path) -> None:
         self.file, self.path = file, path
 
     def __contains__(self, key: str) -> bool:
-        return key in self.file
+        try:
+            return key in self.file
+        except Exception as error:
+            raise self._unreadable(key, error) from None
 
     def __getitem__(self, key: str) -> NDArray[Any]:
-        if key not in self.file or not hasattr(self.file[key], "shape"):
+        if key not in self or not self._is_dataset(key):
             raise ParameterError(key, f"is missing in {self.path}")
         try:
             found = self.file[key][()]
-        except OSError as error:
-            raise ParameterError(key, f"cannot be read from {self.path}: {error}") from None
-        return np.array(found.decode() if isinstance(found, bytes) else found)
+            return np.array(found.decode() if isinstance(found, bytes) else found)
+        except Exception as error:
+            raise self._unreadable(key, error) from None
+
+    def members(self, key: str) -> list[str]:
+        """Return what a group holds, nothing where there is none."""
+        if key not in self:
+            return []
+        try:
+            return list(self.file[key])
+        except Exception as error:
+            raise self._unreadable(key, error) from None
+
+    def attribute(self, key: str, name: str, default: str) -> str:
+        """Return a word that stands beside what is under the key."""
+        try:
+            return str(self.file[key].attrs.get(name, default))
+        except Exception as error:
+            raise self._unreadable(key, error) from None
+
+    def _is_dataset(self, key: str) -> bool:
+        try:
+            return hasattr(self.file[key], "shape")
+        except Exception as error:
+            raise self._unreadable(key, error) from None
+
+    def _unreadable(self, key: str, error: Exception) -> ParameterError:
+        return ParameterError(key, f"cannot be read from {self.path}: {error}")
 
 
 def save(problem: ContactProblem, path: Path) -> None:
@@ -66,6 +103,9 @@ def save(problem: ContactProblem, path: Path) -> None:
         plain = mu is not None and problem.laws[0].dimension <= 2
         vectors = {"q": problem.free_velocity}
         _write(file, "fclib_local", {"W": operator.as_sparse(problem.delassus)}, vectors)
+        form = contents.form(problem)
+        if form != contents.SPARSE:
+            file["fclib_local/W"].attrs["form"] = form
         groups = ["fclib_local"]
         if problem.mass is not None and problem.directions is not None:
             matrices = {"M": problem.mass, "H": problem.directions}
@@ -85,29 +125,62 @@ def save(problem: ContactProblem, path: Path) -> None:
 
 def load(path: Path) -> ContactProblem:
     """Read a problem; without a Delassus operator it is made of the bodies."""
+    with _opened(path) as source:
+        return _load(source)
+
+
+def percussions(path: Path) -> Percussions:
+    """Return the percussions that stand beside the problem."""
+    with _opened(path) as source:
+        solution = "solution/r"
+        guesses = [f"guesses/{name}/r" for name in sorted(source.members("guesses"), key=_order)]
+        return Percussions(
+            contents.numbers(source, solution) if solution in source else None,
+            tuple(contents.numbers(source, key) for key in guesses if key in source),
+        )
+
+
+def _order(name: str) -> tuple[int, str]:
+    """Guesses are numbered from 1."""
+    return int(name) if name.isdecimal() else 0, name
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[_Group]:
     h5py = _h5py()
+    if path.is_dir():
+        raise ParameterError("path", f"must be an HDF5 file: {path} is a folder")
     with path.open("rb") as opened:
         try:
             file = h5py.File(opened, "r")
-        except OSError as error:
+        except Exception as error:
             raise ParameterError("path", f"must be an HDF5 file: {path}: {error}") from None
         with file:
-            return _load(_Group(file, path))
+            yield _Group(file, path)
 
 
 def _load(source: _Group) -> ContactProblem:
-    for name in ("fclib_local/V", "fclib_local/R", "fclib_global/G"):
+    for name in _ROLLING:
+        if name in source:
+            raise ParameterError(
+                name,
+                f"must be absent, {source.path} holds a problem with rolling friction: none of "
+                "the laws has moments of rolling, five rows per contact",
+            )
+    for name in _JOINTS:
         if name in source:
             raise ParameterError(name, "must be absent: joints are not part of a contact problem")
     bodies = None
     if "fclib_global" in source:
-        bodies = contents.Bodies(_read(source, "fclib_global/M"), _read(source, "fclib_global/H"))
+        bodies = contents.Bodies(_mass(source), _read(source, "fclib_global/H"))
+    form = contents.SPARSE
     if "fclib_local" in source or bodies is None:
         group, keys = "fclib_local", _LOCAL
         delassus, free = (
             _read(source, "fclib_local/W"),
             contents.numbers(source, _LOCAL["free_velocity"]),
         )
+        form = source.attribute("fclib_local/W", "form", form)
     else:
         group, keys, delassus = "fclib_global", _GLOBAL, None
         free = _free_velocity(source, bodies)
@@ -118,7 +191,26 @@ def _load(source: _Group) -> ContactProblem:
         if dimension not in (1, 2):
             raise ParameterError(f"{group}/spacedim", f"must be 2 or 3, got {dimension + 1}")
         options = contents.read_coefficients(source, f"{group}/vectors/mu", free.size, dimension)
-    return contents.built(delassus, bodies, free, options, keys)
+    return contents.built(delassus, bodies, free, options, keys, form)
+
+
+def _mass(source: _Group) -> csr_array:
+    """Return M; one triangle stands for both, as engines store symmetric matrices.
+
+    A mass matrix is symmetric: a triangle with entries beside the diagonal cannot be all of it.
+    """
+    mass = _read(source, "fclib_global/M")
+    if mass.shape[0] != mass.shape[1]:
+        return mass
+    rows, columns = mass.tocoo().coords
+    kept = mass.data != 0.0
+    above, below = (kept & (rows < columns)).any(), (kept & (rows > columns)).any()
+    if above == below:
+        return mass
+    from scipy.sparse import diags_array
+
+    both = mass + mass.T - diags_array(mass.diagonal())
+    return operator.sparse(both, "fclib_global/M", mass.shape)
 
 
 def _free_velocity(source: _Group, bodies: contents.Bodies) -> NDArray[np.float64]:
@@ -133,7 +225,10 @@ def _free_velocity(source: _Group, bodies: contents.Bodies) -> NDArray[np.float6
             raise ParameterError(
                 f"fclib_global/vectors/{name}", f"must have {size} entries, has {values.size}"
             )
-    mass = operator.checked_mass(bodies.mass)
+    try:
+        mass = operator.checked_mass(bodies.mass)
+    except ParameterError as error:
+        raise type(error)("fclib_global/M", error.message) from None
     free: NDArray[np.float64] = bodies.directions.T @ (operator.inverse(mass) @ force) + gap
     return free
 
@@ -164,7 +259,9 @@ def _read(source: _Group, name: str) -> csr_array:
         return contents.matrix((values, second, first), shape, "csc", name)
     if form < _ROWS:
         raise ParameterError(f"{name}/nz", f"must be -2, -1 or a number of entries, got {form}")
-    return contents.matrix((values[:form], (first, second)), shape, "coo", name)
+    # As in CSparse, `i` holds rows and `p`, which holds starts in the compressed forms, columns.
+    triplets = values[:form], (second[:form], first[:form])
+    return contents.matrix(triplets, shape, "coo", name)
 
 
 def _integer(source: _Group, key: str) -> int:

@@ -2,48 +2,30 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity._archive import Archive
 from asperity._files import atomic
 from asperity.contact import operator
 from asperity.contact.files import contents
+from asperity.contact.files.contents import Percussions
 from asperity.contact.problem import ContactProblem
 from asperity.errors import ParameterError
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-_KEYS = {"delassus": "W", "free_velocity": "q", "mass": "M", "directions": "H"}
-
-
-class _Archive:
-    """An open file whose errors name the key."""
-
-    def __init__(self, path: Path) -> None:
-        try:
-            opened = np.load(path, allow_pickle=False)
-        except (ValueError, EOFError, zipfile.BadZipFile) as error:
-            raise ParameterError("path", f"must be an .npz file: {path}: {error}") from None
-        if not isinstance(opened, np.lib.npyio.NpzFile):
-            raise ParameterError("path", f"must be an .npz file with keys, {path} is one array")
-        self.file, self.path = opened, path
-
-    def __contains__(self, key: str) -> bool:
-        return key in self.file
-
-    def __getitem__(self, key: str) -> NDArray[Any]:
-        if key not in self.file:
-            raise ParameterError(key, f"is missing in {self.path}")
-        try:
-            return np.asarray(self.file[key])
-        except (ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            raise ParameterError(key, f"cannot be read from {self.path}: {error}") from None
+_KEYS = {
+    "delassus": "W",
+    "free_velocity": "q",
+    "mass": "M",
+    "directions": "H",
+    "form": "W_form",
+}
 
 
 def save(problem: ContactProblem, path: Path) -> None:
@@ -52,6 +34,9 @@ def save(problem: ContactProblem, path: Path) -> None:
         **_written(operator.as_sparse(problem.delassus), "W"),
         "q": problem.free_velocity,
     }
+    form = contents.form(problem)
+    if form != contents.SPARSE:
+        arrays["W_form"] = np.array(form)
     mu = contents.coefficients(problem)
     if mu is not None and problem.laws[0].dimension == 2:
         arrays["mu"] = mu
@@ -67,8 +52,7 @@ def save(problem: ContactProblem, path: Path) -> None:
 
 def load(path: Path) -> ContactProblem:
     """Read a problem."""
-    source = _Archive(path)
-    with source.file:
+    with Archive(path) as source:
         delassus, free = _read(source, "W"), contents.numbers(source, "q")
         if "mu" in source or "laws" not in source:
             options = contents.read_coefficients(source, "mu", free.size, 2)
@@ -77,7 +61,14 @@ def load(path: Path) -> ContactProblem:
         bodies = None
         if "M_data" in source:
             bodies = contents.Bodies(_read(source, "M"), _read(source, "H"))
-        return contents.built(delassus, bodies, free, options, _KEYS)
+        form = str(source["W_form"]) if "W_form" in source else contents.SPARSE
+        return contents.built(delassus, bodies, free, options, _KEYS, form)
+
+
+def percussions(path: Path) -> Percussions:
+    """Return none: this format holds the problem alone."""
+    with Archive(path):
+        return Percussions()
 
 
 def _written(matrix: csr_array, name: str) -> dict[str, NDArray[Any]]:
@@ -91,7 +82,7 @@ def _written(matrix: csr_array, name: str) -> dict[str, NDArray[Any]]:
     }
 
 
-def _read(source: _Archive, name: str) -> csr_array:
+def _read(source: Archive, name: str) -> csr_array:
     shape = contents.integers(source, f"{name}_shape")
     if shape.size != 2:
         raise ParameterError(f"{name}_shape", f"must hold two numbers, has {shape.size}")

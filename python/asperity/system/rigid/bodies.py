@@ -12,6 +12,7 @@ from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import ParameterError
 from asperity.system.rigid import rotation
+from asperity.system.rigid.rotation import Orientation
 
 # Relative tolerance within which a tensor in turned axes counts as symmetric.
 _SYMMETRY = 1e-12
@@ -23,7 +24,7 @@ class State(TypedDict, total=False):
     """Initial state and constant loads of a `Body`."""
 
     position: ArrayLike
-    orientation: ArrayLike
+    orientation: Orientation
     velocity: ArrayLike
     angular_velocity: ArrayLike
     force: ArrayLike
@@ -49,8 +50,8 @@ class Body(Value):
         inertia: J in kg m² about the centre of mass, in the body's axes: the principal moments
             ``(3,)`` or the matrix ``(3, 3)``, symmetric to 1e-12 of its largest entry.
         position: of the centre of mass in m, shape ``(3,)``.
-        orientation: quaternion (w, x, y, z) that turns the body's axes into the world's; it is
-            normalised.
+        orientation: what turns the body's axes into the world's: a `Rotation` of SciPy, or a
+            quaternion (w, x, y, z), which is normalised. SciPy's own order is (x, y, z, w).
         velocity: of the centre of mass in m/s, shape ``(3,)``.
         angular_velocity: ω in rad/s in the world's axes, shape ``(3,)``.
         force: constant force on the centre of mass in N besides gravity, in the world's axes.
@@ -62,6 +63,10 @@ class Body(Value):
     >>> from asperity import Body
     >>> Body.ball(1.0, 0.1, position=(0.0, 0.0, 1.0)).inertia.diagonal().round(9).tolist()
     [0.004, 0.004, 0.004]
+    >>> from scipy.spatial.transform import Rotation
+    >>> turn = Rotation.from_euler("z", 90.0, degrees=True)
+    >>> Body.ball(1.0, 0.1, orientation=turn).orientation.round(6).tolist()
+    [0.707107, 0.0, 0.0, 0.707107]
     """
 
     mass: float
@@ -79,7 +84,7 @@ class Body(Value):
         inertia: ArrayLike,
         *,
         position: ArrayLike = (0.0, 0.0, 0.0),
-        orientation: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        orientation: Orientation = (1.0, 0.0, 0.0, 0.0),
         velocity: ArrayLike = (0.0, 0.0, 0.0),
         angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
         force: ArrayLike = (0.0, 0.0, 0.0),
@@ -89,7 +94,7 @@ class Body(Value):
             mass=_arrays.positive(mass, "mass"),
             inertia=_inertia(inertia),
             position=_vector(position, "position", 3),
-            orientation=rotation.normalised(orientation, "orientation", 4),
+            orientation=rotation.quaternion(orientation, "orientation"),
             velocity=_vector(velocity, "velocity", 3),
             angular_velocity=_vector(angular_velocity, "angular_velocity", 3),
             force=_vector(force, "force", 3),

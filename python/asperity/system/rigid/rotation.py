@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol, TypeAlias, runtime_checkable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -11,6 +13,30 @@ from asperity.errors import ParameterError
 
 # What is a unit vector to rounding stays as it is, so that normalising twice changes no bit.
 _UNIT = 1e-15
+
+_ORDER = "a quaternion is (w, x, y, z); SciPy's `Rotation` is taken as it is"
+
+
+@runtime_checkable
+class Rotation(Protocol):
+    """What is needed of a `scipy.spatial.transform.Rotation`, known without importing it."""
+
+    def as_quat(self) -> Array:
+        """Return the quaternion in SciPy's order (x, y, z, w)."""
+
+
+Orientation: TypeAlias = ArrayLike | Rotation
+"""A quaternion (w, x, y, z) of any length, or a `scipy.spatial.transform.Rotation`."""
+
+
+def quaternion(value: Orientation, argument: str) -> Array:
+    """Return the unit quaternion (w, x, y, z) of an orientation."""
+    if isinstance(value, Rotation):
+        value = np.roll(np.asarray(value.as_quat(), dtype=np.float64), 1, axis=-1)
+    try:
+        return normalised(value, argument, 4)
+    except ParameterError as error:
+        raise type(error)(argument, f"{error.message}; {_ORDER}") from None
 
 
 def normalised(value: ArrayLike, argument: str, size: int) -> Array:
@@ -22,9 +48,9 @@ def normalised(value: ArrayLike, argument: str, size: int) -> Array:
     return _arrays.read_only(vector if abs(length - 1.0) <= _UNIT else vector / length)
 
 
-def matrices(quaternion: Array) -> Array:
+def matrices(quaternions: Array) -> Array:
     """Return the rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
-    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
     rows = [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
         [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import ParameterError
 from asperity.system.rigid import rotation
+from asperity.system.rigid.rotation import Orientation
 
 # Sine of the smallest angle between an axis and the normal it is projected along.
 _PARALLEL = 1e-12
@@ -69,6 +70,25 @@ class Plane(Value):
             body=None if body is None else _arrays.count(body, "body", 0),
         )
         self._keep(axes=_axes(self.normal, self.axis))
+
+    @classmethod
+    def oriented(cls, orientation: Orientation, **options: Any) -> Self:
+        """Return the plane whose e₁, e₂ and n are the turned x-, y- and z-axis.
+
+        Args:
+            orientation: a `Rotation` of SciPy, or a quaternion (w, x, y, z), which is normalised.
+            **options: ``point``, ``velocity``, ``spin``, ``body``, as of `Plane`.
+
+        Raises:
+            DimensionError, ParameterError: naming the argument.
+
+        >>> from scipy.spatial.transform import Rotation
+        >>> slope = Rotation.from_euler("x", 45.0, degrees=True)
+        >>> Plane.oriented(slope).normal.round(6).tolist()
+        [0.0, -0.707107, 0.707107]
+        """
+        axes = rotation.matrices(rotation.quaternion(orientation, "orientation"))
+        return cls(normal=axes[:, 2], axis=axes[:, 0], **options)
 
     def _core_data(self) -> dict[str, Any]:
         return self._parameters

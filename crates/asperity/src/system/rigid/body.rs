@@ -208,7 +208,7 @@ fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, SystemError> {
     let Some(orientation) = unit(body.orientation) else {
         return Err(SystemError::argument(
             "orientation",
-            "must not be a quaternion of length zero",
+            "must not be a quaternion (w, x, y, z) of length zero",
         ));
     };
     parts.q0.extend(body.position);

@@ -115,7 +115,9 @@ impl System for RigidBodies {
         }
         for (body, q) in q0.chunks_exact_mut(7).enumerate() {
             let Some(orientation) = unit([q[3], q[4], q[5], q[6]]) else {
-                let message = format!("the orientation of body {body} must not be of length zero");
+                let message = format!(
+                    "the orientation of body {body}, (w, x, y, z), must not be of length zero"
+                );
                 return Err(SystemError::argument("q0", message));
             };
             q[3..].copy_from_slice(&orientation);

@@ -1,0 +1,88 @@
+"""Archives of arrays (``.npz``), read so that damage is refused by name.
+
+NumPy reads an entry only as far as its header says, and so neither meets the checksum at its end
+nor what stands behind: entries are read whole here. Nothing is unpickled.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import zipfile
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import ParameterError
+
+
+class Archive:
+    """An open archive whose errors name the key.
+
+    Args:
+        path: of the file.
+        kind: what the file should be, for messages.
+
+    Raises:
+        ParameterError: if it is no archive.
+        OSError: if there is no such file, or it cannot be read.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], kind: str = "an .npz file") -> None:
+        self.path = os.fspath(path)
+        if os.path.isdir(self.path):
+            raise ParameterError("path", f"must be {kind}: {self.path} is a folder")
+        self._bytes = open(self.path, "rb")  # noqa: SIM115
+        try:
+            self._refuse_one_array()
+            self._zip = zipfile.ZipFile(self._bytes)
+        except Exception as error:
+            self._bytes.close()
+            if isinstance(error, ParameterError):
+                raise
+            # Damaged bytes raise whatever the reader stumbles over.
+            raise ParameterError("path", f"must be {kind}: {self.path}: {error}") from None
+        names = self._zip.namelist()
+        self.keys = tuple(name.removesuffix(".npy") for name in names)
+        if len(set(self.keys)) < len(names):
+            self._bytes.close()
+            raise ParameterError("path", f"must be {kind}: {self.path} holds a key twice")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._zip.close()
+        self._bytes.close()
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.keys
+
+    def __getitem__(self, key: str) -> NDArray[Any]:
+        if key not in self.keys:
+            raise ParameterError(key, f"is missing in {self.path}")
+        try:
+            # Reading to the end compares the checksum.
+            entry = io.BytesIO(self._zip.read(f"{key}.npy"))
+            found = np.lib.format.read_array(entry, allow_pickle=False)
+        except Exception as error:
+            why = "it holds Python objects" if "pickle" in str(error) else str(error)
+            raise ParameterError(key, f"cannot be read from {self.path}: {why}") from None
+        if entry.read(1):
+            raise ParameterError(key, f"cannot be read from {self.path}: more than it states")
+        return np.asarray(found)
+
+    def _refuse_one_array(self) -> None:
+        first = self._bytes.read(len(np.lib.format.MAGIC_PREFIX))
+        if first == np.lib.format.MAGIC_PREFIX:
+            raise ParameterError(
+                "path", f"must be an .npz file with keys, {self.path} is one array"
+            )
+        self._bytes.seek(0)

@@ -1,0 +1,160 @@
+"""The file of a trajectory: its fields, and what they must be for one another."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity import _core
+from asperity._archive import Archive
+from asperity._files import atomic
+from asperity.errors import DimensionError, ParameterError
+from asperity.status import Outcome, Phase
+
+FORMAT = 1
+"""Number of the file layout."""
+
+_KIND = "a trajectory that this version can read"
+# Types and axes of the fields. Axes of one letter have one length throughout the file.
+_FIELDS: dict[str, tuple[type[np.generic], tuple[str | int, ...]]] = {
+    "t": (np.float64, ("t",)),
+    "q": (np.float64, ("t", "q")),
+    "u": (np.float64, ("t", "u")),
+    "slip": (np.float64, ("t", "contact", "p")),
+    "force": (np.float64, ("t", "contact", "p")),
+    "normal_force": (np.float64, ("t", "contact")),
+    "phase": (np.int8, ("t", "contact")),
+    "iterations": (np.int64, ("t",)),
+    "residual": (np.float64, ("t",)),
+    "status": (np.str_, ()),
+    "dt": (np.float64, ()),
+    "steps": (np.int64, ()),
+    "ambiguous_steps": (np.int64, ()),
+    "failed_steps": (np.int64, ()),
+    "phase_counts": (np.int64, ("contact", 3)),
+}
+_MARKS = ("format", "version")
+_COUNTS = ("iterations", "steps", "ambiguous_steps", "failed_steps", "phase_counts")
+_FINITE = ("t", "q", "u", "dt")
+
+
+def save(fields: Mapping[str, Any], path: str | os.PathLike[str]) -> None:
+    """Write a trajectory; the file is complete or not there."""
+    with atomic(path) as file:
+        np.savez_compressed(file, format=FORMAT, version=_core.__version__, **fields)
+
+
+def load(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Return the fields of a trajectory.
+
+    Raises:
+        ParameterError, DimensionError: naming the field, or the path, with the file in the message.
+    """
+    with Archive(path, _KIND) as file:
+        _check_format(file)
+        fields = {name: _field(file, name, *kind) for name, kind in _FIELDS.items()}
+        unknown = sorted(set(file.keys) - set(_FIELDS) - set(_MARKS))
+        if unknown:
+            raise ParameterError(unknown[0], f"is no field of a trajectory, in {file.path}")
+        try:
+            _check_shapes(fields)
+            _check_values(fields)
+        except ParameterError as error:
+            raise type(error)(error.argument, f"{error.message}, in {file.path}") from None
+    # Scalars as Python's.
+    return {name: value if value.ndim else value.item() for name, value in fields.items()}
+
+
+def _check_format(file: Archive) -> None:
+    for mark, kind in zip(_MARKS, "iU", strict=True):
+        if mark not in file:
+            raise ParameterError(mark, f"is missing: {file.path} must be {_KIND}")
+        found = file[mark]
+        if found.shape or found.dtype.kind != kind:
+            raise ParameterError(mark, f"must be one value: {file.path} must be {_KIND}")
+    if not 1 <= int(file["format"]) <= FORMAT:
+        raise ParameterError(
+            "format", f"must be {FORMAT} or older, {file.path} has {int(file['format'])}"
+        )
+
+
+def _field(
+    file: Archive, name: str, kind: type[np.generic], axes: tuple[str | int, ...]
+) -> NDArray[Any]:
+    found = file[name]
+    if not np.issubdtype(found.dtype, kind):
+        wanted = np.dtype(kind).name
+        raise ParameterError(name, f"must be of {wanted}, is of {found.dtype}, in {file.path}")
+    if found.ndim != len(axes):
+        raise DimensionError(
+            name, f"must have {len(axes)} axes, has shape {found.shape}, in {file.path}"
+        )
+    return found
+
+
+def _check_shapes(fields: Mapping[str, NDArray[Any]]) -> None:
+    lengths: dict[str | int, int] = {3: 3}
+    for name, (_, axes) in _FIELDS.items():
+        wanted = tuple(
+            lengths.setdefault(axis, length)
+            for axis, length in zip(axes, fields[name].shape, strict=True)
+        )
+        if fields[name].shape != wanted:
+            raise DimensionError(name, f"must have shape {wanted}, has {fields[name].shape}")
+    if not lengths["t"]:
+        raise DimensionError("t", "must hold a sample")
+    # Bodies in space have 7 coordinates and 6 velocities, others as many of both.
+    if lengths["q"] != lengths["u"] and 6 * lengths["q"] != 7 * lengths["u"]:
+        raise DimensionError("u", f"must fit {lengths['q']} coordinates, has {lengths['u']}")
+    if lengths["contact"] and not 1 <= lengths["p"] <= 3:
+        raise DimensionError("slip", f"must have 1 to 3 components, has {lengths['p']}")
+
+
+def _check_values(fields: Mapping[str, NDArray[Any]]) -> None:
+    for name in _FINITE:
+        if not np.isfinite(fields[name]).all():
+            raise ParameterError(name, "must be finite")
+    if (np.diff(fields["t"]) <= 0.0).any():
+        raise ParameterError("t", "must ascend")
+    if fields["dt"] <= 0.0:
+        raise ParameterError("dt", "must be positive")
+    if fields["status"].item() not in list(Outcome):
+        raise ParameterError("status", f"must be {' or '.join(Outcome)}")
+    for name in (*_COUNTS, "residual"):
+        if (fields[name] < 0).any():
+            raise ParameterError(name, "must not be negative")
+    steps = int(fields["steps"])
+    if len(fields["t"]) > steps + 1:
+        raise ParameterError("steps", f"must be at least {len(fields['t']) - 1}, the samples' own")
+    for name in ("ambiguous_steps", "failed_steps"):
+        if fields[name] > steps:
+            raise ParameterError(name, f"must be at most {steps}, the number of steps")
+    if (fields["phase_counts"].sum(axis=1) > steps).any():
+        raise ParameterError("phase_counts", f"must count at most {steps} steps of a contact")
+    _check_phases(fields["phase"])
+    _check_gaps(fields)
+
+
+def _check_phases(phase: NDArray[Any]) -> None:
+    if not np.isin(phase, list(Phase)).all() or (phase[1:] == Phase.NONE).any():
+        raise ParameterError("phase", "must be 0, 1 or 2, and -1 in the initial state alone")
+
+
+def _check_gaps(fields: Mapping[str, NDArray[Any]]) -> None:
+    """NaN stands in the initial state, and for components that a contact does not have."""
+    for name in ("slip", "force", "normal_force", "residual"):
+        if np.isinf(fields[name]).any():
+            raise ParameterError(name, "must be finite")
+    for name in ("normal_force", "residual"):
+        if np.isnan(fields[name][1:]).any():
+            raise ParameterError(name, "must be known, but in the initial state")
+    absent = np.isnan(fields["slip"][-1])
+    if absent[:, :1].any() or (absent[:, :-1] & ~absent[:, 1:]).any():
+        raise ParameterError("slip", "must be known in the first components of every contact")
+    for name, first in (("slip", 0), ("force", 1)):
+        if (np.isnan(fields[name][first:]) != absent).any():
+            raise ParameterError(name, "must be known in the same components in every sample")
