@@ -35,11 +35,16 @@ _FAILURES = {
     ),
     "rejections": (
         "most steps fail, and time hardly passes",
-        "The direction set may be nearly flat where the sliding direction is held: try simulate",
+        "The motion may change faster than steps resolve, such as where a contact hardly slips: try "
+        "simulate",
     ),
     "events": (
         "events follow each other without time passing",
         "The contacts may not find what to do, such as when they are redundant: try simulate",
+    ),
+    "unsolved": (
+        "the contact forces or percussions at an event were not found",
+        "The contacts may depend on each other, so that rounding decides what they do: try simulate",
     ),
     "no_solution": (Status.NO_SOLUTION.message, Status.NO_SOLUTION.advice),
 }

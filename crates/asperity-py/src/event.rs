@@ -63,6 +63,7 @@ pub fn integrate<'py>(
                 Cause::Step => "step",
                 Cause::Rejections => "rejections",
                 Cause::Events => "events",
+                Cause::Unsolved => "unsolved",
             };
             (name, contact, None)
         }

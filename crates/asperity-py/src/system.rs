@@ -115,6 +115,13 @@ fn returned<'py>(
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let numpy = value.py().import("numpy")?;
+    // The conversion would leave the imaginary parts out.
+    if numpy.call_method1("iscomplexobj", (value,))?.is_truthy()? {
+        return Err(crate::errors::parameter(
+            method,
+            "must return real numbers, returned complex ones",
+        ));
+    }
     let array = numpy.call_method1("ascontiguousarray", (value, "float64"))?;
     let array = array.cast_into::<PyArrayDyn<f64>>()?;
     // ascontiguousarray makes a number an array of one entry.

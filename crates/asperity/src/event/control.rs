@@ -1,9 +1,9 @@
 //! How long a step may be.
 
 use super::collocation::Scale;
-use super::field::{Field, dot};
+use super::field::{Field, dot, largest};
 use super::force::norm;
-use super::touch::{ROWS, STILL};
+use super::touch::{ROUNDING, ROWS, STILL};
 use crate::contact::Phase;
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
@@ -19,10 +19,12 @@ const BEYOND: f64 = 1.2;
 #[derive(Debug)]
 pub(super) struct Control {
     /// Of the error estimate.
-    estimate: f64,
+    pub(super) estimate: f64,
     /// Of Newton's method.
     pub(super) newton: f64,
     scale: Scale,
+    /// The velocity of which the share [`STILL`] is what rounding may make of forces that balance.
+    creep: f64,
     pub(super) h: f64,
     last_error: f64,
     /// Rates at which the resistances of unilateral contacts change.
@@ -36,6 +38,7 @@ impl Control {
             estimate: 0.01 * tolerance.powf(0.6),
             newton: 0.01 * tolerance,
             scale: Scale { q: 0.0, u: 0.0 },
+            creep: 0.0,
             h: 0.0,
             last_error: 1.0,
             rates: vec![0.0; contacts],
@@ -43,30 +46,40 @@ impl Control {
         }
     }
 
-    /// Takes a state into account.
-    pub(super) fn see(&mut self, field: &mut Field<'_>, q: &[f64], u: &[f64]) {
+    /// Takes a state into account, to which a step of length `h` has led.
+    pub(super) fn see(&mut self, field: &mut Field<'_>, q: &[f64], u: &[f64], h: f64) {
         self.scale.q = self.scale.q.max(largest(q));
         self.scale.u = self.scale.u.max(largest(u));
+        // Forces that balance let what rests creep by what rounding leaves of them.
+        let creep = field.load * h * (ROUNDING / STILL);
+        self.creep = self.creep.max(creep);
         for i in 0..field.touches.len() {
-            let terms = field.row(ROWS * i).iter().zip(q).map(|(w, q)| (w * q).abs());
-            let reach = terms.sum();
+            let normal = field.row(ROWS * i).iter().zip(q);
+            let (sum, sizes) =
+                normal.fold((0.0, 0.0), |(s, a), (w, q)| (s + w * q, a + (w * q).abs()));
+            let rows = (1..=field.touches[i].p).map(|r| largest(field.row(ROWS * i + r)));
+            let creep = rows.fold(0.0, f64::max) * creep;
             let touch = &mut field.touches[i];
-            touch.speed = touch.speed.max(touch.size);
-            touch.reach = touch.reach.max(reach);
-            self.scale.u = self.scale.u.max(touch.speed);
+            touch.speed = touch.speed.max(touch.size).max(creep);
+            if touch.prescribed.is_none() {
+                touch.reach = touch.reach.max(sizes).max((touch.gap - sum).abs());
+            }
+            self.scale.u = self.scale.u.max(touch.size);
         }
     }
 
     /// What errors of a step are compared with: the largest values so far, at least what the largest
-    /// acceleration changes.
-    pub(super) fn scale(&self, h: f64, acceleration: f64) -> Scale {
-        let u = self.scale.u.max(h * acceleration).max(1e-100);
+    /// acceleration changes. `goal` is the relative error that counts: it must not be asked for below what
+    /// rounding leaves of the forces, of which `load` is the largest, where these balance.
+    pub(super) fn scale(&self, h: f64, acceleration: f64, (goal, load): (f64, f64)) -> Scale {
+        let rounding = ROUNDING / goal * load;
+        let u = self.scale.u.max(h * acceleration.max(rounding)).max(1e-100);
         Scale { q: self.scale.q.max(h * u), u }
     }
 
-    /// Largest velocity so far.
+    /// What velocities are compared with to tell whether they vanish: the largest one so far.
     pub(super) fn speed(&self) -> f64 {
-        self.scale.u
+        self.scale.u.max(self.creep)
     }
 
     /// A length to begin with, which need not be good.
@@ -127,10 +140,10 @@ impl Control {
                 let (velocity, rate) = (dot(field.row(ROWS * i), u), field.rate(ROWS * i, a0));
                 // From there on the gap is not smaller than it was.
                 let near = touch.gap < velocity * velocity / rate.abs();
-                if velocity > STILL * self.scale.u && rate < 0.0 && near {
+                if velocity > STILL * self.speed() && rate < 0.0 && near {
                     limit = limit.min(-velocity / rate);
                 }
-                if velocity < -STILL * self.scale.u && !field.constant {
+                if velocity < -STILL * self.speed() && !field.constant {
                     limit = limit.min(BEYOND * touch.gap.max(0.0) / -velocity);
                 }
             }
@@ -165,9 +178,4 @@ pub(super) fn slip_rate(field: &Field<'_>, contact: usize, acceleration: &[f64])
     let terms = rows.zip(&touch.slip[..touch.p]);
     let along = |(row, slip): (usize, &f64)| slip * field.rate(row, acceleration);
     terms.map(along).sum::<f64>() / norm(&touch.slip)
-}
-
-/// The largest size of a component.
-pub(super) fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }

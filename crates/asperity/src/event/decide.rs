@@ -8,33 +8,35 @@ use nalgebra::DMatrix;
 use super::field::{Field, add, dot};
 use super::force;
 use super::inverse::Inverse;
+use super::poll::Poll;
 use super::touch::{FieldError, ROWS, State, Touch};
+use super::{Cause, Outcome};
 use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
 use crate::solver::{Solver, Status, Stop, Workspace};
 
-const SOLVER: Solver = Solver::Exact { max_sweeps: 10_000 };
-const FALLBACK: Solver = Solver::Auto { interior_point: false, threads: 1 };
+/// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over.
+const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };
+const FALLBACK: Solver = Solver::Auto { interior_point: true, threads: 1 };
 const TOLERANCE: f64 = 1e-12;
+/// Residual that counts as solved where rounding leaves no better one.
+const ROUNDED: f64 = 1e-9;
 /// Relative distance from the boundary of a reservoir that counts as none.
 const BOUNDARY: f64 = 1e-6;
-/// Slip acceleration over the load that other contacts prevent.
-const REDUNDANT: f64 = 1e-11;
+/// Slip acceleration over the load that counts as none.
+const AT_REST: f64 = 1e-11;
 
 /// The outcome of a contact problem.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub(super) enum Decision {
     /// Solved; whether some contact had several solutions.
     Made {
         /// Whether it was a choice.
         ambiguous: bool,
     },
-    /// No solution at this contact.
-    None {
-        /// The contact.
-        contact: usize,
-    },
+    /// The motion ends here: there is no solution, none has been found, or nobody waits for it.
+    Ended(Outcome),
 }
 
 /// Rows that take part in a contact problem, with `M⁻¹` of them.
@@ -50,6 +52,7 @@ pub(super) fn decide(
     field: &mut Field<'_>,
     state: &State,
     memory: &[ContactState],
+    poll: &Poll<'_>,
 ) -> Result<Decision, FieldError> {
     // A slipping contact that the others lift opens, and all decide again.
     loop {
@@ -61,8 +64,8 @@ pub(super) fn decide(
         let (part, answers) = constrained(field, contacts);
         let load: Vec<f64> =
             part.rows.iter().map(|&row| field.rate(row, &field.acceleration)).collect();
-        let problem = problem(field, &part, load, |touch| touch.prescribed);
-        let (decision, remembered, velocity) = solve(&part, &problem, memory);
+        let problem = problem(field, &part, load, |touch| touch.prescribed)?;
+        let (decision, remembered, velocity) = solve(&part, &problem, memory, (poll, state.t));
         let Decision::Made { .. } = decision else { return Ok(decision) };
         for (k, force) in remembered.percussion.iter().enumerate() {
             add(&mut field.acceleration, *force, &part.responses[k * field.n..][..field.n]);
@@ -74,7 +77,7 @@ pub(super) fn decide(
             continue;
         }
         keep(field, &part, &problem, &remembered, &velocity);
-        hold_redundant(field, &part, &problem);
+        hold_at_limit(field, &part, &problem);
         return Ok(decision);
     }
 }
@@ -99,7 +102,8 @@ fn problem(
     part: &Part,
     load: Vec<f64>,
     normal_force: impl Fn(&Touch) -> Option<f64>,
-) -> ContactProblem {
+) -> Result<ContactProblem, FieldError> {
+    part.contacts.iter().try_for_each(|&i| field.check_rows(i))?;
     let (n, size) = (field.n, part.rows.len());
     let delassus = DMatrix::from_fn(size, size, |i, j| {
         dot(field.row(part.rows[i]), &part.responses[j * n..(j + 1) * n])
@@ -127,7 +131,7 @@ fn problem(
         rho,
     };
     problem.update_rho();
-    problem
+    Ok(problem)
 }
 
 /// Solves a contact problem: the decision, the percussions and what came of the contacts, the velocities.
@@ -135,24 +139,34 @@ fn solve(
     part: &Part,
     problem: &ContactProblem,
     memory: &[ContactState],
+    (poll, t): (&Poll<'_>, f64),
 ) -> (Decision, Memory, Vec<f64>) {
     let mut start = Memory::new(problem.rows(), part.contacts.len());
     start.states = part.contacts.iter().map(|&i| memory[i]).collect();
     if part.contacts.is_empty() {
         return (Decision::Made { ambiguous: false }, start, Vec::new());
     }
-    let mut worst = 0;
+    let cancelled = || poll.stops(t);
+    let stop = Stop { cancelled: Some(&cancelled), ..Stop::at(TOLERANCE) };
+    let mut outcome = Outcome::Interrupted;
     for solver in [SOLVER, FALLBACK] {
         let (mut workspace, mut found) = (Workspace::default(), start.clone());
         workspace.prepare(problem);
-        let report = solver.solve(problem, Stop::at(TOLERANCE), &mut found, &mut workspace);
-        if report.status == Status::Converged || report.residual < 1e3 * TOLERANCE {
+        let report = solver.solve(problem, stop, &mut found, &mut workspace);
+        if report.status == Status::Converged || report.residual < ROUNDED {
             let decision = Decision::Made { ambiguous: report.ambiguous };
             return (decision, found, workspace.velocity);
         }
-        worst = report.worst_contact;
+        if poll.stopped() {
+            return (Decision::Ended(Outcome::Interrupted), start, Vec::new());
+        }
+        let contact = part.contacts[report.worst_contact];
+        outcome = match report.status {
+            Status::NoSolution => Outcome::NoSolution { contact },
+            _ => Outcome::Stuck { cause: Cause::Unsolved, contact: Some(contact) },
+        };
     }
-    (Decision::None { contact: part.contacts[worst] }, start, Vec::new())
+    (Decision::Ended(outcome), start, Vec::new())
 }
 
 /// Modes, forces and slip accelerations of the contacts that have been decided on.
@@ -166,6 +180,7 @@ fn keep(
     for (k, (&i, rows)) in part.contacts.iter().zip(&problem.contacts).enumerate() {
         let touch = &mut field.touches[i];
         (touch.mode, touch.resting) = (found.states[k].phase, false);
+        touch.tolerated = 0.0;
         touch.normal_force = match rows.normal {
             NormalForce::Prescribed(force) => force,
             NormalForce::Unilateral => found.percussion[rows.offset],
@@ -181,20 +196,13 @@ fn keep(
     }
 }
 
-/// Contacts at the limit of their force whose slip the other contacts prevent stick.
-fn hold_redundant(field: &mut Field<'_>, part: &Part, problem: &ContactProblem) {
-    let size = part.rows.len();
-    let mut inverse = Inverse::default();
-    inverse.of(size, |i, j| {
-        dot(field.row(part.rows[i]), &part.responses[j * field.n..(j + 1) * field.n])
-    });
-    if size == 0 || !inverse.singular {
-        return;
-    }
+/// Contacts at the limit of their force that begin to slip by rounding only stick: the others prevent their slip,
+/// or the load is just what friction can hold.
+fn hold_at_limit(field: &mut Field<'_>, part: &Part, problem: &ContactProblem) {
     let load = problem.free_velocity.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
     for &i in &part.contacts {
         let touch = &mut field.touches[i];
-        if touch.mode == Phase::Slip && force::norm(&touch.slip) <= REDUNDANT * load {
+        if touch.mode == Phase::Slip && force::norm(&touch.slip) <= AT_REST * load {
             touch.mode = Phase::Stick;
             touch.slip = [0.0; 3];
         }
@@ -217,6 +225,7 @@ pub(super) fn strike(
     (contacts, blow): (Vec<usize>, Blow),
     memory: &[ContactState],
     after: &mut Vec<f64>,
+    poll: &Poll<'_>,
 ) -> Result<Decision, FieldError> {
     let n = field.n;
     field.kinematics(state.t, &state.q, &state.u)?;
@@ -225,7 +234,7 @@ pub(super) fn strike(
     let part = Part { responses: responses.collect(), rows, contacts };
     let before: Vec<f64> =
         part.rows.iter().map(|&row| dot(field.row(row), &state.u) + field.chi[row]).collect();
-    let mut problem = problem(field, &part, before.clone(), |_| None);
+    let mut problem = problem(field, &part, before.clone(), |_| None)?;
     let laws = field.system.contacts();
     for (rows, &i) in problem.contacts.iter().zip(&part.contacts) {
         let own = rows.offset..rows.offset + rows.len();
@@ -238,7 +247,7 @@ pub(super) fn strike(
             problem.restitution[row] = e * before[row];
         }
     }
-    let (decision, found, velocity) = solve(&part, &problem, memory);
+    let (decision, found, velocity) = solve(&part, &problem, memory, (poll, state.t));
     let Decision::Made { .. } = decision else { return Ok(decision) };
     for (percussion, response) in found.percussion.iter().zip(part.responses.chunks_exact(n)) {
         add(&mut state.u, *percussion, response);

@@ -11,7 +11,7 @@ use super::touch::{FieldError, ROWS, Touch};
 use crate::contact::Phase;
 use crate::law::Law;
 use crate::stepper::mass::MassFactor;
-use crate::system::System;
+use crate::system::{System, SystemError};
 
 /// The system in a mode.
 #[derive(Debug)]
@@ -20,6 +20,12 @@ pub(super) struct Field<'a> {
     pub(super) n: usize,
     pub(super) touches: Vec<Touch>,
     pub(super) acceleration: Vec<f64>,
+    /// The largest component of the accelerations that the forces would give one by one. The acceleration may
+    /// be their difference, as small as rounding makes it: what it is compared with is this.
+    pub(super) load: f64,
+    /// The last time at which the system is asked. Its forces may jump at the end of the motion, to which only
+    /// their limit from the left belongs.
+    latest: f64,
     /// `Wᵀ` and `W_Nᵀ`, [`ROWS`] per contact, χ and `Ẇᵀu + χ̇` likewise.
     pub(super) rows: Vec<f64>,
     pub(super) chi: Vec<f64>,
@@ -50,12 +56,14 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    pub(super) fn new(system: &'a dyn System) -> Self {
+    /// The system up to the time `t_end`, all contacts open.
+    pub(super) fn new(system: &'a dyn System, t_end: f64) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
         let touch = |contact: &crate::system::ContactLaw| Touch {
             mode: Phase::Open,
             resting: false,
             shared: false,
+            tolerated: 0.0,
             p: contact.law.dimension(),
             prescribed: contact.normal_force,
             gap: 0.0,
@@ -76,6 +84,8 @@ impl<'a> Field<'a> {
             n,
             touches: system.contacts().iter().map(touch).collect(),
             acceleration: vec![0.0; n],
+            load: 0.0,
+            latest: t_end.next_down(),
             rows: rows.clone(),
             chi: row.clone(),
             drift: row.clone(),
@@ -151,7 +161,27 @@ impl<'a> Field<'a> {
         self.response.copy_from_slice(&self.rows);
         self.response.chunks_exact_mut(n).for_each(|row| factor.solve(row));
         self.ready = true;
+        (0..self.touches.len())
+            .filter(|&i| !self.touches[i].is_free())
+            .try_for_each(|i| self.check_rows(i))
+    }
+
+    /// Refuses directions of a contact that move nothing.
+    pub(super) fn check_rows(&self, contact: usize) -> Result<(), FieldError> {
+        let mobility =
+            |row: usize| dot(self.row(row), &self.response[row * self.n..(row + 1) * self.n]);
+        // The comparison also turns away NaN.
+        if self.rows_of(contact).any(|row| !(mobility(row) > 0.0)) {
+            return Err(SystemError::direction(contact).into());
+        }
         Ok(())
+    }
+
+    /// `values ← M⁻¹ values` with the mass matrix of the last state.
+    pub(super) fn apply_inverse_mass(&self, values: &mut [f64]) {
+        if let Some(factor) = &self.factor {
+            factor.solve(values);
+        }
     }
 
     /// Accelerations and contact forces; `frozen` leaves the sliding forces per unit normal force as they are.
@@ -162,6 +192,7 @@ impl<'a> Field<'a> {
         u: &[f64],
         frozen: bool,
     ) -> Result<(), FieldError> {
+        let t = t.min(self.latest);
         self.kinematics(t, q, u)?;
         if !self.constant {
             self.update_drift(t, q, u, |touch| !touch.is_free())?;
@@ -170,6 +201,7 @@ impl<'a> Field<'a> {
         if let Some(factor) = &self.factor {
             factor.solve(&mut self.acceleration);
         }
+        self.load = largest(&self.acceleration);
         for i in 0..self.touches.len() {
             if self.touches[i].mode == Phase::Slip && !frozen {
                 let slip = self.touches[i].slip;
@@ -194,6 +226,7 @@ impl<'a> Field<'a> {
                     touch.force[r] = normal_force * touch.sliding[r];
                     let column = &self.response[(ROWS * i + 1 + r) * n..][..n];
                     add(&mut self.acceleration, touch.force[r], column);
+                    self.load = self.load.max(touch.force[r].abs() * largest(column));
                 }
             }
         }
@@ -241,6 +274,7 @@ impl<'a> Field<'a> {
         self.inverse.apply(&mut self.solution);
         for (column, x) in columns.chunks_exact(n).zip(&self.solution) {
             add(&mut self.acceleration, *x, column);
+            self.load = self.load.max(x.abs() * largest(column));
         }
         self.read_solution();
     }
@@ -294,6 +328,11 @@ impl<'a> Field<'a> {
     pub(super) fn unknown(&self) -> &[usize] {
         &self.unknown
     }
+}
+
+/// The largest size of a component.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }
 
 /// `target += factor values`.

@@ -2,8 +2,9 @@
 
 use super::control;
 use super::decide::{self, Decision};
-use super::field::{add, dot};
+use super::field::{add, dot, largest};
 use super::force::{self, norm};
+use super::locate;
 use super::run::Runner;
 use super::touch::{FieldError, ROWS, STILL, State, TOUCHING, Touch, instant};
 use super::{Event, Kind, OptionsError, Outcome};
@@ -11,6 +12,14 @@ use crate::contact::{ContactState, Phase};
 
 /// Difference of the sliding forces per normal force below which stick goes over to slip without a jump.
 const CONTINUOUS: f64 = 1e-3;
+/// Slip over the speed of the contact that the first step of a slip has to reach: rounding must not decide on
+/// its direction. The first stage is at 0.06 of the step, where the slip may be 0.003 of that at its end.
+const ONSET: f64 = 1e-8;
+/// Excess of a sticking force over the reservoir that may be rounding.
+const AT_LIMIT: f64 = 1e-9;
+
+/// The gap over the length `a t²` of the motion to come that counts as closed at the beginning: eight roundings.
+const FALL: f64 = 8.0 * f64::EPSILON;
 
 pub(super) type Next = Result<Option<Outcome>, FieldError>;
 
@@ -19,9 +28,11 @@ impl Runner<'_> {
     pub(super) fn penetration(&mut self) -> Result<Option<OptionsError>, FieldError> {
         let State { t, q, u } = &self.state;
         self.field.kinematics(*t, q, u)?;
-        self.control.see(&mut self.field, q, u);
-        let depth =
-            |touch: &Touch| touch.prescribed.is_none() && touch.gap < -TOUCHING * touch.reach;
+        self.control.see(&mut self.field, q, u, 0.0);
+        self.field.system.forces(*t, q, u, &mut self.a0)?;
+        self.field.apply_inverse_mass(&mut self.a0);
+        self.fall = FALL * largest(&self.a0) * self.options.t_end.powi(2);
+        let depth = |touch: &Touch| touch.prescribed.is_none() && touch.gap < -self.closed(touch);
         Ok(self.field.touches.iter().position(depth).map(|contact| {
             let depth = -self.field.touches[contact].gap;
             let message =
@@ -30,13 +41,19 @@ impl Runner<'_> {
         }))
     }
 
+    /// The gap at which a contact counts as closed at the beginning. Where no length is known but that of
+    /// rounding, such as of a body at rest at the origin, it is told from the lengths of the motion to come.
+    fn closed(&self, touch: &Touch) -> f64 {
+        (TOUCHING * touch.reach).max(self.fall)
+    }
+
     /// Decides what the contacts do at the beginning.
     pub(super) fn begin(&mut self) -> Next {
         self.field.begin(&self.state, self.options.t_end)?;
         let mut hit = None;
         for i in 0..self.memory.len() {
             let touch = self.field.touches[i];
-            if touch.prescribed.is_none() && touch.gap <= TOUCHING * touch.reach {
+            if touch.prescribed.is_none() && touch.gap <= self.closed(&touch) {
                 let approach = self.approach(i);
                 if approach < -STILL * self.control.speed() {
                     hit = Some(i);
@@ -95,16 +112,20 @@ impl Runner<'_> {
 
     fn decide(&mut self, at: &State, before: &[Option<Phase>]) -> Next {
         let resting: Vec<bool> = self.field.touches.iter().map(|touch| touch.resting).collect();
-        let ambiguous = match decide::decide(&mut self.field, at, &self.memory)? {
+        let ambiguous = match decide::decide(&mut self.field, at, &self.memory, &self.poll)? {
             Decision::Made { ambiguous } => ambiguous,
-            Decision::None { contact } => return Ok(Some(Outcome::NoSolution { contact })),
+            Decision::Ended(outcome) => return Ok(Some(outcome)),
         };
         self.starting = false;
+        let mut onset: f64 = 0.0;
         for i in 0..resting.len() {
             let touch = &self.field.touches[i];
             let (mode, slip) = (touch.mode, touch.slip);
             if resting[i] {
                 self.starting |= mode == Phase::Slip;
+                if mode == Phase::Slip {
+                    onset = onset.max(ONSET * touch.speed / norm(&slip));
+                }
                 let slip = if mode == Phase::Slip { slip } else { self.memory[i].slip };
                 self.memory[i] = ContactState::new(mode, slip);
                 self.field.touches[i].slip = [0.0; 3];
@@ -122,12 +143,13 @@ impl Runner<'_> {
         for event in self.motion.events.iter_mut().rev().take_while(|e| e.phase.is_none()) {
             event.phase = event.contact.map(|i| touches[i].mode);
         }
-        self.resume()?;
+        self.resume(onset)?;
         Ok(self.enough())
     }
 
-    /// The motion goes on in new modes.
-    fn resume(&mut self) -> Result<(), FieldError> {
+    /// The motion goes on in new modes, with steps of at least the length `onset`.
+    fn resume(&mut self, onset: f64) -> Result<(), FieldError> {
+        self.control.h = self.control.h.max(onset);
         self.a0.copy_from_slice(&self.field.acceleration);
         (self.slope, self.smooth, self.linear) = (None, false, false);
         self.control.forget(&self.field);
@@ -180,6 +202,8 @@ impl Runner<'_> {
         let before = self.phases();
         let touch = self.field.touches[contact];
         let stuck = self.a0.clone();
+        let excess = locate::excess(&self.field, contact) / touch.normal_force;
+        let length = self.control.h;
         let sliding = touch.force.map(|f| f / touch.normal_force);
         let direction = force::direction(self.field.law(contact), &touch.force);
         let kept = self.memory.clone();
@@ -197,6 +221,7 @@ impl Runner<'_> {
                 touch.resting = touch.mode == Phase::Stick;
             }
             let (events, samples) = (self.motion.events.len(), self.motion.t.len());
+            self.control.h = length;
             let outcome = self.decide(&ahead, &before)?;
             if outcome.is_some() {
                 return Ok(outcome);
@@ -208,8 +233,12 @@ impl Runner<'_> {
             self.motion.truncate(samples);
             later *= 10.0;
             if later > 0.1 * self.step.h {
-                self.a0 = stuck;
-                return Ok(self.shorten(0.25 * self.step.h));
+                // It can: its force has been outside the reservoir by rounding only.
+                (self.a0, self.memory) = (stuck, kept);
+                let touch = &mut self.field.touches[contact];
+                let shorter = if excess <= AT_LIMIT { self.step.h } else { 0.25 * self.step.h };
+                touch.tolerated += (2.0 * excess).clamp(f64::EPSILON, AT_LIMIT);
+                return Ok(self.shorten(shorter));
             }
         }
         let touch = &self.field.touches[contact];
@@ -219,6 +248,10 @@ impl Runner<'_> {
             let rate = |(a, b): (&f64, &f64)| (a - b) / later;
             self.slope = Some(self.a0.iter().zip(&stuck).map(rate).collect());
             self.a0 = stuck;
+            // γ = ½ γ̈ t².
+            let growth = norm(&self.memory[contact].slip) / later;
+            let onset = (2.0 * ONSET * self.field.touches[contact].speed / growth).sqrt();
+            self.control.h = length.max(onset);
         }
         Ok(None)
     }

@@ -33,9 +33,10 @@ impl Runner<'_> {
                 self.state.clone_from(&start);
                 let meeting = (involved.clone(), blow);
                 let (field, state) = (&mut self.field, &mut self.state);
-                match decide::strike(field, state, meeting, &self.memory, &mut after)? {
+                let poll = &self.poll;
+                match decide::strike(field, state, meeting, &self.memory, &mut after, poll)? {
                     Decision::Made { ambiguous: several } => ambiguous = several,
-                    Decision::None { contact } => return Ok(Some(Outcome::NoSolution { contact })),
+                    Decision::Ended(outcome) => return Ok(Some(outcome)),
                 }
                 if !self.too_low(&involved, &after) {
                     break;

@@ -12,10 +12,17 @@ pub(super) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
     match (touch.mode, touch.prescribed) {
         (Phase::Open, None) => -touch.gap - SLACK * touch.reach,
         (Phase::Stick, _) if touch.shared => -1.0,
-        (Phase::Stick, _) => force::gauge(field.law(contact), &touch.force) - touch.normal_force,
+        (Phase::Stick, _) => excess(field, contact),
         (Phase::Slip, None) => -touch.normal_force,
         _ => -1.0,
     }
+}
+
+/// How far the friction force of a sticking contact lies outside the reservoir.
+pub(super) fn excess(field: &Field<'_>, contact: usize) -> f64 {
+    let touch = &field.touches[contact];
+    let boundary = touch.normal_force * (1.0 + touch.tolerated);
+    force::gauge(field.law(contact), &touch.force) - boundary
 }
 
 impl Section {

@@ -10,7 +10,7 @@
 //! | `decide.rs`, `share.rs` | contact problems of accelerations and of impacts |
 //! | `locate.rs`, `watch.rs`, `between.rs` | functions whose zeros are events, watched along steps |
 //! | `sample.rs`, `dense.rs` | samples inside steps |
-//! | `run.rs`, `control.rs` | the loop over steps, the length of steps |
+//! | `run.rs`, `control.rs`, `poll.rs` | the loop over steps, the length of steps, whether to go on |
 //! | `happen.rs`, `impact.rs` | what is done at events |
 //! | `motion.rs` | what is returned |
 
@@ -28,6 +28,7 @@ mod inverse;
 mod locate;
 mod lu;
 mod motion;
+mod poll;
 mod run;
 mod sample;
 mod share;
@@ -115,6 +116,8 @@ pub enum Cause {
     Rejections,
     /// Events follow each other without time passing.
     Events,
+    /// The forces or percussions of the contacts at an event have not been found to the accuracy that is needed.
+    Unsolved,
 }
 
 /// Bad options.
@@ -152,6 +155,8 @@ pub fn integrate(
 const LATEST: f64 = 1e60;
 /// Most samples.
 const MOST: f64 = 1e8;
+/// Most steps that a longest step may ask for.
+const MOST_STEPS: f64 = 1e10;
 
 fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
     let refuse = |argument, message: String| Err(OptionsError { argument, message });
@@ -195,6 +200,15 @@ fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
             "dt",
             format!("must not give more than {MOST:e} samples, gives {count:.3e}"),
         );
+    }
+    if let Some(longest) = options.max_step
+        && options.t_end / longest > MOST_STEPS
+    {
+        let (count, end) = (options.t_end / longest, options.t_end);
+        let message = format!(
+            "is too small for t_end = {end}: must not ask for more than {MOST_STEPS:e} steps, asks for {count:.3e}"
+        );
+        return refuse("max_step", message);
     }
     if options.max_events == 0 {
         return refuse("max_events", "must be at least 1, got 0".into());

@@ -1,27 +1,30 @@
 //! The loop over steps.
 
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
 
 use super::between::NODES;
 use super::collocation::Step;
-use super::control::{Control, largest};
+use super::control::Control;
 use super::dense::Dense;
-use super::field::Field;
+use super::field::{Field, add, largest};
 use super::force::norm;
+use super::poll::Poll;
 use super::touch::{FieldError, State, instant};
 use super::watch::{Lost, Watch};
 use super::{Cause, Motion, Options, OptionsError, Outcome, Run};
 use crate::contact::{ContactState, Phase};
 use crate::system::System;
 
-const POLL_EVERY: Duration = Duration::from_millis(50);
-/// Attempts among which the rejected ones are counted, and how many of them are too many: where *D* is nearly
-/// flat, the sliding direction is held where Newton's method does not find it.
+/// Attempts among which the rejected ones are counted, and how many of them are too many.
 const WINDOW: usize = 2000;
 const TOO_MANY: usize = 800;
-/// Share of the whole time in which so many attempts are worth the effort.
+/// Share of the whole time in which so many attempts are worth the effort, though many are rejected.
 const PROGRESS: f64 = 1e-5;
+/// Share of the whole time in which so many attempts are worth the effort, even if all succeed: at this pace the
+/// motion would take 2e13 steps.
+const LEAST_PROGRESS: f64 = 1e-10;
+/// Share of the whole time that is left out at its end: events are not located better.
+const COAST: f64 = 2e-14;
 /// Events at one time that are too many.
 const AT_ONCE: usize = 50;
 
@@ -43,6 +46,8 @@ pub(super) struct Runner<'a> {
     pub(super) probe: Step,
     /// Whether a slip begins at the present state.
     pub(super) starting: bool,
+    /// Gap that counts as closed at the beginning where no other length is known.
+    pub(super) fall: f64,
     /// Whether the step before was of the same mode, and whether its Jacobian can be used again.
     pub(super) smooth: bool,
     pub(super) linear: bool,
@@ -57,10 +62,7 @@ pub(super) struct Runner<'a> {
     pub(super) samples: usize,
     pub(super) dense: Dense,
     pub(super) sampled: State,
-    /// Is asked from time to time whether to go on, and what it has said.
-    observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
-    asked: Instant,
-    pub(super) interrupted: bool,
+    pub(super) poll: Poll<'a>,
 }
 
 pub(super) fn run(
@@ -84,7 +86,7 @@ impl<'a> Runner<'a> {
         observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
-        let field = Field::new(system);
+        let field = Field::new(system, options.t_end);
         Self {
             options,
             state: State { t: 0.0, q: options.q0.clone(), u: options.u0.clone() },
@@ -98,6 +100,7 @@ impl<'a> Runner<'a> {
             last: Step::new(n),
             probe: Step::new(n),
             starting: false,
+            fall: 0.0,
             smooth: false,
             linear: false,
             stale: false,
@@ -107,9 +110,7 @@ impl<'a> Runner<'a> {
             samples: 1,
             dense: Dense::new(n),
             sampled: State { t: 0.0, q: vec![0.0; n], u: vec![0.0; n] },
-            observer,
-            asked: Instant::now(),
-            interrupted: false,
+            poll: Poll::new(observer),
         }
     }
 
@@ -125,26 +126,17 @@ impl<'a> Runner<'a> {
                 return Ok(outcome);
             }
             outcome = self.advance()?;
-            self.ask();
-            if outcome.is_none() && self.interrupted {
+            if outcome.is_none() && self.poll.stops(self.state.t) {
                 outcome = Some(Outcome::Interrupted);
             }
-        }
-    }
-
-    /// Asks whether to go on, if it is time to.
-    pub(super) fn ask(&mut self) {
-        if !self.interrupted && self.asked.elapsed() >= POLL_EVERY {
-            self.interrupted = (self.observer)(self.state.t).is_break();
-            self.asked = Instant::now();
         }
     }
 
     /// One attempt of a step.
     fn advance(&mut self) -> Result<Option<Outcome>, FieldError> {
         let left = self.options.t_end - self.state.t;
-        if left <= 0.0 {
-            return Ok(Some(Outcome::Finished));
+        if left <= COAST * self.options.t_end {
+            return Ok(Some(self.coast(left)));
         }
         if self.stale {
             let State { t, q, u } = &self.state;
@@ -165,7 +157,7 @@ impl<'a> Runner<'a> {
         if let Some(contact) = self.singular() {
             return self.stop_without_collision(contact);
         }
-        let scale = self.control.scale(h, self.push(h));
+        let scale = self.control.scale(h, self.push(h), self.rounding(self.control.newton));
         if !self.linear {
             self.field.linearise(&self.state, scale)?;
             self.linear = true;
@@ -173,7 +165,8 @@ impl<'a> Runner<'a> {
         if !self.attempt(h)? {
             return Ok(self.shorten(0.25 * h));
         }
-        let scale = self.control.scale(h, self.push(h).max(largest(&self.step.a)));
+        let push = self.push(h).max(largest(&self.step.a));
+        let scale = self.control.scale(h, push, self.rounding(self.control.estimate));
         let error = self.step.error(&self.state, &self.a0, scale);
         if !self.control.judge(h, error) {
             let shorter = self.control.h;
@@ -195,6 +188,16 @@ impl<'a> Runner<'a> {
         }
     }
 
+    /// What is left of the time is as short as events are uncertain: velocities and accelerations stay as they are.
+    fn coast(&mut self, left: f64) -> Outcome {
+        if left > 0.0 {
+            self.state.t = self.options.t_end;
+            add(&mut self.state.q, left, &self.state.u);
+            add(&mut self.state.u, left, &self.a0);
+        }
+        Outcome::Finished
+    }
+
     /// Why there is no hope to get on with a step of length `h`, if there is none.
     fn stuck(&mut self, h: f64) -> Option<Cause> {
         if self.state.t + h == self.state.t {
@@ -204,8 +207,11 @@ impl<'a> Runner<'a> {
         let done = (self.motion.steps - steps, self.motion.rejected_steps - rejected);
         if done.0 + done.1 >= WINDOW {
             self.counted = (self.motion.steps, self.motion.rejected_steps, self.state.t);
-            let progress = self.state.t - t > PROGRESS * self.options.t_end;
-            return (done.1 >= TOO_MANY && !progress).then_some(Cause::Rejections);
+            let progress = (self.state.t - t) / self.options.t_end;
+            if progress < LEAST_PROGRESS {
+                return Some(if done.1 >= TOO_MANY { Cause::Rejections } else { Cause::Step });
+            }
+            return (done.1 >= TOO_MANY && progress < PROGRESS).then_some(Cause::Rejections);
         }
         let events = &self.motion.events;
         let before = events.len().checked_sub(AT_ONCE + self.memory.len()).map(|k| events[k].time);
@@ -239,9 +245,15 @@ impl<'a> Runner<'a> {
         largest(&self.a0) + h * self.slope.as_deref().map_or(0.0, largest)
     }
 
+    /// A relative error that is aimed at, with what decides whether rounding allows it.
+    pub(super) fn rounding(&self, goal: f64) -> (f64, f64) {
+        (goal, self.field.load)
+    }
+
     /// Newton's method from the continued polynomial of the step before, else from constant accelerations.
     fn attempt(&mut self, h: f64) -> Result<bool, FieldError> {
-        let goal = (self.control.newton, self.control.scale(h, self.push(h)));
+        let newton = self.control.newton;
+        let goal = (newton, self.control.scale(h, self.push(h), self.rounding(newton)));
         if self.smooth && h <= 2.0 * self.last.h {
             self.step.guess_from(h, &self.last, self.last.h);
             if self.step.solve(&mut self.field, &self.state, h, goal)? {

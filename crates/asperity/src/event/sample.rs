@@ -26,7 +26,7 @@ impl Runner<'_> {
         }
         let h = if attempt { self.step.h } else { t - self.state.t };
         self.interpolate(h, attempt)?;
-        while due(self.samples) && !self.interrupted {
+        while due(self.samples) && !self.poll.stopped() {
             self.dense.at(self.samples as f64 * dt, &mut self.sampled);
             let sampled = std::mem::take(&mut self.sampled);
             self.evaluate((sampled.t, &sampled.q, &sampled.u), false)?;
@@ -34,7 +34,7 @@ impl Runner<'_> {
             self.sampled = sampled;
             self.samples += 1;
             if self.samples.is_multiple_of(RARELY) {
-                self.ask();
+                self.poll.stops(self.state.t);
             }
         }
         Ok(true)

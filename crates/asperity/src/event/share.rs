@@ -3,6 +3,7 @@
 use super::decide::{self, Decision};
 use super::field::Field;
 use super::locate::alarm;
+use super::poll::Poll;
 use super::run::Runner;
 use super::touch::{FieldError, State, Touch};
 use crate::contact::{ContactState, Phase};
@@ -20,7 +21,7 @@ impl Runner<'_> {
             |i: usize| self.field.touches[i].mode == Phase::Stick && alarm(&self.field, i) > 0.0;
         if self.field.indeterminate() && (0..self.memory.len()).any(overloaded) {
             let state = State { t, q: q.to_vec(), u: u.to_vec() };
-            if !share(&mut self.field, &state, &self.memory)? {
+            if !share(&mut self.field, &state, &self.memory, &self.poll)? {
                 self.field.evaluate(t, q, u, frozen)?;
             }
         }
@@ -33,12 +34,13 @@ fn share(
     field: &mut Field<'_>,
     state: &State,
     memory: &[ContactState],
+    poll: &Poll<'_>,
 ) -> Result<bool, FieldError> {
     let kept = field.touches.clone();
     for touch in &mut field.touches {
         touch.resting = touch.mode == Phase::Stick;
     }
-    let decision = decide::decide(field, state, memory)?;
+    let decision = decide::decide(field, state, memory, poll)?;
     let goes_on = |(touch, kept): (&Touch, &Touch)| touch.mode == kept.mode;
     let sticks =
         matches!(decision, Decision::Made { .. }) && field.touches.iter().zip(&kept).all(goes_on);

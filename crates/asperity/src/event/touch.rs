@@ -14,6 +14,8 @@ pub(super) const STILL: f64 = 1e-12;
 pub(super) const TOUCHING: f64 = 1e-12;
 /// Overlap over the reach of a contact that rounding explains.
 pub(super) const SLACK: f64 = 1e-14;
+/// Rounding errors of accelerations over the accelerations that balance in them.
+pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Spacings of the time that are too short for a step.
 const SHORTEST: f64 = 4.0;
 
@@ -53,6 +55,9 @@ pub(super) struct Touch {
     pub(super) resting: bool,
     /// Whether its force is the part that the contact problem gave it.
     pub(super) shared: bool,
+    /// Excess of the friction force over the boundary of the reservoir, relative to the normal force, that has
+    /// turned out to be rounding: the contact rests at the limit of its force.
+    pub(super) tolerated: f64,
     pub(super) p: usize,
     /// Normal force that is given.
     pub(super) prescribed: Option<f64>,
@@ -68,7 +73,8 @@ pub(super) struct Touch {
     pub(super) size: f64,
     /// The largest of these along the motion, what slips are compared with; attempts do not count.
     pub(super) speed: f64,
-    /// `|w_N|ᵀ|q|`, the largest along the motion: what gaps are compared with, whatever the other coordinates are.
+    /// The larger of `|w_N|ᵀ|q|` and `|g_N − w_Nᵀq|`, the largest along the motion: what gaps are compared with,
+    /// whatever the other coordinates are.
     pub(super) reach: f64,
 }
 

@@ -2,7 +2,8 @@
 
 use super::between;
 use super::collocation::{STAGES, Tableau};
-use super::control::{self, largest};
+use super::control;
+use super::field::largest;
 use super::locate::{self, alarm};
 use super::run::Runner;
 use super::touch::{FieldError, STILL, Touch, instant};
@@ -192,7 +193,9 @@ impl Runner<'_> {
     /// The step from the present state to another time of the present attempt, with the full order; the field
     /// is evaluated there.
     pub(super) fn look(&mut self, h: f64) -> Result<(), Lost> {
-        let goal = (self.control.newton, self.control.scale(self.step.h, largest(&self.step.a)));
+        let newton = self.control.newton;
+        let push = largest(&self.step.a);
+        let goal = (newton, self.control.scale(self.step.h, push, self.rounding(newton)));
         self.probe.guess_from(h, &self.step, 0.0);
         if !self.probe.solve(&mut self.field, &self.state, h, goal)? {
             return Err(Lost::Diverged);
@@ -213,7 +216,7 @@ impl Runner<'_> {
         self.state.u.copy_from_slice(step.end(&step.u));
         self.a0.copy_from_slice(&self.field.acceleration);
         self.slope = None;
-        self.control.see(&mut self.field, &self.state.q, &self.state.u);
+        self.control.see(&mut self.field, &self.state.q, &self.state.u, h);
         if h > 0.0 {
             self.motion.steps += 1;
             self.control.made(&self.field, h);
@@ -227,9 +230,7 @@ impl Runner<'_> {
             self.evaluate_stage(STAGES - 1)?;
         }
         self.go_to(t, true)?;
-        if !self.field.constant {
-            self.field.project(&mut self.state)?;
-        }
+        self.field.project(&mut self.state)?;
         std::mem::swap(&mut self.step, &mut self.last);
         (self.smooth, self.starting) = (true, false);
         self.linear = self.field.constant;

@@ -247,13 +247,12 @@ impl Dense {
     }
 }
 
-/// A direction that moves nothing would make the friction force meaningless.
+/// Refuses directions that move nothing.
 fn check_directions(closed: &Closed) -> Result<(), SystemError> {
     for (i, (contact, c)) in closed.problem.contacts.iter().zip(&closed.active).enumerate() {
         let diagonal = |a| closed.problem.delassus.own(i, contact.offset, a, a);
         if (0..contact.len()).any(|a| !(diagonal(a) > 0.0)) {
-            let message = format!("must be finite and not zero, is not at contact {c}");
-            return Err(SystemError::argument("direction", message));
+            return Err(SystemError::direction(*c));
         }
     }
     Ok(())

@@ -58,6 +58,12 @@ impl SystemError {
     pub(crate) fn argument(argument: &'static str, message: impl Into<String>) -> Self {
         Self::Argument { argument, message: message.into() }
     }
+
+    /// A direction that moves nothing would make the friction force of this contact meaningless.
+    pub(crate) fn direction(contact: usize) -> Self {
+        let message = format!("must be finite and not zero, is not at contact {contact}");
+        Self::argument("direction", message)
+    }
 }
 
 /// `M(q) u̇ − h(t, q, u) = W_N λ_N + W λ`, `q̇ = u` or what [`System::advance`] makes of it, with `γ_N = W_Nᵀu` and `γ = Wᵀu + χ`
