@@ -218,3 +218,36 @@ def test_round_trip_through_the_tribometer(noise):
 @pytest.mark.parametrize("noise", ROUND_TRIPS)
 def test_round_trip_of_two_hundred_seeds(noise):
     check_round_trip(range(200), *ROUND_TRIPS[noise], 1e4)
+
+
+FLAT = FrictionLaw(Superellipse(0.5, 0.4, 2.5), Superellipse(1.2, 1.0, 5.0))
+FLAT_TRUTH = {
+    "reservoir.a": 0.5,
+    "reservoir.b": 0.4,
+    "reservoir.exponent": 2.5,
+    "direction.ratio": 1.2,
+    "direction.exponent": 5.0,
+    "direction.angle": 0.0,
+}
+# Samples per turn at 0.16 turns/s: 1250, 720 and 12500, of which the second is divisible by 4.
+RATES = (200.0, 115.2, 2000.0)
+
+
+def check_samples_on_axes(seeds, rate):
+    held = np.zeros(len(FLAT_TRUTH))
+    for seed in seeds:
+        machine = VirtualTribometer(FLAT, normal_force=9.3, sample_rate=rate, seed=seed)
+        fit = fit_law(process(machine.record()))
+        held += [fit.parameters[name].covers(value) for name, value in FLAT_TRUTH.items()]
+    assert (held >= binom.ppf(1e-3, len(seeds), 0.95)).all(), held
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_bands_with_samples_on_the_axes(rate):
+    check_samples_on_axes(range(20), rate)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("rate", RATES)
+def test_bands_with_samples_on_the_axes_of_two_hundred_seeds(rate):
+    check_samples_on_axes(range(200), rate)

@@ -120,6 +120,41 @@ def test_minimum_is_that_of_another_solver():
     assert fit.rms == pytest.approx(np.sqrt((fit.residuals**2).mean()), rel=1e-5)
 
 
+@pytest.mark.parametrize("joint", [True, False])
+@pytest.mark.parametrize("offset", [0.0, 1e-9, 1e-5, 1e-3])
+@pytest.mark.parametrize("exponent", [2.5, 4.0, 5.0, 6.0, 10.0])
+def test_samples_on_the_axes_do_not_hide_the_minimum(exponent, offset, joint):
+    """Encoders with 4k counts per turn give samples exactly at multiples of 90°."""
+    phi = np.linspace(0.0, 12.0 * np.pi, 4320, endpoint=False) + offset
+    e = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    for c_exponent, noise in ((2.0, 1e-4), (exponent, 1e-4), (2.0, 1e-2)):
+        law = FrictionLaw(Superellipse(0.5, 0.4, c_exponent), Superellipse(1.2, 1.0, exponent))
+        error = noise * np.random.default_rng(0).normal(size=e.shape)
+        fit = fit_law((phi, error - law.force(e)), joint=joint)
+        # Apart, C and D minimise other sums of squares than that of the forces.
+        assert (fit.residuals**2).sum() < (1.001 if joint else 1.003) * (error**2).sum()
+        assert fit.parameters["direction.exponent"].covers(exponent)
+        assert fit.parameters["direction.angle"].covers(0.0)
+
+
+def test_samples_on_the_axes_of_a_slender_turned_direction_set():
+    phi = np.linspace(0.0, 12.0 * np.pi, 4320, endpoint=False)
+    e = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    error = 1e-4 * np.random.default_rng(0).normal(size=e.shape)
+    law = FrictionLaw(Superellipse(0.8, 0.1, 4.0), Superellipse(8.0, 1.0, 4.0))
+    for loss in ("linear", "huber", "cauchy"):
+        fit = fit_law((phi, error - law.force(e)), loss=loss)
+        assert (fit.residuals**2).sum() < 1.005 * (error**2).sum()
+    for exponent in (4.0, 10.0):
+        law = FrictionLaw(Ellipse(0.5, 0.4, 0.3), Superellipse(1.2, 1.0, exponent, 0.3))
+        turned = phi + 0.3
+        e = np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+        fit = fit_law((turned, error - law.force(e)))
+        assert fit.parameters["direction.exponent"].covers(exponent)
+        # There the direction of sliding off an axis is rounding.
+        assert (fit.residuals**2).sum() < 1.01 * (error**2).sum()
+
+
 def test_apart_and_joint_fits_agree():
     data = sampled(turned_law(), noise=0.005)
     joint, apart = fit_law(data), fit_law(data, joint=False)

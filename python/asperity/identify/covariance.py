@@ -57,6 +57,21 @@ class Covariance:
             self.degrees,
         )
 
+    def at_least(self, other: Covariance, at: int) -> Covariance:
+        """Return the covariance whose variance of one coordinate is not below that in another."""
+
+        def raised(part: Array, least: Array) -> Array:
+            result = part.copy()
+            result[at, at] = max(part[at, at], least[at, at])
+            return result
+
+        return Covariance(
+            raised(self.scatter, other.scatter),
+            raised(self.calibration, other.calibration),
+            raised(self.zero, other.zero),
+            self.degrees,
+        )
+
     def half_widths(self, directions: Array, confidence: float) -> Array:
         """Return the half widths of the bands of combinations ``(n, k)`` of coordinates.
 
@@ -90,6 +105,8 @@ def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, int]:
     count = int(clusters.max()) + 1
     gradients = np.zeros((count, len(matrix)))
     np.add.at(gradients, clusters, sums.gradient)
+    # Their sum is zero but for a coordinate at its bound, or an angle held by samples on an axis.
+    gradients -= gradients.mean(axis=0)
     steps = np.stack([damped_step(matrix, gradient) for gradient in gradients])
     return steps.T @ steps * (count / (count - 1.0)), count - 1
 

@@ -32,6 +32,13 @@ class DirectionModel(CurveModel, ABC):
     def force_direction(self, c: Array, s: Array, p: Array) -> tuple[Array, Array, Array]:
         """Return the direction of −λ while sliding along (c, s), and dθ/dp, ``(k, n)``."""
 
+    def flow(self, p: Array) -> float:
+        """Return the power of tan φ, from an axis, that tan θ goes with; 1 without such axes.
+
+        Where it is less than 1, the force turns infinitely fast on the axes.
+        """
+        return 1.0
+
     @abstractmethod
     def direction(self, p: Array) -> StarSet:
         """Return D; its scale is of no meaning."""
@@ -98,7 +105,7 @@ class SuperellipseDirection(DirectionModel):
 
         |tan θ| = (p₂/p₁)^{s/(s−1)} |tan φ|^{1/(s−1)} from the first axis, [WL19] (84).
         """
-        flow = 1.0 / (self._exponent(p) - 1.0)
+        flow = self.flow(p)
         cos, sin = math.cos(p[-1]), math.sin(p[-1])
         x, y = c * cos + s * sin, s * cos - c * sin
         wide, high = np.maximum(np.abs(x), TINY), np.maximum(np.abs(y), TINY)
@@ -115,6 +122,10 @@ class SuperellipseDirection(DirectionModel):
         floor = np.maximum(wide, _NEAREST_AXIS) * np.maximum(high, _NEAREST_AXIS)
         by[-1] = 1.0 - flow * np.abs(turn) / floor
         return u * cos - v * sin, u * sin + v * cos, by
+
+    def flow(self, p: Array) -> float:
+        """Return 1/(s − 1)."""
+        return 1.0 / (self._exponent(p) - 1.0)
 
     def direction(self, p: Array) -> StarSet:
         """Return the ellipse or superellipse with p₁ p₂ = 1."""

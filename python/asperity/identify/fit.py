@@ -15,6 +15,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.identify import defects
+from asperity.identify.axes import away_from_axes, means_away_from_axes
 from asperity.identify.bins import Bins, GroupedBins, grouped
 from asperity.identify.checks import at_bounds, gaps, warnings_of
 from asperity.identify.coordinates import Estimate
@@ -35,7 +36,7 @@ from asperity.identify.models import (
 from asperity.identify.outliers import without_outliers
 from asperity.identify.samples import Samples, by_sense, clusters_of
 from asperity.identify.sets import MeasuredSets
-from asperity.identify.sums import Family
+from asperity.identify.sums import Family, Sums
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
 
@@ -95,6 +96,8 @@ class Fit:
         loss: Loss,
         confidence: float | None,
         comparison: Comparison | None = None,
+        *,
+        held: bool = False,
     ) -> None:
         self._samples, self._family, self._data = samples, family, data
         self._descent, self.loss, self.confidence = descent, loss, confidence
@@ -102,12 +105,11 @@ class Fit:
         self.coordinates = _arrays.read_only(descent.p)
         self.covariance: Covariance | None = None
         if confidence is not None:
-            parts = by_sense(samples, data)
-            means = [bins] if len(parts) == 1 else [self._grouped(part).bins() for part, _ in parts]
-            senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
-            common = shared(family, senses, descent.p, data)
-            scatter, degrees = scatter_of(descent.sums, clusters_of(samples, data))
-            self.covariance = Covariance(scatter, *common, (degrees, *shared_degrees(data)))
+            covariance = self._covariance(bins, descent.sums)
+            if held:
+                away = family.sums(away_from_axes(samples, descent.p[-1]), descent.p, loss)
+                covariance = covariance.at_least(self._covariance(bins, away, away=True), -1)
+            self.covariance = covariance
 
     def __repr__(self) -> str:
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
@@ -303,6 +305,17 @@ class Fit:
         from asperity.identify.report import write_report
 
         return write_report(self, path, title)
+
+    def _covariance(self, bins: Bins, sums: Sums, *, away: bool = False) -> Covariance:
+        """Return the covariance by all samples, or by those away from the axes of D."""
+        parts, p = by_sense(self._samples, self._data), self._descent.p
+        means = [bins] if len(parts) == 1 else [self._grouped(part).bins() for part, _ in parts]
+        if away:
+            means = [means_away_from_axes(mean, p[-1]) for mean in means]
+        senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
+        common = shared(self._family, senses, p, self._data)
+        scatter, degrees = scatter_of(sums, clusters_of(self._samples, self._data))
+        return Covariance(scatter, *common, (degrees, *shared_degrees(self._data)))
 
     def _grouped(self, samples: Samples, groups: int = 1) -> GroupedBins:
         return grouped(samples if self.loss.is_linear else without_outliers(samples), groups)

@@ -7,6 +7,12 @@ import numpy as np
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import FitError, ParameterError
+from asperity.identify.axes import (
+    Clear,
+    clear_of_axes,
+    decided_angle,
+    is_singular,
+)
 from asperity.identify.bins import check_coverage, grouped
 from asperity.identify.descent import Descent, refine
 from asperity.identify.fit import Fit
@@ -18,17 +24,19 @@ from asperity.identify.models import (
     name_of,
     reservoir_model,
 )
-from asperity.identify.outliers import inside, without_outliers
-from asperity.identify.samples import Measured, Samples, samples_of
+from asperity.identify.outliers import without_outliers
+from asperity.identify.samples import Measured, Samples, inside, samples_of
 from asperity.identify.selection import BEST, compare_models, matching_pairs
 from asperity.identify.start import fit_bins, start
-from asperity.identify.sums import Family
+from asperity.identify.sums import Family, Sums
 
 _COARSE_WIDTH = 5
 # A last step so short, in standard errors, is taken without another look at the samples.
 _CLOSE = 0.1
 _ROUNDS, _SAME_SCALE = 10, 1e-3
 _MOST_LENGTHS = 100_000
+# The angle and the other coordinates of D hardly depend on each other.
+_ANGLE_ROUNDS = 3
 
 
 def fit_law(
@@ -94,32 +102,37 @@ def fit_law(
     if 2 * bins.phi.size <= family.size:
         raise FitError(f"data: {bins.phi.size} directions cannot tell {family.size} parameters")
     first = fit_bins(family, bins, start(family, coarse)).p
-    descent, measure = _fit_samples(family, samples, first, measure)
+    clear = None
+    if is_singular(family, first):
+        clear = clear_of_axes(family, bins, first, sums.energy, len(samples))
+    descent, measure, held = _fit_samples(family, samples, first, measure, clear)
     if not descent.converged:
         raise FitError(
             f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
             "try a simpler model"
         )
-    return Fit(data, samples, bins, family, descent, measure, confidence, comparison)
+    return Fit(data, samples, bins, family, descent, measure, confidence, comparison, held=held)
 
 
 def _fit_samples(
-    family: Family, samples: Samples, first: Array, loss: Loss
-) -> tuple[Descent, Loss]:
-    """Descend on all samples; a robust loss finds its scale in turns with the coordinates."""
-    degrees = max(2 * len(samples) - family.size, 1)
+    family: Family, samples: Samples, first: Array, loss: Loss, clear: Clear | None
+) -> tuple[Descent, Loss, bool]:
+    """Descend on all samples, and say whether those on axes of D hold its angle.
 
-    def from_here(p: Array, measure: Loss) -> Descent:
-        return refine(
-            lambda at: family.sums(samples, at, measure),
-            p,
-            family.coordinates,
-            close=_CLOSE,
-            degrees=degrees,
-        )
+    A robust loss finds its scale in turns with the coordinates.
+    """
+
+    def from_here(p: Array, measure: Loss) -> tuple[Descent, bool]:
+        if clear is not None:
+            known = clear.p if p is first else p
+            descent, held = _descend_about_axes(family, samples, known, measure, clear)
+            if descent.converged:
+                return descent, held
+        return _descend(family, samples, p, measure), False
 
     if loss.is_linear:
-        return from_here(first, loss), loss
+        descent, held = from_here(first, loss)
+        return descent, loss, held
     p, some = first, inside(samples, _MOST_LENGTHS)
     for _ in range(_ROUNDS):
         along, across, *_ = family.residuals(
@@ -128,8 +141,49 @@ def _fit_samples(
         rescaled = loss.scaled_by(np.hypot(along, across))
         settled = abs(rescaled.scale - loss.scale) <= _SAME_SCALE * rescaled.scale
         loss = rescaled
-        descent = from_here(p, loss)
+        descent, held = from_here(p, loss)
         p = descent.p
         if settled:
             break
-    return descent, loss
+    return descent, loss, held
+
+
+def _descend(
+    family: Family, samples: Samples, p: Array, loss: Loss, *, angle: float | None = None
+) -> Descent:
+    """Descend on all samples; with the angle of D, the last coordinate, held if it is given."""
+    free = np.ones(family.size)
+    if angle is not None:
+        p, free[-1] = p.copy(), 0.0
+        p[-1] = angle
+
+    def sums_at(at: Array) -> Sums:
+        sums = family.sums(samples, at, loss)
+        if angle is None:
+            return sums
+        return Sums(sums.cost, sums.gradient * free, sums.matrix * np.outer(free, free))
+
+    return refine(
+        sums_at,
+        p,
+        family.coordinates,
+        close=_CLOSE,
+        degrees=max(2 * len(samples) - family.size, 1),
+    )
+
+
+def _descend_about_axes(
+    family: Family, samples: Samples, p: Array, loss: Loss, clear: Clear
+) -> tuple[Descent, bool]:
+    """Descend with the angle of D on which samples on its axes decide, if they do."""
+    held = None
+    for _ in range(_ANGLE_ROUNDS):
+        before, held = held, decided_angle(family, samples, p, clear, loss)
+        if held is None:
+            return _descend(family, samples, p, loss), False
+        if held == before:
+            break
+        descent = _descend(family, samples, p, loss, angle=held)
+        p = descent.p
+    # The bands are those of an angle that is free.
+    return descent._replace(sums=family.sums(samples, p, loss)), True

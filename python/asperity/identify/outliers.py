@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity._arrays import Array
 from asperity.identify.loss import MEDIAN_LENGTH
-from asperity.identify.samples import Samples, bin_of
+from asperity.identify.samples import Samples, bin_of, chosen, inside
 
 _MOST_SAMPLES = 100_000
 _FEWEST_PER_BIN, _MOST_BINS = 25, 360
@@ -34,25 +32,7 @@ def without_outliers(samples: Samples) -> Samples:
     scale = float(np.median(apart)) / MEDIAN_LENGTH
     size = float(np.median(np.hypot(*levels)))
     kept = apart <= max(_DEVIATIONS * scale, _PART * size)
-    if kept.all():
-        return samples
-    ends = np.cumsum(samples.runs[:, 1] - samples.runs[:, 0])
-    last = np.cumsum(kept)[ends - 1]
-    runs = np.stack([np.append(0, last[:-1]), last, samples.runs[:, 2]], axis=-1)
-    near = all_of[kept]
-    return replace(
-        samples,
-        phi=samples.phi[near],
-        force=samples.force[near],
-        normal=samples.normal[near],
-        runs=runs,
-    )
-
-
-def inside(samples: Samples, most: int | None = None) -> NDArray[np.intp]:
-    """Return numbers of the samples in turns, of `most` at least and evenly spread if given."""
-    numbers = np.concatenate([np.arange(first, end) for first, end, _ in samples.runs])
-    return numbers if most is None else numbers[:: max(1, numbers.size // most)]
+    return samples if kept.all() else chosen(samples, all_of, kept)
 
 
 def _parts(samples: Samples, rows: NDArray[np.intp]) -> Array:

@@ -88,6 +88,26 @@ def by_sense(samples: Samples, data: Any) -> list[tuple[Samples, float]]:
     return parts
 
 
+def inside(samples: Samples, most: int | None = None) -> NDArray[np.intp]:
+    """Return numbers of the samples in turns, of `most` at least and evenly spread if given."""
+    numbers = np.concatenate([np.arange(first, end) for first, end, _ in samples.runs])
+    return numbers if most is None else numbers[:: max(1, numbers.size // most)]
+
+
+def chosen(samples: Samples, rows: NDArray[np.intp], kept: NDArray[np.bool_]) -> Samples:
+    """Return some of the samples in turns, whose numbers are `rows`; turns keep their numbers."""
+    ends = np.cumsum(samples.runs[:, 1] - samples.runs[:, 0])
+    last = np.append(0, np.cumsum(kept))[ends]
+    runs = np.stack([np.append(0, last[:-1]), last, samples.runs[:, 2]], axis=-1)
+    return replace(
+        samples,
+        phi=samples.phi[rows[kept]],
+        force=samples.force[rows[kept]],
+        normal=samples.normal[rows[kept]],
+        runs=runs,
+    )
+
+
 def reads_normal_force(data: Any) -> bool:
     """Return whether λ_N comes from the normal channel; else it is given, whatever T's row 3."""
     raw = getattr(data, "raw", None)
