@@ -1,0 +1,57 @@
+//! Random linear systems from event to event.
+
+use std::ops::ControlFlow;
+
+use asperity::event::{Options, Outcome, integrate};
+use asperity::system::Normal;
+
+use crate::decode::{Range, Source};
+use crate::systems;
+
+/// Steps that are plenty for what these systems do in their time; more means that the motion does not get on.
+const STEPS: usize = 50_000;
+/// Calls of the observer, one in 50 ms, after which a run is cut short and its steps are counted.
+const PATIENCE: usize = 40;
+
+/// An integration ends; what is finished keeps to the laws.
+pub fn check(data: &[u8]) {
+    let mut source = Source::new(data);
+    let Some(scene) = systems::scene(&mut source, true) else { return };
+    let options = Options {
+        t_end: 0.2 * source.size(Range::Narrow).min(20.0),
+        q0: scene.q0.clone(),
+        u0: scene.u0.clone(),
+        tolerance: [1e-6, 1e-9][source.below(2)],
+        sample: None,
+        max_step: None,
+        section: None,
+        max_events: 200,
+    };
+    let mut calls = 0;
+    let result = integrate(&scene.system, &options, &mut |_| {
+        calls += 1;
+        if calls > PATIENCE { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let Ok(run) = result else { return };
+    let motion = &run.motion;
+    let steps = motion.steps + motion.rejected_steps;
+    assert!(steps < STEPS, "{steps} steps to t = {:?} of {options:?}: {scene:?}", motion.t.last());
+    if !matches!(run.outcome, Outcome::Finished) {
+        return;
+    }
+    let states = motion.q.iter().chain(&motion.u);
+    assert!(states.clone().all(|v| v.is_finite()), "not finite: {options:?} {scene:?}");
+    assert_eq!(*motion.t.last().unwrap(), options.t_end);
+    if !scene.tame {
+        return;
+    }
+    scene.check_forces(motion.p, &motion.slip, &motion.force, &motion.normal_force, 1e-3);
+    let size = states.fold(1.0, |m: f64, v| m.max(v.abs()));
+    for contact in &scene.contacts {
+        let Normal::Gap { direction, gap } = &contact.normal else { continue };
+        for q in motion.q.chunks_exact(motion.dof) {
+            let now = gap + q.iter().zip(direction).map(|(q, w)| q * w).sum::<f64>();
+            assert!(now > -1e-5 * size, "overlap {now:e}: {options:?} {scene:?}");
+        }
+    }
+}

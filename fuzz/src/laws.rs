@@ -1,0 +1,59 @@
+//! Friction laws from bytes.
+
+use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
+use asperity::set::{StarSet, directions};
+
+use crate::decode::{Range, Source};
+
+/// A law of dimension `P`; `None` where its parameters are refused.
+pub fn law<const P: usize>(source: &mut Source<'_>, range: Range) -> Option<FrictionLaw<P>> {
+    let depth = usize::from(source.once_in(if P == 3 { 16 } else { 4 }));
+    match source.below(5) {
+        0 => FrictionLaw::isotropic(source.size(range)).ok(),
+        1 => source.convex(range, depth).map(FrictionLaw::associated),
+        2 => FrictionLaw::collinear(source.star(range, depth)?).ok(),
+        _ => {
+            let (reservoir, direction) = (source.star(range, depth)?, source.convex(range, depth)?);
+            FrictionLaw::new(reservoir, direction).ok()
+        }
+    }
+}
+
+/// A law of any dimension, in the plane mostly.
+pub fn any(source: &mut Source<'_>, range: Range) -> Option<Law> {
+    Some(match source.below(6) {
+        0 => law::<1>(source, range)?.into(),
+        1 => law::<3>(source, range)?.into(),
+        _ => law::<2>(source, range)?.into(),
+    })
+}
+
+/// The same, whose friction now and then depends on the speed.
+pub fn rated(source: &mut Source<'_>, range: Range) -> Option<Law> {
+    if !source.once_in(6) {
+        return any(source, range);
+    }
+    let fall = [Fall::Exponential, Fall::Hyperbolic][source.below(2)];
+    let (ratio, speed) = (source.unit(), source.size(Range::Narrow));
+    let rate = Stribeck::new(fall, ratio, 0.0, speed, 0.1 * source.unit()).ok()?;
+    Some(match source.below(2) {
+        0 => law::<1>(source, range)?.with_rate(rate).into(),
+        _ => law::<2>(source, range)?.with_rate(rate).into(),
+    })
+}
+
+/// Whether the sets are of ordinary size and not very slender: what is promised of solvers is promised for these.
+pub fn is_ordinary(law: &Law) -> bool {
+    match law {
+        Law::One(law) => ordinary(law),
+        Law::Two(law) => ordinary(law),
+        Law::Three(law) => ordinary(law),
+    }
+}
+
+fn ordinary<const P: usize>(law: &FrictionLaw<P>) -> bool {
+    directions::<P>(64).iter().all(|d| {
+        let (c, z) = (law.reservoir().radius(d), law.direction().radius(d));
+        (1e-4..1e4).contains(&c) && (1e-4..1e4).contains(&z) && z > 1e-3 * c
+    })
+}

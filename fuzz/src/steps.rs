@@ -1,0 +1,36 @@
+//! Random linear systems by Moreau's time stepping.
+
+use std::ops::ControlFlow;
+
+use asperity::simulate::{Options, Outcome, simulate};
+use asperity::solver::Solver;
+
+use crate::decode::{Range, Source};
+use crate::systems;
+
+/// Steps give finite states and forces that the laws allow.
+pub fn check(data: &[u8]) {
+    let mut source = Source::new(data);
+    let Some(scene) = systems::scene(&mut source, true) else { return };
+    let options = Options {
+        dt: 0.01 * source.size(Range::Narrow),
+        steps: 30,
+        q0: scene.q0.clone(),
+        u0: scene.u0.clone(),
+        solver: Solver::Auto { interior_point: true, threads: 1 },
+        tolerance: 1e-10,
+        save_every: 1,
+        until_rest: false,
+        stop_on_failure: true,
+    };
+    let result = simulate(&scene.system, &options, &mut |_, _| ControlFlow::Continue(()));
+    let Ok(run) = result else { return };
+    let path = &run.trajectory;
+    if !scene.tame {
+        return;
+    }
+    scene.check_forces(path.p, &path.slip, &path.force, &path.normal_force, 1e-6);
+    if matches!(run.outcome, Outcome::Finished) {
+        assert!(path.u.iter().all(|v| v.is_finite()), "not finite: {options:?} {scene:?}");
+    }
+}

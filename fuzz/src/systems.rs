@@ -1,0 +1,129 @@
+//! Linear systems with contacts, and where they start.
+
+use asperity::law::Law;
+use asperity::system::{Contact, LinearSystem, Normal};
+use nalgebra::DMatrix;
+
+use crate::decode::{Range, Source};
+use crate::laws;
+
+/// A system, its start, and the parameters that it hides.
+#[derive(Debug)]
+pub struct Scene {
+    pub system: LinearSystem,
+    pub contacts: Vec<Contact>,
+    pub q0: Vec<f64>,
+    pub u0: Vec<f64>,
+    /// Whether friction forces are bounded by laws of ordinary size and nothing else feeds energy in.
+    pub tame: bool,
+}
+
+/// Up to three degrees of freedom and contacts; `None` where something is refused.
+pub fn scene(source: &mut Source<'_>, rated: bool) -> Option<Scene> {
+    let n = 1 + source.below(3);
+    let range = Range::Narrow;
+    let mass = if source.once_in(3) {
+        let factor = DMatrix::from_fn(n, n, |_, _| source.signed());
+        factor.transpose() * factor + DMatrix::identity(n, n)
+    } else {
+        DMatrix::from_diagonal(&nalgebra::DVector::from_fn(n, |_, _| source.size(range)))
+    };
+    let mut tame = true;
+    let stiffness = match source.below(4) {
+        0 => DMatrix::zeros(n, n),
+        1 => {
+            tame = n == 1;
+            DMatrix::from_fn(n, n, |i, j| source.signed() + if i == j { n as f64 } else { 0.0 })
+        }
+        _ => {
+            let factor = DMatrix::from_fn(n, n, |_, _| source.signed());
+            factor.transpose() * factor * source.size(range)
+        }
+    };
+    let damping = match source.below(3) {
+        0 => DMatrix::identity(n, n) * source.unit(),
+        _ => DMatrix::zeros(n, n),
+    };
+    let force = (0..n).map(|_| source.number(range)).collect();
+    let count = source.below(4);
+    let contacts: Vec<Contact> =
+        (0..count).map(|_| contact(source, n, rated)).collect::<Option<_>>()?;
+    tame &= contacts.iter().all(|c| laws::is_ordinary(&c.law));
+    let rest = source.once_in(4);
+    let start = |source: &mut Source<'_>| {
+        (0..n).map(|_| if rest { 0.0 } else { source.signed() }).collect()
+    };
+    let (q0, u0) = (start(source), start(source));
+    let system = LinearSystem::new(mass, stiffness, damping, force, contacts.clone()).ok()?;
+    Some(Scene { system, contacts, q0, u0, tame })
+}
+
+fn contact(source: &mut Source<'_>, n: usize, rated: bool) -> Option<Contact> {
+    let law: Law =
+        if rated { laws::rated(source, Range::Narrow)? } else { laws::any(source, Range::Narrow)? };
+    let p = law.dimension();
+    let axes = source.once_in(2);
+    let direction = if axes {
+        DMatrix::from_fn(n, p, |i, j| if i == j { 1.0 } else { 0.0 })
+    } else {
+        DMatrix::from_fn(n, p, |_, _| source.signed())
+    };
+    let belt = source.once_in(2);
+    let velocity = (0..p).map(|_| if belt { source.number(Range::Narrow) } else { 0.0 }).collect();
+    let normal = if source.once_in(3) {
+        let direction =
+            (0..n).map(|i| if axes && i + 1 == n { 1.0 } else { source.signed() }).collect();
+        let touching = source.once_in(2);
+        Normal::Gap { direction, gap: if touching { 0.0 } else { source.size(Range::Narrow) } }
+    } else {
+        Normal::Force(source.size(Range::Narrow))
+    };
+    let restitution = if source.once_in(3) { (source.unit(), 0.0) } else { (0.0, 0.0) };
+    Some(Contact { law, direction, velocity, normal, restitution })
+}
+
+impl Scene {
+    /// Asserts that normal forces do not pull and friction forces lie in their reservoirs.
+    pub fn check_forces(
+        &self,
+        p: usize,
+        slip: &[f64],
+        force: &[f64],
+        normal_force: &[f64],
+        slack: f64,
+    ) {
+        let m = self.contacts.len();
+        let size = normal_force.iter().fold(1e-3, |m: f64, f| m.max(f.abs()));
+        for (k, &normal) in normal_force.iter().enumerate() {
+            let contact = &self.contacts[k % m];
+            let (own, slip) = (&force[k * p..(k + 1) * p], &slip[k * p..(k + 1) * p]);
+            // Not known where a contact is at an event or not closed.
+            if own.iter().any(|f| f.is_nan()) || normal.is_nan() {
+                continue;
+            }
+            assert!(normal >= -slack * size, "contact {} pulls with {normal}: {self:?}", k % m);
+            let speed = slip.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let factor = contact.law.rate().map_or(1.0, |rate| rate.factor(speed).max(1.0));
+            let gauge = gauge(&contact.law, own);
+            assert!(
+                gauge <= normal * factor + slack * size,
+                "contact {}: k_C(−λ) = {gauge} at λ_N = {normal}: {self:?}",
+                k % m
+            );
+        }
+    }
+}
+
+fn gauge(law: &Law, force: &[f64]) -> f64 {
+    use asperity::set::{StarSet, Vector};
+    if force.iter().all(|f| *f == 0.0) {
+        return 0.0;
+    }
+    match law {
+        Law::One(law) => law.reservoir().gauge(&Vector::<1>::new(-force[0])),
+        Law::Two(law) => law.reservoir().gauge(&Vector::<2>::new(-force[0], -force[1])),
+        Law::Three(law) => {
+            law.reservoir().gauge(&Vector::<3>::new(-force[0], -force[1], -force[2]))
+        }
+    }
+}
