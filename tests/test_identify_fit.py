@@ -1,5 +1,6 @@
 """Fits of laws to forces: against exact data, another solver, differences, and known noise."""
 
+import copy
 import pickle
 from types import SimpleNamespace
 
@@ -268,11 +269,37 @@ def test_bands_follow_from_the_parameters_alone():
     assert (wider.half_width > bands.half_width).all()
 
 
-def test_fits_can_be_pickled():
-    fit = fit_law(sampled(TABLE_1, 500, 2, noise=0.01))
-    again = pickle.loads(pickle.dumps(fit))
-    assert again.law == fit.law
-    assert again.parameters["reservoir.a"] == fit.parameters["reservoir.a"]
+@pytest.mark.parametrize("confidence", [0.95, None])
+def test_copies_of_fits_are_equal(confidence):
+    raw = VirtualTribometer(
+        TABLE_1, normal_force=9.3, turns=3, turn_rate=1.0, sample_rate=200.0
+    ).record()
+    for data in (sampled(TABLE_1, 500, 2, noise=0.01), process(raw)):
+        fit = fit_law(data, confidence=confidence)
+        parameters = fit.parameters
+        for again in (pickle.loads(pickle.dumps(fit)), copy.copy(fit), copy.deepcopy(fit)):
+            assert again == fit
+            assert hash(again) == hash(fit)
+            assert again.law == fit.law
+            assert again.parameters == parameters
+            assert (again.residuals == fit.residuals).all()
+        assert pickle.loads(pickle.dumps(parameters)) == copy.deepcopy(parameters) == parameters
+        assert {hash(p) for p in parameters.values()} == {
+            hash(p) for p in pickle.loads(pickle.dumps(parameters)).values()
+        }
+        assert fit != fit_law(data, confidence=0.9)
+        assert fit != fit_law(data, direction="ellipse", confidence=confidence)
+
+
+def test_fits_keep_their_data_from_changes():
+    phi, force = sampled(TABLE_1, 500, 2, noise=0.01)
+    fit, given = fit_law((phi, force)), force.copy()
+    force *= 2.0
+    np.testing.assert_allclose(fit.residuals + fit.forces(phi), given, atol=1e-12)
+    with pytest.raises(AttributeError, match="immutable"):
+        fit.confidence = 0.5
+    wider = fit.replace(confidence=0.99).parameters["reservoir.a"]
+    assert wider.low < fit.parameters["reservoir.a"].low
 
 
 def test_what_cannot_be_fitted_is_refused():

@@ -14,7 +14,7 @@ from asperity.identify import (
     read_raw,
     write_raw,
 )
-from asperity.identify.files import blaming
+from asperity.identify.files import _SECTIONS, blaming
 from asperity.identify.units import factors
 
 LAW = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.3))
@@ -337,12 +337,62 @@ def test_a_configuration_says_how_to_read_and_process(run, write, tmp_path):
     np.testing.assert_allclose(data.phi, expected.phi, atol=1e-12)
 
 
+OPTIONS = {
+    "cut_off": ("5.0", 5.0),
+    "order": ("2", 2),
+    "grid_angle": ("0.5", 0.5),
+}
+
+
+def test_every_option_of_processing_is_tried():
+    assert set(OPTIONS) == set(_SECTIONS["processing"])
+
+
+@pytest.mark.parametrize("key", OPTIONS)
+def test_both_doors_process_as_the_configuration_says(tmp_path, key):
+    text, value = OPTIONS[key]
+    machine = VirtualTribometer(
+        asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.4)),
+        normal_force=9.3,
+        turns=3,
+        turn_rate=1.0,
+        sample_rate=200.0,
+    )
+    machine.write(tmp_path)
+    config, path = tmp_path / "tribometer.toml", tmp_path / "run_1.csv"
+    plain = process(read_raw(path, config))
+    with config.open("a") as file:
+        file.write(f"\n[processing]\n{key} = {text}\n")
+    raw = read_raw(path, config)
+    expected = process(machine.record(), **{key: value})
+    for data in (process(raw), Configuration.load(config).process(raw)):
+        assert (data.force == expected.force).all()
+        assert (data.phi == expected.phi).all()
+        assert (data.normal_force == expected.normal_force).all()
+    assert any(
+        (getattr(expected, name) != getattr(plain, name)).any() for name in ("phi", "normal_force")
+    )
+    # What is given to `process` itself goes before, and options survive another round by files.
+    assert process(raw, **{key: getattr(plain, key)}).force.tolist() == plain.force.tolist()
+    write_raw(raw, tmp_path / "again")
+    again = read_raw(tmp_path / "again" / "run_1.csv", tmp_path / "again" / "tribometer.toml")
+    assert process(again).force.tolist() == expected.force.tolist()
+    assert again.processing == raw.processing
+
+
 @pytest.mark.parametrize("none", ["false", "'none'"])
 def test_a_configuration_can_switch_the_filter_off(run, tmp_path, none):
     (tmp_path / "rig.toml").write_text(f"[processing]\ncut_off = {none}\n")
     raw = asp.identify.RawData([run])
     data = Configuration.load(tmp_path / "rig.toml").process(raw)
     assert (data.normal_force == process(raw, cut_off=None).normal_force).all()
+    VirtualTribometer(
+        asp.FrictionLaw.isotropic(0.2), normal_force=9.3, turns=3, turn_rate=1.0, sample_rate=200.0
+    ).write(tmp_path)
+    config = tmp_path / "tribometer.toml"
+    with config.open("a") as file:
+        file.write(f"\n[processing]\ncut_off = {none}\n")
+    assert process(read_raw(tmp_path / "run_1.csv", config)).cut_off is None
 
 
 @pytest.mark.parametrize(

@@ -151,6 +151,7 @@ def values():
         data.turn_averages(36)["tangential"],
         asp.identify.Dependence([1.0, 2.0, 3.0], [0.3, 0.3, 0.31]),
         asp.identify.Configuration({"units": {"angle": "deg"}}),
+        asp.identify.Processing(cut_off=None, order=2),
     ]
 
 

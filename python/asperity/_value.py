@@ -95,10 +95,15 @@ def _same(a: Any, b: Any) -> bool:
         return bool(a.shape == b.shape) and all(map(_same, _parts(a), _parts(b)))
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return np.array_equal(a, b, equal_nan=a.dtype.kind == b.dtype.kind == "f")
+    if _is_nan(a) and _is_nan(b):
+        return True
     return type(a) is type(b) and bool(a == b)
 
 
 def _hashable(value: Any) -> Any:
+    if _is_nan(value):
+        # Python hashes NaN by its address.
+        return "nan"
     if isinstance(value, np.ndarray):
         # Adding zero turns -0.0, which equals 0.0, into it.
         return value.shape, (value + 0).tobytes()
@@ -116,6 +121,11 @@ def _text(value: Any) -> str:
         parts = ", ".join(repr(part.tolist()) for part in _parts(value))
         return f"csr_array(({parts}), shape={value.shape})"
     return repr(value.tolist()) if isinstance(value, np.ndarray) else repr(value)
+
+
+def _is_nan(value: Any) -> bool:
+    """Whether it is the number NaN: what is not known equals what is not known."""
+    return isinstance(value, float) and value != value
 
 
 def _is_sparse(value: Any) -> bool:

@@ -24,7 +24,7 @@ from asperity.identify.fit import Bands, Fit
 from asperity.identify.fitting import fit_law
 from asperity.identify.process import ProcessedData, process
 from asperity.identify.reading import read_csv
-from asperity.identify.record import RawData, Recording
+from asperity.identify.record import Processing, RawData, Recording
 from asperity.identify.reservoir_models import (
     CircleReservoir,
     FourierReservoir,
@@ -53,6 +53,7 @@ __all__ = [
     "FourierReservoir",
     "MeasuredSets",
     "ProcessedData",
+    "Processing",
     "RawData",
     "Recording",
     "SuperellipseDirection",

@@ -18,7 +18,7 @@ from asperity.errors import AsperityError, ParameterError, RecordError
 from asperity.identify.calibration import Calibration
 from asperity.identify.process import ProcessedData, process
 from asperity.identify.reading import PathLike, read_csv
-from asperity.identify.record import CHANNELS, RawData, Recording
+from asperity.identify.record import CHANNELS, Processing, RawData, Recording
 from asperity.identify.table import Format, has_column, read_table
 from asperity.identify.units import factors
 
@@ -127,7 +127,7 @@ class Configuration(Value):
             raise RecordError(str(place), str(error)) from None
 
     def read(self, paths: PathLike | Iterable[PathLike]) -> RawData:
-        """Return the runs in some files, with the calibration and the records without load."""
+        """Return the runs in some files, with the calibration, records without load and options."""
         calibration = self._calibration()
         files = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
         constant = self._constant_normal(files)
@@ -143,15 +143,22 @@ class Configuration(Value):
             self._runs(files, constant, loaded=True),
             calibration=calibration,
             no_load=self._runs(idle, constant, loaded=False) if idle else (),
+            processing=Processing(**self._processing()),
             **self._section("tribometer"),
         )
 
     def process(self, raw: RawData) -> ProcessedData:
-        """Return `process` with the options of the section ``processing``."""
+        """Return `process` with the options of the section ``processing``.
+
+        What `read` returns has these options already: `process` alone does the same with it.
+        """
+        return process(raw, **self._processing())
+
+    def _processing(self) -> dict[str, Any]:
         options = self._section("processing")
         if options.get("cut_off") is False or options.get("cut_off") == "none":
             options["cut_off"] = None
-        return process(raw, **options)
+        return options
 
     def _section(self, name: str) -> dict[str, Any]:
         return dict(self.sections.get(name, {}))
@@ -234,6 +241,8 @@ def _holds_numbers(value: Any) -> bool:
 def read_raw(paths: PathLike | Iterable[PathLike], config: PathLike) -> RawData:
     """Return the runs in some files as a configuration file says: `Configuration.read`.
 
+    `process` finds the options of the section ``processing`` in what is returned.
+
     Args:
         paths: files of the runs.
         config: a TOML file, see `Configuration`.
@@ -283,6 +292,8 @@ def write_raw(raw: RawData, folder: PathLike) -> list[str]:
         lines += _write_calibration(place / "calibration.csv", raw.calibration)
     given = {"normal_load": raw.normal_load, "radius": raw.radius}
     lines += ["[tribometer]", *(f"{k} = {v!r}" for k, v in given.items() if v is not None)]
+    if raw.processing != Processing():
+        lines += ["", "[processing]", *_write_processing(raw.processing)]
     with atomic(place / "tribometer.toml") as file:
         file.write("\n".join([*lines, ""]).encode())
     calibration = ["calibration.csv"] * (raw.calibration is not None)
@@ -309,6 +320,15 @@ def _write_calibration(path: Path, calibration: Calibration) -> list[str]:
     if calibration.reading_error is not None:
         lines.append(f"reading_error = {calibration.reading_error.tolist()!r}")
     return [*lines, f"fit_zero = {str(calibration.fit_zero).lower()}", ""]
+
+
+def _write_processing(processing: Processing) -> list[str]:
+    cut_off = "false" if processing.cut_off is None else repr(processing.cut_off)
+    return [
+        f"cut_off = {cut_off}",
+        f"order = {processing.order}",
+        f"grid_angle = {processing.grid_angle!r}",
+    ]
 
 
 def _write_table(path: Path, names: Iterable[str], values: Array) -> None:

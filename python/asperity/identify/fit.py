@@ -34,7 +34,7 @@ from asperity.identify.models import (
     name_of,
 )
 from asperity.identify.outliers import without_outliers
-from asperity.identify.samples import Samples, by_sense, clusters_of
+from asperity.identify.samples import Samples, by_sense, clusters_of, frozen, samples_of
 from asperity.identify.sets import MeasuredSets
 from asperity.identify.sums import Family, Sums
 from asperity.law import FrictionLaw
@@ -83,14 +83,34 @@ class Bands(Value):
         )
 
 
-class Fit:
-    """A law fitted to measured forces, with its uncertainty; made by `fit_law`."""
+class Fit(Value):
+    """A law fitted to measured forces, with its uncertainty; made by `fit_law`.
+
+    Args:
+        data: as for `fit_law`.
+        family: the models.
+        descent: where their coordinates ended.
+        loss: of the residuals, with its scale.
+        confidence: of the bands; None for none.
+        comparison: with other models, where there was one.
+        held: whether samples on the axes of D hold its angle.
+        samples: of `data`, if they are at hand.
+        bins: means of these, likewise.
+    """
+
+    data: Any
+    loss: Loss
+    confidence: float | None
+    held: bool
+    coordinates: Array
+    covariance: Covariance | None
+    _samples: Samples
+    _family: Family
+    _descent: Descent
 
     def __init__(
         self,
         data: Any,
-        samples: Samples,
-        bins: Bins,
         family: Family,
         descent: Descent,
         loss: Loss,
@@ -98,18 +118,36 @@ class Fit:
         comparison: Comparison | None = None,
         *,
         held: bool = False,
+        samples: Samples | None = None,
+        bins: Bins | None = None,
     ) -> None:
-        self._samples, self._family, self._data = samples, family, data
-        self._descent, self.loss, self.confidence = descent, loss, confidence
-        self._comparison = comparison
-        self.coordinates = _arrays.read_only(descent.p)
-        self.covariance: Covariance | None = None
+        # What follows from the data is no parameter: it is neither compared nor kept by pickle.
+        self._set(
+            data=frozen(data),
+            family=family,
+            descent=descent,
+            loss=loss,
+            confidence=confidence,
+            comparison=comparison,
+            held=bool(held),
+        )
+        self._keep(
+            coordinates=_arrays.read_only(descent.p),
+            _samples=samples_of(self.data) if samples is None else samples,
+            _family=family,
+            _descent=descent,
+        )
+        bins = self._grouped(self._samples).bins() if bins is None else bins
+        covariance = None
         if confidence is not None:
             covariance = self._covariance(bins, descent.sums)
             if held:
-                away = family.sums(away_from_axes(samples, descent.p[-1]), descent.p, loss)
-                covariance = covariance.at_least(self._covariance(bins, away, away=True), -1)
-            self.covariance = covariance
+                apart = away_from_axes(self._samples, descent.p[-1])
+                sums = family.sums(apart, descent.p, loss)
+                covariance = covariance.at_least(self._covariance(bins, sums, away=True), -1)
+        self._keep(covariance=covariance, _bins=bins)
+
+    _bins: Bins
 
     def __repr__(self) -> str:
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
@@ -205,7 +243,7 @@ class Fit:
         means = defects.means_of(self._grouped(self._samples, groups))
         if means is None:
             return {}
-        error = defects.common_error(self._data, means[1])
+        error = defects.common_error(self.data, means[1])
         return {
             "asymmetry": defects.asymmetry(*means),
             "closure": defects.closure(*means, error),
@@ -286,11 +324,12 @@ class Fit:
     @cached_property
     def comparison(self) -> Comparison:
         """Other models of the same data, by BIC and by turns left out."""
-        if self._comparison is not None:
-            return self._comparison
+        given: Comparison | None = self._parameters["comparison"]
+        if given is not None:
+            return given
         from asperity.identify.selection import compare_models
 
-        return compare_models(self._data, loss=self.loss.kind)
+        return compare_models(self.data, loss=self.loss.kind)
 
     def report(self, path: str | os.PathLike[str], *, title: str = "Friction law") -> Path:
         """Write one HTML file with parameters, figures and the comparison of models.
@@ -308,14 +347,14 @@ class Fit:
 
     def _covariance(self, bins: Bins, sums: Sums, *, away: bool = False) -> Covariance:
         """Return the covariance by all samples, or by those away from the axes of D."""
-        parts, p = by_sense(self._samples, self._data), self._descent.p
+        parts, p = by_sense(self._samples, self.data), self._descent.p
         means = [bins] if len(parts) == 1 else [self._grouped(part).bins() for part, _ in parts]
         if away:
             means = [means_away_from_axes(mean, p[-1]) for mean in means]
         senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
-        common = shared(self._family, senses, p, self._data)
-        scatter, degrees = scatter_of(sums, clusters_of(self._samples, self._data))
-        return Covariance(scatter, *common, (degrees, *shared_degrees(self._data)))
+        common = shared(self._family, senses, p, self.data)
+        scatter, degrees = scatter_of(sums, clusters_of(self._samples, self.data))
+        return Covariance(scatter, *common, (degrees, *shared_degrees(self.data)))
 
     def _grouped(self, samples: Samples, groups: int = 1) -> GroupedBins:
         return grouped(samples if self.loss.is_linear else without_outliers(samples), groups)

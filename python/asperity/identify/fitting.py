@@ -25,7 +25,7 @@ from asperity.identify.models import (
     reservoir_model,
 )
 from asperity.identify.outliers import without_outliers
-from asperity.identify.samples import Measured, Samples, inside, samples_of
+from asperity.identify.samples import Measured, Samples, frozen, inside, samples_of
 from asperity.identify.selection import BEST, compare_models, matching_pairs
 from asperity.identify.start import fit_bins, start
 from asperity.identify.sums import Family, Sums
@@ -94,6 +94,7 @@ def fit_law(
         best = comparison.best
         reservoir, direction = best.reservoir_model, best.direction_model
     family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))
+    data = frozen(data)
     samples = samples_of(data)
     # Means do not survive outliers that a robust loss is chosen for.
     sums = grouped(samples if measure.is_linear else without_outliers(samples), 1)
@@ -111,7 +112,17 @@ def fit_law(
             f"no minimum of {name_of(family.reservoir)} and {name_of(family.direction)} was found: "
             "try a simpler model"
         )
-    return Fit(data, samples, bins, family, descent, measure, confidence, comparison, held=held)
+    return Fit(
+        data,
+        family,
+        descent,
+        measure,
+        confidence,
+        comparison,
+        held=held,
+        samples=samples,
+        bins=bins,
+    )
 
 
 def _fit_samples(

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import EllipsisType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -69,16 +70,19 @@ class ProcessedData(Value):
     _zeros: tuple[Zero, ...]
 
     def __init__(
-        self, raw: RawData, *, cut_off: float | None = 20.0, order: int = 4, grid_angle: float = 0.0
+        self,
+        raw: RawData,
+        *,
+        cut_off: float | EllipsisType | None = ...,
+        order: int | EllipsisType = ...,
+        grid_angle: float | EllipsisType = ...,
     ) -> None:
         if not isinstance(raw, RawData):
             raise ParameterError("raw", f"must be RawData, got {raw!r}")
-        self._set(
-            raw=raw,
-            cut_off=None if cut_off is None else _arrays.positive(cut_off, "cut_off"),
-            order=_arrays.count(order, "order"),
-            grid_angle=_arrays.number(grid_angle, "grid_angle"),
-        )
+        given = {"cut_off": cut_off, "order": order, "grid_angle": grid_angle}
+        changes = {name: value for name, value in given.items() if value is not ...}
+        done = raw.processing.replace(**changes)
+        self._set(raw=raw, cut_off=done.cut_off, order=done.order, grid_angle=done.grid_angle)
         calibration = raw.calibration
         zeros = zeros_of(raw)
         lengths = [len(r) for r in raw.recordings]
@@ -286,12 +290,19 @@ class ProcessedData(Value):
 
 
 def process(
-    raw: RawData, *, cut_off: float | None = 20.0, order: int = 4, grid_angle: float = 0.0
+    raw: RawData,
+    *,
+    cut_off: float | EllipsisType | None = ...,
+    order: int | EllipsisType = ...,
+    grid_angle: float | EllipsisType = ...,
 ) -> ProcessedData:
     """Return forces over the sliding direction: crosstalk and zero removed, transformed by (119).
 
     Friction forces stay unfiltered: a filter would bias the models that are fitted to them. The
     normal force is low-passed forwards and backwards.
+
+    Options that are not given are those of the raw data, `RawData.processing`: for files those of
+    the configuration's section ``processing``, and else the defaults of `Processing`.
 
     Args:
         raw: runs, calibration and records without load.

@@ -102,6 +102,37 @@ class Recording(Value):
         return abs(self.turns) / self.duration
 
 
+class Processing(Value):
+    """How raw data become forces over the sliding direction: what `process` does if not told.
+
+    Args:
+        cut_off: cut-off frequency of one pass of the normal force's low-pass filter, in turn rates;
+            None leaves it unfiltered.
+        order: of one pass.
+        grid_angle: angle of the sliding direction from e₁ in rad where the rotation reads 0.
+
+    >>> from asperity.identify import Processing
+    >>> Processing(grid_angle=0.5)
+    Processing(grid_angle=0.5)
+    """
+
+    cut_off: float | None
+    order: int
+    grid_angle: float
+
+    def __init__(
+        self, *, cut_off: float | None = 20.0, order: int = 4, grid_angle: float = 0.0
+    ) -> None:
+        self._set(
+            cut_off=None if cut_off is None else _arrays.positive(cut_off, "cut_off"),
+            order=_arrays.count(order, "order"),
+            grid_angle=_arrays.number(grid_angle, "grid_angle"),
+        )
+
+
+_USUAL = Processing()
+
+
 class RawData(Value):
     """All that was recorded of one pairing: runs, calibration and records without load.
 
@@ -114,6 +145,7 @@ class RawData(Value):
         normal_load: constant λ_N in N that replaces what the normal channel says of λ_N; its
             crosstalk to the others is removed all the same.
         radius: distance of the pin from the axis in m, for the sliding speed.
+        processing: what `process` does with it; of `read_raw` the section of the configuration.
 
     >>> from asperity import FrictionLaw
     >>> from asperity.identify import VirtualTribometer
@@ -127,6 +159,7 @@ class RawData(Value):
     no_load: tuple[Recording, ...]
     normal_load: float | None
     radius: float | None
+    processing: Processing
 
     def __init__(
         self,
@@ -136,12 +169,15 @@ class RawData(Value):
         no_load: Iterable[Recording] = (),
         normal_load: float | None = None,
         radius: float | None = None,
+        processing: Processing = _USUAL,
     ) -> None:
         runs = _recordings(recordings, "recordings")
         if not runs:
             raise ParameterError("recordings", "must hold at least one recording")
         if not isinstance(calibration, Calibration | None):
             raise ParameterError("calibration", f"must be a Calibration or None, got {calibration}")
+        if not isinstance(processing, Processing):
+            raise ParameterError("processing", f"must be a Processing, got {processing!r}")
         _refuse_copies(runs)
         self._set(
             recordings=runs,
@@ -149,6 +185,7 @@ class RawData(Value):
             no_load=_recordings(no_load, "no_load"),
             normal_load=_optional(normal_load, "normal_load"),
             radius=_optional(radius, "radius"),
+            processing=processing,
         )
 
 

@@ -49,16 +49,20 @@ class Samples:
         return int((self.runs[:, 1] - self.runs[:, 0]).sum())
 
 
+def frozen(data: Any) -> Any:
+    """Return data that nobody else can change: arrays that can be are copied."""
+    if not isinstance(data, tuple):
+        return data
+    return tuple(
+        part if not part.flags.writeable else _arrays.read_only(part) for part in _series(data)
+    )
+
+
 def samples_of(data: Any) -> Samples:
     """Return the samples of processed data, or of arrays (φ, −λ/λ_N) or (φ, −λ/λ_N, turn)."""
     if isinstance(data, tuple):
-        if len(data) not in (2, 3):
-            raise DimensionError(
-                "data", f"must be (phi, force) or (phi, force, turn), got {len(data)}"
-            )
-        phi = _arrays.array(data[0], "data.phi", (None,))
-        force = _arrays.array(data[1], "data.force", (phi.size, 2))
-        turn = _counted_turns(phi) if len(data) == 2 else np.asarray(data[2])
+        phi, force, *given = _series(data)
+        turn = given[0] if given else _counted_turns(phi)
         normal = np.broadcast_to(np.float64(1.0), phi.shape)
     elif all(hasattr(data, name) for name in ("phi", "force", "normal_force", "turn")):
         phi, force, normal, turn = data.phi, data.force, data.normal_force, data.turn
@@ -72,6 +76,14 @@ def samples_of(data: Any) -> Samples:
     samples = Samples(phi, force, normal, runs, turns)
     _check(samples)
     return samples
+
+
+def _series(data: tuple[Any, ...]) -> list[NDArray[Any]]:
+    if len(data) not in (2, 3):
+        raise DimensionError("data", f"must be (phi, force) or (phi, force, turn), got {len(data)}")
+    phi = _arrays.array(data[0], "data.phi", (None,))
+    force = _arrays.array(data[1], "data.force", (phi.size, 2))
+    return [phi, force, *map(np.asarray, data[2:])]
 
 
 def by_sense(samples: Samples, data: Any) -> list[tuple[Samples, float]]:

@@ -6,8 +6,6 @@ D gives the direction of the force, C its magnitude in that direction: −λ = �
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from asperity._arrays import Array
@@ -19,13 +17,15 @@ from asperity.identify.reservoir_models import ReservoirModel
 from asperity.identify.samples import Samples
 
 
-@dataclass(frozen=True, eq=False)
-class Sums:
-    """Cost, gradient Jᵀe and matrix JᵀJ of each turn, and the number of its samples."""
+class Sums(Value):
+    """Cost, gradient Jᵀe and matrix JᵀJ of each turn."""
 
     cost: Array
     gradient: Array
     matrix: Array
+
+    def __init__(self, cost: Array, gradient: Array, matrix: Array) -> None:
+        self._set(cost=cost, gradient=gradient, matrix=matrix)
 
     def total(self) -> tuple[float, Array, Array]:
         """Return cost, gradient and matrix of all turns."""
