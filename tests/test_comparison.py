@@ -108,6 +108,8 @@ def test_comparisons_are_values():
         ((RUN, 3), "measured"),
         ((RUN, Measured(np.arange(3.0), np.zeros((2, 2)))), "measured.position"),
         ((RUN, Measured(np.array([np.nan]), np.zeros((1, 2)))), "measured.time"),
+        ((RUN, Measured(np.array([0.2, 0.1]), np.zeros((2, 2)))), "measured.time"),
+        ((RUN, Measured(np.array([0.1, 0.1]), np.zeros((2, 2)))), "measured.time"),
         ((RUN, Measured(np.array([-1.0]), np.zeros((1, 2)))), "measured"),
     ],
 )

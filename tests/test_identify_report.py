@@ -6,7 +6,7 @@ import re
 import matplotlib as mpl
 import numpy as np
 import pytest
-from asperity import FrictionLaw, Superellipse
+from asperity import FrictionLaw, ParameterError, Superellipse
 from asperity.identify import FourierDirection, fit_law
 from asperity.plot import plot_fitted_forces, plot_fitted_sets, plot_residuals
 from matplotlib.axes import Axes
@@ -57,6 +57,14 @@ def test_a_report_that_cannot_be_written_leaves_nothing(tmp_path):
     with pytest.raises(OSError, match="missing"):
         fit.report(tmp_path / "missing" / "report.html")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("plot", [plot_fitted_sets, plot_fitted_forces, plot_residuals])
+@pytest.mark.parametrize("other", [FrictionLaw.isotropic(0.3), None, "fit"])
+def test_only_fits_are_drawn(plot, other):
+    with pytest.raises(ParameterError) as caught:
+        plot(other)
+    assert caught.value.argument == "fit"
 
 
 @pytest.mark.parametrize("plot", [plot_fitted_sets, plot_fitted_forces, plot_residuals])

@@ -1,5 +1,6 @@
 """Root loci, charts of growth rates, bifurcation diagrams: what is drawn, not how it looks."""
 
+import warnings
 from types import SimpleNamespace
 
 import asperity as asp
@@ -153,6 +154,38 @@ def test_bifurcation_without_cycles_draws_equilibria_only():
     assert len(plot_bifurcation(diagram)) == 3
 
 
+LAW = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+
+
+def on_belt(phi):
+    return asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [np.cos(phi), np.sin(phi)])
+
+
+@pytest.mark.parametrize("cycles", [True, False])
+@pytest.mark.parametrize("degrees", [[40.0, 80.0], [80.0]])
+@pytest.mark.parametrize("coordinate", [0, 1])
+def test_diagrams_in_which_no_cycle_was_found_are_drawn(cycles, degrees, coordinate):
+    diagram = asp.bifurcation_diagram(on_belt, "phi", np.deg2rad(degrees), cycles=cycles)
+    assert diagram.cycle_minima.shape == diagram.equilibria.shape == (len(degrees), 2)
+    assert np.isnan(diagram.cycle_maxima).all()
+    (line,) = plot_bifurcation(diagram, coordinate=coordinate)
+    np.testing.assert_array_equal(line.get_ydata(), diagram.equilibria[:, coordinate])
+
+
+def test_growth_that_is_nowhere_known_is_drawn_grey_without_a_warning():
+    x = np.arange(3.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(plot_growth_chart(x, x, np.full((3, 3), np.nan))) == 1
+        assert len(plot_growth_chart([0.0], [0.0, 1.0], [[-1.0, 1.0]])) == 1
+        partly = np.where(np.eye(3) > 0, np.nan, x[:, None] - 1.0)
+        assert len(plot_growth_chart(x, x, partly)) == 2
+
+
+def nowhere():
+    return asp.BifurcationDiagram("phi", [0.0], [None], [None], ["no system"])
+
+
 @pytest.mark.parametrize(
     ("draw", "argument"),
     [
@@ -166,7 +199,11 @@ def test_bifurcation_without_cycles_draws_equilibria_only():
         (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], limit=-1.0), "limit"),
         (lambda: plot_growth_chart([np.nan], [0.0], [[1.0]]), "x"),
         (lambda: plot_bifurcation(belt(), coordinate=2), "coordinate"),
+        (lambda: plot_growth_chart([], [], [[]]), "x"),
+        (lambda: plot_growth_chart([0.0], [], [[]]), "y"),
+        (lambda: plot_growth_chart([0.0], [0.0], [[np.inf]]), "growth"),
         (lambda: plot_bifurcation("x"), "diagram"),
+        (lambda: plot_bifurcation(nowhere()), "diagram"),
     ],
 )
 def test_what_cannot_be_drawn_is_named(draw, argument):

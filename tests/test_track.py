@@ -203,13 +203,73 @@ def test_a_covered_mark_is_not_taken_for_another_one():
 def test_two_marks_that_may_be_meant_are_ambiguous():
     twins = [((40.0, 30.0), 9.0, PAINT["red"]), ((90.0, 30.0), 9.0, PAINT["red"])]
     track = followed([painted((60, 120), *twins)] * 2)
-    assert [Sight(int(one)) for one in track.status] == [Sight.AMBIGUOUS, Sight.GOOD]
+    # Which one is meant is not known later, either.
+    assert track.frames(Sight.AMBIGUOUS).tolist() == [0, 1]
     # Covered for a frame, then both are in reach: the one that is on its way.
     frames = [painted((60, 120), twins[0])] * 3 + [painted((60, 120))]
     near = [twins[0], ((68.0, 30.0), 9.0, PAINT["red"])]
     track = followed([*frames, painted((60, 120), *near)])
     assert track.pixel[4] == pytest.approx([40.0, 30.0], abs=0.05)
     assert Sight(int(track.status[4])) == Sight.AMBIGUOUS
+
+
+MEETINGS = [
+    pytest.param(
+        aside,
+        speeds,
+        scale,
+        id=f"{aside}-{speeds}-{scale}",
+        marks=()
+        if scale < 1.0 and aside in (0.0, 8.0) and speeds != (3.0, 3.0)
+        else pytest.mark.long,
+    )
+    for aside in (0.0, 3.0, 8.0, 15.0, 18.0, 22.0)
+    for speeds in ((6.0, 6.0), (3.0, 3.0), (8.0, 2.0), (2.0, 8.0), (6.0, 0.0))
+    for scale in (1.0, 2e-4)
+]
+
+
+@pytest.mark.parametrize(("aside", "speeds", "scale"), MEETINGS)
+def test_equal_marks_that_cross_are_not_mistaken_silently(aside, speeds, scale):
+    k = np.arange(36)[:, None]
+    mine = [30.0, 50.0] + k * [speeds[0], 0.0]
+    other = [270.0, 50.0 + aside] - k * [speeds[1], 0.0]
+    frames = [
+        painted((100, 300), *((place, 9.0, PAINT["red"]) for place in both))
+        for both in zip(mine, other, strict=True)
+    ]
+    frames[0] = painted((100, 300), (mine[0], 9.0, PAINT["red"]))
+    track = track_mark(frames, fps=500.0, scene=Scene.from_scale(scale), mark=Mark())
+    off = np.hypot(*(track.pixel - mine).T)
+    assert (track.status[off > 3.0] != 0).all()
+    # Until they meet there is no doubt.
+    apart = other[:, 0] - mine[:, 0] > 60.0
+    assert not track.status[: apart.argmin()].any()
+
+
+def test_frames_that_are_shown_again_are_reported():
+    def film(places):
+        return [painted((60, 200), ((30.0 + 4.0 * x, 30.0), 9.0, PAINT["red"])) for x in places]
+
+    # Fillers for dropped frames, one and two in a row; a frame that is shown twice; every second.
+    for places, repeated in (
+        ([0, 1, 2, 2, 4, 5, 6, 6, 6, 9, 10], [3, 7, 8]),
+        ([0, 1, 2, 2, 3, 4, 5], [3]),
+        ([0, 0, 2, 2, 4, 4, 6, 6, 8], [3, 5, 7]),
+    ):
+        track = followed(film(places))
+        assert track.frames(Sight.REPEATED).tolist() == repeated
+        assert np.isnan(track.position[repeated]).all()
+        assert f"{len(repeated)} repeated" in track.summary()
+    # Rest before, between and after motions; a body that slows down, turns back, or is hidden.
+    slow = np.cumsum([0.0, 2.0, 1.6, 1.2, 0.8, 0.4, 0.05, 0.0, 0.0, 0.4, 0.8, 1.2, 1.6])
+    for places in (
+        [0, 0, 0, 1, 2, 3, 4, 4, 4, 4],
+        slow,
+        [0, 2, 4, 4, 2, 0],
+        [0, 1, 2, *[2] * 12, 3, 4, 5],
+    ):
+        assert "repeated" not in followed(film(places)).summary()
 
 
 @pytest.mark.parametrize("radius", [80, 120, 200])

@@ -45,6 +45,7 @@ VALUES = [
     PROBLEM.solve(),
     PROBLEM.solve().certificate,
     asp.Stage("newton", 7, 6, 1e-9),
+    asp.Stage("newton", 7, 6, float("nan")),
     *PROBLEM.solutions(0),
     asp.Exact(),
     asp.Exact(max_sweeps=5),

@@ -95,9 +95,8 @@ def _same(a: Any, b: Any) -> bool:
         return bool(a.shape == b.shape) and all(map(_same, _parts(a), _parts(b)))
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return np.array_equal(a, b, equal_nan=a.dtype.kind == b.dtype.kind == "f")
-    if _is_nan(a) and _is_nan(b):
-        return True
-    return type(a) is type(b) and bool(a == b)
+    # NaN, "not known", equals itself, as within arrays: copies of an object equal it.
+    return type(a) is type(b) and (bool(a == b) or _is_nan(a) and _is_nan(b))
 
 
 def _hashable(value: Any) -> Any:
@@ -105,13 +104,25 @@ def _hashable(value: Any) -> Any:
         # Python hashes NaN by its address.
         return "nan"
     if isinstance(value, np.ndarray):
-        # Adding zero turns -0.0, which equals 0.0, into it.
-        return value.shape, (value + 0).tobytes()
+        return value.shape, _bits(value)
     if _is_sparse(value):
         return value.shape, *map(_hashable, _parts(value))
     if isinstance(value, tuple):
         return tuple(map(_hashable, value))
-    return value
+    # Python hashes every NaN differently.
+    return "nan" if _is_nan(value) else value
+
+
+def _bits(values: np.ndarray[Any, Any]) -> bytes:
+    """Return what equal arrays share, whatever the bits of their NaNs."""
+    # Adding zero turns -0.0, which equals 0.0, into it.
+    if values.dtype.kind == "f":
+        return np.where(np.isnan(values), np.nan, values + 0.0).tobytes()
+    return values.tobytes()
+
+
+def _is_nan(value: Any) -> bool:
+    return isinstance(value, float) and value != value
 
 
 def _text(value: Any) -> str:

@@ -214,6 +214,8 @@ def _samples(measured: TimedPath | Trajectory | Motion) -> tuple[Array, Array, A
     if not isinstance(measured, TimedPath):
         raise ParameterError("measured", f"must be a path with time and position, got {measured!r}")
     t = _arrays.array(measured.time, "measured.time", (None,))
+    if (np.diff(t) <= 0.0).any():
+        raise ParameterError("measured.time", "must ascend")
     position = np.asarray(measured.position, dtype=float)
     _arrays.check_shape(position, "measured.position", (len(t), 2))
     error = getattr(measured, "position_error", None)

@@ -60,7 +60,7 @@ class BifurcationDiagram(Value):
     @property
     def equilibria(self) -> Array:
         """Coordinates of the equilibria, shape ``(n, n_q)``; NaN where there is none."""
-        return _table([None if s is None else s.equilibrium.q for s in self.stabilities])
+        return self._table([None if s is None else s.equilibrium.q for s in self.stabilities])
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -75,12 +75,12 @@ class BifurcationDiagram(Value):
     @property
     def cycle_minima(self) -> Array:
         """Least coordinates of the cycles, shape ``(n, n_q)``; NaN where there is none."""
-        return _table([None if c is None else c.minimum for c in self.cycles])
+        return self._table([None if c is None else c.minimum for c in self.cycles])
 
     @property
     def cycle_maxima(self) -> Array:
         """Greatest coordinates of the cycles, shape ``(n, n_q)``; NaN where there is none."""
-        return _table([None if c is None else c.maximum for c in self.cycles])
+        return self._table([None if c is None else c.maximum for c in self.cycles])
 
     @property
     def cycle_stable(self) -> NDArray[np.bool_]:
@@ -97,6 +97,14 @@ class BifurcationDiagram(Value):
         """Whether a cycle exists beside an equilibrium that is not unstable, shape ``(n,)``."""
         pairs = zip(self.kinds, self.cycles, strict=True)
         return np.array([kind not in ("unstable", "none") and c is not None for kind, c in pairs])
+
+    def _table(self, rows: Sequence[Array | None]) -> Array:
+        """Stack rows of coordinates; NaN where there is none."""
+        places = [s.equilibrium.q for s in self.stabilities if s is not None]
+        places += [cycle.minimum for cycle in self.cycles if cycle is not None]
+        none = np.full(len(places[0]) if places else 0, np.nan)
+        stacked = [none if row is None else row for row in rows]
+        return np.array(stacked).reshape(len(rows), len(none))
 
     def __repr__(self) -> str:
         found = sum(cycle is not None for cycle in self.cycles)
@@ -156,6 +164,11 @@ def bifurcation_diagram(
     >>> diagram = bifurcation_diagram(belt, "phi", np.deg2rad([40.0, 50.0, 80.0]), cycles=False)
     >>> diagram.kinds
     ('neutral', 'unstable', 'neutral')
+    >>> import matplotlib
+    >>> matplotlib.use("Agg")
+    >>> from asperity.plot import plot_bifurcation
+    >>> len(plot_bifurcation(diagram))
+    2
     """
     grid = _arrays.array(values, "values", (None,))
     if not grid.size or (np.diff(grid) <= 0.0).any():
@@ -221,10 +234,3 @@ def _nearest(system: Model, q0: ArrayLike | None) -> Stability:
         if q0 is None:
             raise
     return stability(system)
-
-
-def _table(rows: Sequence[Array | None]) -> Array:
-    """Stack rows; NaN where there is none."""
-    width = next((len(row) for row in rows if row is not None), 0)
-    none = np.full(width, np.nan)
-    return np.array([none if row is None else row for row in rows]).reshape(len(rows), width)

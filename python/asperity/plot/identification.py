@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity import _arrays
-from asperity.errors import FitError
+from asperity.errors import FitError, ParameterError
 from asperity.plot.look import BLUE, DIRECTION, GREY, INK, ORANGE, RESERVOIR, axes_or_new
 from asperity.plot.sets import plot_set
 
@@ -42,6 +42,7 @@ def plot_fitted_sets(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Ar
     >>> data = phi, 0.3 * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     >>> artists = plot_fitted_sets(fit_law(data, "circle", "circle"))
     """
+    _check(fit)
     ax = axes_or_new(ax)
     _, means = fit.means
     look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
@@ -74,6 +75,7 @@ def plot_fitted_forces(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[
     Returns:
         The artists.
     """
+    _check(fit)
     ax = axes_or_new(ax)
     phi, means = fit.means
     e = _arrays.unit_vectors(phi)
@@ -107,6 +109,7 @@ def plot_residuals(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Arti
     Returns:
         The artists.
     """
+    _check(fit)
     ax = axes_or_new(ax)
     phi, means = fit.means
     left = means - fit.forces(phi)
@@ -142,6 +145,13 @@ def residuals_figure(fit: Fit) -> Figure:
     figure = Figure(figsize=(8.0, 3.2), layout="constrained")
     plot_residuals(fit, figure.add_subplot())
     return figure
+
+
+def _check(fit: Fit) -> None:
+    from asperity.identify import Fit
+
+    if not isinstance(fit, Fit):
+        raise ParameterError("fit", f"must be a Fit, as of fit_law, got {fit!r}")
 
 
 def _over_directions(ax: Axes, label: str) -> None:

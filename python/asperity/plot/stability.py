@@ -172,11 +172,16 @@ def plot_growth_chart(
     >>> mesh, border = plot_growth_chart(mu, damping, mu[:, None] - damping)
     """
     first, second = (_arrays.array(values, name, (None,)) for values, name in ((x, "x"), (y, "y")))
+    for values, name in ((first, "x"), (second, "y")):
+        if not values.size:
+            raise DimensionError(name, "must hold a value")
     try:
         rates = np.asarray(growth, dtype=float)
     except (TypeError, ValueError):
         raise ParameterError("growth", "must be an array of real numbers") from None
     _arrays.check_shape(rates, "growth", (len(first), len(second)))
+    if np.isinf(rates).any():
+        raise ParameterError("growth", "must be finite, or NaN where there is no equilibrium")
     level = _arrays.positive(tolerance, "tolerance")
     largest = float(np.nanmax(np.abs(rates), initial=level))
     scale = CenteredNorm(halfrange=largest if limit is None else _arrays.positive(limit, "limit"))
@@ -193,7 +198,9 @@ def plot_growth_chart(
     ax.set_facecolor("#EDEDED")
     ax.grid(False)
     artists: list[Artist] = [mesh]
-    if border and np.nanmin(rates) <= level < np.nanmax(rates):
+    # Lines need two values of each parameter; without growth anywhere there is no border.
+    grows, rests = bool((rates > level).any()), bool((rates <= level).any())
+    if border and grows and rests and min(rates.shape) > 1:
         line = ax.contour(first, second, rates.T, [level], colors=look.INK, linewidths=1.2)
         artists.append(line)
     if colorbar:
@@ -222,6 +229,8 @@ def plot_bifurcation(
     """
     if not all(hasattr(diagram, name) for name in ("values", "equilibria", "kinds")):
         raise ParameterError("diagram", f"must be a BifurcationDiagram, got {diagram!r}")
+    if not diagram.equilibria.shape[1]:
+        raise ParameterError("diagram", "must hold an equilibrium or a limit cycle")
     number = _arrays.count(coordinate, "coordinate", 0)
     if number >= diagram.equilibria.shape[1]:
         raise DimensionError(

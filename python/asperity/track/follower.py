@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +30,21 @@ _RESOLUTION = 0.1
 _PUSH, _ACCELERATION, _ALIKE = 4.0, 20.0, 2.0
 
 
+@dataclass(frozen=True)
+class _Whole:
+    """The last frame in which the mark was whole.
+
+    Attributes:
+        place: of its centre in pixels.
+        step: to there from the frame before.
+        frames: number of frames since, in which it was not whole.
+    """
+
+    place: Array
+    step: Array
+    frames: int = 0
+
+
 class Follower:
     """The mark as it was in the frames so far."""
 
@@ -45,6 +60,8 @@ class Follower:
         self._lost = 0
         self._radius = 0.0
         self._background: float | None = None
+        self._last_whole: _Whole | None = None
+        self._doubtful = False
 
     def look(self, frame: Frame) -> Sighting:
         """Return what the next frame shows."""
@@ -55,8 +72,45 @@ class Follower:
             sighting = self._measure(frame, self._place + step, reach)
         if Sight.LOST in sighting.status:
             sighting = self._search(frame)
+        sighting = self._doubted(sighting, frame)
         self._remember(sighting)
         return sighting
+
+    def _doubted(self, sighting: Sighting, frame: Frame) -> Sighting:
+        """Mark what may be another one, in this frame or since an earlier one."""
+        if math.isnan(sighting.diameter):
+            return sighting
+        if Sight.AMBIGUOUS in sighting.status or not self._is_same(sighting, frame):
+            self._doubtful = True
+        if not self._doubtful:
+            return sighting
+        return replace(sighting, status=sighting.status | Sight.AMBIGUOUS)
+
+    def _is_same(self, sighting: Sighting, frame: Frame) -> bool:
+        """Whether a mark that is whole again is the one that was whole before.
+
+        Marks that cross hide each other; then the other one may be followed. Equal circles that
+        are apart have centres apart by two radii at least: the one within a radius, and what
+        friction may have turned, of the way from before is the same, if no other is there, too.
+        """
+        before = self._last_whole
+        if before is None or not before.frames or Sight.REFLECTION in sighting.status:
+            return True
+        found = search(frame.crop(slice(None), slice(None)), self.mark, self._coarseness())
+        middles = _middles(found)
+        alike = np.abs(np.log(found.areas / (math.pi * self._radius**2))) <= math.log(_ALIKE)
+        others = middles[alike & (np.hypot(*(middles - sighting.pixel).T) > self._radius)]
+        if not len(others):
+            return True
+        away, turned = self._from_way(
+            np.vstack([sighting.pixel, others]), before.place, before.step, before.frames + 1
+        )
+        near = away <= self._radius + turned
+        return bool(near[0] and not near[1:].any())
+
+    def _coarseness(self) -> int:
+        """Return the largest step at which a mark of this size is found."""
+        return next((step for step in _STEPS if 2.0 * step < self._radius), _STEPS[-1])
 
     def _search(self, frame: Frame) -> Sighting:
         whole = frame.crop(slice(None), slice(None))
@@ -75,8 +129,7 @@ class Follower:
 
     def _choose(self, found: Candidates, frame: Frame) -> tuple[Array | None, bool]:
         """Return the box of the mark, if it can be there, and whether no other is like it."""
-        middles = 0.5 * (found.boxes[:, :2] + found.boxes[:, 2:])[:, ::-1]
-        away, reach = self._away(middles)
+        away, reach = self._away(_middles(found))
         near = np.flatnonzero(away <= reach)
         if not len(near):
             return None, True
@@ -93,14 +146,20 @@ class Follower:
         """Return distances from where the mark was heading, and the largest that is possible."""
         if self._place is None or self._step is None:
             return np.zeros(len(points)), math.inf
-        frames = self._lost + 1
+        away, turned = self._from_way(points, self._place, self._step, self._lost + 1)
+        return away, _PUSH * self._radius + _BORDER + turned
+
+    def _from_way(
+        self, points: Array, place: Array, step: Array, frames: int
+    ) -> tuple[Array, float]:
+        """Return distances from the way of so many frames, and what friction may turn of it."""
         # Friction may have stopped it anywhere on its way.
-        way = frames * self._step
-        share = (points - self._place) @ way / max(float(way @ way), 1e-12)
-        nearest = self._place + np.clip(share, 0.0, 1.0)[:, None] * way
-        size = self.scene.pixel_size(self._place)
+        way = frames * step
+        share = (points - place) @ way / max(float(way @ way), 1e-12)
+        nearest = place + np.clip(share, 0.0, 1.0)[:, None] * way
+        size = self.scene.pixel_size(place)
         turned = 0.5 * _ACCELERATION * (frames / self._fps) ** 2 / size
-        return np.hypot(*(points - nearest).T), _PUSH * self._radius + _BORDER + turned
+        return np.hypot(*(points - nearest).T), turned
 
     def _area(self, frame: Frame) -> float | None:
         """Return the expected area in square pixels, if it is known."""
@@ -167,6 +226,8 @@ class Follower:
         return status
 
     def _remember(self, sighting: Sighting) -> None:
+        if self._last_whole is not None:
+            self._last_whole = replace(self._last_whole, frames=self._last_whole.frames + 1)
         if math.isnan(sighting.diameter):
             self._lost += 1
             return
@@ -176,3 +237,11 @@ class Follower:
         self._place = sighting.pixel
         self._diameter = self._diameter or sighting.diameter
         self._radius = 0.5 * sighting.diameter / self.scene.pixel_size(sighting.pixel)
+        if self._step is not None and Sight.REFLECTION not in sighting.status:
+            self._last_whole = _Whole(self._place, self._step)
+
+
+def _middles(found: Candidates) -> Array:
+    """Return the middles (column, row) of the boxes."""
+    middles: Array = 0.5 * (found.boxes[:, :2] + found.boxes[:, 2:])[:, ::-1]
+    return middles

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from asperity.errors import DimensionError, ParameterError
 Pixels = NDArray[np.uint8]
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
+# Modes of Pillow with more than 8 bits, which it would clip; the value of white; and the share of
+# it below which an image holds fewer bits, or hardly any contrast.
+_DEEP, _WHITE, _DARK = ("I;16", "I;16B", "I;16L", "I;16N", "I", "F"), 65535, 1.0 / 8.0
 _NUMBER = re.compile(r"(\d+)(?=\D*$)")
 
 
@@ -93,10 +96,12 @@ class ImageFolder:
     """The images of a folder in the order of the last number in their names.
 
     Args:
-        folder: of PNG, JPEG, TIFF or BMP images; Pillow reads them (extra ``video``).
+        folder: of PNG, JPEG, TIFF or BMP images; Pillow reads them (extra ``video``). They are
+            turned upright as their EXIF data say; 16 bits are scaled to 8 by their full range.
 
     Raises:
-        ParameterError: if there are none, or a number is missing or there twice.
+        ParameterError: if there are none, or a number is missing or there twice; on reading, if
+            an image cannot be read, has another size, or uses less than an eighth of 16 bits.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -114,7 +119,9 @@ class ImageFolder:
         for path in self._paths:
             try:
                 with Image.open(path) as image:
-                    pixels = np.asarray(image.convert("RGB"))
+                    pixels = _colours(image, path)
+            except ParameterError:
+                raise
             except (UnidentifiedImageError, OSError, ValueError, SyntaxError) as error:
                 raise ParameterError(
                     str(path), f"is no image that can be read ({error}): replace the file"
@@ -127,6 +134,29 @@ class ImageFolder:
                     f"{size[1]} x {size[0]}: all must be of one size",
                 )
             yield ArrayFrame(pixels)
+
+
+def _colours(image: Any, path: Path) -> Pixels:
+    """Return red, green and blue, upright as viewers show it."""
+    from PIL import ImageOps
+
+    upright = ImageOps.exif_transpose(image)
+    if upright.mode not in _DEEP:
+        return np.asarray(upright.convert("RGB"))
+    values = np.asarray(upright)
+    largest = float(values.max())
+    if upright.mode == "F" or values.min() < 0 or largest > _WHITE:
+        raise ParameterError(
+            str(path), f"must hold 8 or 16 bits per colour, it holds numbers of mode {upright.mode}"
+        )
+    if largest < _DARK * _WHITE:
+        raise ParameterError(
+            str(path),
+            f"is at most {largest:g} of {_WHITE} bright, as 10 or 12 bits within 16 are: convert "
+            "the images so that they use the full range",
+        )
+    grey = np.rint(values * (255.0 / _WHITE)).astype(np.uint8)
+    return np.repeat(grey[..., None], 3, axis=2)
 
 
 def open_frames(source: str | os.PathLike[str] | Frames | Iterable[Pixels]) -> Frames:

@@ -24,7 +24,10 @@ class Sight(IntFlag):
     LOST = 8
     """There is no such mark where it can be; there is no position."""
     AMBIGUOUS = 16
-    """Another one like it is as possible: it and those that follow may be the wrong one."""
+    """Another one like it was as possible, here or in a frame before: it may be the wrong one."""
+    REPEATED = 32
+    """The frame before is shown again while the mark moves, as players fill gaps; there is no
+    position."""
 
     def __str__(self) -> str:
         return "+".join((one.name or "").lower() for one in Sight if one & self) or "good"

@@ -14,6 +14,7 @@ from asperity._arrays import Array
 from asperity._files import atomic
 from asperity._value import Value
 from asperity.errors import ParameterError
+from asperity.track import repeats
 from asperity.track.follower import Follower
 from asperity.track.frames import Frames, Pixels, open_frames
 from asperity.track.path import MeasuredPath
@@ -194,6 +195,7 @@ def track_mark(
         if progress is not None:
             progress(number + 1, len(source))
     _check(sightings, follower.mark, source.source)
+    sightings = repeats.marked(sightings)
     return Track(
         fps,
         scene,

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from typing import Any, NoReturn
 
 import numpy as np
 
 from asperity.errors import ParameterError
 from asperity.track.frames import Frame, Pixels
 
-# Frames of a constant rate are apart by one interval, up to the ticks of the file's clock.
-_LONGEST_GAP = 1.6
+# Clocks of cameras jitter and count in ticks: an interval of a constant rate differs from the usual
+# one by less than this factor or by one tick, and a stamp from an even clock's by one interval.
+_JITTER = 1.6
 _TEXT = bytes([*range(7, 14), 27, *range(32, 127)])
 
 
@@ -38,18 +40,35 @@ class VideoFile:
     def __iter__(self) -> Iterator[Frame]:
         import av
 
-        stamps: list[int] = []
+        # The packets say when frames are shown long before all of them are decoded.
+        self._check_clock(self._announced())
+        stamps: list[int | None] = []
         with self._open() as container:
             stream = container.streams.video[0]
             stream.thread_type = "AUTO"
             try:
                 for frame in container.decode(stream):
-                    self._check_clock(stamps, frame.pts)
+                    stamps.append(frame.pts)
                     yield _VideoFrame(frame)
             except av.error.FFmpegError as error:
                 raise ParameterError(
                     self.source, f"is damaged after frame {len(stamps) - 1}: {error.strerror}"
                 ) from None
+        self._check_clock(stamps)
+
+    def _announced(self) -> list[int | None]:
+        """Return the time stamps of the packets in the order in which their frames are shown."""
+        import av
+
+        stamps: list[int | None] = []
+        # Decoding names the frame at which a damaged file ends.
+        with self._open() as container, suppress(av.error.FFmpegError):
+            for packet in container.demux(container.streams.video[0]):
+                # The last one is empty; the discarded ones are not shown.
+                if packet.size and not packet.is_discard:
+                    stamps.append(packet.pts)
+        known = [stamp for stamp in stamps if stamp is not None]
+        return [*sorted(known)] if len(known) == len(stamps) else []
 
     def _check_bytes(self) -> None:
         """Refuse what is no video before PyAV is asked for."""
@@ -75,16 +94,32 @@ class VideoFile:
             raise ParameterError(self.source, "holds no video stream")
         return container
 
-    def _check_clock(self, stamps: list[int], stamp: int | None) -> None:
-        if stamp is None:
+    def _check_clock(self, stamps: Sequence[int | None]) -> None:
+        """Refuse frames that are not taken at a constant rate.
+
+        The rate of the file is that of its playback, and an average where it varies: frames are
+        compared with the usual interval, and with the clock that shows all of them evenly.
+        """
+        known = np.array([stamp for stamp in stamps if stamp is not None], dtype=np.float64)
+        if len(known) < 3 or len(known) < len(stamps):
             return
-        stamps.append(stamp)
-        if len(stamps) > 2 and stamp - stamps[-2] > _LONGEST_GAP * (stamps[1] - stamps[0]) + 1:
-            raise ParameterError(
-                self.source,
-                f"lacks frames before frame {len(stamps) - 1}, or its frame rate varies: record "
-                "with a constant frame rate, or track the parts apart",
-            )
+        intervals = np.diff(known)
+        usual = float(np.median(intervals))
+        longest, shortest = _JITTER * usual, usual / _JITTER
+        even = (np.abs(intervals - usual) <= 1.0) | (intervals <= longest) & (intervals >= shortest)
+        if not even.all():
+            self._refuse_clock(int(even.argmin()) + 1)
+        mean = (known[-1] - known[0]) / (len(known) - 1)
+        off = np.abs(known - known[0] - mean * np.arange(len(known)))
+        if off.max() > max(mean, 1.0):
+            self._refuse_clock(int(off.argmax()))
+
+    def _refuse_clock(self, number: int) -> NoReturn:
+        raise ParameterError(
+            self.source,
+            f"lacks frames before frame {number}, or its frame rate varies: record "
+            "with a constant frame rate, or track the parts apart",
+        )
 
 
 class _VideoFrame:
