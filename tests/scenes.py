@@ -238,7 +238,9 @@ class Masses:
             damping=self.damping / s,
             force=self.force * force,
             rubs=tuple(
-                replace(rub, law=_timed(rub.law, speed), load=rub.load * force, belt=rub.belt * speed)
+                replace(
+                    rub, law=_timed(rub.law, speed), load=rub.load * force, belt=rub.belt * speed
+                )
                 for rub in self.rubs
             ),
             stops=tuple(replace(stop, gap=stop.gap * m) for stop in self.stops),
