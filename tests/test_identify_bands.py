@@ -299,3 +299,27 @@ def test_bands_with_samples_on_the_axes(rate):
 @pytest.mark.parametrize("rate", RATES)
 def test_bands_with_samples_on_the_axes_of_two_hundred_seeds(rate):
     check_samples_on_axes(range(200), rate)
+
+
+@pytest.mark.parametrize("samples", [4320, 20_000])
+@pytest.mark.parametrize("noise", [1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize("ratio", [5.0, 8.0])
+def test_models_that_hold_the_law_fit_where_forces_turn_fast(ratio, noise, samples):
+    """Within a bin the force of a slender D turns so far that its mean is not that of the middle."""
+    law = FrictionLaw(Ellipse(0.3, 0.3), Ellipse(ratio, 1.0))
+    for seed in range(3):
+        fit = fit_law(sampled(law, samples, 6, noise, seed), "ellipse", "ellipse")
+        assert fit.parameters["direction.ratio"].value == pytest.approx(ratio, rel=3.0 * noise)
+        assert not any(defect.matters for defect in fit.defects.values()), fit.defects
+        # At 8:1 hardly any force acts across the long axis, which is said.
+        assert all("is not identifiable" in warning for warning in fit.warnings)
+
+
+def test_a_model_that_does_not_hold_the_law_does_not_fit():
+    """A superellipse misses the C of wedges with μ tan β = 0.87 by 2 % to 3 %."""
+    for mu in (0.6, 1.0):
+        law = FrictionLaw.asperity(mu, np.arctan(0.87 / mu))
+        for noise in (1e-4, 3e-3):
+            fit = fit_law(sampled(law, 4320, 6, noise), direction="ellipse")
+            assert "the model does not fit: it misses the mean forces by " in fit.warnings[-1]
+            assert 0.01 < fit.defects["lack of fit"].size < 0.05

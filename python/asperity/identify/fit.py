@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,6 +52,7 @@ _WIDTH = 5
 # Without bands, a set counts as round if its combinations of coordinates are below this.
 _ROUND = 1e-9
 _PERCENT = 0.01
+_CHUNK = 2**16
 
 
 class Bands(Value):
@@ -269,26 +271,22 @@ class Fit(Value):
     def defects(self) -> dict[str, Defect]:
         """Asymmetry, closure and lack of fit with whether they matter; none if data are sparse."""
         groups = min(self.turns, defects.MOST_GROUPS)
-        means = defects.means_of(self._grouped(self._samples, groups))
-        if means is None:
+        samples = self._weighty(self._samples)
+        means = defects.means_of(grouped(samples, groups))
+        left = defects.means_of(grouped(self._left(samples), groups))
+        if means is None or left is None:
             return {}
         error = defects.common_error(self.data, means[1])
         return {
             "asymmetry": defects.asymmetry(*means),
             "closure": defects.closure(*means, error),
-            "lack of fit": defects.lack_of_fit(*means, self.forces, error),
+            "lack of fit": defects.lack_of_fit(left[1], means[1], error),
         }
 
     @cached_property
     def residuals(self) -> Array:
         """Measured minus model force of all samples, in N, ``(n, 2)``; in turns or not."""
-        samples = self._samples
-        result = np.empty_like(samples.force)
-        for start in range(0, len(result), 2**16):
-            part = slice(start, start + 2**16)
-            model = self.forces(samples.phi[part])
-            result[part] = samples.force[part] - samples.normal[part, None] * model
-        return result
+        return self._left(self._samples).force
 
     @cached_property
     def means(self) -> tuple[Array, Array]:
@@ -395,8 +393,21 @@ class Fit(Value):
         normal = float(np.mean(self.data.normal_force))
         return stakes(by, self.data.matrix, normal, part)
 
-    def _grouped(self, samples: Samples, groups: int = 1) -> GroupedBins:
-        return grouped(samples if self.loss.is_linear else without_outliers(samples), groups)
+    def _grouped(self, samples: Samples) -> GroupedBins:
+        return grouped(self._weighty(samples), 1)
+
+    def _weighty(self, samples: Samples) -> Samples:
+        """Return the samples whose means mean something: without outliers if the loss is robust."""
+        return samples if self.loss.is_linear else without_outliers(samples)
+
+    def _left(self, samples: Samples) -> Samples:
+        """Return samples with what the model leaves of their forces."""
+        left = np.empty_like(samples.force)
+        for start in range(0, len(left), _CHUNK):
+            part = slice(start, start + _CHUNK)
+            model = self.forces(samples.phi[part])
+            left[part] = samples.force[part] - samples.normal[part, None] * model
+        return replace(samples, force=left)
 
     def _width(self, directions: Array) -> Array:
         if self.covariance is None or self.confidence is None:
