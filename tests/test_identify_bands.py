@@ -1,5 +1,6 @@
 """Bands of fits hold the truth as often as they say, and fits say what they cannot tell."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,7 @@ from asperity import Ellipse, FrictionLaw, Rectangle, Superellipse
 from asperity.identify import (
     Calibration,
     RawData,
+    Recording,
     VirtualTribometer,
     fit_law,
     process,
@@ -49,6 +51,52 @@ def test_a_given_normal_force_owes_nothing_to_its_channel():
     assert covariance.any()
     assert not fit_law(last_row).covariance.calibration.any()
     assert fit_law(data).covariance.calibration[2, 2] > 0.0
+
+
+def test_what_a_missing_record_would_tell_is_what_its_error_does():
+    """The sentence says by how much 1 % in the worst channel changes the parameters."""
+    machine = VirtualTribometer(
+        TABLE_1, normal_force=9.3, turns=4, turn_rate=0.5, sample_rate=1e3, seed=3
+    )
+    whole = machine.record()
+    runs = whole.recordings
+    names = ("reservoir.a", "reservoir.b", "reservoir.exponent", "direction.ratio")
+    said = re.compile(r"(\w+\.\w+) by ([\d.e-]+) %")
+
+    def worst(changed):
+        plain = fit_law(process(changed(np.zeros(3)))).parameters
+        moved = [fit_law(process(changed(0.01 * axis))).parameters for axis in np.eye(3)]
+        return {
+            name: max(abs(100.0 * (m[name].value / plain[name].value - 1.0)) for m in moved)
+            for name in names
+        }
+
+    def zero_off(part):
+        mixing = np.linalg.inv(whole.calibration.matrix)
+        shift = 9.3 * mixing @ part
+        off = [Recording(run.time, run.angle, run.readings + shift) for run in runs]
+        return RawData(off, calibration=whole.calibration)
+
+    def gain_off(part):
+        forces = [run.readings @ whole.calibration.matrix.T * (1.0 + part) for run in runs]
+        pairs = zip(runs, forces, strict=True)
+        return RawData([Recording(run.time, run.angle, force) for run, force in pairs])
+
+    for changed, words, others in (
+        (zero_off, "no records without load: the error of the zeros is not known", "gains"),
+        (gain_off, "no calibration: the error of the gains is not known", "nothing"),
+    ):
+        fit = fit_law(process(changed(np.zeros(3))))
+        sentence = next(warning for warning in fit.warnings if warning.startswith(words))
+        assert not any(f"error of the {others}" in warning for warning in fit.warnings)
+        found = {name: float(percent) for name, percent in said.findall(sentence)}
+        for name, expected in worst(changed).items():
+            assert found[name] == pytest.approx(expected, rel=0.1, abs=0.02)
+    shares = fit_law(process(zero_off(np.zeros(3)))).covariance.shares()
+    assert np.isnan(shares[:, 2]).all()
+    np.testing.assert_allclose(shares[:, :2].sum(axis=1), 1.0)
+    assert np.isfinite(fit_law(process(whole)).covariance.shares()).all()
+    assert not fit_law(process(whole)).missing
 
 
 def campaign(seed, runs=4, scatter=0.02):
@@ -251,3 +299,27 @@ def test_bands_with_samples_on_the_axes(rate):
 @pytest.mark.parametrize("rate", RATES)
 def test_bands_with_samples_on_the_axes_of_two_hundred_seeds(rate):
     check_samples_on_axes(range(200), rate)
+
+
+@pytest.mark.parametrize("samples", [4320, 20_000])
+@pytest.mark.parametrize("noise", [1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize("ratio", [5.0, 8.0])
+def test_models_that_hold_the_law_fit_where_forces_turn_fast(ratio, noise, samples):
+    """Within a bin the force of a slender D turns so far that its mean is not that of the middle."""
+    law = FrictionLaw(Ellipse(0.3, 0.3), Ellipse(ratio, 1.0))
+    for seed in range(3):
+        fit = fit_law(sampled(law, samples, 6, noise, seed), "ellipse", "ellipse")
+        assert fit.parameters["direction.ratio"].value == pytest.approx(ratio, rel=3.0 * noise)
+        assert not any(defect.matters for defect in fit.defects.values()), fit.defects
+        # At 8:1 hardly any force acts across the long axis, which is said.
+        assert all("is not identifiable" in warning for warning in fit.warnings)
+
+
+def test_a_model_that_does_not_hold_the_law_does_not_fit():
+    """A superellipse misses the C of wedges with μ tan β = 0.87 by 2 % to 3 %."""
+    for mu in (0.6, 1.0):
+        law = FrictionLaw.asperity(mu, np.arctan(0.87 / mu))
+        for noise in (1e-4, 3e-3):
+            fit = fit_law(sampled(law, 4320, 6, noise), direction="ellipse")
+            assert "the model does not fit: it misses the mean forces by " in fit.warnings[-1]
+            assert 0.01 < fit.defects["lack of fit"].size < 0.05

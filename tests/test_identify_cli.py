@@ -115,8 +115,10 @@ def test_several_files_are_one_campaign_and_models_can_be_chosen(campaign, tmp_p
         out=tmp_path,
         options=["--reservoir", "ellipse", "--direction", "circle", "--loss", "huber"],
     )
-    assert code == 0
+    # An ellipse and a disk are not the law: the results are written, to be read with the warning.
+    assert code == 1
     printed = capsys.readouterr().out
+    assert "warning: the model does not fit" in printed
     assert "4 turns, 2 runs" in printed
     assert "reservoir.exponent" not in printed
 
@@ -218,8 +220,40 @@ def test_a_calibration_with_three_loads_is_left_out_of_the_bands(campaign, tmp_p
     header, *lines = (campaign / "calibration.csv").read_text().splitlines()
     (campaign / "three.csv").write_text("\n".join([header, *lines[5::6]]))
     (campaign / "three.toml").write_text('[calibration]\nfile = "three.csv"\n')
-    assert identify(campaign, "run_1.csv", out=tmp_path, config="three.toml") == 0
-    assert "a fourth load or reading_error" in capsys.readouterr().out
+    assert identify(campaign, "run_1.csv", out=tmp_path, config="three.toml") == 1
+    printed = capsys.readouterr().out
+    assert "a fourth load or reading_error" in printed
+    assert "warning: a calibration without an error: the error of the gains is not known" in printed
+    assert "zero              none" in printed
+
+
+LEFT_OUT = {"calibration": ("gains", "calibration"), "no_load": ("zeros", "zero")}
+
+
+@pytest.mark.parametrize("section", LEFT_OUT)
+def test_errors_that_no_record_tells_are_not_known(campaign, tmp_path, capsys, section):
+    """A zero or a gain that is off by 1 % moves C by far more than its bands."""
+    what, line = LEFT_OUT[section]
+    blocks = (campaign / "tribometer.toml").read_text().split("\n\n")
+    rest = [block for block in blocks if not block.startswith(f"[{section}]")]
+    assert len(rest) == len(blocks) - 1
+    (campaign / "less.toml").write_text("\n\n".join(rest))
+    assert identify(campaign, "run_1.csv", out=tmp_path / "all") == 0
+    printed = capsys.readouterr().out
+    assert "warning" not in printed
+    assert "zero              2 records without load" in printed
+    assert "not known" not in (tmp_path / "all" / "report.html").read_text()
+    assert identify(campaign, "run_1.csv", out=tmp_path / "less", config="less.toml") == 1
+    printed = capsys.readouterr().out
+    assert f"{line:<18}none" in printed
+    assert f"the error of the {what} is not known, 1 %" in printed
+    report = (tmp_path / "less" / "report.html").read_text()
+    # Seven coordinates, and the sentence.
+    assert report.count("<td>not known</td>") == 7
+    assert f"the error of the {what} is not known" in report
+    assert sorted(path.name for path in (tmp_path / "less").iterdir()) == sorted(
+        identify_files.FILES
+    )
 
 
 def test_half_a_turn_beside_a_good_run_is_named(campaign, tmp_path, capsys):
@@ -234,8 +268,11 @@ def test_half_a_turn_beside_a_good_run_is_named(campaign, tmp_path, capsys):
 def test_one_turn_is_fitted_without_bands(tmp_path, capsys):
     virtual = VirtualTribometer(LAW, normal_force=9.3, turns=1.2, sample_rate=500.0, seed=1)
     write_raw(virtual.record(), tmp_path)
-    assert identify(tmp_path, "run_1.csv", out=tmp_path / "out") == 0
-    assert "nan" in capsys.readouterr().out
+    assert identify(tmp_path, "run_1.csv", out=tmp_path / "out") == 1
+    printed = capsys.readouterr().out
+    assert "nan" not in printed
+    assert "warning: there are no bands: one complete turn" in printed
+    assert "there are no bands" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_radii_on_the_axes_are_those_of_the_reservoir():

@@ -128,8 +128,10 @@ def _add_identify(commands: Any) -> None:
         "pin-on-disk tribometer, with confidence bands, and compare models. The TOML file says how "
         "the files are read: sections file, columns, units, calibration, no_load, tribometer, "
         "processing, all optional. Writes sets.png, forces.png, residuals.png, parameters.csv, "
-        "directions.csv, turns.csv, models.csv, report.html. Exit code 2 if something "
-        "is wrong with the files; then nothing is written.",
+        "directions.csv, turns.csv, models.csv, report.html. Exit code 1 if they are to be read "
+        "with warnings, which are printed: records without load or a calibration are missing, the "
+        "model does not fit, or the data have another defect. Exit code 2 if something is wrong "
+        "with the files; then nothing is written.",
         epilog="example: asperity identify run_1.csv --config tribometer.toml --out out/identify",
     )
     identify.add_argument("paths", metavar="DATA", type=Path, nargs="+", help="CSV files of runs")
@@ -165,7 +167,7 @@ def _identify(options: argparse.Namespace) -> int:
     )
     print(found.summary())
     print(f"\nfigures, tables and report.html in {options.out}")
-    return SUCCESS
+    return CHECK_FAILED if found.fit.warnings else SUCCESS
 
 
 def _demo(options: argparse.Namespace) -> int:

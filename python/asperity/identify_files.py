@@ -68,13 +68,14 @@ class Identification:
             f"{len(data.raw.recordings)} runs",
             f"normal force      {force:.4g} N",
             f"calibration       {condition}",
+            f"zero              {_records(len(data.raw.no_load))}",
             "C on e1, e2       {:.4g}, {:.4g} per unit normal force".format(*radii_on_axes(sets)),
             f"closure of D      {sets.closure:.6g}",
             f"asymmetry         {sets.asymmetry:.3g} of the largest force",
             f"convexity defect  {sets.convexity_defect:.3g} rad",
             f"residuals         {self.fit.rms:.4g} N rms",
             "",
-            f"{'parameter':<22} {'estimate':>12} {'from':>12} {'to':>12}",
+            _HEAD + ("" if self.fit.confidence is None else f" {'from':>12} {'to':>12}"),
             *(_line(*row) for row in _parameters(self.fit)),
         ]
         names = self.fit.parameters
@@ -95,6 +96,10 @@ class Identification:
             ]
         lines += ["", *(f"warning: {sentence}" for sentence in self.fit.warnings)]
         return "\n".join(lines).rstrip()
+
+
+def _records(count: int) -> str:
+    return f"{count} record{'s' * (count > 1)} without load" if count else "none"
 
 
 def radii_on_axes(sets: MeasuredSets) -> tuple[float, float]:
@@ -194,10 +199,14 @@ def _parameters(fit: Fit) -> list[tuple[str, float, float, float, float, bool]]:
     ]
 
 
+_HEAD = f"{'parameter':<22} {'estimate':>12}"
+
+
 def _line(name: str, value: float, low: float, high: float, _: float, told: bool) -> str:
     if not told:
         return f"{name:<22} not identifiable"
-    return f"{name:<22} {value:>12.6g} {low:>12.6g} {high:>12.6g}"
+    band = f" {low:>12.6g} {high:>12.6g}" if np.isfinite(low) else ""
+    return f"{name:<22} {value:>12.6g}{band}"
 
 
 _DIRECTION_COLUMNS = (

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._arrays import Array
-from asperity.identify.coordinates import Coordinate
+from asperity.identify.coordinates import Coordinate, Scale
 
 if TYPE_CHECKING:
     from asperity.identify.fit import Fit
@@ -43,7 +43,12 @@ def gaps(force: Array) -> list[tuple[float, float]]:
 
 def warnings_of(fit: Fit) -> tuple[str, ...]:
     """Return sentences on what the data cannot tell or the models cannot hold."""
-    sentences = []
+    sentences = _records_missing(fit)
+    if fit.turns == 1:
+        sentences.append(
+            "there are no bands: one complete turn has no scatter between turns; record at least "
+            "2 turns (10 are better)"
+        )
     for (name, estimate), stuck in zip(fit.parameters.items(), fit.at_bounds, strict=False):
         if stuck:
             sentences.append(
@@ -69,3 +74,41 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
             f"{defects['lack of fit'].size:.1%}, more than turns scatter; bands do not hold this"
         )
     return tuple(sentences)
+
+
+_ERRORS = {
+    "calibration": "the error of the gains is not known, 1 % in one channel",
+    "zeros": "the error of the zeros is not known, 1 % of the normal force in one channel",
+}
+# Models of many coordinates are spoken of by those that move most.
+_MOST_NAMED = 6
+
+
+def _records_missing(fit: Fit) -> list[str]:
+    """Return what errors of which nothing is known would do to the parameters."""
+    bands = "" if fit.covariance is None else "; bands do not hold this"
+    return [
+        f"{what}: {_ERRORS[cause]} would change {_changes(fit, moved)}{bands}"
+        for cause, (what, moved) in fit.missing.items()
+    ]
+
+
+def _changes(fit: Fit, moved: Array) -> str:
+    """Return by how much steps of the coordinates change the parameters that are known."""
+    changes = []
+    for (name, estimate), scale, x, step in zip(
+        fit.parameters.items(), fit.scales, fit.coordinates, moved.tolist(), strict=False
+    ):
+        if not estimate.identifiable:
+            continue
+        change = step * float(scale.slope(np.asarray(x)))
+        if scale is Scale.ANGLE:
+            text = f"{np.rad2deg(change):.2g}°"
+        elif scale is Scale.PLAIN:
+            text = f"{change:.2g}"
+        else:
+            text = f"{100.0 * change / estimate.value:.2g} %"
+        changes.append((step, f"{name} by {text}"))
+    if len(changes) > _MOST_NAMED + 1:
+        changes = sorted(changes, key=lambda change: -change[0])[:_MOST_NAMED]
+    return ", ".join(text for _, text in changes)

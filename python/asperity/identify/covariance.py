@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,33 +30,40 @@ _MOST_DEGREES = 1e9
 class Covariance:
     """Covariance of coordinates: from the scatter of turns, calibration, records without load.
 
-    `degrees` are the degrees of freedom of these parts; infinite where errors are known.
+    A part is None where the error that causes it is not known. `degrees` are the degrees of freedom
+    of the parts; infinite where errors are known.
     """
 
     scatter: Array
-    calibration: Array
-    zero: Array
+    calibration: Array | None
+    zero: Array | None
     degrees: tuple[float, float, float]
 
     @property
+    def parts(self) -> tuple[Array, Array | None, Array | None]:
+        """The covariances by their causes."""
+        return self.scatter, self.calibration, self.zero
+
+    @property
     def total(self) -> Array:
-        """Sum of the parts."""
-        return self.scatter + self.calibration + self.zero
+        """Sum of the parts that are known."""
+        total: Array = np.sum([part for part in self.parts if part is not None], axis=0)
+        return total
 
     def shares(self) -> Array:
-        """Return the parts of each variance from scatter, calibration and zeros, ``(k, 3)``."""
-        parts = np.stack([np.diag(p) for p in (self.scatter, self.calibration, self.zero)], axis=-1)
-        total = parts.sum(axis=1, keepdims=True)
-        return parts / np.where(total > 0.0, total, 1.0)
+        """Return the parts of each variance from scatter, calibration and zeros, ``(k, 3)``.
+
+        They are NaN where the error is not known.
+        """
+        total = np.diag(self.total)
+        shares = [
+            np.full_like(total, np.nan) if part is None else np.diag(part) for part in self.parts
+        ]
+        return np.stack(shares, axis=-1) / np.where(total > 0.0, total, 1.0)[:, None]
 
     def of(self, part: slice) -> Covariance:
         """Return the covariance of some of the coordinates."""
-        return Covariance(
-            self.scatter[part, part],
-            self.calibration[part, part],
-            self.zero[part, part],
-            self.degrees,
-        )
+        return self._each(lambda one, _: one[part, part], self)
 
     def at_least(self, other: Covariance, at: int) -> Covariance:
         """Return the covariance whose variance of one coordinate is not below that in another."""
@@ -65,10 +73,16 @@ class Covariance:
             result[at, at] = max(part[at, at], least[at, at])
             return result
 
+        return self._each(raised, other)
+
+    def _each(self, change: Callable[[Array, Array], Array], other: Covariance) -> Covariance:
+        def changed(mine: Array | None, others: Array | None) -> Array | None:
+            return None if mine is None or others is None else change(mine, others)
+
         return Covariance(
-            raised(self.scatter, other.scatter),
-            raised(self.calibration, other.calibration),
-            raised(self.zero, other.zero),
+            change(self.scatter, other.scatter),
+            changed(self.calibration, other.calibration),
+            changed(self.zero, other.zero),
             self.degrees,
         )
 
@@ -82,10 +96,10 @@ class Covariance:
         from scipy.stats import t
 
         squares = np.zeros(len(directions))
-        parts = (self.scatter, self.calibration, self.zero)
-        for part, degrees in zip(parts, self.degrees, strict=True):
-            quantile = t.ppf(0.5 + 0.5 * confidence, min(degrees, _MOST_DEGREES))
-            squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
+        for part, degrees in zip(self.parts, self.degrees, strict=True):
+            if part is not None:
+                quantile = t.ppf(0.5 + 0.5 * confidence, min(degrees, _MOST_DEGREES))
+                squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
         return np.sqrt(np.maximum(squares, 0.0))
 
 
@@ -126,33 +140,21 @@ def shared_degrees(data: Any) -> tuple[float, float]:
 
 def shared(
     family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any
-) -> tuple[Array, Array]:
+) -> tuple[Array | None, Array | None]:
     """Return the covariances that errors of the calibration matrix and of the zeros cause.
 
-    `parts` are means of the runs in either sense of rotation, +1 or −1: channels keep their axes
-    when the disk turns backwards.
-
-    Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
-    is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119). The
-    curvature of a robust loss weighs gradient and matrix alike, and is left out of both.
+    `parts` are means of the runs in either sense of rotation, +1 or −1. A covariance is None where
+    the error is not known.
     """
     calibration = getattr(data, "calibration_covariance", None)
     zero = getattr(data, "zero_covariance", None)
-    none = np.zeros((family.size, family.size))
     if calibration is None and zero is None:
-        return none, none
-    transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
-    # Row 3 of T has no effect where the normal force is given.
-    read = reads_normal_force(data)
-    pulls = np.sum(
-        [_pulls(family, bins, sense, p, transform, read=read) for bins, sense in parts], axis=0
-    )
-    matrix = np.sum([family.sums(bins.samples, p, Loss()).matrix[0] for bins, _ in parts], axis=0)
-    by = np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
+        return None, None
+    by = sensitivities(family, parts, p, data)
 
-    def caused(covariance: Array | None, by: Array, name: str) -> Array:
+    def caused(covariance: Array | None, by: Array, name: str) -> Array | None:
         if covariance is None:
-            return none
+            return None
         known = _arrays.array(covariance, f"data.{name}", 2 * (by.shape[1],))
         spread: Array = by @ known @ by.T
         return spread
@@ -161,6 +163,46 @@ def shared(
         caused(calibration, by[:, :9], "calibration_covariance"),
         caused(zero, by[:, 9:], "zero_covariance"),
     )
+
+
+def sensitivities(family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any) -> Array:
+    """Return the derivatives of the estimates by the entries of T, row by row, and by the zeros.
+
+    Channels keep their axes when the disk turns backwards: `parts` are the means of the runs in
+    either sense of rotation.
+
+    Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
+    is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119). The
+    curvature of a robust loss weighs gradient and matrix alike, and is left out of both.
+    """
+    transform = _arrays.array(data.matrix, "data.matrix", (3, 3))
+    # Row 3 of T has no effect where the normal force is given.
+    read = reads_normal_force(data)
+    pulls = np.sum(
+        [_pulls(family, bins, sense, p, transform, read=read) for bins, sense in parts], axis=0
+    )
+    matrix = np.sum([family.sums(bins.samples, p, Loss()).matrix[0] for bins, _ in parts], axis=0)
+    return np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
+
+
+class Stakes(NamedTuple):
+    """How far coordinates move for a small error in any one channel, the farthest of the three.
+
+    Attributes:
+        zero: by a zero error of a part of the mean normal force, ``(k,)``.
+        gain: by an error of a gain of the same part, ``(k,)``.
+    """
+
+    zero: Array
+    gain: Array
+
+
+def stakes(by: Array, transform: Array, normal: float, part: float) -> Stakes:
+    """Return what is at stake where errors are not known, from the `sensitivities`."""
+    # Readings that make a force of one unit in each channel, and rows of T that grow.
+    zeros = by[:, 9:] @ np.linalg.inv(transform) * (part * normal)
+    gains = np.einsum("kij,ij->ki", by[:, :9].reshape(-1, 3, 3), transform) * part
+    return Stakes(np.abs(zeros).max(axis=1), np.abs(gains).max(axis=1))
 
 
 def _pulls(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -83,17 +82,20 @@ def closure(phi: Array, force: Array, error: float = 0.0) -> Defect:
     )
 
 
-def lack_of_fit(
-    phi: Array, force: Array, model: Callable[[Array], Array], error: float = 0.0
-) -> Defect:
+def lack_of_fit(left: Array, force: Array, error: float = 0.0) -> Defect:
     """Return the mean distance of the model from mean forces, in parts of the force.
 
     It matters where means of all turns are farther off than the scatter of turns explains.
+
+    Args:
+        left: means of measured minus model forces, ``(g, n, 2)``. The model is that at the samples:
+            where forces turn fast, its mean over a bin is not what it is in the middle.
+        force: mean forces, ``(g, n, 2)``.
+        error: standard error that all turns share, in parts of the force.
     """
-    left = force - model(phi.ravel()).reshape(force.shape)
     mean = left.mean(axis=0)
     size = float(np.sqrt((mean**2).sum(axis=-1).mean()) / _mean_size(force))
-    turns, far = len(phi), _ERRORS * error
+    turns, far = len(left), _ERRORS * error
     if turns < 2:
         return Defect(size, size > 0.05 + far)
     within = float(((left - mean) ** 2).sum() / (turns - 1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,14 +19,17 @@ from asperity.identify import defects
 from asperity.identify.axes import away_from_axes, means_away_from_axes
 from asperity.identify.bins import Bins, GroupedBins, grouped
 from asperity.identify.checks import at_bounds, gaps, warnings_of
-from asperity.identify.coordinates import Estimate
+from asperity.identify.coordinates import Estimate, Scale
 from asperity.identify.covariance import (
     Covariance,
+    Stakes,
     estimate,
     has_angle,
     scatter_of,
+    sensitivities,
     shared,
     shared_degrees,
+    stakes,
 )
 from asperity.identify.defects import Defect
 from asperity.identify.descent import Descent
@@ -47,6 +51,8 @@ if TYPE_CHECKING:
 _WIDTH = 5
 # Without bands, a set counts as round if its combinations of coordinates are below this.
 _ROUND = 1e-9
+_PERCENT = 0.01
+_CHUNK = 2**16
 
 
 class Bands(Value):
@@ -227,6 +233,31 @@ class Fit(Value):
         return warnings_of(self)
 
     @cached_property
+    def missing(self) -> dict[str, tuple[str, Array]]:
+        """Causes of error that no record tells, with what is missing and what is at stake.
+
+        These are ``"calibration"`` and ``"zeros"``; what is at stake is how far an error of 1 % of
+        the normal force, or of a gain, in one channel would move the coordinates. There are none
+        where forces are given as arrays: what is known of their errors is not known here.
+        """
+        raw = getattr(self.data, "raw", None)
+        if raw is None:
+            return {}
+        causes = {}
+        moved = self._stakes(_PERCENT)
+        if self.data.calibration_covariance is None:
+            what = "no calibration" if raw.calibration is None else "a calibration without an error"
+            causes["calibration"] = what, moved.gain
+        if self.data.zero_covariance is None:
+            causes["zeros"] = "no records without load", moved.zero
+        return causes
+
+    @property
+    def scales(self) -> tuple[Scale, ...]:
+        """How the reported parameters follow from the coordinates."""
+        return tuple(coordinate.scale for coordinate in self._family.coordinates)
+
+    @cached_property
     def at_bounds(self) -> NDArray[np.bool_]:
         """Which coordinates ended at a bound of their model, in the order of the parameters."""
         return at_bounds(self.coordinates, self._family.coordinates)
@@ -240,26 +271,22 @@ class Fit(Value):
     def defects(self) -> dict[str, Defect]:
         """Asymmetry, closure and lack of fit with whether they matter; none if data are sparse."""
         groups = min(self.turns, defects.MOST_GROUPS)
-        means = defects.means_of(self._grouped(self._samples, groups))
-        if means is None:
+        samples = self._weighty(self._samples)
+        means = defects.means_of(grouped(samples, groups))
+        left = defects.means_of(grouped(self._left(samples), groups))
+        if means is None or left is None:
             return {}
         error = defects.common_error(self.data, means[1])
         return {
             "asymmetry": defects.asymmetry(*means),
             "closure": defects.closure(*means, error),
-            "lack of fit": defects.lack_of_fit(*means, self.forces, error),
+            "lack of fit": defects.lack_of_fit(left[1], means[1], error),
         }
 
     @cached_property
     def residuals(self) -> Array:
         """Measured minus model force of all samples, in N, ``(n, 2)``; in turns or not."""
-        samples = self._samples
-        result = np.empty_like(samples.force)
-        for start in range(0, len(result), 2**16):
-            part = slice(start, start + 2**16)
-            model = self.forces(samples.phi[part])
-            result[part] = samples.force[part] - samples.normal[part, None] * model
-        return result
+        return self._left(self._samples).force
 
     @cached_property
     def means(self) -> tuple[Array, Array]:
@@ -345,19 +372,42 @@ class Fit(Value):
 
         return write_report(self, path, title)
 
-    def _covariance(self, bins: Bins, sums: Sums, *, away: bool = False) -> Covariance:
-        """Return the covariance by all samples, or by those away from the axes of D."""
-        parts, p = by_sense(self._samples, self.data), self._descent.p
+    def _means(self, bins: Bins, *, away: bool = False) -> list[tuple[Bins, float]]:
+        """Return means of the runs in either sense of rotation with that sense."""
+        parts = by_sense(self._samples, self.data)
         means = [bins] if len(parts) == 1 else [self._grouped(part).bins() for part, _ in parts]
         if away:
-            means = [means_away_from_axes(mean, p[-1]) for mean in means]
-        senses = [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
-        common = shared(self._family, senses, p, self.data)
+            means = [means_away_from_axes(mean, self.coordinates[-1]) for mean in means]
+        return [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
+
+    def _covariance(self, bins: Bins, sums: Sums, *, away: bool = False) -> Covariance:
+        """Return the covariance by all samples, or by those away from the axes of D."""
+        means = self._means(bins, away=away)
+        common = shared(self._family, means, self.coordinates, self.data)
         scatter, degrees = scatter_of(sums, clusters_of(self._samples, self.data))
         return Covariance(scatter, *common, (degrees, *shared_degrees(self.data)))
 
-    def _grouped(self, samples: Samples, groups: int = 1) -> GroupedBins:
-        return grouped(samples if self.loss.is_linear else without_outliers(samples), groups)
+    def _stakes(self, part: float) -> Stakes:
+        """Return how far an error of a part of the force in one channel moves coordinates."""
+        by = sensitivities(self._family, self._means(self._bins), self.coordinates, self.data)
+        normal = float(np.mean(self.data.normal_force))
+        return stakes(by, self.data.matrix, normal, part)
+
+    def _grouped(self, samples: Samples) -> GroupedBins:
+        return grouped(self._weighty(samples), 1)
+
+    def _weighty(self, samples: Samples) -> Samples:
+        """Return the samples whose means mean something: without outliers if the loss is robust."""
+        return samples if self.loss.is_linear else without_outliers(samples)
+
+    def _left(self, samples: Samples) -> Samples:
+        """Return samples with what the model leaves of their forces."""
+        left = np.empty_like(samples.force)
+        for start in range(0, len(left), _CHUNK):
+            part = slice(start, start + _CHUNK)
+            model = self.forces(samples.phi[part])
+            left[part] = samples.force[part] - samples.normal[part, None] * model
+        return replace(samples, force=left)
 
     def _width(self, directions: Array) -> Array:
         if self.covariance is None or self.confidence is None:

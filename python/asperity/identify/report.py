@@ -76,12 +76,14 @@ def _parameters(fit: Fit) -> str:
         head += ["turns", "calibration", "zeros"]
         # The scale of D is the last parameter, and no coordinate.
         for row, shares in zip(rows, fit.covariance.shares(), strict=False):
-            row += [f"<td>{100.0 * share:.0f} %</td>" for share in shares]
+            row += [
+                f"<td>{100.0 * share:.0f} %</td>" if math.isfinite(share) else "<td>not known</td>"
+                for share in shares.tolist()
+            ]
         sources = (
             "<p>Bands hold the scatter between turns, or between three runs or more (Student's t), "
             "and the uncertainty of the calibration and of the records without load where these "
-            "are known; the last columns "
-            "are their shares of the variance. "
+            "are known; the last columns are their shares of the variance that is known. "
             "Semi-axes are per unit normal force. The scale of D has no effect on forces.</p>"
         )
     return _table(head, [f"<tr>{''.join(row)}</tr>" for row in rows]) + sources
