@@ -171,7 +171,8 @@ def test_an_unknown_form_of_the_operator_is_refused(tmp_path, suffix):
         import h5py
 
         with h5py.File(path, "a") as file:
-            file["fclib_local/W"].attrs["form"] = "round"
+            del file["data/form"]
+            file["data/form"] = "round"
     with pytest.raises(ParameterError, match="form"):
         asp.ContactProblem.load(path)
 

@@ -45,7 +45,6 @@ VALUES = [
     PROBLEM.solve(),
     PROBLEM.solve().certificate,
     asp.Stage("newton", 7, 6, 1e-9),
-    asp.Stage("newton", 7, 6, float("nan")),
     *PROBLEM.solutions(0),
     asp.Exact(),
     asp.Exact(max_sweeps=5),
@@ -203,6 +202,14 @@ def test_replace_makes_a_variant():
     assert ellipse.angle == 0.0
     with pytest.raises(TypeError, match="axis"):
         ellipse.replace(axis=1.0)
+
+
+def test_copies_of_what_is_not_known_are_equal():
+    unknown = asp.Stage("newton", 7, 6, float("nan"))
+    again = pickle.loads(pickle.dumps(unknown))
+    assert again == unknown
+    assert hash(again) == hash(unknown)
+    assert unknown != asp.Stage("newton", 7, 6, 1.0)
 
 
 def test_negative_zero_does_not_split_equal_objects():

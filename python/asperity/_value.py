@@ -96,7 +96,7 @@ def _same(a: Any, b: Any) -> bool:
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return np.array_equal(a, b, equal_nan=a.dtype.kind == b.dtype.kind == "f")
     # NaN, "not known", equals itself, as within arrays: copies of an object equal it.
-    return type(a) is type(b) and (bool(a == b) or _is_nan(a) and _is_nan(b))
+    return type(a) is type(b) and (bool(a == b) or (_is_nan(a) and _is_nan(b)))
 
 
 def _hashable(value: Any) -> Any:

@@ -124,8 +124,9 @@ def check_consistency(delassus: Array | csr_array, mass: csr_array, directions: 
     expected = directions.T @ (inverse(mass) @ (directions @ probe))
     off, size = np.abs(delassus @ probe - expected).max(), np.abs(expected).max()
     if not off <= _CONSISTENT * size:
+        share = f"{off / size:.3g}" if size > 0.0 else "all of it"
         raise ParameterError(
-            "delassus", f"must be WᵀM⁻¹W of mass and directions, it is off by {off / size:.3g}"
+            "delassus", f"must be WᵀM⁻¹W of mass and directions, it is off by {share}"
         )
 
 

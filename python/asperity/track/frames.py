@@ -113,7 +113,7 @@ class ImageFolder:
         return len(self._paths)
 
     def __iter__(self) -> Iterator[Frame]:
-        from PIL import Image, UnidentifiedImageError
+        from PIL import Image
 
         size = None
         for path in self._paths:
@@ -122,7 +122,8 @@ class ImageFolder:
                     pixels = _colours(image, path)
             except ParameterError:
                 raise
-            except (UnidentifiedImageError, OSError, ValueError, SyntaxError) as error:
+            # Decoders raise errors of many kinds on damaged bytes.
+            except Exception as error:
                 raise ParameterError(
                     str(path), f"is no image that can be read ({error}): replace the file"
                 ) from None

@@ -50,9 +50,9 @@ class VideoFile:
                 for frame in container.decode(stream):
                     stamps.append(frame.pts)
                     yield _VideoFrame(frame)
-            except av.error.FFmpegError as error:
+            except (av.error.FFmpegError, ValueError, MemoryError) as error:
                 raise ParameterError(
-                    self.source, f"is damaged after frame {len(stamps) - 1}: {error.strerror}"
+                    self.source, f"is damaged after frame {len(stamps) - 1}: {_reason(error)}"
                 ) from None
         self._check_clock(stamps)
 
@@ -72,6 +72,8 @@ class VideoFile:
 
     def _check_bytes(self) -> None:
         """Refuse what is no video before PyAV is asked for."""
+        if os.path.isdir(self.source):
+            raise ParameterError(self.source, "is no video but a folder")
         with open(self.source, "rb") as file:
             first = file.read(4096)
         if not first:
@@ -85,9 +87,10 @@ class VideoFile:
 
         try:
             container = av.open(self.source)
-        except (av.error.FFmpegError, OSError) as error:
+        # Damaged bytes are met in texts and numbers, too.
+        except Exception as error:
             raise ParameterError(
-                self.source, f"is no video that can be read: {error.strerror}"
+                self.source, f"is no video that can be read: {_reason(error)}"
             ) from None
         if not container.streams.video:
             container.close()
@@ -120,6 +123,10 @@ class VideoFile:
             f"lacks frames before frame {number}, or its frame rate varies: record "
             "with a constant frame rate, or track the parts apart",
         )
+
+
+def _reason(error: Exception) -> str:
+    return str(getattr(error, "strerror", None) or error)
 
 
 class _VideoFrame:

@@ -13,13 +13,17 @@ stands for both. Rolling friction (`fclib_local_rolling`, `fclib_global_rolling`
 refused. `percussions` returns what a file of FCLIB holds as solution and guesses.
 
 G is kept sparse in files. A problem with a dense one, or with one that is made of the bodies, says
-so in ``W_form``, of HDF5 in the attribute ``form`` of ``fclib_local/W``: it comes back as it was.
+so in ``W_form``, of HDF5 in ``data/form``: it comes back as it was.
+
+What asperity writes has checksums throughout: damage is refused. HDF5 files of other engines have
+none, and the HDF5 library itself may fail on damaged ones.
 
 **Other problems** have no ``mu`` (and no ``spacedim``), so that nobody takes them for plain ones.
 They hold besides, in HDF5 within the group ``data``: ``laws``, the different laws as JSON of
 constructor names and parameters, ``law``, the number of each contact's law therein,
 ``normal_force`` (NaN where unilateral), ``normal_restitution``, ``tangential_restitution`` and
-``initial_velocity``. Nothing is pickled: reading a file cannot run code.
+``initial_velocity``; in HDF5 texts are bytes of UTF-8. Nothing is pickled: reading a file cannot
+run code.
 
 A coefficient μ = 0 is read as a disk of radius `FRICTIONLESS`, and that is written as 0.
 

@@ -125,8 +125,7 @@ def details(problem: ContactProblem) -> dict[str, NDArray[Any]]:
 
 def read_details(source: Source, prefix: str = "") -> dict[str, Any]:
     """Return the arguments that `details` has written."""
-    text = source[f"{prefix}laws"]
-    listed = law_files.read(str(text.item() if text.ndim == 0 else ""), f"{prefix}laws")
+    listed = law_files.read(text(source, f"{prefix}laws"), f"{prefix}laws")
     number = integers(source, f"{prefix}law")
     if number.size and not 0 <= number.min() <= number.max() < len(listed):
         raise ParameterError(f"{prefix}law", f"must lie in 0..{len(listed) - 1}")
@@ -160,6 +159,19 @@ def read_coefficients(source: Source, key: str, rows: int, dimension: int) -> di
 def numbers(source: Source, key: str) -> Array:
     """Return a vector of finite numbers."""
     return _arrays.array(source[key], key, (None,))
+
+
+def text(source: Source, key: str) -> str:
+    """Return a text, which stands there as such or as its bytes."""
+    found = source[key]
+    if found.dtype == np.uint8 and found.ndim == 1:
+        try:
+            return found.tobytes().decode()
+        except UnicodeDecodeError as error:
+            raise ParameterError(key, f"must be a text: {error}") from None
+    if found.dtype.kind != "U" or found.ndim:
+        raise ParameterError(key, f"must be a text, is {found.dtype} {found.shape}")
+    return str(found)
 
 
 def integers(source: Source, key: str) -> NDArray[np.int64]:

@@ -27,7 +27,7 @@ _LOCAL = {
     "free_velocity": "fclib_local/vectors/q",
     "mass": "fclib_global/M",
     "directions": "fclib_global/H",
-    "form": "fclib_local/W",
+    "form": "data/form",
 }
 _GLOBAL = {**_LOCAL, "delassus": "fclib_global/H", "free_velocity": "fclib_global/vectors/w"}
 # The library's marks for compressed columns and rows; from 0 on it is the length of a triplet form.
@@ -78,13 +78,6 @@ class _Group:
         except Exception as error:
             raise self._unreadable(key, error) from None
 
-    def attribute(self, key: str, name: str, default: str) -> str:
-        """Return a word that stands beside what is under the key."""
-        try:
-            return str(self.file[key].attrs.get(name, default))
-        except Exception as error:
-            raise self._unreadable(key, error) from None
-
     def _is_dataset(self, key: str) -> bool:
         try:
             return hasattr(self.file[key], "shape")
@@ -96,29 +89,28 @@ class _Group:
 
 
 def save(problem: ContactProblem, path: Path) -> None:
-    """Write a problem."""
+    """Write a problem, with checksums of arrays and, as the library has since 1.8, of the rest."""
     memory = io.BytesIO()
-    with _h5py().File(memory, "w") as file:
+    with _h5py().File(memory, "w", libver=("v108", "v108")) as file:
         mu = contents.coefficients(problem)
-        plain = mu is not None and problem.laws[0].dimension <= 2
         vectors = {"q": problem.free_velocity}
         _write(file, "fclib_local", {"W": operator.as_sparse(problem.delassus)}, vectors)
-        form = contents.form(problem)
-        if form != contents.SPARSE:
-            file["fclib_local/W"].attrs["form"] = form
         groups = ["fclib_local"]
         if problem.mass is not None and problem.directions is not None:
             matrices = {"M": problem.mass, "H": problem.directions}
             vectors = {"f": np.zeros(problem.mass.shape[0]), "w": problem.free_velocity}
             _write(file, "fclib_global", matrices, vectors)
             groups.append("fclib_global")
-        if plain:
+        if mu is not None and problem.laws[0].dimension <= 2:
             for group in groups:
-                file[f"{group}/vectors/mu"] = mu
-                file[f"{group}/spacedim"] = np.array([problem.laws[0].dimension + 1], np.int32)
+                _put(file, f"{group}/vectors/mu", mu)
+                _put(file, f"{group}/spacedim", np.array([problem.laws[0].dimension + 1], np.int32))
         else:
             for name, values in contents.details(problem).items():
-                file[f"data/{name}"] = str(values) if name == "laws" else values
+                _put(file, f"data/{name}", values)
+        form = contents.form(problem)
+        if form != contents.SPARSE:
+            _put(file, _LOCAL["form"], np.array(form))
     with atomic(path) as target:
         target.write(memory.getbuffer())
 
@@ -180,11 +172,12 @@ def _load(source: _Group) -> ContactProblem:
             _read(source, "fclib_local/W"),
             contents.numbers(source, _LOCAL["free_velocity"]),
         )
-        form = source.attribute("fclib_local/W", "form", form)
+        if _LOCAL["form"] in source:
+            form = contents.text(source, _LOCAL["form"])
     else:
         group, keys, delassus = "fclib_global", _GLOBAL, None
         free = _free_velocity(source, bodies)
-    if "data" in source:
+    if "data/laws" in source:
         options = contents.read_details(source, "data/")
     else:
         dimension = _integer(source, f"{group}/spacedim") - 1
@@ -237,14 +230,25 @@ def _write(
     file: Any, group: str, matrices: dict[str, csr_array], vectors: dict[str, NDArray[Any]]
 ) -> None:
     for name, matrix in matrices.items():
+        place = f"{group}/{name}"
         parts = {"nzmax": matrix.nnz, "m": matrix.shape[0], "n": matrix.shape[1], "nz": _ROWS}
         for part, value in parts.items():
-            file[f"{group}/{name}/{part}"] = np.array([value], np.int32)
-        file[f"{group}/{name}/p"] = matrix.indptr.astype(np.int32)
-        file[f"{group}/{name}/i"] = matrix.indices.astype(np.int32)
-        file[f"{group}/{name}/x"] = matrix.data
+            _put(file, f"{place}/{part}", np.array([value], np.int32))
+        _put(file, f"{place}/p", matrix.indptr.astype(np.int32))
+        _put(file, f"{place}/i", matrix.indices.astype(np.int32))
+        _put(file, f"{place}/x", matrix.data)
     for name, values in vectors.items():
-        file[f"{group}/vectors/{name}"] = values
+        _put(file, f"{group}/vectors/{name}", values)
+
+
+def _put(file: Any, key: str, values: NDArray[Any]) -> None:
+    """Write an array with its checksum; a text as its bytes, since strings have none."""
+    if not values.size:
+        file[key] = values
+        return
+    if values.dtype.kind == "U":
+        values = np.frombuffer(str(values).encode(), dtype=np.uint8)
+    file.create_dataset(key, data=values, chunks=values.shape, fletcher32=True)
 
 
 def _read(source: _Group, name: str) -> csr_array:

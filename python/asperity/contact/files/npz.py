@@ -61,7 +61,7 @@ def load(path: Path) -> ContactProblem:
         bodies = None
         if "M_data" in source:
             bodies = contents.Bodies(_read(source, "M"), _read(source, "H"))
-        form = str(source["W_form"]) if "W_form" in source else contents.SPARSE
+        form = contents.text(source, "W_form") if "W_form" in source else contents.SPARSE
         return contents.built(delassus, bodies, free, options, _KEYS, form)
 
 
