@@ -100,9 +100,6 @@ def _same(a: Any, b: Any) -> bool:
 
 
 def _hashable(value: Any) -> Any:
-    if _is_nan(value):
-        # Python hashes NaN by its address.
-        return "nan"
     if isinstance(value, np.ndarray):
         return value.shape, _bits(value)
     if _is_sparse(value):
@@ -119,10 +116,6 @@ def _bits(values: np.ndarray[Any, Any]) -> bytes:
     if values.dtype.kind == "f":
         return np.where(np.isnan(values), np.nan, values + 0.0).tobytes()
     return values.tobytes()
-
-
-def _is_nan(value: Any) -> bool:
-    return isinstance(value, float) and value != value
 
 
 def _text(value: Any) -> str:
