@@ -40,7 +40,8 @@ where
     S: ConvexSet<P> + ?Sized,
 {
     let size = x.amax();
-    if !(size > 0.0) {
+    // Nothing is farthest along a point at infinity, nor along what is not a number.
+    if !(size > 0.0 && size.is_finite()) {
         return (size, Vector::zeros());
     }
     let support_jet = |y: &Vector<P>| {
@@ -120,6 +121,10 @@ fn by_newton(jet: &dyn Fn(&Vector<2>) -> (f64, Vector<2>), y: &Vector<2>) -> Opt
         let (tangent, probe) = (quarter_turn(&n), 1e-7 * size);
         let turned = jet(&(x + tangent * probe)).1;
         let step = angle * probe * turned.norm() / cross(&n, &turned);
+        // The comparisons also turn away what is not a number, from gauges and support functions of users.
+        if !(step.abs() >= 0.0 && size > 0.0) {
+            return None;
+        }
         let step = step.clamp(-0.5 * size, 0.5 * size);
         if step.abs() <= f64::EPSILON * size {
             return Some(x);

@@ -45,6 +45,9 @@ fn by_positions<S: StarSet<2> + ?Sized>(
         let turned = set.gauge_jet(&(x + tangent * probe)).1;
         let curvature = (cross(&n, &turned) / turned.norm() / probe).max(0.0);
         let step = slope / (1.0 + height * curvature);
+        if !(step.abs() >= 0.0 && size > 0.0) {
+            return None;
+        }
         x += tangent * step.clamp(-0.5 * size, 0.5 * size);
     }
     None

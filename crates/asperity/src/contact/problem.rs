@@ -3,6 +3,10 @@
 use super::{BlockMatrix, Delassus, ProblemError};
 use crate::law::Law;
 
+/// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
+/// cubes of them.
+const LARGEST: f64 = 1e100;
+
 /// How the normal force of a contact is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NormalForce {
@@ -100,6 +104,7 @@ impl ContactProblem {
                 }
             }
         }
+        check_sizes(&delassus, &free_velocity, &contacts)?;
         let (restitution, rho) = (vec![0.0; offset], vec![0.0; contacts.len()]);
         let mut problem = Self { delassus, free_velocity, restitution, contacts, rho };
         problem.update_rho();
@@ -126,6 +131,10 @@ impl ContactProblem {
             for (k, (term, velocity)) in terms.enumerate() {
                 *term = velocity * if k < contact.normal_rows() { e_n } else { e_t };
             }
+        }
+        if let Some(&value) = self.restitution.iter().find(|term| term.abs() > LARGEST) {
+            let (argument, allowed) = ("initial_velocity", "at most 1e100 times the restitution");
+            return Err(ProblemError::Value { argument, allowed, value });
         }
         Ok(self)
     }
@@ -302,6 +311,33 @@ fn check_length(argument: &'static str, expected: usize, got: usize) -> Result<(
         return Ok(());
     }
     Err(ProblemError::Length { argument, expected, got })
+}
+
+/// Refuses velocities and normal percussions whose squares, or those of what follows from them, would overflow.
+fn check_sizes(
+    delassus: &Delassus,
+    free_velocity: &[f64],
+    contacts: &[ContactRows],
+) -> Result<(), ProblemError> {
+    let diagonal = contacts.iter().enumerate().flat_map(|(i, contact)| {
+        (0..contact.len()).map(move |a| delassus.own(i, contact.offset, a, a))
+    });
+    let (smallest, largest) =
+        diagonal.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), g| (low.min(g), high.max(g)));
+    let reach = f64::max(1.0, f64::max(largest, 1.0 / smallest));
+    if let Some(&value) = free_velocity.iter().find(|b| !(b.abs() * reach <= LARGEST)) {
+        let allowed = "at most 1e100, also times and divided by the entries of G";
+        return Err(ProblemError::Value { argument: "free_velocity", allowed, value });
+    }
+    for contact in contacts {
+        if let NormalForce::Prescribed(value) = contact.normal
+            && !(value * f64::max(1.0, largest) <= LARGEST)
+        {
+            let allowed = "at most 1e100, also times the entries of G";
+            return Err(ProblemError::Value { argument: "normal_force", allowed, value });
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn check_finite(argument: &'static str, values: &[f64]) -> Result<(), ProblemError> {

@@ -126,12 +126,6 @@ impl<const P: usize> FrictionLaw<P> {
         self.isotropic
     }
 
-    /// Largest radius of `C`.
-    pub(crate) fn largest_radius(&self) -> f64 {
-        let radius = |d: &Vector<P>| 1.0 / self.reservoir.gauge(d);
-        self.isotropic.unwrap_or_else(|| probes().iter().map(radius).fold(0.0, f64::max))
-    }
-
     /// Force reservoir `C` per unit normal force.
     pub fn reservoir(&self) -> &Star<P> {
         &self.reservoir
@@ -223,6 +217,14 @@ impl<const P: usize> FrictionLaw<P> {
     /// Dissipation rate `−λᵀγ = λ_N Ψ*_D(γ)/k_C(z)` (\[WL19\] Prop. 5), zero at rest.
     pub fn dissipation(&self, slip: &Vector<P>, normal_force: f64) -> f64 {
         self.force(slip, normal_force).map_or(0.0, |force| -force.dot(slip))
+    }
+}
+
+impl FrictionLaw<1> {
+    /// Largest radius of `C`.
+    pub(crate) fn largest_radius(&self) -> f64 {
+        let radius = |end: f64| 1.0 / self.reservoir.gauge(&Vector::<1>::new(end));
+        self.isotropic.unwrap_or_else(|| f64::max(radius(-1.0), radius(1.0)))
     }
 }
 

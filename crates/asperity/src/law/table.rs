@@ -37,6 +37,8 @@ pub(crate) struct Cell {
     pub normal: f64,
     /// Largest distance of the dyad `n ⊗ x` from its chord.
     pub product: f64,
+    /// Largest distance of `x` from its chord, the same part of which is meant as for the normal.
+    pub position: f64,
 }
 
 /// Columns whose linear combinations are `n × v` and `n · v` at the coarse nodes.
@@ -91,6 +93,7 @@ impl WalkTable {
                 Cell {
                     normal: own.normal + within.iter().map(|c| c.normal).fold(0.0, f64::max),
                     product: own.product + within.iter().map(|c| c.product).fold(0.0, f64::max),
+                    position: own.position + within.iter().map(|c| c.position).fold(0.0, f64::max),
                 }
             })
             .collect();
@@ -229,8 +232,14 @@ fn deviation(first: &Node, last: &Node, inner: &[Node], margin: f64) -> Cell {
         let weight = if length > 0.0 { (along / length).clamp(0.0, 1.0) } else { 0.0 };
         cell.normal = cell.normal.max((n - dn * weight).norm());
         cell.product = cell.product.max((m - dm * weight).norm());
+        let off_chord = node.x - first.x - (last.x - first.x) * weight;
+        cell.position = cell.position.max(off_chord.norm());
     }
-    Cell { normal: margin * cell.normal, product: margin * cell.product }
+    Cell {
+        normal: margin * cell.normal,
+        product: margin * cell.product,
+        position: margin * cell.position,
+    }
 }
 
 /// Smallest `n × t` with `t` the unit tangent of bdry *C*, taken as the chords next to every node.

@@ -1,10 +1,13 @@
 //! The diagonal block of one contact, prepared for its solution.
 
 use asperity_set::{Matrix, Vector};
-use nalgebra::DMatrix;
 
 use crate::contact::ContactProblem;
 use crate::law::Law;
+
+/// Part of the square of its size that the determinant of a sound block has at least: the inverse then keeps
+/// twelve digits.
+const SOUND: f64 = 1e-4;
 
 /// The diagonal block of `G` for one contact, unused components zero.
 #[derive(Debug, Clone, Copy)]
@@ -15,10 +18,11 @@ pub(super) struct Block {
     pub(super) g_nt: Vector<2>,
     pub(super) g_tn: Vector<2>,
     pub(super) g_tt: Matrix<2>,
-    /// Inverse of the Schur complement `G_TT − G_TN G_NT/g_NN`, or of `G_TT` without a normal row; a
-    /// pseudo-inverse where that is singular.
+    /// Inverse of the Schur complement `G_TT − G_TN G_NT/g_NN`, or of `G_TT` without a normal row; zero
+    /// where the block is not sound.
     pub(super) schur_inverse: Matrix<2>,
-    pub(super) singular: bool,
+    /// Whether the inverse keeps its digits. Stick with any other block is found from its singular values.
+    pub(super) sound: bool,
     /// Whether the contact is unilateral and no friction force can pull it towards the surface.
     pub(super) pressed: bool,
     /// What is known of the slip equation before the loads are: only where the normal force is
@@ -40,30 +44,33 @@ impl Block {
         let g_tn = Vector::<2>::from_fn(|i, _| pick(unilateral && within(i), t + i, 0));
         let g_tt = Matrix::<2>::from_fn(|i, j| pick(within(i) && within(j), t + i, t + j));
         let schur = if unilateral { g_tt - g_tn * g_nt.transpose() / g_nn } else { g_tt };
-        let determinant = schur.determinant();
-        let singular = match p {
-            1 => schur.m11.abs() <= 1e-13 * g_tt.m11,
-            _ => determinant.abs() <= 1e-13 * g_tt.norm_squared(),
+        // The determinant against squares of sizes: what is left of the digits of the Schur complement. A
+        // row and column of any unit in place of the normal ones leave it as it is.
+        let (left, whole) = match p {
+            1 => (schur.m11.abs(), g_tt.m11.abs().max(schur.m11.abs())),
+            _ => (schur.determinant().abs(), g_tt.norm_squared().max(schur.norm_squared())),
         };
-        let schur_inverse = match (p, singular) {
-            (1, false) => Matrix::<2>::new(1.0 / schur.m11, 0.0, 0.0, 0.0),
-            (1, true) => Matrix::zeros(),
-            (_, false) => schur.try_inverse().unwrap_or_default(),
-            (_, true) => pseudo_inverse(&schur),
+        // The comparison also turns away what is not a number.
+        let sound = left > SOUND * whole;
+        let schur_inverse = match (p, sound) {
+            (_, false) => Matrix::zeros(),
+            (1, true) => Matrix::<2>::new(1.0 / schur.m11, 0.0, 0.0, 0.0),
+            (_, true) => schur.try_inverse().unwrap_or_default(),
         };
         let shape = match &rows.law {
             Law::Two(law) if !unilateral => Shape::new(&g_tt, law.bounds().smallest_sine),
             _ => Shape::General,
         };
-        let radius = match &rows.law {
-            Law::One(law) => law.largest_radius(),
-            Law::Two(law) => law.bounds().largest_radius,
-            Law::Three(law) => law.largest_radius(),
-        };
-        let beside = (t..rows.len()).map(|j| g(0, j) * g(0, j)).sum::<f64>().sqrt();
-        let pressed = unilateral && g_nn > beside * radius;
+        let beside = || (t..rows.len()).map(|j| g(0, j) * g(0, j)).sum::<f64>().sqrt();
+        let pressed = unilateral
+            && match &rows.law {
+                Law::One(law) => g_nn > beside() * law.largest_radius(),
+                Law::Two(law) => g_nn > beside() * law.bounds().largest_radius,
+                // Such a contact opens before anything else is asked.
+                Law::Three(_) => false,
+            };
         let inverse_nn = if unilateral { 1.0 / g_nn } else { 0.0 };
-        Self { g_nn, inverse_nn, g_nt, g_tn, g_tt, schur_inverse, singular, pressed, shape }
+        Self { g_nn, inverse_nn, g_nt, g_tn, g_tt, schur_inverse, sound, pressed, shape }
     }
 }
 
@@ -104,14 +111,5 @@ impl Shape {
         } else {
             Self::General
         }
-    }
-}
-
-/// Moore–Penrose inverse with the small singular value cut off.
-fn pseudo_inverse(matrix: &Matrix<2>) -> Matrix<2> {
-    let dynamic = DMatrix::from_column_slice(2, 2, matrix.as_slice());
-    match dynamic.pseudo_inverse(1e-6 * matrix.norm()) {
-        Ok(inverse) => Matrix::<2>::from_column_slice(inverse.as_slice()),
-        Err(_) => Matrix::zeros(),
     }
 }

@@ -22,8 +22,11 @@ pub(super) fn solve(
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
     if problem.is_uncoupled() {
-        let stuck = uncoupled(problem, threads, memory, workspace);
-        return (1, stuck.map_or(Ended::Done, Ended::NoSolution));
+        let stuck = match uncoupled(problem, stop, threads, memory, workspace) {
+            Ok(stuck) => stuck,
+            Err(Interrupted) => return (1, Ended::TimeLimit),
+        };
+        return (1, without_solution(problem, stuck, workspace).unwrap_or(Ended::Done));
     }
     let mut stuck = sweep(problem, memory, workspace, true);
     for sweeps in 1..=max_sweeps {
@@ -40,7 +43,50 @@ pub(super) fn solve(
             stuck = sweep(problem, memory, workspace, false);
         }
     }
-    (max_sweeps, stuck.map_or(Ended::MaxIterations, Ended::NoSolution))
+    (max_sweeps, without_solution(problem, stuck, workspace).unwrap_or(Ended::MaxIterations))
+}
+
+/// The end of a solve that has left a contact without a solution, if it is proven that there is none.
+fn without_solution(
+    problem: &ContactProblem,
+    stuck: Option<usize>,
+    workspace: &Workspace,
+) -> Option<Ended> {
+    let proven = |&contact: &usize| proves_no_solution(problem, contact, &workspace.percussion);
+    stuck.filter(proven).map(Ended::NoSolution)
+}
+
+/// Whether it is proven that a contact has no solution, the percussions of the others held.
+///
+/// With `x = −P_T/P_N` the certificate consists of three parts, each with a relative margin of 10⁻⁹, so that
+/// neither rounding nor data known to nine digits can turn it round:
+///
+/// - the contact cannot open: `b_N < 0`;
+/// - it cannot stick: the only percussions with `GP + b = 0` pull, `P_N < 0`, or are outside, `k_C(x) > 1`;
+/// - it cannot slip: all along bdry *D* the slip velocity `v(x)` is not along the normal, `F = n × v ≠ 0`, or is
+///   against it, or the normal force would pull, `g_NN − G_NT x < 0`. For `p = 1` these are two
+///   points, for `p = 2` the boundary is covered by pieces over each of which one of the three holds.
+///
+/// A block whose Schur complement has lost digits proves nothing, nor does a search that finds nothing in
+/// `p = 3`: there are contacts without a solution for which this is false.
+pub(super) fn proves_no_solution(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+) -> bool {
+    if problem.delassus.is_matrix_free() {
+        return false;
+    }
+    let block = Block::new(problem, contact);
+    match &problem.contacts[contact].law {
+        Law::One(law) => {
+            line::proves_no_solution(&Local::new(law, problem, contact, &block, percussion))
+        }
+        Law::Two(law) => {
+            plane::proves_no_solution(&Local::new(law, problem, contact, &block, percussion))
+        }
+        Law::Three(_) => false,
+    }
 }
 
 /// One sweep; the last contact that had no solution.
@@ -71,24 +117,38 @@ pub(super) fn sweep(
     stuck
 }
 
-/// Solves contacts that do not meet, side by side.
+/// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
+const BATCH: usize = 8 * threads::LEAF;
+
+/// The stop has ended the work early.
+struct Interrupted;
+
+/// Solves contacts that do not meet, side by side; the last one for which there was no solution.
+#[inline]
 fn uncoupled(
     problem: &ContactProblem,
+    stop: Stop<'_>,
     threads: &Threads,
     memory: &Memory,
     workspace: &mut Workspace,
-) -> Option<usize> {
+) -> Result<Option<usize>, Interrupted> {
     let Workspace { percussion, blocks, planar, ambiguous, states, .. } = &mut *workspace;
-    let all = Part {
+    let mut rest = Part {
         contacts: 0..problem.contacts.len(),
         percussion: &mut *percussion,
         states: &mut *states,
         ambiguous: &mut *ambiguous,
     };
-    if threads.serve(problem.contacts.len()) {
-        return threads.run(|| all.solve_in_halves(problem, memory, blocks));
+    let mut stuck = None;
+    while rest.contacts.len() > BATCH {
+        let (batch, after) = rest.split(problem, BATCH);
+        rest = after;
+        stuck = batch.run(problem, threads, memory, blocks, planar).or(stuck);
+        if stop.early() {
+            return Err(Interrupted);
+        }
     }
-    all.solve(problem, memory, blocks, planar)
+    Ok(rest.run(problem, threads, memory, blocks, planar).or(stuck))
 }
 
 /// A run of contacts with what belongs to them.
@@ -99,7 +159,40 @@ struct Part<'a> {
     ambiguous: &'a mut [bool],
 }
 
-impl Part<'_> {
+impl<'a> Part<'a> {
+    /// The first `count` contacts and the others.
+    fn split(self, problem: &ContactProblem, count: usize) -> (Self, Self) {
+        let Self { contacts, percussion, states, ambiguous } = self;
+        let middle = contacts.start + count;
+        let row = problem.contacts[middle].offset - problem.contacts[contacts.start].offset;
+        let (percussion, other_percussion) = percussion.split_at_mut(row);
+        let (states, other_states) = states.split_at_mut(count);
+        let (ambiguous, other_ambiguous) = ambiguous.split_at_mut(count);
+        let first = Self { contacts: contacts.start..middle, percussion, states, ambiguous };
+        let others = Self {
+            contacts: middle..contacts.end,
+            percussion: other_percussion,
+            states: other_states,
+            ambiguous: other_ambiguous,
+        };
+        (first, others)
+    }
+
+    #[inline(always)]
+    fn run(
+        self,
+        problem: &ContactProblem,
+        threads: &Threads,
+        memory: &Memory,
+        blocks: &[Block],
+        planar: &mut Vec<LocalSolution<2>>,
+    ) -> Option<usize> {
+        if threads.serve(self.contacts.len()) {
+            return threads.run(|| self.solve_in_halves(problem, memory, blocks));
+        }
+        self.solve(problem, memory, blocks, planar)
+    }
+
     /// The last contact without a solution. The order of contacts does not matter, nor who solves them.
     fn solve_in_halves(
         self,
@@ -107,24 +200,11 @@ impl Part<'_> {
         memory: &Memory,
         blocks: &[Block],
     ) -> Option<usize> {
-        let Self { contacts, percussion, states, ambiguous } = self;
-        if contacts.len() <= threads::LEAF {
-            let part = Part { contacts, percussion, states, ambiguous };
-            return part.solve(problem, memory, blocks, &mut Vec::new());
+        if self.contacts.len() <= threads::LEAF {
+            return self.solve(problem, memory, blocks, &mut Vec::new());
         }
-        let half = contacts.len() / 2;
-        let middle = contacts.start + half;
-        let row = problem.contacts[middle].offset - problem.contacts[contacts.start].offset;
-        let (percussion, other) = percussion.split_at_mut(row);
-        let (states, other_states) = states.split_at_mut(half);
-        let (ambiguous, other_ambiguous) = ambiguous.split_at_mut(half);
-        let left = Part { contacts: contacts.start..middle, percussion, states, ambiguous };
-        let right = Part {
-            contacts: middle..contacts.end,
-            percussion: other,
-            states: other_states,
-            ambiguous: other_ambiguous,
-        };
+        let half = self.contacts.len() / 2;
+        let (left, right) = self.split(problem, half);
         let (left, right) = rayon::join(
             || left.solve_in_halves(problem, memory, blocks),
             || right.solve_in_halves(problem, memory, blocks),
@@ -190,7 +270,7 @@ fn one_contact(
                 let len = percussion.len();
                 percussion.copy_from_slice(&found.percussion[..len]);
                 *state = history.after(found.phase, found.slip);
-                false
+                found.degenerate
             })
         }
     };
@@ -231,9 +311,11 @@ fn store<const P: usize>(
     found.ambiguous
 }
 
-/// Marks the contacts that have more than one solution with the others held.
+/// Marks the contacts that have more than one solution with the others held; once the stop asks to end,
+/// the contacts that are left are not looked at any more.
 pub(super) fn mark_ambiguous(
     problem: &ContactProblem,
+    stop: Stop<'_>,
     threads: &Threads,
     memory: &Memory,
     workspace: &mut Workspace,
@@ -243,19 +325,26 @@ pub(super) fn mark_ambiguous(
     let mark = |i: usize, planar: &mut Vec<LocalSolution<2>>| {
         is_ambiguous((problem, i, &blocks[i]), percussion, &memory.states[i], planar)
     };
-    if threads.serve(ambiguous.len()) {
-        threads.run(|| {
-            ambiguous.par_chunks_mut(threads::LEAF).enumerate().for_each(|(chunk, part)| {
-                let mut planar = Vec::new();
-                for (k, flag) in part.iter_mut().enumerate() {
-                    *flag = mark(chunk * threads::LEAF + k, &mut planar);
-                }
+    let mut first = 0;
+    for batch in ambiguous.chunks_mut(BATCH) {
+        let count = batch.len();
+        if first > 0 && stop.early() {
+            batch.fill(false);
+        } else if threads.serve(count) {
+            threads.run(|| {
+                batch.par_chunks_mut(threads::LEAF).enumerate().for_each(|(chunk, part)| {
+                    let mut planar = Vec::new();
+                    for (k, flag) in part.iter_mut().enumerate() {
+                        *flag = mark(first + chunk * threads::LEAF + k, &mut planar);
+                    }
+                });
             });
-        });
-        return;
-    }
-    for (i, flag) in ambiguous.iter_mut().enumerate() {
-        *flag = mark(i, planar);
+        } else {
+            for (k, flag) in batch.iter_mut().enumerate() {
+                *flag = mark(first + k, planar);
+            }
+        }
+        first += count;
     }
 }
 

@@ -18,13 +18,22 @@ pub(super) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
         let end = Vector::<1>::new(direction);
         let x = end / local.law.reservoir().gauge(&end);
         let v = c0 - a * x;
-        let admissible = sign * direction * v[0] > 0.0 && sign * local.denominator(&x) > 0.0;
+        let resistance = sign * local.denominator(&x);
+        let admissible =
+            sign * direction * v[0] > 0.0 && resistance > local.vanishing_denominator(x.amax());
         // With b_N = 0 the normal percussion of a slip solution vanishes: the contact is open.
         let loaded = local.prescribed.is_some() || local.b_n != 0.0;
         let solution = local.slip(&x, &v, false);
         // On the boundary of the reservoir slip with vanishing velocity is stick.
         let distinct = stick.is_none() || solution.slip[0].abs() > 1e-12 * local.b_t[0].abs();
-        (admissible && loaded && distinct).then_some(solution)
+        if !(admissible && loaded && distinct) {
+            return None;
+        }
+        if resistance > local.least_denominator() {
+            Some(solution)
+        } else {
+            local.refined(&solution)
+        }
     };
     [open, stick, slip(-1.0), slip(1.0)]
 }
@@ -39,7 +48,24 @@ pub(super) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<Select
         found[count] = solution;
         count += 1;
     }
-    let solution = local.select(&found[..count], state)?;
+    let Some(solution) = local.select(&found[..count], state) else { return local.rescued() };
     let continuum = found[..count].iter().any(|s| s.degenerate);
     Some(Selection { solution, ambiguous: count > 1 || continuum })
+}
+
+/// Whether neither open nor stick nor slip is possible, with a margin: the certificate of `exact.rs`.
+pub(super) fn proves_no_solution(local: &Local<'_, 1>) -> bool {
+    const MARGIN: f64 = 1e-9;
+    if !local.excludes_open_and_stick(MARGIN) {
+        return false;
+    }
+    let (c0, a) = local.affine();
+    [-1.0, 1.0].into_iter().all(|direction| {
+        let end = Vector::<1>::new(direction);
+        let x = end / local.law.reservoir().gauge(&end);
+        let (moved, size) = (c0 - a * x, c0.amax() + (a * x).amax());
+        let lift = (local.block.g_nt.x * x[0]).abs();
+        direction * moved[0] < -MARGIN * size
+            || local.denominator(&x) < -MARGIN * (local.block.g_nn + lift)
+    })
 }

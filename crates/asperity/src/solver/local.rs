@@ -3,8 +3,14 @@
 use asperity_set::{Matrix, StarSet, Vector};
 
 use super::block::Block;
+use super::single::{self, Graded, Single, V};
 use crate::contact::{ContactProblem, ContactRows, ContactState, NormalForce, Phase};
 use crate::law::FrictionLaw;
+
+/// Part of the percussions by which refinement may change them; more would lead to another solution.
+const NEAR: f64 = 1e-3;
+/// Largest defect that is handed on to the measure, which will not take it for a solution.
+const LEAST: f64 = 1e-6;
 
 /// One contact with the percussions of all others held: `γ = G_ii P + b` with these data.
 #[derive(Debug, Clone, Copy)]
@@ -127,6 +133,21 @@ impl<'a, const P: usize> Local<'a, P> {
         }
     }
 
+    /// The denominator above which `c₀ − A x` over it keeps twelve digits.
+    #[inline]
+    pub(super) fn least_denominator(&self) -> f64 {
+        if self.prescribed.is_some() { 0.0 } else { 1e-4 * self.block.g_nn }
+    }
+
+    /// The denominator below which it is rounding, for forces of size `radius`: percussions without bound are no
+    /// solution.
+    pub(super) fn vanishing_denominator(&self, radius: f64) -> f64 {
+        match self.prescribed {
+            Some(_) => 0.0,
+            None => 16.0 * f64::EPSILON * (self.block.g_nn.abs() + self.block.g_nt.norm() * radius),
+        }
+    }
+
     /// The sign that the denominator and `n·v` must have in slip.
     #[inline]
     pub(super) fn sign(&self) -> f64 {
@@ -152,6 +173,9 @@ impl<'a, const P: usize> Local<'a, P> {
     #[inline(always)]
     pub(super) fn stick(&self) -> Stick<P> {
         let block = self.block;
+        if !block.sound {
+            return self.stick_of_any_rank();
+        }
         let inverse: Matrix<P> = cut_matrix(&block.schur_inverse);
         let load = match self.prescribed {
             Some(_) => self.b_t,
@@ -164,11 +188,10 @@ impl<'a, const P: usize> Local<'a, P> {
         let load = tangent * (-1.0 / normal);
         let gauge = self.law.reservoir().gauge(&load);
         // The comparisons also turn away NaN.
-        let inside = normal > 0.0 && gauge <= 1.0 + 4.0 * f64::EPSILON;
-        if !inside || block.singular && !self.sticks(normal, &tangent) {
+        if !(normal > 0.0 && gauge <= 1.0 + 4.0 * f64::EPSILON) {
             return Stick { load, solution: None, gauge };
         }
-        let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), block.singular);
+        let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), false);
         Stick {
             solution: Some(LocalSolution { phase, normal, tangent, slip, degenerate }),
             load,
@@ -176,12 +199,113 @@ impl<'a, const P: usize> Local<'a, P> {
         }
     }
 
-    /// Whether these percussions do stop the slip, which is not certain with a singular block.
-    fn sticks(&self, normal: f64, tangent: &Vector<P>) -> bool {
+    /// Whether the contact can neither open nor stick, with a relative margin. Blocks without a sound inverse
+    /// prove nothing, and a contact with a prescribed normal percussion always has a solution: an affine map
+    /// on a compact convex set that always points away from it.
+    pub(super) fn excludes_open_and_stick(&self, margin: f64) -> bool {
+        if self.prescribed.is_some() || !self.block.sound {
+            return false;
+        }
+        let load = self.b_n.hypot(self.b_t.norm());
+        // The comparisons also turn away NaN.
+        if !(self.b_n < -margin * load && load < f64::MAX) {
+            return false;
+        }
+        let inverse: Matrix<P> = cut_matrix(&self.block.schur_inverse);
+        let rest = self.b_t - cut::<P>(&self.block.g_tn) * (self.b_n / self.block.g_nn);
+        let tangent = -(inverse * rest);
+        let along = cut::<P>(&self.block.g_nt).dot(&tangent);
+        let normal = -(self.b_n + along) / self.block.g_nn;
+        let size = (self.b_n.abs() + along.abs()) / self.block.g_nn;
+        let gauge = self.law.reservoir().gauge(&-tangent);
+        normal < -margin * size || normal > margin * size && gauge > normal * (1.0 + margin)
+    }
+
+    /// Stick with a block that has no sound inverse.
+    #[cold]
+    #[inline(never)]
+    fn stick_of_any_rank(&self) -> Stick<P> {
+        let single = self.single();
+        match single.stick().filter(|found| found.defect <= single::SOLUTION) {
+            Some(found) => {
+                let (normal, tangent) =
+                    (single.normal(&found.percussion), single.tangent(&found.percussion));
+                let load = tangent * (-1.0 / normal);
+                let gauge = self.law.reservoir().gauge(&load);
+                let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), found.degenerate);
+                let solution = LocalSolution { phase, normal, tangent, slip, degenerate };
+                Stick { load, solution: Some(solution), gauge }
+            }
+            None => Stick { load: self.b_t, solution: None, gauge: f64::INFINITY },
+        }
+    }
+
+    /// The contact as a dense problem, for what closed forms do not reach.
+    pub(super) fn single(&self) -> Single<'a, P> {
         let block = self.block;
-        let slip: Vector<P> =
-            cut_matrix(&block.g_tt) * tangent + cut::<P>(&block.g_tn) * normal + self.b_t;
-        slip.norm() <= 1e-10 * self.b_t.norm()
+        let (first, normal) = match self.prescribed {
+            Some(value) => (0, NormalForce::Prescribed(value)),
+            None => (1, NormalForce::Unilateral),
+        };
+        let entry = |i: usize, j: usize| match (i.checked_sub(first), j.checked_sub(first)) {
+            (None, None) => block.g_nn,
+            (None, Some(j)) => block.g_nt[j],
+            (Some(i), None) => block.g_tn[i],
+            (Some(i), Some(j)) => block.g_tt[(i, j)],
+        };
+        let load = |i: usize| i.checked_sub(first).map_or(self.b_n, |i| self.b_t[i]);
+        Single::new(self.law, normal, entry, load)
+    }
+
+    /// A solution to the last digits, by Newton's method on all rows together; `None` for what only looked
+    /// like a solution.
+    pub(super) fn refined(&self, found: &LocalSolution<P>) -> Option<LocalSolution<P>> {
+        let single = self.single();
+        let mut percussion = V::zeros();
+        let first = single.first();
+        if first == 1 {
+            percussion[0] = found.normal;
+        }
+        (0..P).for_each(|i| percussion[first + i] = found.tangent[i]);
+        let start = single.graded(percussion, found.degenerate);
+        if start.defect <= single::ROUNDING {
+            return Some(*found);
+        }
+        let end = single.refined(start);
+        let near = (end.percussion - percussion).norm() <= NEAR * percussion.norm();
+        let end = if near { end } else { start };
+        let largest = if found.degenerate { 1e-7 } else { 1e-9 };
+        (end.defect <= largest).then(|| self.with_phase(&single, &end, found.phase))
+    }
+
+    /// Percussions of the dense problem as a solution.
+    fn with_phase(&self, single: &Single<'_, P>, found: &Graded, phase: Phase) -> LocalSolution<P> {
+        let p = &found.percussion;
+        let slip = match phase {
+            Phase::Stick => Vector::zeros(),
+            _ => single.tangent(&single.velocity(p)),
+        };
+        let (normal, tangent) = (single.normal(p), single.tangent(p));
+        LocalSolution { phase, normal, tangent, slip, degenerate: found.degenerate }
+    }
+
+    /// The solution of a contact whose block is not sound and for which the closed forms have found none.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn rescued(&self) -> Option<Selection<P>> {
+        if self.block.sound {
+            return None;
+        }
+        let single = self.single();
+        let stick = single.stick();
+        let start = stick.map_or(V::zeros(), |found| found.percussion);
+        let found = single.search(&start).into_iter().chain(stick);
+        let best = found.min_by(|a, b| a.defect.total_cmp(&b.defect))?;
+        let phase = single.phase(&best.percussion).0;
+        (best.defect <= LEAST).then(|| Selection {
+            solution: self.with_phase(&single, &best, phase),
+            ambiguous: best.degenerate,
+        })
     }
 
     /// The selection rule: the solution that continues the previous state.

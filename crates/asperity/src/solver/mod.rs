@@ -27,6 +27,8 @@ mod prox;
 mod quick;
 mod report;
 mod residual;
+mod single;
+mod singular;
 mod space;
 mod stop;
 mod threads;
@@ -194,7 +196,7 @@ impl Solver {
         if problem.delassus.is_matrix_free() {
             workspace.ambiguous.fill(false);
         } else if !exact || !problem.is_uncoupled() {
-            exact::mark_ambiguous(problem, &threads, memory, workspace);
+            exact::mark_ambiguous(problem, stop, &threads, memory, workspace);
         }
         if !exact {
             workspace.states.clone_from(&memory.states);

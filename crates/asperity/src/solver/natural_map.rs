@@ -27,9 +27,9 @@ pub(super) struct Rho {
 /// `F` of a contact from its percussions and velocities `ξ`.
 pub(super) fn value(rows: &ContactRows, rho: Rho, percussion: &[f64], xi: &[f64], out: &mut [f64]) {
     match &rows.law {
-        Law::One(law) => map(law, rows, rho, (percussion, xi), out, None),
-        Law::Two(law) => map(law, rows, rho, (percussion, xi), out, None),
-        Law::Three(law) => map(law, rows, rho, (percussion, xi), out, None),
+        Law::One(law) => map(law, rows.normal, rho, (percussion, xi), out, None),
+        Law::Two(law) => map(law, rows.normal, rho, (percussion, xi), out, None),
+        Law::Three(law) => map(law, rows.normal, rho, (percussion, xi), out, None),
     }
 }
 
@@ -42,25 +42,25 @@ pub(super) fn jet(
     jacobian: (&mut Small, &mut Small),
 ) {
     match &rows.law {
-        Law::One(law) => map(law, rows, rho, at, out, Some(jacobian)),
-        Law::Two(law) => map(law, rows, rho, at, out, Some(jacobian)),
-        Law::Three(law) => map(law, rows, rho, at, out, Some(jacobian)),
+        Law::One(law) => map(law, rows.normal, rho, at, out, Some(jacobian)),
+        Law::Two(law) => map(law, rows.normal, rho, at, out, Some(jacobian)),
+        Law::Three(law) => map(law, rows.normal, rho, at, out, Some(jacobian)),
     }
 }
 
+/// `F` for a law of known dimension, and its derivatives where they are asked for.
 #[inline(always)]
-fn map<const P: usize>(
+pub(super) fn map<const P: usize>(
     law: &FrictionLaw<P>,
-    rows: &ContactRows,
+    normal: NormalForce,
     rho: Rho,
     (percussion, xi): (&[f64], &[f64]),
     out: &mut [f64],
     jacobian: Option<(&mut Small, &mut Small)>,
 ) {
-    let first = rows.normal_rows();
-    let h = match rows.normal {
-        NormalForce::Prescribed(value) => value,
-        NormalForce::Unilateral => percussion[0] - rho.normal * xi[0],
+    let (first, h) = match normal {
+        NormalForce::Prescribed(value) => (0, value),
+        NormalForce::Unilateral => (1, percussion[0] - rho.normal * xi[0]),
     };
     // The comparison also turns away NaN.
     if !(h > 0.0) {

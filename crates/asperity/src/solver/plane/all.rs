@@ -1,84 +1,65 @@
 //! All solutions of one contact.
 
-use asperity_set::{Arc, BoundaryPoint, Convex};
-
 use super::super::local::{Local, LocalSolution};
 use super::equation::Slip;
 use super::scan::Scan;
+use super::search::{End, Search};
 use crate::contact::Phase;
 use crate::law::{COARSE, FINE_PER_COARSE, Walk};
 
-/// All solutions, in the order open, stick, slips counter-clockwise along bdry *D*.
-pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) {
+/// All solutions, in the order open, stick, slips counter-clockwise along bdry *D*; false if a cell was given
+/// up in which there may be more.
+pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) -> bool {
     out.clear();
     if local.prescribed == Some(0.0) {
         out.push(local.open());
-        return;
+        return true;
     }
     if local.prescribed.is_none() && local.b_n >= 0.0 {
         out.push(local.open());
     }
     out.extend(local.stick().solution);
     if local.prescribed.is_none() && local.b_n == 0.0 {
-        return;
+        return true;
     }
     let Walk { table, direction } = local.law.walk();
     let slip = Slip::new(local, local.law.bounds().largest_radius);
-    // What is not a number would be searched for without end.
+    // What is not a number would be searched for in vain.
     if !(slip.norm_c + slip.norm_a).is_finite() {
-        return;
+        return false;
     }
     let scan = Scan::new(&slip, table);
+    let mut search = Search::new(&slip, direction, out);
     for i in 0..COARSE {
         if scan.excluded(&slip, table, i) {
             continue;
         }
         for j in i * FINE_PER_COARSE..(i + 1) * FINE_PER_COARSE {
             let (first, last) = (&table.nodes[j], &table.nodes[j + 1]);
-            let stray = slip.stray(&table.fine[j]);
-            if !slip.excluded_between(first, last, stray) {
-                let arc = Arc { start: first.point, end: last.point };
-                search(&slip, direction, &arc, (stray, 0), out);
+            if !slip.excluded_between(first, last, slip.stray(&table.fine[j])) {
+                let ends = [first, last].map(|node| End::new(&slip, node.point));
+                search.cell(&ends[0], &ends[1], table.fine[j]);
             }
         }
     }
+    let complete = search.complete;
+    refine(local, out);
     merge(local, out);
+    complete
 }
 
-/// All roots of `F` on an arc from whose chord it strays by at most `stray`.
-fn search(
-    slip: &Slip<'_, '_>,
-    direction: &Convex<2>,
-    arc: &Arc,
-    (stray, depth): (f64, usize),
-    out: &mut Vec<LocalSolution<2>>,
-) {
-    let ends = [&arc.start, &arc.end].map(|point| slip.value(point));
-    let smallest = ends[0].abs().min(ends[1].abs());
-    if (ends[0] >= 0.0) != (ends[1] >= 0.0) {
-        let root = arc.root(direction, slip.rounding, |point| slip.value(point));
-        out.extend(slip.admit(&root, false));
-        return;
+/// Slip solutions to the last digits, without what only looked like one.
+fn refine(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) {
+    let mut kept = 0;
+    for i in 0..out.len() {
+        let found = out[i];
+        let refined = if found.phase == Phase::Slip { local.refined(&found) } else { Some(found) };
+        if let Some(refined) = refined {
+            out[kept] = refined;
+            kept += 1;
+        }
     }
-    let wrong = |p: &BoundaryPoint| {
-        slip.sign * p.normal.dot(&slip.velocity(&slip.on_reservoir(p))) < -stray
-    };
-    if smallest > stray || (wrong(&arc.start) && wrong(&arc.end)) {
-        return;
-    }
-    let middle = arc.middle(direction);
-    let flat = slip.value(&middle).abs().max(ends[0].abs()).max(ends[1].abs()) <= slip.rounding;
-    if flat || depth == 24 {
-        // A continuum of solutions is represented by its ends, a double root by itself.
-        let ends = [arc.start, arc.end];
-        out.extend(ends.iter().take(if flat { 2 } else { 1 }).filter_map(|p| slip.admit(p, true)));
-        return;
-    }
-    // The distance to the chord falls with the square of the length.
-    let halves = [Arc { start: arc.start, end: middle }, Arc { start: middle, end: arc.end }];
-    for half in &halves {
-        search(slip, direction, half, (0.3 * stray, depth + 1), out);
-    }
+    out.truncate(kept);
 }
 
 /// Removes slip solutions that are stick on the boundary of *C*, and neighbours that are one root.

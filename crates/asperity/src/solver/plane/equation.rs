@@ -24,6 +24,8 @@ pub(super) struct Slip<'a, 'b> {
     pub(super) scale: f64,
     /// `|F|` below this value is rounding.
     pub(super) rounding: f64,
+    /// Denominators below this value cost digits.
+    least: f64,
     /// Square of a radius of curvature that is not extreme.
     pub(super) mild_bend: f64,
 }
@@ -37,7 +39,8 @@ impl<'a, 'b> Slip<'a, 'b> {
         let rounding = 8.0 * f64::EPSILON * (norm_c + norm_a * largest_radius);
         let mild_bend = (10.0 * largest_radius).powi(2);
         let scale = local.law.isotropic_coefficient().unwrap_or(1.0);
-        Self { local, c0, a, sign: local.sign(), norm_c, norm_a, scale, rounding, mild_bend }
+        let (sign, least) = (local.sign(), local.least_denominator());
+        Self { local, c0, a, sign, norm_c, norm_a, scale, rounding, least, mild_bend }
     }
 
     /// `v(x)` at a node of the table.
@@ -83,19 +86,17 @@ impl<'a, 'b> Slip<'a, 'b> {
     ) -> Option<LocalSolution<2>> {
         let x = self.on_reservoir(point);
         let v = self.velocity(&x);
-        self.admit_root(&point.normal, &x, &v, degenerate)
+        let outward = self.sign * point.normal.dot(&v) > 0.0;
+        let resistance = self.sign * self.local.denominator(&x);
+        let pressed = resistance > self.local.vanishing_denominator(x.norm());
+        (outward && pressed).then(|| self.local.slip(&x, &v, degenerate))
     }
 
+    /// The same for a root that Newton's method has found, if it has kept its digits.
     #[inline]
-    pub(super) fn admit_root(
-        &self,
-        n: &V,
-        x: &V,
-        v: &V,
-        degenerate: bool,
-    ) -> Option<LocalSolution<2>> {
+    pub(super) fn admit_root(&self, n: &V, x: &V, v: &V) -> Option<LocalSolution<2>> {
         let outward = self.sign * n.dot(v) > 0.0;
-        let pressed = self.sign * self.local.denominator(x) > 0.0;
-        (outward && pressed).then(|| self.local.slip(x, v, degenerate))
+        let pressed = self.sign * self.local.denominator(x) > self.least;
+        (outward && pressed).then(|| self.local.slip(x, v, false))
     }
 }

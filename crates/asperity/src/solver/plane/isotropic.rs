@@ -10,7 +10,7 @@ use crate::contact::Phase;
 pub(super) fn quick(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
     let mu = local.law.isotropic_coefficient()?;
     let block = local.block;
-    if local.prescribed.is_some() || block.singular {
+    if local.prescribed.is_some() || !block.sound {
         return None;
     }
     let load = local.b_t - block.g_tn * (local.b_n * block.inverse_nn);
@@ -32,7 +32,7 @@ pub(super) fn newton(slip: &Slip<'_, '_>, mut n: V, mu: f64) -> Option<LocalSolu
         let v = slip.c0 - a * n;
         let value = cross(&n, &v);
         if value.abs() <= slip.rounding {
-            return slip.admit_root(&n, &(n * mu), &v, false);
+            return slip.admit_root(&n, &(n * mu), &v);
         }
         let turn = V::new(-n.y, n.x);
         let step = value / (n.dot(&v) + cross(&n, &(a * turn)));
@@ -41,7 +41,7 @@ pub(super) fn newton(slip: &Slip<'_, '_>, mut n: V, mu: f64) -> Option<LocalSolu
         }
         n = (n + turn * step) * (1.0 / (1.0 + step * step).sqrt());
         if step.abs() < 1e-8 {
-            return slip.admit_root(&n, &(n * mu), &(slip.c0 - a * n), false);
+            return slip.admit_root(&n, &(n * mu), &(slip.c0 - a * n));
         }
     }
     None

@@ -7,7 +7,9 @@
 mod all;
 mod equation;
 mod isotropic;
+mod proof;
 mod scan;
+mod search;
 
 use asperity_set::{ConvexSet, StarSet};
 
@@ -17,6 +19,7 @@ use crate::contact::{ContactState, Phase};
 use crate::law::COARSE;
 pub(super) use all::solutions;
 use equation::{Slip, V, cross};
+pub(super) use proof::proves_no_solution;
 use scan::Scan;
 
 /// The solution that continues `state`, by the fast path where uniqueness is certain.
@@ -73,10 +76,10 @@ fn select_among_all(
     state: &ContactState,
     buffer: &mut Vec<LocalSolution<2>>,
 ) -> Option<Selection<2>> {
-    solutions(&local, buffer);
-    let solution = local.select(buffer, state)?;
+    let complete = solutions(&local, buffer);
+    let Some(solution) = local.select(buffer, state) else { return local.rescued() };
     let continuum = buffer.iter().any(|s| s.degenerate);
-    Some(Selection { solution, ambiguous: buffer.len() > 1 || continuum })
+    Some(Selection { solution, ambiguous: buffer.len() > 1 || continuum || !complete })
 }
 
 /// The solution, if it is found quickly and certainly the only one.
@@ -99,6 +102,9 @@ fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>>
         let slip = Slip::new(local, bounds.largest_radius);
         let scan = Scan::new(&slip, table);
         return (0..COARSE).all(|i| scan.excluded(&slip, table, i)).then_some(solution);
+    }
+    if !local.block.sound {
+        return None;
     }
     let slip = Slip::new(local, bounds.largest_radius);
     let mut found = newton(&slip, &guess());
@@ -155,17 +161,25 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
         let v = slip.velocity(&x);
         let value = cross(&n, &v);
         if value.abs() <= slip.rounding {
-            return slip.admit_root(&n, &x, &v, false);
+            return slip.admit_root(&n, &x, &v);
         }
         let dx = (dz - x * gradient.dot(&dz)) * reciprocal;
         let dv = slip.a * dx;
         let step = value / (n.dot(&v) + cross(&n, &dv));
         // What is left after the last step is its square, unless the boundary is nearly flat here.
         if step.abs() < 1e-8 && dx.norm_squared() < slip.mild_bend {
-            return slip.admit_root(&n, &(x + dx * step), &(v - dv * step), false);
+            return slip.admit_root(&n, &(x + dx * step), &(v - dv * step));
         }
         // The comparison also turns away NaN from flats, where the Hessian is infinite.
         if !(step.abs() < 0.3) {
+            // At a corner of D the slip velocity does not depend on the normal, which must be along it.
+            if dx == V::zeros()
+                && let Some(along) = (v * slip.sign).try_normalize(0.0)
+                && along != n
+            {
+                n = along;
+                continue;
+            }
             return None;
         }
         n = (n + turn * step) * (1.0 / (1.0 + step * step).sqrt());

@@ -1,6 +1,7 @@
 //! The coarse scan of the walk, which rules out most of the boundary at once.
 
 use super::equation::{Slip, cross};
+use super::search::MONOTONE;
 use crate::law::{COARSE, FINE_PER_COARSE, WalkTable};
 
 /// `F` and `n·v` at all coarse nodes.
@@ -44,8 +45,7 @@ impl Scan {
         changes && open.next().is_none() && self.monotone(slip, table, cell)
     }
 
-    /// Whether `F` changes more over the cell than its derivative's sign allows for further roots:
-    /// checked on the fine nodes.
+    /// Whether one fine cell holds one root and the others none.
     pub(super) fn monotone(&self, slip: &Slip<'_, '_>, table: &WalkTable, cell: usize) -> bool {
         let range = cell * FINE_PER_COARSE..(cell + 1) * FINE_PER_COARSE;
         let value = |j: usize| {
@@ -55,9 +55,14 @@ impl Scan {
         let mut changes = 0;
         for j in range {
             let (f, g) = (value(j), value(j + 1));
+            let stray = slip.stray(&table.fine[j]);
             if (f >= 0.0) != (g >= 0.0) {
+                // A cell with a change of sign holds one root only if F is monotone in it.
+                if (f - g).abs() <= MONOTONE * stray {
+                    return false;
+                }
                 changes += 1;
-            } else if f.abs().min(g.abs()) <= slip.stray(&table.fine[j]) {
+            } else if f.abs().min(g.abs()) <= stray {
                 return false;
             }
         }
