@@ -163,3 +163,277 @@ def test_prescribed_normal_percussion_bounds_the_friction():
     problem = asp.ContactProblem(np.eye(2), [10.0, 0.0], ISOTROPIC, normal_force=2.0)
     np.testing.assert_allclose(problem.solve().percussion, [-1.0, 0.0])
     assert not problem.replace(normal_force=0.0).solve().percussion.any()
+
+
+# Blocks of any rank and condition.
+
+
+def test_a_rank_one_block_sticks():
+    """One degree of freedom at rest: stick, in percussions that the shortest solution is not."""
+    direction = np.array([0.6, 0.1, 0.1])
+    delassus = np.outer(direction, direction)
+    percussion = np.array([1.0, 0.0, 0.1])
+    problem = asp.ContactProblem(delassus, -delassus @ percussion, asp.FrictionLaw.isotropic(0.3))
+    assert problem.residual(percussion) < 1e-15
+    assert problem.solve().phase.tolist() == [Phase.STICK]
+    (found,) = problem.solutions(0)
+    assert found.degenerate
+    assert problem.residual(found.percussion) < 1e-14
+
+
+@pytest.mark.parametrize("law", [asp.FrictionLaw.isotropic(0.3), asp.FrictionLaw.isotropic(0.8)])
+def test_one_degree_of_freedom_always_has_a_solution(law):
+    """`P_T = 0`, `P_N = −u/w_N` stops it, whatever the direction."""
+    rng = np.random.default_rng(3)
+    for _ in range(300):
+        direction = rng.normal(size=3)
+        free = -np.sign(direction[0]) * direction
+        problem = asp.ContactProblem(np.outer(direction, direction), free, law)
+        for solver in (asp.Auto(), asp.Exact()):
+            assert problem.solve(solver).residual < 1e-12
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e-8, 1e-9, 1e-10, 1e-12, 1e-14])
+def test_ill_conditioned_blocks_stick_to_the_last_digit(size):
+    rng = np.random.default_rng(0)
+    for _ in range(100):
+        rows = rng.normal(size=(3, 2))
+        delassus = rows @ rows.T + size * np.eye(3)
+        percussion = np.r_[1, rng.uniform(-0.3, 0.3, 2)]
+        problem = asp.ContactProblem(
+            delassus, -delassus @ percussion, asp.FrictionLaw.isotropic(0.8)
+        )
+        assert problem.solve().residual < 1e-12
+        for found in problem.solutions(0):
+            assert problem.residual(found.percussion) < 1e-12
+
+
+def test_a_lever_swings_through_its_contact():
+    """A step whose block has rank one was said to have no solution."""
+    law = asp.FrictionLaw.isotropic(0.93228214966411)
+    contact = asp.Contact(
+        law,
+        [[-1.0041310508106343, 0.8974350015972649]],
+        normal=[1.1043125974838122],
+        gap=0.2763908478373134,
+    )
+    force = [-1.8972252908543603]
+    lever = asp.LinearSystem(1.0, 2.4864470804467307, force=force, contacts=[contact])
+    run = asp.simulate(lever, dt=2e-3, t_end=3.0, u0=[-0.7995834678077132])
+    assert run.failed_steps == 0
+
+
+def test_huge_percussions_are_not_preferred_to_slip():
+    """With condition 4·10¹⁴ stick needs percussions of 10¹¹, which are rounding."""
+    delassus = [
+        [2.526287005738972, 5.357653422432051, 0.04198764309490787],
+        [5.357653422432051, 11.362307659305518, 0.08904579694085772],
+        [0.04198764309490787, 0.08904579694085772, 0.0006978471443426125],
+    ]
+    free = [-0.15629588272287434, 0.0822433172342229, 1.5348967962530509]
+    problem = asp.ContactProblem(delassus, free, asp.FrictionLaw.isotropic(0.8))
+    solution = problem.solve()
+    assert solution.phase.tolist() == [Phase.SLIP]
+    assert solution.residual < 1e-14
+    assert np.abs(solution.percussion).max() < 1.0
+
+
+# Contacts without a solution: a checker that knows nothing of the solvers.
+
+
+def boundary(phi, semi_axes):
+    """Point of an ellipse with outward normal at angle φ, the largest |dx/dφ|, and the normals."""
+    normals = np.stack([np.cos(phi), np.sin(phi)], -1)
+    stretched = normals * semi_axes**2
+    points = stretched / np.sqrt((stretched * normals).sum(-1, keepdims=True))
+    # dx/dφ is the radius of curvature, at most a²/b.
+    return points, semi_axes.max() ** 2 / semi_axes.min(), normals
+
+
+def slip_is_impossible(delassus, free, semi_axes, margin):
+    """Whether no direction of slip fits, by bounds of Lipschitz over intervals that are halved.
+
+    An interval is ruled out where γ_T is not along the normal n, is against it, or P_N would pull.
+    """
+    g_nn, g_nt, g_tn, g_tt = delassus[0, 0], delassus[0, 1:], delassus[1:, 0], delassus[1:, 1:]
+    width = 2 * np.pi / 720
+    centres = width * np.arange(720)
+    offset = free[1:] * g_nn - g_tn * free[0]
+    matrix = np.outer(free[1:], g_nt) - g_tt * free[0]
+    size = np.linalg.norm(offset) + np.linalg.norm(matrix) * semi_axes.max()
+    for _ in range(40):
+        points, slope, normals = boundary(centres, semi_axes)
+        velocity = offset - points @ matrix.T
+        across = normals[:, 0] * velocity[:, 1] - normals[:, 1] * velocity[:, 0]
+        along = (normals * velocity).sum(-1)
+        resistance = g_nn - points @ g_nt
+        reach = 0.5 * width * (size + np.linalg.norm(matrix) * slope) + margin * size
+        lift = 0.5 * width * np.linalg.norm(g_nt) * slope + margin * g_nn
+        left = (np.abs(across) <= reach) & (along >= -reach) & (resistance >= -lift)
+        if not left.any():
+            return True
+        width /= 2
+        centres = np.concatenate([centres[left] - width / 2, centres[left] + width / 2])
+        if centres.size > 4000:
+            return False
+    return False
+
+
+def has_no_solution(delassus, free, semi_axes, margin):
+    """Whether open, stick and slip are impossible, each with a margin; `semi_axes` of an ellipse or, with p = 1,
+    the coefficient.
+    """
+    if not free[0] < -margin * np.abs(free).max():
+        return False
+    stick = -np.linalg.solve(delassus, free)
+    outside = np.linalg.norm(stick[1:] / semi_axes) > stick[0] * (1 + margin)
+    if not (stick[0] < -margin * np.abs(stick).max() or (stick[0] > 0 and outside)):
+        return False
+    if free.size == 3:
+        return slip_is_impossible(delassus, free, semi_axes, margin)
+    for sign in (-1.0, 1.0):
+        x = sign * semi_axes[0]
+        resistance = delassus[0, 0] - delassus[0, 1] * x
+        moved = free[1] * resistance - free[0] * (delassus[1, 0] - delassus[1, 1] * x)
+        size = abs(free[1] * delassus[0, 0]) + abs(free[0]) * np.abs(delassus[1]).sum()
+        if not (resistance < -margin * delassus[0, 0] or sign * moved < -margin * size):
+            return False
+    return True
+
+
+PAINLEVE_LAWS = {
+    "line": (asp.FrictionLaw.isotropic(1.5, dimension=1), np.array([1.5])),
+    "disk": (asp.FrictionLaw.isotropic(1.2), np.array([1.2, 1.2])),
+    "ellipse": (asp.FrictionLaw.associated(asp.Ellipse(2.0, 0.7)), np.array([2.0, 0.7])),
+}
+
+
+def check_painleve(name, count):
+    law, semi_axes = PAINLEVE_LAWS[name]
+    rng = np.random.default_rng(17)
+    said, proven = 0, 0
+    for _ in range(count):
+        rows = law.dimension + 1
+        half = rng.normal(size=(rows, rows))
+        delassus = half @ half.T + 1e-3 * rng.normal(size=(rows, rows))
+        if not np.all(np.diag(delassus) > 0):
+            continue
+        free = rng.normal(size=rows)
+        free[0] = -rng.random()
+        problem = asp.ContactProblem(delassus, free, law)
+        status = problem.solve(on_failure="record").status
+        if status is Status.NO_SOLUTION:
+            said += 1
+            assert has_no_solution(delassus, free, semi_axes, 1e-11), (delassus, free)
+        if has_no_solution(delassus, free, semi_axes, 1e-6):
+            proven += 1
+            assert status is not Status.CONVERGED
+            # Blocks that are too ill-conditioned prove nothing to the solver.
+            if np.linalg.cond(delassus) < 100:
+                assert status is Status.NO_SOLUTION
+    assert min(said, proven) > count // 500
+
+
+@pytest.mark.parametrize("name", PAINLEVE_LAWS)
+def test_no_solution_is_said_where_a_checker_proves_it(name):
+    check_painleve(name, 1500)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", PAINLEVE_LAWS)
+def test_no_solution_is_said_where_a_checker_proves_it_in_many_problems(name):
+    check_painleve(name, 100_000)
+
+
+# Loads beside corners, roots beside cusps, numbers beyond reason.
+
+
+def test_loads_beside_a_corner_slip_there():
+    law = asp.FrictionLaw.associated(asp.Rectangle(0.54, 0.48))
+    for exponent in range(1, 15):
+        for sign in (1, -1):
+            d = sign * 10.0**-exponent
+            load = np.array([0.54 * (1 + d), 0.48 * (1 + 2 * d)])
+            problem = asp.ContactProblem(np.eye(2), load, law, normal_force=1.0)
+            phases = [solution.phase for solution in problem.solutions(0)]
+            assert phases == [Phase.SLIP if sign > 0 else Phase.STICK], d
+            assert problem.solve().residual < 1e-14
+
+
+def test_roots_beside_the_cusp_of_a_caustic_are_told_apart():
+    """Loads on two rays near a cusp, of which brute force on a finer grid knows the number of slips."""
+    reservoir, law = asp.Ellipse(0.6, 0.2, angle=np.pi / 6), None
+    law = asp.FrictionLaw(reservoir, asp.Ellipse(3.0, 1.0))
+
+    def rays(phi):
+        normals = np.stack([np.cos(phi), np.sin(phi)], -1)
+        points = law.direction.support_point(normals)
+        return normals, points / reservoir.gauge(points)[:, None]
+
+    def cross(a, b):
+        return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+    phi = np.linspace(0, 2 * np.pi, 400_001)[:-1]
+    normals, points = rays(phi)
+    change = np.gradient(points, phi, axis=0)
+    reach = -cross(normals, change)
+    turn = np.gradient(reach, phi) + (normals * change).sum(1)
+    inside = (reach > 0) & np.roll(reach > 0, 1) & np.roll(reach > 0, -1)
+    cusps = np.flatnonzero(inside & (np.roll(turn, 1) * np.roll(turn, -1) < 0))
+    assert cusps.size >= 2
+    checked = 0
+    for i in cusps:
+        for spread in (1e-3, 3e-3):
+            fine = np.linspace(phi[i] - 4 * spread, phi[i] + 4 * spread, 100_001)
+            fine_normals, fine_points = rays(fine)
+            for j in range(0, 40, 5):
+                k = (i + int(spread / 2 / np.pi * 400_000 * (0.3 + j / 40))) % phi.size
+                sides = np.stack([normals[i], -normals[k]], -1)
+                along = np.linalg.solve(sides, points[k] - points[i])
+                if along.min() <= 0:
+                    continue
+                load = points[i] + along[0] * normals[i]
+                value = cross(fine_normals, load - fine_points)
+                slips = np.count_nonzero(value[1:] * value[:-1] < 0)
+                problem = asp.ContactProblem(np.eye(2), load, law, normal_force=1.0)
+                found = [s for s in problem.solutions(0) if s.phase is Phase.SLIP]
+                assert len(found) >= slips
+                assert problem.solve().ambiguous or slips == 1
+                checked += slips == 3
+    assert checked >= 10
+
+
+@pytest.mark.parametrize("size", [1e90, 1e120, 1e154, 1e200, 1e300])
+def test_velocities_beyond_reason_are_refused_by_name(size):
+    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(0.6, 0.3) & asp.Disk(0.4))
+    if size < 1e100:
+        problem = asp.ContactProblem(np.eye(2), [size, size], law, normal_force=size)
+        assert problem.solve().converged
+        return
+    for normal in (size, 1.0, None):
+        free = [-size] * (2 + (normal is None))
+        with pytest.raises(asp.ParameterError, match="free_velocity"):
+            asp.ContactProblem(np.eye(len(free)), free, law, normal_force=normal)
+    with pytest.raises(asp.ParameterError, match="normal_force"):
+        asp.ContactProblem(np.eye(2), [1.0, 1.0], law, normal_force=size)
+
+
+# Drilling contacts.
+
+
+@pytest.mark.parametrize(
+    ("seed", "contacts", "dof"),
+    [(40, 4, 6), (208, 2, 3), (260, 2, 3), *((k, 1, 3) for k in range(30))],
+)
+def test_drilling_contacts_do_not_panic(seed, contacts, dof):
+    law = asp.FrictionLaw.associated(asp.CoulombContensou(0.3))
+    rng = np.random.default_rng(seed)
+    rows = rng.normal(size=(4 * contacts, dof))
+    rows[::4] += 1.5
+    free = rng.normal(size=4 * contacts)
+    free[::4] -= 2
+    problem = asp.ContactProblem(rows @ rows.T, free, law)
+    for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.SemismoothNewton()):
+        solution = problem.solve(solver, on_failure="record")
+        assert solution.status in Status
+        assert solution.status is not Status.NO_SOLUTION

@@ -4,12 +4,12 @@
 use std::alloc::System as Allocator;
 
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
-use asperity::set::{Convex, Ellipse, Vector};
+use asperity::set::{Convex, CoulombContensou, Ellipse, Ellipsoid, Pressure, Vector};
 use asperity::solver::Solver;
 use asperity::stepper::Stepper;
 use asperity::system::rigid::{Body, Pair, Plane, RigidBodies, Shape};
-use asperity::system::{System, mass_on_belt};
-use nalgebra::{Matrix2, Vector2};
+use asperity::system::{Contact, LinearSystem, Normal, System, mass_on_belt};
+use nalgebra::{DMatrix, Matrix2, Vector2};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]
@@ -60,6 +60,35 @@ fn allocations(solver: Solver, system: &dyn System, q: &[f64], u: &[f64]) -> usi
     change.allocations + change.reallocations
 }
 
+/// A mass pressed on a line by its weight, which a spring pulls along.
+fn on_a_line() -> LinearSystem {
+    let column = |x: f64, z: f64| DMatrix::from_column_slice(2, 1, &[x, z]);
+    let contact = Contact {
+        law: Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap()),
+        direction: column(1.0, 0.2),
+        velocity: vec![-0.1],
+        normal: Normal::Gap { direction: vec![0.0, 1.0], gap: 0.0 },
+        restitution: (0.0, 0.0),
+    };
+    let stiffness = DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![50.0, 0.0]));
+    let (mass, damping) = (DMatrix::identity(2, 2), DMatrix::zeros(2, 2));
+    LinearSystem::new(mass, stiffness, damping, vec![0.0, -9.81], vec![contact]).unwrap()
+}
+
+/// A ball that slides and drills, and one that lies still.
+fn drilling(law: &Law) -> RigidBodies {
+    let ball = |x| Body { position: [x, 0.0, 0.1], ..Body::ball(1.0, 0.1) };
+    let sliding =
+        Body { velocity: [3.0, 0.2, 0.0], angular_velocity: [0.0, 0.0, 40.0], ..ball(0.0) };
+    let pair = |body| {
+        let plane = Plane::floor();
+        let shape = Shape::SpherePlane { body, centre: [0.0; 3], radius: 0.1, plane };
+        Pair { patch_radius: Some(0.01), ..Pair::new(shape, law.clone()) }
+    };
+    let bodies = vec![sliding, ball(1.0)];
+    RigidBodies::new(bodies, &[pair(0), pair(1)], vec![], [0.0, 0.0, -9.81]).unwrap()
+}
+
 /// Bytes that the scheme keeps per slider, with its solver and all states.
 fn bytes_per_slider() -> f64 {
     let law = Law::from(ellipse());
@@ -104,6 +133,18 @@ fn steps_do_not_allocate_while_contacts_stay() {
             0,
             "body by body, {solver:?}"
         );
+    }
+    let contensou = |p| Convex::from(CoulombContensou::new(0.3, p).unwrap());
+    let ellipsoid = Convex::from(Ellipsoid::new(Vector::<3>::new(0.3, 0.3, 0.1)).unwrap());
+    let laws = [contensou(Pressure::Hertz), contensou(Pressure::Uniform), ellipsoid];
+    for solver in &solvers[..2] {
+        let line = on_a_line();
+        assert_eq!(allocations(*solver, &line, &[0.0; 2], &[0.0; 2]), 0, "p = 1, {solver:?}");
+        for law in &laws {
+            let system = drilling(&Law::from(FrictionLaw::associated(law.clone())));
+            let count = allocations(*solver, &system, system.q0(), system.u0());
+            assert_eq!(count, 0, "p = 3, {law:?}, {solver:?}");
+        }
     }
     let bytes = bytes_per_slider();
     println!("{bytes} bytes per slider");

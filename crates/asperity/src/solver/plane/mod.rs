@@ -10,6 +10,8 @@ mod isotropic;
 mod proof;
 mod scan;
 mod search;
+#[cfg(test)]
+mod tests;
 
 use asperity_set::{ConvexSet, StarSet};
 
