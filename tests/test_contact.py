@@ -280,8 +280,9 @@ def slip_is_impossible(delassus, free, semi_axes, margin):
 
 
 def has_no_solution(delassus, free, semi_axes, margin):
-    """Whether open, stick and slip are impossible, each with a margin; `semi_axes` of an ellipse or, with p = 1,
-    the coefficient.
+    """Whether open, stick and slip are impossible, each with a margin.
+
+    `semi_axes` are those of an ellipse or, with p = 1, the coefficient.
     """
     if not free[0] < -margin * np.abs(free).max():
         return False
@@ -361,8 +362,8 @@ def test_loads_beside_a_corner_slip_there():
 
 
 def test_roots_beside_the_cusp_of_a_caustic_are_told_apart():
-    """Loads on two rays near a cusp, of which brute force on a finer grid knows the number of slips."""
-    reservoir, law = asp.Ellipse(0.6, 0.2, angle=np.pi / 6), None
+    """Loads on two rays near a cusp: brute force on a finer grid knows the number of slips."""
+    reservoir = asp.Ellipse(0.6, 0.2, angle=np.pi / 6)
     law = asp.FrictionLaw(reservoir, asp.Ellipse(3.0, 1.0))
 
     def rays(phi):
