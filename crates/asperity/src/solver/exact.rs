@@ -23,9 +23,9 @@ pub(super) fn solve(
 ) -> (usize, Ended) {
     if problem.is_uncoupled() {
         let stuck = uncoupled(problem, threads, memory, workspace);
-        return (1, stuck.map_or(Ended::Done, Ended::NoSolution));
+        return (1, stuck.map_or(Ended::Done, Ended::Stuck));
     }
-    let mut stuck = sweep(problem, memory, workspace, true);
+    sweep(problem, memory, workspace, true);
     for sweeps in 1..=max_sweeps {
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
         let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
@@ -37,10 +37,10 @@ pub(super) fn solve(
         }
         if sweeps < max_sweeps {
             // Contacts without a solution may find one when the others have moved.
-            stuck = sweep(problem, memory, workspace, false);
+            sweep(problem, memory, workspace, false);
         }
     }
-    (max_sweeps, stuck.map_or(Ended::MaxIterations, Ended::NoSolution))
+    (max_sweeps, Ended::MaxIterations)
 }
 
 /// One sweep; the last contact that had no solution.
@@ -306,4 +306,14 @@ pub(super) fn all_solutions(
         Law::Three(_) => {}
     }
     out
+}
+
+/// Whether a contact certainly has no solution with the percussions of the others held.
+pub(super) fn proves_no_solution(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+) -> bool {
+    let listed = problem.contacts[contact].law.dimension() < 3;
+    listed && all_solutions(problem, contact, percussion).is_empty()
 }
