@@ -1,6 +1,7 @@
 //! What the complete search costs, counted in pieces of cells.
 
 use std::cell::Cell;
+use std::sync::Arc;
 
 use asperity_set::{Convex, Cuboid, Ellipse, Star, Superellipse, Vector};
 use nalgebra::DMatrix;
@@ -21,8 +22,8 @@ pub(super) fn count(pieces: usize) {
 }
 
 /// Pieces that the complete search looks at, and the phases that it finds.
-fn search(law: &FrictionLaw<2>, load: Vector<2>) -> (usize, Vec<Phase>) {
-    let contacts = [(Law::from(law.clone()), NormalForce::Prescribed(1.0))];
+fn search(law: &Arc<FrictionLaw<2>>, load: Vector<2>) -> (usize, Vec<Phase>) {
+    let contacts = [(Law::Two(law.clone()), NormalForce::Prescribed(1.0))];
     let free = vec![load.x, load.y];
     let problem = ContactProblem::new(DMatrix::identity(2, 2), free, contacts).unwrap();
     let block = Block::new(&problem, 0);
@@ -48,7 +49,8 @@ fn loads_beside_corners_cost_as_much_as_others() {
         FrictionLaw::new(rectangle(0.54, 0.48).into(), ellipse).unwrap(),
         FrictionLaw::associated(rounded(1.0)),
         FrictionLaw::associated(rounded(40.0)),
-    ];
+    ]
+    .map(Arc::new);
     for (k, law) in laws.iter().enumerate() {
         // The corner of the rectangle, the tip of the rhombus; next to corners of the last one.
         let corner = match k {
