@@ -77,7 +77,7 @@ pub(super) fn decide(
             continue;
         }
         keep(field, &part, &problem, &remembered, &velocity);
-        hold_at_limit(field, &part, &problem);
+        hold_at_limit(field, &part, &problem, &velocity);
         return Ok(decision);
     }
 }
@@ -196,13 +196,21 @@ fn keep(
     }
 }
 
-/// Contacts at the limit of their force that begin to slip by rounding only stick: the others prevent their slip,
-/// or the load is just what friction can hold.
-fn hold_at_limit(field: &mut Field<'_>, part: &Part, problem: &ContactProblem) {
+/// Contacts that begin to slip or to open by rounding only stick: the others prevent it, the load is just what
+/// friction can hold, or other contacts carry all of it.
+fn hold_at_limit(
+    field: &mut Field<'_>,
+    part: &Part,
+    problem: &ContactProblem,
+    accelerations: &[f64],
+) {
     let load = problem.free_velocity.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
-    for &i in &part.contacts {
+    for (&i, rows) in part.contacts.iter().zip(&problem.contacts) {
         let touch = &mut field.touches[i];
-        if touch.mode == Phase::Slip && force::norm(&touch.slip) <= AT_REST * load {
+        let own = &accelerations[rows.offset..rows.offset + rows.len()];
+        let rests = own.iter().map(|x| x * x).sum::<f64>().sqrt() <= AT_REST * load;
+        let may_stick = touch.mode == Phase::Slip || touch.prescribed.is_none();
+        if rests && may_stick {
             touch.mode = Phase::Stick;
             touch.slip = [0.0; 3];
         }

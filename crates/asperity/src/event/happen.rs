@@ -151,6 +151,7 @@ impl Runner<'_> {
     fn resume(&mut self, onset: f64) -> Result<(), FieldError> {
         self.control.h = self.control.h.max(onset);
         self.a0.copy_from_slice(&self.field.acceleration);
+        self.keep_sliding();
         (self.slope, self.smooth, self.linear) = (None, false, false);
         self.control.forget(&self.field);
         self.field.survey(&self.state)?;
