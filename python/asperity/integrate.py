@@ -81,6 +81,7 @@ def integrate(
         dt: time between samples in s. Default: every step of the method, before and after events.
         max_step: longest step in s. Default: as the error allows. Forces that depend on time are
             seen at five times of a step: set this to the length of pulses, else they are missed.
+            At least 1e-10 of ``t_end``.
         section: where to stop.
         max_events: number of events after which the integration gives up.
         progress: a function of (t, t_end) called a few times a second.

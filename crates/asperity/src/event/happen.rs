@@ -15,7 +15,7 @@ const CONTINUOUS: f64 = 1e-3;
 /// Slip over the speed of the contact that the first step of a slip has to reach: rounding must not decide on
 /// its direction. The first stage is at 0.06 of the step, where the slip may be 0.003 of that at its end.
 const ONSET: f64 = 1e-8;
-/// Excess of a sticking force over the reservoir that may be rounding.
+/// Excess of a sticking force over the reservoir that may be rounding, relative to the largest normal force.
 const AT_LIMIT: f64 = 1e-9;
 
 /// The gap over the length `a t²` of the motion to come that counts as closed at the beginning: eight roundings.
@@ -203,7 +203,9 @@ impl Runner<'_> {
         let before = self.phases();
         let touch = self.field.touches[contact];
         let stuck = self.a0.clone();
-        let excess = locate::excess(&self.field, contact) / touch.normal_force;
+        let excess = locate::excess(&self.field, contact);
+        let pressing = self.field.touches.iter().map(|touch| touch.normal_force);
+        let rounding = AT_LIMIT * pressing.fold(f64::MIN_POSITIVE, f64::max);
         let length = self.control.h;
         let sliding = touch.force.map(|f| f / touch.normal_force);
         let direction = force::direction(self.field.law(contact), &touch.force);
@@ -237,8 +239,8 @@ impl Runner<'_> {
                 // It can: its force has been outside the reservoir by rounding only.
                 (self.a0, self.memory) = (stuck, kept);
                 let touch = &mut self.field.touches[contact];
-                let shorter = if excess <= AT_LIMIT { self.step.h } else { 0.25 * self.step.h };
-                touch.tolerated += (2.0 * excess).clamp(f64::EPSILON, AT_LIMIT);
+                let shorter = if excess <= rounding { self.step.h } else { 0.25 * self.step.h };
+                touch.tolerated += (2.0 * excess).clamp(1e-3 * rounding, rounding);
                 return Ok(self.shorten(shorter));
             }
         }

@@ -21,8 +21,7 @@ pub(super) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
 /// How far the friction force of a sticking contact lies outside the reservoir.
 pub(super) fn excess(field: &Field<'_>, contact: usize) -> f64 {
     let touch = &field.touches[contact];
-    let boundary = touch.normal_force * (1.0 + touch.tolerated);
-    force::gauge(field.law(contact), &touch.force) - boundary
+    force::gauge(field.law(contact), &touch.force) - touch.normal_force - touch.tolerated
 }
 
 impl Section {

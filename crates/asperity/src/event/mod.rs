@@ -74,7 +74,7 @@ pub struct Options {
     /// Time between samples in s; none keeps every step, before and after events.
     pub sample: Option<f64>,
     /// Longest step in s. Forces that depend on time are seen at five times of a step: what is shorter than a
-    /// fifth of it may be missed.
+    /// fifth of it may be missed. At least a ten billionth of the whole time.
     pub max_step: Option<f64>,
     /// Where to stop.
     pub section: Option<Section>,
