@@ -107,7 +107,13 @@ impl Runner<'_> {
             touch.resting = touch.mode == Phase::Stick || (touch.mode == Phase::Slip && still);
         }
         let state = self.state.clone();
-        self.decide(&state, before)
+        let outcome = self.decide(&state, before)?;
+        if outcome.is_none() && !self.starting {
+            // The constraints hold exactly here, to the accuracy of the solver there.
+            self.evaluate((state.t, &state.q, &state.u), false)?;
+            self.a0.copy_from_slice(&self.field.acceleration);
+        }
+        Ok(outcome)
     }
 
     fn decide(&mut self, at: &State, before: &[Option<Phase>]) -> Next {
