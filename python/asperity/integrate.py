@@ -35,8 +35,8 @@ _FAILURES = {
     ),
     "rejections": (
         "most steps fail, and time hardly passes",
-        "The motion may change faster than steps resolve, such as where a contact hardly slips: try "
-        "simulate",
+        "The motion may change faster than steps resolve, such as where a contact hardly slips: "
+        "try simulate",
     ),
     "events": (
         "events follow each other without time passing",
@@ -44,7 +44,8 @@ _FAILURES = {
     ),
     "unsolved": (
         "the contact forces or percussions at an event were not found",
-        "The contacts may depend on each other, so that rounding decides what they do: try simulate",
+        "The contacts may depend on each other, so that rounding decides what they do: try "
+        "simulate",
     ),
     "no_solution": (Status.NO_SOLUTION.message, Status.NO_SOLUTION.advice),
 }
