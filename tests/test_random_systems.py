@@ -29,7 +29,8 @@ def law(rng, p):
     reservoir = asp.Ellipse(mu, mu * rng.uniform(0.3, 1.0), angle=rng.uniform(0.0, np.pi))
     if rng.random() < 0.5:
         return asp.FrictionLaw.associated(reservoir)
-    return asp.FrictionLaw(reservoir, asp.Ellipse(1.0, rng.uniform(0.3, 1.0)))
+    direction = asp.Superellipse(1.0, rng.uniform(0.3, 1.0), rng.uniform(1.2, 6.0))
+    return asp.FrictionLaw(reservoir, direction.rotated(rng.uniform(0.0, np.pi)))
 
 
 def contact(rng, n, p, kind):
