@@ -35,8 +35,8 @@ _FAILURES = {
     ),
     "rejections": (
         "most steps fail, and time hardly passes",
-        "The motion may change faster than steps resolve, such as where a contact hardly slips: try "
-        "simulate",
+        "The motion may change faster than steps resolve, such as where a contact hardly slips: "
+        "try simulate",
     ),
     "events": (
         "events follow each other without time passing",
@@ -44,7 +44,8 @@ _FAILURES = {
     ),
     "unsolved": (
         "the contact forces or percussions at an event were not found",
-        "The contacts may depend on each other, so that rounding decides what they do: try simulate",
+        "The contacts may depend on each other, so that rounding decides what they do: try "
+        "simulate",
     ),
     "no_solution": (Status.NO_SOLUTION.message, Status.NO_SOLUTION.advice),
 }
@@ -73,7 +74,7 @@ def integrate(
     Args:
         system: a system with as many coordinates as velocities; the direction sets of its laws must
             be strictly convex.
-        t_end: end time in s.
+        t_end: end time in s. Of a force that jumps there the limit from the left counts.
         q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
         u0: initial velocities, shape ``(n,)``; default likewise.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
@@ -81,6 +82,7 @@ def integrate(
         dt: time between samples in s. Default: every step of the method, before and after events.
         max_step: longest step in s. Default: as the error allows. Forces that depend on time are
             seen at five times of a step: set this to the length of pulses, else they are missed.
+            At least 1e-10 of ``t_end``.
         section: where to stop.
         max_events: number of events after which the integration gives up.
         progress: a function of (t, t_end) called a few times a second.

@@ -10,11 +10,13 @@ use nalgebra::SMatrix;
 
 use super::field::Field;
 use super::lu;
+use super::points::Points;
 use super::touch::{FieldError, State};
 
 /// Number of stages.
 pub(super) const STAGES: usize = 5;
-const ITERATIONS: usize = 12;
+/// Iterations of Newton's method.
+pub(super) const ITERATIONS: usize = 12;
 
 type Square = SMatrix<f64, STAGES, STAGES>;
 
@@ -23,8 +25,8 @@ type Square = SMatrix<f64, STAGES, STAGES>;
 pub(super) struct Tableau {
     /// Nodes, the last one is 1.
     pub(super) c: [f64; STAGES],
-    a: Square,
-    a_squared: Square,
+    pub(super) a: Square,
+    pub(super) a_squared: Square,
     /// The real eigenvalue of `A`.
     gamma: f64,
     /// Lagrange polynomials at zero.
@@ -109,11 +111,13 @@ pub(super) struct Step {
     pub(super) u: Vec<f64>,
     pub(super) q: Vec<f64>,
     /// Jacobians of the accelerations in `u` and `q` at the stages.
-    ku: Vec<f64>,
-    kq: Vec<f64>,
+    pub(super) ku: Vec<f64>,
+    pub(super) kq: Vec<f64>,
     matrix: Vec<f64>,
     residual: Vec<f64>,
     small: Vec<f64>,
+    /// Points of direction sets, where they are unknowns of their own.
+    pub(super) points: Points,
 }
 
 impl Step {
@@ -130,6 +134,7 @@ impl Step {
             matrix: vec![0.0; STAGES * n * STAGES * n],
             residual: row,
             small: vec![0.0; n * n],
+            points: Points::default(),
         }
     }
 
@@ -163,7 +168,7 @@ impl Step {
         h: f64,
         (tolerance, scale): (f64, Scale),
     ) -> Result<bool, FieldError> {
-        self.h = h;
+        (self.h, self.points.used) = (h, false);
         let mut last = f64::INFINITY;
         for iteration in 0..ITERATIONS {
             self.stages(start);
@@ -270,12 +275,21 @@ impl Step {
             let coupled: f64 = row.iter().zip(q.iter()).map(|(k, e)| k * e).sum();
             u[r] = step * (a0[r] - at_zero(&self.a, r)) + step * coupled;
         }
-        for (k, m) in self.small.iter_mut().enumerate() {
-            *m = f64::from(u8::from(k % (n + 1) == 0)) - step * (ku[k] + step * kq[k]);
+        if self.points.used {
+            let mut values = u[..n].to_vec();
+            if !self.filter_with_points(step, &mut values) {
+                return f64::INFINITY;
+            }
+            self.residual[..n].copy_from_slice(&values);
+        } else {
+            for (k, m) in self.small.iter_mut().enumerate() {
+                *m = f64::from(u8::from(k % (n + 1) == 0)) - step * (ku[k] + step * kq[k]);
+            }
+            if !lu::solve(&mut self.small, u) {
+                return f64::INFINITY;
+            }
         }
-        if !lu::solve(&mut self.small, u) {
-            return f64::INFINITY;
-        }
+        let (u, q) = self.residual.split_at(n);
         let errors = q.iter().zip(u.iter());
         errors.fold(0.0, |m: f64, (q, u)| {
             m.max((u / scale.u).abs()).max(((q + step * u) / scale.q).abs())

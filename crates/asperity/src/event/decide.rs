@@ -77,7 +77,7 @@ pub(super) fn decide(
             continue;
         }
         keep(field, &part, &problem, &remembered, &velocity);
-        hold_at_limit(field, &part, &problem);
+        hold_at_limit(field, &part, &problem, &velocity);
         return Ok(decision);
     }
 }
@@ -196,13 +196,21 @@ fn keep(
     }
 }
 
-/// Contacts at the limit of their force that begin to slip by rounding only stick: the others prevent their slip,
-/// or the load is just what friction can hold.
-fn hold_at_limit(field: &mut Field<'_>, part: &Part, problem: &ContactProblem) {
+/// Contacts that begin to slip or to open by rounding only stick: the others prevent it, the load is just what
+/// friction can hold, or other contacts carry all of it.
+fn hold_at_limit(
+    field: &mut Field<'_>,
+    part: &Part,
+    problem: &ContactProblem,
+    accelerations: &[f64],
+) {
     let load = problem.free_velocity.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
-    for &i in &part.contacts {
+    for (&i, rows) in part.contacts.iter().zip(&problem.contacts) {
         let touch = &mut field.touches[i];
-        if touch.mode == Phase::Slip && force::norm(&touch.slip) <= AT_REST * load {
+        let own = &accelerations[rows.offset..rows.offset + rows.len()];
+        let rests = own.iter().map(|x| x * x).sum::<f64>().sqrt() <= AT_REST * load;
+        let may_stick = touch.mode == Phase::Slip || touch.prescribed.is_none();
+        if rests && may_stick {
             touch.mode = Phase::Stick;
             touch.slip = [0.0; 3];
         }
@@ -218,13 +226,20 @@ pub(super) enum Blow {
     Dead,
 }
 
-/// The impact of unilateral contacts: velocities jump. The contacts' new normal velocities are in `after`.
+/// What an impact has done to a contact: its normal velocity afterwards and the normal percussion.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rebound {
+    pub(super) velocity: f64,
+    pub(super) percussion: f64,
+}
+
+/// The impact of unilateral contacts: velocities jump. What becomes of the contacts is in `after`.
 pub(super) fn strike(
     field: &mut Field<'_>,
     state: &mut State,
     (contacts, blow): (Vec<usize>, Blow),
     memory: &[ContactState],
-    after: &mut Vec<f64>,
+    after: &mut Vec<Rebound>,
     poll: &Poll<'_>,
 ) -> Result<Decision, FieldError> {
     let n = field.n;
@@ -253,7 +268,10 @@ pub(super) fn strike(
         add(&mut state.u, *percussion, response);
     }
     after.clear();
-    after.extend(problem.contacts.iter().map(|rows| velocity[rows.offset]));
+    after.extend(problem.contacts.iter().map(|rows| Rebound {
+        velocity: velocity[rows.offset],
+        percussion: found.percussion[rows.offset],
+    }));
     Ok(decision)
 }
 

@@ -177,7 +177,12 @@ impl Field<'_> {
             if touch.mode != Phase::Slip {
                 continue;
             }
-            let slope = force::jacobian(self.law(i), &touch.slip);
+            let held = self.held.iter().find(|held| held.0 == i).map(|held| held.1);
+            let slope = match held {
+                None => force::jacobian(self.law(i), &touch.slip),
+                Some(z) => force::at_point(self.law(i), &z, &touch.slip)
+                    .map_or([[0.0; 3]; 3], |at| at.by_slip),
+            };
             for (r, slope) in slope[..touch.p].iter().enumerate() {
                 let first = (ROWS * i + 1 + r) * n;
                 column.copy_from_slice(&self.response[first..first + n]);

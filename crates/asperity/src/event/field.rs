@@ -11,7 +11,7 @@ use super::touch::{FieldError, ROWS, Touch};
 use crate::contact::Phase;
 use crate::law::Law;
 use crate::stepper::mass::MassFactor;
-use crate::system::{System, SystemError};
+use crate::system::System;
 
 /// The system in a mode.
 #[derive(Debug)]
@@ -23,16 +23,20 @@ pub(super) struct Field<'a> {
     /// The largest component of the accelerations that the forces would give one by one. The acceleration may
     /// be their difference, as small as rounding makes it: what it is compared with is this.
     pub(super) load: f64,
+    /// The way that rounding may make a contact go in the present step while the forces there balance.
+    pub(super) creep: f64,
     /// The last time at which the system is asked. Its forces may jump at the end of the motion, to which only
     /// their limit from the left belongs.
     latest: f64,
+    /// Contacts whose force is given by a point of *D* instead of the sliding direction, and these points.
+    pub(super) held: Vec<(usize, [f64; 3])>,
     /// `Wᵀ` and `W_Nᵀ`, [`ROWS`] per contact, χ and `Ẇᵀu + χ̇` likewise.
     pub(super) rows: Vec<f64>,
     pub(super) chi: Vec<f64>,
     pub(super) drift: Vec<f64>,
     /// `M⁻¹` times the rows.
     pub(super) response: Vec<f64>,
-    factor: Option<MassFactor>,
+    pub(super) factor: Option<MassFactor>,
     mass: DMatrix<f64>,
     /// Whether rows and mass never change.
     pub(super) constant: bool,
@@ -85,7 +89,9 @@ impl<'a> Field<'a> {
             touches: system.contacts().iter().map(touch).collect(),
             acceleration: vec![0.0; n],
             load: 0.0,
+            creep: 0.0,
             latest: t_end.next_down(),
+            held: Vec::new(),
             rows: rows.clone(),
             chi: row.clone(),
             drift: row.clone(),
@@ -166,24 +172,6 @@ impl<'a> Field<'a> {
             .try_for_each(|i| self.check_rows(i))
     }
 
-    /// Refuses directions of a contact that move nothing.
-    pub(super) fn check_rows(&self, contact: usize) -> Result<(), FieldError> {
-        let mobility =
-            |row: usize| dot(self.row(row), &self.response[row * self.n..(row + 1) * self.n]);
-        // The comparison also turns away NaN.
-        if self.rows_of(contact).any(|row| !(mobility(row) > 0.0)) {
-            return Err(SystemError::direction(contact).into());
-        }
-        Ok(())
-    }
-
-    /// `values ← M⁻¹ values` with the mass matrix of the last state.
-    pub(super) fn apply_inverse_mass(&self, values: &mut [f64]) {
-        if let Some(factor) = &self.factor {
-            factor.solve(values);
-        }
-    }
-
     /// Accelerations and contact forces; `frozen` leaves the sliding forces per unit normal force as they are.
     pub(super) fn evaluate(
         &mut self,
@@ -208,6 +196,12 @@ impl<'a> Field<'a> {
                 if let Some(sliding) = force::sliding(self.law(i), &slip) {
                     self.touches[i].sliding = sliding;
                 }
+            }
+        }
+        for &(i, z) in &self.held {
+            let slip = self.touches[i].slip;
+            if let Some(at) = force::at_point(self.law(i), &z, &slip) {
+                self.touches[i].sliding = at.sliding;
             }
         }
         self.given_forces();
@@ -304,18 +298,6 @@ impl<'a> Field<'a> {
         self.inverse.apply(&mut self.solution);
         for (column, x) in self.columns.chunks_exact(n).zip(&self.solution) {
             add(response, *x, column);
-        }
-    }
-
-    /// `w_NᵀM⁻¹(w_N + W f)` over `w_NᵀM⁻¹w_N` of a slipping unilateral contact.
-    pub(super) fn resistance(&self, contact: usize) -> f64 {
-        let touch = &self.touches[contact];
-        let normal = self.row(ROWS * contact);
-        let response = |r: usize| &self.response[(ROWS * contact + r) * self.n..][..self.n];
-        let friction = (0..touch.p).map(|r| touch.sliding[r] * dot(normal, response(1 + r)));
-        match touch.prescribed {
-            Some(_) => 1.0,
-            None => 1.0 + friction.sum::<f64>() / dot(normal, response(0)),
         }
     }
 

@@ -15,7 +15,7 @@ const CONTINUOUS: f64 = 1e-3;
 /// Slip over the speed of the contact that the first step of a slip has to reach: rounding must not decide on
 /// its direction. The first stage is at 0.06 of the step, where the slip may be 0.003 of that at its end.
 const ONSET: f64 = 1e-8;
-/// Excess of a sticking force over the reservoir that may be rounding.
+/// Excess of a sticking force over the reservoir that may be rounding, relative to the largest normal force.
 const AT_LIMIT: f64 = 1e-9;
 
 /// The gap over the length `a t²` of the motion to come that counts as closed at the beginning: eight roundings.
@@ -32,7 +32,7 @@ impl Runner<'_> {
         self.field.system.forces(*t, q, u, &mut self.a0)?;
         self.field.apply_inverse_mass(&mut self.a0);
         self.fall = FALL * largest(&self.a0) * self.options.t_end.powi(2);
-        let depth = |touch: &Touch| touch.prescribed.is_none() && touch.gap < -self.closed(touch);
+        let depth = |touch: &Touch| touch.prescribed.is_none() && touch.gap < -self.touching(touch);
         Ok(self.field.touches.iter().position(depth).map(|contact| {
             let depth = -self.field.touches[contact].gap;
             let message =
@@ -41,10 +41,12 @@ impl Runner<'_> {
         }))
     }
 
-    /// The gap at which a contact counts as closed at the beginning. Where no length is known but that of
-    /// rounding, such as of a body at rest at the origin, it is told from the lengths of the motion to come.
-    fn closed(&self, touch: &Touch) -> f64 {
-        (TOUCHING * touch.reach).max(self.fall)
+    /// The gap at which a contact counts as closed at the beginning and at impacts. Where no length is known at
+    /// the beginning but that of rounding, such as of a body at rest at the origin, it is told from the lengths
+    /// of the motion to come.
+    pub(super) fn touching(&self, touch: &Touch) -> f64 {
+        let known = TOUCHING * touch.reach;
+        if self.state.t > 0.0 { known } else { known.max(self.fall) }
     }
 
     /// Decides what the contacts do at the beginning.
@@ -53,7 +55,7 @@ impl Runner<'_> {
         let mut hit = None;
         for i in 0..self.memory.len() {
             let touch = self.field.touches[i];
-            if touch.prescribed.is_none() && touch.gap <= self.closed(&touch) {
+            if touch.prescribed.is_none() && touch.gap <= self.touching(&touch) {
                 let approach = self.approach(i);
                 if approach < -STILL * self.control.speed() {
                     hit = Some(i);
@@ -107,7 +109,13 @@ impl Runner<'_> {
             touch.resting = touch.mode == Phase::Stick || (touch.mode == Phase::Slip && still);
         }
         let state = self.state.clone();
-        self.decide(&state, before)
+        let outcome = self.decide(&state, before)?;
+        if outcome.is_none() && !self.starting {
+            // The constraints hold exactly here, to the accuracy of the solver there.
+            self.evaluate((state.t, &state.q, &state.u), false)?;
+            self.a0.copy_from_slice(&self.field.acceleration);
+        }
+        Ok(outcome)
     }
 
     fn decide(&mut self, at: &State, before: &[Option<Phase>]) -> Next {
@@ -151,6 +159,7 @@ impl Runner<'_> {
     fn resume(&mut self, onset: f64) -> Result<(), FieldError> {
         self.control.h = self.control.h.max(onset);
         self.a0.copy_from_slice(&self.field.acceleration);
+        self.keep_sliding();
         (self.slope, self.smooth, self.linear) = (None, false, false);
         self.control.forget(&self.field);
         self.field.survey(&self.state)?;
@@ -202,7 +211,9 @@ impl Runner<'_> {
         let before = self.phases();
         let touch = self.field.touches[contact];
         let stuck = self.a0.clone();
-        let excess = locate::excess(&self.field, contact) / touch.normal_force;
+        let excess = locate::excess(&self.field, contact);
+        let pressing = self.field.touches.iter().map(|touch| touch.normal_force);
+        let rounding = AT_LIMIT * pressing.fold(f64::MIN_POSITIVE, f64::max);
         let length = self.control.h;
         let sliding = touch.force.map(|f| f / touch.normal_force);
         let direction = force::direction(self.field.law(contact), &touch.force);
@@ -236,8 +247,8 @@ impl Runner<'_> {
                 // It can: its force has been outside the reservoir by rounding only.
                 (self.a0, self.memory) = (stuck, kept);
                 let touch = &mut self.field.touches[contact];
-                let shorter = if excess <= AT_LIMIT { self.step.h } else { 0.25 * self.step.h };
-                touch.tolerated += (2.0 * excess).clamp(f64::EPSILON, AT_LIMIT);
+                let shorter = if excess <= rounding { self.step.h } else { 0.25 * self.step.h };
+                touch.tolerated += (2.0 * excess).clamp(1e-3 * rounding, rounding);
                 return Ok(self.shorten(shorter));
             }
         }

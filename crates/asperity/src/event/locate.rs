@@ -10,7 +10,7 @@ use crate::contact::Phase;
 pub(super) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
     let touch = &field.touches[contact];
     match (touch.mode, touch.prescribed) {
-        (Phase::Open, None) => -touch.gap - SLACK * touch.reach,
+        (Phase::Open, None) => -touch.gap - (SLACK * touch.reach).max(field.creep),
         (Phase::Stick, _) if touch.shared => -1.0,
         (Phase::Stick, _) => excess(field, contact),
         (Phase::Slip, None) => -touch.normal_force,
@@ -21,8 +21,7 @@ pub(super) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
 /// How far the friction force of a sticking contact lies outside the reservoir.
 pub(super) fn excess(field: &Field<'_>, contact: usize) -> f64 {
     let touch = &field.touches[contact];
-    let boundary = touch.normal_force * (1.0 + touch.tolerated);
-    force::gauge(field.law(contact), &touch.force) - boundary
+    force::gauge(field.law(contact), &touch.force) - touch.normal_force - touch.tolerated
 }
 
 impl Section {

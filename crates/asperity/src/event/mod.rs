@@ -6,7 +6,8 @@
 //! | file | concept |
 //! |---|---|
 //! | `collocation.rs` | Radau IIA of order nine, its error estimate |
-//! | `field.rs`, `touch.rs`, `derivatives.rs`, `force.rs` | accelerations in a mode and their Jacobian |
+//! | `points.rs` | Newton's method with points of *D* as unknowns, where *D* is nearly flat |
+//! | `field.rs`, `mobility.rs`, `touch.rs`, `derivatives.rs`, `force.rs` | accelerations in a mode and their Jacobian |
 //! | `decide.rs`, `share.rs` | contact problems of accelerations and of impacts |
 //! | `locate.rs`, `watch.rs`, `between.rs` | functions whose zeros are events, watched along steps |
 //! | `sample.rs`, `dense.rs` | samples inside steps |
@@ -27,7 +28,9 @@ mod impact;
 mod inverse;
 mod locate;
 mod lu;
+mod mobility;
 mod motion;
+mod points;
 mod poll;
 mod run;
 mod sample;
@@ -71,7 +74,7 @@ pub struct Options {
     /// Time between samples in s; none keeps every step, before and after events.
     pub sample: Option<f64>,
     /// Longest step in s. Forces that depend on time are seen at five times of a step: what is shorter than a
-    /// fifth of it may be missed.
+    /// fifth of it may be missed. At least a ten billionth of the whole time.
     pub max_step: Option<f64>,
     /// Where to stop.
     pub section: Option<Section>,

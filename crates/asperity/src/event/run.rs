@@ -3,13 +3,13 @@
 use std::ops::ControlFlow;
 
 use super::between::NODES;
-use super::collocation::Step;
+use super::collocation::{Scale, Step};
 use super::control::Control;
 use super::dense::Dense;
 use super::field::{Field, add, largest};
 use super::force::norm;
 use super::poll::Poll;
-use super::touch::{FieldError, State, instant};
+use super::touch::{FieldError, ROUNDING, State, instant};
 use super::watch::{Lost, Watch};
 use super::{Cause, Motion, Options, OptionsError, Outcome, Run};
 use crate::contact::{ContactState, Phase};
@@ -40,6 +40,8 @@ pub(super) struct Runner<'a> {
     /// Accelerations at the present state, and at the beginning of a slip their rate.
     pub(super) a0: Vec<f64>,
     pub(super) slope: Option<Vec<f64>>,
+    /// Forces of sliding contacts per unit normal force at the present state.
+    pub(super) sliding: Vec<[f64; 3]>,
     /// The present attempt, the step before, and steps from the same start to other times.
     pub(super) step: Step,
     pub(super) last: Step,
@@ -96,6 +98,7 @@ impl<'a> Runner<'a> {
             field,
             a0: vec![0.0; n],
             slope: None,
+            sliding: vec![[0.0; 3]; contacts],
             step: Step::new(n),
             last: Step::new(n),
             probe: Step::new(n),
@@ -157,6 +160,7 @@ impl<'a> Runner<'a> {
         if let Some(contact) = self.singular() {
             return self.stop_without_collision(contact);
         }
+        self.field.creep = ROUNDING * self.field.load * h * h;
         let scale = self.control.scale(h, self.push(h), self.rounding(self.control.newton));
         if !self.linear {
             self.field.linearise(&self.state, scale)?;
@@ -256,11 +260,22 @@ impl<'a> Runner<'a> {
         let goal = (newton, self.control.scale(h, self.push(h), self.rounding(newton)));
         if self.smooth && h <= 2.0 * self.last.h {
             self.step.guess_from(h, &self.last, self.last.h);
-            if self.step.solve(&mut self.field, &self.state, h, goal)? {
+            let points_first = self.last.points.used;
+            if self.solve(h, goal, points_first)? {
                 return Ok(true);
             }
         }
         self.step.guess_line(h, &self.a0, self.slope.as_deref());
-        self.step.solve(&mut self.field, &self.state, h, goal)
+        self.solve(h, goal, false)
+    }
+
+    fn solve(
+        &mut self,
+        h: f64,
+        goal: (f64, Scale),
+        points_first: bool,
+    ) -> Result<bool, FieldError> {
+        let how = (&self.sliding[..], points_first);
+        self.step.solve_by_any(&mut self.field, &self.state, h, goal, how)
     }
 }

@@ -36,7 +36,7 @@ fn share(
     memory: &[ContactState],
     poll: &Poll<'_>,
 ) -> Result<bool, FieldError> {
-    let kept = field.touches.clone();
+    let (kept, acceleration) = (field.touches.clone(), field.acceleration.clone());
     for touch in &mut field.touches {
         touch.resting = touch.mode == Phase::Stick;
     }
@@ -50,6 +50,10 @@ fn share(
         if sticks && touch.mode == Phase::Stick {
             (touch.force, touch.normal_force, touch.shared) = (force, normal_force, true);
         }
+    }
+    if sticks {
+        // The constraints hold exactly there, to the accuracy of the solver here.
+        field.acceleration = acceleration;
     }
     Ok(sticks)
 }

@@ -55,8 +55,8 @@ pub(super) struct Touch {
     pub(super) resting: bool,
     /// Whether its force is the part that the contact problem gave it.
     pub(super) shared: bool,
-    /// Excess of the friction force over the boundary of the reservoir, relative to the normal force, that has
-    /// turned out to be rounding: the contact rests at the limit of its force.
+    /// Excess of the friction force over the boundary of the reservoir, as a normal force, that has turned out to
+    /// be rounding: the contact rests at the limit of its force.
     pub(super) tolerated: f64,
     pub(super) p: usize,
     /// Normal force that is given.

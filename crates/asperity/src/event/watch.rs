@@ -112,9 +112,11 @@ impl Runner<'_> {
     fn evaluate_stage(&mut self, stage: usize) -> Result<(), FieldError> {
         let (n, t) = (self.field.n, self.state.t + Tableau::radau().c[stage] * self.step.h);
         let own = stage * n..(stage + 1) * n;
+        self.step.points.hold(&mut self.field, stage);
         let step = std::mem::take(&mut self.step);
         let evaluated = self.evaluate((t, &step.q[own.clone()], &step.u[own]), false);
         self.step = step;
+        self.field.held.clear();
         evaluated
     }
 
@@ -197,13 +199,16 @@ impl Runner<'_> {
         let push = largest(&self.step.a);
         let goal = (newton, self.control.scale(self.step.h, push, self.rounding(newton)));
         self.probe.guess_from(h, &self.step, 0.0);
-        if !self.probe.solve(&mut self.field, &self.state, h, goal)? {
+        let how = (&self.sliding[..], self.step.points.used);
+        if !self.probe.solve_by_any(&mut self.field, &self.state, h, goal, how)? {
             return Err(Lost::Diverged);
         }
+        self.probe.points.hold(&mut self.field, STAGES - 1);
         let probe = std::mem::take(&mut self.probe);
         let (q, u) = (probe.end(&probe.q), probe.end(&probe.u));
         let evaluated = self.evaluate((self.state.t + h, q, u), h == 0.0 && self.starting);
         self.probe = probe;
+        self.field.held.clear();
         Ok(evaluated?)
     }
 
@@ -215,6 +220,7 @@ impl Runner<'_> {
         self.state.q.copy_from_slice(step.end(&step.q));
         self.state.u.copy_from_slice(step.end(&step.u));
         self.a0.copy_from_slice(&self.field.acceleration);
+        self.keep_sliding();
         self.slope = None;
         self.control.see(&mut self.field, &self.state.q, &self.state.u, h);
         if h > 0.0 {
@@ -222,6 +228,13 @@ impl Runner<'_> {
             self.control.made(&self.field, h);
         }
         self.field.survey(&self.state)
+    }
+
+    /// Keeps the sliding forces of the present state, at which the field has been evaluated.
+    pub(super) fn keep_sliding(&mut self) {
+        for (kept, touch) in self.sliding.iter_mut().zip(&self.field.touches) {
+            *kept = touch.sliding;
+        }
     }
 
     /// Takes the attempt, which ends at `t`.

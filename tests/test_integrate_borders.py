@@ -1,0 +1,564 @@
+"""Event-driven integration at its borders, each motion against something else.
+
+Rest, slips that only touch zero, direction sets that are nearly flat, redundant contacts, late
+times, tiny and huge lengths, events at the ends of runs.
+"""
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import mechanisms
+from scipy.integrate import quad, solve_ivp
+
+
+def line(mu):
+    return asp.FrictionLaw.isotropic(mu, dimension=1)
+
+
+LINE = {mu: line(mu) for mu in (0.1, 0.2, 1.0, 10.0)}
+
+
+class Ring(asp.System):
+    """A unit mass inside a ring."""
+
+    dof = 2
+
+    def __init__(self, radius=1.0, mu=0.2, restitution=0.0):
+        self.radius = radius
+        self.contacts = (asp.ContactLaw(LINE[mu], normal_restitution=restitution),)
+
+    def mass(self, q):
+        return np.eye(2)
+
+    def forces(self, t, q, u):
+        return np.zeros(2)
+
+    def direction(self, t, q, contact):
+        return np.array([[-q[1]], [q[0]]]) / np.hypot(*q)
+
+    def velocity(self, t, q, contact):
+        return np.zeros(1)
+
+    def normal(self, t, q, contact):
+        return -q / np.hypot(*q)
+
+    def gap(self, t, q, contact):
+        return float(self.radius - np.hypot(*q))
+
+
+class Table(asp.System):
+    """A unit mass on a table that moves as A sin ωt, under a pulse."""
+
+    dof = 1
+
+    def __init__(self, omega=0.0, amplitude=0.0, mu=10.0, pulse=0.0):
+        self.omega, self.amplitude, self.pulse = omega, amplitude, pulse
+        self.contacts = (asp.ContactLaw(LINE[mu], normal_force=1.0),)
+
+    def mass(self, q):
+        return np.eye(1)
+
+    def forces(self, t, q, u):
+        return np.array([self.pulse * np.exp(-(((t - 50.0) / 0.1) ** 2))])
+
+    def direction(self, t, q, contact):
+        return np.eye(1)
+
+    def velocity(self, t, q, contact):
+        return np.array([-self.amplitude * self.omega * np.cos(self.omega * t)])
+
+
+class Rod(asp.System):
+    """A rod of length 2 over the ground, m = 1, J = 1/3, g = 10."""
+
+    dof = 3
+
+    def __init__(self, mu, restitution):
+        law = asp.ContactLaw(
+            asp.FrictionLaw.isotropic(mu, dimension=1), normal_restitution=restitution
+        )
+        self.contacts = (law, law)
+
+    def mass(self, q):
+        return np.diag([1.0, 1.0, 1.0 / 3.0])
+
+    def forces(self, t, q, u):
+        return np.array([0.0, -10.0, 0.0])
+
+    def direction(self, t, q, contact):
+        return np.array([[1.0], [0.0], [(1 - 2 * contact) * np.sin(q[2])]])
+
+    def velocity(self, t, q, contact):
+        return np.zeros(1)
+
+    def normal(self, t, q, contact):
+        return np.array([0.0, 1.0, -(1 - 2 * contact) * np.cos(q[2])])
+
+    def gap(self, t, q, contact):
+        return float(q[1] - (1 - 2 * contact) * np.sin(q[2]))
+
+
+def stribeck_block():
+    law = LINE[1.0].replace(rate=asp.Stribeck(1.0 / 3.0, shape="hyperbolic"))
+    return asp.MassOnBelt(1.0, 1.0, law, 1.0, [0.2])
+
+
+def times(motion, kind):
+    return np.array([event.time for event in motion.events if event.kind == kind])
+
+
+def test_openings_know_how_the_normal_turns():
+    rod = mechanisms.FrictionalImpactOscillator(1.0)
+    assert asp.limit_cycle(rod).period == pytest.approx(3.156546, abs=1e-6)
+
+
+def test_slips_end_however_late_it_is():
+    """Times have a spacing of 2e-12 s there, in which the slip passes through zero."""
+    sticks = times(asp.integrate(stribeck_block(), t_end=1.2e4), "stick")
+    assert len(sticks) == 1001
+    assert np.diff(sticks[2:]) == pytest.approx(12.001031, abs=1e-6)
+    assert np.ptp(np.diff(sticks[2:])) < 2e-10
+
+
+@pytest.mark.parametrize(
+    ("radius", "speed"), [(1.0, 1.0), (1e-6, 1.0), (1e-3, 1e2), (1e3, 1.0), (1e6, 1e6)]
+)
+def test_differences_follow_the_motion(radius, speed):
+    """v = v₀/(1 + μ v₀ t/R) along a ring."""
+    t_end = 5.0 * radius / speed
+    motion = asp.integrate(Ring(radius), t_end=t_end, q0=[radius, 0.0], u0=[0.0, speed])
+    assert np.hypot(*motion.u[-1]) / speed == pytest.approx(0.5, abs=1e-11)
+    assert np.hypot(*motion.q[-1]) / radius == pytest.approx(1.0, abs=1e-13)
+
+
+@pytest.mark.parametrize("omega", [1.0, 1e4, 1e6])
+def test_differences_follow_the_table(omega):
+    amplitude = 1.0 / omega**2
+    table = Table(omega, amplitude)
+    motion = asp.integrate(table, t_end=10.0 / omega, u0=[amplitude * omega])
+    assert motion.q[-1, 0] / amplitude == pytest.approx(np.sin(10.0), abs=1e-11)
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.5, 0.8])
+@pytest.mark.parametrize("angle", [0.05, 0.2])
+def test_one_end_of_a_rod_bounces_to_rest_while_the_other_rests(restitution, angle):
+    rod = Rod(1.0, restitution)
+    motion = asp.integrate(rod, t_end=3.0, q0=[0.0, np.sin(angle), -angle])
+    assert motion.events[-1].time < 2.5
+    assert np.abs(motion.u[-1]).max() < 1e-12
+    assert motion.q[-1, 1:] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_bounces_in_a_ring_end():
+    motion = asp.integrate(Ring(restitution=0.5), t_end=5.0, q0=[0.9, 0.0], u0=[0.3, 1.0])
+    assert 15 < len(times(motion, "impact")) < 30
+    assert motion.phase[-1, 0] == asp.Phase.SLIP
+
+
+def spring_on_two_belts():
+    """One mass, two contacts that share a direction, μ = .1 and 1."""
+    contacts = [
+        asp.Contact(LINE[mu], [[1.0]], normal_force=1.0, velocity=[-0.1]) for mu in (0.1, 1.0)
+    ]
+    return asp.LinearSystem([[1.0]], [[1.0]], contacts=contacts)
+
+
+def test_redundant_contacts_stick_as_long_as_they_can_together():
+    motion = asp.integrate(spring_on_two_belts(), t_end=30.0, u0=[0.1])
+    assert times(motion, "slip")[0] == pytest.approx(11.0, abs=1e-9)
+    early = motion.t < 11.0
+    assert (motion.phase[early] == asp.Phase.STICK).all()
+    assert motion.force[early].sum(1)[:, 0] == pytest.approx(motion.q[early, 0], abs=1e-9)
+    assert (np.abs(motion.force[early, :, 0]) <= [0.1 + 1e-9, 1.0 + 1e-9]).all()
+    stepped = asp.simulate(spring_on_two_belts(), dt=1e-3, t_end=30.0, u0=[0.1])
+    assert motion.q[-1] == pytest.approx(stepped.q[-1], abs=1e-5)
+
+
+@pytest.mark.parametrize("depth", [1.0, 0.1, 0.01])
+@pytest.mark.parametrize("t_end", [10.0, 100.0])
+def test_gaps_that_close_for_a_moment_are_seen(depth, t_end):
+    """25 − c − 10 t + t² < 0 for 2 √c s."""
+    contact = asp.Contact(LINE[0.1], [[0.0], [1.0]], normal=[1.0, 0.0], normal_restitution=0.5)
+    system = asp.LinearSystem(np.eye(2), force=[2.0, 0.0], contacts=[contact])
+    motion = asp.integrate(system, t_end=t_end, q0=[25.0 - depth, 0.0], u0=[-10.0, 0.0])
+    assert times(motion, "impact")[0] == pytest.approx(5.0 - np.sqrt(depth), abs=1e-10)
+
+
+def test_sections_that_are_crossed_for_a_moment_are_seen():
+    ball = asp.LinearSystem([[1.0]], force=[-10.0])
+    motion = asp.integrate(ball, t_end=1e3, u0=[1.0], section=asp.Section([1.0, 0.0], 0.04))
+    assert motion.t[-1] == pytest.approx((1.0 - np.sqrt(0.2)) / 10.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e-15, -1e-15, 1e-13, -1e-13])
+@pytest.mark.parametrize("which", [4, 5])
+def test_sections_at_events_are_crossed(which, offset):
+    event = asp.integrate(stribeck_block(), t_end=60.0).events[which]
+    at = asp.integrate(stribeck_block(), t_end=event.time)
+    q, sign = at.q[-1, 0], np.sign(at.u[-1, 0])
+    section = asp.Section([sign, 0.0], sign * (q + offset * sign), after=event.time - 1.0)
+    motion = asp.integrate(stribeck_block(), t_end=60.0, section=section)
+    assert motion.t[-1] == pytest.approx(event.time, abs=1e-11)
+
+
+def test_lengths_are_those_of_the_contact():
+    ball = asp.LinearSystem(
+        np.eye(2),
+        force=[-10.0, 0.0],
+        contacts=[asp.Contact(LINE[0.1], [[0.0], [1.0]], normal=[1.0, 0.0])],
+    )
+    motion = asp.integrate(ball, t_end=0.1, q0=[9e-5, 1e5])
+    assert times(motion, "impact") == pytest.approx(np.sqrt(1.8e-5), rel=1e-9)
+    with pytest.raises(asp.ParameterError, match="overlap"):
+        asp.integrate(ball, t_end=1.0, q0=[-9e-5, 1e5])
+
+
+@pytest.mark.parametrize(
+    ("mu", "restitution", "q0", "u0"),
+    [
+        (
+            2.4456470462005426,
+            0.0,
+            [0.0, 0.5614133666795249, 0.5960927351863914],
+            [-2.2720427883792933, -1.7458362258848092, -2.10968132515567],
+        ),
+        (
+            1.9426217196830613,
+            0.6,
+            [0.0, 0.7418770499519974, 0.8358653682570956],
+            [-0.7298174838947452, 0.32505091675265785, 0.48476285734430086],
+        ),
+    ],
+)
+def test_what_an_attempt_meets_is_no_paradox(mu, restitution, q0, u0):
+    rod = Rod(mu, restitution)
+    motion = asp.integrate(rod, t_end=0.6, q0=q0, u0=u0)
+    stepped = asp.simulate(rod, dt=1e-4, t_end=0.6, q0=q0, u0=u0)
+    assert motion.q[-1] == pytest.approx(stepped.q[-1], abs=5e-3)
+
+
+def test_short_pulses_need_short_steps():
+    table = Table(mu=1.0, pulse=5.0)
+    motion = asp.integrate(table, t_end=100.0, max_step=0.1)
+    stepped = asp.simulate(table, dt=1e-3, t_end=100.0)
+    assert motion.q[-1] == pytest.approx(stepped.q[-1], abs=1e-3)
+    assert motion.steps >= 1000
+
+
+@pytest.mark.parametrize(
+    ("argument", "value"), [("t_end", 1e300), ("dt", 1e-12), ("max_step", 0.0)]
+)
+def test_bad_arguments_are_named(argument, value):
+    with pytest.raises(asp.ParameterError, match=argument):
+        asp.integrate(stribeck_block(), **({"t_end": 1.0} | {argument: value}))
+
+
+def test_samples_are_as_exact_as_steps():
+    motion = asp.integrate(stribeck_block(), t_end=30.0, q0=[1.0], u0=[0.2], dt=0.01)
+    for k in (100, 411, 999, 2222):
+        end = asp.integrate(stribeck_block(), t_end=float(motion.t[k]), q0=[1.0], u0=[0.2])
+        assert motion.q[k] == pytest.approx(end.q[-1], abs=1e-10)
+        assert motion.u[k] == pytest.approx(end.u[-1], abs=1e-10)
+        assert motion.force[k, 0] == pytest.approx(end.force[-1, 0], abs=1e-9)
+
+
+def arm(mu, along, across, raised=0.0):
+    """A hinged arm pressed on a plane: one degree of freedom, two rows."""
+    contact = asp.Contact(line(mu), [along], normal=[across], gap=-across * raised)
+    return asp.LinearSystem(1.0, force=[-1.0], contacts=[contact])
+
+
+@pytest.mark.parametrize("raised", [0.0, 1.0])
+@pytest.mark.parametrize("mu", [0.1, 0.3, 0.8])
+@pytest.mark.parametrize("across", [0.2, 0.6, 1.1])
+@pytest.mark.parametrize("along", [0.2, 0.8, 1.4])
+def test_an_arm_at_rest_rests(along, across, mu, raised):
+    motion = asp.integrate(arm(mu, along, across, raised), t_end=1.0, q0=[raised])
+    assert motion.q[-1] == pytest.approx([raised], abs=1e-15)
+    assert np.abs(motion.u).max() < 1e-15
+    assert motion.steps + motion.rejected_steps < 100
+
+
+def random_arm(p, n, rng):
+    """A body that friction can hold, pressed on a plane with fewer freedoms than rows."""
+    mu = rng.uniform(0.3, 1.2)
+    along, across, root = rng.normal(size=(n, p)), rng.normal(size=n), rng.normal(size=(n, n))
+    held = rng.normal(size=p)
+    held *= mu * rng.uniform(0.0, 0.9) / np.linalg.norm(held)
+    law = asp.FrictionLaw.isotropic(mu, dimension=p)
+    return asp.LinearSystem(
+        root @ root.T + np.eye(n),
+        force=-across - along @ held,
+        contacts=[asp.Contact(law, along, normal=across)],
+    )
+
+
+def count_moving_arms(count):
+    """Number of arms that were compared, and those that `simulate` moves differently."""
+    rng = np.random.default_rng(1)
+    compared, apart = 0, []
+    for case in range(count):
+        p, n = ((1, 1), (2, 1), (2, 2))[case % 3]
+        system = random_arm(p, n, rng)
+        try:
+            motion = asp.integrate(system, t_end=1.0)
+            steps = asp.simulate(system, dt=1e-2, t_end=1.0)
+        except asp.NoSolutionError:
+            continue  # A case of the contact solver, not of the integrator.
+        compared += 1
+        if np.abs(motion.u[-1] - steps.u[-1]).max() > 1e-9:
+            apart.append(case)
+        assert motion.steps + motion.rejected_steps < 5000
+    return compared, apart
+
+
+def test_random_arms_come_to_their_end():
+    compared, apart = count_moving_arms(60)
+    assert compared >= 50
+    assert apart == []
+
+
+@pytest.mark.long
+def test_many_random_arms_come_to_their_end():
+    compared, apart = count_moving_arms(10_000)
+    assert compared >= 8000
+    assert apart == []
+
+
+def graze(mu, degrees, on_belt):
+    """Place at t = 40 s of a mass on a belt whose γ touches 0 once a turn, and the true place."""
+    e = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    belt = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(mu), 1.0, e)
+    motion = asp.integrate(belt, t_end=40.0, u0=e if on_belt else None)
+    # From the belt: stick until the spring is as strong as friction, then q = μ + sin(t − μ).
+    # From rest: q = μ (1 − cos t), which reaches the speed of the belt if μ > 1.
+    if on_belt:
+        return motion.q[-1], (mu + np.sin(40.0 - mu)) * e
+    if mu <= 1.0:
+        return motion.q[-1], mu * (1.0 - np.cos(40.0)) * e
+    caught = np.arcsin(1.0 / mu)
+    start = mu * (1.0 - np.cos(caught))
+    leaves = caught + mu - start
+    return motion.q[-1], (mu + np.sin(40.0 - leaves)) * e
+
+
+@pytest.mark.parametrize("mu", [0.1, 1.0, 3.0, 10.0])
+def test_slips_that_graze_zero_go_on(mu):
+    for degrees in range(0, 360, 24):
+        for on_belt in (True, False):
+            place, expected = graze(mu, degrees + 10 * on_belt, on_belt)
+            assert place == pytest.approx(expected, abs=1e-8), degrees
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("mu", [0.1, 1.0, 3.0, 10.0])
+def test_slips_that_graze_zero_go_on_in_all_directions(mu):
+    for degrees in range(360):
+        for on_belt in (True, False):
+            place, expected = graze(mu, degrees, on_belt)
+            assert place == pytest.approx(expected, abs=1e-8), degrees
+
+
+def test_the_grazing_belt_has_no_isolated_cycle():
+    e = np.array([np.cos(np.radians(10.0)), np.sin(np.radians(10.0))])
+    belt = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(3.0), 1.0, e)
+    with pytest.raises(asp.NoCycleError, match="continuum"):
+        asp.limit_cycle(belt)
+
+
+AXES = np.array([1.5, 1.0])
+RESERVOIR = asp.Ellipse(0.5, 0.3, angle=0.4)
+
+
+def stop_of_a_point(exponent, u0, gravity=9.81):
+    """Where and when a point stops whose direction set is a superellipse, by quadrature.
+
+    With a = s/(s − 1), b = 1/(s − 1) the difference of |v₁|^(1−b)/p₁^a and |v₂|^(1−b)/p₂^a is
+    constant: the velocity is a function of one component, with which the other one vanishes if
+    s < 2; if s > 2 the other one vanishes later, along the axis.
+    """
+    sign, v0 = np.sign(u0), np.abs(u0)
+    a, b = exponent / (exponent - 1.0), 1.0 / (exponent - 1.0)
+    weights = AXES**a
+
+    def decelerations(v):
+        z = weights * (v / v.max()) ** b
+        return gravity * z / RESERVOIR.gauge(z * sign)
+
+    if exponent == 2.0:
+        first, rest, power = 1, 0.0, 1.0
+
+        def velocity(w):
+            return np.array([v0[0] * (w / v0[1]) ** (AXES[0] ** 2 / AXES[1] ** 2), w])
+    else:
+        shares = v0 ** (1.0 - b) / weights
+        first = int(shares[0] > shares[1])
+        other = 1 - first
+        excess = abs(shares[0] - shares[1])
+        rest = (excess * weights[other]) ** (1.0 / (1.0 - b)) if exponent > 2.0 else 0.0
+        power = 1.0 / (1.0 - b) if exponent > 2.0 else 1.0
+
+        def velocity(w):
+            v = np.empty(2)
+            v[first] = w
+            share = max(excess + w ** (1.0 - b) / weights[first], 0.0)
+            v[other] = (share * weights[other]) ** (1.0 / (1.0 - b))
+            return v
+
+    def part(x, k):
+        v = velocity(v0[first] * x**power)
+        slope = v0[first] * power * x ** (power - 1.0) / decelerations(v)[first]
+        return slope * (v[k] if k < 2 else 1.0)
+
+    parts = [quad(part, 0.0, 1.0, (k,), epsabs=1e-13, epsrel=1e-11, limit=400)[0] for k in range(3)]
+    place, duration = np.array(parts[:2]), parts[2]
+    if rest > 0.0:
+        v = np.zeros(2)
+        v[1 - first] = rest
+        slower = decelerations(v)[1 - first]
+        place[1 - first] += 0.5 * rest**2 / slower
+        duration += rest / slower
+    return place * sign, duration
+
+
+EXPONENTS = [1.2, 1.3, 1.5, 2.0, 2.2, 2.5, 2.6, 3.0, 4.0, 5.0, 6.0]
+
+
+def check_stops(exponent, angles):
+    law = asp.FrictionLaw(RESERVOIR, asp.Superellipse(*AXES, exponent))
+    point = asp.SlidingPoint(1.0, law)
+    for angle in angles:
+        u0 = np.array([np.cos(angle), np.sin(angle)])
+        place, duration = stop_of_a_point(exponent, u0)
+        motion = asp.integrate(point, t_end=2.0, u0=u0)
+        assert motion.q[-1] == pytest.approx(place, abs=1e-6), angle
+        assert motion.events[-1].time == pytest.approx(duration, abs=1e-6), angle
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_points_stop_where_the_invariant_says(exponent):
+    check_stops(exponent, [0.6435, 2.5])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_points_stop_where_the_invariant_says_in_all_directions(exponent):
+    check_stops(exponent, (np.arange(15) + 0.37) * 2.0 * np.pi / 15)
+
+
+@pytest.mark.parametrize("exponent", [1.3, 3.0, 6.0])
+def test_slips_along_flat_directions_agree_with_scipy(exponent):
+    """Before a component of the slip vanishes, which no explicit method passes."""
+    law = asp.FrictionLaw(RESERVOIR, asp.Superellipse(*AXES, exponent))
+
+    def field(_, y):
+        return [*y[2:], *law.force(y[2:], 9.81)]
+
+    u0 = [0.8, 0.6]
+    expected = solve_ivp(
+        field, (0.0, 0.1), [0.0, 0.0, *u0], method="DOP853", rtol=1e-11, atol=1e-13
+    ).y[:, -1]
+    motion = asp.integrate(asp.SlidingPoint(1.0, law), t_end=0.1, u0=u0)
+    assert np.concatenate([motion.q[-1], motion.u[-1]]) == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize("exponent", [3.0, 6.0])
+def test_slips_stay_on_flat_axes_under_a_small_load(exponent):
+    """Across the axis the slip follows the load as a high power of it."""
+    law = asp.FrictionLaw.associated(asp.Superellipse(0.5, 0.4, exponent))
+    contact = asp.Contact(law, np.eye(2), normal_force=10.0, velocity=[1.0, 0.0])
+    load = np.array([0.0, 0.2])
+    system = asp.LinearSystem(np.eye(2), np.diag([1.0, 0.0]), force=load, contacts=[contact])
+    motion = asp.integrate(system, t_end=1.0)
+    # z = (.5 c, .4 s) with c^s + s^s = 1 has the normal (c^(s−1)/.5, s^(s−1)/.4), and 10 z₂ = .2.
+    share = 0.2 / (10.0 * 0.4)
+    along = (1.0 - share**exponent) ** (1.0 / exponent)
+    ratio = (share / along) ** (exponent - 1.0) * 0.5 / 0.4
+    assert motion.u[-1, 1] == pytest.approx(ratio * (motion.u[-1, 0] + 1.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("q0", [-1e-18, 1e-18, 0.0])
+def test_a_state_at_rest_is_taken(q0):
+    contact = asp.Contact(line(0.3), [[1.0]], normal=[1.0])
+    block = asp.LinearSystem([[1.0]], force=[-1.0], contacts=[contact])
+    motion = asp.integrate(block, t_end=1.0, q0=[q0])
+    assert abs(motion.q[-1, 0]) <= 1e-18
+    with pytest.raises(asp.ParameterError, match="overlap"):
+        asp.integrate(block, t_end=1.0, q0=[-1e-3])
+
+
+@pytest.mark.parametrize("excess", [0.0, 1e-16, 1e-13])
+def test_a_load_at_the_limit_of_friction_is_held(excess):
+    contact = asp.Contact(line(0.3), [[1.0]], normal_force=1.0)
+    block = asp.LinearSystem([[1.0]], force=[0.3 * (1.0 + excess)], contacts=[contact])
+    motion = asp.integrate(block, t_end=1.0)
+    assert abs(motion.q[-1, 0]) <= 1e-13
+
+
+class Push(asp.System):
+    """A block that a force pushes, λ_N = 1, μ = 0.3."""
+
+    dof = 1
+    contacts = (asp.ContactLaw(line(0.3), normal_force=1.0),)
+
+    def __init__(self, push, direction=1.0):
+        self.push, self.along = push, direction
+
+    def mass(self, q):
+        return np.eye(1)
+
+    def forces(self, t, q, u):
+        return np.array([self.push(t)])
+
+    def direction(self, t, q, contact):
+        return np.array([[self.along]])
+
+
+@pytest.mark.parametrize("late", [0.0, 1e-15, 1e-12, 1e-9, 1.0])
+def test_forces_may_jump_at_the_end(late):
+    block = Push(lambda t: 0.35 if t >= 1.0 else 0.0)
+    motion = asp.integrate(block, t_end=1.0 + late)
+    assert motion.t[-1] == 1.0 + late
+    assert motion.q[-1, 0] == pytest.approx(0.5 * 0.05 * late**2, abs=1e-15)
+
+
+@pytest.mark.parametrize("periods", [1, 2, 10])
+def test_square_waves_end_with_a_whole_period(periods):
+    """Each half period begins with the slip v of the last, which stops after v/.65."""
+    wave = Push(lambda t: 0.35 if t % 1.0 < 0.5 else -0.35)
+    motion = asp.integrate(wave, t_end=float(periods), max_step=0.25)
+    q = v = 0.0
+    for half in range(2 * periods):
+        sign = 1.0 - 2.0 * (half % 2)
+        stops = abs(v) / 0.65
+        q += 0.5 * v * stops + sign * 0.5 * 0.05 * (0.5 - stops) ** 2
+        v = sign * 0.05 * (0.5 - stops)
+    assert [motion.q[-1, 0], motion.u[-1, 0]] == pytest.approx([q, v], abs=1e-8)
+
+
+@pytest.mark.parametrize("solve", ["integrate", "simulate"])
+def test_callbacks_are_checked_alike(solve):
+    arguments = {"t_end": 1.0} | ({"dt": 0.1} if solve == "simulate" else {})
+    with pytest.raises(asp.ParameterError, match="direction: must be finite and not zero"):
+        getattr(asp, solve)(Push(lambda t: 0.0, direction=0.0), **arguments)
+    with pytest.raises(asp.ParameterError, match="forces: must return real numbers"):
+        getattr(asp, solve)(Push(lambda t: 1.0 + 1.0j), **arguments)
+
+
+@pytest.mark.parametrize("max_step", [1e-12, 1e-17, 1e-300])
+def test_steps_that_would_never_end_are_refused(max_step):
+    with pytest.raises(asp.ParameterError, match="max_step: is too small"):
+        asp.integrate(Push(lambda t: 0.0), t_end=1.0, max_step=max_step)
+
+
+def test_stops_that_touch_take_part_in_impacts():
+    """A mass in a corner: one wall is hit while the mass is about to leave the other one."""
+    contacts = [
+        asp.Contact(line(0.1), [[0.0], [1.0]], normal=[1.0, 0.0], normal_restitution=0.3),
+        asp.Contact(line(0.1), [[1.0], [0.0]], normal=[-0.9, 0.436], normal_restitution=0.8),
+    ]
+    corner = asp.LinearSystem(np.eye(2), contacts=contacts)
+    motion = asp.integrate(corner, t_end=0.5, u0=[-1.0, -1.0])
+    assert motion.ambiguous_events > 0
+    assert len(motion.events) < 20
+    assert np.hypot(*motion.u[-1]) < np.sqrt(2.0)

@@ -1,0 +1,180 @@
+"""Random systems with stops, redundant feet and hinges: integrators end and agree to O(Δt).
+
+Neither knows of the other: events located to rounding on one side, Moreau's steps on the other
+one. Where a motion has several continuations both may mark it, and it is not compared.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from collections import Counter
+
+import asperity as asp
+import numpy as np
+import pytest
+
+T_END = 0.4
+STEPS = (4e-3, 2e-3, 1e-3)
+# Events of a run that is left out: contacts that bounce too often to be compared.
+EVENTS = 400
+
+
+def law(rng, p):
+    mu = rng.uniform(0.1, 1.2)
+    if p == 1:
+        return asp.FrictionLaw.isotropic(mu, dimension=1)
+    if rng.random() < 0.5:
+        return asp.FrictionLaw.isotropic(mu)
+    reservoir = asp.Ellipse(mu, mu * rng.uniform(0.3, 1.0), angle=rng.uniform(0.0, np.pi))
+    if rng.random() < 0.5:
+        return asp.FrictionLaw.associated(reservoir)
+    direction = asp.Superellipse(1.0, rng.uniform(0.3, 1.0), rng.uniform(1.2, 6.0))
+    return asp.FrictionLaw(reservoir, direction.rotated(rng.uniform(0.0, np.pi)))
+
+
+def contact(rng, n, p, kind):
+    """A stop, a contact pressed on a belt, or a hinge, which sees one direction of motion only."""
+    along, across = rng.normal(size=(n, p)), rng.normal(size=n)
+    if kind == "belt":
+        return asp.Contact(
+            law(rng, p), along, normal_force=rng.uniform(0.5, 3.0), velocity=rng.normal(size=p)
+        )
+    if kind == "hinge":
+        seen = rng.normal(size=n)
+        along, across = np.outer(seen, rng.normal(size=p)), seen * rng.choice([-1.0, 1.0])
+    gap = 0.0 if rng.random() < 0.5 else rng.uniform(0.0, 0.2)
+    restitution = rng.choice([0.0, 0.0, 0.3, 0.8])
+    return asp.Contact(law(rng, p), along, normal=across, gap=gap, normal_restitution=restitution)
+
+
+def feet(rng, n, p):
+    """Feet of one body, more of them than it needs: their rows depend on each other."""
+    along, across = rng.normal(size=(n, p)), rng.normal(size=n)
+    shared, out = law(rng, p), []
+    lean = rng.normal(size=n)
+    for place in np.linspace(-1.0, 1.0, rng.integers(2, 5)):
+        turn = place if rng.random() < 0.7 else 0.0
+        out.append(asp.Contact(shared, along, normal=across + turn * lean))
+    return out
+
+
+def random_system(seed):
+    """A system with its initial state; half of them rest."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 5))
+    p = int(rng.choice([1, 2]))
+    kinds = list(rng.choice(["stop", "belt", "hinge"], size=rng.integers(1, 3)))
+    contacts = [contact(rng, n, p, kind) for kind in kinds]
+    if rng.random() < 0.4:
+        contacts += feet(rng, n, p)
+    root = rng.normal(size=(n, n))
+    spring = rng.normal(size=(n, n)) if rng.random() < 0.5 else np.zeros((n, n))
+    system = asp.LinearSystem(
+        root @ root.T + 0.5 * np.eye(n),
+        spring @ spring.T * 5.0,
+        damping=0.1 * spring @ spring.T,
+        force=3.0 * rng.normal(size=n),
+        contacts=contacts,
+    )
+    u0 = np.zeros(n) if rng.random() < 0.5 else rng.normal(size=n)
+    return system, np.zeros(n), u0
+
+
+def compare(seed):
+    """How a run ended, and a message.
+
+    "agrees", "ambiguous", "apart"; "events", as many as are allowed; "unsolved", a contact problem
+    of either integrator that has no solution or none that was found; "failed", all other errors.
+    """
+    system, q0, u0 = random_system(seed)
+    start = {"t_end": T_END, "q0": q0, "u0": u0}
+    try:
+        motion = asp.integrate(system, max_events=EVENTS, **start)
+    except asp.AsperityError as error:
+        if "max_events" in str(error):
+            return "events", ""
+        unsolved = isinstance(error, asp.NoSolutionError) or "were not found" in str(error)
+        return ("unsolved" if unsolved else "failed"), f"integrate: {error}"
+    off, marked = [], motion.ambiguous_events
+    for dt in STEPS:
+        try:
+            steps = asp.simulate(system, dt=dt, **start)
+        except asp.ConvergenceError as error:
+            return "unsolved", f"simulate: {error}"
+        off.append(np.abs(steps.q[-1] - motion.q[-1]).max())
+        marked += steps.ambiguous_steps
+    size = max(1.0, np.abs(motion.u).max())
+    if off[-1] <= 20.0 * STEPS[-1] * size or off[-1] <= 0.5 * off[0]:
+        return "agrees", ""
+    return ("ambiguous" if marked else "apart"), f"{off} at {size:.2g} m/s"
+
+
+def walk(seeds):
+    """Outcomes of all runs, and what there is to be told of those that do not agree."""
+    outcomes, told = Counter(), []
+    for seed in seeds:
+        outcome, message = compare(seed)
+        outcomes[outcome] += 1
+        if outcome not in ("agrees", "ambiguous", "events"):
+            told.append((seed, outcome, message))
+    return outcomes, told
+
+
+# Share of runs that may end with a contact problem without a solution: contacts that see one
+# direction of the motion only and bounce ask for velocities that contradict each other.
+MOST_UNSOLVED = 0.1
+
+
+def check(outcomes, told):
+    assert [case for case in told if case[1] != "unsolved"] == [], outcomes
+    assert outcomes["unsolved"] <= MOST_UNSOLVED * sum(outcomes.values()), outcomes
+
+
+def test_random_systems_agree():
+    check(*walk(range(60)))
+
+
+CHUNK = 100
+SECONDS = 5.0
+
+
+@pytest.mark.long
+def test_many_random_systems_agree_and_end():
+    """In processes of their own, so that a run without end is told, not waited for."""
+    script = (
+        "import json, sys, time\n"
+        "from test_random_systems import compare\n"
+        "for seed in range(int(sys.argv[1]), int(sys.argv[2])):\n"
+        "    print('begin', seed, flush=True)\n"
+        "    started = time.process_time()\n"
+        "    outcome, message = compare(seed)\n"
+        "    seconds = time.process_time() - started\n"
+        "    print(json.dumps([seed, outcome, message, seconds]), flush=True)\n"
+    )
+    folders = [os.path.dirname(__file__), *sys.path]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, folders))}
+    outcomes, told, late = Counter(), [], []
+    for first in range(0, 10_000, CHUNK):
+        command = [sys.executable, "-c", script, str(first), str(first + CHUNK)]
+        limit = CHUNK * SECONDS
+        try:
+            done = subprocess.run(
+                command, env=environment, capture_output=True, text=True, timeout=limit, check=True
+            )
+        except subprocess.TimeoutExpired as expired:
+            late.append((first, (expired.stdout or b"")[-100:]))
+            continue
+        for entry in done.stdout.splitlines():
+            if entry.startswith("begin"):
+                continue
+            seed, outcome, message, seconds = json.loads(entry)
+            outcomes[outcome] += 1
+            if outcome not in ("agrees", "ambiguous", "events"):
+                told.append((seed, outcome, message))
+            # Four runs of up to five seconds each.
+            if seconds > 4.0 * SECONDS:
+                late.append((seed, seconds))
+    print(outcomes, *told, sep="\n")
+    assert late == []
+    check(outcomes, told)
