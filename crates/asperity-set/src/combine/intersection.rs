@@ -78,7 +78,9 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
         let nearest = self.corners.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         match nearest {
             Some(corner) if is_normal_at(self, corner, &(z - corner)) => *corner,
-            _ if P == 3 => alternately(&self.sets, z).unwrap_or_else(|| project::onto_any(self, z)),
+            _ if P == 3 => project::by_cuts(self, z)
+                .or_else(|| alternately(&self.sets, z))
+                .unwrap_or_else(|| project::onto_any(self, z)),
             _ => project::onto_any(self, z),
         }
     }
