@@ -165,3 +165,34 @@ def test_sizes_that_no_set_can_have_are_refused_by_name(argument, make, size):
         make(size)
     assert caught.value.argument == argument
     assert "1e-60" in str(caught.value)
+
+
+@pytest.mark.parametrize("magnitude", MAGNITUDES)
+@pytest.mark.parametrize("load", [2.0**-1000, 1.0, 2.0**900])
+def test_laws_at_slips_and_loads_of_any_magnitude(magnitude, load, rng):
+    law = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.3), asp.Ellipse(3.0, 1.0))
+    unit = whole(random_directions(rng, 12, 2), magnitude)
+    slip = unit * magnitude
+    np.testing.assert_allclose(law.force(slip, load), load * law.force(unit), rtol=1e-12)
+    with np.errstate(over="ignore"):
+        power = load * law.dissipation(unit) * magnitude
+        slope = law.jacobian(unit) / magnitude * load
+    found = answer(lambda: law.dissipation(slip, load), "slip")
+    if found is None:
+        assert np.isinf(power).any()
+    else:
+        np.testing.assert_allclose(found, power, rtol=1e-12, atol=1e-320)
+    found = answer(lambda: law.jacobian(slip, load), "slip")
+    if found is None:
+        assert not np.isfinite(slope).all()
+    else:
+        scale = np.abs(slope).max()
+        np.testing.assert_allclose(found, slope, rtol=1e-9, atol=1e-12 * scale + 1e-320)
+
+
+def test_a_problem_with_forces_beyond_their_squares_does_not_panic():
+    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(0.6, 0.3) & asp.Disk(0.4))
+    problem = asp.ContactProblem(np.eye(2), [1e200, 1e200], law, normal_force=1e200)
+    solution = problem.solve(on_failure="record")
+    twin = problem.replace(free_velocity=[1.0, 1.0], normal_force=1.0).solve()
+    np.testing.assert_allclose(solution.percussion, 1e200 * twin.percussion, rtol=1e-9)

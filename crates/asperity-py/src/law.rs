@@ -1,7 +1,7 @@
 //! Friction laws.
 
 use asperity::law::{Fall, FrictionLaw, Law as CoreLaw, LawError, Stribeck, flow_sets};
-use asperity::set::{Convex, Star, Vector};
+use asperity::set::{Convex, SetError, Star, Vector};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -190,7 +190,10 @@ impl Law {
         normal_force: Numbers<'_>,
     ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         let out = each!(&self.0, law => {
-            each_loaded(py, "slip", &slip, &normal_force, |v, n| Ok([law.dissipation(v, n)]))
+            each_loaded(py, "slip", &slip, &normal_force, |v, n| match law.dissipation(v, n) {
+                power if power.is_finite() => Ok([power]),
+                _ => Err(SetError::Range { argument: "slip", excess: "large" }.into()),
+            })
         })?;
         Ok(PyArray1::from_vec(py, out))
     }

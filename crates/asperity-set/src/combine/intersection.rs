@@ -59,7 +59,8 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
     fn support_point(&self, y: &Vector<P>) -> Vector<P> {
         let own = self.sets.iter().map(|set| set.support_point(y)).find(|x| self.holds(x));
         let point = own.or_else(|| self.farthest_corner(y));
-        point.unwrap_or_else(|| polar::support_point(self, y))
+        let in_space = || if P == 3 { project::farthest_by_cuts(self, y) } else { None };
+        point.or_else(in_space).unwrap_or_else(|| polar::support_point(self, y))
     }
 
     /// The Hessian is that of the member whose support point it is, and zero at corners.
@@ -67,7 +68,7 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
         let own = self.sets.iter().map(|set| set.support_jet(y)).find(|jet| self.holds(&jet.0));
         let corner = || Some((self.farthest_corner(y)?, Matrix::zeros()));
         own.or_else(corner)
-            .unwrap_or_else(|| (polar::support_point(self, y), polar::support_hessian(self, y)))
+            .unwrap_or_else(|| (self.support_point(y), polar::support_hessian(self, y)))
     }
 
     fn project(&self, z: &Vector<P>) -> Vector<P> {

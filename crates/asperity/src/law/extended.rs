@@ -203,7 +203,11 @@ impl<const P: usize> FrictionLaw<P> {
         let across = Matrix::identity() - z * gradient.transpose() / gauge;
         let factor = -normal_force / (gauge * size);
         let plain = if hessian.iter().all(|v| v.is_finite()) {
-            across * hessian * factor
+            let plain = across * hessian * factor;
+            if !plain.iter().all(|v| v.is_finite()) {
+                return Err(SetError::Range { argument: "slip", excess: "small" }.into());
+            }
+            plain
         } else {
             jump(&across, &(slip / size), factor)
         };
