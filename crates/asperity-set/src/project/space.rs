@@ -42,7 +42,7 @@ const CUTS: usize = 200;
 const ROUNDING: f64 = 1e-14;
 
 /// Projection onto the half-spaces below tangent planes of the set, one more plane as long as the point is outside:
-/// the dual active-set method of Goldfarb and Idnani, which keeps at most `P` planes. A point of the set that is
+/// the dual active-set method of \[GoldfarbIdnani1983\], which keeps at most `P` planes. A point of the set that is
 /// nearest in half-spaces around the set is nearest in the set. Edges and corners of polytopes are found after as
 /// many planes as they have faces; on round boundaries the planes close in. `None` if that takes too long.
 pub(crate) fn by_cuts<const P: usize, S: ConvexSet<P> + ?Sized>(
