@@ -92,8 +92,8 @@ pub(crate) fn size(argument: &'static str, value: f64) -> Result<f64, SetError> 
     }
 }
 
-/// Refuses data of an outline that holds a size no set may have.
-pub(crate) fn refuse_sizes(argument: &'static str, found: f64) -> SetError {
+/// The error of an outline that holds a size no set may have.
+pub(crate) fn size_error(argument: &'static str, found: f64) -> SetError {
     let message = format!("must give a set of a size {ALLOWED_SIZES}, holds {found:?}");
     SetError::Shape { argument, message }
 }

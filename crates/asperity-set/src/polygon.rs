@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use crate::curve::diamond;
-use crate::error::{SIZES, refuse_sizes};
+use crate::error::{SIZES, size_error};
 use crate::plane::{cross, quarter_turn};
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
 
@@ -30,7 +30,7 @@ impl Polygon {
         }
         let largest = vertices.iter().map(|v| v.amax()).fold(0.0, f64::max);
         if !SIZES.contains(&largest) {
-            return Err(refuse_sizes("vertices", largest));
+            return Err(size_error("vertices", largest));
         }
         let outline = distinct(vertices);
         if outline.len() < 3 {
@@ -55,7 +55,7 @@ impl Polygon {
             .collect();
         let nearest = normals.iter().map(|n| 1.0 / n.amax()).fold(f64::INFINITY, f64::min);
         if !SIZES.contains(&nearest) {
-            return Err(refuse_sizes("vertices", nearest));
+            return Err(size_error("vertices", nearest));
         }
         let convex = (0..n).all(|i| {
             let j = (i + n - 1) % n;

@@ -1,7 +1,7 @@
 //! Convex sets whose support function is measured or computed.
 
 use crate::curve::Curve;
-use crate::error::{SIZES, refuse_sizes};
+use crate::error::{SIZES, size_error};
 use crate::plane::quarter_turn;
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
 
@@ -20,7 +20,7 @@ impl SupportCurve {
     pub fn new(angle: &[f64], support: &[f64]) -> Result<Self, SetError> {
         let positive = support.iter().filter(|h| h.is_finite() && **h > 0.0);
         if let Some(&bad) = positive.into_iter().find(|h| !SIZES.contains(h)) {
-            return Err(refuse_sizes("support", bad));
+            return Err(size_error("support", bad));
         }
         let support = Curve::new(angle, support, "support")?;
         let (rho, at) = support.lowest();

@@ -53,14 +53,20 @@ impl<const P: usize, S: StarSet<P>> StarSet<P> for Intersection<S, P> {
     }
 }
 
+impl<const P: usize, S: ConvexSet<P>> Intersection<S, P> {
+    /// The projection onto a member that lies in all others: no point of the intersection is nearer.
+    fn nearest_of_one(&self, z: &Vector<P>) -> Option<Vector<P>> {
+        self.sets.iter().map(|set| set.project(z)).find(|x| self.holds(x))
+    }
+}
+
 impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
     /// A member's support point that lies in all others is the farthest; else the farthest point lies where
     /// boundaries cross.
     fn support_point(&self, y: &Vector<P>) -> Vector<P> {
         let own = self.sets.iter().map(|set| set.support_point(y)).find(|x| self.holds(x));
         let point = own.or_else(|| self.farthest_corner(y));
-        let in_space = || if P == 3 { project::farthest_by_cuts(self, y) } else { None };
-        point.or_else(in_space).unwrap_or_else(|| polar::support_point(self, y))
+        point.unwrap_or_else(|| polar::support_point(self, y))
     }
 
     /// The Hessian is that of the member whose support point it is, and zero at corners.
@@ -68,7 +74,7 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
         let own = self.sets.iter().map(|set| set.support_jet(y)).find(|jet| self.holds(&jet.0));
         let corner = || Some((self.farthest_corner(y)?, Matrix::zeros()));
         own.or_else(corner)
-            .unwrap_or_else(|| (self.support_point(y), polar::support_hessian(self, y)))
+            .unwrap_or_else(|| (polar::support_point(self, y), polar::support_hessian(self, y)))
     }
 
     fn project(&self, z: &Vector<P>) -> Vector<P> {
@@ -79,7 +85,9 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
         let nearest = self.corners.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         match nearest {
             Some(corner) if is_normal_at(self, corner, &(z - corner)) => *corner,
-            _ if P == 3 => project::by_cuts(self, z)
+            _ if P == 3 => self
+                .nearest_of_one(z)
+                .or_else(|| project::by_cuts(self, z))
                 .or_else(|| alternately(&self.sets, z))
                 .unwrap_or_else(|| project::onto_any(self, z)),
             _ => project::onto_any(self, z),

@@ -64,31 +64,6 @@ pub(crate) fn by_cuts<const P: usize, S: ConvexSet<P> + ?Sized>(
     None
 }
 
-/// Most steps of the proximal point method.
-const STEPS: usize = 20;
-/// Length of its steps over the size of the set: each divides the error on round boundaries by about that, and the
-/// digits that projections from there lose are as many.
-const REACH: f64 = 1e3;
-
-/// Support point by the proximal point method, `x ← prox(x + ty)`, which ends after two steps on polytopes. `None` if
-/// it does not end soon.
-pub(crate) fn farthest_by_cuts<const P: usize, S: ConvexSet<P> + ?Sized>(
-    set: &S,
-    y: &Vector<P>,
-) -> Option<Vector<P>> {
-    let unit = (y / y.amax()).normalize();
-    let step = unit * (REACH / set.gauge(&unit));
-    let mut x = Vector::zeros();
-    for _ in 0..STEPS {
-        let next = by_cuts(set, &(x + step))?;
-        if (next - x).norm() <= 4.0 * REACH * f64::EPSILON * next.norm() {
-            return Some(next);
-        }
-        x = next;
-    }
-    None
-}
-
 /// Planes `nᵀx = c` that hold the point nearest to `z`, with their multipliers in `z − x = Σ uᵢnᵢ`.
 struct Planes<const P: usize> {
     count: usize,
@@ -126,17 +101,18 @@ impl<const P: usize> Planes<P> {
                 f64::INFINITY
             };
             let (mut step, mut freed) = (reach, None);
-            for i in 0..self.count {
-                if shares[i] > 0.0 && self.multipliers[i] < step * shares[i] {
-                    (step, freed) = (self.multipliers[i] / shares[i], Some(i));
+            for (i, (held, share)) in self.multipliers.iter().zip(shares).enumerate() {
+                if i < self.count && share > 0.0 && *held < step * share {
+                    (step, freed) = (held / share, Some(i));
                 }
             }
             // Half-spaces around one set have points in common; rounding may say otherwise.
             if !step.is_finite() {
                 return None;
             }
-            for i in 0..self.count {
-                self.multipliers[i] -= step * shares[i];
+            // Places that are not in use have no share.
+            for (held, share) in self.multipliers.iter_mut().zip(shares) {
+                *held -= step * share;
             }
             multiplier += step;
             if self.count < P {
