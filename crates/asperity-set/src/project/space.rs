@@ -33,7 +33,7 @@ pub(super) fn by_dual_newton<const P: usize, S: ConvexSet<P> + ?Sized>(
     let normal = z - x;
     let gap = set.support(&normal) - x.dot(&normal);
     let fits = gap.abs() <= 1e-12 * x.norm() * normal.norm() && set.gauge(&x) <= 1.0 + 1e-12;
-    if fits { x } else { by_cuts(set, z).unwrap_or_else(|| by_dual_ellipsoids(set, z)) }
+    if fits { x } else { by_dual_ellipsoids(set, z) }
 }
 
 /// Most planes that are tried before another method has to do.
