@@ -14,7 +14,11 @@ CHECK = Check("right", 1.0, 1.0, 0.0)
 
 def run(*arguments):
     return subprocess.run(
-        [sys.executable, "-m", "asperity", *arguments], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "asperity", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=600,
     )
 
 

@@ -18,6 +18,7 @@ def test_example(script, tmp_path):
         capture_output=True,
         text=True,
         check=False,
+        timeout=600,
         env={**os.environ, "MPLBACKEND": "Agg"},
     )
     assert done.returncode == 0, done.stderr

@@ -76,7 +76,7 @@ def test_importing_the_package_is_light():
         "print(sorted({m.split('.')[0] for m in sys.modules} & {'matplotlib', 'scipy', 'tqdm'}))"
     )
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=120
     )
     assert done.stdout.strip() == "[]"
 
@@ -85,7 +85,7 @@ def test_plot_is_imported_by_its_first_use():
     script = (
         "import asperity; asperity.plot.plot_set; import sys; assert 'matplotlib' in sys.modules"
     )
-    subprocess.run([sys.executable, "-c", script], check=True)
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
     with pytest.raises(AttributeError, match="nothing"):
         _ = asp.nothing
 

@@ -459,7 +459,7 @@ def test_full_systems_are_values():
     [
         (lambda: mechanisms.stribeck_block(mu=-1.0), "mu"),
         (lambda: mechanisms.stribeck_block(normal_force=-1.0), "normal_force"),
-        (lambda: mechanisms.mode_coupling(0.5, belt_mass=0.0), "mass"),
+        (lambda: mechanisms.mode_coupling(0.5, belt_mass=0.0), "belt_mass"),
         (lambda: mechanisms.mode_coupling(0.5, angles=(0.1, 0.2, 0.3)), "angles"),
         (lambda: mechanisms.mode_coupling(0.5, normal_force=0.0), "normal_force"),
         (lambda: mechanisms.mode_coupling(0.9, belt_velocity=-1.0), "belt_velocity"),

@@ -92,7 +92,9 @@ def test_orientations_do_not_import_scipy():
         "import sys, asperity as asp; asp.Body.ball(1.0, 0.1, orientation=[1.0, 0.0, 0.0, 0.1]); "
         "asp.Plane.oriented((1.0, 0.1, 0.0, 0.0)); print('scipy' in sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=120
+    )
     assert done.stdout == "False\n", done.stderr
 
 

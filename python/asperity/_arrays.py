@@ -16,10 +16,21 @@ Array = NDArray[np.float64]
 Word = TypeVar("Word", bound=str)
 
 _NUMERIC_KINDS = "iufb"
+# Types without a mask, by far the most frequent ones, and those that may hold others.
+_PLAIN, _NESTED = frozenset((np.ndarray, float, int)), (list, tuple)
 
 
 def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = None) -> Array:
     """Return a finite C-contiguous float64 array; ``None`` in `shape` stands for any length."""
+    converted = with_gaps(value, argument, shape)
+    # The sum of finite numbers is finite unless it overflows: a cheap test for the usual case.
+    if not math.isfinite(_sum(converted)) and not np.isfinite(converted).all():
+        raise ParameterError(argument, "must be finite, it holds NaN or infinity")
+    return converted
+
+
+def with_gaps(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = None) -> Array:
+    """Return a C-contiguous float64 array that may hold NaN and infinity."""
     refuse_masked(value, argument)
     try:
         raw = np.asarray(value)
@@ -30,9 +41,6 @@ def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = 
     converted = np.asarray(raw, dtype=np.float64, order="C")
     if shape is not None:
         check_shape(converted, argument, shape)
-    # The sum of finite numbers is finite unless it overflows: a cheap test for the usual case.
-    if not math.isfinite(_sum(converted)) and not np.isfinite(converted).all():
-        raise ParameterError(argument, "must be finite, it holds NaN or infinity")
     return converted
 
 
@@ -43,11 +51,11 @@ def refuse_masked(value: Any, argument: str) -> None:
 
 
 def _is_masked(value: Any) -> bool:
-    if isinstance(value, np.ma.MaskedArray):
-        return bool(np.ma.is_masked(value))
-    if isinstance(value, list | tuple):
-        return any(map(_is_masked, value))
-    return False
+    if type(value) in _PLAIN:
+        return False
+    if isinstance(value, _NESTED):
+        return any(type(part) not in _PLAIN and _is_masked(part) for part in value)
+    return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
 
 
 def _sum(values: Array) -> float:
@@ -145,9 +153,18 @@ def number(value: Any, argument: str) -> float:
 
 def several(values: Any, argument: str) -> tuple[Any, ...]:
     """Return what an iterable holds."""
-    if not isinstance(values, Iterable):
+    # Arrays without dimension only look as if they were iterable.
+    if not isinstance(values, Iterable) or getattr(values, "ndim", 1) == 0:
         raise ParameterError(argument, f"must be a sequence, got {values!r}")
     return tuple(values)
+
+
+def pair(values: Any, argument: str) -> tuple[Any, Any]:
+    """Return what an iterable of two holds."""
+    parts = several(values, argument)
+    if len(parts) != 2:
+        raise DimensionError(argument, f"must hold two numbers, got {values!r}")
+    return parts[0], parts[1]
 
 
 def positive(value: Any, argument: str) -> float:
@@ -157,6 +174,18 @@ def positive(value: Any, argument: str) -> float:
     converted = number(value, argument)
     if converted <= 0.0:
         raise ParameterError(argument, f"must be positive, got {converted!r}")
+    return converted
+
+
+# The sizes that the core takes for sets, which names semi-axes where users give a and b.
+_SMALLEST_SIZE, _LARGEST_SIZE = 1e-60, 1e60
+
+
+def size(value: Any, argument: str) -> float:
+    """Return a length that a set may have."""
+    converted = positive(value, argument)
+    if not _SMALLEST_SIZE <= converted <= _LARGEST_SIZE:
+        raise ParameterError(argument, f"must be between 1e-60 and 1e60, got {converted!r}")
     return converted
 
 
@@ -175,6 +204,8 @@ def extents(value: ArrayLike, argument: str) -> Array:
         raise DimensionError(argument, f"must hold 1 to 3 numbers, got {converted.size}")
     if converted.min() <= 0.0:
         raise ParameterError(argument, f"must be positive, got {converted.tolist()}")
+    for extent in converted:
+        size(float(extent), argument)
     return converted
 
 
@@ -208,6 +239,15 @@ def choice(value: Word, argument: str, allowed: Sequence[Word]) -> Word:
         words = " or ".join(repr(word) for word in allowed)
         raise ParameterError(argument, f"must be {words}, got {value!r}")
     return value
+
+
+def lengths(vectors: Array) -> Array:
+    """Return the norms of vectors ``(..., p)`` whose squares may be beyond the range of numbers."""
+    exponent = np.frexp(np.abs(vectors).max(axis=-1, initial=0.0))[1]
+    norms: Array = np.linalg.norm(np.ldexp(vectors, -exponent[..., None]), axis=-1)
+    with np.errstate(over="ignore"):
+        whole: Array = np.ldexp(norms, exponent)
+    return whole
 
 
 def unit_vectors(angle: Array | float) -> Array:

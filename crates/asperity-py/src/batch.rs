@@ -1,42 +1,99 @@
 //! Questions to a set, answered for many points, and answers on their way to Python.
 
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
 use asperity::set::{Convex, Star, Vector, Verdict};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
-use crate::convert::{Points, points, rows};
-use crate::errors::parameter;
+use crate::convert::{Points, chunks, coordinates, rows};
+use crate::errors::{Failure, parameter};
 
 /// The convex set inside, or the error that names the missing property.
 pub fn convex<const P: usize>(set: &Star<P>) -> PyResult<&Convex<P>> {
     set.as_convex().ok_or_else(|| parameter("set", "must be convex for this, is star-shaped only"))
 }
 
-pub fn each_number<const P: usize>(
+/// The numbers that `answer` appends for every point and its place, `width` of them for each.
+pub fn each_point<const P: usize, E: Into<Failure>>(
+    py: Python<'_>,
     x: &Points<'_>,
     argument: &str,
-    f: impl Fn(&Vector<P>) -> f64,
-) -> PyResult<Vec<f64>> {
-    Ok(points::<P>(x, argument)?.map(|x| f(&x)).collect())
+    width: usize,
+    answer: impl Fn(&Vector<P>, usize, &mut Vec<f64>) -> Result<(), E> + Sync,
+) -> Result<Vec<f64>, Failure> {
+    let x = coordinates::<P>(x, argument)?;
+    let count = x.len() / P;
+    let mut out = Vec::with_capacity(width * count);
+    in_blocks(py, count, |block| {
+        let start = block.start;
+        for (i, x) in chunks::<P>(&x[P * start..P * block.end]).enumerate() {
+            answer(&x, start + i, &mut out).map_err(Into::into)?;
+        }
+        Ok(())
+    })?;
+    Ok(out)
 }
 
-pub fn each_vector<const P: usize>(
-    x: &Points<'_>,
-    argument: &str,
-    f: impl Fn(&Vector<P>) -> Vector<P>,
-) -> PyResult<(Vec<f64>, usize)> {
-    let mut out = Vec::with_capacity(x.as_array().len());
-    for x in points::<P>(x, argument)? {
-        out.extend_from_slice(f(&x).as_slice());
+/// Work that ends within this time keeps the interpreter: giving it back and waiting for it costs more.
+const SHORT: Duration = Duration::from_millis(1);
+/// Time between two looks for Ctrl-C.
+const POLL: Duration = Duration::from_millis(50);
+/// Time between two looks at the clock.
+const LOOK: Duration = Duration::from_micros(100);
+
+/// Works on `0..count` in blocks. Long work releases the interpreter and ends at Ctrl-C.
+fn in_blocks(
+    py: Python<'_>,
+    count: usize,
+    mut work: impl FnMut(Range<usize>) -> Result<(), Failure> + Send,
+) -> Result<(), Failure> {
+    let mut walk = Walk { next: 0, count, width: 64 };
+    if walk.ends_within(SHORT, &mut work)? {
+        return Ok(());
     }
-    Ok((out, P))
+    py.detach(|| {
+        while !walk.ends_within(POLL, &mut work)? {
+            Python::attach(|py| py.check_signals())?;
+        }
+        Ok(())
+    })
 }
 
-pub fn nonzero<const P: usize>(y: &Points<'_>, argument: &str) -> PyResult<()> {
-    if points::<P>(y, argument)?.any(|y| y.amax() == 0.0) {
-        return Err(parameter(argument, "must not be zero"));
+/// Blocks whose width follows from the time they take.
+struct Walk {
+    next: usize,
+    count: usize,
+    width: usize,
+}
+
+impl Walk {
+    /// Works until the end or for about that long; whether the end is reached.
+    fn ends_within(
+        &mut self,
+        time: Duration,
+        work: &mut impl FnMut(Range<usize>) -> Result<(), Failure>,
+    ) -> Result<bool, Failure> {
+        let start = Instant::now();
+        let mut before = Duration::ZERO;
+        while self.next < self.count {
+            let end = self.count.min(self.next + self.width);
+            work(self.next..end)?;
+            self.next = end;
+            let now = start.elapsed();
+            match now - before {
+                took if took < LOOK => self.width *= 2,
+                took if took > 4 * LOOK => self.width = 1.max(self.width / 2),
+                _ => {}
+            }
+            before = now;
+            if now >= time {
+                break;
+            }
+        }
+        Ok(self.next == self.count)
     }
-    Ok(())
 }
 
 /// A verdict as `(holds, exact, tolerance, defect, witness)`.

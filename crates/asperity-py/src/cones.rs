@@ -4,7 +4,7 @@ use asperity::set::{Cone, star_shape as outline_verdict};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
-use crate::batch::{Answer, answer, each_vector, flat};
+use crate::batch::{Answer, answer, each_point, flat};
 use crate::convert::{Points, points, rows};
 use crate::errors::{Failure, dimension};
 
@@ -14,21 +14,26 @@ pub fn cone_projection<'py>(
     py: Python<'py>,
     generators: Points<'py>,
     y: Points<'py>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
     fn nearest<const P: usize>(
+        py: Python<'_>,
         generators: &Points<'_>,
         y: &Points<'_>,
-    ) -> PyResult<(Vec<f64>, usize)> {
+    ) -> Result<Vec<f64>, Failure> {
         let cone = Cone::<P>::new(points(generators, "generators")?);
-        each_vector(y, "y", |y| cone.project(y))
+        each_point(py, y, "y", P, |y, _, out| {
+            out.extend_from_slice(cone.project(y).as_slice());
+            Ok::<_, Failure>(())
+        })
     }
-    let (out, width) = match generators.as_array().dim().1 {
-        1 => nearest::<1>(&generators, &y),
-        2 => nearest::<2>(&generators, &y),
-        3 => nearest::<3>(&generators, &y),
-        other => Err(wrong_dimension(other)),
+    let width = generators.as_array().dim().1;
+    let out = match width {
+        1 => nearest::<1>(py, &generators, &y),
+        2 => nearest::<2>(py, &generators, &y),
+        3 => nearest::<3>(py, &generators, &y),
+        other => Err(wrong_dimension(other).into()),
     }?;
-    rows(py, out, width)
+    Ok(rows(py, out, width)?)
 }
 
 /// Whether a closed outline bounds a star-shaped set.

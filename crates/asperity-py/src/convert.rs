@@ -49,13 +49,28 @@ pub fn points<'a, const P: usize>(
     array: &'a Points<'_>,
     argument: &str,
 ) -> PyResult<impl ExactSizeIterator<Item = Vector<P>> + 'a> {
+    Ok(chunks(coordinates::<P>(array, argument)?))
+}
+
+/// Coordinates as points.
+pub fn chunks<const P: usize>(
+    coordinates: &[f64],
+) -> impl ExactSizeIterator<Item = Vector<P>> + '_ {
+    let point = |x: &[f64]| Vector::from(std::array::from_fn::<f64, P, _>(|i| x[i]));
+    coordinates.chunks_exact(P).map(point)
+}
+
+/// The coordinates of an array with `P` columns, point by point.
+pub fn coordinates<'a, const P: usize>(
+    array: &'a Points<'_>,
+    argument: &str,
+) -> PyResult<&'a [f64]> {
     let columns = array.as_array().dim().1;
     if columns != P {
         let message = format!("must have points of dimension {P}, has {columns}");
         return Err(dimension(argument, &message));
     }
-    let values = array.as_slice().map_err(|_| dimension(argument, "must be contiguous"))?;
-    Ok(values.chunks_exact(P).map(|x| Vector::from(std::array::from_fn::<f64, P, _>(|i| x[i]))))
+    array.as_slice().map_err(|_| dimension(argument, "must be contiguous"))
 }
 
 /// An array of shape `(n, width)` from its numbers, row by row.

@@ -1,12 +1,12 @@
 //! Friction laws.
 
 use asperity::law::{Fall, FrictionLaw, Law as CoreLaw, LawError, Stribeck, flow_sets};
-use asperity::set::{Convex, Star, Vector};
+use asperity::set::{Convex, SetError, Star, Vector};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::any_star::AnyStar;
-use crate::batch::{Answer, answer};
+use crate::batch::{Answer, answer, each_point};
 use crate::convert::{Numbers, Points, numbers, points, rows};
 use crate::errors::{Failure, dimension, parameter};
 use crate::set::Set;
@@ -53,23 +53,21 @@ fn stribeck((shape, speed, ratio, exponent, viscous): Rate) -> Result<Stribeck, 
     Ok(Stribeck::new(fall, speed, ratio, exponent, viscous)?)
 }
 
-/// `f(point, number)` for all points, as rows.
-fn each_point<const P: usize, const Q: usize>(
+/// `f(point, number)` for all points, as rows of `Q` numbers.
+fn each_loaded<const P: usize, const Q: usize>(
+    py: Python<'_>,
     argument: &str,
     x: &Points<'_>,
     normal_force: &Numbers<'_>,
-    f: impl Fn(&Vector<P>, f64) -> Result<[f64; Q], LawError>,
+    f: impl Fn(&Vector<P>, f64) -> Result<[f64; Q], LawError> + Sync,
 ) -> Result<Vec<f64>, Failure> {
     let normal_force = numbers(normal_force, "normal_force")?;
-    let x = points::<P>(x, argument)?;
-    if x.len() != normal_force.len() {
+    if x.as_array().dim().0 != normal_force.len() {
         return Err(dimension("normal_force", "must have one entry per point").into());
     }
-    let mut out = Vec::with_capacity(Q * normal_force.len());
-    for (x, &n) in x.zip(normal_force) {
-        out.extend_from_slice(&f(&x, n)?);
-    }
-    Ok(out)
+    each_point(py, x, argument, Q, |x, i, out| {
+        f(x, normal_force[i]).map(|row| out.extend_from_slice(&row))
+    })
 }
 
 fn components<const P: usize>(v: Vector<P>) -> [f64; P] {
@@ -80,12 +78,17 @@ fn components<const P: usize>(v: Vector<P>) -> [f64; P] {
 impl Law {
     #[new]
     #[pyo3(signature = (reservoir, direction, rate))]
-    fn new(reservoir: &Set, direction: &Set, rate: Option<Rate>) -> Result<Self, Failure> {
+    fn new(
+        py: Python<'_>,
+        reservoir: &Set,
+        direction: &Set,
+        rate: Option<Rate>,
+    ) -> Result<Self, Failure> {
         let rate = rate.map(stribeck).transpose()?;
         let law: CoreLaw = match (&reservoir.0, &direction.0) {
-            (AnyStar::One(c), AnyStar::One(d)) => make(c, d, rate)?.into(),
-            (AnyStar::Two(c), AnyStar::Two(d)) => make(c, d, rate)?.into(),
-            (AnyStar::Three(c), AnyStar::Three(d)) => make(c, d, rate)?.into(),
+            (AnyStar::One(c), AnyStar::One(d)) => py.detach(|| make(c, d, rate))?.into(),
+            (AnyStar::Two(c), AnyStar::Two(d)) => py.detach(|| make(c, d, rate))?.into(),
+            (AnyStar::Three(c), AnyStar::Three(d)) => py.detach(|| make(c, d, rate))?.into(),
             _ => {
                 let message = "must have the dimension of the reservoir";
                 return Err(dimension("direction", message).into());
@@ -110,19 +113,19 @@ impl Law {
     }
 
     fn associativity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, law => answer(py, &law.associativity()))
+        each!(&self.0, law => answer(py, &py.detach(|| law.associativity())))
     }
 
     fn collinearity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, law => answer(py, &law.collinearity()))
+        each!(&self.0, law => answer(py, &py.detach(|| law.collinearity())))
     }
 
     fn dissipativity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, law => answer(py, &law.dissipativity()))
+        each!(&self.0, law => answer(py, &py.detach(|| law.dissipativity())))
     }
 
     fn monotonicity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, law => answer(py, &law.monotonicity()))
+        each!(&self.0, law => answer(py, &py.detach(|| law.monotonicity())))
     }
 
     #[getter]
@@ -137,7 +140,7 @@ impl Law {
         normal_force: Numbers<'_>,
     ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
         let out = each!(&self.0, law => {
-            each_point("slip", &slip, &normal_force, |v, n| law.force(v, n).map(components))
+            each_loaded(py, "slip", &slip, &normal_force, |v, n| law.force(v, n).map(components))
         })?;
         Ok(rows(py, out, self.dimension())?)
     }
@@ -150,7 +153,7 @@ impl Law {
         tolerance: f64,
     ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
         let out = each!(&self.0, law => {
-            each_point("force", &force, &normal_force, |f, n| {
+            each_loaded(py, "force", &force, &normal_force, |f, n| {
                 law.slip_direction(f, n, tolerance).map(components)
             })
         })?;
@@ -165,13 +168,13 @@ impl Law {
     ) -> Result<Bound<'py, PyArray3<f64>>, Failure> {
         // Row by row, as NumPy reads it.
         let out = match &self.0 {
-            CoreLaw::One(law) => each_point::<1, 1>("slip", &slip, &normal_force, |v, n| {
+            CoreLaw::One(law) => each_loaded::<1, 1>(py, "slip", &slip, &normal_force, |v, n| {
                 law.jacobian(v, n).map(|j| [j[0]])
             }),
-            CoreLaw::Two(law) => each_point::<2, 4>("slip", &slip, &normal_force, |v, n| {
+            CoreLaw::Two(law) => each_loaded::<2, 4>(py, "slip", &slip, &normal_force, |v, n| {
                 law.jacobian(v, n).map(|j| std::array::from_fn(|k| j[(k / 2, k % 2)]))
             }),
-            CoreLaw::Three(law) => each_point::<3, 9>("slip", &slip, &normal_force, |v, n| {
+            CoreLaw::Three(law) => each_loaded::<3, 9>(py, "slip", &slip, &normal_force, |v, n| {
                 law.jacobian(v, n).map(|j| std::array::from_fn(|k| j[(k / 3, k % 3)]))
             }),
         }?;
@@ -187,7 +190,10 @@ impl Law {
         normal_force: Numbers<'_>,
     ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         let out = each!(&self.0, law => {
-            each_point("slip", &slip, &normal_force, |v, n| Ok([law.dissipation(v, n)]))
+            each_loaded(py, "slip", &slip, &normal_force, |v, n| match law.dissipation(v, n) {
+                power if power.is_finite() => Ok([power]),
+                _ => Err(SetError::Range { argument: "slip", excess: "large" }.into()),
+            })
         })?;
         Ok(PyArray1::from_vec(py, out))
     }
@@ -209,7 +215,7 @@ pub fn flow_law<'py>(
 ) -> Result<Flow<'py>, Failure> {
     let force: Vec<_> = points(&force, "force")?.collect();
     let phi = numbers(&phi, "phi")?;
-    let sets = flow_sets(phi, &force, closure_tolerance, convexity_tolerance)?;
+    let sets = py.detach(|| flow_sets(phi, &force, closure_tolerance, convexity_tolerance))?;
     let report = sets.report;
     let array = |values| PyArray1::from_vec(py, values);
     Ok((

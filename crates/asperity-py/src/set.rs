@@ -1,15 +1,15 @@
 //! Sets.
 
 use asperity::set::{
-    Ball, CappedRectangle, Convex, ConvexSet, CoulombContensou, Cuboid, Ellipse, Ellipsoid,
-    PolarCurve, Polygon, Pressure, Star, StarSet, Superellipsoid, SupportCurve, Vector,
-    WedgeAsperity, convexity, largest_ratio, strict_convexity, symmetry, tangent_cone,
+    Ball, CappedRectangle, Checked, Convex, CoulombContensou, Cuboid, Ellipse, Ellipsoid,
+    PolarCurve, Polygon, Pressure, Star, Superellipsoid, SupportCurve, WedgeAsperity, convexity,
+    largest_ratio, strict_convexity, symmetry,
 };
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::any_star::{AnyStar, build, combined, each};
-use crate::batch::{Answer, answer, convex, each_number, each_vector, flat, nonzero, touching};
+use crate::batch::{Answer, answer, convex, each_point, flat, touching};
 use crate::convert::{Numbers, Points, numbers, points, rows, square, vector};
 use crate::errors::{Failure, dimension, parameter};
 
@@ -107,15 +107,15 @@ impl Set {
     }
 
     fn convexity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, set => answer(py, &convexity(set)))
+        each!(&self.0, set => answer(py, &py.detach(|| convexity(set))))
     }
 
     fn strict_convexity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, set => answer(py, &strict_convexity(set)))
+        each!(&self.0, set => answer(py, &py.detach(|| strict_convexity(set))))
     }
 
     fn symmetry<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, set => answer(py, &symmetry(set)))
+        each!(&self.0, set => answer(py, &py.detach(|| symmetry(set))))
     }
 
     fn scale_inside<'py>(
@@ -124,9 +124,9 @@ impl Set {
         outer: &Self,
     ) -> Result<(f64, Bound<'py, PyArray1<f64>>), Failure> {
         let (ratio, at) = match (&self.0, &outer.0) {
-            (AnyStar::One(a), AnyStar::One(b)) => touching(largest_ratio(b, a)),
-            (AnyStar::Two(a), AnyStar::Two(b)) => touching(largest_ratio(b, a)),
-            (AnyStar::Three(a), AnyStar::Three(b)) => touching(largest_ratio(b, a)),
+            (AnyStar::One(a), AnyStar::One(b)) => touching(py.detach(|| largest_ratio(b, a))),
+            (AnyStar::Two(a), AnyStar::Two(b)) => touching(py.detach(|| largest_ratio(b, a))),
+            (AnyStar::Three(a), AnyStar::Three(b)) => touching(py.detach(|| largest_ratio(b, a))),
             _ => return Err(dimension("outer", "must have the dimension of the set").into()),
         };
         Ok((1.0 / ratio, PyArray1::from_vec(py, at)))
@@ -169,8 +169,14 @@ impl Set {
         each!(&self.0, set => set.as_convex().is_some())
     }
 
-    fn gauge<'py>(&self, py: Python<'py>, x: Points<'_>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let out = each!(&self.0, set => each_number(&x, "x", |x| set.gauge(x)))?;
+    fn gauge<'py>(
+        &self,
+        py: Python<'py>,
+        x: Points<'_>,
+    ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        let out = each!(&self.0, set => each_point(py, &x, "x", 1, |x, _, out| {
+            Checked(set).gauge(x).map(|k| out.push(k))
+        }))?;
         Ok(PyArray1::from_vec(py, out))
     }
 
@@ -179,27 +185,21 @@ impl Set {
         py: Python<'py>,
         x: Points<'_>,
     ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
-        let (out, width) = each!(&self.0, set => {
-            let mut origin = false;
-            let out = points(&x, "x")?
-                .flat_map(|x| {
-                    let gradient = set.gauge_gradient(&x);
-                    origin |= gradient.is_none();
-                    gradient.unwrap_or_default().as_slice().to_vec()
-                })
-                .collect::<Vec<f64>>();
-            if origin {
-                return Err(asperity::set::SetError::Origin.into());
-            }
-            (out, self.dimension())
-        });
-        Ok(rows(py, out, width)?)
+        let p = self.dimension();
+        let out = each!(&self.0, set => each_point(py, &x, "x", p, |x, _, out| {
+            Checked(set).gauge_gradient(x).map(|g| out.extend_from_slice(g.as_slice()))
+        }))?;
+        Ok(rows(py, out, p)?)
     }
 
-    fn support<'py>(&self, py: Python<'py>, y: Points<'_>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn support<'py>(
+        &self,
+        py: Python<'py>,
+        y: Points<'_>,
+    ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         let out = each!(&self.0, set => {
             let set = convex(set)?;
-            each_number(&y, "y", |y| set.support(y))
+            each_point(py, &y, "y", 1, |y, _, out| Checked(set).support(y).map(|h| out.push(h)))
         })?;
         Ok(PyArray1::from_vec(py, out))
     }
@@ -208,44 +208,46 @@ impl Set {
         &self,
         py: Python<'py>,
         y: Points<'_>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        fn farthest<const P: usize>(set: &Star<P>, y: &Points<'_>) -> PyResult<(Vec<f64>, usize)> {
+    ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        let p = self.dimension();
+        let out = each!(&self.0, set => {
             let set = convex(set)?;
-            // Every point is farthest in no direction: the origin is as good as others.
-            each_vector(y, "y", |y: &Vector<P>| {
-                if y.amax() == 0.0 { Vector::zeros() } else { set.support_point(y) }
+            each_point(py, &y, "y", p, |y, _, out| {
+                Checked(set).support_point(y).map(|x| out.extend_from_slice(x.as_slice()))
             })
-        }
-        let (out, width) = each!(&self.0, set => farthest(set, &y))?;
-        rows(py, out, width)
+        })?;
+        Ok(rows(py, out, p)?)
     }
 
     fn support_hessian<'py>(
         &self,
         py: Python<'py>,
         y: Points<'_>,
-    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        fn hessians<const P: usize>(set: &Star<P>, y: &Points<'_>) -> PyResult<Vec<f64>> {
-            let set = convex(set)?;
-            nonzero::<P>(y, "y")?;
-            let mut out = Vec::new();
-            for y in points::<P>(y, "y")? {
-                out.extend_from_slice(set.support_hessian(&y).as_slice());
-            }
-            Ok(out)
-        }
-        let out = each!(&self.0, set => hessians(set, &y))?;
+    ) -> Result<Bound<'py, PyArray3<f64>>, Failure> {
         let p = self.dimension();
+        let out = each!(&self.0, set => {
+            let set = convex(set)?;
+            each_point(py, &y, "y", p * p, |y, _, out| {
+                Checked(set).support_hessian(y).map(|h| out.extend_from_slice(h.as_slice()))
+            })
+        })?;
         let n = out.len() / (p * p);
-        PyArray1::from_vec(py, out).reshape([n, p, p])
+        Ok(PyArray1::from_vec(py, out).reshape([n, p, p])?)
     }
 
-    fn project<'py>(&self, py: Python<'py>, z: Points<'_>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (out, width) = each!(&self.0, set => {
+    fn project<'py>(
+        &self,
+        py: Python<'py>,
+        z: Points<'_>,
+    ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        let p = self.dimension();
+        let out = each!(&self.0, set => {
             let set = convex(set)?;
-            each_vector(&z, "z", |z| set.project(z))
+            each_point(py, &z, "z", p, |z, _, out| {
+                Checked(set).project(z).map(|x| out.extend_from_slice(x.as_slice()))
+            })
         })?;
-        rows(py, out, width)
+        Ok(rows(py, out, p)?)
     }
 
     fn normal_cone<'py>(
@@ -253,12 +255,12 @@ impl Set {
         py: Python<'py>,
         x: Numbers<'_>,
         tolerance: f64,
-    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+    ) -> Result<Option<Bound<'py, PyArray2<f64>>>, Failure> {
         let found: Option<Vec<f64>> = each!(&self.0, set => {
-            let cone = convex(set)?.normal_cone(&vector(&x, "x")?, tolerance);
+            let cone = Checked(convex(set)?).normal_cone(&vector(&x, "x")?, tolerance)?;
             cone.map(|cone| flat(cone.generators()))
         });
-        found.map(|out| rows(py, out, self.dimension())).transpose()
+        Ok(found.map(|out| rows(py, out, self.dimension())).transpose()?)
     }
 
     fn tangent_cone<'py>(
@@ -266,17 +268,14 @@ impl Set {
         py: Python<'py>,
         x: Numbers<'_>,
         tolerance: f64,
-    ) -> PyResult<Option<Vec<Bound<'py, PyArray2<f64>>>>> {
+    ) -> Result<Option<Vec<Bound<'py, PyArray2<f64>>>>, Failure> {
         let found: Option<Vec<Vec<f64>>> = each!(&self.0, set => {
-            let parts = tangent_cone(set, &vector(&x, "x")?, tolerance);
+            let parts = Checked(set).tangent_cone(&vector(&x, "x")?, tolerance)?;
             parts.map(|parts| parts.iter().map(|part| flat(part.generators())).collect())
         });
         let Some(parts) = found else { return Ok(None) };
-        parts
-            .into_iter()
-            .map(|part| rows(py, part, self.dimension()))
-            .collect::<PyResult<_>>()
-            .map(Some)
+        let parts = parts.into_iter().map(|part| rows(py, part, self.dimension()));
+        Ok(Some(parts.collect::<PyResult<_>>()?))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The ball, in the plane the disk.
 
-use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::positive};
+use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size};
 
 /// `{x : ‖x‖ ≤ r}` in any dimension: isotropic friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +17,7 @@ impl Ball {
 
     /// Ball of the given radius.
     pub fn new(radius: f64) -> Result<Self, SetError> {
-        Ok(Self { radius: positive("radius", radius)? })
+        Ok(Self { radius: size("radius", radius)? })
     }
 
     /// The radius.

@@ -1,6 +1,6 @@
 //! The rectangle with two half-ellipses.
 
-use crate::{ConvexSet, Ellipse, Matrix, SetError, StarSet, Vector, error::positive};
+use crate::{ConvexSet, Ellipse, Matrix, SetError, StarSet, Vector, error::size};
 
 /// Rectangle `|x₁| ≤ a, |x₂| ≤ b` with a half-ellipse of semi-axes `cap` and `b` on either end (\[WL19\]
 /// Fig. 7b: the runner of a bobsleigh): the sum of the segment from `−a e₁` to `a e₁` and an ellipse.
@@ -15,7 +15,7 @@ pub struct CappedRectangle {
 impl CappedRectangle {
     /// Half-length `a` and half-width `b` of the rectangle, semi-axis `cap` of the half-ellipses along it.
     pub fn new(a: f64, b: f64, cap: f64) -> Result<Self, SetError> {
-        let (a, b, cap) = (positive("a", a)?, positive("b", b)?, positive("cap", cap)?);
+        let (a, b, cap) = (size("a", a)?, size("b", b)?, size("cap", cap)?);
         Ok(Self { a, b, cap, ellipse: Ellipse::new(Vector::<2>::new(cap, b))? })
     }
 

@@ -1,5 +1,6 @@
 //! Normal and tangent cones.
 
+use crate::checked::at_usual_size;
 use crate::plane::{cast, cross, cross_3, quarter_turn};
 use crate::polar::tangents;
 use crate::{ConvexSet, Matrix, Star, StarSet, Vector, along};
@@ -13,7 +14,8 @@ pub struct Cone<const P: usize> {
 impl<const P: usize> Cone<P> {
     /// The cone with these generators, scaled to unit length; zero vectors are left out.
     pub fn new(generators: impl IntoIterator<Item = Vector<P>>) -> Self {
-        Self { generators: generators.into_iter().filter_map(|g| g.try_normalize(0.0)).collect() }
+        let unit = |g: Vector<P>| (g / g.amax()).try_normalize(0.0);
+        Self { generators: generators.into_iter().filter_map(unit).collect() }
     }
 
     /// The whole space.
@@ -57,6 +59,10 @@ impl<const P: usize> Cone<P> {
     /// It lies in the span of at most `P` generators with coefficients that are not negative
     /// (Carathéodory), and every such combination lies in the cone: the nearest of them is the point.
     pub fn project(&self, y: &Vector<P>) -> Vector<P> {
+        at_usual_size(y, |y| self.nearest(y))
+    }
+
+    fn nearest(&self, y: &Vector<P>) -> Vector<P> {
         let count = self.generators.len();
         let mut best = (y.norm_squared(), Vector::zeros());
         let mut consider = |chosen: &[usize]| {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::positive, polar, project};
+use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size, polar, project};
 
 /// How the normal pressure is spread over the contact's disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +41,7 @@ struct Characteristic {
 impl CoulombContensou {
     /// The set for friction coefficient `mu`.
     pub fn new(mu: f64, pressure: Pressure) -> Result<Self, SetError> {
-        Ok(Self { meridian: Meridian { mu: positive("mu", mu)?, pressure } })
+        Ok(Self { meridian: Meridian { mu: size("mu", mu)?, pressure } })
     }
 
     pub(crate) fn scaled(&self, factor: f64) -> Result<Self, SetError> {

@@ -1,6 +1,6 @@
 //! The axis-parallel box, in one dimension the interval.
 
-use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along, error::size};
 
 /// `{x : lowerᵢ ≤ xᵢ ≤ upperᵢ}` with `lower < 0 < upper`: the X–Y table (\[WL19\] (36)), and in one
 /// dimension friction that differs between forward and backward sliding.
@@ -25,6 +25,12 @@ impl<const P: usize> Cuboid<P> {
             if !(upper[i].is_finite() && upper[i] > 0.0) {
                 return refuse("upper", "finite and positive", upper[i]);
             }
+            size("lower", -lower[i]).map_err(|_| SetError::Parameter {
+                argument: "lower",
+                allowed: "between -1e60 and -1e-60",
+                value: lower[i],
+            })?;
+            size("upper", upper[i])?;
         }
         Ok(Self { lower, upper })
     }

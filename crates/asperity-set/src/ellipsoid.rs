@@ -1,7 +1,7 @@
 //! The ellipsoid, in the plane the ellipse.
 
 use crate::project::jet::on_level;
-use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::positive};
+use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size};
 
 /// `{x : ‖diag(1/a) Rᵀx‖ ≤ 1}` with semi-axes `a` along the columns of the rotation `R`.
 ///
@@ -28,7 +28,7 @@ impl<const P: usize> Ellipsoid<P> {
     /// Ellipsoid with semi-axes along the columns of a rotation.
     fn along(semi_axes: Vector<P>, axes: Matrix<P>) -> Result<Self, SetError> {
         for &a in semi_axes.iter() {
-            positive("semi_axes", a)?;
+            size("semi_axes", a)?;
         }
         let from_ball = Matrix::from_fn(|i, j| axes[(i, j)] * semi_axes[j]);
         let to_ball = Matrix::from_fn(|i, j| axes[(j, i)] / semi_axes[i]);
@@ -104,7 +104,7 @@ impl Ellipse {
     /// Semi-axes `(a, b)` and angle in rad of `k² = (x₁/n₁)² + (x₂/n₂)² + ν x₁x₂`, `|ν| < 2/(n₁n₂)`
     /// (\[WL19\] (115)); `a` is the axis in the first or fourth quadrant that lies nearer to `e₁`.
     pub fn from_intercepts(n1: f64, n2: f64, nu: f64) -> Result<(f64, f64, f64), SetError> {
-        let (p, q) = (1.0 / positive("n1", n1)?.powi(2), 1.0 / positive("n2", n2)?.powi(2));
+        let (p, q) = (1.0 / size("n1", n1)?.powi(2), 1.0 / size("n2", n2)?.powi(2));
         // det = (1/(n₁n₂) − ν/2)(1/(n₁n₂) + ν/2) keeps the small eigenvalue accurate near the limit.
         let determinant = (1.0 / (n1 * n2) - 0.5 * nu) * (1.0 / (n1 * n2) + 0.5 * nu);
         if !(nu.is_finite() && determinant > 0.0) {

@@ -1,12 +1,14 @@
 //! What can be wrong with a set.
 
+use std::ops::RangeInclusive;
+
 use thiserror::Error;
 
 /// A set could not be made, or a question has no answer.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SetError {
     /// A parameter lies outside its range.
-    #[error("{argument}: must be {allowed}, got {value}")]
+    #[error("{argument}: must be {allowed}, got {value:?}")]
     Parameter {
         /// Name of the parameter.
         argument: &'static str,
@@ -37,6 +39,17 @@ pub enum SetError {
     /// The gauge is not differentiable at the origin.
     #[error("x: must not be the origin, where the gauge has no gradient")]
     Origin,
+    /// The support function is not differentiable at the origin.
+    #[error("y: must not be zero")]
+    NoDirection,
+    /// A finite argument at which the answer is beyond the range of numbers.
+    #[error("{argument}: must not be so {excess} that the answer is beyond the range of numbers")]
+    Range {
+        /// Name of the argument.
+        argument: &'static str,
+        /// What the argument is too much of.
+        excess: &'static str,
+    },
     /// A set whose radius vanishes, is infinite or is no number in some direction.
     #[error(
         "{argument}: must hold the origin in its interior and be bounded, its gauge is {gauge}"
@@ -56,11 +69,33 @@ impl SetError {
             Self::Parameter { argument, .. }
             | Self::NotConvex { argument, .. }
             | Self::Shape { argument, .. }
+            | Self::Range { argument, .. }
             | Self::Degenerate { argument, .. } => argument,
             Self::SingularMap => "matrix",
             Self::Origin => "x",
+            Self::NoDirection => "y",
         }
     }
+}
+
+/// The sizes that sets may have: products of four sizes or of their ratios are then numbers still.
+pub(crate) const SIZES: RangeInclusive<f64> = 1e-60..=1e60;
+const ALLOWED_SIZES: &str = "between 1e-60 and 1e60";
+
+/// `value` if a set may be as large.
+pub(crate) fn size(argument: &'static str, value: f64) -> Result<f64, SetError> {
+    positive(argument, value)?;
+    if SIZES.contains(&value) {
+        Ok(value)
+    } else {
+        Err(SetError::Parameter { argument, allowed: ALLOWED_SIZES, value })
+    }
+}
+
+/// The error of an outline that holds a size no set may have.
+pub(crate) fn size_error(argument: &'static str, found: f64) -> SetError {
+    let message = format!("must give a set of a size {ALLOWED_SIZES}, holds {found:?}");
+    SetError::Shape { argument, message }
 }
 
 /// `value` if it is finite and positive.

@@ -1,7 +1,7 @@
 //! Linear images of sets.
 
 use crate::plane::{cast, quarter_turn};
-use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, project};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along, error::SIZES, project};
 
 /// The image `{A x : x ∈ S}` under a regular map: `k(x) = k_S(A⁻¹x)`, `h(y) = h_S(Aᵀy)`
 /// (\[WL19\] (9)).
@@ -14,22 +14,37 @@ pub struct Image<S, const P: usize> {
     similarity: Option<f64>,
 }
 
-impl<S, const P: usize> Image<S, P> {
+impl<S: StarSet<P>, const P: usize> Image<S, P> {
     /// The image of `set` under `map`.
     pub fn new(set: S, map: Matrix<P>) -> Result<Self, SetError> {
-        let inverse = map
+        // The determinant of a map of size one is neither too large nor too small for a number.
+        let (unit, size) = (map / map.amax(), map.amax());
+        let inverse = unit
             .try_inverse()
+            .map(|m| m / size)
             .filter(|m| m.iter().chain(map.iter()).all(|v| v.is_finite()))
             .ok_or(SetError::SingularMap)?;
-        let factor = map.column(0).norm();
-        let rotation = map / factor;
+        let factor = unit.column(0).norm();
+        let rotation = unit / factor;
+        let factor = factor * size;
         let defect = (rotation.transpose() * rotation - Matrix::identity()).amax();
         let similarity = (defect <= 4.0 * f64::EPSILON).then_some(factor);
         // The transpose is the more accurate inverse of a rotation.
         let inverse = if similarity.is_some() { rotation.transpose() / factor } else { inverse };
-        Ok(Self { set, map, inverse, similarity })
+        let image = Self { set, map, inverse, similarity };
+        let ends = (0..P).flat_map(|i| [along(i, 1.0), along(i, -1.0)]);
+        let radii: Vec<f64> = ends.map(|end| 1.0 / image.gauge(&end)).collect();
+        match radii.into_iter().find(|radius| !SIZES.contains(radius)) {
+            Some(value) => {
+                let allowed = "such that the image has a size between 1e-60 and 1e60";
+                Err(SetError::Parameter { argument: "matrix", allowed, value })
+            }
+            None => Ok(image),
+        }
     }
+}
 
+impl<S, const P: usize> Image<S, P> {
     /// The set that is mapped.
     pub fn preimage(&self) -> &S {
         &self.set

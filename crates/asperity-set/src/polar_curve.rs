@@ -1,6 +1,7 @@
 //! Star-shaped sets whose boundary is measured or computed point by point.
 
 use crate::curve::Curve;
+use crate::error::{SIZES, size_error};
 use crate::plane::quarter_turn;
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
 
@@ -19,6 +20,9 @@ impl PolarCurve {
         if let Some(bad) = radius.iter().find(|r| !(r.is_finite() && **r > 0.0)) {
             let message = format!("must be finite and positive, holds {bad}");
             return Err(SetError::Shape { argument: "radius", message });
+        }
+        if let Some(&bad) = radius.iter().find(|r| !SIZES.contains(r)) {
+            return Err(size_error("radius", bad));
         }
         let inverse: Vec<f64> = radius.iter().map(|r| 1.0 / r).collect();
         Ok(Self { inverse_radius: Curve::new(angle, &inverse, "radius")? })

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use crate::curve::diamond;
+use crate::error::{SIZES, size_error};
 use crate::plane::{cross, quarter_turn};
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
 
@@ -27,6 +28,10 @@ impl Polygon {
         if let Some(bad) = vertices.iter().find(|v| !v.iter().all(|x| x.is_finite())) {
             return refuse(format!("must be finite, holds {}", text(bad)));
         }
+        let largest = vertices.iter().map(|v| v.amax()).fold(0.0, f64::max);
+        if !SIZES.contains(&largest) {
+            return Err(size_error("vertices", largest));
+        }
         let outline = distinct(vertices);
         if outline.len() < 3 {
             return refuse(format!("must hold at least 3 different points, has {}", outline.len()));
@@ -48,6 +53,10 @@ impl Polygon {
                 -quarter_turn(&(b - a)) / cross(&a, &b)
             })
             .collect();
+        let nearest = normals.iter().map(|n| 1.0 / n.amax()).fold(f64::INFINITY, f64::min);
+        if !SIZES.contains(&nearest) {
+            return Err(size_error("vertices", nearest));
+        }
         let convex = (0..n).all(|i| {
             let j = (i + n - 1) % n;
             let (before, after) = (normals[j], normals[i]);
@@ -254,9 +263,9 @@ impl ConvexSet<2> for Polygon {
             let along = b - a;
             a + along * ((z - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
         });
-        let distance = |p: &Vector<2>| (z - p).norm_squared();
-        nearest
-            .fold(self.vertices[0], |best, p| if distance(&p) < distance(&best) { p } else { best })
+        // ‖z − p‖² − ‖z − q‖² for a z far away, where the squares would have no digits left.
+        let is_nearer = |p: &Vector<2>, q: &Vector<2>| (q - p).dot(&(z * 2.0 - p - q)) < 0.0;
+        nearest.fold(self.vertices[0], |best, p| if is_nearer(&p, &best) { p } else { best })
     }
 
     /// Along an edge the nearest point follows, at a corner it stays.

@@ -6,6 +6,8 @@ use crate::Vector;
 
 /// A compact set with `x ∈ C ⇒ sx ∈ int C` for `0 ≤ s < 1` (\[WL19\] Def. 2).
 ///
+/// Solvers call these methods with points whose squares are numbers; [`Checked`](crate::Checked) takes any point.
+///
 /// Only [`gauge`](Self::gauge) has to be given; closed forms override the rest.
 pub trait StarSet<const P: usize>: Debug + Send + Sync {
     /// Gauge `k(x) = inf{s > 0 : x ∈ sC}` (\[WL19\] Def. 3): positively homogeneous, `C = {k ≤ 1}`.

@@ -1,6 +1,9 @@
 //! The superellipsoid, in the plane the superellipse (Lamé curve).
 
-use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along, error::positive, project};
+use crate::{
+    Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along, error::positive, error::size,
+    project,
+};
 
 /// `{x : Σ|xᵢ/aᵢ|^s ≤ 1}` (\[WL19\] (37)): rhombus at `s = 1`, ellipse at `s = 2`, box as `s → ∞`.
 ///
@@ -11,6 +14,9 @@ pub struct Superellipsoid<const P: usize> {
     semi_axes: Vector<P>,
     exponent: f64,
 }
+
+/// Smallest exponent: the diagonal radius of thinner cusps, `P^(−1/s)`, would be below the sizes of sets.
+const LEAST_EXPONENT: f64 = 0.01;
 
 /// The planar [`Superellipsoid`].
 pub type Superellipse = Superellipsoid<2>;
@@ -49,12 +55,16 @@ impl<const P: usize> PowerSum<P> {
 }
 
 impl<const P: usize> Superellipsoid<P> {
-    /// Superellipsoid with semi-axes along the coordinate axes and exponent `s > 0`.
+    /// Superellipsoid with semi-axes along the coordinate axes and exponent `s ≥ 0.01`.
     pub fn new(semi_axes: Vector<P>, exponent: f64) -> Result<Self, SetError> {
         for &a in semi_axes.iter() {
-            positive("semi_axes", a)?;
+            size("semi_axes", a)?;
         }
-        Ok(Self { semi_axes, exponent: positive("exponent", exponent)? })
+        if positive("exponent", exponent)? < LEAST_EXPONENT {
+            let (argument, allowed) = ("exponent", "at least 0.01");
+            return Err(SetError::Parameter { argument, allowed, value: exponent });
+        }
+        Ok(Self { semi_axes, exponent })
     }
 
     /// Semi-axes.

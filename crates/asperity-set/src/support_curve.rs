@@ -1,6 +1,7 @@
 //! Convex sets whose support function is measured or computed.
 
 use crate::curve::Curve;
+use crate::error::{SIZES, size_error};
 use crate::plane::quarter_turn;
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
 
@@ -17,6 +18,10 @@ impl SupportCurve {
     /// The curve through values of the support function at normal angles in rad, in any order, within one
     /// turn; refused where `h + h″ < 0`.
     pub fn new(angle: &[f64], support: &[f64]) -> Result<Self, SetError> {
+        let positive = support.iter().filter(|h| h.is_finite() && **h > 0.0);
+        if let Some(&bad) = positive.into_iter().find(|h| !SIZES.contains(h)) {
+            return Err(size_error("support", bad));
+        }
         let support = Curve::new(angle, support, "support")?;
         let (rho, at) = support.lowest();
         if rho < 0.0 {

@@ -1,6 +1,6 @@
 //! The force reservoir of wedge-shaped asperities.
 
-use crate::{ConvexSet, SetError, StarSet, Vector, error::positive};
+use crate::{ConvexSet, SetError, StarSet, Vector, error::size};
 
 /// Reservoir of springs that slide over parallel wedges of inclination β, with friction μ on the flanks
 /// (\[WL19\] (50)); `e₁` points across the wedges.
@@ -19,7 +19,7 @@ pub struct WedgeAsperity {
 impl WedgeAsperity {
     /// Wedges of inclination `beta` in rad with friction coefficient `mu`, `0 ≤ β`, `μ tan β < 1`.
     pub fn new(mu: f64, beta: f64) -> Result<Self, SetError> {
-        positive("mu", mu)?;
+        size("mu", mu)?;
         let refuse = |allowed| Err(SetError::Parameter { argument: "beta", allowed, value: beta });
         if !(0.0..std::f64::consts::FRAC_PI_2).contains(&beta) {
             return refuse("at least 0 and below π/2");

@@ -2,7 +2,7 @@
 
 mod common;
 
-use asperity_set::{Convex, ConvexSet, Star, StarSet, Vector, convexity};
+use asperity_set::{Convex, ConvexSet, Cuboid, Matrix, Star, StarSet, Vector, convexity};
 use common::*;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
@@ -105,5 +105,79 @@ proptest! {
         gauge_and_support(&set, &d, &e, k)?;
         projection(&set, &d, &e, k, 1e-8)?;
         cones(&set, &d, &e)?;
+    }
+}
+
+/// The turn about an axis in space by an angle.
+fn turn(axis: &W, angle: f64) -> Matrix<3> {
+    let cross = axis.cross_matrix();
+    Matrix::<3>::identity() + cross * angle.sin() + cross * cross * (1.0 - angle.cos())
+}
+
+/// The point of all half-spaces `nᵀx ≤ 1` nearest to `z`, outside of some: of the points nearest to `z` on one, two
+/// or three of the planes the only one that lies in all half-spaces with no plane that pulls.
+fn nearest_of_faces(normals: &[W], z: &W) -> W {
+    let count = normals.len();
+    let mut best = (f64::INFINITY, *z);
+    for i in 0..count {
+        for j in 0..=i {
+            for k in 0..=j {
+                let mut chosen = vec![normals[i]];
+                if j < i {
+                    chosen.push(normals[j]);
+                    if k < j {
+                        chosen.push(normals[k]);
+                    }
+                } else if k < j {
+                    continue;
+                }
+                let n = nalgebra::Matrix3xX::from_columns(&chosen);
+                let gram = n.transpose() * &n;
+                let excess = n.transpose() * z - nalgebra::DVector::repeat(chosen.len(), 1.0);
+                let Some(pull) = gram.lu().solve(&excess) else { continue };
+                let x = z - &n * &pull;
+                let outside = normals.iter().map(|n| n.dot(&x) - 1.0).fold(0.0, f64::max);
+                let worst = outside.max(-pull.min() * x.norm() / z.norm());
+                if worst < best.0 {
+                    best = (worst, W::new(x[0], x[1], x[2]));
+                }
+            }
+        }
+    }
+    best.1
+}
+
+proptest! {
+    #![proptest_config(cases(0.02))]
+
+    /// Thin boxes turned against each other, of axis ratios up to 1e5.
+    #[test]
+    fn projection_onto_an_intersection_of_thin_boxes_is_that_of_their_faces(
+        boxes in prop::collection::vec(
+            (semi_axes::<3>(300.0), direction_in_space(), -3.0..3.0), 2..4
+        ),
+        d in direction_in_space(),
+        k in log_uniform(1.01, 1e3),
+    ) {
+        let mut normals = Vec::new();
+        let sets: Vec<Star<3>> = boxes
+            .iter()
+            .map(|(widths, axis, angle)| {
+                let turn = turn(axis, *angle);
+                for i in 0..3 {
+                    let normal = turn.column(i) / widths[i];
+                    normals.extend([normal, -normal]);
+                }
+                let set: Convex<3> = Cuboid::symmetric(*widths).unwrap().into();
+                Star::Convex(set.mapped(&turn).unwrap())
+            })
+            .collect();
+        let set = Star::intersection(&sets).unwrap();
+        let set = set.as_convex().unwrap();
+        let z = point_of(set, &d, k);
+        let (x, wanted) = (set.project(&z), nearest_of_faces(&normals, &z));
+        let digits = 1e-10 * wanted.norm() + 1e-14 * z.norm();
+        prop_assert!((x - wanted).norm() <= digits, "{} of {}", (x - wanted).norm(), x.norm());
+        prop_assert!(set.gauge(&x) <= 1.0 + 1e-12);
     }
 }

@@ -173,14 +173,17 @@ def bifurcation_diagram(
     grid = _arrays.array(values, "values", (None,))
     if not grid.size or (np.diff(grid) <= 0.0).any():
         raise ParameterError("values", "must ascend and not be empty")
+    # Refused at once: of what is wrong at single values the diagram only keeps the reason.
+    start = None if q0 is None else _arrays.array(q0, "q0", (None,))
+    duration = None if t_end is None else _arrays.positive(t_end, "t_end")
+    sharpness, threads = _arrays.positive(tolerance, "tolerance"), _arrays.count(threads, "threads")
     member = _members(family, parameter)
-    stabilities, failures = _equilibria(member, grid, q0)
+    stabilities, failures = _equilibria(member, grid, start)
     found = Found()
     if cycles:
         unstable = [s is not None and s.kind == "unstable" for s in stabilities]
-        sharpness = _arrays.positive(tolerance, "tolerance")
-        search = Continuation(member, grid.tolist(), unstable, sharpness, t_end)
-        found = search.everywhere(_arrays.count(threads, "threads"))
+        search = Continuation(member, grid.tolist(), unstable, sharpness, duration)
+        found = search.everywhere(threads)
     return BifurcationDiagram(
         parameter,
         grid,

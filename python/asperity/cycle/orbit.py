@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
+from asperity.errors import ParameterError
 from asperity.motion import Motion, Section
 from asperity.status import Phase
 
@@ -74,9 +75,12 @@ class LimitCycle(Value):
 
         The first and the last are parts of one phase if they are alike.
         """
-        changes = [e for e in self.motion.events if e.contact == contact and e.phase is not None]
+        number = _arrays.count(contact, "contact", least=0)
+        if number >= (contacts := self.motion.phase.shape[1]):
+            raise ParameterError("contact", f"must be below {contacts}, got {number}")
+        changes = [e for e in self.motion.events if e.contact == number and e.phase is not None]
         times = [0.0, *(event.time for event in changes), self.period]
-        kinds = [Phase(int(self.motion.phase[0, contact])), *(event.phase for event in changes)]
+        kinds = [Phase(int(self.motion.phase[0, number])), *(event.phase for event in changes)]
         lengths = np.diff(times)
         joined: list[tuple[Phase, float]] = []
         for kind, length in zip(kinds, lengths, strict=True):

@@ -215,6 +215,7 @@ def _optional(value: float | None, argument: str) -> float | None:
 
 def _series(values: ArrayLike, name: str, source: str, shape: tuple[int | None, ...]) -> Array:
     """Return finite numbers that refuse writing; arrays that refuse it already are not copied."""
+    _arrays.refuse_masked(values, name)
     given = np.asarray(values)
     if given.dtype.kind not in "iufb":
         raise ParameterError(name, f"must hold real numbers, got {values!r}")

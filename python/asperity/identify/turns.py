@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
-from asperity.errors import DimensionError, ParameterError, RecordError
+from asperity.errors import ParameterError, RecordError
 from asperity.identify.record import Recording
 
 _TURN = 2.0 * math.pi
@@ -149,9 +149,7 @@ def average_turns(
     """
     angle = _arrays.array(phi, "phi", (None,))
     signal = _arrays.array(values, "values", (angle.size,))
-    number = np.asarray(turn)
-    if number.shape != angle.shape:
-        raise DimensionError("turn", f"must have shape {angle.shape}, got {number.shape}")
+    number = _arrays.array(turn, "turn", angle.shape)
     used = number >= 0
     if not used.any():
         raise ParameterError("turn", "must number at least one complete turn")

@@ -54,7 +54,7 @@ def mode_coupling(
     axes = _arrays.unit_vectors(_arrays.array(angles, "angles", (2,)))
     springs = np.zeros((3, 3))
     springs[:2, :2] = axes.T @ np.diag(_arrays.array(stiffness, "stiffness", (2,))) @ axes
-    springs[2, 2] = belt_stiffness
+    springs[2, 2] = _arrays.number(belt_stiffness, "belt_stiffness")
     normal_force = _arrays.positive(normal_force, "normal_force")
     contact = Contact(
         FrictionLaw.isotropic(mu, dimension=1),
@@ -63,7 +63,7 @@ def mode_coupling(
         velocity=[_arrays.positive(belt_velocity, "belt_velocity")],
     )
     return LinearSystem(
-        [mass, mass, belt_mass],
+        [mass, mass, _arrays.positive(belt_mass, "belt_mass")],
         springs,
         [damping, damping, 0.0],
         [mu * normal_force, -normal_force, normal_force],

@@ -50,7 +50,7 @@ def painleve_rod(
         _arrays.positive(mass, "mass") * s**2 / 3.0,
         position=(0.0, s * math.sin(phi)),
         angle=-phi,
-        velocity=(speed, 0.0),
+        velocity=(_arrays.number(speed, "speed"), 0.0),
     )
     tip = PointPlane(0, (s, 0.0), Line(), FrictionLaw.isotropic(mu, dimension=1))
     return RigidBodies([rod], [tip], gravity=(0.0, -_arrays.number(gravity, "gravity")))

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.quiver import Quiver
 
-from asperity._arrays import Array, unit_vectors
+from asperity._arrays import Array, positive, unit_vectors
 from asperity._files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
@@ -121,5 +121,6 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], *, dpi: float = 15
     kind = Path(path).suffix.lstrip(".").lower()
     if kind not in figure.canvas.get_supported_filetypes():
         raise ParameterError("path", f"must end in .png, .pdf or .svg, got {os.fspath(path)!r}")
+    resolution = positive(dpi, "dpi")
     with atomic(path) as file:
-        figure.savefig(file, dpi=dpi, format=kind)
+        figure.savefig(file, dpi=resolution, format=kind)

@@ -175,11 +175,7 @@ def plot_growth_chart(
     for values, name in ((first, "x"), (second, "y")):
         if not values.size:
             raise DimensionError(name, "must hold a value")
-    try:
-        rates = np.asarray(growth, dtype=float)
-    except (TypeError, ValueError):
-        raise ParameterError("growth", "must be an array of real numbers") from None
-    _arrays.check_shape(rates, "growth", (len(first), len(second)))
+    rates = _arrays.with_gaps(growth, "growth", (len(first), len(second)))
     if np.isinf(rates).any():
         raise ParameterError("growth", "must be finite, or NaN where there is no equilibrium")
     level = _arrays.positive(tolerance, "tolerance")
@@ -272,6 +268,7 @@ def _cycle_lines(ax: Axes, diagram: Diagram, lower: Array, upper: Array) -> list
 
 def _eigenvalues(given: Any, n: int) -> _Complex:
     """Return the eigenvalues as rows, one per value of the parameter."""
+    _arrays.refuse_masked(given, "eigenvalues")
     rows = [getattr(one, "eigenvalues", one) for one in given]
     try:
         table = np.array(rows, dtype=np.complex128)

@@ -60,6 +60,8 @@ def plot_track(
     if not isinstance(track, Track):
         raise ParameterError("track", f"must be a Track, got {track!r}")
     every = _arrays.count(every, "every")
+    if image is not None and (np.ma.isMaskedArray(image) or np.asarray(image).dtype != np.uint8):
+        raise ParameterError("image", "must be an array of uint8, (rows, columns, 3)")
     ax = look.axes_or_new(ax)
     artists: list[Artist] = []
     if image is not None:

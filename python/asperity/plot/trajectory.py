@@ -151,7 +151,9 @@ def _two(
     trajectory: Trajectory | Motion | Motion, coordinates: tuple[int, int]
 ) -> tuple[Array, Array]:
     shown = look.checked_trajectory(trajectory).q
-    i, j = (_arrays.count(index, "coordinates", 0) for index in coordinates)
+    i, j = (
+        _arrays.count(index, "coordinates", 0) for index in _arrays.pair(coordinates, "coordinates")
+    )
     if max(i, j) >= shown.shape[1]:
         raise DimensionError("coordinates", f"must be below {shown.shape[1]}, got {coordinates}")
     return shown[:, i], shown[:, j]

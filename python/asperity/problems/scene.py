@@ -165,7 +165,11 @@ class Scene(Value):
     def pushed(self, body: int, push: float) -> Array:
         """Return forces that push one body along x with `push` in N, shape ``(bodies, 3)``."""
         force = np.zeros((len(self.mass), 3))
-        force[body, 0] = _arrays.number(push, "push")
+        # The last body is −1, as in a list.
+        last = len(self.mass) - 1
+        if not -last - 1 <= (number := _arrays.count(body, "body", least=-last - 1)) <= last:
+            raise ParameterError("body", f"must lie in {-last - 1}..{last}, got {number}")
+        force[number, 0] = _arrays.number(push, "push")
         return force
 
     def _velocity(self, velocity: ArrayLike | None) -> Array:

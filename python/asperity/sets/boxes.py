@@ -81,7 +81,7 @@ class Rectangle(TurnedSet):
     """
 
     def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
-        a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
+        a, b = _arrays.size(a, "a"), _arrays.size(b, "b")
         upright = _core.Set.cuboid(np.array([-a, -b]), np.array([a, b]))
         self._set_angled(upright, angle, a=a, b=b)
 
@@ -109,8 +109,8 @@ class CappedRectangle(TurnedSet):
     cap: float
 
     def __init__(self, a: float, b: float, cap: float, angle: float = 0.0) -> None:
-        a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
-        cap = _arrays.positive(cap, "cap")
+        a, b = _arrays.size(a, "a"), _arrays.size(b, "b")
+        cap = _arrays.size(cap, "cap")
         upright = _core.Set.capped_rectangle(a, b, cap)
         self._set_angled(upright, angle, a=a, b=b, cap=cap)
 

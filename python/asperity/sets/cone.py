@@ -84,7 +84,7 @@ class Cone(Value):
         [True, False]
         """
         distance = self.distance(y)
-        length = np.linalg.norm(_arrays.array(y, "y"), axis=-1)
+        length = _arrays.lengths(_arrays.array(y, "y"))
         inside: NDArray[np.bool_] = distance <= length * _arrays.non_negative(
             tolerance, "tolerance"
         )
@@ -150,7 +150,7 @@ class Cone(Value):
         distance, nearest = np.full(len(y), np.inf), np.zeros_like(y)
         for part in self.parts:
             found = _core.cone_projection(part, y)
-            away = np.linalg.norm(y - found, axis=1)
+            away = _arrays.lengths(y - found)
             closer = away < distance
             distance[closer], nearest[closer] = away[closer], found[closer]
         return distance, nearest

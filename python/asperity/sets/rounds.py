@@ -85,7 +85,7 @@ class Ellipse(TurnedSet):
     """
 
     def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
-        a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
+        a, b = _arrays.size(a, "a"), _arrays.size(b, "b")
         upright = _core.Set.ellipsoid(np.array([a, b]))
         self._set_angled(upright, angle, a=a, b=b)
 
@@ -148,7 +148,7 @@ class Superellipse(TurnedSet):
     Args:
         a: semi-axis along the first axis.
         b: semi-axis along the second axis.
-        exponent: s > 0.
+        exponent: s ≥ 0.01.
         angle: of the first axis from e₁, counter-clockwise, in rad.
 
     Reference: [WL19] (37).
@@ -163,7 +163,7 @@ class Superellipse(TurnedSet):
     exponent: float
 
     def __init__(self, a: float, b: float, exponent: float, angle: float = 0.0) -> None:
-        a, b = _arrays.positive(a, "a"), _arrays.positive(b, "b")
+        a, b = _arrays.size(a, "a"), _arrays.size(b, "b")
         exponent = _arrays.positive(exponent, "exponent")
         upright = _core.Set.superellipsoid(np.array([a, b]), exponent)
         self._set_angled(upright, angle, a=a, b=b, exponent=exponent)

@@ -28,6 +28,9 @@ class StarSet(SupportMethods):
     raise `ParameterError` on others. ``A & B`` is the intersection of two sets, ``A | B`` their
     union, ``A + B`` the Minkowski sum of two convex ones.
 
+    Sets have sizes between 1e-60 and 1e60. Points may have any size, those to be projected up to
+    1e80; an answer beyond the range of numbers is refused.
+
     Reference: [WL19] Def. 2, 3.
     """
 

@@ -125,7 +125,8 @@ def closed_contacts(of: Field, closed: Sequence[int] | None) -> tuple[int, ...]:
     unilateral = [i for i, known in enumerate(of.normal_forces) if known is None]
     if closed is None:
         return tuple(unilateral)
-    wanted = tuple(sorted({int(i) for i in _arrays.several(closed, "closed")}))
+    numbers = _arrays.several(closed, "closed")
+    wanted = tuple(sorted({_arrays.count(i, "closed", least=0) for i in numbers}))
     for i in wanted:
         if i not in unilateral:
             raise ParameterError("closed", f"must name unilateral contacts {unilateral}, got {i}")

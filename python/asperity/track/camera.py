@@ -166,6 +166,7 @@ class VirtualCamera(Value):
         """
         from PIL import Image
 
+        config = self.config(point_error=point_error)
         out = Path(folder)
         out.mkdir(parents=True, exist_ok=True)
         digits = len(str(len(self)))
@@ -173,10 +174,11 @@ class VirtualCamera(Value):
             with atomic(out / f"frame_{number:0{digits}}.png") as file:
                 Image.fromarray(pixels).save(file, format="png", compress_level=1)
         with atomic(out / "track.toml") as file:
-            file.write(self.config(point_error=point_error).encode())
+            file.write(config.encode())
 
     def config(self, *, point_error: float = 0.1) -> str:
         """Return the text of ``track.toml``."""
+        point_error = _arrays.non_negative(point_error, "point_error")
         columns, rows = self.size
         share = np.array([0.1, 0.5, 0.9])
         pixel = np.stack(np.meshgrid(columns * share, rows * share), axis=-1).reshape(-1, 2)

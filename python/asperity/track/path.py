@@ -11,7 +11,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity._files import atomic
 from asperity._value import Value
-from asperity.errors import DimensionError, ParameterError
+from asperity.errors import ParameterError
 from asperity.track.cubics import local_cubics, noise, resting
 
 _FEWEST = 7
@@ -178,9 +178,7 @@ class MeasuredPath(Value):
 
 def _with_gaps(value: ArrayLike, argument: str, length: int) -> Array:
     """Return an array (n, 2) that may hold NaN, in whole rows."""
-    converted = np.array(value, dtype=np.float64)
-    if converted.shape != (length, 2):
-        raise DimensionError(argument, f"must have shape ({length}, 2), got {converted.shape}")
+    converted = np.array(_arrays.with_gaps(value, argument, (length, 2)))
     missing = np.isnan(converted).any(axis=1)
     _arrays.array(converted[~missing], argument)
     converted[missing] = np.nan

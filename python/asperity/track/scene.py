@@ -113,7 +113,7 @@ class Scene(Value):
         right = np.cross(forward, [0.0, 1.0, 0.0])
         right /= np.linalg.norm(right)
         down = np.cross(forward, right)
-        columns, rows = size
+        columns, rows = (_arrays.count(part, "size") for part in _arrays.pair(size, "size"))
         inner = np.array(
             [[focal, 0.0, 0.5 * (columns - 1)], [0.0, focal, 0.5 * (rows - 1)], [0.0, 0.0, 1.0]]
         )
@@ -136,7 +136,8 @@ class Scene(Value):
 
     def mismatch(self, pixels: ArrayLike, plane: ArrayLike) -> float:
         """Return how far known points are off in the image, root mean square in pixels."""
-        off = self.to_pixels(plane) - _arrays.array(pixels, "pixels", (None, 2))
+        known = _arrays.array(plane, "plane", (None, 2))
+        off = self.to_pixels(known) - _arrays.array(pixels, "pixels", known.shape)
         return float(np.sqrt(np.mean(np.sum(off**2, axis=-1))))
 
 

@@ -124,7 +124,10 @@ class Track(Value):
         found = MeasuredPath(self.time, self.position, self.position_error)
         if start is not None or stop is not None:
             first, last = found.section
-            section = (first if start is None else start, last if stop is None else stop)
+            section = (
+                first if start is None else _arrays.number(start, "start"),
+                last if stop is None else _arrays.number(stop, "stop"),
+            )
             found = MeasuredPath(self.time, self.position, self.position_error, section=section)
         return found if bandwidth is None else found.replace(bandwidth=bandwidth)
 

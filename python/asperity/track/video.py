@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from asperity import _arrays
 from asperity.errors import ParameterError
 from asperity.track.frames import Frame, Pixels
 
@@ -183,6 +184,7 @@ def write_video(
     """
     import av
 
+    quality = _arrays.count(quality, "quality", least=0)
     with av.open(os.fspath(path), "w") as container:
         stream: Any = None
         for pixels in frames:

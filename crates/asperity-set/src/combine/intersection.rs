@@ -53,6 +53,13 @@ impl<const P: usize, S: StarSet<P>> StarSet<P> for Intersection<S, P> {
     }
 }
 
+impl<const P: usize, S: ConvexSet<P>> Intersection<S, P> {
+    /// The projection onto a member that lies in all others: no point of the intersection is nearer.
+    fn nearest_of_one(&self, z: &Vector<P>) -> Option<Vector<P>> {
+        self.sets.iter().map(|set| set.project(z)).find(|x| self.holds(x))
+    }
+}
+
 impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
     /// A member's support point that lies in all others is the farthest; else the farthest point lies where
     /// boundaries cross.
@@ -78,7 +85,11 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
         let nearest = self.corners.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         match nearest {
             Some(corner) if is_normal_at(self, corner, &(z - corner)) => *corner,
-            _ if P == 3 => alternately(&self.sets, z).unwrap_or_else(|| project::onto_any(self, z)),
+            _ if P == 3 => self
+                .nearest_of_one(z)
+                .or_else(|| project::by_cuts(self, z))
+                .or_else(|| alternately(&self.sets, z))
+                .unwrap_or_else(|| project::onto_any(self, z)),
             _ => project::onto_any(self, z),
         }
     }

@@ -23,7 +23,8 @@ pub(super) fn seams<const P: usize, S: StarSet<P>>(
             for b in &sets[..i] {
                 let difference = |x: &Vector<2>| {
                     let x = cast(x);
-                    a.gauge(&x) - b.gauge(&x)
+                    let (a, b) = (a.gauge(&x), b.gauge(&x));
+                    (a - b) / (a + b)
                 };
                 let directions =
                     crossings(&difference, &found.iter().map(cast).collect::<Vec<_>>());
@@ -44,7 +45,7 @@ pub(super) fn seams<const P: usize, S: StarSet<P>>(
     kept
 }
 
-/// Directions in which a function of degree one changes its sign.
+/// Directions in which a function of degree zero, without dimension, changes its sign.
 fn crossings(f: &dyn Fn(&Vector<2>) -> f64, further: &[Vector<2>]) -> Vec<Vector<2>> {
     // An odd offset, so that symmetric sets do not cross at a node.
     let even = (0..DIRECTIONS).map(|k| TAU * (k as f64 + 0.317) / DIRECTIONS as f64);

@@ -8,7 +8,7 @@ mod superellipsoid;
 use crate::{ConvexSet, Vector};
 
 pub(crate) use plane::by_normals;
-pub(crate) use space::onto_image;
+pub(crate) use space::{by_cuts, onto_image};
 pub(crate) use superellipsoid::{by_newton, onto_superellipsoid};
 
 /// Projection onto any convex set from its gauge and support points.

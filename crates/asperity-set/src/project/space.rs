@@ -36,6 +36,161 @@ pub(super) fn by_dual_newton<const P: usize, S: ConvexSet<P> + ?Sized>(
     if fits { x } else { by_dual_ellipsoids(set, z) }
 }
 
+/// Most planes that are tried before another method has to do.
+const CUTS: usize = 200;
+/// Excess of the gauge that is rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// Projection onto the half-spaces below tangent planes of the set, one more plane as long as the point is outside:
+/// the dual active-set method of \[GoldfarbIdnani1983\], which keeps at most `P` planes. A point of the set that is
+/// nearest in half-spaces around the set is nearest in the set. Edges and corners of polytopes are found after as
+/// many planes as they have faces; on round boundaries the planes close in. `None` if that takes too long.
+pub(crate) fn by_cuts<const P: usize, S: ConvexSet<P> + ?Sized>(
+    set: &S,
+    z: &Vector<P>,
+) -> Option<Vector<P>> {
+    let mut planes = Planes::<P>::new();
+    let mut x = *z;
+    for _ in 0..CUTS {
+        let (gauge, gradient) = set.gauge_jet(&x);
+        let size = gradient.norm();
+        // Digits of a point far away are lost on the way to the set.
+        if gauge <= 1.0 + ROUNDING + 4.0 * f64::EPSILON * size * z.norm() {
+            return Some(x / gauge.max(1.0));
+        }
+        planes.add(gradient / size, 1.0 / size, &x)?;
+        x = planes.nearest(z);
+    }
+    None
+}
+
+/// Planes `nᵀx = c` that hold the point nearest to `z`, with their multipliers in `z − x = Σ uᵢnᵢ`.
+struct Planes<const P: usize> {
+    count: usize,
+    normals: [Vector<P>; P],
+    offsets: [f64; P],
+    multipliers: [f64; P],
+    /// Orthonormal vectors that span the normals, and the normals' components along them.
+    basis: [Vector<P>; P],
+    components: Matrix<P>,
+}
+
+impl<const P: usize> Planes<P> {
+    fn new() -> Self {
+        Self {
+            count: 0,
+            normals: [Vector::zeros(); P],
+            offsets: [0.0; P],
+            multipliers: [0.0; P],
+            basis: [Vector::zeros(); P],
+            components: Matrix::zeros(),
+        }
+    }
+
+    /// Adds the half-space `nᵀx ≤ c`, which `x` violates, and drops those that hold the point no more.
+    fn add(&mut self, n: Vector<P>, c: f64, x: &Vector<P>) -> Option<()> {
+        let mut violation = n.dot(x) - c;
+        let mut multiplier = 0.0;
+        loop {
+            let (shares, away) = self.split(&n);
+            let slope = away.norm_squared();
+            // Along `away` the plane is reached; a multiplier that vanishes before that frees its plane.
+            let reach = if self.count < P && slope > f64::EPSILON.powi(2) {
+                violation / slope
+            } else {
+                f64::INFINITY
+            };
+            let (mut step, mut freed) = (reach, None);
+            for (i, (held, share)) in self.multipliers.iter().zip(shares).enumerate() {
+                if i < self.count && share > 0.0 && *held < step * share {
+                    (step, freed) = (held / share, Some(i));
+                }
+            }
+            // Half-spaces around one set have points in common; rounding may say otherwise.
+            if !step.is_finite() {
+                return None;
+            }
+            // Places that are not in use have no share.
+            for (held, share) in self.multipliers.iter_mut().zip(shares) {
+                *held -= step * share;
+            }
+            multiplier += step;
+            if self.count < P {
+                violation -= step * slope;
+            }
+            match freed {
+                Some(i) => self.drop(i),
+                None => {
+                    self.normals[self.count] = n;
+                    self.offsets[self.count] = c;
+                    self.multipliers[self.count] = multiplier;
+                    self.count += 1;
+                    self.factorise();
+                    return Some(());
+                }
+            }
+        }
+    }
+
+    fn drop(&mut self, which: usize) {
+        self.normals[which..self.count].rotate_left(1);
+        self.offsets[which..self.count].rotate_left(1);
+        self.multipliers[which..self.count].rotate_left(1);
+        self.count -= 1;
+        self.factorise();
+    }
+
+    /// Gram and Schmidt, twice.
+    fn factorise(&mut self) {
+        self.components = Matrix::zeros();
+        for j in 0..self.count {
+            let mut rest = self.normals[j];
+            for _ in 0..2 {
+                for i in 0..j {
+                    let part = self.basis[i].dot(&rest);
+                    rest -= self.basis[i] * part;
+                    self.components[(i, j)] += part;
+                }
+            }
+            let length = rest.norm();
+            self.components[(j, j)] = length;
+            self.basis[j] = rest / length;
+        }
+    }
+
+    /// Shares of the normals in `n`, and what is orthogonal to them.
+    fn split(&self, n: &Vector<P>) -> ([f64; P], Vector<P>) {
+        let mut rest = *n;
+        let mut along = [0.0; P];
+        for _ in 0..2 {
+            for (basis, along) in self.basis.iter().zip(&mut along).take(self.count) {
+                let part = basis.dot(&rest);
+                rest -= basis * part;
+                *along += part;
+            }
+        }
+        for i in (0..self.count).rev() {
+            let later: f64 = (i + 1..self.count).map(|j| self.components[(i, j)] * along[j]).sum();
+            along[i] = (along[i] - later) / self.components[(i, i)];
+        }
+        (along, rest)
+    }
+
+    /// The point of all planes that is nearest to `z`.
+    fn nearest(&self, z: &Vector<P>) -> Vector<P> {
+        let mut along = [0.0; P];
+        for j in 0..self.count {
+            let earlier: f64 = (0..j).map(|i| self.components[(i, j)] * along[i]).sum();
+            along[j] = (self.offsets[j] - earlier) / self.components[(j, j)];
+        }
+        let mut x = *z;
+        for (basis, along) in self.basis.iter().zip(&along).take(self.count) {
+            x += basis * (along - basis.dot(&x));
+        }
+        x
+    }
+}
+
 /// The same for sets with edges and flat faces, where the dual has no Hessian, from subgradients alone.
 fn by_dual_ellipsoids<const P: usize, S: ConvexSet<P> + ?Sized>(
     set: &S,

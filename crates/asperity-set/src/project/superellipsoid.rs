@@ -94,16 +94,19 @@ fn power_balance(zeta: f64, c: f64, p: f64) -> f64 {
 
 /// Projection onto the rhombus `Σ|ξᵢ| ≤ 1` in the metric of the semi-axes: soft thresholding with the
 /// threshold that the active coordinates share.
+///
+/// `ξᵢ = ζᵢ − βwᵢ` with `wᵢ = 1/aᵢ²` and `Σξᵢ = 1` is `wᵢ (1 + Σⱼ wⱼ (rᵢ − rⱼ))/Σⱼ wⱼ`, `rᵢ = aᵢ²ζᵢ`: of a point far
+/// away only the differences count.
 fn onto_rhombus<const P: usize>(semi_axes: &Vector<P>, scaled: &Vector<P>) -> Vector<P> {
     let weights = semi_axes.map(|a| 1.0 / (a * a));
+    let heights = scaled.component_div(&weights);
     let mut active = [true; P];
     loop {
         let over = |f: &dyn Fn(usize) -> f64| (0..P).filter(|&i| active[i]).map(f).sum::<f64>();
-        let beta = (over(&|i| scaled[i]) - 1.0) / over(&|i| weights[i]);
-        let mut xi =
-            Vector::<P>::from_fn(
-                |i, _| if active[i] { scaled[i] - beta * weights[i] } else { 0.0 },
-            );
+        let total = over(&|i| weights[i]);
+        let ahead = |i: usize| 1.0 + over(&|j| weights[j] * (heights[i] - heights[j]));
+        let share = |i: usize| weights[i] / total * ahead(i);
+        let mut xi = Vector::<P>::from_fn(|i, _| if active[i] { share(i) } else { 0.0 });
         if xi.min() >= 0.0 {
             // The coordinate with the largest weight has cancelled most: it follows from the others.
             let last = weights.imax();

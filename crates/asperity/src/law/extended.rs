@@ -201,9 +201,14 @@ impl<const P: usize> FrictionLaw<P> {
         let (z, hessian) = self.direction.support_jet(&(slip / size));
         let (gauge, gradient) = self.reservoir.gauge_jet(&z);
         let across = Matrix::identity() - z * gradient.transpose() / gauge;
-        let factor = -normal_force / (gauge * size);
+        // In this order tiny slips lose no digits.
+        let factor = -normal_force / gauge / size;
         let plain = if hessian.iter().all(|v| v.is_finite()) {
-            across * hessian * factor
+            let plain = across * hessian * factor;
+            if !plain.iter().all(|v| v.is_finite()) {
+                return Err(SetError::Range { argument: "slip", excess: "small" }.into());
+            }
+            plain
         } else {
             jump(&across, &(slip / size), factor)
         };

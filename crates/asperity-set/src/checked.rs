@@ -1,0 +1,259 @@
+//! Questions to sets with arguments of any size, answered or refused by name.
+//!
+//! The methods of [`StarSet`] and [`ConvexSet`] are made for solvers: they square what they are given and do not
+//! look whether that is a number still. [`Checked`] is the door for arguments that nobody has looked at. Gauge and
+//! support function have degree one, their gradients degree zero: arguments of an unusual size are divided by a
+//! power of two, the answer is multiplied by it, and no digit is lost.
+
+use std::ops::RangeInclusive;
+
+use crate::{Cone, ConvexSet, Matrix, SetError, Star, StarSet, Vector, tangent_cone};
+
+/// Sizes of arguments that the methods of all sets take as they are: over those of sets the squares are numbers.
+const USUAL: RangeInclusive<f64> = 1e-80..=1e80;
+
+/// A set whose methods take finite arguments of any size.
+///
+/// ```
+/// use asperity_set::{Checked, Disk, Vector};
+///
+/// let disk = Disk::new(2.0)?;
+/// assert_eq!(Checked(&disk).gauge(&Vector::<2>::new(3e200, 4e200))?, 2.5e200);
+/// assert!(Checked(&disk).gauge_gradient(&Vector::<2>::zeros()).is_err());
+/// # Ok::<(), asperity_set::SetError>(())
+/// ```
+#[derive(Debug)]
+pub struct Checked<'a, S: ?Sized>(pub &'a S);
+
+impl<S: ?Sized> Checked<'_, S> {
+    /// The gauge, see [`StarSet::gauge`].
+    #[inline]
+    pub fn gauge<const P: usize>(&self, x: &Vector<P>) -> Result<f64, SetError>
+    where
+        S: StarSet<P>,
+    {
+        if is_usual(x) {
+            return Ok(self.0.gauge(x));
+        }
+        homogeneous("x", x, |x| self.0.gauge(x))
+    }
+
+    /// The gradient of the gauge, see [`StarSet::gauge_gradient`]; refused at the origin.
+    #[inline]
+    pub fn gauge_gradient<const P: usize>(&self, x: &Vector<P>) -> Result<Vector<P>, SetError>
+    where
+        S: StarSet<P>,
+    {
+        if is_usual(x) {
+            return Ok(self.0.gauge_jet(x).1);
+        }
+        Ok(self.0.gauge_jet(&Part::of("x", x)?.ok_or(SetError::Origin)?.unit).1)
+    }
+
+    /// The support function, see [`ConvexSet::support`].
+    #[inline]
+    pub fn support<const P: usize>(&self, y: &Vector<P>) -> Result<f64, SetError>
+    where
+        S: ConvexSet<P>,
+    {
+        if is_usual(y) {
+            return Ok(self.0.support(y));
+        }
+        homogeneous("y", y, |y| self.0.support(y))
+    }
+
+    /// The support point, see [`ConvexSet::support_point`]; the origin for `y = 0`, where every point is farthest.
+    #[inline]
+    pub fn support_point<const P: usize>(&self, y: &Vector<P>) -> Result<Vector<P>, SetError>
+    where
+        S: ConvexSet<P>,
+    {
+        if is_usual(y) {
+            return Ok(self.0.support_point(y));
+        }
+        let part = Part::of("y", y)?;
+        Ok(part.map_or(Vector::zeros(), |part| self.0.support_point(&part.unit)))
+    }
+
+    /// The Hessian of the support function, see [`ConvexSet::support_hessian`]; refused for `y = 0`.
+    pub fn support_hessian<const P: usize>(&self, y: &Vector<P>) -> Result<Matrix<P>, SetError>
+    where
+        S: ConvexSet<P>,
+    {
+        if is_usual(y) {
+            return Ok(self.0.support_hessian(y));
+        }
+        let part = Part::of("y", y)?.ok_or(SetError::NoDirection)?;
+        let hessian = self.0.support_hessian(&part.unit);
+        let back = hessian.map(|entry| shifted(entry, -part.exponent));
+        let lost = |(a, b): (&f64, &f64)| a.is_finite() && !b.is_finite();
+        if hessian.iter().zip(back.iter()).any(lost) {
+            return Err(SetError::Range { argument: "y", excess: "small" });
+        }
+        Ok(back)
+    }
+
+    /// The proximal point, see [`ConvexSet::project`]; refused beyond 1e80.
+    #[inline]
+    pub fn project<const P: usize>(&self, z: &Vector<P>) -> Result<Vector<P>, SetError>
+    where
+        S: ConvexSet<P>,
+    {
+        if is_usual(z) {
+            return Ok(self.0.project(z));
+        }
+        match Part::of("z", z)? {
+            // Not homogeneous: beside a flat face small components count however large the others are.
+            Some(part) if part.exponent > 0 => {
+                Err(SetError::Parameter { argument: "z", allowed: "at most 1e80", value: z.amax() })
+            }
+            // Points as near as that to the origin lie in every set.
+            _ => Ok(*z),
+        }
+    }
+
+    /// The normal cone, see [`ConvexSet::normal_cone`].
+    pub fn normal_cone<const P: usize>(
+        &self,
+        x: &Vector<P>,
+        tolerance: f64,
+    ) -> Result<Option<Cone<P>>, SetError>
+    where
+        S: ConvexSet<P>,
+    {
+        match self.place(x, tolerance)? {
+            Place::Boundary(x) => Ok(self.0.normal_cone(&x, tolerance)),
+            Place::Inside => Ok(Some(Cone::new([]))),
+            Place::Outside => Ok(None),
+        }
+    }
+
+    /// Where a point lies; an argument of usual size is left to the set itself.
+    fn place<const P: usize>(&self, x: &Vector<P>, tolerance: f64) -> Result<Place<P>, SetError>
+    where
+        S: StarSet<P>,
+    {
+        if is_usual(x) {
+            return Ok(Place::Boundary(*x));
+        }
+        let Some(part) = Part::of("x", x)? else { return Ok(Place::Boundary(*x)) };
+        let gauge = self.0.gauge(&part.unit);
+        Ok(match shifted(gauge, part.exponent) {
+            k if k > 1.0 + tolerance => Place::Outside,
+            k if k < 1.0 - tolerance => Place::Inside,
+            _ => Place::Boundary(part.unit / gauge),
+        })
+    }
+}
+
+impl<const P: usize> Checked<'_, Star<P>> {
+    /// The tangent cone, see [`tangent_cone`].
+    pub fn tangent_cone(
+        &self,
+        x: &Vector<P>,
+        tolerance: f64,
+    ) -> Result<Option<Vec<Cone<P>>>, SetError> {
+        match self.place(x, tolerance)? {
+            Place::Boundary(x) => Ok(tangent_cone(self.0, &x, tolerance)),
+            Place::Inside => Ok(Some(vec![Cone::whole()])),
+            Place::Outside => Ok(None),
+        }
+    }
+}
+
+/// A point as one asks for cones there.
+enum Place<const P: usize> {
+    Inside,
+    Outside,
+    Boundary(Vector<P>),
+}
+
+/// Whether no method of a set has trouble with the size of an argument; not for zero, nor for what is no number.
+#[inline]
+fn is_usual<const P: usize>(x: &Vector<P>) -> bool {
+    let sum: f64 = x.iter().map(|v| v.abs()).sum();
+    USUAL.contains(&sum)
+}
+
+/// An argument `2^exponent · unit` with the largest component of `unit` between 1 and 2.
+struct Part<const P: usize> {
+    unit: Vector<P>,
+    exponent: i32,
+}
+
+impl<const P: usize> Part<P> {
+    /// `None` for zero.
+    #[cold]
+    fn of(argument: &'static str, x: &Vector<P>) -> Result<Option<Self>, SetError> {
+        if let Some(&value) = x.iter().find(|v| !v.is_finite()) {
+            return Err(SetError::Parameter { argument, allowed: "finite", value });
+        }
+        let size = x.iter().fold(0.0, |size, v| f64::max(size, v.abs()));
+        if size == 0.0 {
+            return Ok(None);
+        }
+        let exponent = exponent(size);
+        let unit = x.map(|v| {
+            let small = shifted(v, -exponent);
+            // The sign decides between the ends of a face.
+            if small == 0.0 && v != 0.0 { f64::MIN_POSITIVE.copysign(v) } else { small }
+        });
+        Ok(Some(Self { unit, exponent }))
+    }
+}
+
+/// `f` of degree one at an argument of any size.
+#[cold]
+fn homogeneous<const P: usize>(
+    argument: &'static str,
+    x: &Vector<P>,
+    f: impl Fn(&Vector<P>) -> f64,
+) -> Result<f64, SetError> {
+    let Some(part) = Part::of(argument, x)? else { return Ok(0.0) };
+    let value = shifted(f(&part.unit), part.exponent);
+    if value.is_infinite() {
+        return Err(SetError::Range { argument, excess: "large" });
+    }
+    Ok(value)
+}
+
+/// `f` with values of degree one, whose squares are numbers, at an argument of any size.
+pub(crate) fn at_usual_size<const P: usize>(
+    x: &Vector<P>,
+    f: impl Fn(&Vector<P>) -> Vector<P>,
+) -> Vector<P> {
+    match Part::of("y", x) {
+        Ok(Some(part)) if !is_usual(x) => f(&part.unit).map(|v| shifted(v, part.exponent)),
+        _ => f(x),
+    }
+}
+
+/// The exponent `e` of a positive number `2^e · m`, `1 ≤ m < 2`.
+fn exponent(x: f64) -> i32 {
+    let biased = |x: f64| (x.to_bits() >> 52 & 0x7ff) as i32 - 1023;
+    // Below the normal numbers the exponent is that of the leading bit.
+    if x < f64::MIN_POSITIVE { biased(x * 2f64.powi(60)) - 60 } else { biased(x) }
+}
+
+/// `x · 2^exponent`, rounded once at the most; the power itself may be beyond the range of numbers.
+fn shifted(x: f64, exponent: i32) -> f64 {
+    let half = exponent / 2;
+    x * 2f64.powi(half) * 2f64.powi(exponent - half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::SIZES;
+
+    #[test]
+    fn parts_of_any_number_are_exact() {
+        for x in [5e-324, 3e-310, 2.3e-308, 1e-80, 0.75, 1.0, 3.0, 1e300, f64::MAX] {
+            let part = Part::of("x", &Vector::<1>::new(-x)).unwrap().unwrap();
+            assert!((1.0..2.0).contains(&-part.unit[0]), "{x}");
+            assert_eq!(shifted(part.unit[0], part.exponent), -x);
+        }
+        // A set of the smallest size holds whatever is refused by its size.
+        assert!(SIZES.start() > USUAL.start());
+    }
+}

@@ -1,0 +1,368 @@
+"""Every public function, class and method that takes numbers, with arguments that are valid."""
+
+import enum
+import inspect
+import math
+import re
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import asperity as asp
+import numpy as np
+from asperity import identify, mechanisms, plot, problems, track
+from filmed import RUN, SMALL
+from matplotlib.figure import Figure
+from test_values import CYCLE, VALUES
+
+MODULES = (asp, identify, track, problems, problems.scenes, mechanisms, plot)
+_NUMBERS = re.compile(r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b")
+
+LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.5), asp.Ellipse(3.0, 1.0))
+DISK = asp.Disk(0.5)
+BELT = asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [0.1, 0.2])
+PROBLEM = asp.ContactProblem(np.eye(3), [-1.0, 0.2, 3.0], LAW)
+PHI = np.arange(24) * np.pi / 12
+UNIT = np.stack([np.cos(PHI), np.sin(PHI)], axis=-1)
+PLANE = asp.Plane()
+BALL = asp.Body.ball(1.0, 0.1)
+BODIES = asp.RigidBodies([BALL], [asp.SpherePlane(0, 0.1, PLANE, LAW)])
+MACHINE = identify.VirtualTribometer(
+    LAW, normal_force=9.3, turns=2, turn_rate=0.5, sample_rate=250.0, no_load_time=1.0
+)
+RAW = MACHINE.record()
+DATA = identify.process(RAW)
+FIT = identify.fit_law(DATA)
+CAMERA = track.VirtualCamera(RUN, **SMALL)
+FILM = track.track_mark(CAMERA.frames(), fps=CAMERA.fps, scene=CAMERA.view, mark=CAMERA.mark)
+RUNS = [
+    identify.process(
+        identify.VirtualTribometer.perfect(
+            asp.FrictionLaw.isotropic(0.3),
+            normal_force=load,
+            turns=3,
+            turn_rate=load / 10.0,
+            sample_rate=200.0,
+            radius=0.05,
+        ).record()
+    )
+    for load in (5.0, 8.0, 12.0)
+]
+STICK_SLIP = mechanisms.stribeck_block()
+DIAGRAM = next(one for one in VALUES if isinstance(one, asp.BifurcationDiagram))
+RUN_OF_BODIES = asp.simulate(BODIES, dt=0.01, t_end=0.1)
+FRAME = np.full((60, 80, 3), 120, dtype=np.uint8)
+FRAME[20:40, 30:50] = 200, 30, 30
+FOLDER = tempfile.TemporaryDirectory()
+TABLE = Path(FOLDER.name) / "run.csv"
+TABLE.write_text(
+    "time,angle,tangential,radial,normal\n"
+    + "".join(
+        f"{t / 100.0},{t / 20.0},{math.cos(t)},{math.sin(t)},{9.0 + 0.1 * math.sin(t)}\n"
+        for t in range(400)
+    )
+)
+PROBLEMS = [
+    PROBLEM.replace(tangential_restitution=0.1, initial_velocity=[-1.0, 0.2, 3.0]),
+    asp.ContactProblem.from_bodies(np.eye(3), np.eye(3), [-1.0, 0.2, 3.0], LAW),
+    asp.ContactProblem(np.eye(2), [0.2, 3.0], LAW, normal_force=1.0),
+]
+OBJECTS = [
+    *PROBLEMS,
+    BODIES,
+    *VALUES,
+    CYCLE,
+    MACHINE,
+    RAW,
+    RAW.calibration,
+    *RAW.recordings,
+    DATA,
+    DATA.averaged(),
+    *DATA.turn_averages().values(),
+    FIT,
+    FIT.parameters["mu"] if "mu" in FIT.parameters else next(iter(FIT.parameters.values())),
+    identify.Processing(),
+    identify.CircleReservoir(),
+    identify.FourierReservoir(3),
+    identify.FourierDirection(4),
+    identify.SuperellipseReservoir(2.0),
+    identify.SuperellipseDirection(2.0),
+    identify.MeasuredSets(PHI, 0.3 * UNIT),
+    identify.load_dependence(RUNS),
+    CAMERA,
+    FILM,
+    FILM.path(),
+    CAMERA.view,
+    CAMERA.mark,
+    track.fit_circle(UNIT),
+    problems.scenes.stack(2),
+    mechanisms.FollowerPendulum(0.5),
+    mechanisms.FrictionalImpactOscillator(0.5),
+]
+"""Of several of one class the first is taken."""
+
+
+ARGUMENTS = {
+    # methods of sets, cones, laws
+    "boundary": {"n": 8},
+    "contains": {"x": [0.1, 0.1], "tolerance": 1e-9},
+    "fenchel_gap": {"x": [0.1, 0.1], "y": [1.0, 0.0]},
+    "gauge": {"x": [0.1, 0.1]},
+    "gauge_gradient": {"x": [0.1, 0.1]},
+    "indicator": {"x": [0.1, 0.1]},
+    "mapped": {"matrix": np.eye(2)},
+    "preimage": {"matrix": np.eye(2)},
+    "normal_cone": {"x": [0.1, 0.1]},
+    "tangent_cone": {"x": [0.1, 0.1]},
+    "project": {"z": [1.0, 1.0]},
+    "radius": {"theta": [0.1, 0.2]},
+    "rotated": {"angle": 0.1},
+    "scaled": {"factor": 2.0},
+    "support": {"y": [1.0, 0.1]},
+    "support_hessian": {"y": [1.0, 0.1]},
+    "support_point": {"y": [1.0, 0.1]},
+    "Cone.contains": {"y": [1.0, 0.1]},
+    "Cone.distance": {"y": [1.0, 0.1]},
+    "Cone.project": {"y": [1.0, 0.1]},
+    "Ellipse.from_intercepts": {"n1": 2.0, "n2": 1.0, "nu": 0.1},
+    "star_shape": {"vertices": UNIT},
+    "deflection": {"phi": PHI},
+    "resistance": {"phi": PHI},
+    "trace_criterion": {"phi": PHI},
+    "force": {"slip": UNIT, "normal_force": 1.0},
+    "dissipation": {"slip": UNIT, "normal_force": 1.0},
+    "jacobian": {"slip": UNIT, "normal_force": 1.0},
+    "slip_direction": {"force": 0.1 * UNIT, "normal_force": 1.0},
+    "FrictionLaw.asperity": {"mu": 0.3, "beta": (0.2, 0.3), "weights": (0.5, 0.5)},
+    "FrictionLaw.from_flow_rule": {"f": lambda phi: 0.3 * np.stack([np.cos(phi), np.sin(phi)], -1)},
+    "FrictionLaw.from_samples": {"phi": PHI, "force": 0.3 * UNIT},
+    "FrictionLaw.isotropic": {"mu": 0.3},
+    "FrictionLaw.tensor": {"second_order": 0.3 * np.eye(2), "fourth_order": np.zeros((2, 2, 2, 2))},
+    "Stribeck.__call__": {"speed": [0.1, 0.2]},
+    # contact problems
+    "ContactProblem.from_bodies": {
+        "mass": np.eye(3),
+        "directions": np.eye(3),
+        "free_velocity": [-1.0, 0.2, 3.0],
+        "laws": LAW,
+    },
+    "certificate": {"percussion": [1.0, 0.0, 0.1]},
+    "natural_map": {"percussion": [1.0, 0.0, 0.1]},
+    "residual": {"percussion": [1.0, 0.0, 0.1]},
+    "solutions": {"contact": 0},
+    "solve": {},
+    # systems and motions
+    "Body.ball": {"mass": 1.0, "radius": 0.1},
+    "Body.box": {"mass": 1.0, "half_sizes": (0.1, 0.2, 0.3)},
+    "Body.cylinder": {"mass": 1.0, "radius": 0.1, "height": 0.2},
+    "PlanarBody.box": {"mass": 1.0, "half_sizes": (0.1, 0.2)},
+    "PlanarBody.disk": {"mass": 1.0, "radius": 0.1},
+    "RigidBodies.angular_momentum": {"trajectory": RUN_OF_BODIES},
+    "simulate": {"system": BELT, "dt": 0.1, "t_end": 1.0, "q0": [0.0, 0.0], "u0": [0.0, 0.0]},
+    "integrate": {"system": BELT, "t_end": 1.0, "q0": [0.0, 0.0], "u0": [0.0, 0.0]},
+    "limit_cycle": {"system": STICK_SLIP},
+    "bifurcation_diagram": {
+        "family": mechanisms.stribeck_block,
+        "parameter": "belt_velocity",
+        "values": [0.5, 0.6],
+        "cycles": False,
+    },
+    "equilibrium": {"system": mechanisms.mode_coupling(0.3), "closed": [0]},
+    "stability": {"system": BELT},
+    "growth_chart": {"system": BELT, "phi": PHI, "zeta": [0.0, 0.1]},
+    "compare_path": {"run": RUN, "measured": RUN},
+    "ellipses_can_be_unstable": {"n1": 2.0, "n2": 1.0, "nu": 0.1, "p1": 1.0, "p2": 2.0},
+    "slice": {"t0": 0.0, "t1": 0.1},
+    "LimitCycle.phases": {"contact": 0},
+    "LimitCycle.share": {"contact": 0, "phase": asp.Phase.STICK},
+    # identification
+    "identify.read_csv": {"paths": TABLE},
+    "identify.average_turns": {"phi": DATA.phi, "values": DATA.phi, "turn": DATA.turn},
+    "identify.fit_law": {"data": DATA},
+    "identify.process": {"raw": RAW},
+    "identify.low_pass": {"values": np.arange(100.0), "sample_rate": 100.0, "cut_off": 5.0},
+    "identify.load_dependence": {"data": RUNS},
+    "identify.speed_dependence": {"data": RUNS},
+    "perturbed": {},
+    "averaged": {},
+    "full_bins": {"most": 36},
+    "turn_averages": {},
+    "identify.Fit.bands": {"phi": PHI},
+    "identify.Fit.forces": {"phi": PHI},
+    "identify.Fit.radius_band": {"theta": PHI},
+    "identify.Estimate.covers": {"truth": 1.0},
+    "identify.VirtualTribometer.perfect": {"law": LAW, "normal_force": 10.0},
+    # tracking
+    "track.Scene.from_camera": {
+        "position": (0.0, -1.0, 1.0),
+        "target": (0.0, 0.0),
+        "focal_length": 800.0,
+        "size": (640, 480),
+    },
+    "track.Scene.from_points": {"pixels": 100.0 * UNIT[::6], "plane": UNIT[::6]},
+    "track.Scene.from_scale": {"metres_per_pixel": 1e-3},
+    "track.Scene.mismatch": {"pixels": 100.0 * UNIT, "plane": UNIT},
+    "track.Scene.pixel_size": {"pixel": [1.0, 2.0]},
+    "track.Scene.to_pixels": {"points": UNIT},
+    "track.Scene.to_plane": {"pixels": UNIT},
+    "track.Track.path": {},
+    "track.VirtualCamera.config": {},
+    "track.VirtualCamera.write": {"folder": FOLDER.name},
+    "track.track_mark": {"frames": [FRAME] * 3, "fps": 250.0, "scene": CAMERA.view},
+    "track.write_video": {"frames": [], "path": f"{FOLDER.name}/film.mp4"},
+    "track.fit_circle": {"points": UNIT},
+    # problems and mechanisms
+    "problems.Scene.free_motion": {},
+    "problems.Scene.problem": {"law": LAW},
+    "problems.Scene.pushed": {"body": 0, "push": 1.0},
+    "problems.arch": {"blocks": 3},
+    "problems.columns": {"n_columns": 2, "height": 2},
+    "problems.pile": {"layers": 2},
+    "problems.sliders": {"n": 2},
+    "problems.stack": {"boxes": 2},
+    "problems.table": {"feet": 3},
+    "problems.wall": {"rows": 2, "columns": 2},
+    "problems.scenes.arch": {"blocks": 3},
+    "problems.scenes.columns": {"n_columns": 2, "height": 2},
+    "problems.scenes.pile": {"layers": 2},
+    "problems.scenes.stack": {"boxes": 2},
+    "problems.scenes.table": {"feet": 3},
+    "problems.scenes.wall": {"rows": 2, "columns": 2},
+    "mechanisms.mode_coupling": {"mu": 0.5},
+    "mechanisms.painleve_rod": {},
+    "mechanisms.stribeck_block": {},
+    # plots
+    "plot.save_figure": {"figure": Figure(), "path": f"{FOLDER.name}/empty.png"},
+    "plot.plot_bifurcation": {"diagram": DIAGRAM},
+    "plot.plot_cones": {"set": DISK, "x": [0.5, 0.0]},
+    "plot.plot_forces_in_reservoir": {"law": LAW, "trajectory": RUN},
+    "plot.plot_gauge": {"set": DISK},
+    "plot.plot_growth_chart": {"x": [0.0, 1.0], "y": [0.0, 1.0], "growth": np.eye(2)},
+    "plot.plot_law": {"law": LAW},
+    "plot.plot_path": {"trajectory": RUN},
+    "plot.plot_phase": {"trajectory": RUN},
+    "plot.plot_projection": {"set": DISK, "z": [1.0, 0.0]},
+    "plot.plot_root_locus": {"eigenvalues": [[1.0, 2.0], [1.0, 3.0]], "values": [0.0, 1.0]},
+    "plot.plot_track": {"track": FILM},
+}
+"""By the key of the callable, or by the name of a method for all classes that have it."""
+
+
+@dataclass(frozen=True)
+class Call:
+    """A call with valid arguments, of which there may be several variants."""
+
+    function: object
+    variants: tuple
+
+    def arguments(self, name=None):
+        """Valid arguments, among which there is that of the name if there can be."""
+        given = (one for one in self.variants if name is None or one.get(name) is not None)
+        return next(given, self.variants[0])
+
+    @property
+    def numbers(self):
+        """Names of the parameters that take numbers."""
+        parameters = inspect.signature(self.function).parameters.values()
+        return [
+            one.name
+            for one in parameters
+            if _NUMBERS.search(str(one.annotation))
+            and not any(word in str(one.annotation) for word in ("Callable", "Mapping"))
+        ]
+
+
+RESULTS = {
+    "Certificate",
+    "ContactSolution",
+    "LocalSolution",
+    "Stage",
+    "Equilibrium",
+    "Event",
+    "Infeasibility",
+    "State",
+    "LimitCycle",
+    "BifurcationDiagram",
+    "Motion",
+    "Trajectory",
+    "PathComparison",
+    "Bands",
+    "Candidate",
+    "Comparison",
+    "ConvexDirection",
+    "Estimate",
+    "Fit",
+    "Track",
+    "TrackConfig",
+}
+"""What the library makes itself, and may make with NaN where something is not known."""
+
+SYSTEMS = {"System", "FollowerPendulum", "FrictionalImpactOscillator"}
+"""Systems, whose methods answer the integrators."""
+ANSWERS = {"direction", "forces", "gap", "mass", "normal", "velocity"}
+MODELS = {
+    f"{name}{kind}"
+    for name in ("Circle", "Fourier", "Superellipse")
+    for kind in ("Reservoir", "Direction")
+}
+"""Models of sets, whose methods answer the fit."""
+
+
+def public():
+    """Yield key, name of the class and object of all that is public and takes numbers."""
+    seen = set()
+    for module in MODULES:
+        prefix = module.__name__.removeprefix("asperity").lstrip(".")
+        for name in getattr(module, "__all__", [n for n in vars(module) if not n.startswith("_")]):
+            kind = getattr(module, name)
+            if not inspect.isclass(kind) and not inspect.isfunction(kind):
+                continue
+            if not kind.__module__.startswith("asperity"):
+                continue
+            if inspect.isclass(kind) and issubclass(kind, BaseException | enum.Enum):
+                continue
+            key = f"{prefix}.{name}".lstrip(".")
+            members = [(key, "", kind)]
+            if inspect.isclass(kind):
+                members += [
+                    (f"{key}.{method}", name, member)
+                    for method, member in _methods(kind)
+                    if not method.startswith("_") or method == "__call__"
+                ]
+            for key, owner, member in members:
+                method = key.rpartition(".")[2]
+                if not owner and name in RESULTS:
+                    continue
+                if (owner in SYSTEMS and method in ANSWERS) or owner in MODELS:
+                    continue
+                original = getattr(member, "__func__", member)
+                if original not in seen and Call(member, ()).numbers:
+                    seen.add(original)
+                    yield key, kind, member
+
+
+def _methods(kind):
+    """Yield functions and class methods of a class, not properties."""
+    for name in dir(kind):
+        member = getattr(kind, name)
+        if inspect.isfunction(member) or inspect.ismethod(member):
+            yield name, member
+
+
+def calls():
+    """Return a valid call for every key, None where none is known."""
+    return {key: _call(key, kind, member) for key, kind, member in public()}
+
+
+def _call(key, kind, member):
+    arguments = ARGUMENTS.get(key)
+    if member is kind:
+        own = tuple(dict(one._parameters) for one in OBJECTS if type(one) is kind)
+        variants = (arguments,) if arguments is not None else own
+    else:
+        arguments = ARGUMENTS.get(key.rpartition(".")[2]) if arguments is None else arguments
+        variants = () if arguments is None else (arguments,)
+        if not inspect.ismethod(member) and inspect.isclass(kind):
+            of = next((one for one in OBJECTS if isinstance(one, kind)), None)
+            member = getattr(of, member.__name__, None)
+    return Call(member, variants) if variants and member is not None else None
