@@ -234,7 +234,7 @@ def refined(rng):
     floor = 1e-9 + 1e-8 * float(np.abs(exact.q).max())
     # Errors of first order may vanish by chance at one step size, not at all.
     assert errors[2] <= 0.2 * max(errors[0], errors[1]) + floor, f"errors {errors}"
-    # Velocities of order one and accelerations up to some tens: h²/2·a per event and h·a·t over all.
+    # Accelerations are some tens: an error of h·a·t.
     assert errors[0] <= 60.0 * t_end / 32 * t_end, f"errors {errors}"
 
 
