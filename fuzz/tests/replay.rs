@@ -1,6 +1,7 @@
 //! The corpus and bytes of a seeded generator through all targets, on the ordinary toolchain.
 //!
-//! `ASPERITY_FUZZ_INPUTS` is another number of them, `ASPERITY_FUZZ_SEED` takes others.
+//! `ASPERITY_FUZZ_INPUTS` is another number of them, `ASPERITY_FUZZ_SEED` takes
+//! others, `ASPERITY_FUZZ_PATIENCE` are the seconds after which one counts as hanging.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -122,8 +123,9 @@ impl Watch {
     fn guard(&self, name: &str) {
         while !self.done.load(Ordering::Relaxed) {
             std::thread::sleep(Duration::from_millis(100));
+            let patience = setting("ASPERITY_FUZZ_PATIENCE").map_or(HANGS, Duration::from_secs);
             if let Some((since, input)) = &*self.current.lock().unwrap()
-                && since.elapsed() > HANGS
+                && since.elapsed() > patience
             {
                 eprintln!("{name} hangs at {}", hex(input));
                 std::process::exit(1);
