@@ -6,7 +6,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 
 export CARGO_TERM_COLOR ?= auto
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo figures test test-rust test-python bench many peers long format clean
+.PHONY: demo figures test test-rust test-python bench many peers long fuzz format clean
 
 demo: $(VENV)/.installed
 	$(BIN)/asperity demo --out out/demo
@@ -21,6 +21,9 @@ test-rust:
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	cargo test --locked --quiet
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked --quiet
+	cd fuzz && cargo fmt --check
+	cd fuzz && cargo clippy --all-targets --locked --target-dir ../target -- -D warnings
+	cd fuzz && cargo test --locked --quiet --target-dir ../target
 
 test-python: $(VENV)/.installed
 	$(BIN)/ruff format --check .
@@ -46,12 +49,36 @@ many: $(VENV)/.installed
 peers: $(VENV)/.installed
 	$(BIN)/python benches/peers/compare.py $(PROBLEMS) --csv out/peers.csv
 
-# The long profile: 10⁵ random cases per set, 10⁶ one-contact problems per law, 1000 problems of many
-# contacts.
+# The long profile, at most an hour and a half on two cores: random cases per set and property, 10⁶ one-contact
+# problems per law, the bytes of the fuzz targets' generator, and every Python test that is marked `long`.
+# ONLY, SETS and INPUTS shorten a part: `make long SETS=1000 INPUTS=1000 ONLY=test_metamorphic`.
+SETS ?= 20000
+INPUTS ?= 20000
+ONLY ?=
 long: $(VENV)/.installed
-	PROPTEST_CASES=100000 cargo test --release --locked -p asperity-set
+	PROPTEST_CASES=$(SETS) cargo test --release --locked -p asperity-set
 	cargo test --release --locked -p asperity -- --ignored
-	$(BIN)/pytest --numprocesses auto --timeout 7200 -m long
+	cd fuzz && ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test --release --locked --target-dir ../target/fuzz
+	$(BIN)/pytest --numprocesses auto --timeout 7200 -m long -k "$(ONLY)"
+
+# libFuzzer on stable Rust, SECONDS per target; needs a C++ compiler. What it finds is in out/fuzz: give it to
+# the binary again, or into fuzz/corpus, from where `make test` replays it.
+SECONDS ?= 3600
+TARGETS ?= sets one_contact many_contacts events steps
+TIMEOUT ?= 10
+HOST = $(shell rustc -vV | sed -n 's/^host: //p')
+FUZZ_FLAGS = --cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+	-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
+	-Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1
+fuzz:
+	cd fuzz && RUSTFLAGS="$(FUZZ_FLAGS)" cargo build --release --locked --bins --features libfuzzer-sys \
+		--target $(HOST) --target-dir ../target/fuzz
+	found=0; for target in $(TARGETS); do \
+		mkdir -p out/fuzz/corpus/$$target; \
+		target/fuzz/$(HOST)/release/$$target out/fuzz/corpus/$$target fuzz/corpus/$$target \
+			-max_total_time=$(SECONDS) -timeout=$(TIMEOUT) -rss_limit_mb=4096 -max_len=1024 \
+			-artifact_prefix=out/fuzz/$$target- -print_final_stats=1 || found=1; \
+	done; exit $$found
 
 format:
 	cargo fmt --all

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TOUCH = 1e-7
-"""Overlap in m of what touches: a gap of zero is positive or negative by rounding, and a step without
-the contact moves a body by gΔt²."""
+"""Overlap in m of what touches: a gap of zero is positive or negative by rounding, and a step
+without the contact moves a body by gΔt²."""
 
 
 def turn(angle: float) -> Array:

@@ -57,3 +57,18 @@ fn ordinary<const P: usize>(law: &FrictionLaw<P>) -> bool {
         (1e-4..1e4).contains(&c) && (1e-4..1e4).contains(&z) && z > 1e-3 * c
     })
 }
+
+/// The sets of a law, without the tables that solvers keep with it.
+pub fn describe(law: &Law) -> String {
+    match law {
+        Law::One(law) => {
+            format!("C {:?} D {:?} {:?}", law.reservoir(), law.direction(), law.rate())
+        }
+        Law::Two(law) => {
+            format!("C {:?} D {:?} {:?}", law.reservoir(), law.direction(), law.rate())
+        }
+        Law::Three(law) => {
+            format!("C {:?} D {:?} {:?}", law.reservoir(), law.direction(), law.rate())
+        }
+    }
+}

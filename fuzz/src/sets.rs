@@ -48,9 +48,13 @@ struct Shape {
 
 impl Shape {
     fn of<const P: usize>(set: &Star<P>) -> Self {
-        let radii = asperity::set::directions::<P>(64).into_iter().map(|d| set.radius(&d));
-        let (least, largest) =
-            radii.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), r| (a.min(r), b.max(r)));
+        // A needle is short in most directions; its length shows in its support function.
+        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
+        for direction in asperity::set::directions::<P>(64) {
+            let radius = set.radius(&direction);
+            let reach = set.as_convex().map_or(radius, |convex| convex.support(&direction));
+            (least, largest) = (least.min(radius), largest.max(radius).max(reach));
+        }
         let ordinary =
             least * SLENDER > largest && (1.0 / SCALE..SCALE).contains(&least) && largest < SCALE;
         Self { largest, ordinary }

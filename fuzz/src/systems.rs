@@ -8,14 +8,29 @@ use crate::decode::{Range, Source};
 use crate::laws;
 
 /// A system, its start, and the parameters that it hides.
-#[derive(Debug)]
 pub struct Scene {
     pub system: LinearSystem,
+    /// M, K, B and f.
+    matrices: [DMatrix<f64>; 4],
     pub contacts: Vec<Contact>,
     pub q0: Vec<f64>,
     pub u0: Vec<f64>,
     /// Whether friction forces are bounded by laws of ordinary size and nothing else feeds energy in.
     pub tame: bool,
+}
+
+impl std::fmt::Debug for Scene {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (name, matrix) in ["M", "K", "B", "f"].iter().zip(&self.matrices) {
+            write!(f, "\n  {name} (by columns) {:?}", matrix.as_slice())?;
+        }
+        for c in &self.contacts {
+            let law = laws::describe(&c.law);
+            write!(f, "\n  contact: {law}\n    W (by columns) {:?}", c.direction.as_slice())?;
+            write!(f, " χ {:?} {:?} e {:?}", c.velocity, c.normal, c.restitution)?;
+        }
+        write!(f, "\n  q0 {:?} u0 {:?}", self.q0, self.u0)
+    }
 }
 
 /// Up to three degrees of freedom and contacts; `None` where something is refused.
@@ -44,7 +59,7 @@ pub fn scene(source: &mut Source<'_>, rated: bool) -> Option<Scene> {
         0 => DMatrix::identity(n, n) * source.unit(),
         _ => DMatrix::zeros(n, n),
     };
-    let force = (0..n).map(|_| source.number(range)).collect();
+    let force: Vec<f64> = (0..n).map(|_| source.number(range)).collect();
     let count = source.below(4);
     let contacts: Vec<Contact> =
         (0..count).map(|_| contact(source, n, rated)).collect::<Option<_>>()?;
@@ -54,8 +69,10 @@ pub fn scene(source: &mut Source<'_>, rated: bool) -> Option<Scene> {
         (0..n).map(|_| if rest { 0.0 } else { source.signed() }).collect()
     };
     let (q0, u0) = (start(source), start(source));
+    let load = DMatrix::from_column_slice(n, 1, &force);
+    let matrices = [mass.clone(), stiffness.clone(), damping.clone(), load];
     let system = LinearSystem::new(mass, stiffness, damping, force, contacts.clone()).ok()?;
-    Some(Scene { system, contacts, q0, u0, tame })
+    Some(Scene { system, matrices, contacts, q0, u0, tame })
 }
 
 fn contact(source: &mut Source<'_>, n: usize, rated: bool) -> Option<Contact> {

@@ -10,13 +10,23 @@ use nalgebra::{DMatrix, DVector};
 use crate::decode::{Range, Source};
 
 /// A contact problem in the open: dense `G`, loads, laws.
-#[derive(Debug)]
 pub struct Scene {
     pub delassus: DMatrix<f64>,
     pub free_velocity: DVector<f64>,
     pub contacts: Vec<(Law, NormalForce)>,
     /// Percussions that solve the problem, if it was made from them.
     pub known: Option<DVector<f64>>,
+}
+
+impl std::fmt::Debug for Scene {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "\n  G (by columns) {:?}", self.delassus.as_slice())?;
+        write!(f, "\n  b {:?}", self.free_velocity.as_slice())?;
+        for (law, normal) in &self.contacts {
+            write!(f, "\n  contact: {} {normal:?}", crate::laws::describe(law))?;
+        }
+        write!(f, "\n  known {:?}", self.known.as_ref().map(|p| p.as_slice()))
+    }
 }
 
 impl Scene {

@@ -1,7 +1,9 @@
 //! The corpus and bytes of a seeded generator through all targets, on the ordinary toolchain.
 //!
-//! `ASPERITY_FUZZ_INPUTS` is another number of them, `ASPERITY_FUZZ_SEED` takes others.
+//! `ASPERITY_FUZZ_INPUTS` is another number of them, `ASPERITY_FUZZ_SEED` takes
+//! others, `ASPERITY_FUZZ_PATIENCE` are the seconds after which one counts as hanging.
 
+use std::io::Write;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -122,10 +124,12 @@ impl Watch {
     fn guard(&self, name: &str) {
         while !self.done.load(Ordering::Relaxed) {
             std::thread::sleep(Duration::from_millis(100));
+            let patience = setting("ASPERITY_FUZZ_PATIENCE").map_or(HANGS, Duration::from_secs);
             if let Some((since, input)) = &*self.current.lock().unwrap()
-                && since.elapsed() > HANGS
+                && since.elapsed() > patience
             {
-                eprintln!("{name} hangs at {}", hex(input));
+                // Not `eprintln!`, which tests keep to themselves.
+                let _ = writeln!(std::io::stderr(), "{name} hangs at {}", hex(input));
                 std::process::exit(1);
             }
         }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use asperity::law::{FrictionLaw, LawError};
+use asperity::law::{Fall, FrictionLaw, Law, LawError, Stribeck, flow_sets};
 use asperity::set::{Ball, Convex, ConvexSet, Ellipse, Interval, Star, StarSet, Vector};
 use common::{Random, V, laws};
 
@@ -127,4 +127,211 @@ fn degenerate_sets_are_refused() {
     assert_eq!(error.argument(), "reservoir");
     assert!(Ellipse::new(V::new(0.0, 1.0)).is_err());
     assert!(Ball::new(f64::NAN).is_err());
+}
+
+fn flat_ellipse(a: f64, b: f64, degrees: f64) -> Convex<2> {
+    let ellipse = Convex::from(Ellipse::new(V::new(a, b)).unwrap());
+    ellipse.rotated(degrees.to_radians()).unwrap()
+}
+
+#[test]
+fn rates_are_their_formulae() {
+    let (speed, ratio, exponent, viscous) = (0.2, 0.6, 1.5, 0.3);
+    for fall in [Fall::Exponential, Fall::Hyperbolic] {
+        let rate = Stribeck::new(fall, speed, ratio, exponent, viscous).unwrap();
+        assert_eq!(rate.speed(), speed);
+        assert_eq!(rate.factor(0.0), 1.0);
+        for v in [1e-3, 0.1, 0.2, 0.5, 3.0] {
+            let x = (v / speed as f64).powf(exponent);
+            let s = match fall {
+                Fall::Exponential => (-x).exp(),
+                Fall::Hyperbolic => 1.0 / (1.0 + x),
+            };
+            assert!((rate.factor(v) - (0.6 + 0.4 * s + 0.3 * v)).abs() < 1e-15);
+            let h = 1e-6 * v;
+            let slope = (rate.factor(v + h) - rate.factor(v - h)) / (2.0 * h);
+            assert!((rate.slope(v) - slope).abs() < 1e-7 * slope.abs().max(1.0), "{fall:?} {v}");
+        }
+        // Far beyond the fall only the viscous part is left.
+        assert!((rate.slope(1e6) - 0.3).abs() < 1e-6);
+    }
+    let bad = |speed, ratio, exponent, viscous| {
+        Stribeck::new(Fall::Hyperbolic, speed, ratio, exponent, viscous).unwrap_err().argument()
+    };
+    assert_eq!(bad(0.0, 0.0, 1.0, 0.0), "speed");
+    assert_eq!(bad(f64::INFINITY, 0.0, 1.0, 0.0), "speed");
+    assert_eq!(bad(1.0, -0.1, 1.0, 0.0), "ratio");
+    assert_eq!(bad(1.0, 0.0, 0.0, 0.0), "exponent");
+    assert_eq!(bad(1.0, 0.0, 1.0, -1.0), "viscous");
+    assert_eq!(bad(1.0, 0.0, 1.0, f64::NAN), "viscous");
+    assert!(Stribeck::new(Fall::Hyperbolic, 1.0, 0.0, 1.0, 0.0).is_ok());
+}
+
+#[test]
+fn forces_and_slopes_of_rated_laws_carry_the_factor() {
+    let rate = Stribeck::new(Fall::Exponential, 0.5, 0.4, 1.0, 0.2).unwrap();
+    let make = || {
+        FrictionLaw::new(flat_ellipse(0.6, 0.3, 30.0).into(), flat_ellipse(2.0, 1.0, 0.0)).unwrap()
+    };
+    let (plain, rated) = (make(), make().with_rate(rate));
+    assert!(plain.rate().is_none() && plain != rated && rated == make().with_rate(rate));
+    let slip = V::new(0.3, -0.5);
+    let factor = rate.factor(slip.norm());
+    let force = rated.force(&slip, 2.0).unwrap();
+    assert!((force - plain.force(&slip, 2.0).unwrap() * factor).norm() < 1e-15);
+    assert!((rated.dissipation(&slip, 2.0) + force.dot(&slip)).abs() < 1e-15);
+    assert_eq!(rated.dissipation(&V::zeros(), 2.0), 0.0);
+    let jacobian = rated.jacobian(&slip, 2.0).unwrap();
+    for i in 0..2 {
+        let h = V::ith(i, 1e-6);
+        let slope = (rated.force(&(slip + h), 2.0).unwrap()
+            - rated.force(&(slip - h), 2.0).unwrap())
+            / 2e-6;
+        assert!((slope - jacobian.column(i)).norm() < 1e-8, "{slope} {jacobian}");
+    }
+    assert_eq!(rated.jacobian(&V::zeros(), 1.0), Err(LawError::AtRest));
+    assert_eq!(rated.slip_direction(&force, 2.0, 1e-9), Err(LawError::SpeedUnknown));
+    assert_eq!(rated.rotated(0.3).unwrap().rate(), Some(&rate));
+    for normal_force in [0.0, -1.0, f64::NAN] {
+        assert!(plain.slip_direction(&force, normal_force, 1e-9).is_err());
+    }
+}
+
+#[test]
+fn laws_turn_with_their_sets() {
+    let law =
+        FrictionLaw::new(flat_ellipse(0.6, 0.3, 30.0).into(), flat_ellipse(2.0, 1.0, 0.0)).unwrap();
+    let turned = law.rotated(0.7).unwrap();
+    let turn = nalgebra::Rotation2::new(0.7);
+    for slip in [V::new(1.0, 0.2), V::new(-0.3, 0.8)] {
+        let force = turn * law.force(&slip, 3.0).unwrap();
+        assert!((turned.force(&(turn * slip), 3.0).unwrap() - force).norm() < 1e-12);
+    }
+}
+
+/// C = ellipse 2:1, D = disk: the smallest ratio of radii is ½.
+#[test]
+fn normalisation_is_reported() {
+    let law = FrictionLaw::collinear(flat_ellipse(0.6, 0.3, 0.0).into()).unwrap();
+    assert!((law.direction_scale() - 0.3).abs() < 1e-9);
+    assert!((law.alpha_min() - 0.5).abs() < 1e-9);
+    assert!((law.alpha(&V::new(0.6, 0.0)) - 0.5).abs() < 1e-9);
+    assert!((law.alpha(&V::new(0.0, 0.3)) - 1.0).abs() < 1e-9);
+    assert!(!law.is_associated() && law.isotropic_coefficient().is_none());
+    let twin =
+        FrictionLaw::new(flat_ellipse(0.6, 0.3, 0.0).into(), flat_ellipse(1.2, 0.6, 0.0)).unwrap();
+    assert!(twin.is_associated() && (twin.direction_scale() - 0.5).abs() < 1e-9);
+    let isotropic = FrictionLaw::<2>::isotropic(0.4).unwrap();
+    assert!(isotropic.is_associated());
+    assert_eq!(isotropic.isotropic_coefficient(), Some(0.4));
+    let any = Law::from(FrictionLaw::collinear(flat_ellipse(0.6, 0.3, 0.0).into()).unwrap());
+    assert_eq!(any.dimension(), 2);
+    assert!((any.alpha_min() - 0.5).abs() < 1e-9 && any.rate().is_none());
+    assert_ne!(any, Law::from(isotropic));
+}
+
+#[test]
+fn kinds_of_laws_are_told_with_witnesses() {
+    let ellipse = || flat_ellipse(0.6, 0.3, 0.0);
+    let associated = FrictionLaw::associated(ellipse());
+    assert!(associated.associativity().holds && associated.monotonicity().holds);
+    assert!(associated.dissipativity().holds);
+    // The largest deflection between normal and position of an ellipse 2:1: tan = (2 − ½)/2.
+    let verdict = associated.collinearity();
+    assert!(!verdict.holds);
+    assert!((verdict.defect - (0.75f64).atan().sin()).abs() < 1e-4, "{verdict:?}");
+    let z = associated.direction().support_point(&verdict.witness[0]).normalize();
+    assert!((z.perp(&verdict.witness[0]).abs() - verdict.defect).abs() < 1e-12);
+
+    let collinear = FrictionLaw::collinear(ellipse().into()).unwrap();
+    assert!(collinear.collinearity().holds && collinear.dissipativity().holds);
+    let verdict = collinear.associativity();
+    assert!(!verdict.holds && (verdict.defect - 0.5).abs() < 1e-6, "{verdict:?}");
+    let monotone = collinear.monotonicity();
+    assert!(!monotone.holds && monotone.defect > 0.0);
+    // (γ − γ*)·(λ − λ*) > 0.
+    let [slip, force, still, other] = monotone.witness[..] else { panic!("{monotone:?}") };
+    assert!((slip - still).dot(&(force - other)) > 0.0);
+
+    // Friction that falls with speed is not monotone, whatever the sets are.
+    let rate = Stribeck::new(Fall::Exponential, 0.5, 0.4, 1.0, 0.0).unwrap();
+    let falling = FrictionLaw::<2>::isotropic(0.4).unwrap().with_rate(rate);
+    let verdict = falling.monotonicity();
+    assert!(!verdict.holds && verdict.defect > 0.0);
+    let [slip, force, faster, weaker] = verdict.witness[..] else { panic!("{verdict:?}") };
+    assert!((slip - faster).dot(&(force - weaker)) > 0.0);
+    let rising = Stribeck::new(Fall::Exponential, 0.5, 1.0, 1.0, 0.1).unwrap();
+    let law = FrictionLaw::<2>::isotropic(0.4).unwrap().with_rate(rising);
+    assert!(law.monotonicity().holds);
+
+    // On a line every law is associated and collinear.
+    let line = FrictionLaw::associated(Convex::from(
+        Interval::new(Vector::<1>::new(-0.2), Vector::<1>::new(0.4)).unwrap(),
+    ));
+    assert!(line.associativity().holds && line.collinearity().holds);
+}
+
+/// f(φ) of diag(μ₁, μ₂): C has the semi-axes μᵢ, D the ratio √(μ₁/μ₂).
+#[test]
+fn flow_rules_give_their_sets() {
+    let (mu1, mu2) = (0.3, 0.1);
+    let phi: Vec<f64> = (0..720).map(|k| std::f64::consts::TAU * f64::from(k) / 720.0).collect();
+    let force: Vec<V> = phi.iter().map(|a| V::new(mu1 * a.cos(), mu2 * a.sin())).collect();
+    let sets = flow_sets(&phi, &force, 0.01, 0.01).unwrap();
+    assert!((sets.report.closure - 1.0).abs() < 1e-9, "{:?}", sets.report);
+    assert_eq!(sets.report.convexity_defect, 0.0);
+    assert!((sets.report.smallest_resistance - mu2).abs() < 1e-12);
+    for (theta, radius) in sets.theta.iter().zip(&sets.radius) {
+        let gauge = f64::hypot(radius * theta.cos() / mu1, radius * theta.sin() / mu2);
+        assert!((gauge - 1.0).abs() < 1e-12);
+    }
+    for (phi, height) in sets.phi.iter().zip(&sets.support) {
+        let exact = f64::hypot(phi.cos(), phi.sin() / 3f64.sqrt());
+        assert!((height - exact).abs() < 1e-7, "{phi}: {height} for {exact}");
+    }
+    assert!((sets.support.iter().copied().fold(0.0, f64::max) - 1.0).abs() < 1e-15);
+    assert!(sets.theta.is_sorted() && sets.phi.is_sorted());
+}
+
+/// diag(.3, .1) + .05 skew: r_D(2π)/r_D(0) = 6.13.
+#[test]
+fn flow_rules_without_a_direction_set_are_refused() {
+    let phi: Vec<f64> = (0..720).map(|k| std::f64::consts::TAU * f64::from(k) / 720.0).collect();
+    let rule = |f: &dyn Fn(f64) -> V| -> Vec<V> { phi.iter().map(|&a| f(a)).collect() };
+    let skew = |a: f64| V::new(0.3 * a.cos() + 0.05 * a.sin(), 0.1 * a.sin() - 0.05 * a.cos());
+    let error =
+        |phi: &[f64], force: &[V]| flow_sets(phi, force, 0.01, 0.01).unwrap_err().to_string();
+    let message = error(&phi, &rule(&skew));
+    assert!(
+        message.contains("must close") || message.contains("6.13") || message.contains("0.163"),
+        "{message}"
+    );
+    let pulls = error(&phi, &rule(&|a| V::new(a.cos(), -0.1 * a.sin())));
+    assert!(pulls.contains("must oppose sliding"), "{pulls}");
+    // A force that turns back: θ = φ + 0.6 sin 3φ falls.
+    let back = error(
+        &phi,
+        &rule(&|a: f64| {
+            let theta = a + 0.6 * (3.0 * a).sin();
+            V::new(theta.cos(), theta.sin())
+        }),
+    );
+    assert!(back.contains("must have a convex direction set"), "{back}");
+    let disk = rule(&|a| V::new(a.cos(), a.sin()));
+    assert!(error(&phi[..7], &disk[..7]).contains("at least 8"));
+    assert!(error(&phi, &disk[1..]).contains("one row per direction"));
+    assert!(error(&phi[..500], &disk[..500]).contains("gap above"));
+    let mut twice = phi.clone();
+    twice[5] = twice[4];
+    assert!(error(&twice, &disk).contains("must rise"));
+    let mut bad = disk.clone();
+    bad[3].x = f64::NAN;
+    assert!(error(&phi, &bad).contains("must be finite"));
+    // A small defect is repaired and told.
+    let theta = |a: f64| a + 0.34 * (3.0 * a).sin();
+    let slightly = rule(&|a| V::new(theta(a).cos(), theta(a).sin()));
+    let sets = flow_sets(&phi, &slightly, 0.1, 0.1).unwrap();
+    assert!(sets.report.convexity_defect > 0.0 && sets.report.convexity_defect < 0.1);
+    assert!(sets.report.repair >= sets.report.convexity_defect);
+    assert!(sets.theta.is_sorted());
 }

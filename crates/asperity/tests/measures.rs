@@ -1,0 +1,249 @@
+//! The measures of contact problems against small cases that are written out by hand.
+
+use asperity::contact::{ContactProblem, NormalForce};
+use asperity::law::{FrictionLaw, Law};
+use asperity::set::{Convex, Cuboid, Ellipse, Interval, Vector};
+use asperity::solver::{Certificate, natural_map, natural_residual};
+use nalgebra::DMatrix;
+
+fn isotropic(mu: f64) -> Law {
+    FrictionLaw::<2>::isotropic(mu).unwrap().into()
+}
+
+fn ellipse(a: f64, b: f64) -> Convex<2> {
+    Ellipse::new(Vector::<2>::new(a, b)).unwrap().into()
+}
+
+/// One contact with normal force 2, `G = diag(g)`, `ρ = 2/(g₁ + g₂)`.
+fn prescribed(law: Law, g: [f64; 2], free: [f64; 2]) -> ContactProblem {
+    let delassus = DMatrix::from_diagonal(&nalgebra::DVector::from_column_slice(&g));
+    ContactProblem::new(delassus, free.to_vec(), [(law, NormalForce::Prescribed(2.0))]).unwrap()
+}
+
+/// One unilateral contact, `G = diag(g)`, `ρ = 3/tr G`.
+fn unilateral(law: Law, g: [f64; 3], free: [f64; 3]) -> ContactProblem {
+    let delassus = DMatrix::from_diagonal(&nalgebra::DVector::from_column_slice(&g));
+    ContactProblem::new(delassus, free.to_vec(), [(law, NormalForce::Unilateral)]).unwrap()
+}
+
+fn residual(problem: &ContactProblem, percussion: &[f64]) -> f64 {
+    let mut velocity = vec![0.0; problem.rows()];
+    problem.velocity(percussion, &mut velocity);
+    natural_residual(problem, percussion, &velocity).value
+}
+
+fn map(problem: &ContactProblem, percussion: &[f64]) -> f64 {
+    let mut velocity = vec![0.0; problem.rows()];
+    problem.velocity(percussion, &mut velocity);
+    natural_map(problem, percussion, &velocity)
+}
+
+#[track_caller]
+fn close(value: f64, expected: f64) {
+    assert!((value - expected).abs() <= 1e-13 * expected.abs().max(1e-3), "{value} for {expected}");
+}
+
+#[test]
+fn solutions_have_no_defect() {
+    // Stick: P = −G⁻¹b inside the reservoir 2·0.5.
+    let stick = prescribed(isotropic(0.5), [2.0, 4.0], [0.4, -0.8]);
+    close(residual(&stick, &[-0.2, 0.2]), 0.0);
+    close(map(&stick, &[-0.2, 0.2]), 0.0);
+    // Slip along e₁: P₁ = −1, γ₁ = 3 − 2 = 1.
+    let slip = prescribed(isotropic(0.5), [2.0, 4.0], [3.0, 0.0]);
+    close(residual(&slip, &[-1.0, 0.0]), 0.0);
+    close(map(&slip, &[-1.0, 0.0]), 0.0);
+    // Open: not pressed.
+    let open = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [0.5, 3.0, 0.0]);
+    close(residual(&open, &[0.0; 3]), 0.0);
+    close(map(&open, &[0.0; 3]), 0.0);
+    // Pressed: P_N = 4/2, slip with P₁ = −0.5 P_N.
+    let pressed = unilateral(isotropic(0.5), [2.0, 1.0, 1.0], [-4.0, 3.0, 0.0]);
+    close(residual(&pressed, &[2.0, -1.0, 0.0]), 0.0);
+    close(map(&pressed, &[2.0, -1.0, 0.0]), 0.0);
+}
+
+/// Prescribed normal force 2, radius μP_N = 1, ρ = 2/6: a percussion that is too small or too large.
+#[test]
+fn defects_of_friction_are_projections() {
+    let rho = 1.0 / 3.0;
+    let problem = prescribed(isotropic(0.5), [2.0, 4.0], [3.0, 0.0]);
+    // At P = 0: z = 0, z + ργ = 1 on the boundary: the defect is 1, the scale ρ|b| = 1.
+    close(residual(&problem, &[0.0, 0.0]), 1.0);
+    close(map(&problem, &[0.0, 0.0]), 1.0);
+    // At P = (−0.5, 0): γ = 2, −P + ργ = 0.5 + 2/3 is projected onto 1.
+    close(residual(&problem, &[-0.5, 0.0]), 0.5 / (rho * 3.0));
+    close(map(&problem, &[-0.5, 0.0]), 0.5 / (rho * 3.0));
+    // At P = (−1.5, 0): γ = 0, 1.5 is projected onto 1; the percussion is the larger scale.
+    close(residual(&problem, &[-1.5, 0.0]), 0.5 / 1.5);
+    close(map(&problem, &[-1.5, 0.0]), 0.5 / 1.5);
+    // Inside, the defect is ρ‖γ‖: P = (0, 0.1), γ = (0.3, 0.4).
+    let slow = prescribed(isotropic(0.5), [2.0, 4.0], [0.3, 0.0]);
+    close(residual(&slow, &[0.0, 0.1]), rho * 0.5 / f64::max(0.1, rho * 0.3));
+    close(map(&slow, &[0.0, 0.1]), rho * 0.5 / f64::max(0.1, rho * 0.3));
+}
+
+/// C = ellipse (1, ½)·P_N, D = disk: −P = (1.5, 0) is outside C by k_C = 1.5 and outside D by k_D = 3.
+#[test]
+fn the_extended_law_enters_with_alpha() {
+    let law = FrictionLaw::new(ellipse(0.5, 0.25).into(), ellipse(1.0, 1.0)).unwrap();
+    let problem = prescribed(law.into(), [1.0, 1.0], [1.0, 0.0]);
+    let percussion = [-1.2, 0.0];
+    // x = 0.6: k_C = 1.2, k_D = 2.4, α = 1/2.2; γ = −0.2, ρ = 1, z + ργ/P_N = 0.6/2.2 − 0.1 < 0.25.
+    close(residual(&problem, &percussion), 0.2 / 1.2);
+    close(map(&problem, &percussion), 0.2 / 1.2);
+    // At P = −0.98: k_C = 0.98, k_D = 1.96, α = 1/1.98, γ = 0.02: projected onto 0.25.
+    let z = 0.49 / 1.98;
+    close(residual(&problem, &[-0.98, 0.0]), f64::min(0.01, 0.25 - z) * 2.0 / 1.0);
+}
+
+#[test]
+fn defects_of_normal_forces_are_complementarity() {
+    // ρ = 3/3 = 1.
+    let problem = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [-2.0, 0.0, 0.0]);
+    // P = 0: ξ_N = −2, P_N − max(0, P_N − ρξ_N) = −2, the scale ρ|b| = 2.
+    close(residual(&problem, &[0.0; 3]), 1.0);
+    close(map(&problem, &[0.0; 3]), 1.0);
+    // Too large by 1: ξ_N = 1; the scale is P_N = 3.
+    close(residual(&problem, &[3.0, 0.0, 0.0]), 1.0 / 3.0);
+    close(map(&problem, &[3.0, 0.0, 0.0]), 1.0 / 3.0);
+    // A pull counts whole, and friction without a normal force.
+    let open = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [1.0, 0.0, 0.0]);
+    close(residual(&open, &[-0.5, 0.0, 0.0]), 0.5);
+    let with_friction = residual(&open, &[0.0, 0.3, 0.4]);
+    close(with_friction, 0.5);
+    assert!(map(&open, &[0.0, 0.3, 0.4]) > 0.1);
+    // P_N > 0 of a contact that opens: min(P_N, ρξ_N).
+    close(residual(&open, &[0.25, 0.0, 0.0]), 0.25);
+}
+
+/// The projection onto the friction cone: inside, in the polar cone, between.
+#[test]
+fn isotropic_contacts_enter_the_natural_map_with_their_cone() {
+    let problem = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [-2.0, 1.0, 0.0]);
+    // P = (1, −0.1, 0): ξ = (−1, 0.9, 0), ξ̃_N = −1 + 0.45 = −0.55, z = (1.55, −1.0, 0): projected onto
+    // (1.55 + 0.5)/1.25 = 1.64, −0.82.
+    let defect = f64::hypot(1.64 - 1.0, 0.82 - 0.1);
+    close(map(&problem, &[1.0, -0.1, 0.0]), defect / f64::hypot(2.0, 1.0));
+    // Inside the cone: P = (1, 0, 0) with b = (−2, 0.2, 0): ξ̃_N = −1 + 0.1, z = (1.9, −0.2, 0).
+    let inside = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [-2.0, 0.2, 0.0]);
+    close(map(&inside, &[1.0, 0.0, 0.0]), f64::hypot(0.9, 0.2) / f64::hypot(2.0, 0.2));
+    // In the polar cone: z = (−1 − 0.5·0.3, −0.3, 0) is projected onto 0.
+    let polar = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [1.0, 0.3, 0.0]);
+    close(map(&polar, &[0.0; 3]), 0.0);
+    // Other laws by their two inclusions.
+    let law = FrictionLaw::associated(ellipse(0.5, 0.25));
+    let ellipses = unilateral(law.into(), [1.0, 1.0, 1.0], [-2.0, 1.0, 0.0]);
+    // ξ = (−1, 0.9, 0): normal defect 1; −P_T + ρξ_T = 0.1 + 0.9 = 1 is projected onto 0.5: defect 0.4.
+    close(map(&ellipses, &[1.0, -0.1, 0.0]), f64::hypot(1.0, 0.4) / f64::hypot(2.0, 1.0));
+}
+
+/// The measure names the worst contact; a light contact cannot hide behind a heavy one.
+#[test]
+fn the_worst_contact_is_named() {
+    let law = || -> Law {
+        FrictionLaw::associated(Convex::from(
+            Interval::new(Vector::<1>::new(-0.5), Vector::<1>::new(0.5)).unwrap(),
+        ))
+        .into()
+    };
+    let contacts = [1e6, 1.0].map(|load| (law(), NormalForce::Prescribed(load)));
+    let delassus = DMatrix::from_row_slice(2, 2, &[1e-6, 0.0, 0.0, 1.0]);
+    let problem = ContactProblem::new(delassus, vec![0.3, 0.3], contacts).unwrap();
+    let mut velocity = vec![0.0; 2];
+    let percussion = [-3e5, -0.2];
+    problem.velocity(&percussion, &mut velocity);
+    let found = natural_residual(&problem, &percussion, &velocity);
+    assert_eq!(found.worst_contact, 1);
+    close(velocity[1], 0.1);
+    // The load is counted once as b and once as G P.
+    assert!(found.value > 0.1 && found.value <= 0.1 / 0.3 + 1e-12, "{found:?}");
+}
+
+#[test]
+fn measures_do_not_know_units() {
+    for law in [isotropic(0.5), FrictionLaw::associated(ellipse(0.5, 0.25)).into()] {
+        let given = unilateral(law.clone(), [2.0, 1.0, 3.0], [-2.0, 1.0, 0.5]);
+        let percussion = [0.7, -0.2, 0.1];
+        let (kg, speed) = (2f64.powi(40), 2f64.powi(-30));
+        let other =
+            unilateral(law, [2.0, 1.0, 3.0].map(|g| g / kg), [-2.0, 1.0, 0.5].map(|b| b * speed));
+        let moved = percussion.map(|p| p * kg * speed);
+        assert_eq!(residual(&given, &percussion), residual(&other, &moved));
+        assert_eq!(map(&given, &percussion), map(&other, &moved));
+    }
+}
+
+#[test]
+fn restitution_enters_the_measures() {
+    let law = isotropic(0.5);
+    let problem = unilateral(law, [1.0, 1.0, 1.0], [-1.0, 0.0, 0.0])
+        .with_restitution(&[0.5], &[0.0], &[-1.0, 0.0, 0.0])
+        .unwrap();
+    // ξ_N = P_N − 1 − 0.5 vanishes at 1.5.
+    close(residual(&problem, &[1.5, 0.0, 0.0]), 0.0);
+    close(map(&problem, &[1.5, 0.0, 0.0]), 0.0);
+    assert!(residual(&problem, &[1.0, 0.0, 0.0]) > 0.1);
+    assert!(map(&problem, &[1.0, 0.0, 0.0]) > 0.1);
+}
+
+#[test]
+fn certificates_are_in_physical_units() {
+    let problem = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [-2.0, 1.0, 0.0]);
+    // P_N too small by 0.5, friction outside the cone by 0.25.
+    let found = Certificate::new(&problem, &[1.5, -1.0, 0.0]);
+    close(found.penetration_velocity, 0.5);
+    close(found.complementarity, 0.75);
+    close(found.tension, 0.0);
+    close(found.cone_violation, 0.5);
+    // γ = 0: −P = 1 is projected onto 0.75.
+    close(found.direction_violation, 0.25);
+    close(found.natural_map, map(&problem, &[1.5, -1.0, 0.0]));
+    close(found.contact_residual, residual(&problem, &[1.5, -1.0, 0.0]));
+    assert_eq!(found.worst_contact, 0);
+    let pulls = Certificate::new(&problem, &[-0.5, 0.0, 0.1]);
+    close(pulls.tension, 0.5);
+    close(pulls.penetration_velocity, 2.5);
+    close(pulls.complementarity, 1.25);
+    close(pulls.cone_violation, 0.2);
+    close(pulls.direction_violation, 0.1);
+    assert_eq!(pulls.phases, [1, 0, 0]);
+    // What is in order has none of it.
+    let open = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [1.0, 1.0, 0.0]);
+    let found = Certificate::new(&open, &[0.0; 3]);
+    assert_eq!(
+        (found.penetration_velocity, found.complementarity, found.cone_violation),
+        (0.0, 0.0, 0.0)
+    );
+    assert_eq!(found.phases, [1, 0, 0]);
+}
+
+#[test]
+fn certificates_count_phases() {
+    // Three contacts side by side: open, stick, slip.
+    let contacts = [0.5; 3].map(|mu| (isotropic(mu), NormalForce::Unilateral));
+    let free = vec![1.0, 0.0, 0.0, -2.0, 0.2, 0.0, -2.0, 3.0, 0.0];
+    let problem = ContactProblem::new(DMatrix::identity(9, 9), free, contacts).unwrap();
+    let found = Certificate::new(&problem, &[0.0, 0.0, 0.0, 2.0, -0.2, 0.0, 2.0, -1.0, 0.0]);
+    assert_eq!(found.phases, [1, 1, 1]);
+    close(found.contact_residual, 0.0);
+    // And with given normal forces, of every dimension.
+    let laws: [Law; 3] = [
+        FrictionLaw::<1>::isotropic(0.5).unwrap().into(),
+        FrictionLaw::associated(Convex::from(
+            Cuboid::symmetric(Vector::<2>::new(0.5, 0.5)).unwrap(),
+        ))
+        .into(),
+        FrictionLaw::<3>::isotropic(0.5).unwrap().into(),
+    ];
+    let free = vec![3.0, 0.1, 0.2, 3.0, 0.0, 0.0];
+    let problem = ContactProblem::new(
+        DMatrix::identity(6, 6),
+        free,
+        laws.map(|law| (law, NormalForce::Prescribed(2.0))),
+    )
+    .unwrap();
+    let found = Certificate::new(&problem, &[-1.0, -0.1, -0.2, -1.0, 0.0, 0.0]);
+    assert_eq!(found.phases, [0, 1, 2]);
+    close(found.direction_violation, 0.0);
+}
