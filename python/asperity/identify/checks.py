@@ -73,7 +73,35 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
             f"the model does not fit: it misses the mean forces by "
             f"{defects['lack of fit'].size:.1%}, more than turns scatter; bands do not hold this"
         )
-    return tuple(sentences)
+    return (*sentences, *_unlike_noise(fit))
+
+
+def _unlike_noise(fit: Fit) -> list[str]:
+    """Return what differs from the scatter of turns that bands hold: outliers, drift, steps."""
+    sentences = []
+    far, kind = fit.outliers, fit.loss.kind
+    # Where steps are coarse, most readings are equal and the others are no outliers.
+    if (
+        far.matters
+        and not fit.coarse_channels
+        and (kind == "linear" or (kind == "huber" and far.one_sided))
+    ):
+        side = ", most of them on one side" if far.one_sided else ""
+        sentences.append(
+            f"{far.share:.2g} of the samples are outliers{side}, which the loss {kind!r} follows; "
+            "bands do not hold this: choose the loss 'cauchy'"
+        )
+    if fit.drift.matters:
+        sentences.append(
+            f"forces drift by {fit.drift.size:+.2%} from the first turn of a run to its last: a "
+            "gain, a zero or the friction changes; bands do not hold this"
+        )
+    for channel, step, noise in fit.coarse_channels:
+        sentences.append(
+            f"the {channel} channel has steps of {step:.3g}, which its noise of {noise:.2g} does "
+            "not blur: errors of rounding follow the force, and bands do not hold them"
+        )
+    return sentences
 
 
 _ERRORS = {

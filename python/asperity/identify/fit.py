@@ -33,12 +33,14 @@ from asperity.identify.covariance import (
 )
 from asperity.identify.defects import Defect
 from asperity.identify.descent import Descent
+from asperity.identify.drift import Drift, drift
 from asperity.identify.loss import Loss
 from asperity.identify.models import (
     name_of,
 )
-from asperity.identify.outliers import without_outliers
-from asperity.identify.samples import Samples, by_sense, clusters_of, frozen, samples_of
+from asperity.identify.outliers import Outliers, outliers, without_outliers
+from asperity.identify.resolution import Steps, coarse_channels
+from asperity.identify.samples import Samples, by_sense, clusters_of, frozen, runs_of, samples_of
 from asperity.identify.sets import MeasuredSets
 from asperity.identify.sums import Family, Sums
 from asperity.law import FrictionLaw
@@ -282,6 +284,23 @@ class Fit(Value):
             "closure": defects.closure(*means, error),
             "lack of fit": defects.lack_of_fit(left[1], means[1], error),
         }
+
+    @cached_property
+    def outliers(self) -> Outliers:
+        """Samples that are farther from the model than noise explains."""
+        return outliers(self._samples, self.residuals)
+
+    @cached_property
+    def drift(self) -> Drift:
+        """The trend of the forces over the turns of a run."""
+        samples = self._samples
+        return drift(samples, samples.force - self.residuals, runs_of(samples, self.data))
+
+    @cached_property
+    def coarse_channels(self) -> list[Steps]:
+        """Channels of the sensor whose steps are not small beside their noise."""
+        raw = getattr(self.data, "raw", None)
+        return [] if raw is None else coarse_channels(raw)
 
     @cached_property
     def residuals(self) -> Array:
