@@ -190,7 +190,7 @@ def _descend_about_axes(
     """Descend with the angle of D on which samples on its axes decide, if they do."""
     held = None
     for _ in range(_ANGLE_ROUNDS):
-        before, held = held, decided_angle(family, samples, p, clear, loss)
+        before, held = held, decided_angle(family, samples, p, clear, loss, held)
         if held is None:
             return _descend(family, samples, p, loss), False
         if held == before:
