@@ -5,12 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from asperity import Ellipse, FrictionLaw, Rectangle, Superellipse
+from asperity import Ellipse, FitError, FrictionLaw, Rectangle, Superellipse
 from asperity.identify import (
     Calibration,
     RawData,
     Recording,
     VirtualTribometer,
+    compare_models,
     fit_law,
     process,
 )
@@ -305,7 +306,7 @@ def test_bands_with_samples_on_the_axes_of_two_hundred_seeds(rate):
 @pytest.mark.parametrize("noise", [1e-4, 1e-3, 1e-2])
 @pytest.mark.parametrize("ratio", [5.0, 8.0])
 def test_models_that_hold_the_law_fit_where_forces_turn_fast(ratio, noise, samples):
-    """Within a bin the force of a slender D turns so far that its mean is not that of the middle."""
+    """In a bin the force of a slender D turns so far that its mean is not that of the middle."""
     law = FrictionLaw(Ellipse(0.3, 0.3), Ellipse(ratio, 1.0))
     for seed in range(3):
         fit = fit_law(sampled(law, samples, 6, noise, seed), "ellipse", "ellipse")
@@ -323,3 +324,118 @@ def test_a_model_that_does_not_hold_the_law_does_not_fit():
             fit = fit_law(sampled(law, 4320, 6, noise), direction="ellipse")
             assert "the model does not fit: it misses the mean forces by " in fit.warnings[-1]
             assert 0.01 < fit.defects["lack of fit"].size < 0.05
+
+
+def with_outliers(seed, share, factor=1.0, deviation=0.0, noise=0.01):
+    phi, force = sampled(TABLE_1, 4320, 6, noise, seed)
+    random = np.random.default_rng(seed + 99)
+    at = random.random(phi.size) < share
+    force[at] *= factor
+    force[at] += deviation * random.normal(size=(int(at.sum()), 2))
+    return phi, force
+
+
+def says_outliers(fit):
+    follows = f"which the loss '{fit.loss.kind}' follows"
+    return any("are outliers" in warning and follows in warning for warning in fit.warnings)
+
+
+@pytest.mark.parametrize(("share", "factor"), [(0.01, 1.5), (0.05, 1.5), (0.1, 2.0), (0.05, 0.5)])
+def test_outliers_on_one_side_are_told_if_the_loss_follows_them(share, factor):
+    for seed in range(3):
+        data = with_outliers(seed, share, factor)
+        for loss in ("linear", "huber"):
+            fit = fit_law(data, loss=loss)
+            assert says_outliers(fit)
+            assert fit.outliers.one_sided
+            assert fit.outliers.share == pytest.approx(share, rel=0.5)
+        assert says_outliers(fit_law(data, loss="cauchy")) == (share > 0.03)
+
+
+def test_outliers_on_all_sides_are_told_of_least_squares_alone():
+    told = 0
+    for seed in range(6):
+        data = with_outliers(seed, 0.01, deviation=0.3)
+        told += says_outliers(fit_law(data))
+        assert not fit_law(data, loss="huber").warnings
+    assert told == 6
+
+
+def test_outliers_that_turn_a_mean_force_round_are_no_wrong_signs():
+    for seed in range(4):
+        data = with_outliers(seed, 0.1, deviation=1.0)
+        for fit in (fit_law, compare_models):
+            with pytest.raises(FitError, match="but would without outliers: leave them out"):
+                fit(data)
+        assert not fit_law(data, loss="cauchy").warnings
+    phi, force = sampled(TABLE_1)
+    with pytest.raises(FitError, match="check the signs of the channels"):
+        fit_law((phi, -force))
+
+
+def of_machine(seed, gain_drift=0.0, **options):
+    machine = VirtualTribometer(
+        TABLE_1,
+        normal_force=9.3,
+        turns=10,
+        turn_rate=0.5,
+        sample_rate=250.0,
+        seed=seed,
+        **options,
+    )
+    raw = machine.record()
+    run = raw.recordings[0]
+    gain = np.ones((len(run), 3))
+    gain[:, 0] += gain_drift * np.arange(len(run)) / len(run)
+    drifted = Recording(run.time, run.angle, run.readings * gain)
+    return fit_law(process(raw.replace(recordings=[drifted])))
+
+
+@pytest.mark.parametrize("size", [0.05, -0.05, 0.01])
+def test_a_gain_that_drifts_within_a_run_is_told(size):
+    for seed in range(4):
+        fit = of_machine(seed, size)
+        # Ten turns are nine steps; the radial channel does not drift. Noise makes 5e-4 of it.
+        assert abs(fit.drift.size - 0.9 * size) < 0.2 * abs(size) + 1.5e-3
+        assert any(f"forces drift by {fit.drift.size:+.2%}" in warning for warning in fit.warnings)
+
+
+def test_a_drift_is_told_in_each_of_several_runs():
+    phi, force = sampled(TABLE_1, 6000, 12, noise=0.01)
+    turn = np.repeat(np.arange(12), 500)
+    assert fit_law((phi, force * (1.0 + 0.004 * turn[:, None]), turn)).drift.matters
+    assert not fit_law(campaign(0)).drift.matters
+    few = fit_law((phi[:1500], force[:1500] * (1.0 + 0.004 * turn[:1500, None])))
+    assert not few.drift.matters
+
+
+@pytest.mark.parametrize("bits", [8, 9])
+def test_steps_as_large_as_the_noise_are_told(bits):
+    step = 8.0 * 9.3 / 2.0**bits
+    for seed in range(4):
+        fit = of_machine(seed, bits=bits)
+        told = {steps.channel: steps.step for steps in fit.coarse_channels}
+        assert told == pytest.approx(dict.fromkeys(("tangential", "radial", "normal"), step))
+        for channel in told:
+            said = f"the {channel} channel has steps of {step:.3g}"
+            assert any(said in warning for warning in fit.warnings)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"bits": None},
+        {"bits": 12},
+        {"noise_bandwidth": 5.0},
+        {"noise_bandwidth": 0.3},
+        {"noise": 0.1},
+        {"drift": 0.1},
+    ],
+)
+def test_ordinary_records_have_no_outliers_no_drift_and_no_steps(options):
+    for seed in range(6):
+        fit = of_machine(seed, **options)
+        assert not fit.outliers.matters
+        assert not fit.drift.matters
+        assert not fit.coarse_channels

@@ -11,6 +11,7 @@ Reference: [WL19] §5.2.
 """
 
 from asperity.identify.averaged import Averaged
+from asperity.identify.bands import Bands
 from asperity.identify.calibration import Calibration
 from asperity.identify.coordinates import Estimate
 from asperity.identify.dependence import Dependence, load_dependence, speed_dependence
@@ -20,7 +21,7 @@ from asperity.identify.direction_models import (
     SuperellipseDirection,
 )
 from asperity.identify.files import Configuration, read_raw, write_raw
-from asperity.identify.fit import Bands, Fit
+from asperity.identify.fit import Fit
 from asperity.identify.fitting import fit_law
 from asperity.identify.process import ProcessedData, process
 from asperity.identify.reading import read_csv

@@ -39,6 +39,8 @@ _SMALLEST = 1e-9
 # Samples on an axis decide where they are farther from the direction of the model at the angle that
 # all others know than their noise explains: by so many squared standard deviations in all.
 _DECISIVE = 9.0
+# Angles that differ by less than this in the sum of squares, in variances, are equally good.
+_SAME = 0.01
 _MOST_CANDIDATES = 256
 
 
@@ -106,7 +108,7 @@ def away_from_axes(samples: Samples, angle: float) -> Samples:
 
 
 def decided_angle(
-    family: Family, samples: Samples, p: Array, clear: Clear, loss: Loss
+    family: Family, samples: Samples, p: Array, clear: Clear, loss: Loss, now: float | None = None
 ) -> float | None:
     """Return the angle of D that samples on its axes decide on; None where they do not decide.
 
@@ -116,6 +118,7 @@ def decided_angle(
         p: coordinates, of which all but the angle are near their minimum.
         clear: what the other samples know.
         loss: of the residuals.
+        now: angle they decided on for other coordinates; it is kept if it is still as good.
     """
     known = float(clear.p[-1])
     near = _near(samples, known, min(max(_NEAR * clear.spread, _SMALLEST), _CLEAR))
@@ -134,11 +137,14 @@ def decided_angle(
     best = int(costs.argmin())
     if costs[np.searchsorted(angles, known)] - costs[best] <= _DECISIVE * clear.variance:
         return None
-    return _between(cost, angles, best, float(costs[best]))
+    angle, least = _between(cost, angles, best, float(costs[best]))
+    return now if now is not None and cost(now) - least <= _SAME * clear.variance else angle
 
 
-def _between(cost: Callable[[float], float], angles: Array, best: int, least: float) -> float:
-    """Return the best angle between the neighbours of the best candidate."""
+def _between(
+    cost: Callable[[float], float], angles: Array, best: int, least: float
+) -> tuple[float, float]:
+    """Return the best angle between the neighbours of the best candidate, and its cost."""
     from scipy.optimize import minimize_scalar
 
     middle = float(angles[best])
@@ -151,7 +157,7 @@ def _between(cost: Callable[[float], float], angles: Array, best: int, least: fl
         )
         if found.fun < least:
             middle, least = float(found.x), float(found.fun)
-    return middle
+    return middle, least
 
 
 def _candidates(family: Family, near: Samples, p: Array, known: float) -> Array:

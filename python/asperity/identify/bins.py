@@ -118,20 +118,23 @@ def check_coverage(bins: Bins) -> None:
         )
 
 
+def along_sliding(bins: Bins) -> float | None:
+    """Return the direction in degrees where the mean force opposes sliding least, if not at all."""
+    against = bins.force[:, 0] * np.cos(bins.phi) + bins.force[:, 1] * np.sin(bins.phi)
+    at = int(against.argmin())
+    return float(np.rad2deg(bins.phi[at])) if against[at] <= 0.0 else None
+
+
 def support(bins: Bins) -> tuple[Array, Array]:
     """Return ln h_D, up to a constant, and its derivative l_p/l_t at the bins' directions.
+
+    The forces there must oppose sliding, l_t > 0.
 
     Reference: [WL19] (125), in the form h_D(φ) = h_D(0) exp∫l_p/l_t dφ.
     """
     cos, sin = np.cos(bins.phi), np.sin(bins.phi)
     x, y = bins.force.T
     against, across = x * cos + y * sin, y * cos - x * sin
-    if against.min() <= 0.0:
-        at = np.rad2deg(bins.phi[against.argmin()])
-        raise FitError(
-            f"data: the force does not oppose sliding at φ = {at:.1f}°: check the signs of the "
-            "channels and of the rotation"
-        )
     slope = across / against
     width = np.diff(bins.phi, append=bins.phi[0] + 2.0 * np.pi)
     slope = slope - 0.5 * (slope + np.roll(slope, -1)) @ width / (2.0 * np.pi)

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from asperity.identify.fit import Fit
 
 _AT_BOUND = 1e-6
+# So many samples that are half as large again as the others move Cauchy's loss by half a standard
+# error: 33 of 40 bands of 95 % held the truth with 5 %, 37 of 40 with 1 % and with none.
+_MUCH = 0.03
 # Between forces farther apart than this, the shape of C is a guess of its model.
 _WIDEST_GAP = np.deg2rad(30.0)
 
@@ -73,7 +76,37 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
             f"the model does not fit: it misses the mean forces by "
             f"{defects['lack of fit'].size:.1%}, more than turns scatter; bands do not hold this"
         )
-    return tuple(sentences)
+    return (*sentences, *_unlike_noise(fit))
+
+
+def _unlike_noise(fit: Fit) -> list[str]:
+    """Return what differs from the scatter of turns that bands hold: outliers, drift, steps."""
+    sentences = []
+    far, kind = fit.outliers, fit.loss.kind
+    follows = {
+        "linear": far.matters,
+        "huber": far.one_sided,
+        "cauchy": far.one_sided and far.share > _MUCH,
+    }
+    # Where steps are coarse, most readings are equal and the others are no outliers.
+    if follows[kind] and not fit.coarse_channels:
+        side = ", most of them on one side" if far.one_sided else ""
+        remedy = "leave them out" if kind == "cauchy" else "choose the loss 'cauchy'"
+        sentences.append(
+            f"{far.share:.2g} of the samples are outliers{side}, which the loss {kind!r} follows; "
+            f"bands do not hold this: {remedy}"
+        )
+    if fit.drift.matters:
+        sentences.append(
+            f"forces drift by {fit.drift.size:+.2%} from the first turn of a run to its last: a "
+            "gain, a zero or the friction changes; bands do not hold this"
+        )
+    for channel, step, noise in fit.coarse_channels:
+        sentences.append(
+            f"the {channel} channel has steps of {step:.3g}, which its noise of {noise:.2g} does "
+            "not blur: errors of rounding follow the force, and bands do not hold them"
+        )
+    return sentences
 
 
 _ERRORS = {

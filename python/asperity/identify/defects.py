@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asperity._arrays import Array
-from asperity.identify.bins import FINE, GroupedBins
+from asperity.identify.bins import FINE, GroupedBins, grouped
+from asperity.identify.samples import Samples
 
 MOST_GROUPS = 20
 _LEVEL = 0.01
@@ -23,6 +24,26 @@ class Defect(NamedTuple):
 
     size: float
     matters: bool
+
+
+def all_of(samples: Samples, left: Samples, data: Any) -> dict[str, Defect]:
+    """Return asymmetry, closure and lack of fit; none if data are sparse.
+
+    Args:
+        samples: measured forces.
+        left: the same with what the model leaves of them.
+        data: as for `fit_law`.
+    """
+    groups = min(samples.turns, MOST_GROUPS)
+    means, rest = means_of(grouped(samples, groups)), means_of(grouped(left, groups))
+    if means is None or rest is None:
+        return {}
+    error = common_error(data, means[1])
+    return {
+        "asymmetry": asymmetry(*means),
+        "closure": closure(*means, error),
+        "lack of fit": lack_of_fit(rest[1], means[1], error),
+    }
 
 
 def means_of(sums: GroupedBins) -> tuple[Array, Array] | None:

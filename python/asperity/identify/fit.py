@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,31 +15,22 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.identify import defects
-from asperity.identify.axes import away_from_axes, means_away_from_axes
-from asperity.identify.bins import Bins, GroupedBins, grouped
+from asperity.identify.bands import Bands
+from asperity.identify.bins import Bins, grouped
+from asperity.identify.causes import Causes, means_of, weighty
 from asperity.identify.checks import at_bounds, gaps, warnings_of
 from asperity.identify.coordinates import Estimate, Scale
-from asperity.identify.covariance import (
-    Covariance,
-    Stakes,
-    estimate,
-    has_angle,
-    scatter_of,
-    sensitivities,
-    shared,
-    shared_degrees,
-    stakes,
-)
+from asperity.identify.covariance import Covariance, estimate, has_angle
 from asperity.identify.defects import Defect
 from asperity.identify.descent import Descent
+from asperity.identify.drift import Drift, drift
 from asperity.identify.loss import Loss
-from asperity.identify.models import (
-    name_of,
-)
-from asperity.identify.outliers import without_outliers
-from asperity.identify.samples import Samples, by_sense, clusters_of, frozen, samples_of
+from asperity.identify.models import name_of
+from asperity.identify.outliers import Outliers, outliers
+from asperity.identify.resolution import Steps, coarse_channels
+from asperity.identify.samples import Samples, frozen, runs_of, samples_of
 from asperity.identify.sets import MeasuredSets
-from asperity.identify.sums import Family, Sums
+from asperity.identify.sums import Family
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
 
@@ -51,42 +41,6 @@ if TYPE_CHECKING:
 _WIDTH = 5
 # Without bands, a set counts as round if its combinations of coordinates are below this.
 _ROUND = 1e-9
-_PERCENT = 0.01
-_CHUNK = 2**16
-
-
-class Bands(Value):
-    """Model forces per unit normal force with confidence bands, pointwise.
-
-    Args:
-        phi: sliding directions in rad, ``(n,)``.
-        force: −λ/λ_N, ``(n, 2)``.
-        half_width: of the bands of its components.
-        resistance: l_t and l_p, the parts against the sliding and across it, ``(n, 2)``.
-        resistance_half_width: of their bands.
-    """
-
-    phi: Array
-    force: Array
-    half_width: Array
-    resistance: Array
-    resistance_half_width: Array
-
-    def __init__(
-        self,
-        phi: ArrayLike,
-        force: ArrayLike,
-        half_width: ArrayLike,
-        resistance: ArrayLike,
-        resistance_half_width: ArrayLike,
-    ) -> None:
-        self._set(
-            phi=np.asarray(phi),
-            force=np.asarray(force),
-            half_width=np.asarray(half_width),
-            resistance=np.asarray(resistance),
-            resistance_half_width=np.asarray(resistance_half_width),
-        )
 
 
 class Fit(Value):
@@ -113,6 +67,7 @@ class Fit(Value):
     _samples: Samples
     _family: Family
     _descent: Descent
+    _causes: Causes
 
     def __init__(
         self,
@@ -143,17 +98,10 @@ class Fit(Value):
             _family=family,
             _descent=descent,
         )
-        bins = self._grouped(self._samples).bins() if bins is None else bins
-        covariance = None
-        if confidence is not None:
-            covariance = self._covariance(bins, descent.sums)
-            if held:
-                apart = away_from_axes(self._samples, descent.p[-1])
-                sums = family.sums(apart, descent.p, loss)
-                covariance = covariance.at_least(self._covariance(bins, sums, away=True), -1)
-        self._keep(covariance=covariance, _bins=bins)
-
-    _bins: Bins
+        bins = means_of(self._samples, loss) if bins is None else bins
+        causes = Causes(family, descent, loss, self.data, self._samples, bins)
+        covariance = None if confidence is None else causes.covariance(held=held)
+        self._keep(covariance=covariance, _causes=causes)
 
     def __repr__(self) -> str:
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
@@ -240,17 +188,7 @@ class Fit(Value):
         the normal force, or of a gain, in one channel would move the coordinates. There are none
         where forces are given as arrays: what is known of their errors is not known here.
         """
-        raw = getattr(self.data, "raw", None)
-        if raw is None:
-            return {}
-        causes = {}
-        moved = self._stakes(_PERCENT)
-        if self.data.calibration_covariance is None:
-            what = "no calibration" if raw.calibration is None else "a calibration without an error"
-            causes["calibration"] = what, moved.gain
-        if self.data.zero_covariance is None:
-            causes["zeros"] = "no records without load", moved.zero
-        return causes
+        return self._causes.missing()
 
     @property
     def scales(self) -> tuple[Scale, ...]:
@@ -270,28 +208,36 @@ class Fit(Value):
     @cached_property
     def defects(self) -> dict[str, Defect]:
         """Asymmetry, closure and lack of fit with whether they matter; none if data are sparse."""
-        groups = min(self.turns, defects.MOST_GROUPS)
-        samples = self._weighty(self._samples)
-        means = defects.means_of(grouped(samples, groups))
-        left = defects.means_of(grouped(self._left(samples), groups))
-        if means is None or left is None:
-            return {}
-        error = defects.common_error(self.data, means[1])
-        return {
-            "asymmetry": defects.asymmetry(*means),
-            "closure": defects.closure(*means, error),
-            "lack of fit": defects.lack_of_fit(left[1], means[1], error),
-        }
+        samples = weighty(self._samples, self.loss)
+        left = self._family.left(samples, self.coordinates)
+        return defects.all_of(samples, left, self.data)
+
+    @cached_property
+    def outliers(self) -> Outliers:
+        """Samples that are farther from the model than noise explains."""
+        return outliers(self._samples, self.residuals)
+
+    @cached_property
+    def drift(self) -> Drift:
+        """The trend of the forces over the turns of a run."""
+        samples = self._samples
+        return drift(samples, samples.force - self.residuals, runs_of(samples, self.data))
+
+    @cached_property
+    def coarse_channels(self) -> list[Steps]:
+        """Channels of the sensor whose steps are not small beside their noise."""
+        raw = getattr(self.data, "raw", None)
+        return [] if raw is None else coarse_channels(raw)
 
     @cached_property
     def residuals(self) -> Array:
         """Measured minus model force of all samples, in N, ``(n, 2)``; in turns or not."""
-        return self._left(self._samples).force
+        return self._family.left(self._samples, self.coordinates).force
 
     @cached_property
     def means(self) -> tuple[Array, Array]:
         """Sliding directions φ in rad and mean forces −λ/λ_N there, ``(n,)`` and ``(n, 2)``."""
-        bins = self._grouped(self._samples).bins(width=_WIDTH)
+        bins = grouped(weighty(self._samples, self.loss), 1).bins(width=_WIDTH)
         return bins.phi, bins.force
 
     @cached_property
@@ -371,43 +317,6 @@ class Fit(Value):
         from asperity.identify.report import write_report
 
         return write_report(self, path, title)
-
-    def _means(self, bins: Bins, *, away: bool = False) -> list[tuple[Bins, float]]:
-        """Return means of the runs in either sense of rotation with that sense."""
-        parts = by_sense(self._samples, self.data)
-        means = [bins] if len(parts) == 1 else [self._grouped(part).bins() for part, _ in parts]
-        if away:
-            means = [means_away_from_axes(mean, self.coordinates[-1]) for mean in means]
-        return [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
-
-    def _covariance(self, bins: Bins, sums: Sums, *, away: bool = False) -> Covariance:
-        """Return the covariance by all samples, or by those away from the axes of D."""
-        means = self._means(bins, away=away)
-        common = shared(self._family, means, self.coordinates, self.data)
-        scatter, degrees = scatter_of(sums, clusters_of(self._samples, self.data))
-        return Covariance(scatter, *common, (degrees, *shared_degrees(self.data)))
-
-    def _stakes(self, part: float) -> Stakes:
-        """Return how far an error of a part of the force in one channel moves coordinates."""
-        by = sensitivities(self._family, self._means(self._bins), self.coordinates, self.data)
-        normal = float(np.mean(self.data.normal_force))
-        return stakes(by, self.data.matrix, normal, part)
-
-    def _grouped(self, samples: Samples) -> GroupedBins:
-        return grouped(self._weighty(samples), 1)
-
-    def _weighty(self, samples: Samples) -> Samples:
-        """Return the samples whose means mean something: without outliers if the loss is robust."""
-        return samples if self.loss.is_linear else without_outliers(samples)
-
-    def _left(self, samples: Samples) -> Samples:
-        """Return samples with what the model leaves of their forces."""
-        left = np.empty_like(samples.force)
-        for start in range(0, len(left), _CHUNK):
-            part = slice(start, start + _CHUNK)
-            model = self.forces(samples.phi[part])
-            left[part] = samples.force[part] - samples.normal[part, None] * model
-        return replace(samples, force=left)
 
     def _width(self, directions: Array) -> Array:
         if self.covariance is None or self.confidence is None:

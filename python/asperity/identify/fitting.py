@@ -24,7 +24,7 @@ from asperity.identify.models import (
     name_of,
     reservoir_model,
 )
-from asperity.identify.outliers import without_outliers
+from asperity.identify.outliers import check_sense, without_outliers
 from asperity.identify.samples import Measured, Samples, frozen, inside, samples_of
 from asperity.identify.selection import BEST, compare_models, matching_pairs
 from asperity.identify.start import fit_bins, start
@@ -100,6 +100,7 @@ def fit_law(
     sums = grouped(samples if measure.is_linear else without_outliers(samples), 1)
     bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
     check_coverage(bins)
+    check_sense(coarse, samples, _COARSE_WIDTH)
     if 2 * bins.phi.size <= family.size:
         raise FitError(f"data: {bins.phi.size} directions cannot tell {family.size} parameters")
     first = fit_bins(family, bins, start(family, coarse)).p
@@ -189,7 +190,7 @@ def _descend_about_axes(
     """Descend with the angle of D on which samples on its axes decide, if they do."""
     held = None
     for _ in range(_ANGLE_ROUNDS):
-        before, held = held, decided_angle(family, samples, p, clear, loss)
+        before, held = held, decided_angle(family, samples, p, clear, loss, held)
         if held is None:
             return _descend(family, samples, p, loss), False
         if held == before:

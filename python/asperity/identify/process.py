@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import EllipsisType
@@ -24,6 +23,7 @@ from asperity.identify.turns import (
     TurnAverage,
     average_turns,
     bin_centres,
+    cells,
     full_bins,
     sense,
     turn_numbers,
@@ -131,7 +131,8 @@ class ProcessedData(Value):
         """Write −λ (119) and λ_N of a run for a matrix T and a zero."""
         run = self.raw.recordings[number]
         offset, slope = matrix @ zero.mean, matrix @ zero.slope
-        for rows in _chunks(len(run)):
+        for first in range(0, len(run), _CHUNK):
+            rows = slice(first, min(first + _CHUNK, len(run)))
             later = run.time[rows] - zero.middle
             along, across, pressing = (
                 line @ run.readings[rows].T - (start + rate * later)
@@ -177,7 +178,7 @@ class ProcessedData(Value):
     @property
     def time(self) -> Array:
         """Time t in s of each sample on the clock of its run, shape ``(n,)``."""
-        return _joined([run.time for run in self.raw.recordings])
+        return np.concatenate([run.time for run in self.raw.recordings])
 
     @cached_property
     def speed(self) -> Array:
@@ -187,7 +188,9 @@ class ProcessedData(Value):
             raise ParameterError("radius", "must be given in RawData for the sliding speed")
         runs = self.raw.recordings
         rates = [np.abs(np.gradient(run.angle, 1.0 / run.sample_rate)) for run in runs]
-        return radius * _joined([self._smooth(rate, number) for number, rate in enumerate(rates)])
+        return radius * np.concatenate(
+            [self._smooth(rate, number) for number, rate in enumerate(rates)]
+        )
 
     def perturbed(
         self, *, matrix: ArrayLike | None = None, zero: ArrayLike | None = None
@@ -249,9 +252,10 @@ class ProcessedData(Value):
         run, k, zero = self.raw.recordings[number], sums.shape[1], self._zeros[number]
         off = (0.0, 0.0, *(zero.mean - self.zero), 0.0)
         drift = (0.0, 0.0, *zero.slope, 0.0)
-        for rows in _chunks(len(run)):
+        for first in range(0, len(run), _CHUNK):
+            rows = slice(first, min(first + _CHUNK, len(run)))
             here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
-            cell, within = _cells(self.phi[here], k)
+            cell, within = cells(self.phi[here], k)
             later = run.time[rows] - zero.middle
             # Incomplete turns have no weight.
             used = (self.turn[here] >= 0).astype(np.float64)
@@ -341,20 +345,3 @@ def _turn_rate(run: Recording) -> float:
     if abs(run.turns) < 1e-3:
         raise RecordError(run.source, "angle: the disk does not turn")
     return run.turn_rate
-
-
-def _chunks(n: int) -> Iterator[slice]:
-    for start in range(0, n, _CHUNK):
-        yield slice(start, min(start + _CHUNK, n))
-
-
-def _cells(phi: Array, bins: int) -> tuple[NDArray[np.int64], Array]:
-    """Return the bins of angles, and where in them the angles lie, from the centre in rad."""
-    width = 2.0 * math.pi / bins
-    # Angles on the edge of a bin count for the upper one, whatever their rounding.
-    number = np.floor(phi / width + 1e-9)
-    return number.astype(np.int64) % bins, phi - (number + 0.5) * width
-
-
-def _joined(parts: Sequence[Array]) -> Array:
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -126,18 +126,23 @@ def reads_normal_force(data: Any) -> bool:
     return raw is None or raw.normal_load is None
 
 
+def runs_of(samples: Samples, data: Any) -> NDArray[np.intp]:
+    """Return the number of the run of each turn; arrays are one run."""
+    result = np.zeros(samples.turns, dtype=np.intp)
+    if getattr(data, "raw", None) is not None:
+        result[samples.runs[:, 2]] = _recordings(samples, data)
+    return result
+
+
 def clusters_of(samples: Samples, data: Any) -> NDArray[np.intp]:
     """Return for each turn what it shares its scatter with: its run if there are enough, or none.
 
     Between runs the pin is set down anew, and friction need not be what it was.
     """
     if getattr(data, "raw", None) is not None:
-        recording = _recordings(samples, data)
-        runs, number = np.unique(recording, return_inverse=True)
+        runs, number = np.unique(runs_of(samples, data), return_inverse=True)
         if runs.size >= _FEWEST_RUNS:
-            cluster = np.zeros(samples.turns, dtype=np.intp)
-            cluster[samples.runs[:, 2]] = number
-            return cluster
+            return number
     return np.arange(samples.turns)
 
 

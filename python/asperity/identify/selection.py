@@ -26,7 +26,7 @@ from asperity.identify.models import (
     name_of,
     reservoir_model,
 )
-from asperity.identify.outliers import without_outliers
+from asperity.identify.outliers import check_sense, without_outliers
 from asperity.identify.reservoir_models import ReservoirModel
 from asperity.identify.samples import Measured, samples_of
 from asperity.identify.start import fit_bins, start
@@ -198,6 +198,7 @@ def compare_models(
     # What varies within a bin is the same for all models.
     bins = sums.bins(width=_WIDTH)
     check_coverage(bins)
+    check_sense(bins, samples, _WIDTH)
     within = max(sums.energy - float((bins.squares[:, None] * bins.force**2).sum()), 0.0)
     fits = [fit_bins(family, bins, start(family, bins)) for family in families]
     squares = np.array([fit.cost for fit in fits]) + within

@@ -6,6 +6,8 @@ D gives the direction of the force, C its magnitude in that direction: −λ = �
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from asperity._arrays import Array
@@ -15,6 +17,9 @@ from asperity.identify.direction_models import DirectionModel
 from asperity.identify.loss import Loss
 from asperity.identify.reservoir_models import ReservoirModel
 from asperity.identify.samples import Samples
+
+# Samples that models are evaluated at one after the other.
+_CHUNK = 2**16
 
 
 class Sums(Value):
@@ -117,6 +122,15 @@ class Family(Value):
         jacobian_along *= size
         np.multiply(turn, size, out=jacobian_across[self.split :])
         return along, across, jacobian_along, jacobian_across
+
+    def left(self, samples: Samples, p: Array) -> Samples:
+        """Return all samples, in turns or not, with what the model leaves of their forces."""
+        left = np.empty_like(samples.force)
+        for start in range(0, len(left), _CHUNK):
+            part = slice(start, start + _CHUNK)
+            model = self.forces(samples.phi[part], p)[0]
+            left[part] = samples.force[part] - samples.normal[part, None] * model
+        return replace(samples, force=left)
 
     def sums(self, samples: Samples, p: Array, loss: Loss) -> Sums:
         """Return the normal equations at p."""

@@ -170,6 +170,14 @@ def bin_numbers(phi: Array, bins: int) -> NDArray[np.int64]:
     return scaled % bins
 
 
+def cells(phi: Array, bins: int) -> tuple[NDArray[np.int64], Array]:
+    """Return the bins of angles, and where in them the angles lie, from the centre in rad."""
+    width = _TURN / bins
+    # Angles on the edge of a bin count for the upper one, whatever their rounding.
+    number = np.floor(phi / width + _ROUNDING)
+    return number.astype(np.int64) % bins, phi - (number + 0.5) * width
+
+
 def full_bins(phi: Array, turn: NDArray[np.int32], most: int, *, each_turn: bool = False) -> int:
     """Return a number of bins, not more than `most` and not under 8, of which none is empty.
 
