@@ -37,6 +37,16 @@ _FIELDS: dict[str, tuple[type[np.generic], tuple[str | int, ...]]] = {
     "failed_steps": (np.int64, ()),
     "phase_counts": (np.int64, ("contact", 3)),
 }
+# What the next step asks for, since 0.2: all of it or nothing.
+_END: dict[str, tuple[type[np.generic], tuple[str | int, ...]]] = {
+    "end_t0": (np.float64, ()),
+    "end_steps": (np.int64, ()),
+    "end_dt": (np.float64, ()),
+    "end_q": (np.float64, ("q",)),
+    "end_u": (np.float64, ("u",)),
+    "end_contacts": (np.float64, ("contact", 16)),
+    "end_momenta": (np.float64, ("body", 3)),
+}
 _MARKS = ("format", "version")
 _COUNTS = ("iterations", "steps", "ambiguous_steps", "failed_steps", "phase_counts")
 _FINITE = ("t", "q", "u", "dt")
@@ -56,8 +66,9 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     """
     with Archive(path, _KIND) as file:
         _check_format(file)
-        fields = {name: _field(file, name, *kind) for name, kind in _FIELDS.items()}
-        unknown = sorted(set(file.keys) - set(_FIELDS) - set(_MARKS))
+        expected = _FIELDS | (_END if any(name in file for name in _END) else {})
+        fields = {name: _field(file, name, *kind) for name, kind in expected.items()}
+        unknown = sorted(set(file.keys) - set(expected) - set(_MARKS))
         if unknown:
             raise ParameterError(unknown[0], f"is no field of a trajectory, in {file.path}")
         try:
@@ -97,8 +108,10 @@ def _field(
 
 
 def _check_shapes(fields: Mapping[str, NDArray[Any]]) -> None:
-    lengths: dict[str | int, int] = {3: 3}
-    for name, (_, axes) in _FIELDS.items():
+    lengths: dict[str | int, int] = {3: 3, 16: 16}
+    for name, (_, axes) in (_FIELDS | _END).items():
+        if name not in fields:
+            continue
         wanted = tuple(
             lengths.setdefault(axis, length)
             for axis, length in zip(axes, fields[name].shape, strict=True)
@@ -137,6 +150,29 @@ def _check_values(fields: Mapping[str, NDArray[Any]]) -> None:
         raise ParameterError("phase_counts", f"must count at most {steps} steps of a contact")
     _check_phases(fields["phase"])
     _check_gaps(fields)
+    if "end_q" in fields:
+        _check_end(fields)
+
+
+def _check_end(fields: Mapping[str, NDArray[Any]]) -> None:
+    """Check what the next step asks for: it must be of the last sample."""
+    for name in _END:
+        if not np.isfinite(fields[name]).all():
+            raise ParameterError(name, "must be finite")
+    for name in ("q", "u", "dt"):
+        last = fields[name] if name == "dt" else fields[name][-1]
+        if not np.array_equal(fields[f"end_{name}"], last):
+            raise ParameterError(f"end_{name}", f"must be the last {name}")
+    if fields["end_steps"] < fields["steps"]:
+        raise ParameterError("end_steps", f"must be at least {fields['steps']}")
+    if fields["end_t0"] + fields["end_steps"] * fields["end_dt"] != fields["t"][-1]:
+        raise ParameterError("end_t0", "must fit the last time")
+    contacts = fields["end_contacts"]
+    phases, counts = contacts[:, 1], contacts[:, 2]
+    if not np.isin(phases, list(Phase)).all() or not np.isin(contacts[:, 0], (0, 1)).all():
+        raise ParameterError("end_contacts", "must hold phases and whether contacts are closed")
+    if not np.isin(counts, (0, 1, 2)).all():
+        raise ParameterError("end_contacts", "must count 0, 1 or 2 earlier slips")
 
 
 def _check_phases(phase: NDArray[Any]) -> None:

@@ -152,7 +152,8 @@ def bifurcation_diagram(
         places, with the reason among its failures.
 
     Raises:
-        ParameterError: if the values do not ascend or `family` does not take the argument.
+        ParameterError: if the values do not ascend, `family` does not take the argument or another
+            argument is not allowed, as a `q0` that does not fit the systems.
 
     Reference: [WL19] Fig. 16.
 
@@ -173,14 +174,16 @@ def bifurcation_diagram(
     grid = _arrays.array(values, "values", (None,))
     if not grid.size or (np.diff(grid) <= 0.0).any():
         raise ParameterError("values", "must ascend and not be empty")
+    if t_end is not None:
+        t_end = _arrays.positive(t_end, "t_end")
+    sharpness, workers = _arrays.positive(tolerance, "tolerance"), _arrays.count(threads, "threads")
     member = _members(family, parameter)
     stabilities, failures = _equilibria(member, grid, q0)
     found = Found()
     if cycles:
         unstable = [s is not None and s.kind == "unstable" for s in stabilities]
-        sharpness = _arrays.positive(tolerance, "tolerance")
         search = Continuation(member, grid.tolist(), unstable, sharpness, t_end)
-        found = search.everywhere(_arrays.count(threads, "threads"))
+        found = search.everywhere(workers)
     return BifurcationDiagram(
         parameter,
         grid,
@@ -217,9 +220,18 @@ def _equilibria(
     for value in grid.tolist():
         try:
             system = member(value)
-            stabilities.append(_nearest(system, last))
+        except ParameterError as error:
+            stabilities.append(None)
+            failures.append(str(error))
+            continue
+        if q0 is not None:
+            # What no member can start from is no failure of a value.
+            _arrays.array(q0, "q0", (system.dof,))
+        try:
+            found = _nearest(system, last)
+            stabilities.append(found)
             failures.append("")
-            last = stabilities[-1].equilibrium.q if stabilities[-1] else last
+            last = found.equilibrium.q
         except (ParameterError, ConvergenceError) as error:
             stabilities.append(None)
             failures.append(str(error))

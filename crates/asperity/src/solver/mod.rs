@@ -156,6 +156,8 @@ impl Solver {
         {
             memory.percussion.fill(0.0);
         }
+        // What is found depends on the memory, not on what the workspace has seen before.
+        workspace.states.clone_from(&memory.states);
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
         let before = &*memory;
