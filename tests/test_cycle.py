@@ -197,3 +197,13 @@ def test_the_impact_oscillator_hops_periodically():
     assert cycle.is_stable
     assert cycle.period == pytest.approx(3.156546, abs=1e-5)
     assert {phase for phase, _ in cycle.phases()} == {Phase.SLIP, Phase.OPEN}
+
+
+def test_arguments_of_a_diagram_that_fit_no_member_are_refused_at_once():
+    values = np.deg2rad([40.0, 50.0])
+    with pytest.raises(asp.DimensionError, match="q0"):
+        asp.bifurcation_diagram(belt, "phi", values, q0=[1.0])
+    with pytest.raises(asp.ParameterError, match="t_end"):
+        asp.bifurcation_diagram(belt, "phi", values, t_end=-1.0)
+    with pytest.raises(asp.ParameterError, match="threads"):
+        asp.bifurcation_diagram(belt, "phi", values, cycles=False, threads=0)

@@ -15,7 +15,7 @@ LAYERS = [
     {"verdict", "rate"},
     {"sets"},
     {"law", "solvers"},
-    {"contact", "system"},
+    {"contact", "system", "state"},
     {"trajectory", "_trajectory_file", "grading"},
     {"solve_files"},
     {"simulate", "integrate", "motion"},

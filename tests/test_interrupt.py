@@ -40,7 +40,29 @@ except KeyboardInterrupt:
 """
 
 
-@pytest.mark.parametrize("script", [SIMULATE, SOLVE], ids=["simulate", "solve"])
+WITHIN_A_STEP = """
+import asperity as asp
+belt = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(0.5), 1.0, [0.1, 0.0])
+# The step of the iteration is far too large: where the mass sticks, it jumps to and fro for ever.
+solver = asp.ProxJacobi(r=1e8, max_iterations=10**15)
+print("ready", flush=True)
+try:
+    asp.simulate(belt, dt=1e-3, t_end=10.0, solver=solver, save_every=7)
+except asp.SimulationInterrupted as stopped:
+    print("interrupted", flush=True)
+    part = stopped.trajectory
+    assert 0 < part.steps < 1000
+    assert part.t[-1] == part.end.t
+    # The step that was given up has changed nothing.
+    whole = asp.simulate(belt, dt=1e-3, t_end=part.end.t, solver=solver)
+    assert whole.end == part.end
+    raise SystemExit(42)
+"""
+
+
+@pytest.mark.parametrize(
+    "script", [SIMULATE, WITHIN_A_STEP, SOLVE], ids=["simulate", "step", "solve"]
+)
 def test_interrupt_is_answered_at_once(script):
     found = run_interrupted(script)
     assert found.lines == ["interrupted"]

@@ -110,3 +110,68 @@ def test_block_on_belt_sticks_while_the_spring_is_weaker_than_static_friction():
     released = np.flatnonzero(motion.phase[1:, 0] != asp.Phase.STICK)[0] + 1
     assert motion.q[released, 0] == pytest.approx(1.0, abs=2e-3)
     np.testing.assert_allclose(motion.u[1 : released - 1, 0], 0.2, rtol=1e-9)
+
+
+@pytest.mark.parametrize("viscous", [100.0, 1e4])
+@pytest.mark.parametrize("dt", [1.9e-2, 2.1e-2, 0.1])
+def test_viscous_friction_is_damped_however_long_the_step(viscous, dt):
+    # m = λ_N = μ = 1, f = 1 + κv and a force of 2: v = 1/κ. Taken before the step, the factor
+    # would make the velocity swing with a period of two steps from κΔt = 2 on.
+    law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(rate=Stribeck(1, 1, viscous=viscous))
+    contact = asp.Contact(law, [1.0], normal_force=1.0)
+    pushed = asp.LinearSystem(1.0, force=[2.0], contacts=[contact])
+    motion = asp.simulate(pushed, dt=dt, t_end=100 * dt, tolerance=1e-12)
+    # Each step is v ← (v + Δt)/(1 + κΔt).
+    expected = (1.0 - (1.0 + viscous * dt) ** -np.arange(101.0)) / viscous
+    np.testing.assert_allclose(motion.u[:, 0], expected, rtol=1e-9)
+    np.testing.assert_allclose(motion.force[-1], [[-2.0]], rtol=1e-8)
+    assert motion.failed_steps == 0
+
+
+@pytest.mark.parametrize("law", PLANE_LAWS, ids=identify)
+def test_the_factor_is_that_of_the_speed_at_the_end_of_the_step(law):
+    rated = law.replace(rate=Stribeck(0.1, 0.5, viscous=300.0))
+    point = asp.LinearSystem(
+        [1.0, 2.0], force=[30.0, 11.0], contacts=[asp.Contact(rated, np.eye(2), normal_force=5.0)]
+    )
+    motion = asp.simulate(point, dt=0.05, t_end=5.0, u0=[3.0, -2.0])
+    assert motion.failed_steps == 0
+    before, slip = np.linalg.norm(motion.u[:-1], axis=1), motion.slip[1:, 0]
+    falling = Stribeck(0.1, 0.5)(before)
+    factor = falling + 300.0 * np.linalg.norm(slip, axis=1)
+    sliding = motion.phase[1:, 0] == asp.Phase.SLIP
+    assert sliding.sum() > 50
+    expected = factor[:, None] * law.force(slip, 5.0)
+    np.testing.assert_allclose(motion.force[1:, 0][sliding], expected[sliding], rtol=1e-7)
+
+
+def test_contacts_of_one_body_share_a_stiff_factor():
+    # Four contacts under one body: each reacts to the friction of all.
+    law = asp.FrictionLaw.isotropic(0.4).replace(rate=Stribeck(0.1, 0.6, viscous=1e4))
+    contacts = [asp.Contact(law, np.eye(2), normal_force=load) for load in (1.0, 2.0, 3.0, 4.0)]
+    table = asp.LinearSystem(2.0, force=[8.0, 0.0], contacts=contacts)
+    motion = asp.simulate(table, dt=0.05, t_end=2.0, u0=[1.0, 1.0])
+    assert motion.failed_steps == 0
+    # 0.4 · 10 N · f(v) = 8 N with f = 0.6 + 0.4 exp(−v/0.1) + κv, for v ≪ 0.1.
+    assert motion.u[-1, 0] == pytest.approx(1.0 / (1e4 - 4.0), rel=1e-5)
+    assert abs(motion.u[-1, 1]) < 1e-12
+
+
+def test_a_box_on_a_stiff_viscous_floor_slides_as_a_point_does():
+    law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(0.1, 1.0, viscous=50.0))
+    height = 0.01
+    box = asp.Body(2.0, (0.2, 0.2, 0.4), position=(0.0, 0.0, height))
+    floor = asp.BoxPlane(0, (0.5, 0.5, height), asp.Plane(), law)
+    options = {"dt": 1e-2, "t_end": 0.5}
+    slid = asp.simulate(
+        asp.RigidBodies([box], [floor]), u0=[1.0, 0.5, 0.0, 0.0, 0.0, 0.0], **options
+    )
+    point = asp.simulate(asp.SlidingPoint(2.0, law), u0=[1.0, 0.5], **options)
+    assert slid.failed_steps == 0
+    np.testing.assert_allclose(slid.u[:, :2], point.u, atol=1e-8)
+
+
+def test_a_falling_factor_still_costs_one_solve():
+    falling = asp.FrictionLaw.isotropic(0.5).replace(rate=Stribeck(0.1, 0.4))
+    motion = asp.simulate(asp.SlidingPoint(1.0, falling), dt=1e-3, t_end=0.1, u0=[1.0, 0.0])
+    assert motion.iterations.max() == 1

@@ -223,3 +223,153 @@ def test_divergence_keeps_the_part_before():
     kept = caught.value.trajectory
     assert 0 < kept.steps < 1000
     assert np.isfinite(kept.q).all()
+
+
+SPLITS = 60
+SERIES = ("t", "q", "u", "slip", "force", "normal_force", "phase", "iterations", "residual")
+
+
+def assert_continues(system, cut, steps, *, start=None, through=lambda run: run, **options):
+    """A run of `steps` steps equals one that is ended after `cut` and continued, to the bit."""
+    dt, start = options.pop("dt"), start or {}
+    whole = asp.simulate(system, dt=dt, t_end=steps * dt, **start, **options)
+    first = asp.simulate(system, dt=dt, t_end=cut * dt, **start, **options)
+    second = asp.simulate(system, dt=dt, t_end=steps * dt, start=through(first), **options)
+    assert second.t[0] == first.t[-1]
+    for name in SERIES:
+        expected = getattr(whole, name)[cut + 1 :]
+        np.testing.assert_array_equal(getattr(second, name)[1:], expected, err_msg=name)
+    assert second.end == whole.end
+    np.testing.assert_array_equal(first.phase_counts + second.phase_counts, whole.phase_counts)
+    return whole
+
+
+def random_system(rng):
+    """Up to three masses with springs, contacts of all kinds, some that depend on the speed."""
+    n = int(rng.integers(1, 4))
+    square = rng.normal(size=(n, n))
+    contacts = []
+    for _ in range(rng.integers(1, 4)):
+        p = int(rng.integers(1, 3))
+        law = asp.FrictionLaw.isotropic(0.5, dimension=1)
+        if p == 2:
+            angle = rng.uniform(0.0, 3.0)
+            law = asp.FrictionLaw(asp.Ellipse(0.6, 0.3, angle=angle), asp.Ellipse(2.0, 1.0))
+        if rng.random() < 0.3:
+            law = law.replace(rate=asp.Stribeck(0.3, 0.5, viscous=rng.choice([0.0, 1.0, 30.0])))
+        directions = rng.normal(size=(n, p))
+        if rng.random() < 0.5:
+            closing = {"normal_force": rng.uniform(0.5, 3.0), "velocity": rng.normal(size=p)}
+        else:
+            closing = {"normal": rng.normal(size=n), "gap": rng.uniform(0.0, 0.3)}
+            closing["normal_restitution"] = rng.choice([0.0, 0.5])
+        contacts.append(asp.Contact(law, directions, **closing))
+    return asp.LinearSystem(
+        square @ square.T + np.eye(n),
+        np.diag(rng.uniform(0.5, 3.0, n)),
+        force=3.0 * rng.normal(size=n),
+        contacts=contacts,
+    )
+
+
+def test_a_continued_run_equals_an_unbroken_one_to_the_bit():
+    rng = np.random.default_rng(0)
+    ambiguous = 0
+    for _ in range(SPLITS):
+        system = random_system(rng)
+        whole = assert_continues(
+            system,
+            int(rng.integers(1, 299)),
+            300,
+            start={"u0": rng.normal(size=system.dof)},
+            dt=5e-3,
+            on_failure="record",
+        )
+        ambiguous += whole.ambiguous_steps > 0
+    # Where contacts have several solutions, the phases that are handed over decide.
+    assert ambiguous >= 5
+
+
+def test_a_continued_run_of_rigid_bodies_equals_an_unbroken_one_to_the_bit():
+    # A box of unequal moments tumbles onto the floor; its angular momentum is kept.
+    box = asp.Body(1.0, (2.5e-3, 4.2e-3, 5.0e-3), position=(0.0, 0.0, 0.3))
+    floor = asp.BoxPlane(0, (0.1, 0.07, 0.05), asp.Plane(), ISOTROPIC)
+    system = asp.RigidBodies([box], [floor])
+    start = {"u0": [1.0, 0.3, 0.0, 3.0, -5.0, 2.0]}
+    for cut in (50, 250, 400):
+        assert_continues(system, cut, 600, start=start, dt=2e-3)
+
+
+def test_a_continued_run_keeps_its_clock_and_what_was_saved(tmp_path):
+    class Driven(asp.System):
+        dof = 1
+        contacts = (asp.ContactLaw(asp.FrictionLaw.isotropic(0.3, dimension=1), normal_force=1.0),)
+
+        def mass(self, q):
+            return np.eye(1)
+
+        def forces(self, t, q, u):
+            return np.array([np.sin(7.0 * t)])
+
+        def direction(self, t, q, contact):
+            return np.eye(1)
+
+    def reloaded(run):
+        run.save(tmp_path / "run.npz")
+        loaded = asp.Trajectory.load(tmp_path / "run.npz")
+        assert loaded == run
+        return loaded
+
+    assert_continues(Driven(), 123, 300, dt=0.01, through=reloaded)
+    assert_continues(Driven(), 123, 300, dt=0.01, through=lambda run: run.end)
+
+
+def test_what_a_run_may_start_from():
+    options = {"dt": 1e-2, "u0": [1.0, 1.0]}
+    run = asp.simulate(BLOCK, t_end=0.1, **options)
+    with pytest.raises(asp.ParameterError, match="start: excludes"):
+        asp.simulate(BLOCK, t_end=0.2, start=run, **options)
+    with pytest.raises(asp.ParameterError, match=r"t_end: .* 0\.1 s"):
+        asp.simulate(BLOCK, dt=1e-2, t_end=0.1, start=run)
+    with pytest.raises(asp.ParameterError, match=r"start: .*State"):
+        asp.simulate(BLOCK, dt=1e-2, t_end=0.2, start=run.slice(0.0, 0.05))
+    with pytest.raises(asp.ParameterError, match="start: must be"):
+        asp.simulate(BLOCK, dt=1e-2, t_end=0.2, start=0.1)
+    with pytest.raises(asp.ParameterError, match="q0: must have 1"):
+        asp.simulate(asp.LinearSystem(1.0, 1.0), dt=1e-2, t_end=0.2, start=run)
+    assert run.slice(0.05, 0.1).end == run.end
+    # Another step: the clock goes on from where it stood. A fresh start at a time is a State, too.
+    finer = asp.simulate(BLOCK, dt=3e-3, t_end=0.2, start=run)
+    np.testing.assert_allclose(finer.t, 0.1 + 3e-3 * np.arange(35))
+    fresh = asp.State(run.q[-1], run.u[-1], t0=run.t[-1])
+    assert asp.simulate(BLOCK, dt=1e-2, t_end=0.2, start=fresh).t[-1] == pytest.approx(0.2)
+
+
+def test_the_last_step_is_kept_however_a_run_ends():
+    # The block slips along, then sticks, which two iterations do not find.
+    weak = asp.ProxJacobi(r=1e-6, max_iterations=2)
+    with pytest.raises(asp.ConvergenceError) as caught:
+        asp.simulate(BLOCK, dt=1e-3, t_end=1.0, u0=[1.0, 0.0], solver=weak, save_every=10**6)
+    part = caught.value.trajectory
+    assert part.steps == caught.value.step - 1
+    assert part.t.tolist() == [0.0, 1e-3 * part.steps][: 1 + (part.steps > 0)]
+    np.testing.assert_array_equal(part.q[-1], part.end.q)
+    assert asp.simulate(BLOCK, dt=1e-3, t_end=1.0, start=part).steps == 1000 - part.steps
+
+    class Stops(asp.System):
+        dof = 1
+
+        def mass(self, q):
+            return np.eye(1)
+
+        def forces(self, t, q, u):
+            if t > 0.05:
+                raise RuntimeError("enough")
+            return np.ones(1)
+
+    with pytest.raises(RuntimeError, match="enough") as caught:
+        asp.simulate(Stops(), dt=1e-3, t_end=1.0, save_every=1000)
+    part = caught.value.trajectory
+    assert part.steps == 50
+    assert part.t.tolist() == [0.0, 0.05]
+    assert part.end.t == 0.05

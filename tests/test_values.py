@@ -71,6 +71,7 @@ VALUES = [
     asp.SlidingDisk(LAW, velocity=(1.0, 0.5), spin=2.0),
     asp.MassOnBelt(1.0, 2.0, LAW, 1.0, [1.0, 0.0]),
     MOTION,
+    asp.State([0.1], [0.2], t0=1.0, steps=3, dt=0.1, contacts=np.ones((1, 16))),
     asp.Section([1.0, 0.0], 0.5, after=1.0),
     asp.Event(0.5, "stick", 0, asp.Phase.STICK, ambiguous=True),
     CYCLE.motion,

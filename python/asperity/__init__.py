@@ -87,6 +87,7 @@ from asperity.stability import (
     incremental_distance,
     stability,
 )
+from asperity.state import State
 from asperity.status import Outcome, Phase, Status
 from asperity.system import (
     Body,
@@ -183,6 +184,7 @@ __all__ = [
     "Stability",
     "Stage",
     "StarSet",
+    "State",
     "Status",
     "Stribeck",
     "Superellipse",

@@ -154,6 +154,29 @@ def _check_values(fields: Mapping[str, NDArray[Any]]) -> None:
         raise ParameterError("phase_counts", f"must count at most {steps} steps of a contact")
     _check_phases(fields["phase"])
     _check_gaps(fields)
+    if "end_q" in fields:
+        _check_end(fields)
+
+
+def _check_end(fields: Mapping[str, NDArray[Any]]) -> None:
+    """Check what the next step asks for: it must be of the last sample."""
+    for name in _END:
+        if not np.isfinite(fields[name]).all():
+            raise ParameterError(name, "must be finite")
+    for name in ("q", "u", "dt"):
+        last = fields[name] if name == "dt" else fields[name][-1]
+        if not np.array_equal(fields[f"end_{name}"], last):
+            raise ParameterError(f"end_{name}", f"must be the last {name}")
+    if fields["end_steps"] < fields["steps"]:
+        raise ParameterError("end_steps", f"must be at least {fields['steps']}")
+    if fields["end_t0"] + fields["end_steps"] * fields["end_dt"] != fields["t"][-1]:
+        raise ParameterError("end_t0", "must fit the last time")
+    contacts = fields["end_contacts"]
+    phases, counts = contacts[:, 1], contacts[:, 2]
+    if not np.isin(phases, list(Phase)).all() or not np.isin(contacts[:, 0], (0, 1)).all():
+        raise ParameterError("end_contacts", "must hold phases and whether contacts are closed")
+    if not np.isin(counts, (0, 1, 2)).all():
+        raise ParameterError("end_contacts", "must count 0, 1 or 2 earlier slips")
 
 
 def _check_phases(phase: NDArray[Any]) -> None:

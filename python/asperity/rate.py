@@ -19,8 +19,10 @@ class Stribeck(Value):
     """The rate factor f(v) = ρ + (1 − ρ) s((v/v₀)^δ) + κv of the force in slip, v = ‖γ‖.
 
     s(x) = exp(−x) (``"exponential"``) or 1/(1 + x) (``"hyperbolic"``). In slip
-    −λ = f(‖γ‖) λ_N z/k_C(z); in stick the force takes any value in λ_N C, as f(0) = 1. Time
-    steppers take f at the speed at the beginning of the step.
+    −λ = f(‖γ‖) λ_N z/k_C(z); in stick the force takes any value in λ_N C, as f(0) = 1.
+    `simulate` takes the falling part of f at the speed before the step, and κv at its end: viscous
+    friction is damped however long the step. It is then found by several solves in a step; if
+    these do not end, the step counts as not converged.
 
     Args:
         speed: v₀ > 0 in m/s, at which the drop of the force is well on its way.

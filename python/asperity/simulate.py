@@ -20,6 +20,7 @@ from asperity.errors import (
     SimulationInterrupted,
 )
 from asperity.solvers import Solver, chosen
+from asperity.state import State
 from asperity.status import Status
 from asperity.system.rigid import RigidBodies
 from asperity.trajectory import Trajectory
@@ -56,6 +57,7 @@ def simulate(
     t_end: float,
     q0: ArrayLike | None = None,
     u0: ArrayLike | None = None,
+    start: Trajectory | State | None = None,
     solver: Solver | None = None,
     tolerance: float = 1e-10,
     save_every: int = 1,
@@ -76,6 +78,10 @@ def simulate(
         q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``, whose
             quaternions are normalised. Default 0, of `RigidBodies` the state of the bodies.
         u0: initial velocities, shape ``(n,)``; default likewise.
+        start: a trajectory or its ``end`` to go on from, instead of `q0` and `u0`: time, phases,
+            slip directions and percussions are handed over, so that with the same options what
+            follows is what an unbroken run would have had, to the bit. `t_end` is then still the
+            time at the end, counts are those of the new run.
         solver: contact solver. Default `Auto`.
         tolerance: of each step's contact problem, see `ContactProblem.solve`.
         save_every: keep every so-many-th step; the initial and the last state are kept always.
@@ -106,14 +112,20 @@ def simulate(
         raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
     _arrays.choice(on_failure, "on_failure", ["raise", "record"])
     dt = _arrays.positive(dt, "dt")
-    steps = _step_count(dt, _arrays.positive(t_end, "t_end"))
-    start = initial_state(system, q0, u0)
+    t_end = _arrays.positive(t_end, "t_end")
+    if start is None:
+        state = State(*initial_state(system, q0, u0))
+    elif q0 is None and u0 is None:
+        state = _beginning(start)
+    else:
+        raise ParameterError("start", "excludes q0 and u0")
+    steps = _steps_from(state, dt, t_end)
     with _reporter(progress, steps) as report:
         run, exception = _core.simulate(
             system._core,
             dt,
             steps,
-            *start,
+            *state._arguments(),
             chosen(solver)._core,
             _arrays.positive(tolerance, "tolerance"),
             _arrays.count(save_every, "save_every"),
@@ -121,16 +133,45 @@ def simulate(
             on_failure == "raise",
             report,
         )
-    failure = run.pop("failure")
-    trajectory = Trajectory(dt=dt, **run)
+    failure, end = run.pop("failure"), run.pop("end")
+    trajectory = Trajectory(dt=dt, end=None if end is None else State(**end), **run)
     if exception is not None:
         if isinstance(exception, DivergenceError):
             raise DivergenceError(exception.message, trajectory)
-        time = trajectory.steps * trajectory.dt
-        raise_with(exception, trajectory, f"in step {trajectory.steps + 1}, after t = {time:.9g} s")
+        reached = f"in step {trajectory.steps + 1}, after t = {trajectory.t[-1]:.9g} s"
+        raise_with(exception, trajectory, reached)
     if failure is not None and on_failure == "raise":
         raise _failure(failure, trajectory)
     return trajectory
+
+
+def _beginning(start: Trajectory | State) -> State:
+    """Return the state from which a run is to go on."""
+    if isinstance(start, State):
+        return start
+    if not isinstance(start, Trajectory):
+        raise ParameterError("start", f"must be a Trajectory or a State, got {start!r}")
+    if start.end is None:
+        raise ParameterError(
+            "start",
+            "does not know what its contacts did at its end: it was cut, its state was not finite, "
+            "or it is from a file of an earlier version. A fresh start is "
+            "start=State(run.q[-1], run.u[-1], t0=run.t[-1])",
+        )
+    return start.end
+
+
+def _steps_from(state: State, dt: float, t_end: float) -> int:
+    """Return the number of steps that are left until `t_end`."""
+    if state.dt == dt:
+        steps = _step_count(dt, t_end - state.t0) - state.steps
+    else:
+        steps = _step_count(dt, t_end - state.t)
+    if steps < 1:
+        raise ParameterError(
+            "t_end", f"must lie after the time of start, {state.t:.9g} s, got {t_end:.9g}"
+        )
+    return steps
 
 
 def _step_count(dt: float, t_end: float) -> int:

@@ -12,6 +12,7 @@ from asperity._arrays import Array
 from asperity._files import atomic
 from asperity._value import Value
 from asperity.errors import ParameterError
+from asperity.state import State
 from asperity.status import Outcome, Phase
 
 _SERIES: dict[str, type[np.generic]] = {
@@ -52,6 +53,8 @@ class Trajectory(Value):
         ambiguous_steps: number of steps in which a contact had several solutions.
         failed_steps: number of steps that did not converge.
         phase_counts: number of steps open, sticking, slipping, shape ``(n_contact, 3)``.
+        end: the `State` at the last sample, from which `simulate` goes on with ``start=``; ``None``
+            if it is not known: after a cut, a divergence, or in a file of an earlier version.
     """
 
     t: Array
@@ -69,6 +72,7 @@ class Trajectory(Value):
     ambiguous_steps: int
     failed_steps: int
     phase_counts: NDArray[np.int64]
+    end: State | None
 
     def __init__(
         self,
@@ -88,6 +92,7 @@ class Trajectory(Value):
         ambiguous_steps: int,
         failed_steps: int,
         phase_counts: ArrayLike,
+        end: State | None = None,
     ) -> None:
         given = (t, q, u, slip, force, normal_force, phase, iterations, residual)
         series = zip(_SERIES.items(), given, strict=True)
@@ -102,6 +107,7 @@ class Trajectory(Value):
             ambiguous_steps=int(ambiguous_steps),
             failed_steps=int(failed_steps),
             phase_counts=_arrays.read_only(np.asarray(phase_counts, dtype=np.int64)),
+            end=end,
         )
 
     def __len__(self) -> int:
@@ -143,14 +149,18 @@ class Trajectory(Value):
         kept = (self.t >= _arrays.number(t0, "t0")) & (self.t <= _arrays.number(t1, "t1"))
         if not kept.any():
             raise ParameterError("t0", f"leaves no sample between {t0!r} and {t1!r} s")
-        return self.replace(**{name: getattr(self, name)[kept] for name in _SERIES})
+        end = self.end if kept[-1] else None
+        return self.replace(end=end, **{name: getattr(self, name)[kept] for name in _SERIES})
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a NumPy ``.npz`` file without pickled objects, under exactly this name.
 
         The file replaces an older one only when it is complete.
         """
-        _trajectory_file.save(self._parameters, path)
+        contents = {name: value for name, value in self._parameters.items() if name != "end"}
+        if self.end is not None:
+            contents |= self.end._arrays()
+        _trajectory_file.save(contents, path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trajectory:
@@ -161,7 +171,8 @@ class Trajectory(Value):
                 or ``path``, if the file is something else.
             FileNotFoundError: if there is none.
         """
-        return cls(**_trajectory_file.load(path))
+        contents = _trajectory_file.load(path)
+        return cls(end=State._from_arrays(contents), **contents)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a table with one row per sample; the header holds names and units.

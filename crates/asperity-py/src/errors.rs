@@ -126,6 +126,7 @@ impl From<StepError> for Failure {
             StepError::NotFinite { .. } | StepError::NotFiniteContact { .. } => {
                 Self(make("DivergenceError", (text,)))
             }
+            StepError::Cancelled { .. } => Self(make("ConvergenceError", (text,))),
         }
     }
 }

@@ -2,17 +2,88 @@
 
 use std::ops::ControlFlow;
 
-use asperity::simulate::{Options, Outcome, Run, simulate as run_core};
+use asperity::contact::{ContactState, Phase};
+use asperity::simulate::{Options, Outcome, Run, resume};
+use asperity::stepper::{ContactMemory, State};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{Numbers, numbers};
-use crate::errors::Failure;
+use crate::convert::{Numbers, Points, numbers};
+use crate::errors::{Failure, dimension, parameter};
 use crate::problem::Solver;
 use crate::rigid::RigidBodies;
 use crate::system::with_system;
+
+/// Columns of what a contact hands over: closed, phase, number of earlier slips, three slip velocities, four
+/// percussions.
+const COLUMNS: usize = 16;
+
+/// The state behind the arrays of one.
+fn state(
+    (origin, steps, dt): (f64, usize, f64),
+    (q, u): (&Numbers<'_>, &Numbers<'_>),
+    contacts: &Points<'_>,
+    momenta: &Points<'_>,
+) -> PyResult<State> {
+    let rows = |points: &Points<'_>, argument, columns: usize| -> PyResult<Vec<f64>> {
+        let array = points.as_array();
+        if array.ncols() != columns {
+            return Err(dimension(argument, &format!("must have {columns} columns")));
+        }
+        Ok(array.iter().copied().collect())
+    };
+    let memory = |row: &[f64]| -> PyResult<ContactMemory> {
+        let number = row[1] as i8;
+        let phase = Phase::from_number(number).filter(|_| f64::from(number) == row[1]);
+        let phase = phase.ok_or_else(|| parameter("contacts", "holds an unknown phase"))?;
+        let slips = [3, 6, 9].map(|i| [row[i], row[i + 1], row[i + 2]]);
+        Ok(ContactMemory {
+            closed: row[0] != 0.0,
+            state: ContactState::with_history(phase, slips, row[2] as u8),
+            percussion: [row[12], row[13], row[14], row[15]],
+        })
+    };
+    Ok(State {
+        origin,
+        steps,
+        dt,
+        q: numbers(q, "q")?.to_vec(),
+        u: numbers(u, "u")?.to_vec(),
+        contacts: rows(contacts, "contacts", COLUMNS)?
+            .chunks_exact(COLUMNS)
+            .map(memory)
+            .collect::<PyResult<_>>()?,
+        momenta: rows(momenta, "momenta", 3)?
+            .chunks_exact(3)
+            .map(|row| [row[0], row[1], row[2]])
+            .collect(),
+    })
+}
+
+/// A state as a dictionary of arrays.
+fn state_dict<'py>(py: Python<'py>, state: State) -> PyResult<Bound<'py, PyDict>> {
+    let mut table = Vec::with_capacity(COLUMNS * state.contacts.len());
+    for memory in &state.contacts {
+        let (slips, known) = memory.state.history();
+        let phase = f64::from(memory.state.phase as i8);
+        table.extend([f64::from(u8::from(memory.closed)), phase, f64::from(known)]);
+        table.extend(slips.into_iter().flatten());
+        table.extend(memory.percussion);
+    }
+    let (contacts, bodies) = (state.contacts.len(), state.momenta.len());
+    let momenta: Vec<f64> = state.momenta.into_iter().flatten().collect();
+    let out = PyDict::new(py);
+    out.set_item("t0", state.origin)?;
+    out.set_item("steps", state.steps)?;
+    out.set_item("dt", state.dt)?;
+    out.set_item("q", PyArray1::from_vec(py, state.q))?;
+    out.set_item("u", PyArray1::from_vec(py, state.u))?;
+    out.set_item("contacts", PyArray1::from_vec(py, table).reshape([contacts, COLUMNS])?)?;
+    out.set_item("momenta", PyArray1::from_vec(py, momenta).reshape([bodies, 3])?)?;
+    Ok(out)
+}
 
 /// The run so far as a dictionary, and the exception that ended it, if one did.
 #[pyfunction]
@@ -22,8 +93,11 @@ pub fn simulate<'py>(
     system: &Bound<'py, PyAny>,
     dt: f64,
     steps: usize,
+    clock: (f64, usize, f64),
     q0: Numbers<'py>,
     u0: Numbers<'py>,
+    contacts: Points<'py>,
+    momenta: Points<'py>,
     solver: &Solver,
     tolerance: f64,
     save_every: usize,
@@ -31,11 +105,12 @@ pub fn simulate<'py>(
     raise_on_failure: bool,
     progress: Option<Py<PyAny>>,
 ) -> Result<(Bound<'py, PyDict>, Option<Py<PyBaseException>>), Failure> {
+    let start = state(clock, (&q0, &u0), &contacts, &momenta)?;
     let options = Options {
         dt,
         steps,
-        q0: numbers(&q0, "q0")?.to_vec(),
-        u0: numbers(&u0, "u0")?.to_vec(),
+        q0: Vec::new(),
+        u0: Vec::new(),
         solver: solver.0,
         tolerance,
         save_every,
@@ -57,8 +132,9 @@ pub fn simulate<'py>(
             ControlFlow::Continue,
         )
     };
-    let Run { trajectory, outcome } =
-        with_system(system, |system| py.detach(|| run_core(system, &options, &mut observer)))??;
+    let Run { trajectory, end, outcome } = with_system(system, |system| {
+        py.detach(|| resume(system, &start, &options, &mut observer))
+    })??;
     let (status, failure, error) = match outcome {
         Outcome::Finished => ("finished", None, None),
         Outcome::AtRest => ("at_rest", None, None),
@@ -95,6 +171,7 @@ pub fn simulate<'py>(
     out.set_item("steps", trajectory.steps)?;
     let counts = PyArray1::from_vec(py, trajectory.phase_counts).reshape([n_c, 3])?;
     out.set_item("phase_counts", counts)?;
+    out.set_item("end", end.map(|end| state_dict(py, end)).transpose()?)?;
     let failure = failure.map(|failure| -> PyResult<_> {
         let out = PyDict::new(py);
         out.set_item("step", failure.step)?;

@@ -1,12 +1,13 @@
 //! The time loop.
 
+use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use crate::solver::{Solver, Status};
-use crate::stepper::{StepError, Stepper};
+use crate::solver::{SolveReport, Solver, Status};
+use crate::stepper::{Attempt, State, StepError, Stepper};
 use crate::system::{System, SystemError};
 use crate::trajectory::Trajectory;
 
@@ -17,9 +18,9 @@ pub struct Options {
     pub dt: f64,
     /// Number of steps.
     pub steps: usize,
-    /// Initial coordinates.
+    /// Initial coordinates; not asked for where a run is continued.
     pub q0: Vec<f64>,
-    /// Initial velocities.
+    /// Initial velocities; likewise.
     pub u0: Vec<f64>,
     /// Contact solver.
     pub solver: Solver,
@@ -76,8 +77,11 @@ pub struct OptionsError {
 /// The part computed so far, and why the loop ended; the first is there whatever the second says.
 #[derive(Debug)]
 pub struct Run {
-    /// The samples.
+    /// The samples; the last one is the state of the last step that was made.
     pub trajectory: Trajectory,
+    /// What [`resume`] asks for to go on after the last sample; nothing where there is no going on, as the
+    /// state is no longer finite.
+    pub end: Option<State>,
     /// Why the loop ended.
     pub outcome: Outcome,
 }
@@ -85,71 +89,142 @@ pub struct Run {
 /// How often the observer is called, whatever a step costs.
 const POLL_EVERY: Duration = Duration::from_millis(50);
 
+/// Most steps between two looks at the clock: its cost is lost among so many, and if steps suddenly take a
+/// hundred times longer, nobody notices.
+const MOST_UNSEEN: u32 = 64;
+
 /// Simulates `system` with Moreau's midpoint scheme.
 ///
-/// `observer(step, steps)` is called about every 50 ms and may stop the run.
+/// `observer(step, steps)` is called about every 50 ms, within long steps, too, and may stop the run.
 pub fn simulate(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Run, OptionsError> {
-    check(system, options)?;
-    let Options { dt, tolerance, solver, .. } = *options;
-    let mut trajectory = Trajectory::default();
-    let outcome = Stepper::new(system, solver, tolerance, dt, &options.q0, &options.u0)
-        .and_then(|mut stepper| run(system, options, &mut stepper, &mut trajectory, observer))
-        .unwrap_or_else(Outcome::Error);
-    Ok(Run { trajectory, outcome })
+    resume(system, &State::new(0.0, &options.q0, &options.u0), options, observer)
 }
 
+/// Goes on from where another run ended, as if it had not ended: with the same options what follows is the
+/// same to the bit.
+pub fn resume(
+    system: &dyn System,
+    start: &State,
+    options: &Options,
+    observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+) -> Result<Run, OptionsError> {
+    if options.save_every == 0 {
+        let message = "must be at least 1, got 0".into();
+        return Err(OptionsError { argument: "save_every", message });
+    }
+    let Options { dt, tolerance, solver, .. } = *options;
+    let mut trajectory = Trajectory::default();
+    let mut stepper = match Stepper::from_state(system, solver, tolerance, dt, start) {
+        Ok(stepper) => stepper,
+        Err(StepError::System(SystemError::Argument { argument, message })) => {
+            return Err(OptionsError { argument, message });
+        }
+        Err(error) => return Ok(Run { trajectory, end: None, outcome: Outcome::Error(error) }),
+    };
+    let watch = Watch { clock: RefCell::new(Clock::new()), observer: RefCell::new(observer) };
+    let outcome = run(system, options, &mut stepper, &mut trajectory, &watch);
+    let finite = stepper.q().iter().chain(stepper.u()).all(|value| value.is_finite());
+    let end = finite.then(|| stepper.state());
+    Ok(Run { trajectory, end, outcome: outcome.unwrap_or_else(Outcome::Error) })
+}
+
+/// The loop, and a sample of where it has ended.
 fn run(
     system: &dyn System,
     options: &Options,
     stepper: &mut Stepper<'_>,
     trajectory: &mut Trajectory,
-    observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+    watch: &Watch<'_, '_>,
 ) -> Result<Outcome, StepError> {
     let contacts = system.contacts().len();
     let p = system.contacts().iter().map(|c| c.law.dimension()).max().unwrap_or(0);
     *trajectory = Trajectory::new(stepper, p, contacts)?;
-    let mut clock = Clock::new();
+    let mut last = None;
+    let outcome = steps(options, stepper, trajectory, watch, &mut last);
+    let recorded = match (&outcome, last) {
+        (Err(StepError::NotFinite { .. }), _) | (_, None) => Ok(()),
+        (_, Some(report)) => trajectory.record(stepper, report.iterations, report.residual),
+    };
+    outcome.and_then(|outcome| recorded.map(|()| outcome))
+}
+
+/// The loop; `unsaved` is the report of the last step while that is not among the samples.
+fn steps(
+    options: &Options,
+    stepper: &mut Stepper<'_>,
+    trajectory: &mut Trajectory,
+    watch: &Watch<'_, '_>,
+    unsaved: &mut Option<SolveReport>,
+) -> Result<Outcome, StepError> {
     let (mut rested, mut fastest) = (0, 0.0_f64);
+    let wanted =
+        |report: &SolveReport| report.status == Status::Converged || !options.stop_on_failure;
     for step in 1..=options.steps {
-        let report = stepper.step()?;
-        if report.status != Status::Converged {
-            if options.stop_on_failure {
+        // A step that asks but once is over soon: the clock would be a part of its cost.
+        let asked = Cell::new(false);
+        let cancelled = || asked.replace(true) && watch.stops((step - 1, options.steps));
+        let report = match stepper.attempt(&cancelled, wanted)? {
+            Attempt::Made(report) => report,
+            Attempt::Cancelled => return Ok(Outcome::Interrupted),
+            Attempt::Refused(report) => {
                 return Ok(Outcome::Failed(Failure {
                     step,
-                    time: stepper.time(),
+                    time: stepper.time_after(1),
                     contact: stepper.contact_of(report.worst_contact),
                     residual: report.residual,
                     status: report.status,
                 }));
             }
-            trajectory.failed_steps += 1;
-        }
+        };
+        trajectory.failed_steps += usize::from(report.status != Status::Converged);
         trajectory.count(stepper, report.ambiguous);
+        *unsaved = Some(report);
         if options.until_rest {
             let speed = stepper.u().iter().fold(0.0, |s: f64, v| s.max(v.abs()));
             fastest = fastest.max(speed);
             rested = if speed <= 1e-12 * fastest { rested + 1 } else { 0 };
         }
         // At rest for two steps: a turning point of a motion is at rest for one at the most.
-        let outcome = if options.until_rest && rested >= 2 {
-            Some(Outcome::AtRest)
-        } else if clock.due() && observer(step, options.steps).is_break() {
-            Some(Outcome::Interrupted)
-        } else {
-            None
-        };
-        if outcome.is_some() || step % options.save_every == 0 || step == options.steps {
-            trajectory.record(stepper, report.iterations, report.residual)?;
+        if options.until_rest && rested >= 2 {
+            return Ok(Outcome::AtRest);
         }
-        if let Some(outcome) = outcome {
-            return Ok(outcome);
+        if watch.stops_between((step, options.steps)) {
+            return Ok(Outcome::Interrupted);
+        }
+        if step % options.save_every == 0 {
+            trajectory.record(stepper, report.iterations, report.residual)?;
+            *unsaved = None;
         }
     }
     Ok(Outcome::Finished)
+}
+
+/// The observer with the clock that says when it is to be asked.
+struct Watch<'a, 'b> {
+    clock: RefCell<Clock>,
+    observer: RefCell<&'a mut (dyn FnMut(usize, usize) -> ControlFlow<()> + 'b)>,
+}
+
+impl Watch<'_, '_> {
+    /// Whether the run is to stop, asked within a step, each time with a look at the clock.
+    #[cold]
+    fn stops(&self, (step, steps): (usize, usize)) -> bool {
+        self.clock.borrow_mut().look() && self.ask(step, steps)
+    }
+
+    /// Whether the run is to stop, asked after each step.
+    #[inline]
+    fn stops_between(&self, (step, steps): (usize, usize)) -> bool {
+        self.clock.borrow_mut().due() && self.ask(step, steps)
+    }
+
+    fn ask(&self, step: usize, steps: usize) -> bool {
+        (self.observer.borrow_mut())(step, steps).is_break()
+    }
 }
 
 /// Polls by the clock, reading it only now and then while steps are short.
@@ -164,49 +239,27 @@ impl Clock {
         Self { last: Instant::now(), countdown: 1, interval: 1 }
     }
 
-    /// Whether the observer is to be called.
+    /// Whether the observer is to be called, as seen by every so-manieth call of this.
     #[inline]
     fn due(&mut self) -> bool {
         self.countdown -= 1;
         if self.countdown > 0 {
             return false;
         }
-        let elapsed = self.last.elapsed();
-        let due = elapsed >= POLL_EVERY;
-        if due {
-            self.last = Instant::now();
-            self.interval = (self.interval / 2).max(1);
-        } else if elapsed < POLL_EVERY / 8 && self.interval < 1 << 20 {
-            self.interval *= 2;
-        }
+        let quick = self.last.elapsed() < POLL_EVERY / 8;
+        let due = self.look();
+        self.interval =
+            if quick { (2 * self.interval).min(MOST_UNSEEN) } else { (self.interval / 2).max(1) };
         self.countdown = self.interval;
         due
     }
-}
 
-fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
-    let refuse = |argument, message: String| Err(OptionsError { argument, message });
-    for (argument, value) in [("dt", options.dt), ("tolerance", options.tolerance)] {
-        if !(value.is_finite() && value > 0.0) {
-            return refuse(argument, format!("must be finite and positive, got {value}"));
+    /// Whether the observer is to be called.
+    fn look(&mut self) -> bool {
+        let due = self.last.elapsed() >= POLL_EVERY;
+        if due {
+            self.last = Instant::now();
         }
+        due
     }
-    if options.save_every == 0 {
-        return refuse("save_every", "must be at least 1, got 0".into());
-    }
-    let (q0, u0) = (&options.q0, &options.u0);
-    for (argument, values, expected) in [("q0", q0, system.coordinates()), ("u0", u0, system.dof())]
-    {
-        if values.len() != expected {
-            let got = values.len();
-            return refuse(argument, format!("must have {expected} entries, has {got}"));
-        }
-        if let Some(value) = values.iter().find(|v| !v.is_finite()) {
-            return refuse(argument, format!("must be finite, got {value}"));
-        }
-    }
-    system.normalise(&mut q0.clone()).or_else(|error| match error {
-        SystemError::Argument { argument, message } => refuse(argument, message),
-        foreign => refuse("q0", foreign.to_string()),
-    })
 }

@@ -79,9 +79,24 @@ impl Trajectory {
         iterations: usize,
         residual: f64,
     ) -> Result<(), StepError> {
+        // First what may fail: a sample is appended as a whole or not at all.
+        if let Err(error) = self.record_contacts(stepper) {
+            let contacts = self.t.len() * self.contacts;
+            self.slip.truncate(contacts * self.p);
+            self.force.truncate(contacts * self.p);
+            self.normal_force.truncate(contacts);
+            self.phase.truncate(contacts);
+            return Err(error);
+        }
         self.t.push(stepper.time());
         self.q.extend_from_slice(stepper.q());
         self.u.extend_from_slice(stepper.u());
+        self.iterations.push(iterations as i64);
+        self.residual.push(residual);
+        Ok(())
+    }
+
+    fn record_contacts(&mut self, stepper: &mut Stepper<'_>) -> Result<(), StepError> {
         for contact in 0..self.contacts {
             let output = stepper.output(contact)?;
             let dimension = stepper.dimension(contact);
@@ -92,8 +107,6 @@ impl Trajectory {
             self.normal_force.push(output.normal_force);
             self.phase.push(output.phase as i8);
         }
-        self.iterations.push(iterations as i64);
-        self.residual.push(residual);
         Ok(())
     }
 }

@@ -152,7 +152,8 @@ def bifurcation_diagram(
         places, with the reason among its failures.
 
     Raises:
-        ParameterError: if the values do not ascend or `family` does not take the argument.
+        ParameterError: if the values do not ascend, `family` does not take the argument or another
+            argument is not allowed, as a `q0` that does not fit the systems.
 
     Reference: [WL19] Fig. 16.
 
@@ -220,9 +221,18 @@ def _equilibria(
     for value in grid.tolist():
         try:
             system = member(value)
-            stabilities.append(_nearest(system, last))
+        except ParameterError as error:
+            stabilities.append(None)
+            failures.append(str(error))
+            continue
+        if q0 is not None:
+            # What no member can start from is no failure of a value.
+            _arrays.array(q0, "q0", (system.dof,))
+        try:
+            found = _nearest(system, last)
+            stabilities.append(found)
             failures.append("")
-            last = stabilities[-1].equilibrium.q if stabilities[-1] else last
+            last = found.equilibrium.q
         except (ParameterError, ConvergenceError) as error:
             stabilities.append(None)
             failures.append(str(error))

@@ -45,6 +45,17 @@ impl ContactState {
         Self { phase, slip, ..Self::default() }
     }
 
+    /// A state with its history: the last three slip velocities, latest first, and how many of the earlier two
+    /// belong to the present slip.
+    pub fn with_history(phase: Phase, [slip, one, two]: [[f64; 3]; 3], known: u8) -> Self {
+        Self { phase, slip, earlier: [one, two], known: known.min(2) }
+    }
+
+    /// The last three slip velocities, latest first, and how many of the earlier two belong to the present slip.
+    pub fn history(&self) -> ([[f64; 3]; 3], u8) {
+        ([self.slip, self.earlier[0], self.earlier[1]], self.known)
+    }
+
     /// The state after a further step.
     #[inline]
     pub(crate) fn after(&self, phase: Phase, slip: [f64; 3]) -> Self {
@@ -83,6 +94,12 @@ impl Memory {
     /// Nothing remembered for a problem of `rows` rows and `contacts` contacts.
     pub fn new(rows: usize, contacts: usize) -> Self {
         Self { percussion: vec![0.0; rows], states: vec![ContactState::default(); contacts] }
+    }
+
+    /// Takes over what another one remembers, in the buffers that are there.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.percussion.clone_from(&other.percussion);
+        self.states.clone_from(&other.states);
     }
 
     /// What is remembered of an earlier solution.

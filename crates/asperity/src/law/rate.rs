@@ -52,12 +52,38 @@ impl Stribeck {
 
     /// `f(v)` at the speed `v ≥ 0` in m/s.
     pub fn factor(&self, v: f64) -> f64 {
+        self.dry(v) + self.viscous * v
+    }
+
+    /// `f(v)` without the viscous part.
+    fn dry(&self, v: f64) -> f64 {
         let x = (v / self.speed).powf(self.exponent);
         let rest = match self.fall {
             Fall::Exponential => (-x).exp(),
             Fall::Hyperbolic => 1.0 / (1.0 + x),
         };
-        self.ratio + (1.0 - self.ratio) * rest + self.viscous * v
+        self.ratio + (1.0 - self.ratio) * rest
+    }
+
+    /// Whether `f` has a part that rises with the speed.
+    pub fn rises(&self) -> bool {
+        self.viscous > 0.0 || self.ratio > 1.0
+    }
+
+    /// The part of `f` that never rises: `f(v)` is its sum with [`rising`](Self::rising).
+    pub fn falling(&self, v: f64) -> f64 {
+        if self.ratio > 1.0 { 1.0 } else { self.dry(v) }
+    }
+
+    /// The part of `f` that never falls, zero at rest.
+    pub fn rising(&self, v: f64) -> f64 {
+        let dry = if self.ratio > 1.0 { self.dry(v) - 1.0 } else { 0.0 };
+        dry + self.viscous * v
+    }
+
+    /// The slope of the part that never falls, at `v > 0`.
+    pub fn rising_slope(&self, v: f64) -> f64 {
+        if self.ratio > 1.0 { self.slope(v) } else { self.viscous }
     }
 
     /// `f′(v)` at `v > 0`.

@@ -176,6 +176,8 @@ impl Solver {
             _ => Threads::default(),
         };
         forget_runaways(problem, memory, workspace);
+        // What is found depends on the memory, not on what the workspace has seen before.
+        workspace.states.clone_from(&memory.states);
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
         let (iterations, ended) = self.run(problem, stop, &threads, memory, workspace);

@@ -78,8 +78,13 @@ impl Rows {
 }
 
 impl BodyAssembly {
-    pub(super) fn new(bodies: &RigidBodies, q: &[f64], u: &[f64]) -> Self {
+    /// Bodies in a state; `momenta` are their angular momenta where they do not follow from it.
+    pub(super) fn new(bodies: &RigidBodies, q: &[f64], u: &[f64], momenta: &[[f64; 3]]) -> Self {
         let count = bodies.bodies();
+        let spin = |body: usize| match momenta.get(body) {
+            Some(&momentum) => momentum.into(),
+            None => bodies.spin(q, u, body),
+        };
         Self {
             middle: Middle {
                 q: q.to_vec(),
@@ -87,7 +92,7 @@ impl BodyAssembly {
                 before: vec![Twist::zeros(); count],
                 free: vec![Twist::zeros(); count],
             },
-            spins: (0..count).map(|body| bodies.spin(q, u, body)).collect(),
+            spins: (0..count).map(spin).collect(),
             contacts: Vec::new(),
             own: Rows::default(),
             others: Rows::default(),
@@ -308,10 +313,20 @@ impl BodyAssembly {
         std::iter::once((body, self.own.side(row, len))).chain(other)
     }
 
-    /// Factor of the friction percussion of a row.
+    /// Factors of the speed.
     #[inline]
-    pub(super) fn factor(&self, row: usize) -> f64 {
-        self.factors.of(row)
+    pub(super) fn factors(&mut self) -> &mut Factors {
+        &mut self.factors
+    }
+
+    /// Brings the operator up to date with the factors.
+    pub(super) fn rescale(&mut self, bodies: &RigidBodies, closed: &mut Closed) {
+        self.fill(bodies, closed);
+    }
+
+    /// Angular momenta in the world's axes.
+    pub(super) fn momenta(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.spins.iter().map(|&spin| spin.into())
     }
 
     /// Coordinates and velocities at the end of the step, from the percussions.

@@ -1,5 +1,6 @@
 //! The contacts that are closed at the midpoint, and their contact problem.
 
+use super::state::ContactMemory;
 use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
@@ -24,10 +25,14 @@ pub(super) struct Closed {
     pub(super) active: Vec<usize>,
     /// Contacts found closed in the present step, before they become the active ones.
     pub(super) found: Vec<usize>,
-    /// Place of every contact in the problem.
-    places: Vec<Option<usize>>,
-    /// Whether there has been a problem at all.
+    /// Whether each contact is in the problem.
+    is_active: Vec<bool>,
+    /// Whether the contact problem is one of this run and complete.
     pub(super) ready: bool,
+    /// Contacts that were closed before the run, until it has closed contacts of its own.
+    closed_before: Vec<bool>,
+    /// Whether the memory has yet to follow the last change of the closed contacts.
+    moved: bool,
     /// `e_N`, `e_T` row by row, and whether any is not zero.
     restitution: Vec<f64>,
     bounces: bool,
@@ -40,28 +45,55 @@ pub(super) struct Closed {
 }
 
 impl Closed {
-    pub(super) fn new(system: &dyn System) -> Self {
+    /// Nothing but what contacts remember, which may be nothing.
+    pub(super) fn new(system: &dyn System, known: &[ContactMemory]) -> Self {
         let contacts = system.contacts().len();
-        Self {
+        let mut closed = Self {
             problem: ContactProblem::blank(std::iter::empty(), |_| {
                 Delassus::Blocks(Default::default())
             }),
             active: Vec::with_capacity(contacts),
             found: Vec::with_capacity(contacts),
-            places: vec![None; contacts],
+            is_active: vec![false; contacts],
             ready: false,
+            closed_before: vec![false; contacts],
+            moved: false,
             restitution: Vec::new(),
             bounces: false,
             before: Vec::new(),
             states: vec![ContactState::default(); contacts],
             percussions: vec![[0.0; 4]; contacts],
+        };
+        for (contact, memory) in known.iter().enumerate() {
+            closed.closed_before[contact] = memory.closed;
+            closed.states[contact] = memory.state;
+            closed.percussions[contact] = memory.percussion;
         }
+        closed
     }
 
-    /// Place of a contact in the problem, if it is closed.
+    /// What all contacts remember.
+    pub(super) fn memory(&self, memory: &Memory) -> Vec<ContactMemory> {
+        let before = |contact: usize| ContactMemory {
+            closed: self.was_closed(contact),
+            state: self.states[contact],
+            percussion: self.percussions[contact],
+        };
+        let mut known: Vec<_> = (0..self.states.len()).map(before).collect();
+        for ((&contact, rows), state) in
+            self.active.iter().zip(&self.problem.contacts).zip(&memory.states)
+        {
+            known[contact].state = *state;
+            let own = &memory.percussion[rows.offset..rows.offset + rows.len()];
+            known[contact].percussion[..own.len()].copy_from_slice(own);
+        }
+        known
+    }
+
+    /// Whether a contact was closed in the last step, be it of the run before.
     #[inline]
-    pub(super) fn place(&self, contact: usize) -> Option<usize> {
-        self.places[contact]
+    pub(super) fn was_closed(&self, contact: usize) -> bool {
+        self.is_active[contact] || self.closed_before[contact]
     }
 
     /// Makes the contacts found closed the active ones, with a problem of zeros to be filled in.
@@ -83,28 +115,32 @@ impl Closed {
         let old = std::mem::replace(&mut self.problem, problem);
         self.before.clear();
         self.before.extend(self.found.iter().copied().zip(old.contacts));
-        self.places.fill(None);
+        self.is_active.fill(false);
+        self.closed_before.fill(false);
         self.restitution.clear();
-        for (place, (contact, &c)) in self.problem.contacts.iter().zip(&self.active).enumerate() {
-            self.places[c] = Some(place);
+        for (contact, &c) in self.problem.contacts.iter().zip(&self.active) {
+            self.is_active[c] = true;
             let normal = std::iter::repeat_n(laws[c].normal_restitution, contact.normal_rows());
             let p = contact.law.dimension();
             let tangential = std::iter::repeat_n(laws[c].tangential_restitution, p);
             self.restitution.extend(normal.chain(tangential));
         }
         self.bounces = self.restitution.iter().any(|&e| e != 0.0);
-        self.ready = true;
+        (self.ready, self.moved) = (true, true);
     }
 
-    /// A memory for the new contacts: states and percussions of contacts that stay closed are kept.
+    /// A memory for the contacts that are closed now: states and percussions of those that stay closed are kept.
     pub(super) fn carry_over(&mut self, memory: &mut Memory) {
+        if !std::mem::take(&mut self.moved) {
+            return;
+        }
         for ((contact, rows), state) in self.before.iter().zip(&memory.states) {
             self.states[*contact] = *state;
             let own = &memory.percussion[rows.offset..rows.offset + rows.len()];
             self.percussions[*contact][..own.len()].copy_from_slice(own);
         }
-        for (contact, place) in self.places.iter().enumerate() {
-            if place.is_none() {
+        for (contact, &is_active) in self.is_active.iter().enumerate() {
+            if !is_active {
                 self.states[contact].phase = Phase::Open;
                 self.percussions[contact] = [0.0; 4];
             }

@@ -152,7 +152,8 @@ impl Dense {
         Ok(if same_contacts { Change::Operator } else { Change::Contacts })
     }
 
-    /// Factors of the friction force at the velocities before the step.
+    /// Factors of the friction force at the velocities before the step, with which the search for those of its
+    /// end begins.
     #[cold]
     #[inline(never)]
     fn rate(&mut self, before: &[f64], closed: &mut Closed) -> Change {
@@ -163,10 +164,10 @@ impl Dense {
         Change::Operator
     }
 
-    /// Factor of the friction percussion of a row.
+    /// Factors of the speed.
     #[inline]
-    pub(super) fn factor(&self, row: usize) -> f64 {
-        self.factors.of(row)
+    pub(super) fn factors(&mut self) -> &mut Factors {
+        &mut self.factors
     }
 
     fn find_closed(
@@ -181,7 +182,7 @@ impl Dense {
             let row = &mut self.normals[contact * self.dof..(contact + 1) * self.dof];
             let touches = law.normal_force.is_some() || {
                 let gap = system.gap(t, &self.q_mid, contact, row)?;
-                let lift = if closed.place(contact).is_some() { drift * largest(row) } else { 0.0 };
+                let lift = if closed.was_closed(contact) { drift * largest(row) } else { 0.0 };
                 gap <= lift
             };
             if touches {
@@ -237,7 +238,7 @@ impl Dense {
     ) {
         let (n, rated) = (self.dof, self.factors.any());
         for (j, p) in percussion.iter().enumerate() {
-            let p = if rated { p * self.factor(j) } else { *p };
+            let p = if rated { p * self.factors.of(j) } else { *p };
             for (value, c) in self.free.iter_mut().zip(&self.response[j * n..(j + 1) * n]) {
                 *value += c * p;
             }

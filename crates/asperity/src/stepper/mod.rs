@@ -6,18 +6,26 @@
 mod bodies;
 mod closed;
 mod dense;
+mod linear_solve;
 pub(crate) mod mass;
 mod meetings;
+mod output;
 mod rated;
+mod state;
+mod step;
 
 use thiserror::Error;
 
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
-use crate::solver::{SolveReport, Solver, Stop, Workspace};
+use crate::solver::{SolveReport, Solver, Workspace};
 use crate::system::{RigidBodies, System, SystemError};
 use bodies::BodyAssembly;
-use closed::{Change, Closed};
+use closed::Closed;
 use dense::Dense;
+pub use output::ContactOutput;
+use rated::Factors;
+pub use state::{ContactMemory, State};
+pub(crate) use step::Attempt;
 
 /// A step could not be made.
 #[derive(Debug, Error)]
@@ -39,6 +47,12 @@ pub enum StepError {
         /// The system's contact.
         contact: usize,
     },
+    /// The step was given up, as asked for; the state is the one before it.
+    #[error("the step was given up at t = {time} s")]
+    Cancelled {
+        /// Time before the step in s.
+        time: f64,
+    },
     /// The state is no longer finite.
     #[error("the state is no longer finite at t = {time} s, coordinate {coordinate}")]
     NotFinite {
@@ -47,19 +61,6 @@ pub enum StepError {
         /// First coordinate that is not finite.
         coordinate: usize,
     },
-}
-
-/// What one contact does after a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactOutput {
-    /// Phase in the step.
-    pub phase: Phase,
-    /// `γ_E` in m/s.
-    pub slip: [f64; 3],
-    /// Friction force λ in N.
-    pub force: [f64; 3],
-    /// Normal force λ_N in N.
-    pub normal_force: f64,
 }
 
 /// How the contact problem is made.
@@ -71,6 +72,23 @@ enum Assembly<'a> {
     Bodies(&'a RigidBodies, Box<BodyAssembly>),
 }
 
+impl Assembly<'_> {
+    fn factors(&mut self) -> &mut Factors {
+        match self {
+            Self::Dense(dense) => dense.factors(),
+            Self::Bodies(_, assembly) => assembly.factors(),
+        }
+    }
+
+    /// Brings the contact problem up to date with the factors.
+    fn rescale(&mut self, closed: &mut Closed) {
+        match self {
+            Self::Dense(dense) => dense.factors().apply(&mut closed.problem),
+            Self::Bodies(bodies, assembly) => assembly.rescale(bodies, closed),
+        }
+    }
+}
+
 /// The scheme with its state and all its buffers.
 #[derive(Debug)]
 pub struct Stepper<'a> {
@@ -78,17 +96,28 @@ pub struct Stepper<'a> {
     solver: Solver,
     tolerance: f64,
     dt: f64,
+    origin: f64,
     steps: usize,
     q: Vec<f64>,
     u: Vec<f64>,
     closed: Closed,
     assembly: Assembly<'a>,
     memory: Memory,
+    /// The memory before the present step.
+    before: Memory,
     workspace: Workspace,
+    /// What the contacts did in the last step; none of those that were open.
+    outputs: Vec<Option<ContactOutput>>,
 }
 
 impl<'a> Stepper<'a> {
     /// The scheme at `t = 0` in the given state.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError::System`] if `tolerance` or `dt` is not finite and positive, if the state has not as many finite
+    /// entries as the system has coordinates and velocities, or if a contact of the system has a restitution
+    /// outside of [0, 1] or a prescribed normal force that is not finite or negative.
     pub fn new(
         system: &'a dyn System,
         solver: Solver,
@@ -97,10 +126,29 @@ impl<'a> Stepper<'a> {
         q0: &[f64],
         u0: &[f64],
     ) -> Result<Self, StepError> {
-        let mut q = q0.to_vec();
+        Self::from_state(system, solver, tolerance, dt, &State::new(0.0, q0, u0))
+    }
+
+    /// The scheme in the state in which another run has ended.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new), and if the state is not one of this system.
+    pub fn from_state(
+        system: &'a dyn System,
+        solver: Solver,
+        tolerance: f64,
+        dt: f64,
+        state: &State,
+    ) -> Result<Self, StepError> {
+        state::check_options(system, tolerance, dt)?;
+        state.check(system)?;
+        let State { origin, steps, mut q, u, contacts, momenta, .. } = state.in_steps_of(dt);
         system.normalise(&mut q)?;
         let assembly = match system.rigid_bodies() {
-            Some(bodies) => Assembly::Bodies(bodies, Box::new(BodyAssembly::new(bodies, &q, u0))),
+            Some(bodies) => {
+                Assembly::Bodies(bodies, Box::new(BodyAssembly::new(bodies, &q, &u, &momenta)))
+            }
             None => Assembly::Dense(Box::new(Dense::new(system))),
         };
         let mut stepper = Self {
@@ -108,31 +156,58 @@ impl<'a> Stepper<'a> {
             solver,
             tolerance,
             dt,
-            steps: 0,
+            origin,
+            steps,
             q,
-            u: u0.to_vec(),
-            closed: Closed::new(system),
+            u,
+            closed: Closed::new(system, &contacts),
             assembly,
             memory: Memory::default(),
+            before: Memory::default(),
             workspace: Workspace::default(),
+            outputs: vec![None; system.contacts().len()],
         };
-        for contact in 0..stepper.closed.states.len() {
-            let slip = stepper.slip(contact)?;
-            if slip.iter().any(|&v| v != 0.0) {
-                stepper.closed.states[contact] = ContactState::new(Phase::Slip, slip);
+        if contacts.is_empty() {
+            for contact in 0..stepper.outputs.len() {
+                let slip = stepper.slip(contact)?;
+                if slip.iter().any(|&v| v != 0.0) {
+                    stepper.closed.states[contact] = ContactState::new(Phase::Slip, slip);
+                }
             }
         }
         Ok(stepper)
     }
 
-    /// Number of steps made.
+    /// The present state with all that a run needs that goes on from here.
+    pub fn state(&self) -> State {
+        let momenta = match &self.assembly {
+            Assembly::Dense(_) => Vec::new(),
+            Assembly::Bodies(_, assembly) => assembly.momenta().collect(),
+        };
+        State {
+            origin: self.origin,
+            steps: self.steps,
+            dt: self.dt,
+            q: self.q.clone(),
+            u: self.u.clone(),
+            contacts: self.closed.memory(&self.memory),
+            momenta,
+        }
+    }
+
+    /// Number of steps since the time from which they are counted, that of the first start.
     pub fn steps(&self) -> usize {
         self.steps
     }
 
     /// Time in s, counted in steps so that it does not drift.
     pub fn time(&self) -> f64 {
-        self.steps as f64 * self.dt
+        self.time_after(0)
+    }
+
+    /// Time in s after so many further steps.
+    pub(crate) fn time_after(&self, steps: usize) -> f64 {
+        self.origin + (self.steps + steps) as f64 * self.dt
     }
 
     /// Coordinates.
@@ -143,11 +218,6 @@ impl<'a> Stepper<'a> {
     /// Velocities.
     pub fn u(&self) -> &[f64] {
         &self.u
-    }
-
-    /// Phase of a contact in the last step.
-    pub fn phase(&self, contact: usize) -> Phase {
-        self.closed.place(contact).map_or(Phase::Open, |place| self.memory.states[place].phase)
     }
 
     /// Number of components of a contact's friction force.
@@ -165,33 +235,22 @@ impl<'a> Stepper<'a> {
         self.closed.active.get(place).copied().unwrap_or(0)
     }
 
-    /// One step.
+    /// One step, whether or not its contact problem is solved to the tolerance.
     pub fn step(&mut self) -> Result<SolveReport, StepError> {
-        let (dt, system) = (self.dt, self.system);
-        let t_mid = (self.steps as f64 + 0.5) * dt;
-        let (start, closed) = ((self.q.as_slice(), self.u.as_slice()), &mut self.closed);
-        let change = match &mut self.assembly {
-            Assembly::Dense(dense) => dense.update(system, (t_mid, dt), start, closed)?,
-            Assembly::Bodies(bodies, assembly) => assembly.update(bodies, dt, start, closed),
-        };
-        if change != Change::None {
-            self.workspace.prepare(&self.closed.problem);
+        self.step_unless(&|| false)
+    }
+
+    /// One step, unless `cancelled` gives it up: it is asked again and again while the contact problem is being
+    /// solved, and should be quick to answer. The state is then the one before the step, to the bit.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError::Cancelled`] if the step was given up; else as [`step`](Self::step).
+    pub fn step_unless(&mut self, cancelled: &dyn Fn() -> bool) -> Result<SolveReport, StepError> {
+        match self.attempt(cancelled, |_| true)? {
+            Attempt::Made(report) | Attempt::Refused(report) => Ok(report),
+            Attempt::Cancelled => Err(StepError::Cancelled { time: self.time() }),
         }
-        if change == Change::Contacts {
-            self.closed.carry_over(&mut self.memory);
-        }
-        self.check_problem()?;
-        let (problem, stop) = (&self.closed.problem, Stop::at(self.tolerance));
-        let report = self.solver.solve(problem, stop, &mut self.memory, &mut self.workspace);
-        let percussion = &self.memory.percussion;
-        let (q, u) = (&mut self.q, &mut self.u);
-        match &mut self.assembly {
-            Assembly::Dense(dense) => dense.finish(system, percussion, dt, (q, u)),
-            Assembly::Bodies(bodies, assembly) => assembly.finish(bodies, percussion, dt, (q, u)),
-        }
-        self.steps += 1;
-        self.check_finite()?;
-        Ok(report)
     }
 
     /// Slip velocity `γ = Wᵀu + χ` of a contact in the present state.
@@ -200,50 +259,6 @@ impl<'a> Stepper<'a> {
         match &mut self.assembly {
             Assembly::Dense(dense) => Ok(dense.slip(self.system, t, state, contact)?),
             Assembly::Bodies(bodies, _) => Ok(bodies.slip(state.0, state.1, contact)),
-        }
-    }
-
-    /// What a contact does after the last step.
-    pub fn output(&mut self, contact: usize) -> Result<ContactOutput, StepError> {
-        let phase = self.phase(contact);
-        let Some(place) = self.closed.place(contact) else {
-            let slip = self.slip(contact)?;
-            return Ok(ContactOutput { phase, slip, force: [0.0; 3], normal_force: 0.0 });
-        };
-        let rows = &self.closed.problem.contacts()[place];
-        let (percussion, velocity) = (&self.memory.percussion, &self.workspace.velocity);
-        let (mut slip, mut force) = ([0.0; 3], [0.0; 3]);
-        for i in 0..rows.law.dimension() {
-            let row = rows.tangent() + i;
-            let factor = match &self.assembly {
-                Assembly::Dense(dense) => dense.factor(row),
-                Assembly::Bodies(_, assembly) => assembly.factor(row),
-            };
-            slip[i] = velocity[row];
-            force[i] = percussion[row] * factor / self.dt;
-        }
-        let normal_force = match self.system.contacts()[contact].normal_force {
-            Some(value) => value,
-            None => percussion[rows.offset] / self.dt,
-        };
-        Ok(ContactOutput { phase, slip, force, normal_force })
-    }
-
-    fn check_problem(&self) -> Result<(), StepError> {
-        let problem = &self.closed.problem;
-        let Some(row) = problem.free_velocity.iter().position(|v| !v.is_finite()) else {
-            return Ok(());
-        };
-        let place = problem.contacts().partition_point(|contact| contact.offset <= row);
-        let contact = self.contact_of(place.saturating_sub(1));
-        Err(StepError::NotFiniteContact { time: self.time(), contact })
-    }
-
-    fn check_finite(&self) -> Result<(), StepError> {
-        let broken = |state: &[f64]| state.iter().position(|v| !v.is_finite());
-        match broken(&self.u).or_else(|| broken(&self.q)) {
-            Some(coordinate) => Err(StepError::NotFinite { time: self.time(), coordinate }),
-            None => Ok(()),
         }
     }
 }

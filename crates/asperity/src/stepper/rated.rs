@@ -1,16 +1,46 @@
 //! Friction that depends on the speed, within a step.
 //!
-//! A factor `f` of the friction force, taken at the speed at the beginning of the step, makes the law
-//! `−P ∈ f C(P_N)`. In `P̃ = P/f` it is the law without a factor again, and `G P = G F P̃` with the factors on
-//! the diagonal of `F`: the columns of the Delassus operator are scaled and no solver needs to know.
+//! A factor `f` of the friction force makes the law `−P ∈ f C(P_N)`. In `P̃ = P/f` it is the law without a factor
+//! again, and `G P = G F P̃` with the factors on the diagonal of `F`: the columns of the Delassus operator are
+//! scaled and no solver needs to know.
+//!
+//! # At which speed
+//!
+//! `f = f₋ + f₊`, the parts that never rise and never fall with the speed. `f₋` is taken at the speed `‖γ_B‖` before
+//! the step, `f₊` at that of its end, `s = ‖γ_E‖`:
+//!
+//! `φ = f₋(‖γ_B‖) + f₊(s(φ))`.
+//!
+//! For one contact in slip along a line `s(φ) = |b| − aφ` with `a = G μ P_N`, and `f₊ = κv`: the speed is damped by
+//! `1/(1 + aκ)` in a step, however stiff (L-stable). Taken before the step, `f₊` would damp it by `1 − aκ`, which
+//! swings with a period of two steps beyond `aκ = 2`. The falling part must not be taken at the end: `s + a f₋(s) = |b|`
+//! has several solutions once `a|f₋′| > 1`, and no history would decide between them. Taken before the step it lets the
+//! speed grow by `1 + a|f₋′|`, as in the motion itself. Stick keeps the whole reservoir of `φ = 1` in both ways.
+//!
+//! # How it is found
+//!
+//! By Newton's method for `r(φ) = f₋ + f₊(s(φ)) − φ = 0`, a solve of the contact problem for each `φ`. With the law's
+//! force `P̃(γ)` for unit factor and its derivative `J`, normal percussions and the contacts that stick held, changes of
+//! the slip velocities `w` and of the factors follow from
+//!
+//! `w = G (P̃ δφ + φ J w)`, `δφ_i = r_i + f₊′ e_iᵀ w_i`, `e_i = γ_i/s_i`.
+//!
+//! For one contact that goes on slipping along a line with a viscous force one correction is exact. `δφ/φ` is the
+//! defect that is compared with the tolerance: it is a relative error of the friction force, as the residual
+//! of a contact is, whereas `r` magnifies rounding of the speed by `κ`.
 
 use asperity_set::Vector;
 use nalgebra::DMatrix;
 
-use crate::contact::{ContactProblem, Delassus};
+use super::linear_solve::LinearSolver;
+use crate::contact::{ContactProblem, ContactRows, ContactState, Delassus, NormalForce, Phase};
+use crate::law::{FrictionLaw, Law};
 
 /// Factors below this one count as it.
 const SMALLEST: f64 = 1e-12;
+
+/// So many corrections of several contacts are made as they come, and so many more within the same bounds.
+const WHOLE_CORRECTIONS: usize = 30;
 
 /// The factors of all rows of a contact problem.
 #[derive(Debug, Default)]
@@ -20,16 +50,50 @@ pub(super) struct Factors {
     plain: DMatrix<f64>,
     /// Whether some law depends on the speed.
     any: bool,
+    /// Per contact: `f₋` before the step, `r`, `f₊′`, and what Newton's method adds to the factor.
+    falling: Vec<f64>,
+    defect: Vec<f64>,
+    slope: Vec<f64>,
+    change: Vec<f64>,
+    /// Per contact: between which factors its own lies, if those of the others are right.
+    bounds: Vec<(f64, f64)>,
+    /// Number of contacts with a factor that rises.
+    rising: usize,
+    /// Per contact: `J` for the percussions of the problem.
+    jacobian: Vec<[[f64; 3]; 3]>,
+    /// Per row: directions `e`, zero where a contact does not slip, `w`, and scratch.
+    direction: Vec<f64>,
+    change_of_slip: Vec<f64>,
+    load: Vec<f64>,
+    product: Vec<f64>,
+    linear: LinearSolver,
 }
 
 impl Factors {
     /// Forgets the factors: the problem has new contacts.
     pub(super) fn reset(&mut self, problem: &ContactProblem) {
-        self.any = problem.contacts.iter().any(|contact| contact.law.rate().is_some());
+        let rates = || problem.contacts.iter().filter_map(|contact| contact.law.rate());
+        self.any = rates().next().is_some();
+        self.rising = rates().filter(|rate| rate.rises()).count();
         self.rows.clear();
         self.rows.resize(problem.rows(), 1.0);
         if let (true, Delassus::Dense(delassus)) = (self.any, &problem.delassus) {
             self.plain = delassus.clone();
+        }
+        if self.any {
+            let contacts = problem.contacts.len();
+            for list in [&mut self.falling, &mut self.defect, &mut self.slope, &mut self.change] {
+                list.clear();
+                list.resize(contacts, 0.0);
+            }
+            self.bounds.resize(contacts, (0.0, f64::INFINITY));
+            self.jacobian.resize(contacts, [[0.0; 3]; 3]);
+            let Self { direction, change_of_slip, load, product, .. } = self;
+            for list in [direction, change_of_slip, load, product] {
+                list.clear();
+                list.resize(problem.rows(), 0.0);
+            }
+            self.linear.resize(problem.rows());
         }
     }
 
@@ -39,6 +103,12 @@ impl Factors {
         self.any
     }
 
+    /// Whether some friction rises with the speed, so that factors depend on the end of the step.
+    #[inline]
+    pub(super) fn rises(&self) -> bool {
+        self.rising > 0
+    }
+
     /// Remembers a dense operator that has just been filled in.
     pub(super) fn keep(&mut self, problem: &ContactProblem) {
         if let (true, Delassus::Dense(delassus)) = (self.any, &problem.delassus) {
@@ -46,17 +116,151 @@ impl Factors {
         }
     }
 
-    /// Takes the factors for relative velocities `slip(row)`.
+    /// Takes the factors for relative velocities `slip(row)` before the step.
     pub(super) fn update(&mut self, problem: &ContactProblem, slip: impl Fn(usize) -> f64) {
-        for contact in &problem.contacts {
+        self.forget_bounds();
+        for (contact, falling) in problem.contacts.iter().zip(&mut self.falling) {
             let Some(rate) = contact.law.rate() else { continue };
-            let own = contact.tangent()..contact.offset + contact.len();
-            let mut velocity = Vector::<3>::zeros();
-            for (value, row) in velocity.iter_mut().zip(own.clone()) {
-                *value = slip(row);
-            }
+            let speed = tangential(contact, &slip).norm();
+            *falling = rate.falling(speed);
             // Without any friction the contact would have no operator.
-            self.rows[own].fill(rate.factor(velocity.norm()).max(SMALLEST));
+            self.rows[own(contact)].fill((*falling + rate.rising(speed)).max(SMALLEST));
+        }
+    }
+
+    /// How far the factors are from those of the speeds at the end of the step; what mends it is found on
+    /// the way. Also returns the contact that is farthest.
+    pub(super) fn defect(
+        &mut self,
+        problem: &ContactProblem,
+        percussion: &[f64],
+        velocity: &[f64],
+        states: &[ContactState],
+    ) -> (f64, usize) {
+        self.direction.fill(0.0);
+        let mut slips = false;
+        for (i, contact) in problem.contacts.iter().enumerate() {
+            (self.defect[i], self.slope[i], self.jacobian[i]) = (0.0, 0.0, [[0.0; 3]; 3]);
+            let rows = own(contact);
+            let slip = tangential(contact, |row| velocity[row] + problem.restitution[row]);
+            // A contact that sticks has a speed of the size of rounding.
+            let speed = if states[i].phase == Phase::Slip { slip.norm() } else { 0.0 };
+            if speed > 0.0 {
+                slips = true;
+                let force = tangential(contact, |row| percussion[row]);
+                self.jacobian[i] = jacobian(contact, &slip, &force, percussion[contact.offset]);
+                for (row, value) in rows.clone().zip(slip.iter()) {
+                    self.direction[row] = value / speed;
+                }
+            }
+            if let Some(rate) = contact.law.rate()
+                && states[i].phase != Phase::Open
+            {
+                let target = (self.falling[i] + rate.rising(speed)).max(SMALLEST);
+                self.defect[i] = target - self.rows[rows.start];
+                self.slope[i] = if speed > 0.0 { rate.rising_slope(speed) } else { 0.0 };
+            }
+        }
+        self.change.copy_from_slice(&self.defect);
+        if slips {
+            self.correct(problem, percussion);
+        }
+        let mut worst = (0.0, 0);
+        for (i, contact) in problem.contacts.iter().enumerate() {
+            let relative = (self.change[i] / self.rows[contact.tangent()]).abs();
+            if !(relative <= worst.0) {
+                worst = (relative, i);
+            }
+        }
+        worst
+    }
+
+    /// `δφ` by way of `w − G (P̃ f₊′ eᵀw + φ J w) = G P̃ r`.
+    ///
+    /// The operator of the problem has the factors in its columns, `G P̃_j δφ_j = (G F)_j P̃_j δφ_j/φ_j`.
+    fn correct(&mut self, problem: &ContactProblem, percussion: &[f64]) {
+        let Self { rows, defect, slope, change, jacobian, direction, .. } = self;
+        let Self { change_of_slip, load, product, linear, .. } = self;
+        let slips = |contact: &ContactRows| own(contact).any(|row| direction[row] != 0.0);
+        let along = |contact: &ContactRows, w: &[f64]| {
+            own(contact).map(|row| direction[row] * w[row]).sum::<f64>()
+        };
+        let moves = |percussion: &[f64], velocity: &mut [f64]| {
+            problem.delassus.apply(percussion, velocity);
+            for contact in &problem.contacts {
+                velocity[contact.offset..contact.tangent()].fill(0.0);
+                if !slips(contact) {
+                    velocity[own(contact)].fill(0.0);
+                }
+            }
+        };
+        product.fill(0.0);
+        for (i, contact) in problem.contacts.iter().enumerate().filter(|(_, c)| slips(c)) {
+            for row in own(contact) {
+                product[row] = percussion[row] * defect[i] / rows[row];
+            }
+        }
+        moves(product, load);
+        let mut apply = |w: &[f64], out: &mut [f64]| {
+            product.fill(0.0);
+            for (i, contact) in problem.contacts.iter().enumerate().filter(|(_, c)| slips(c)) {
+                let change = slope[i] * along(contact, w);
+                for (a, row) in own(contact).enumerate() {
+                    let turned = own(contact).zip(jacobian[i][a]).map(|(row, j)| j * w[row]);
+                    product[row] = percussion[row] * change / rows[row] + turned.sum::<f64>();
+                }
+            }
+            moves(product, out);
+            for (out, w) in out.iter_mut().zip(w) {
+                *out = w - *out;
+            }
+        };
+        linear.solve(&mut apply, load, change_of_slip);
+        for (i, contact) in problem.contacts.iter().enumerate() {
+            change[i] = defect[i] + slope[i] * along(contact, change_of_slip);
+        }
+    }
+
+    fn forget_bounds(&mut self) {
+        self.bounds.fill((0.0, f64::INFINITY));
+    }
+
+    /// Adds what mends the defect to the factors; `percussion` remains the same force.
+    ///
+    /// Newton's method may jump to and fro between stick and a slip that ceases: the factor of a single contact
+    /// is kept within bounds from the beginning, those of several, which disturb each other, if that has not ended by
+    /// itself.
+    pub(super) fn mend(
+        &mut self,
+        problem: &ContactProblem,
+        correction: usize,
+        percussion: &mut [f64],
+    ) {
+        if self.rising > 1 && correction % WHOLE_CORRECTIONS == 0 {
+            self.forget_bounds();
+        }
+        for (i, contact) in problem.contacts.iter().enumerate() {
+            let Some(rate) = contact.law.rate() else { continue };
+            let rows = own(contact);
+            let old = self.rows[rows.start];
+            let (low, high) = &mut self.bounds[i];
+            // The factor of the speed falls as the friction rises.
+            if self.defect[i] > 0.0 {
+                *low = low.max(old);
+            } else {
+                *high = high.min(old);
+            }
+            let mut new = old + self.change[i];
+            let bounded = self.rising == 1 || correction >= WHOLE_CORRECTIONS;
+            if bounded && high.is_finite() && !(new > *low && new < *high) {
+                new = 0.5 * (*low + *high);
+            }
+            // The rising part is not negative: no factor lies below the falling one.
+            new = new.max(self.falling[i] + rate.rising(0.0)).max(SMALLEST);
+            for row in rows {
+                percussion[row] *= old / new;
+                self.rows[row] = new;
+            }
         }
     }
 
@@ -77,4 +281,57 @@ impl Factors {
     pub(super) fn of(&self, row: usize) -> f64 {
         self.rows[row]
     }
+}
+
+/// Rows of a contact's friction.
+fn own(contact: &ContactRows) -> std::ops::Range<usize> {
+    contact.tangent()..contact.offset + contact.len()
+}
+
+/// What there is in the rows of a contact's friction.
+fn tangential(contact: &ContactRows, value: impl Fn(usize) -> f64) -> Vector<3> {
+    let mut vector = Vector::<3>::zeros();
+    for (component, row) in vector.iter_mut().zip(own(contact)) {
+        *component = value(row);
+    }
+    vector
+}
+
+/// `J = ∂P̃/∂γ`, of the law without its factor, in the percussions of the problem.
+fn jacobian(
+    contact: &ContactRows,
+    slip: &Vector<3>,
+    force: &Vector<3>,
+    first: f64,
+) -> [[f64; 3]; 3] {
+    let normal = match contact.normal {
+        NormalForce::Prescribed(value) => value,
+        NormalForce::Unilateral => first,
+    };
+    match &contact.law {
+        Law::One(law) => jacobian_in(law, slip, force, normal),
+        Law::Two(law) => jacobian_in(law, slip, force, normal),
+        Law::Three(law) => jacobian_in(law, slip, force, normal),
+    }
+}
+
+/// The law's own derivative is that of `f P̃`: `f J + f′ P̃ eᵀ`.
+fn jacobian_in<const P: usize>(
+    law: &FrictionLaw<P>,
+    slip: &Vector<3>,
+    force: &Vector<3>,
+    normal: f64,
+) -> [[f64; 3]; 3] {
+    let (speed, mut out) = (slip.norm(), [[0.0; 3]; 3]);
+    let Ok(matrix) = law.jacobian(&Vector::<P>::from_fn(|i, _| slip[i]), normal) else {
+        return out;
+    };
+    let (factor, slope) = law.rate().map_or((1.0, 0.0), |r| (r.factor(speed), r.slope(speed)));
+    for i in 0..P {
+        for j in 0..P {
+            let entry = (matrix[(i, j)] - slope * force[i] * slip[j] / speed) / factor;
+            out[i][j] = if entry.is_finite() { entry } else { 0.0 };
+        }
+    }
+    out
 }

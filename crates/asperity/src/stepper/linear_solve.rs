@@ -1,0 +1,134 @@
+//! Linear systems that are known by products only.
+
+/// Systems up to this size are solved by elimination.
+const SMALL: usize = 24;
+/// Iterations after which the best is taken: an inexact correction costs a further solve of the contact
+/// problem, no accuracy.
+const MOST: usize = 50;
+/// Part of the right-hand side that may be left over.
+const LEFT_OVER: f64 = 1e-8;
+
+/// A solver with its buffers: elimination while systems are small, else bi-conjugate gradients, stabilised
+/// (\[VanDerVorst1992\]).
+#[derive(Debug, Default)]
+pub(super) struct LinearSolver {
+    /// Columns of a small system, one after another.
+    matrix: Vec<f64>,
+    residual: Vec<f64>,
+    shadow: Vec<f64>,
+    search: Vec<f64>,
+    image: Vec<f64>,
+    second: Vec<f64>,
+}
+
+impl LinearSolver {
+    pub(super) fn resize(&mut self, n: usize) {
+        let Self { residual, shadow, search, image, second, matrix } = self;
+        for list in [residual, shadow, search, image, second] {
+            list.clear();
+            list.resize(n, 0.0);
+        }
+        matrix.clear();
+        matrix.resize(if n <= SMALL { n * n } else { 0 }, 0.0);
+    }
+
+    /// `A x = b`; `product(x, y)` is `y ← A x`.
+    pub(super) fn solve(
+        &mut self,
+        product: &mut impl FnMut(&[f64], &mut [f64]),
+        b: &[f64],
+        x: &mut [f64],
+    ) {
+        if b.len() > SMALL {
+            return self.iterate(product, b, x);
+        }
+        let n = b.len();
+        self.search.fill(0.0);
+        for j in 0..n {
+            self.search[j] = 1.0;
+            product(&self.search, &mut self.matrix[j * n..(j + 1) * n]);
+            self.search[j] = 0.0;
+        }
+        x.copy_from_slice(b);
+        self.eliminate(x);
+    }
+
+    /// Gaussian elimination with partial pivoting; components without a pivot become zero.
+    fn eliminate(&mut self, x: &mut [f64]) {
+        let (n, a) = (x.len(), &mut self.matrix);
+        for k in 0..n {
+            let size = |i: usize| a[k * n + i].abs();
+            let pivot = (k..n).fold(k, |best, i| if size(i) > size(best) { i } else { best });
+            for j in k..n {
+                a.swap(j * n + k, j * n + pivot);
+            }
+            x.swap(k, pivot);
+            if a[k * n + k] == 0.0 {
+                continue;
+            }
+            for i in k + 1..n {
+                let factor = a[k * n + i] / a[k * n + k];
+                for j in k..n {
+                    a[j * n + i] -= factor * a[j * n + k];
+                }
+                x[i] -= factor * x[k];
+            }
+        }
+        for k in (0..n).rev() {
+            let rest: f64 = (k + 1..n).map(|j| a[j * n + k] * x[j]).sum();
+            let value = (x[k] - rest) / a[k * n + k];
+            x[k] = if value.is_finite() { value } else { 0.0 };
+        }
+    }
+
+    fn iterate(&mut self, product: &mut impl FnMut(&[f64], &mut [f64]), b: &[f64], x: &mut [f64]) {
+        let Self { residual: r, shadow, search: p, image: v, second: t, .. } = self;
+        x.fill(0.0);
+        r.copy_from_slice(b);
+        shadow.copy_from_slice(b);
+        p.copy_from_slice(b);
+        let goal = LEFT_OVER * LEFT_OVER * dot(b, b);
+        let mut rho = dot(shadow, r);
+        for _ in 0..MOST {
+            if !(dot(r, r) > goal) || rho == 0.0 {
+                break;
+            }
+            product(p, v);
+            let alpha = rho / dot(shadow, v);
+            if !alpha.is_finite() {
+                break;
+            }
+            add(x, alpha, p);
+            add(r, -alpha, v);
+            if !(dot(r, r) > goal) {
+                break;
+            }
+            product(r, t);
+            let omega = dot(t, r) / dot(t, t);
+            if !omega.is_finite() {
+                break;
+            }
+            add(x, omega, r);
+            add(r, -omega, t);
+            let next = dot(shadow, r);
+            let beta = next / rho * (alpha / omega);
+            if !beta.is_finite() {
+                break;
+            }
+            for ((p, r), v) in p.iter_mut().zip(&*r).zip(&*v) {
+                *p = r + beta * (*p - omega * v);
+            }
+            rho = next;
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn add(x: &mut [f64], factor: f64, y: &[f64]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x += factor * y;
+    }
+}

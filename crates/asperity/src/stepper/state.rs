@@ -1,0 +1,144 @@
+//! What a run hands over to one that continues it.
+
+use crate::contact::ContactState;
+use crate::system::{System, SystemError};
+
+/// What a contact hands over to the next step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactMemory {
+    /// Whether it was closed in the last step.
+    pub closed: bool,
+    /// Phase and slip velocities, which decide between several solutions and start Newton's method.
+    pub state: ContactState,
+    /// Percussions of its rows: the normal one first, if it is unknown, then those of friction per factor of
+    /// the speed.
+    pub percussion: [f64; 4],
+}
+
+/// The state at the end of a run, with all that the next step asks for: a run that is continued from it equals
+/// one that was never interrupted, to the bit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Time in s from which the steps are counted.
+    pub origin: f64,
+    /// Number of steps since then.
+    pub steps: usize,
+    /// Their length in s, not a number while there has been none.
+    pub dt: f64,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Velocities.
+    pub u: Vec<f64>,
+    /// One per contact; none if nothing is known of them.
+    pub contacts: Vec<ContactMemory>,
+    /// Angular momenta of rigid bodies in the world's axes, those of unequal moments being kept from step to
+    /// step; none if they follow from the velocities.
+    pub momenta: Vec<[f64; 3]>,
+}
+
+impl State {
+    /// A state of which only coordinates and velocities are known.
+    pub fn new(time: f64, q: &[f64], u: &[f64]) -> Self {
+        Self {
+            origin: time,
+            steps: 0,
+            dt: f64::NAN,
+            q: q.to_vec(),
+            u: u.to_vec(),
+            contacts: Vec::new(),
+            momenta: Vec::new(),
+        }
+    }
+
+    /// Time in s.
+    pub fn time(&self) -> f64 {
+        if self.steps == 0 { self.origin } else { self.origin + self.steps as f64 * self.dt }
+    }
+
+    /// The same state as the beginning of steps of another length.
+    ///
+    /// Percussions are forces times the step; what the contacts remember of their slip stays.
+    pub(super) fn in_steps_of(&self, dt: f64) -> Self {
+        if self.dt == dt {
+            return self.clone();
+        }
+        let scale = if self.dt > 0.0 { dt / self.dt } else { 1.0 };
+        let scaled = |contact: &ContactMemory| ContactMemory {
+            percussion: contact.percussion.map(|p| p * scale),
+            ..*contact
+        };
+        Self {
+            origin: self.time(),
+            steps: 0,
+            dt,
+            contacts: self.contacts.iter().map(scaled).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Whether a system can start from it.
+    pub(super) fn check(&self, system: &dyn System) -> Result<(), SystemError> {
+        for (argument, values, expected) in
+            [("q0", &self.q, system.coordinates()), ("u0", &self.u, system.dof())]
+        {
+            if values.len() != expected {
+                let message = format!("must have {expected} entries, has {}", values.len());
+                return Err(SystemError::argument(argument, message));
+            }
+            if let Some(value) = values.iter().find(|v| !v.is_finite()) {
+                let message = format!("must be finite, got {value}");
+                return Err(SystemError::argument(argument, message));
+            }
+        }
+        let refuse = |message: String| Err(SystemError::argument("start", message));
+        let (contacts, known) = (system.contacts().len(), self.contacts.len());
+        if known != 0 && known != contacts {
+            return refuse(format!("must be a state of {contacts} contacts, is one of {known}"));
+        }
+        let bodies = system.rigid_bodies().map_or(0, |system| system.bodies());
+        let momenta = self.momenta.len();
+        if momenta != 0 && momenta != bodies {
+            return refuse(format!("must be a state of {bodies} bodies, is one of {momenta}"));
+        }
+        let numbers = self.contacts.iter().flat_map(|contact| {
+            let (slips, _) = contact.state.history();
+            slips.into_iter().flatten().chain(contact.percussion)
+        });
+        let mut numbers = numbers.chain(self.momenta.iter().flatten().copied());
+        if !self.time().is_finite() || numbers.any(|value| !value.is_finite()) {
+            return refuse("must be finite".into());
+        }
+        Ok(())
+    }
+}
+
+/// Steps of this length to this accuracy, and the contacts of the system, as far as their ranges are known.
+pub(super) fn check_options(
+    system: &dyn System,
+    tolerance: f64,
+    dt: f64,
+) -> Result<(), SystemError> {
+    for (argument, value) in [("dt", dt), ("tolerance", tolerance)] {
+        if !(value.is_finite() && value > 0.0) {
+            let message = format!("must be finite and positive, got {value}");
+            return Err(SystemError::argument(argument, message));
+        }
+    }
+    for (number, contact) in system.contacts().iter().enumerate() {
+        for (argument, value) in [
+            ("normal_restitution", contact.normal_restitution),
+            ("tangential_restitution", contact.tangential_restitution),
+        ] {
+            if !(0.0..=1.0).contains(&value) {
+                let message = format!("must lie in [0, 1], is {value} at contact {number}");
+                return Err(SystemError::argument(argument, message));
+            }
+        }
+        if let Some(force) = contact.normal_force.filter(|f| !(f.is_finite() && *f >= 0.0)) {
+            let message =
+                format!("must be finite and not negative, is {force} at contact {number}");
+            return Err(SystemError::argument("normal_force", message));
+        }
+    }
+    Ok(())
+}

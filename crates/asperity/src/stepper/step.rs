@@ -1,0 +1,131 @@
+//! One step.
+
+use std::cell::Cell;
+
+use super::closed::Change;
+use super::{Assembly, StepError, Stepper};
+use crate::contact::Memory;
+use crate::solver::{SolveReport, Status, Stop};
+
+/// Solves after which the search for factors of the speed at the end of the step gives up. One or two do while
+/// contacts do not disturb each other.
+const MOST_CORRECTIONS: usize = 120;
+/// How an attempt to make a step ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Attempt {
+    /// The step is made.
+    Made(SolveReport),
+    /// What was found was not wanted; everything is as before.
+    Refused(SolveReport),
+    /// The step was given up; everything is as before.
+    Cancelled,
+}
+
+impl Stepper<'_> {
+    /// One step, unless it is given up or what was found is not wanted.
+    pub(crate) fn attempt(
+        &mut self,
+        cancelled: &dyn Fn() -> bool,
+        wanted: impl Fn(&SolveReport) -> bool,
+    ) -> Result<Attempt, StepError> {
+        let updated = self.update();
+        // Also after an error, so that the memory fits the contacts and the run can go on from before the step.
+        self.closed.carry_over(&mut self.memory);
+        if updated.is_err() {
+            self.closed.ready = false;
+        }
+        if updated? != Change::None {
+            self.workspace.prepare(&self.closed.problem);
+        }
+        self.check_problem()?;
+        self.before.copy_from(&self.memory);
+        let was_cancelled = Cell::new(false);
+        let ask = || {
+            was_cancelled.set(was_cancelled.get() || cancelled());
+            was_cancelled.get()
+        };
+        let report = self.solve(Stop { cancelled: Some(&ask), ..Stop::at(self.tolerance) });
+        let solved = report.status == Status::Converged;
+        let given_up = was_cancelled.get() && !solved;
+        if given_up || !wanted(&report) {
+            self.memory.copy_from(&self.before);
+            return Ok(if given_up { Attempt::Cancelled } else { Attempt::Refused(report) });
+        }
+        self.keep_outputs();
+        let (percussion, dt) = (&self.memory.percussion, self.dt);
+        let (q, u) = (&mut self.q, &mut self.u);
+        match &mut self.assembly {
+            Assembly::Dense(dense) => dense.finish(self.system, percussion, dt, (q, u)),
+            Assembly::Bodies(bodies, assembly) => assembly.finish(bodies, percussion, dt, (q, u)),
+        }
+        self.steps += 1;
+        self.check_finite()?;
+        Ok(Attempt::Made(report))
+    }
+
+    /// The contact problem of the step.
+    fn update(&mut self) -> Result<Change, StepError> {
+        let (dt, system) = (self.dt, self.system);
+        let t_mid = self.origin + (self.steps as f64 + 0.5) * dt;
+        let (start, closed) = ((self.q.as_slice(), self.u.as_slice()), &mut self.closed);
+        match &mut self.assembly {
+            Assembly::Dense(dense) => dense.update(system, (t_mid, dt), start, closed),
+            Assembly::Bodies(bodies, assembly) => Ok(assembly.update(bodies, dt, start, closed)),
+        }
+    }
+
+    /// Solves the contact problem, again and again where factors of the friction follow from the solution.
+    fn solve(&mut self, stop: Stop<'_>) -> SolveReport {
+        let Self { solver, closed, assembly, memory, before, workspace, .. } = self;
+        if !assembly.factors().rises() {
+            return solver.solve(&closed.problem, stop, memory, workspace);
+        }
+        // What a solve leaves over must not hide what the factors lack.
+        let sharp = Stop { tolerance: 0.1 * stop.tolerance, ..stop };
+        let (mut iterations, mut correction) = (0, 0);
+        loop {
+            let mut report = solver.solve(&closed.problem, sharp, memory, workspace);
+            iterations += report.iterations;
+            report.iterations = iterations;
+            if !(report.residual <= stop.tolerance) {
+                return report;
+            }
+            report.status = Status::Converged;
+            let Memory { percussion, states } = &mut *memory;
+            let (factors, velocity) = (assembly.factors(), &workspace.velocity);
+            let (defect, contact) = factors.defect(&closed.problem, percussion, velocity, states);
+            report.residual = report.residual.max(defect);
+            if defect <= stop.tolerance {
+                return report;
+            }
+            if correction == MOST_CORRECTIONS || stop.cancelled.is_some_and(|ask| ask()) {
+                let status = Status::MaxIterations;
+                return SolveReport { status, worst_contact: contact, ..report };
+            }
+            factors.mend(&closed.problem, correction, percussion);
+            assembly.rescale(closed);
+            workspace.prepare(&closed.problem);
+            // The states before the step decide between several solutions, whatever was found meanwhile.
+            memory.states.clone_from(&before.states);
+            correction += 1;
+        }
+    }
+
+    fn check_problem(&self) -> Result<(), StepError> {
+        let problem = &self.closed.problem;
+        let Some(row) = problem.free_velocity.iter().position(|v| !v.is_finite()) else {
+            return Ok(());
+        };
+        let place = problem.contacts().partition_point(|contact| contact.offset <= row);
+        let contact = self.contact_of(place.saturating_sub(1));
+        Err(StepError::NotFiniteContact { time: self.time(), contact })
+    }
+
+    fn check_finite(&self) -> Result<(), StepError> {
+        let broken = |state: &[f64]| state.iter().position(|v| !v.is_finite());
+        match broken(&self.u).or_else(|| broken(&self.q)) {
+            Some(coordinate) => Err(StepError::NotFinite { time: self.time(), coordinate }),
+            None => Ok(()),
+        }
+    }
+}
