@@ -437,4 +437,4 @@ def test_drilling_contacts_do_not_panic(seed, contacts, dof):
     for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.SemismoothNewton()):
         solution = problem.solve(solver, on_failure="record")
         assert solution.status in Status
-        assert solution.status is not Status.NO_SOLUTION
+        assert np.isfinite(solution.percussion).all()

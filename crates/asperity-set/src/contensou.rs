@@ -87,23 +87,52 @@ fn hertz_sliding(u: f64) -> Characteristic {
 /// `√(1 − s²) = Σ bₙ s²ⁿ`, `dλ/du = ¾ Σ dₙ u¹⁻²ⁿ`, `dₙ = aₙ₋₁ − ¾aₙ + ¾bₙ − ½bₙ₋₁`, from `n = 2` on.
 fn hertz_far(u: f64) -> Characteristic {
     let t = (1.0 / u).powi(2);
-    let (mut coefficient, mut a, mut b, mut power) = (1.0, 1.0, 1.0, 1.0);
+    let mut power = 1.0;
     let (mut lack, mut torque, mut stiffness) = (0.0, 0.0, 0.0);
-    for n in 1..24 {
-        let order = f64::from(n);
+    for FarTerm { of_lack, of_torque, of_stiffness } in &FAR {
+        lack += of_lack * power;
+        torque += of_torque * power;
+        stiffness += of_stiffness * power;
+        power *= t;
+        if power < 1e-18 {
+            break;
+        }
+    }
+    Characteristic { force: 1.0 - lack * t, torque: torque / u, stiffness }
+}
+
+/// Coefficients of a power of `t` in the series of `hertz_far`.
+#[derive(Clone, Copy)]
+struct FarTerm {
+    of_lack: f64,
+    of_torque: f64,
+    of_stiffness: f64,
+}
+
+/// The terms from `n = 2` on; at `u = 3` the last is below the rounding of the first.
+const FAR: [FarTerm; 22] = far_terms();
+
+const fn far_terms() -> [FarTerm; 22] {
+    let mut terms = [FarTerm { of_lack: 0.0, of_torque: 0.0, of_stiffness: 0.0 }; 22];
+    let (mut coefficient, mut a, mut b) = (1.0, 1.0, 1.0);
+    let mut n = 1;
+    while n < 24 {
+        let order = n as f64;
         coefficient *= (2.0 * order - 1.0) / (2.0 * order);
         let (last_a, last_b) = (a, b);
         a = coefficient / (2.0 * order + 1.0);
         b = last_b * (2.0 * order - 3.0) / (2.0 * order);
         if n >= 2 {
-            let term = 0.75 * (last_a - 0.75 * a + 0.75 * b - 0.5 * last_b) * power;
-            lack += term / (2.0 * order - 2.0);
-            torque += term / (2.0 * order - 3.0);
-            stiffness += term;
-            power *= t;
+            let term = 0.75 * (last_a - 0.75 * a + 0.75 * b - 0.5 * last_b);
+            terms[n - 2] = FarTerm {
+                of_lack: term / (2.0 * order - 2.0),
+                of_torque: term / (2.0 * order - 3.0),
+                of_stiffness: term,
+            };
         }
+        n += 1;
     }
-    Characteristic { force: 1.0 - lack * t, torque: torque / u, stiffness }
+    terms
 }
 
 /// `Φ` is the mean distance of the points of a unit disk from a point at distance `u` of its centre, given

@@ -38,7 +38,7 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
             let (first, last) = (&table.nodes[j], &table.nodes[j + 1]);
             if !slip.excluded_between(first, last, slip.stray(&table.fine[j])) {
                 let ends = [first, last].map(|node| End::new(&slip, node.point));
-                search.cell(&ends[0], &ends[1], table.fine[j]);
+                search.cell(&ends[0], &ends[1], slip.cell(&table.fine[j]));
             }
         }
     }

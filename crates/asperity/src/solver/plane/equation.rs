@@ -62,6 +62,12 @@ impl<'a, 'b> Slip<'a, 'b> {
         cross(&point.normal, &self.velocity(&self.on_reservoir(point)))
     }
 
+    /// The bounds of a cell of the table in the units of bdry *C*.
+    #[inline]
+    pub(super) fn cell(&self, cell: &Cell) -> Cell {
+        Cell { position: self.scale * cell.position, product: self.scale * cell.product, ..*cell }
+    }
+
     /// How far `F` and `n·v` may stray from their chords over a cell.
     #[inline]
     pub(super) fn stray(&self, cell: &Cell) -> f64 {

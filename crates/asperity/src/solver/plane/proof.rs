@@ -30,7 +30,7 @@ pub(in crate::solver) fn proves_no_solution(local: &Local<'_, 2>) -> bool {
     table.nodes.windows(2).zip(&table.fine).all(|(pair, cell)| {
         let [first, last] = [&pair[0], &pair[1]].map(|node| End::new(&slip, node.point));
         proof.pieces = 0;
-        proof.excludes(&first, &last, *cell, 0)
+        proof.excludes(&first, &last, slip.cell(cell), 0)
     })
 }
 

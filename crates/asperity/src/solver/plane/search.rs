@@ -8,9 +8,11 @@ use crate::law::Cell;
 
 /// Halvings of a fine cell: roots nearer to each other than about `10⁻⁹` rad are one.
 const DEEPEST: usize = 24;
-/// Pieces of a fine cell that are looked at before it is given up. An ordinary cell has one, one beside a double
-/// or triple root some hundred.
-const PATIENCE: usize = 1000;
+/// Pieces of a fine cell that are looked at before it is given up, and pieces of all cells together, which take
+/// some milliseconds: longer, no search can keep anybody waiting. An ordinary cell has one piece; next to the
+/// cusp of a caustic, three roots within 10⁻⁴ rad take some thousand.
+const PATIENCE: usize = 4000;
+const MOST: usize = 20_000;
 /// Change of `F` against its distance from the chord from which on `F` is monotone: 4 is enough where the
 /// second derivative is constant, and it varies little in a cell.
 pub(super) const MONOTONE: f64 = 8.0;
@@ -67,8 +69,9 @@ pub(super) struct Search<'a, 'b, 'c> {
     slip: &'a Slip<'b, 'c>,
     direction: &'a Convex<2>,
     out: &'a mut Vec<LocalSolution<2>>,
-    /// Pieces looked at in this cell.
+    /// Pieces looked at in this cell, and pieces that all others may still have.
     pieces: usize,
+    left: usize,
     /// Whether no cell was given up.
     pub(super) complete: bool,
 }
@@ -79,13 +82,14 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
         direction: &'a Convex<2>,
         out: &'a mut Vec<LocalSolution<2>>,
     ) -> Self {
-        Self { slip, direction, out, pieces: 0, complete: true }
+        Self { slip, direction, out, pieces: 0, left: MOST, complete: true }
     }
 
     /// All roots of `F` in a cell.
     pub(super) fn cell(&mut self, first: &End, last: &End, cell: Cell) {
         self.pieces = 0;
         self.piece(first, last, cell, 0);
+        self.left = self.left.saturating_sub(self.pieces);
         #[cfg(test)]
         super::tests::count(self.pieces);
     }
@@ -105,7 +109,7 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
         }
         let arc = Arc { start: a.point, end: b.point };
         let single = (b.value - a.value).abs() > MONOTONE * stray;
-        let exhausted = depth == DEEPEST || self.pieces >= PATIENCE;
+        let exhausted = depth == DEEPEST || self.pieces >= PATIENCE.min(self.left);
         if changes && (single || exhausted) {
             self.complete &= depth == DEEPEST || single;
             let root = arc.root(self.direction, slip.rounding, |point| slip.value(point));
