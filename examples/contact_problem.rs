@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // A load inside C that admits stick and two slip solutions, see docs/selection.md.
     let contact = [(plane, NormalForce::Prescribed(1.0))];
     let alone = ContactProblem::new(DMatrix::identity(2, 2), vec![load.x, load.y], contact)?;
-    let all = solutions(&alone, 0, &[0.0, 0.0]);
+    let all = solutions(&alone, 0, &[0.0, 0.0])?;
     for solution in &all {
         println!("{:?}: P = {:.6?}", solution.phase, solution.percussion);
     }

@@ -4,7 +4,8 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import Certificate, Status
-from samples import LAWS, random_problem
+from asperity.grading import proves_no_solution
+from samples import LAWS, identify, random_problem
 
 LAW = asp.FrictionLaw.isotropic(0.5)
 DEFECTS = [
@@ -111,26 +112,156 @@ def test_stages_tell_what_was_done():
     assert solution.stages is solution.stages
 
 
-def test_infeasible_problems_end_with_status_and_certificate():
-    """Painlevé's paradox, and a weight that nothing can carry: no percussion solves them."""
-    paradox = asp.ContactProblem(
-        [[1.0, 2.0], [2.0, 3.0]], [-1.0, 5.0], asp.FrictionLaw.isotropic(1.0, dimension=1)
-    )
-    solution = paradox.solve(on_failure="record")
+PARADOX = asp.ContactProblem(
+    [[1.0, 2.0], [2.0, 3.0]], [-1.0, 5.0], asp.FrictionLaw.isotropic(1.0, dimension=1)
+)
+"""Painlevé's paradox."""
+
+
+def jaws(squeeze, sliding, law=LAW):
+    """Two opposite walls and one body between them that slides along."""
+    operator = np.block([[np.eye(3), np.diag([-1.0, 1.0, 1.0])]] * 2)
+    operator[3:] = np.block([np.diag([-1.0, 1.0, 1.0]), np.eye(3)])
+    free = np.array([-squeeze, sliding, 0.0, 0.0, sliding, 0.0])
+    return asp.ContactProblem(operator, free, law)
+
+
+def test_infeasible_problems_end_with_status_and_proof():
+    """Painlevé's paradox, and a body that two walls squeeze: no percussion solves them."""
+    solution = PARADOX.solve(on_failure="record")
     assert solution.status is Status.NO_SOLUTION
     assert isinstance(solution.certificate, Certificate)
-    # Two contacts that press against each other through a body: opening velocities −1, −1 and
-    # G = [[1, −1], [−1, 1]] cannot both be made positive.
-    normals = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    squeezed = np.kron(normals, np.diag([1.0, 0.0])) + np.diag([0.0, 1.0, 0.0, 1.0])
-    jammed = asp.ContactProblem(
-        squeezed, [-1.0, 0.0, -1.0, 0.0], asp.FrictionLaw.isotropic(0.3, dimension=1)
-    )
-    solution = jammed.solve(on_failure="record", time_limit=2.0)
-    assert solution.status not in (Status.CONVERGED,)
-    assert solution.certificate.penetration_velocity > 0.1
-    with pytest.raises(asp.ConvergenceError):
-        jammed.solve(time_limit=2.0)
+    assert solution.infeasibility.kind == "one_contact"
+    assert solution.infeasibility.contact == 0
+    squeezed = jaws(0.2, 0.0)
+    solution = squeezed.solve(on_failure="record")
+    assert solution.status is Status.NO_SOLUTION
+    proof = solution.infeasibility
+    # Each half of the approach, whatever the percussions.
+    assert proof.kind == "closing"
+    np.testing.assert_allclose(proof.direction, [0.5, 0, 0, 0.5, 0, 0], atol=1e-15)
+    assert proof.closing_velocity == pytest.approx(0.1)
+    with pytest.raises(asp.NoSolutionError) as caught:
+        squeezed.solve()
+    assert caught.value.infeasibility == proof
+    assert PARADOX.replace(free_velocity=[1.0, 5.0]).solve().infeasibility is None
+
+
+SQUEEZERS = [asp.Auto(), asp.ProximalPoint(), asp.InteriorPoint(), asp.Exact(), asp.ProxJacobi()]
+
+
+@pytest.mark.parametrize("sliding", [0.0, 1.0, 1e3])
+@pytest.mark.parametrize("squeeze", [1e-3, 1.0])
+@pytest.mark.parametrize("solver", SQUEEZERS, ids=identify)
+def test_every_solver_that_runs_away_ends_with_a_proof(solver, squeeze, sliding):
+    problem = jaws(squeeze, sliding)
+    solution = problem.solve(solver, tolerance=1e-8, time_limit=20.0, on_failure="record")
+    assert solution.status is Status.NO_SOLUTION
+    assert proves_no_solution(problem, solution.infeasibility)
+    assert solution.infeasibility.closing_velocity == pytest.approx(0.5 * squeeze)
+
+
+def squeezed_boxes(rng):
+    """Boxes of random masses in a row between two walls that close, four contacts at every face."""
+    boxes = int(rng.integers(1, 4))
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    mass = 10.0 ** rng.uniform(-3, 3, size=boxes)
+    size = rng.uniform(0.1, 1.0)
+    inertia = [m * size**2 * np.diag(rng.uniform(0.2, 0.5, size=3)) for m in mass]
+    blocks = [
+        [np.diag([m] * 3) if i == j else np.zeros((3, 3)) for j in range(boxes)]
+        for i, m in enumerate(mass)
+    ]
+    matrix = np.zeros((6 * boxes, 6 * boxes))
+    for i in range(boxes):
+        matrix[6 * i : 6 * i + 3, 6 * i : 6 * i + 3] = blocks[i][i]
+        matrix[6 * i + 3 : 6 * i + 6, 6 * i + 3 : 6 * i + 6] = turn @ inertia[i] @ turn.T
+    rows = []
+    for face in range(boxes + 1):
+        for y, z in [(1, 1), (1, -1), (-1, 1), (-1, -1)]:
+            row = np.zeros((3, 6 * boxes))
+            for box, sign, side in ((face, 1.0, -1.0), (face - 1, -1.0, 1.0)):
+                if 0 <= box < boxes:
+                    lever = turn @ (size * np.array([side, y, z]))
+                    for k, axis in enumerate(turn.T):
+                        row[k, 6 * box : 6 * box + 6] = sign * np.r_[axis, np.cross(lever, axis)]
+            rows.append(row)
+    directions = np.vstack(rows).T
+    free = directions.T @ rng.normal(size=6 * boxes)
+    # The walls close faster than any of that.
+    gap = rng.uniform(0.0, 1.0)
+    free[0:12:3] -= gap
+    free[-12::3] -= 1.0 - gap
+    return matrix, directions, free
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_squeezed_boxes_are_proven_to_be(seed):
+    mass, directions, free = squeezed_boxes(np.random.default_rng(seed))
+    dense = directions.T @ np.linalg.inv(mass) @ directions
+    for problem in (
+        asp.ContactProblem.from_bodies(mass, directions, free, LAW),
+        asp.ContactProblem(dense, free, LAW),
+    ):
+        solution = problem.solve(tolerance=1e-8, time_limit=20.0, on_failure="record")
+        # Every face closes by its share of the walls' unit speed.
+        assert solution.status is Status.NO_SOLUTION
+        assert proves_no_solution(problem, solution.infeasibility)
+        assert solution.infeasibility.direction.sum() == pytest.approx(1.0)
+        wider = problem.replace(free_velocity=free + 2.0 * (np.arange(free.size) % 3 == 0))
+        solved = wider.solve(tolerance=1e-8, time_limit=20.0)
+        assert not proves_no_solution(wider, solution.infeasibility)
+        assert solved.infeasibility is None
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-12])
+def test_the_verdict_does_not_depend_on_the_tolerance(tolerance):
+    for problem in (jaws(1e-3, 1.0), jaws(1.0, 0.0)):
+        solution = problem.solve(tolerance=tolerance, on_failure="record", time_limit=20.0)
+        assert solution.status is Status.NO_SOLUTION
+
+
+@pytest.mark.parametrize("law", LAWS, ids=identify)
+def test_paradoxes_are_proven_for_every_law(law):
+    if law.dimension > 2:
+        pytest.skip("solutions with p = 3 are not listed")
+    rng = np.random.default_rng(23)
+    found = 0
+    for _ in range(200):
+        root = rng.normal(size=(law.dimension + 1, 3))
+        block = root @ root.T + 1e-3 * np.eye(law.dimension + 1)
+        # Friction that presses the contact onto the surface where it slides.
+        block[0, 1:] *= 10.0
+        problem = asp.ContactProblem(block, np.r_[-1.0, 10.0 * rng.normal(size=law.dimension)], law)
+        solution = problem.solve(on_failure="record")
+        assert solution.converged or solution.status is Status.NO_SOLUTION
+        if solution.status is Status.NO_SOLUTION:
+            found += 1
+            assert proves_no_solution(problem, solution.infeasibility)
+        else:
+            proof = asp.Infeasibility(
+                kind="one_contact",
+                contact=0,
+                direction=np.eye(block.shape[0])[0],
+                closing_velocity=1.0,
+                residual=0.0,
+            )
+            assert not proves_no_solution(problem, proof)
+    assert found > 0
+
+
+def test_the_checker_refuses_what_proves_nothing():
+    problem = jaws(0.2, 0.0)
+    proof = problem.solve(on_failure="record").infeasibility
+    assert proves_no_solution(problem, proof)
+    d = proof.direction
+    for wrong in ([1, 0, 0, 0, 0, 0], [0.5, 0.1, 0, 0.5, 0, 0], -d, 0.0 * d, d[:3]):
+        assert not proves_no_solution(problem, proof.replace(direction=wrong))
+    opening = problem.replace(free_velocity=-problem.free_velocity)
+    assert not proves_no_solution(opening, proof)
+    heavier = problem.delassus + 1e-9 * np.diag([1.0, 0, 0, 0, 0, 0])
+    assert not proves_no_solution(problem.replace(delassus=heavier), proof)
+    assert not proves_no_solution(problem, proof.replace(kind="one_contact"))
 
 
 def test_a_failed_solve_reports_the_measure_it_was_asked_for():
@@ -143,7 +274,9 @@ def test_a_failed_solve_reports_the_measure_it_was_asked_for():
     assert caught.value.residual == solution.natural_map
 
 
-@pytest.mark.parametrize("wrong", [{"stages": ["exact"]}, {"certificate": None}])
+@pytest.mark.parametrize(
+    "wrong", [{"stages": ["exact"]}, {"certificate": None}, {"infeasibility": "squeezed"}]
+)
 def test_solutions_check_what_they_hold(wrong):
     with pytest.raises(asp.ParameterError) as caught:
         contact().solve().replace(**wrong)

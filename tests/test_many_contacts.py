@@ -4,12 +4,17 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity.grading import natural_map
-from samples import CORNERED_LAWS, LINE_LAWS, PLANE_LAWS, SPACE_LAWS
+from samples import CORNERED_LAWS, LINE_LAWS, PLANE_LAWS, SPACE_LAWS, identify
 from scipy.sparse import block_diag, csr_array
 
 LAWS = [*PLANE_LAWS, *CORNERED_LAWS, *LINE_LAWS, *SPACE_LAWS]
 ASSOCIATED = [law for law in LAWS if law.is_associated]
 PLANAR = [law for law in ASSOCIATED if law.dimension < 3]
+ELLIPTIC = [
+    asp.FrictionLaw.isotropic(0.4, dimension=1),
+    asp.FrictionLaw(asp.Ellipse(0.6, 0.2), asp.Ellipse(1.0, 2.0, angle=0.3)),
+    asp.FrictionLaw.isotropic(0.3, dimension=3),
+]
 TOLERANCE = 1e-8
 GRAVITY = np.array([0.0, 0.0, -9.81, 0.0, 0.0, 0.0])
 
@@ -166,6 +171,177 @@ def test_the_unique_solution_is_the_minimum(seed):
             ]
         )
         assert energy(other) >= energy(best) - 1e-9
+
+
+CROSSED = [
+    asp.Auto(),
+    asp.Exact(),
+    asp.SemismoothNewton(),
+    asp.ProximalPoint(),
+    asp.InteriorPoint(),
+    asp.ADMM(),
+    asp.ProxGaussSeidel(max_iterations=2000),
+    asp.ProxJacobi(max_iterations=2000),
+]
+MASSES = {
+    "ordinary": (1.0, 2.0, 1.5),
+    "redundant": (1.0, 2.0, 1.5),
+    "light on heavy": (1e6, 1e3, 1.0),
+    "heavy on light": (1.0, 1e2, 1e4),
+    "no normal load": (1.0, 2.0, 1.5),
+}
+DIMENSIONS = {
+    1: asp.FrictionLaw.isotropic(0.4, dimension=1),
+    2: asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.3)),
+    3: asp.FrictionLaw.isotropic(0.3, dimension=3),
+}
+
+
+def stack(kind, p):
+    """Three bodies on each other with translations and a spin; M, W, Wᵀu and the law."""
+    bodies = len(MASSES[kind])
+
+    def contact(body, below):
+        block = np.zeros((4 * bodies, 1 + p))
+        for k, axis in enumerate((2, 0, 1, 3)[: 1 + p]):
+            block[4 * body + axis, k] = 1.0
+            if below >= 0:
+                block[4 * below + axis, k] = -1.0
+        return block
+
+    contacts = [contact(body, body - 1) for body in range(bodies)]
+    if kind == "redundant":
+        contacts += [contact(0, -1), contact(0, -1), contact(1, 0)]
+    directions = np.hstack(contacts)
+    mass = np.diag(np.outer(MASSES[kind], [1.0, 1.0, 1.0, 0.1]).ravel())
+    velocity = np.outer([1.0, -1.0, 1.0], [0.05, 0.02, 0.0, 0.1])
+    velocity[:, 2] = 0.0 if kind == "no normal load" else -0.0981
+    return mass, directions, directions.T @ velocity.ravel(), DIMENSIONS[p]
+
+
+def may_fail(solver, kind, p):
+    """Whether the documented limits of a solver are met.
+
+    One contact after the other carries a heavy body's weight down in small portions; Newton's
+    method alone needs a good start; rounding ends the interior point; penalties of one size do not
+    suit masses of many.
+    """
+    heavy = kind == "heavy on light"
+    if isinstance(solver, asp.Auto | asp.ProximalPoint):
+        return False
+    if isinstance(solver, asp.Exact):
+        return heavy
+    if isinstance(solver, asp.SemismoothNewton):
+        return heavy and p > 1
+    if isinstance(solver, asp.ADMM):
+        return kind == "light on heavy"
+    return isinstance(solver, asp.InteriorPoint | asp.ProxJacobi) or heavy
+
+
+@pytest.mark.parametrize("p", [1, 2, 3])
+@pytest.mark.parametrize("kind", MASSES)
+@pytest.mark.parametrize("solver", CROSSED, ids=identify)
+def test_every_solver_takes_every_form_of_every_kind_of_problem(solver, kind, p):
+    mass, directions, free, law = stack(kind, p)
+    dense = directions.T @ np.linalg.inv(mass) @ directions
+    for problem in (
+        asp.ContactProblem(dense, free, law),
+        asp.ContactProblem(csr_array(dense), free, law),
+        asp.ContactProblem.from_bodies(mass, directions, free, law),
+    ):
+        solution = problem.solve(solver, tolerance=1e-9, on_failure="record")
+        assert solution.converged == (problem.residual(solution.percussion) <= 1e-9)
+        assert solution.infeasibility is None
+        if not solution.converged:
+            # A limit is the reason only where it was reached.
+            limit = getattr(solver, "max_iterations", getattr(solver, "max_sweeps", None))
+            limited = solution.iterations >= limit
+            expected = asp.Status.MAX_ITERATIONS if limited else asp.Status.STALLED
+            assert solution.status is expected
+            assert may_fail(solver, kind, p)
+
+
+@pytest.mark.parametrize("ratio", [1e3, 1e6, 1e7, 1e9, 1e11])
+@pytest.mark.parametrize("bodies", [True, False])
+@pytest.mark.parametrize("solver", [asp.Auto(), asp.ProximalPoint()], ids=identify)
+def test_a_heavy_block_on_a_light_one_has_a_solution(solver, bodies, ratio):
+    line = DIMENSIONS[1]
+    directions = np.array([[0, 1, 0, -1], [1, 0, -1, 0], [0, 0, 0, 1], [0, 0, 1, 0]], dtype=float)
+    mass = np.diag([1.0, 1.0, ratio, ratio])
+    fall = 9.81e-3
+    free = directions.T @ np.array([0.0, -fall, 0.05, -fall])
+    if bodies:
+        problem = asp.ContactProblem.from_bodies(mass, directions, free, line)
+    else:
+        dense = directions.T @ np.linalg.inv(mass) @ directions
+        problem = asp.ContactProblem(dense, free, line)
+    solution = problem.solve(solver, on_failure="record")
+    assert solution.converged
+    # The measure is relative to percussions: the errors of velocities are up to 1e-10 times their
+    # ratio to the loads, see docs/solvers.md, but never more than a hundredth of the loads.
+    weight = solution.percussion[2]
+    assert weight == pytest.approx(
+        ratio * fall, rel=max(1e-2, 1e-12 * ratio) if ratio > 1e6 else 1e-3
+    )
+
+
+@pytest.mark.parametrize("solver", [asp.Auto(), asp.Exact()], ids=identify)
+@pytest.mark.parametrize("normal_load", [0.0, -1e-18, 1e-18, -1e-16, -1e-14, -1e-8])
+def test_a_stop_that_only_friction_presses_is_solved(solver, normal_load):
+    """No normal load is free: what a contact's velocity is compared with comes from the others."""
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        coupling, slip, cross = rng.uniform([0.1, 0.1, -0.3], [0.9, 1.0, 0.3])
+        operator = [[1.0, coupling, 0.1], [coupling, 1.1, cross], [0.1, cross, 1.3]]
+        problem = asp.ContactProblem(
+            operator, [slip, normal_load, 0.0], DIMENSIONS[1], normal_force=[1.0, None]
+        )
+        solution = problem.solve(solver)
+        assert solution.residual == problem.residual(solution.percussion) <= 1e-10
+
+
+@pytest.mark.parametrize("exponents", [(3, 0, 0), (-9, 0, 0), (0, 6, 0), (0, 0, -6), (5, -4, 7)])
+def test_verdicts_do_not_depend_on_units(exponents):
+    """Problems with and without solution, in units of kg, m, s times powers of ten."""
+    kilogram, metre, second = 10.0 ** np.array(exponents, dtype=float)
+    speed = metre / second
+    closing = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.diag([1.0, 0.0])) + np.diag([0, 1, 0, 1])
+    squeezed = asp.ContactProblem(closing, [-0.2, 0.5, -0.1, 0.5], DIMENSIONS[1])
+    mass, directions, free, law = stack("heavy on light", 2)
+    solved = asp.ContactProblem(directions.T @ np.linalg.inv(mass) @ directions, free, law)
+    for problem in (squeezed, solved):
+        twin = problem.replace(
+            delassus=problem.delassus / kilogram, free_velocity=problem.free_velocity * speed
+        )
+        found, scaled = (one.solve(on_failure="record") for one in (problem, twin))
+        assert found.status is scaled.status
+        if found.converged:
+            expected = found.percussion * kilogram * speed
+            np.testing.assert_allclose(
+                scaled.percussion, expected, rtol=1e-6, atol=1e-8 * np.abs(expected).max()
+            )
+
+
+@pytest.mark.parametrize("solver", CROSSED[:6], ids=identify)
+def test_the_residual_bounds_what_is_left_of_the_normal_law(solver):
+    """−ξ_N ≤ r max(|P|/ρ, loads); −P_N and min(P_N, ρξ_N) ≤ ρ times that, contact by contact."""
+    for seed in range(30):
+        rng = np.random.default_rng(3000 + seed)
+        problem = pile(
+            rng, ELLIPTIC, int(rng.integers(2, 8)), per_pair=1 + seed % 3, unilateral=1.0
+        )
+        tolerance = 10.0 ** -rng.uniform(2, 9)
+        solution = problem.solve(solver, tolerance=tolerance, on_failure="record")
+        operator, percussion = problem.delassus.toarray(), solution.percussion
+        brought = np.abs(operator) @ np.abs(percussion) + np.abs(problem.free_velocity)
+        for rows in problem.row_slices:
+            rho = (rows.stop - rows.start) / np.trace(operator[rows, rows])
+            size = max(np.linalg.norm(percussion[rows]) / rho, np.linalg.norm(brought[rows]))
+            left = (1.000001 * solution.residual + 1e-14) * size
+            normal, velocity = percussion[rows.start], solution.velocity[rows.start]
+            assert -velocity <= left
+            assert -normal <= rho * left
+            assert min(normal, rho * velocity) <= rho * left
 
 
 @pytest.mark.parametrize("solver", [asp.ProximalPoint(), asp.Auto()])

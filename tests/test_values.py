@@ -45,6 +45,13 @@ VALUES = [
     PROBLEM.solve(),
     PROBLEM.solve().certificate,
     asp.Stage("newton", 7, 6, 1e-9),
+    asp.Infeasibility(
+        kind="closing",
+        contact=1,
+        direction=[0.4, 0.0, 0.6, 0.0],
+        closing_velocity=0.2,
+        residual=1e-16,
+    ),
     *PROBLEM.solutions(0),
     asp.Exact(),
     asp.Exact(max_sweeps=5),

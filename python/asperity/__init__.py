@@ -20,6 +20,7 @@ from asperity.contact import (
     Certificate,
     ContactProblem,
     ContactSolution,
+    Infeasibility,
     LocalSolution,
     Stage,
 )
@@ -141,6 +142,7 @@ __all__ = [
     "FitError",
     "FlowReport",
     "FrictionLaw",
+    "Infeasibility",
     "InteriorPoint",
     "Intersection",
     "Interval",

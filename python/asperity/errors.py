@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from asperity.contact.certificate import Infeasibility
     from asperity.motion import Motion
     from asperity.trajectory import Trajectory
 
@@ -109,7 +110,26 @@ class ConvergenceError(AsperityError, RuntimeError):
 
 
 class NoSolutionError(ConvergenceError):
-    """There is no solution: Painlevé paradox, or bodies squeezed by prescribed motions."""
+    """There is no solution: Painlevé paradox, or bodies squeezed by prescribed motions.
+
+    Attributes:
+        infeasibility: the proof, if the error comes from `ContactProblem.solve`.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        step: int | None = None,
+        time: float | None = None,
+        contact: int | None = None,
+        residual: float | None = None,
+        advice: str = "",
+        trajectory: Trajectory | Motion | None = None,
+        infeasibility: Infeasibility | None = None,
+    ) -> None:
+        super().__init__(message, step, time, contact, residual, advice, trajectory)
+        self.args = (*self.args, infeasibility)
+        self.infeasibility = infeasibility
 
 
 class NoCycleError(AsperityError, RuntimeError):

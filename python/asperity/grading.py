@@ -1,4 +1,4 @@
-"""The natural map of a contact problem in NumPy, a second opinion on what the core reports."""
+"""Second opinions in NumPy on what the core reports: natural map, proofs that nothing solves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._arrays import Array
-from asperity.contact import ContactProblem
+from asperity.contact import ContactProblem, Infeasibility
 from asperity.contact.arguments import sizes
 from asperity.law import FrictionLaw
 from asperity.sets import Ball, Disk
@@ -50,6 +50,96 @@ def natural_map(problem: ContactProblem, percussion: Array) -> float:
         squares += _tangential(law, p[:, 0], p[:, 1:], v[:, 1:])
     scale = max(_norm(percussion), float(rho) * _norm(free), float(np.finfo(float).tiny))
     return math.sqrt(squares) / scale
+
+
+def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
+    """Check the proof that a problem has no solution, from the problem alone.
+
+    A proof of the kind ``"closing"`` has weights d ≥ 0 on normal rows of unilateral contacts with
+    d·(b + e∘γ_B) < 0 and |(Gᵀd)ⱼ| ≤ 1e-13 sⱼ max sᵢdᵢ, s = √diag G: no percussions P with
+    Σ sⱼ|Pⱼ| below 1e13 times the closing velocity over max sᵢdᵢ solve the problem.
+
+    A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
+    neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions
+    parallel to the direction that the friction belongs to. It is checked for p = 1 and p = 2 and a
+    regular block.
+
+    Args:
+        problem: with any laws.
+        proof: what a solver says of it.
+
+    >>> from asperity import ContactProblem, FrictionLaw
+    >>> line = FrictionLaw.isotropic(1.0, dimension=1)
+    >>> paradox = ContactProblem([[1.0, 2.0], [2.0, 3.0]], [-1.0, 5.0], line)
+    >>> proves_no_solution(paradox, paradox.solve(on_failure="record").infeasibility)
+    True
+    """
+    free = problem.free_velocity + _restitution(problem)
+    if proof.direction.shape != free.shape or not 0 <= proof.contact < len(problem.laws):
+        return False
+    if proof.kind == "one_contact":
+        return _has_none(problem, proof.contact, free)
+    weights, scale = proof.direction, np.sqrt(problem.delassus.diagonal())
+    normal = np.zeros(free.size, dtype=bool)
+    for rows, force in zip(problem.row_slices, problem.normal_force, strict=True):
+        normal[rows.start] = force is None
+    largest = (scale * weights).max()
+    if not largest > 0.0 or (weights < 0.0).any() or (weights[~normal] != 0.0).any():
+        return False
+    changed = np.abs(problem.delassus.T @ weights) / scale
+    closing, sizes_of_load = -weights @ free, weights @ np.abs(free)
+    return bool(changed.max() <= 1e-13 * largest and closing > 1e-13 * sizes_of_load)
+
+
+def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
+    """Return whether a contact that no other one influences has no solution."""
+    rows, law = problem.row_slices[contact], problem.laws[contact]
+    row = problem.delassus[rows]
+    dense = row if isinstance(row, np.ndarray) else row.toarray()
+    block, b = dense[:, rows], free[rows]
+    alone = np.delete(dense, np.r_[rows], axis=1)
+    if alone.any() or problem.normal_force[contact] is not None or law.dimension > 2:
+        return False
+    if b[0] >= 0.0 or np.linalg.cond(block) > 1e8:
+        return False
+    stick = np.linalg.solve(block, -b)
+    if stick[0] > 0.0 and law.reservoir.gauge(-stick[1:] / stick[0]) <= 1.0 + 1e-9:
+        return False
+    directions, friction = _frictions(law)
+    # P_N = −b_N/resistance; the slip is multiplied by it, so that it has no pole.
+    resistance = block[0, 0] + friction @ block[0, 1:]
+    bare = block[1:, 0] + friction @ block[1:, 1:].T
+    slip = resistance[:, None] * b[1:] - b[0] * bare
+    along = (slip * directions).sum(axis=1)
+    if law.dimension == 1:
+        return not bool(((resistance > 0.0) & (along > 0.0)).any())
+    # Resistance and slip are affine in the friction.
+    across = directions[:, 0] * slip[:, 1] - directions[:, 1] * slip[:, 0]
+    roots = np.flatnonzero(np.sign(across[1:]) != np.sign(across[:-1]))
+    part = across[roots] / (across[roots] - across[roots + 1])
+    ahead = [
+        value[roots] + part * (value[roots + 1] - value[roots]) > -1e-6 * np.abs(value).max()
+        for value in (resistance, along)
+    ]
+    return not bool((ahead[0] & ahead[1]).any())
+
+
+def _frictions(law: FrictionLaw) -> tuple[Array, Array]:
+    """Return slip directions and friction per unit normal force, all around and along flats."""
+    if law.dimension == 1:
+        both = np.array([[1.0], [-1.0]])
+        return both, law.force(both, 1.0)
+    angle = np.linspace(0.0, 2.0 * np.pi, 20_001)
+    directions = np.column_stack([np.cos(angle), np.sin(angle)])
+    ends = law.direction.support_point(directions)
+    steps = np.sqrt((np.diff(ends, axis=0) ** 2).sum(axis=1))
+    flats = np.flatnonzero(steps > 20.0 * steps.mean())
+    part = np.linspace(0.0, 1.0, 1001)[:, None]
+    for k in flats[::-1]:
+        along = ends[k] + part * (ends[k + 1] - ends[k])
+        ends = np.insert(ends, k + 1, along, axis=0)
+        directions = np.insert(directions, k + 1, np.tile(directions[k], (len(part), 1)), axis=0)
+    return directions, -ends / law.reservoir.gauge(ends)[:, None]
 
 
 def _restitution(problem: ContactProblem) -> Array:

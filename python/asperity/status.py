@@ -43,11 +43,22 @@ class Status(StrEnum):
     """How the solution of a contact problem ended."""
 
     CONVERGED = "converged"
+    """The measure is within the tolerance."""
     MAX_ITERATIONS = "max_iterations"
+    """The iteration limit was reached before."""
     TIME_LIMIT = "time_limit"
+    """The time limit was reached before."""
     INEXACT = "inexact"
+    """The solver is done, but rounding keeps the measure above the tolerance."""
+    STALLED = "stalled"
+    """The solver makes no further progress above the tolerance."""
+    UNBOUNDED = "unbounded"
+    """Percussions grow without bound while a contact goes on approaching: there is probably no
+    solution, but that is not proven."""
     NO_SOLUTION = "no_solution"
+    """There is no solution; ``ContactSolution.infeasibility`` is the proof."""
     NOT_APPLICABLE = "not_applicable"
+    """The solver does not take these laws or contacts."""
 
     def __repr__(self) -> str:
         return f"Status.{self.name}"
@@ -68,6 +79,8 @@ _MESSAGES = {
     Status.MAX_ITERATIONS: "the solver reached its iteration limit before the tolerance",
     Status.TIME_LIMIT: "the solver reached its time limit before the tolerance",
     Status.INEXACT: "the solver is done, but rounding keeps the residual above the tolerance",
+    Status.STALLED: "the solver makes no further progress above the tolerance",
+    Status.UNBOUNDED: "percussions grow without bound while a contact goes on approaching",
     Status.NO_SOLUTION: "no percussion satisfies the laws",
     Status.NOT_APPLICABLE: "the solver cannot take these laws or contacts",
 }
@@ -79,6 +92,11 @@ _ADVICE = {
     ),
     Status.TIME_LIMIT: "Try a longer time_limit or a looser tolerance",
     Status.INEXACT: "Try a looser tolerance, or sets and masses of less extreme proportions",
+    Status.STALLED: "Try solver=Auto(), a smaller dt or a looser tolerance",
+    Status.UNBOUNDED: (
+        "There is probably no solution, which is not proven: look for bodies that are squeezed by "
+        "prescribed motions, and for friction that pulls contacts to the surface"
+    ),
     Status.NO_SOLUTION: (
         "Either friction and normal force enforce each other (Painlevé paradox): try smaller "
         "friction coefficients, another geometry or a compliant contact. Or contacts approach "

@@ -1,7 +1,7 @@
 //! What a solve found; arrays are made when Python asks for them.
 
 use asperity::contact::Memory;
-use asperity::solver::{Certificate, SolveReport, Stage, Status, Workspace};
+use asperity::solver::{Certificate, Infeasibility, SolveReport, Stage, Status, Workspace};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,6 +16,7 @@ pub struct Outcome {
     velocity: Vec<f64>,
     ambiguous: Vec<bool>,
     stages: Vec<Stage>,
+    infeasibility: Option<Infeasibility>,
     report: SolveReport,
 }
 
@@ -27,8 +28,8 @@ impl Outcome {
         report: SolveReport,
     ) -> Self {
         // The rest of the workspace, factors above all, is not kept.
-        let Workspace { velocity, ambiguous, stages, .. } = workspace;
-        Self { problem, memory, velocity, ambiguous, stages, report }
+        let Workspace { velocity, ambiguous, stages, infeasibility, .. } = workspace;
+        Self { problem, memory, velocity, ambiguous, stages, infeasibility, report }
     }
 }
 
@@ -90,6 +91,18 @@ impl Outcome {
     fn stages(&self) -> Vec<(&'static str, usize, usize, f64)> {
         let stages = self.stages.iter();
         stages.map(|s| (s.method.name(), s.iterations, s.factorizations, s.residual)).collect()
+    }
+
+    #[getter]
+    fn infeasibility<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(proof) = &self.infeasibility else { return Ok(None) };
+        let out = PyDict::new(py);
+        out.set_item("kind", proof.kind.name())?;
+        out.set_item("contact", proof.contact)?;
+        out.set_item("direction", array(py, proof.direction.clone()))?;
+        out.set_item("closing_velocity", proof.closing_velocity)?;
+        out.set_item("residual", proof.residual)?;
+        Ok(Some(out))
     }
 
     #[getter]

@@ -191,8 +191,8 @@ impl Problem {
         Ok(certified(py, &Certificate::new(&self.0, percussion))?)
     }
 
-    fn spectrum(&self, py: Python<'_>) -> (f64, f64) {
-        py.detach(|| self.0.delassus().spectrum())
+    fn spectrum(&self, py: Python<'_>) -> Result<(f64, f64), Failure> {
+        Ok(py.detach(|| self.0.delassus().spectrum())?)
     }
 
     fn residual(&self, percussion: Numbers<'_>) -> Result<(f64, usize), Failure> {
@@ -209,7 +209,7 @@ impl Problem {
         contact: usize,
         percussion: Numbers<'_>,
     ) -> Result<Vec<Bound<'py, PyDict>>, Failure> {
-        let found = solver::solutions(&self.0, contact, numbers(&percussion, "percussion")?);
+        let found = solver::solutions(&self.0, contact, numbers(&percussion, "percussion")?)?;
         found
             .into_iter()
             .map(|solution| {

@@ -1,7 +1,14 @@
 """Contact problems as data: problem, solution, certificate, files."""
 
-from asperity.contact.certificate import Certificate
+from asperity.contact.certificate import Certificate, Infeasibility
 from asperity.contact.problem import ContactProblem
 from asperity.contact.solution import ContactSolution, LocalSolution, Stage
 
-__all__ = ["Certificate", "ContactProblem", "ContactSolution", "LocalSolution", "Stage"]
+__all__ = [
+    "Certificate",
+    "ContactProblem",
+    "ContactSolution",
+    "Infeasibility",
+    "LocalSolution",
+    "Stage",
+]

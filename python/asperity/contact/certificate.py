@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from asperity import _arrays
+from asperity._arrays import Array
 from asperity._value import Value
+
+InfeasibilityKind = Literal["closing", "one_contact"]
 
 
 class Certificate(Value):
@@ -84,3 +92,59 @@ class Certificate(Value):
         lines = [f"{name:<22} {value:9.2e} {unit}".rstrip() for name, value, unit in defects]
         counts = f"{self.stick} stick, {self.slip} slip, {self.open} open"
         return "\n".join([*lines, f"{'contacts':<22} {counts}; worst {self.worst_contact}"])
+
+
+class Infeasibility(Value):
+    """The proof that a contact problem has no solution, see `ContactSolution.infeasibility`.
+
+    Kind ``"closing"``: weights d ≥ 0 of the normal rows of unilateral contacts with Gᵀd = 0.
+    Whatever the percussions P, Σ dᵢξᵢ = (Gᵀd)·P + d·(b + e∘γ_B) = d·(b + e∘γ_B) < 0, but a
+    solution has ξᵢ ≥ 0: the contacts with dᵢ > 0 close on each other, and no percussion changes
+    how fast. For normal rows alone this is Farkas' lemma.
+
+    Kind ``"one_contact"``: a contact that no other one influences has neither an open, nor a
+    sticking, nor a slipping state (Painlevé's paradox).
+
+    `asperity.grading.proves_no_solution` checks either without a solver.
+
+    Attributes:
+        kind: ``"closing"`` or ``"one_contact"``.
+        contact: the contact without a solution, or the one with the largest part in d.
+        direction: d, with sum one, shape ``(rows,)``; of one contact its normal row.
+        closing_velocity: −d·(b + e∘γ_B) in m/s; of one contact the speed at which it approaches
+            without percussions.
+        residual: max |(Gᵀd)ⱼ|/sⱼ over max sᵢdᵢ, s = √diag G: zero to rounding.
+
+    >>> import numpy as np
+    >>> from asperity import ContactProblem, FrictionLaw
+    >>> line = FrictionLaw.isotropic(0.3, dimension=1)
+    >>> normals = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    >>> jaws = np.kron(normals, np.diag([1.0, 0.0])) + np.diag([0.0, 1.0, 0.0, 1.0])
+    >>> squeezed = ContactProblem(jaws, [-0.2, 0.0, -0.4, 0.0], line)
+    >>> proof = squeezed.solve(on_failure="record").infeasibility
+    >>> proof.direction.round(12).tolist(), round(proof.closing_velocity, 12)
+    ([0.5, 0.0, 0.5, 0.0], 0.3)
+    """
+
+    kind: InfeasibilityKind
+    contact: int
+    direction: Array
+    closing_velocity: float
+    residual: float
+
+    def __init__(
+        self,
+        *,
+        kind: InfeasibilityKind,
+        contact: int,
+        direction: ArrayLike,
+        closing_velocity: float,
+        residual: float,
+    ) -> None:
+        self._set(
+            kind=_arrays.choice(kind, "kind", ("closing", "one_contact")),
+            contact=int(contact),
+            direction=_arrays.read_only(_arrays.array(direction, "direction", (None,))),
+            closing_velocity=float(closing_velocity),
+            residual=float(residual),
+        )

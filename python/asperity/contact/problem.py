@@ -204,7 +204,8 @@ class ContactProblem(Value):
             The solution; its measures are computed independently of the solver.
 
         Raises:
-            NoSolutionError: if a contact has no solution at all (Painlevé).
+            NoSolutionError: if there is no solution: bodies are squeezed, or a contact has none by
+                itself (Painlevé). The proof is its ``infeasibility``.
             ConvergenceError: if the tolerance is not reached.
             ParameterError: if the solver does not take such laws.
         """
@@ -335,10 +336,10 @@ def _failure(solution: ContactSolution, measure: Measure) -> ConvergenceError | 
     status = solution.status
     if status is Status.NOT_APPLICABLE:
         return ParameterError("solver", f"{status.message}. {status.advice}")
-    kind = NoSolutionError if status is Status.NO_SOLUTION else ConvergenceError
-    return kind(
-        status.message,
-        contact=solution.worst_contact,
-        residual=solution.residual if measure == "contact" else solution.natural_map,
-        advice=status.advice,
-    )
+    residual = solution.residual if measure == "contact" else solution.natural_map
+    details: dict[str, Any] = {
+        "contact": solution.worst_contact, "residual": residual, "advice": status.advice
+    }  # fmt: skip
+    if status is Status.NO_SOLUTION:
+        return NoSolutionError(status.message, **details, infeasibility=solution.infeasibility)
+    return ConvergenceError(status.message, **details)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity._value import Value
-from asperity.contact.certificate import Certificate
+from asperity.contact.certificate import Certificate, Infeasibility
 from asperity.errors import DimensionError, ParameterError
 from asperity.status import Phase, Status
 
@@ -63,6 +63,7 @@ class ContactSolution(Value):
         natural_map: `ContactProblem.natural_map` of `percussion`, of the whole problem.
         stages: what each method of the solver did, in order.
         certificate: what is left of the contact laws, in physical units.
+        infeasibility: the proof where the status is ``NO_SOLUTION``, else ``None``.
 
     Neither measure nor certificate comes from the solver: each is computed from the percussions.
     """
@@ -82,12 +83,17 @@ class ContactSolution(Value):
         natural_map: float,
         stages: Sequence[Stage],
         certificate: Certificate,
+        infeasibility: Infeasibility | None = None,
     ) -> None:
         for stage in stages:
             if not isinstance(stage, Stage):
                 raise ParameterError("stages", f"must be a sequence of Stage, got {stage!r}")
         if not isinstance(certificate, Certificate):
             raise ParameterError("certificate", f"must be a Certificate, got {certificate!r}")
+        if not isinstance(infeasibility, Infeasibility | None):
+            raise ParameterError(
+                "infeasibility", f"must be an Infeasibility or None, got {infeasibility!r}"
+            )
         self._keep(
             percussion=_arrays.read_only(np.asarray(percussion, dtype=np.float64)),
             velocity=_arrays.read_only(np.asarray(velocity, dtype=np.float64)),
@@ -100,6 +106,7 @@ class ContactSolution(Value):
             natural_map=float(natural_map),
             stages=tuple(stages),
             certificate=certificate,
+            infeasibility=infeasibility,
         )
 
     @classmethod
@@ -163,6 +170,12 @@ class ContactSolution(Value):
     def certificate(self) -> Certificate:
         """What is left of the contact laws at these percussions."""
         return Certificate(**self._outcome.certificate)
+
+    @cached_property
+    def infeasibility(self) -> Infeasibility | None:
+        """The proof that there is no solution, if there is none."""
+        proof = self._outcome.infeasibility
+        return None if proof is None else Infeasibility(**proof)
 
     @cached_property
     def _parameters(self) -> dict[str, Any]:

@@ -73,8 +73,11 @@ impl Certificate {
     }
 }
 
+/// Not-a-number is the worst of all, and stays.
 fn raise(largest: &mut f64, value: f64) {
-    *largest = largest.max(value);
+    if !(value <= *largest) && !largest.is_nan() {
+        *largest = value;
+    }
 }
 
 /// `P_N (k_C − 1)` and the defect of the inclusion.

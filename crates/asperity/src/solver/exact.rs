@@ -26,9 +26,9 @@ pub(super) fn solve(
             Ok(stuck) => stuck,
             Err(Interrupted) => return (1, Ended::TimeLimit),
         };
-        return (1, without_solution(problem, stuck, workspace).unwrap_or(Ended::Done));
+        return (1, stuck.map_or(Ended::Done, Ended::Stuck));
     }
-    let mut stuck = sweep(problem, memory, workspace, true);
+    sweep(problem, memory, workspace, true);
     for sweeps in 1..=max_sweeps {
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
         let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
@@ -40,20 +40,10 @@ pub(super) fn solve(
         }
         if sweeps < max_sweeps {
             // Contacts without a solution may find one when the others have moved.
-            stuck = sweep(problem, memory, workspace, false);
+            sweep(problem, memory, workspace, false);
         }
     }
-    (max_sweeps, without_solution(problem, stuck, workspace).unwrap_or(Ended::MaxIterations))
-}
-
-/// The end of a solve that has left a contact without a solution, if it is proven that there is none.
-fn without_solution(
-    problem: &ContactProblem,
-    stuck: Option<usize>,
-    workspace: &Workspace,
-) -> Option<Ended> {
-    let proven = |&contact: &usize| proves_no_solution(problem, contact, &workspace.percussion);
-    stuck.filter(proven).map(Ended::NoSolution)
+    (max_sweeps, Ended::MaxIterations)
 }
 
 /// Whether it is proven that a contact has no solution, the percussions of the others held.

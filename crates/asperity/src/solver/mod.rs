@@ -16,6 +16,8 @@
 mod block;
 mod certificate;
 mod exact;
+mod growth;
+mod infeasible;
 mod line;
 mod local;
 mod many;
@@ -29,21 +31,25 @@ mod report;
 mod residual;
 mod single;
 mod singular;
+mod solutions;
 mod space;
 mod stop;
 mod threads;
 
 pub use certificate::Certificate;
+pub use infeasible::{Infeasibility, InfeasibilityKind};
 pub use natural::natural_map;
 pub use prox::ProxStep;
 pub use report::{Method, SolveReport, Stage, Status};
 pub use residual::{Residual, natural_residual};
+pub use solutions::{ContactSolution, solutions};
 pub use stop::{Measure, Stop};
 
-use crate::contact::{ContactProblem, ContactState, Memory, Phase};
+use crate::contact::{ContactProblem, ContactState, Memory};
 use block::Block;
+use growth::Groups;
 use local::LocalSolution;
-use report::Ended;
+use report::{Ended, Findings};
 use threads::Threads;
 
 /// A solver and its options.
@@ -105,6 +111,8 @@ pub struct Workspace {
     pub velocity: Vec<f64>,
     /// Contacts that had more than one solution at the last call.
     pub ambiguous: Vec<bool>,
+    /// The proof, where the last call ended as [`Status::NoSolution`].
+    pub infeasibility: Option<Infeasibility>,
     /// Diagonal blocks of `G`, prepared.
     blocks: Vec<Block>,
     planar: Vec<LocalSolution<2>>,
@@ -112,11 +120,12 @@ pub struct Workspace {
     next: Vec<f64>,
     /// What [`Solver::Auto`] and its phases did at the last call.
     pub stages: Vec<Stage>,
+    groups: Groups,
     many: Option<Box<many::Many>>,
 }
 
 impl Workspace {
-    /// Buffers for this problem; to be called again whenever its Delassus operator changes.
+    /// Buffers for this problem; to be called again whenever its Delassus operator or its laws change.
     pub fn prepare(&mut self, problem: &ContactProblem) {
         let (rows, contacts) = (problem.rows(), problem.contacts().len());
         self.percussion.resize(rows, 0.0);
@@ -124,18 +133,25 @@ impl Workspace {
         self.next.resize(rows, 0.0);
         self.ambiguous.resize(contacts, false);
         self.states.resize(contacts, ContactState::default());
+        self.groups.resize(contacts);
         if let Some(many) = &mut self.many {
             many.reset();
         }
         self.blocks.clear();
         self.blocks.extend((0..contacts).map(|contact| Block::new(problem, contact)));
     }
+
+    /// Whether the buffers have the sizes of this problem.
+    fn fits(&self, problem: &ContactProblem) -> bool {
+        self.velocity.len() == problem.rows() && self.blocks.len() == problem.contacts().len()
+    }
 }
 
 impl Solver {
     /// Solves `problem` from the percussions and states in `memory`, which receives the new ones.
     ///
-    /// `workspace` must be prepared for the problem; it holds the velocities afterwards.
+    /// `workspace` holds the velocities afterwards. It must be prepared again whenever entries of the operator
+    /// or laws change; one of another size is prepared here, and a memory of another size is forgotten.
     pub fn solve(
         &self,
         problem: &ContactProblem,
@@ -143,35 +159,62 @@ impl Solver {
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
+        let (rows, contacts) = (problem.rows(), problem.contacts.len());
+        if !workspace.fits(problem) {
+            workspace.prepare(problem);
+        }
+        if memory.percussion.len() != rows || memory.states.len() != contacts {
+            *memory = Memory::new(rows, contacts);
+        }
+        workspace.infeasibility = None;
+        workspace.stages.clear();
         if problem.delassus.is_matrix_free() && !matches!(self, Self::ProxJacobi { .. }) {
             return self.without_entries(problem, stop, memory, workspace);
         }
         let threads = match self {
-            Self::Auto { threads, .. } => Threads::new(*threads, problem.contacts.len()),
+            Self::Auto { threads, .. } => Threads::new(*threads, contacts),
             _ => Threads::default(),
         };
-        // A start from what was no solution might look like one.
-        if problem.contacts.len() > 1
-            && residual::has_grown(problem, &memory.percussion, residual::WILD)
-        {
-            memory.percussion.fill(0.0);
-        }
+        forget_runaways(problem, memory, workspace);
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
-        let before = &*memory;
+        let (iterations, ended) = self.run(problem, stop, &threads, memory, workspace);
+        problem.velocity(&workspace.percussion, &mut workspace.velocity);
+        let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
+        let mut findings = judge(problem, (stop, ended), residual, workspace);
+        self.describe(problem, (stop, &threads), residual, memory, workspace);
+        findings.ambiguous = workspace.ambiguous.iter().any(|&several| several);
+        if let Some(method) = self.only_method(problem) {
+            let (factorizations, residual) = (0, residual.value);
+            workspace.stages.push(Stage { method, iterations, factorizations, residual });
+        }
+        std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
+        std::mem::swap(&mut workspace.states, &mut memory.states);
+        SolveReport::new(ended, iterations, residual, findings, stop.tolerance)
+    }
+
+    /// Runs the method from the percussions in `workspace`, where the states of `memory` decide between
+    /// solutions.
+    fn run(
+        &self,
+        problem: &ContactProblem,
+        stop: Stop<'_>,
+        threads: &Threads,
+        memory: &Memory,
+        workspace: &mut Workspace,
+    ) -> (usize, Ended) {
         let phase = |method: Method, max_iterations: usize, workspace: &mut Workspace| {
-            many::single(problem, stop, (method, max_iterations), before, workspace)
+            many::single(problem, stop, (method, max_iterations), memory, workspace)
         };
-        let (iterations, status) = match *self {
+        match *self {
             Self::Exact { max_sweeps } => {
-                exact::solve(problem, stop, (max_sweeps, &threads), memory, workspace)
+                exact::solve(problem, stop, (max_sweeps, threads), memory, workspace)
             }
             Self::Auto { .. } if problem.is_uncoupled() => {
-                exact::solve(problem, stop, (1, &threads), memory, workspace)
+                exact::solve(problem, stop, (1, threads), memory, workspace)
             }
             Self::Auto { interior_point, .. } => {
-                let plan = (interior_point, &threads);
-                many::automatic(problem, stop, plan, memory, workspace)
+                many::automatic(problem, stop, (interior_point, threads), memory, workspace)
             }
             Self::Newton { max_iterations } => phase(Method::Newton, max_iterations, workspace),
             Self::ProximalPoint { max_iterations } => {
@@ -187,42 +230,72 @@ impl Solver {
             Self::ProxGaussSeidel { step, max_iterations } => {
                 prox::gauss_seidel(problem, stop, step, max_iterations, workspace)
             }
-        };
-        problem.velocity(&workspace.percussion, &mut workspace.velocity);
-        let residual = stop.residual(problem, &workspace.percussion, &workspace.velocity);
-        let only = self.only_method(problem);
-        let exact = only == Some(Method::GaussSeidel);
+        }
+    }
+
+    /// Phases of the contacts, and which of them had several solutions.
+    fn describe(
+        &self,
+        problem: &ContactProblem,
+        (stop, threads): (Stop<'_>, &Threads),
+        residual: Residual,
+        memory: &Memory,
+        workspace: &mut Workspace,
+    ) {
+        let exact = self.only_method(problem) == Some(Method::GaussSeidel);
+        // Who has cancelled does not wait for a search of all contacts.
+        let left = residual.value > stop.tolerance && stop.early();
         // A sweep marks contacts before the last ones have moved.
-        if problem.delassus.is_matrix_free() {
+        if problem.delassus.is_matrix_free() || left {
             workspace.ambiguous.fill(false);
         } else if !exact || !problem.is_uncoupled() {
-            exact::mark_ambiguous(problem, stop, &threads, memory, workspace);
+            exact::mark_ambiguous(problem, stop, threads, memory, workspace);
         }
         if !exact {
             workspace.states.clone_from(&memory.states);
             phase::classify(problem, workspace);
         }
-        if let Some(method) = only {
-            let (factorizations, residual) = (0, residual.value);
-            workspace.stages.clear();
-            workspace.stages.push(Stage { method, iterations, factorizations, residual });
-        }
-        let report = SolveReport::new(
-            status,
-            iterations,
-            residual,
-            if residual.value <= stop.tolerance {
-                None
-            } else {
-                residual::runaway(problem, &workspace.percussion, &workspace.velocity)
-            },
-            stop.tolerance,
-            workspace,
-        );
-        std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
-        std::mem::swap(&mut workspace.states, &mut memory.states);
-        report
     }
+}
+
+/// Starts from zero where the percussions of before run away from this problem: they might look like a solution.
+fn forget_runaways(problem: &ContactProblem, memory: &mut Memory, workspace: &mut Workspace) {
+    let start = &mut memory.percussion;
+    if problem.contacts.len() == 1 || !growth::is_large(problem, start) {
+        return;
+    }
+    problem.velocity(start, &mut workspace.velocity);
+    let finite = start.iter().all(|p| p.is_finite());
+    if !finite
+        || growth::of(problem, start, &workspace.velocity, &mut workspace.groups)
+            .is_some_and(|growth| growth.running().is_some())
+    {
+        start.fill(0.0);
+    }
+}
+
+/// What the percussions in which a method ended say, and the proof if there is no solution.
+fn judge(
+    problem: &ContactProblem,
+    (stop, ended): (Stop<'_>, Ended),
+    residual: Residual,
+    workspace: &mut Workspace,
+) -> Findings {
+    let Workspace { percussion, velocity, groups, infeasibility, .. } = workspace;
+    let growth = growth::of(problem, percussion, velocity, groups);
+    let running = growth.and_then(|growth| growth.running());
+    if residual.value <= stop.tolerance && running.is_none() {
+        *infeasibility = None;
+        return Findings::default();
+    }
+    if infeasibility.is_none() && running.is_some() && !stop.early() {
+        *infeasibility = infeasible::prove(problem, percussion);
+    }
+    if let (None, Ended::Stuck(contact)) = (&infeasibility, ended) {
+        *infeasibility = infeasible::prove_alone(problem, contact, percussion);
+    }
+    let without_solution = infeasibility.as_ref().map(|proof| proof.contact);
+    Findings { running, without_solution, ambiguous: false }
 }
 
 impl Solver {
@@ -240,7 +313,7 @@ impl Solver {
         }
         problem.velocity(&memory.percussion, &mut workspace.velocity);
         let residual = stop.residual(problem, &memory.percussion, &workspace.velocity);
-        SolveReport::new(Ended::NotApplicable, 0, residual, None, stop.tolerance, workspace)
+        SolveReport::new(Ended::NotApplicable, 0, residual, Findings::default(), stop.tolerance)
     }
 
     /// The method of a solver that has one and does not report phases.
@@ -253,47 +326,4 @@ impl Solver {
             _ => None,
         }
     }
-}
-
-/// One of the solutions of a contact, on the contact's own rows.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ContactSolution {
-    /// What the contact does.
-    pub phase: Phase,
-    /// Percussions.
-    pub percussion: Vec<f64>,
-    /// Velocities `γ_E`.
-    pub velocity: Vec<f64>,
-    /// Not isolated, or a double root: perturbing the data may remove or split it.
-    pub degenerate: bool,
-}
-
-/// All solutions of one contact, the percussions of the others held: open, stick, then slips
-/// counter-clockwise along bdry *D*.
-pub fn solutions(
-    problem: &ContactProblem,
-    contact: usize,
-    percussion: &[f64],
-) -> Vec<ContactSolution> {
-    let rows = &problem.contacts()[contact];
-    let own = rows.offset..rows.offset + rows.len();
-    let mut all = percussion.to_vec();
-    let velocity = |all: &[f64]| {
-        let xi = problem.contact_velocity(contact, all, true);
-        own.clone().zip(xi).map(|(row, xi)| xi - problem.restitution[row]).collect()
-    };
-    let mut complete = |local: &LocalSolution<2>| {
-        if rows.normal_rows() == 1 {
-            all[rows.offset] = local.normal;
-        }
-        let tangent = &mut all[rows.tangent()..own.end];
-        tangent.copy_from_slice(&local.tangent.as_slice()[..rows.law.dimension()]);
-        ContactSolution {
-            phase: local.phase,
-            percussion: all[own.clone()].to_vec(),
-            velocity: velocity(&all),
-            degenerate: local.degenerate,
-        }
-    };
-    exact::all_solutions(problem, contact, percussion).iter().map(&mut complete).collect()
 }

@@ -1,19 +1,24 @@
 //! How a solve ended.
 
-use super::{Residual, Workspace};
+use super::Residual;
 
 /// Status of a solve; the text says what to try.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
     /// The residual is below the tolerance.
     Converged,
-    /// The iteration limit came first.
+    /// The iteration limit was reached before.
     MaxIterations,
     /// The time limit came first.
     TimeLimit,
     /// The solver is done, but rounding keeps the residual above the tolerance.
     Inexact,
-    /// A contact has no solution at all (Painlevé's paradox), the others held.
+    /// The solver makes no further progress above the tolerance.
+    Stalled,
+    /// Percussions grow without bound while a contact goes on approaching: there is probably no solution, but
+    /// that is not proven.
+    Unbounded,
+    /// There is no solution: [`Workspace::infeasibility`] holds the proof.
     NoSolution,
     /// The solver does not know all the laws or needs the entries of a matrix-free operator.
     NotApplicable,
@@ -27,6 +32,8 @@ impl Status {
             Self::MaxIterations => "max_iterations",
             Self::TimeLimit => "time_limit",
             Self::Inexact => "inexact",
+            Self::Stalled => "stalled",
+            Self::Unbounded => "unbounded",
             Self::NoSolution => "no_solution",
             Self::NotApplicable => "not_applicable",
         }
@@ -42,45 +49,67 @@ pub struct SolveReport {
     pub iterations: usize,
     /// Relative natural residual.
     pub residual: f64,
-    /// The contact with the largest residual, or the one without a solution.
+    /// The contact with the largest residual, the one that goes on approaching, or the one without a solution.
     pub worst_contact: usize,
     /// Whether some contact had more than one solution.
     pub ambiguous: bool,
 }
 
 impl SolveReport {
-    /// The residual alone decides whether the problem is solved; `ended` and the contact that percussions run
-    /// away from say why it is not.
+    /// What measures and proofs say of a result; why the method `ended` matters only where they decide nothing.
     pub(super) fn new(
         ended: Ended,
         iterations: usize,
         residual: Residual,
-        runaway: Option<usize>,
+        findings: Findings,
         tolerance: f64,
-        workspace: &Workspace,
     ) -> Self {
-        let solved = residual.value <= tolerance;
-        let (status, worst_contact) = match (ended, runaway) {
-            _ if solved => (Status::Converged, residual.worst_contact),
-            (Ended::NotApplicable, _) => (Status::NotApplicable, residual.worst_contact),
-            (_, Some(contact)) => (Status::NoSolution, contact),
-            (Ended::NoSolution(contact), _) => (Status::NoSolution, contact),
-            (Ended::TimeLimit, _) => (Status::TimeLimit, residual.worst_contact),
-            (Ended::Done, _) => (Status::Inexact, residual.worst_contact),
-            (Ended::MaxIterations, _) => (Status::MaxIterations, residual.worst_contact),
+        let Findings { running, without_solution, ambiguous } = findings;
+        let worst = residual.worst_contact;
+        let (status, worst_contact) = match (ended, without_solution, running) {
+            (_, Some(contact), _) => (Status::NoSolution, contact),
+            (_, _, None) if residual.value <= tolerance => (Status::Converged, worst),
+            (Ended::NotApplicable, ..) => (Status::NotApplicable, worst),
+            (Ended::TimeLimit, ..) => (Status::TimeLimit, worst),
+            (Ended::Unbounded(contact), ..) => (Status::Unbounded, contact),
+            (_, _, Some(contact)) if residual.value <= tolerance => (Status::Unbounded, contact),
+            (Ended::MaxIterations, ..) => (Status::MaxIterations, worst),
+            (_, _, Some(contact)) => (Status::Unbounded, contact),
+            (Ended::Done, ..) => (Status::Inexact, worst),
+            (Ended::Stalled, ..) => (Status::Stalled, worst),
+            (Ended::Stuck(contact), ..) => (Status::Stalled, contact),
         };
-        let ambiguous = workspace.ambiguous.iter().any(|&several| several);
         Self { status, iterations, residual: residual.value, worst_contact, ambiguous }
     }
 }
 
-/// Why a solver stopped.
+/// What was found out about the percussions in which a solve ended.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Findings {
+    /// The contact that percussions run away from.
+    pub(super) running: Option<usize>,
+    /// The contact of a proof that there is no solution.
+    pub(super) without_solution: Option<usize>,
+    /// Whether some contact has several solutions.
+    pub(super) ambiguous: bool,
+}
+
+/// Why a method stopped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Ended {
+    /// There is nothing left to do.
     Done,
+    /// The iteration limit of the user is reached.
     MaxIterations,
+    /// The time limit is reached, or the user has cancelled.
     TimeLimit,
-    NoSolution(usize),
+    /// No further progress.
+    Stalled,
+    /// Percussions have grown beyond what rounding can resolve while this contact goes on approaching.
+    Unbounded(usize),
+    /// No solution was found for this contact, the others held.
+    Stuck(usize),
+    /// The method does not take these laws or operators.
     NotApplicable,
 }
 

@@ -2,7 +2,7 @@
 
 use asperity_set::{ConvexSet, StarSet, Vector};
 
-use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
+use crate::contact::{ContactProblem, Delassus, NormalForce};
 use crate::law::{FrictionLaw, Law};
 
 /// Natural residual of a problem.
@@ -67,50 +67,6 @@ pub fn natural_residual(
     }
     let value = if worst < 0.0 { 0.0 } else { f64::sqrt(worst) };
     Residual { value, worst_contact }
-}
-
-/// The fastest approach of a contact against the largest normal load, if it is more than a hundredth.
-///
-/// Percussions that grow without bound make every relative defect small: where there is no solution, this is
-/// what tells.
-pub(super) fn approach(problem: &ContactProblem, velocity: &[f64]) -> Option<(usize, f64)> {
-    let xi = ContactVelocity { velocity, restitution: &problem.restitution };
-    let (mut fastest, mut limit) = (None, 0.0);
-    for (i, rows) in problem.contacts.iter().enumerate() {
-        if rows.normal == NormalForce::Unilateral && -xi.of(rows.offset) > limit {
-            (limit, fastest) = (-xi.of(rows.offset), Some(i));
-        }
-    }
-    let contact = fastest?;
-    let unilateral = problem.contacts.iter().filter(|rows| rows.normal_rows() == 1);
-    let load =
-        |rows: &ContactRows| problem.free_velocity[rows.offset] + problem.restitution[rows.offset];
-    let largest = unilateral.fold(0.0, |m: f64, rows| m.max(load(rows).abs()));
-    let relative = limit / largest;
-    (relative > 1e-2).then_some((contact, relative))
-}
-
-/// Whether percussions are more than `factor` times what the loads would need one by one; stacks and vaults
-/// need some hundreds.
-pub(super) fn has_grown(problem: &ContactProblem, percussion: &[f64], factor: f64) -> bool {
-    let squares = percussion.iter().map(|p| p * p).sum::<f64>();
-    // The comparison also finds NaN.
-    !(squares <= (factor * problem.global_rho() * problem.load_norm()).powi(2))
-}
-
-/// Growth beyond which a contact that goes on approaching has no solution, and beyond which a start is not
-/// taken.
-pub(super) const RUNAWAY: f64 = 1e6;
-pub(super) const WILD: f64 = 1e4;
-
-/// The contact that goes on approaching although percussions have grown without bound: there is no solution.
-pub(super) fn runaway(
-    problem: &ContactProblem,
-    percussion: &[f64],
-    velocity: &[f64],
-) -> Option<usize> {
-    let approaching = approach(problem, velocity)?.0;
-    has_grown(problem, percussion, RUNAWAY).then_some(approaching)
 }
 
 /// Square of what the defect of a contact is compared with: its percussion, its free velocity and the

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::natural::natural_map;
-use super::residual::{self, Residual, natural_residual};
+use super::residual::{Residual, natural_residual};
 use crate::contact::ContactProblem;
 
 /// What decides whether a problem is solved.
@@ -42,20 +42,13 @@ impl Stop<'_> {
         velocity: &[f64],
     ) -> Residual {
         let contact = natural_residual(problem, percussion, velocity);
-        let mut residual = match self.measure {
+        match self.measure {
             Measure::Contact => contact,
             Measure::Global => {
                 let value = natural_map(problem, percussion, velocity);
                 Residual { value, ..contact }
             }
-        };
-        // Small defects do not count while a contact goes on approaching.
-        if let Some((worst_contact, value)) = residual::approach(problem, velocity)
-            && !(residual.value > value)
-        {
-            residual = Residual { value, worst_contact };
         }
-        residual
     }
 
     /// Whether to give up before the tolerance is reached.

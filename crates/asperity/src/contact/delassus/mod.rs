@@ -44,7 +44,7 @@ impl MatrixFree {
         }
         let diagonal = probe(operator.as_ref(), sizes, got, |i| vec![i]);
         let mut out = Self { operator, diagonal, norm: 0.0 };
-        let (low, high) = Delassus::MatrixFree(out.clone()).spectrum();
+        let (low, high) = Delassus::MatrixFree(out.clone()).spectrum()?;
         out.norm = high.max(-low);
         Ok(out)
     }

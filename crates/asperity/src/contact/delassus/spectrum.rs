@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::Delassus;
+use crate::contact::ProblemError;
 
 /// Lanczos steps.
 const STEPS: usize = 80;
@@ -12,21 +13,26 @@ impl Delassus {
     /// orthogonalisation.
     ///
     /// The largest is good to many digits, the smallest is an upper bound that is good where the spectrum is
-    /// not wide; a matrix-free operator is taken as symmetric.
-    pub fn spectrum(&self) -> (f64, f64) {
+    /// not wide; a matrix-free operator is taken as symmetric. An error where an eigenvalue is beyond all numbers.
+    pub fn spectrum(&self) -> Result<(f64, f64), ProblemError> {
         let rows = self.rows();
         let steps = rows.min(STEPS);
         if steps == 0 {
-            return (0.0, 0.0);
+            return Ok((0.0, 0.0));
         }
         let mut basis: Vec<DVector<f64>> = Vec::with_capacity(steps);
         let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
         // Any start that no eigenvector is likely to be orthogonal to.
         let mut next =
             DVector::from_fn(rows, |i, _| 1.0 + 0.5 * (i as f64 * 1.618).sin()).normalize();
+        // In units in which the squares of products are numbers, too.
+        let unit = match self.symmetric_product(&next, 1.0).amax() {
+            size if size > 0.0 && size.is_finite() => size,
+            _ => self.entries().iter().fold(0.0, |m: f64, g| m.max(g.abs())).max(f64::MIN_POSITIVE),
+        };
         let mut largest = 0.0_f64;
         for _ in 0..steps {
-            let mut image = self.symmetric_product(&next);
+            let mut image = self.symmetric_product(&next, unit);
             diagonal.push(next.dot(&image));
             basis.push(next);
             // Twice is enough.
@@ -49,16 +55,29 @@ impl Delassus {
             1 => beside[i.min(j)],
             _ => 0.0,
         });
+        let beyond = |value| {
+            let allowed = "so small that its eigenvalues are finite";
+            Err(ProblemError::Value { argument: "delassus", allowed, value })
+        };
+        if let Some(&value) = diagonal.iter().chain(&beside).find(|value| !value.is_finite()) {
+            return beyond(value * unit);
+        }
         let found = SymmetricEigen::new(tridiagonal).eigenvalues;
-        (found.min(), found.max())
+        let (low, high) = (found.min() * unit, found.max() * unit);
+        match low.is_finite() && high.is_finite() {
+            true => Ok((low, high)),
+            false => beyond(high.max(-low)),
+        }
     }
 
-    fn symmetric_product(&self, x: &DVector<f64>) -> DVector<f64> {
+    /// `½(G + Gᵀ) x` in a unit.
+    fn symmetric_product(&self, x: &DVector<f64>, unit: f64) -> DVector<f64> {
+        let x = x / unit;
         let mut out = DVector::zeros(x.len());
         self.apply(x.as_slice(), out.as_mut_slice());
         let mut transposed = DVector::zeros(x.len());
         match self {
-            Self::Dense(g) => transposed = g.tr_mul(x),
+            Self::Dense(g) => transposed = g.tr_mul(&x),
             Self::MatrixFree(..) => return out,
             _ => {
                 if let Some(blocks) = self.blocks() {
@@ -66,6 +85,6 @@ impl Delassus {
                 }
             }
         }
-        (out + transposed) * 0.5
+        out * 0.5 + transposed * 0.5
     }
 }

@@ -31,8 +31,8 @@ pub(super) struct Admm {
 }
 
 impl Run<'_, '_> {
-    /// Iterates from the best percussions.
-    pub(super) fn admm(&mut self, max_iterations: usize) {
+    /// Iterates from the best percussions; whether the limit of iterations ended it.
+    pub(super) fn admm(&mut self, max_iterations: usize) -> bool {
         let problem = self.problem;
         self.adopt_best();
         self.start_admm();
@@ -41,7 +41,7 @@ impl Run<'_, '_> {
         let (mut iterations, mut factorizations) = (0, 1);
         if !self.factor_admm(penalty) {
             self.record(Method::Admm, 0, 1);
-            return;
+            return false;
         }
         while !self.solved && iterations < max_iterations && !self.stop.early() {
             iterations += 1;
@@ -63,6 +63,7 @@ impl Run<'_, '_> {
             }
         }
         self.record(Method::Admm, iterations, factorizations);
+        iterations == max_iterations
     }
 
     fn start_admm(&mut self) {

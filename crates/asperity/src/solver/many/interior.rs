@@ -64,8 +64,9 @@ impl Run<'_, '_> {
         self.many.cones.read(self.problem)
     }
 
-    /// Iterates until the natural map is below `goal`, the problem is solved or the iterations are made.
-    pub(super) fn interior_point(&mut self, max_iterations: usize, goal: f64) {
+    /// Iterates until the natural map is below `goal`, the problem is solved or the iterations are made; whether
+    /// these are what ended it.
+    pub(super) fn interior_point(&mut self, max_iterations: usize, goal: f64) -> bool {
         let problem = self.problem;
         let size = problem.load_norm() / (problem.contacts.len() as f64).sqrt();
         let units =
@@ -90,6 +91,7 @@ impl Run<'_, '_> {
             }
         }
         self.record(Method::InteriorPoint, iterations, iterations);
+        iterations == max_iterations
     }
 }
 

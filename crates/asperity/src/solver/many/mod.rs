@@ -15,10 +15,12 @@ mod phases;
 mod proximal;
 
 use super::exact;
+use super::growth::{self, BOUNDLESS, Groups, Growth};
+use super::infeasible;
 use super::natural::natural_map;
 use super::quick;
 use super::report::{Ended, Method, Stage};
-use super::residual::{approach, natural_residual, runaway};
+use super::residual::natural_residual;
 use super::{Measure, Stop, Workspace};
 use crate::contact::{ContactProblem, Memory};
 pub(super) use phases::{automatic, single};
@@ -42,6 +44,9 @@ pub(super) struct Many {
     centre: Vec<f64>,
     trial: Vec<f64>,
     velocity: Vec<f64>,
+    /// The last percussions that ran away.
+    astray: Vec<f64>,
+    groups: Groups,
 }
 
 impl Many {
@@ -62,17 +67,18 @@ pub(super) struct Run<'a, 'b> {
     grade: f64,
     /// Whether they pass the measure of the stop.
     solved: bool,
+    /// The contact of the last sweep that had no solution, the others held.
     stuck: Option<usize>,
-    /// The contact that goes on approaching while percussions grow.
-    runs_away: Option<usize>,
+    /// Percussions have grown beyond those kept, and a contact goes on approaching.
+    growth: Option<Growth>,
+    /// Growth at which a proof that there is no solution is tried next.
+    suspicion: f64,
     sweeps: usize,
 }
 
-/// Whether a contact has no solution with the others held.
-fn has_none(problem: &ContactProblem, contact: usize, percussion: &[f64]) -> bool {
-    let listed = problem.contacts[contact].law.dimension() < 3;
-    listed && exact::all_solutions(problem, contact, percussion).is_empty()
-}
+/// Growth at which a proof is tried for the first time, and its factor to the next time: percussions come closer
+/// to a direction that proves it the more they grow.
+const SUSPICION: f64 = 1e4;
 
 impl<'a, 'b> Run<'a, 'b> {
     /// Begins with the percussions in the workspace.
@@ -83,7 +89,6 @@ impl<'a, 'b> Run<'a, 'b> {
         workspace: &'a mut Workspace,
     ) -> Self {
         let many = workspace.many.take().unwrap_or_default();
-        workspace.stages.clear();
         let (grade, solved, stuck, sweeps) = (f64::INFINITY, false, None, 0);
         let mut run = Self {
             problem,
@@ -94,38 +99,62 @@ impl<'a, 'b> Run<'a, 'b> {
             grade,
             solved,
             stuck,
+            growth: None,
+            suspicion: SUSPICION,
             sweeps,
-            runs_away: None,
         };
         let rows = problem.rows();
-        let Many { best, centre, trial, velocity, .. } = &mut *run.many;
-        for list in [best, centre, trial, velocity] {
+        let Many { best, centre, trial, velocity, astray, groups, .. } = &mut *run.many;
+        groups.resize(problem.contacts.len());
+        for list in [best, centre, trial, velocity, astray] {
+            list.clear();
             list.resize(rows, 0.0);
         }
         run.grade_sweeps();
         run
     }
 
-    /// Puts the best percussions back; iterations and why it ended.
-    pub(super) fn finish(self) -> (usize, Ended) {
-        let Self { problem, workspace, many, solved, stuck, runs_away, stop, .. } = self;
+    /// Puts the best percussions back; iterations and why it ended, `limited` by the user's number of iterations
+    /// or not.
+    pub(super) fn finish(mut self, limited: bool) -> (usize, Ended) {
+        let early = self.stop.early();
+        if !self.solved && !early {
+            self.is_infeasible();
+        }
+        let Self { workspace, many, growth, .. } = self;
         workspace.percussion.copy_from_slice(&many.best);
         workspace.many = Some(many);
         let iterations = workspace.stages.iter().map(|stage| stage.iterations).sum();
-        let ended = if solved {
-            Ended::Done
-        } else if stop.early() {
-            Ended::TimeLimit
-        } else {
-            match (runs_away, stuck) {
-                (Some(contact), _) => Ended::NoSolution(contact),
-                (None, Some(contact)) if has_none(problem, contact, &workspace.percussion) => {
-                    Ended::NoSolution(contact)
-                }
-                _ => Ended::MaxIterations,
+        let ended = match (growth, self.stuck) {
+            _ if self.solved => Ended::Done,
+            _ if early => Ended::TimeLimit,
+            (Some(growth), _) if !limited || growth.factor >= BOUNDLESS => {
+                Ended::Unbounded(growth.contact)
             }
+            _ if limited => Ended::MaxIterations,
+            (_, Some(contact)) => Ended::Stuck(contact),
+            _ => Ended::Stalled,
         };
         (iterations, ended)
+    }
+
+    /// Whether growth is beyond all bounds or proves that there is no solution.
+    fn is_hopeless(&mut self) -> bool {
+        let Some(growth) = self.growth else { return false };
+        if growth.factor < self.suspicion {
+            return false;
+        }
+        self.suspicion = SUSPICION * growth.factor;
+        self.is_infeasible() || growth.factor >= BOUNDLESS
+    }
+
+    /// Whether the percussions that run away prove that there is no solution.
+    fn is_infeasible(&mut self) -> bool {
+        let proof = &mut self.workspace.infeasibility;
+        if self.growth.is_some() && proof.is_none() {
+            *proof = infeasible::prove(self.problem, &self.many.astray);
+        }
+        proof.is_some()
     }
 
     /// Prepares Newton's method: orderings and buffers.
@@ -170,15 +199,27 @@ impl<'a, 'b> Run<'a, 'b> {
                     && natural_residual(self.problem, percussion, velocity).value <= goal
             }
         };
-        if runaway(self.problem, percussion, velocity).is_some() {
-            return grade;
-        }
-        let solved = small && approach(self.problem, velocity).is_none();
-        if solved && !self.solved || grade < self.grade && solved >= self.solved {
-            (self.grade, self.solved) = (grade, solved);
-            self.many.best.copy_from_slice(percussion);
+        let better = small && !self.solved || grade < self.grade && small >= self.solved;
+        if better {
+            self.keep(percussion, grade, small);
         }
         grade
+    }
+
+    /// Keeps better percussions than before, unless they run away: such look better and better, and are no start
+    /// for anything.
+    fn keep(&mut self, percussion: &[f64], grade: f64, small: bool) {
+        let Many { astray, velocity, groups, .. } = &mut *self.many;
+        self.growth = growth::of(self.problem, percussion, velocity, groups);
+        if self.growth.is_some_and(|growth| growth.running().is_some()) {
+            astray.copy_from_slice(percussion);
+            return;
+        }
+        let solved = small && self.growth.is_none();
+        if solved || !self.solved {
+            (self.grade, self.solved, self.growth) = (grade, solved, None);
+            self.many.best.copy_from_slice(percussion);
+        }
     }
 
     /// Starts a phase from the best percussions.

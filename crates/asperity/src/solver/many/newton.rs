@@ -23,6 +23,9 @@ const PATIENCE: usize = 25;
 pub(super) struct Goal {
     /// `ε`, in units of `G`.
     pub(super) epsilon: f64,
+    /// Regularisation of the matrices only, relative to the mean diagonal entry of the contact's own block: it
+    /// changes the steps, not where they lead.
+    pub(super) shift: f64,
     /// `‖F‖` that will do, a percussion.
     pub(super) tolerance: f64,
     pub(super) max_iterations: usize,
@@ -96,7 +99,7 @@ impl Newton {
         stop: Stop<'_>,
     ) -> (f64, usize) {
         self.start(problem, percussion, centre, goal.epsilon);
-        let mut norm = self.linearize(problem, percussion, goal.epsilon);
+        let mut norm = self.linearize(problem, percussion, goal);
         self.best.copy_from_slice(percussion);
         let mut best = norm;
         self.norms.clear();
@@ -107,7 +110,7 @@ impl Newton {
             if !self.direction(problem, matrix, goal.epsilon) {
                 break;
             }
-            norm = self.search(problem, percussion, goal.epsilon);
+            norm = self.search(problem, percussion, goal);
             self.norms.push(norm);
             if norm < best {
                 best = norm;
@@ -130,8 +133,8 @@ impl Newton {
         }
     }
 
-    /// `F`, its Jacobians `A + εB`, `B`, and `‖F‖`.
-    fn linearize(&mut self, problem: &ContactProblem, percussion: &[f64], epsilon: f64) -> f64 {
+    /// `F`, its Jacobians `A + (ε + shift) B`, `B`, and `‖F‖`.
+    fn linearize(&mut self, problem: &ContactProblem, percussion: &[f64], goal: Goal) -> f64 {
         let Self { rho, a, b, own, xi, threads, .. } = self;
         let (rho, xi) = (&rho[..], &xi[..]);
         let jet = |i: usize, f: &mut [f64; 4], a: &mut Small, b: &mut Small| {
@@ -139,7 +142,7 @@ impl Newton {
             let range = rows.offset..rows.offset + rows.len();
             let at = (&percussion[range.clone()], &xi[range]);
             natural_map::jet(rows, rho[i], at, &mut f[..rows.len()], (&mut *a, &mut *b));
-            *a += *b * epsilon;
+            *a += *b * (goal.epsilon + goal.shift / problem.rho[i]);
         };
         if threads.serve(own.len()) {
             threads.run(|| {
@@ -184,7 +187,7 @@ impl Newton {
 
     /// Goes along the step as far as `‖F‖` falls below its largest of the last iterations, else to the best
     /// point that was seen.
-    fn search(&mut self, problem: &ContactProblem, percussion: &mut [f64], epsilon: f64) -> f64 {
+    fn search(&mut self, problem: &ContactProblem, percussion: &mut [f64], goal: Goal) -> f64 {
         let recent = self.norms.iter().rev().take(MEMORY);
         let reference = recent.fold(0.0_f64, |m, &v| m.max(v));
         let (mut length, mut best, mut shortest) = (1.0, f64::INFINITY, 1.0);
@@ -203,7 +206,7 @@ impl Newton {
         }
         percussion.copy_from_slice(&self.trial);
         self.xi.copy_from_slice(&self.trial_xi);
-        self.linearize(problem, percussion, epsilon)
+        self.linearize(problem, percussion, goal)
     }
 
     /// `‖F‖` a part of the step ahead.

@@ -1,5 +1,6 @@
 //! In which order the phases come.
 
+use super::newton::Goal;
 use super::{Many, Method, Run, exact};
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use crate::solver::report::Ended;
@@ -16,6 +17,11 @@ const ATTEMPT: usize = 6;
 const INTERIOR: usize = 40;
 /// Outer steps of the last phase.
 const OUTER: usize = 5000;
+/// Natural map below which Newton's method finds the digits that rounding keeps from the interior point method.
+const POLISHED: f64 = 1e-4;
+/// Regularisation of the matrices of Newton's method alone, relative to the blocks of `G`: elimination among bodies
+/// divides by it, and half the digits of the steps are left on either side.
+const SHIFT: f64 = 1e-8;
 /// Natural map at which the interior point method, whose digits end there, hands over.
 const INTERIOR_GOAL: f64 = 1e-7;
 
@@ -41,7 +47,7 @@ pub(crate) fn automatic(
         run.proximal_point(OUTER);
     }
     run.continue_states();
-    run.finish()
+    run.finish(false)
 }
 
 /// One phase alone.
@@ -55,18 +61,24 @@ pub(crate) fn single(
     let mut run = Run::new(problem, stop, memory, workspace);
     let conic = matches!(method, Method::InteriorPoint | Method::Admm);
     if conic && !run.cones_fit() {
-        run.finish();
+        run.finish(false);
         return (0, Ended::NotApplicable);
     }
     run.many.newton.threads = Threads::default();
     run.prepare_newton();
-    match method {
-        Method::InteriorPoint => run.interior_point(max_iterations, 0.0),
+    let limited = match method {
+        Method::InteriorPoint => {
+            let limited = run.interior_point(max_iterations, 0.0);
+            if !limited && !run.over() && run.grade < POLISHED {
+                run.newton_attempt(ATTEMPT);
+            }
+            limited
+        }
         Method::Admm => run.admm(max_iterations),
         Method::Newton => run.plain_newton(max_iterations),
         _ => run.proximal_point(max_iterations),
-    }
-    run.finish()
+    };
+    run.finish(limited)
 }
 
 impl Run<'_, '_> {
@@ -86,19 +98,24 @@ impl Run<'_, '_> {
         if !self.workspace.ambiguous.contains(&true) {
             return;
         }
+        // The solution of before stays in `trial`, in case the sweeps do not end in another one.
+        let Many { best, trial, .. } = &mut *self.many;
+        trial.copy_from_slice(best);
+        let before = self.grade;
         for _ in 0..TRIAL_SWEEPS {
             (self.solved, self.grade) = (false, f64::INFINITY);
-            let Many { best, trial, .. } = &mut *self.many;
-            std::mem::swap(best, trial);
             self.grade_sweeps();
             if self.solved {
+                return;
+            }
+            if self.stop.early() {
                 break;
             }
-            let Many { best, trial, .. } = &mut *self.many;
-            std::mem::swap(best, trial);
             exact::sweep(self.problem, self.memory, self.workspace, false);
         }
-        self.solved = true;
+        (self.solved, self.grade, self.growth) = (true, before, None);
+        let Many { best, trial, .. } = &mut *self.many;
+        best.copy_from_slice(trial);
     }
 
     /// Sweeps while their rate promises an end.
@@ -133,12 +150,14 @@ impl Run<'_, '_> {
         self.record(Method::GaussSeidel, k, 0);
     }
 
-    /// Newton's method on the problem itself, with as much regularisation as rounding has.
-    fn plain_newton(&mut self, max_iterations: usize) {
+    /// Newton's method on the problem itself, its matrices with as much regularisation as rounding has; whether
+    /// the limit of iterations ended it.
+    fn plain_newton(&mut self, max_iterations: usize) -> bool {
         let grade = self.adopt_best();
-        let goal = self.inner_goal(grade, 0.0, max_iterations);
+        let goal = Goal { shift: SHIFT, ..self.inner_goal(grade, 0.0, max_iterations) };
         let (_, iterations) = self.newton_from_centre(goal);
         self.grade_trial();
         self.record(Method::Newton, iterations, self.many.newton.factorizations);
+        iterations == max_iterations
     }
 }

@@ -5,7 +5,7 @@
 //! natural map take turns; sweeps help out.
 
 use super::newton::Goal;
-use super::{Many, Method, Run, runaway};
+use super::{Many, Method, Run};
 
 /// Factors of the prox parameters. Hyperstatic problems have percussions a hundred times their loads; larger
 /// parameters cut the factorisations there by up to ten, and taking turns makes the choice insensitive.
@@ -69,8 +69,9 @@ impl Schedule {
 }
 
 impl Run<'_, '_> {
-    /// Iterates until the problem is solved, the stop says so or `max_iterations` outer steps are made.
-    pub(super) fn proximal_point(&mut self, max_iterations: usize) {
+    /// Iterates until the problem is solved, the stop says so or `max_iterations` outer steps are made; whether
+    /// these are what ended it.
+    pub(super) fn proximal_point(&mut self, max_iterations: usize) -> bool {
         let problem = self.problem;
         let mut grade = self.adopt_best();
         let mut schedule = Schedule::new(grade);
@@ -82,7 +83,7 @@ impl Run<'_, '_> {
             let goal = self.inner_goal(grade, schedule.epsilon, INNER);
             let (norm, iterations) = self.newton_from_centre(goal);
             let found = self.grade_trial();
-            if self.solved {
+            if self.solved || self.is_hopeless() {
                 break;
             }
             lost = if found < lowest { 0 } else { lost + 1 };
@@ -97,9 +98,6 @@ impl Run<'_, '_> {
                 (grade, lost) = (1.0, 0);
             } else if norm <= goal.tolerance {
                 grade = self.adopt_trial(found);
-                if self.runs_away() {
-                    break;
-                }
                 schedule.tighten(iterations);
             } else {
                 grade = self.sweep_from_centre(grade);
@@ -114,6 +112,7 @@ impl Run<'_, '_> {
         }
         let factorizations = self.many.newton.factorizations - before;
         self.record(Method::ProximalPoint, outer, factorizations);
+        outer == max_iterations
     }
 
     /// Newton's method from the centre, the proximal point of which it looks for, to the trial.
@@ -148,14 +147,6 @@ impl Run<'_, '_> {
         found
     }
 
-    /// Whether percussions grow without bound and yet some contact goes on approaching: there is no solution.
-    fn runs_away(&mut self) -> bool {
-        let Many { centre, velocity, .. } = &mut *self.many;
-        self.problem.velocity(centre, velocity);
-        self.runs_away = runaway(self.problem, centre, velocity);
-        self.runs_away.is_some()
-    }
-
     /// A short attempt with little regularisation: it ends the work where `G` has full rank.
     pub(super) fn newton_attempt(&mut self, max_iterations: usize) {
         let mut grade = self.adopt_best();
@@ -181,7 +172,7 @@ impl Run<'_, '_> {
         let scale = self.scale(&self.many.centre);
         let relative = (0.01 * grade * (10.0 * epsilon).min(1.0)).max(self.floor());
         let epsilon = epsilon / self.problem.global_rho();
-        Goal { epsilon, tolerance: relative * scale, max_iterations }
+        Goal { epsilon, shift: 0.0, tolerance: relative * scale, max_iterations }
     }
 
     /// Sweeps from the centre, kept if they improve it; the grade of the centre.

@@ -1,0 +1,233 @@
+//! Percussions that run away.
+//!
+//! Residuals are relative to percussions: where these grow without bound while contacts go on approaching, as
+//! they do where no percussions are admissible, every relative defect becomes small. Three sums of powers tell
+//! such growth from the large percussions that heavy bodies on light ones do need. Over the unilateral contacts
+//! `i` of a group of contacts that influence each other, with `l_i` the velocity that the contact would have
+//! without unilateral percussions,
+//!
+//! `Q = Σ P_Ni max(0, −ξ_Ni)`, `L = Σ P_Ni |l_i|`, `A = Σ P_Ni Σ_j |G_ij P_j|`.
+//!
+//! `Q`, and the like sum over separating contacts, vanishes at solutions; percussions that run away leave `Q ≈ L` however large they are. `A/L` is how far
+//! velocities that percussions bring cancel: the growth. As powers, all three are invariant under units, also
+//! of single rows, and ratios of them under masses.
+
+use super::residual::ContactVelocity;
+use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
+
+/// Part of the loads' power that contacts may approach with. Where growth is below [`GROWN`], a residual of
+/// 1e-4 and less implies it.
+const APPROACHING: f64 = 1e-2;
+/// Growth that stacks and vaults do not exceed without need, and beyond which a start is not taken where
+/// contacts approach.
+const GROWN: f64 = 1e2;
+/// Growth at which percussions count as boundless: rounding of `G` is about to hide the loads.
+pub(super) const BOUNDLESS: f64 = 1e13;
+/// Normal loads below this part of all loads are rounding: growth is not measured by them.
+const NO_LOAD: f64 = 1e-12;
+/// Power relative to those that cancel in it which rounding explains.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Percussions that have grown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Growth {
+    /// What the group with the largest growth does.
+    pub(super) kind: Kind,
+    /// The contact with the largest power there.
+    pub(super) contact: usize,
+    /// `A/L` of the group.
+    pub(super) factor: f64,
+}
+
+/// What contacts do whose percussions have grown; the later, the worse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Kind {
+    /// They separate with percussions: an iteration has passed the solution.
+    Separating,
+    /// Growth is boundless: rounding may hide that they approach.
+    Boundless,
+    /// They go on approaching.
+    Approaching,
+}
+
+impl Growth {
+    /// The contact that percussions run away from.
+    pub(super) fn running(&self) -> Option<usize> {
+        (self.kind != Kind::Separating).then_some(self.contact)
+    }
+}
+
+/// Scratch: the groups of contacts, and `Q`, `L`, `A` of each.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Groups {
+    first: Vec<usize>,
+    sums: Vec<Powers>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Powers {
+    approach: f64,
+    separation: f64,
+    load: f64,
+    /// The same with the largest load of all rows of the problem.
+    largest: f64,
+    brought: f64,
+}
+
+impl Powers {
+    /// What the contacts of the group do, if their percussions have grown.
+    fn kind(&self) -> Option<Kind> {
+        let Self { approach, separation, load, largest, brought } = *self;
+        let boundless = brought > BOUNDLESS * load && load > NO_LOAD * largest;
+        // What rounding leaves is no velocity.
+        let counts = |power: f64| power > APPROACHING * load && power > ROUNDING * brought;
+        if !(brought > GROWN * load) {
+            None
+        } else if counts(approach) {
+            Some(Kind::Approaching)
+        } else if boundless {
+            Some(Kind::Boundless)
+        } else {
+            counts(separation).then_some(Kind::Separating)
+        }
+    }
+}
+
+impl Groups {
+    /// Buffers for so many contacts.
+    pub(super) fn resize(&mut self, contacts: usize) {
+        self.first.resize(contacts, 0);
+        self.sums.resize(contacts, Powers::default());
+    }
+
+    /// Joins contacts that influence each other.
+    fn join(&mut self, problem: &ContactProblem) {
+        self.resize(problem.contacts.len());
+        self.first.iter_mut().enumerate().for_each(|(i, first)| *first = i);
+        self.sums.fill(Powers::default());
+        for i in 0..problem.contacts.len() {
+            let mut joined = |j: usize| {
+                let (a, b) = (self.find(i), self.find(j));
+                self.first[a.max(b)] = a.min(b);
+            };
+            match &problem.delassus {
+                Delassus::Dense(g) => {
+                    for (j, other) in problem.contacts.iter().enumerate() {
+                        let rows = range(&problem.contacts[i]);
+                        let meet = |row: usize| range(other).any(|column| g[(row, column)] != 0.0);
+                        if rows.clone().any(meet) {
+                            joined(j);
+                        }
+                    }
+                }
+                Delassus::MatrixFree(..) => joined(0),
+                other => {
+                    let blocks = other.blocks().into_iter();
+                    blocks.for_each(|g| g.neighbours(i).iter().for_each(|&j| joined(j)));
+                }
+            }
+        }
+    }
+
+    fn find(&mut self, mut i: usize) -> usize {
+        while self.first[i] != i {
+            self.first[i] = self.first[self.first[i]];
+            i = self.first[i];
+        }
+        i
+    }
+}
+
+fn range(contact: &ContactRows) -> std::ops::Range<usize> {
+    contact.offset..contact.offset + contact.len()
+}
+
+/// How percussions have grown, with velocities `γ_E` that belong to them.
+pub(super) fn of(
+    problem: &ContactProblem,
+    percussion: &[f64],
+    velocity: &[f64],
+    groups: &mut Groups,
+) -> Option<Growth> {
+    let xi = ContactVelocity { velocity, restitution: &problem.restitution };
+    let pushing = |rows: &ContactRows| {
+        rows.normal == NormalForce::Unilateral && percussion[rows.offset] > 0.0
+    };
+    // Most solutions end here: no contact that pushes moves against its own load.
+    let moves = |rows: &ContactRows| {
+        let row = rows.offset;
+        let load = problem.free_velocity[row] + problem.restitution[row];
+        pushing(rows) && xi.of(row).abs() > APPROACHING * load.abs()
+    };
+    if !problem.contacts.iter().any(moves) && !is_large(problem, percussion) {
+        return None;
+    }
+    groups.join(problem);
+    let loads = problem.free_velocity.iter().zip(&problem.restitution);
+    let largest = loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));
+    for (i, rows) in problem.contacts.iter().enumerate().filter(|(_, rows)| pushing(rows)) {
+        let (push, xi) = (percussion[rows.offset], xi.of(rows.offset));
+        let (load, brought) = velocities(problem, i, percussion);
+        let group = groups.find(i);
+        let sums = &mut groups.sums[group];
+        sums.approach += push * f64::max(0.0, -xi);
+        sums.separation += push * f64::max(0.0, xi);
+        sums.load += push * load;
+        sums.largest += push * largest;
+        sums.brought += push * brought;
+    }
+    let mut worst: Option<(Kind, f64, usize)> = None;
+    for (i, rows) in problem.contacts.iter().enumerate().filter(|(_, rows)| pushing(rows)) {
+        let group = groups.find(i);
+        let Some(kind) = groups.sums[group].kind() else { continue };
+        let sign = if kind == Kind::Approaching { -1.0 } else { 1.0 };
+        let power = sign * percussion[rows.offset] * xi.of(rows.offset);
+        if worst.is_none_or(|(k, largest, _)| kind > k || kind == k && power > largest) {
+            worst = Some((kind, power, i));
+        }
+    }
+    let (kind, _, contact) = worst?;
+    let group = groups.find(contact);
+    let Powers { load, brought, .. } = groups.sums[group];
+    Some(Growth { kind, contact, factor: brought / load })
+}
+
+/// `|l|` of the normal row of a contact, with all that contacts of prescribed normal percussion bring, and
+/// `Σ_j |G_ij P_j|`.
+fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f64) {
+    let row = problem.contacts[i].offset;
+    let mut load = (problem.free_velocity[row] + problem.restitution[row]).abs();
+    let mut brought = 0.0;
+    let mut add = |contact: &ContactRows, sum: f64| {
+        brought += sum;
+        if contact.normal != NormalForce::Unilateral {
+            load += sum;
+        }
+    };
+    match &problem.delassus {
+        Delassus::Dense(g) => {
+            for contact in &problem.contacts {
+                add(contact, range(contact).map(|j| (g[(row, j)] * percussion[j]).abs()).sum());
+            }
+        }
+        Delassus::MatrixFree(operator) => {
+            // Without entries only their size is known.
+            brought += operator.norm() * percussion.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
+        }
+        other => {
+            for (j, block) in other.blocks().into_iter().flat_map(|g| g.row(i)) {
+                let contact = &problem.contacts[j];
+                let terms = block.iter().zip(&percussion[range(contact)]);
+                add(contact, terms.map(|(g, p)| (g * p).abs()).sum());
+            }
+        }
+    }
+    (load, brought)
+}
+
+/// Whether percussions are so large against the loads that they ask for a second look.
+pub(super) fn is_large(problem: &ContactProblem, percussion: &[f64]) -> bool {
+    let squares = percussion.iter().map(|p| p * p).sum::<f64>();
+    // The comparison also finds NaN.
+    !(squares <= (GROWN * problem.global_rho() * problem.load_norm()).powi(2))
+}

@@ -1,0 +1,262 @@
+//! Proofs that a problem has no solution.
+//!
+//! Let `d ≥ 0` be a vector over the normal rows of unilateral contacts, zero on all other rows, with `Gᵀd = 0`.
+//! Whatever percussions `P` act, admissible or not,
+//!
+//! `Σ d_i ξ_i = d·(G P + b + e γ_B) = (Gᵀd)·P + d·(b + e γ_B) = d·(b + e γ_B)`.
+//!
+//! A solution has `ξ_i ≥ 0` at all these rows: if `d·(b + e γ_B) < 0`, there is none. The contacts with `d_i > 0`
+//! close on each other and no percussion changes how fast. For symmetric `G` and normal rows alone this is
+//! Farkas' lemma: such a `d` exists wherever no `P` makes all `ξ_N ≥ 0`. Percussions that run away come closer
+//! and closer to such a `d`: `G P` stays bounded while `P` grows.
+//!
+//! In numbers, `Gᵀd` vanishes to rounding. Let `s_i = √G_ii`. With `|(Gᵀd)_j| ≤ η s_j max_i s_i d_i`, any `P` that solves
+//! the problem nevertheless satisfies `Σ s_j |P_j| ≥ −d·(b + e γ_B)/(η max_i s_i d_i)`: percussions
+//! that the rounding of the entries of `G` would decide on. `s_j` makes `η` independent of units and masses.
+
+use nalgebra::DMatrix;
+
+use super::exact;
+use crate::contact::{ContactProblem, Delassus, Factored, NormalForce};
+
+/// Why a problem has no solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InfeasibilityKind {
+    /// Contacts close on each other whatever the percussions: a convex combination of their normal velocities
+    /// does not depend on percussions and is negative.
+    Closing,
+    /// A contact that no other contact influences has no solution (Painlevé's paradox): the complete search of
+    /// its open, sticking and slipping states finds none.
+    OneContact,
+}
+
+impl InfeasibilityKind {
+    /// Name of the kind.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Closing => "closing",
+            Self::OneContact => "one_contact",
+        }
+    }
+}
+
+/// A proof that a problem has no solution, which can be checked without a solver.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Infeasibility {
+    /// What kind of proof.
+    pub kind: InfeasibilityKind,
+    /// The contact without a solution, or the one with the largest part in the combination.
+    pub contact: usize,
+    /// Weights `d` of the rows: not negative, on normal rows only, with sum one; of one contact its normal row.
+    pub direction: Vec<f64>,
+    /// `−d·(b + e γ_B)`, the velocity in m/s with which the contacts close.
+    pub closing_velocity: f64,
+    /// `max_j |(Gᵀd)_j|/s_j` over `max_i s_i d_i`, `s = √diag G`: what of the closing velocity percussions change.
+    pub residual: f64,
+}
+
+/// Most contacts among which a proof is searched: its cost grows with their third power.
+const MOST_CONTACTS: usize = 128;
+/// Times that contacts of negative weight are left out.
+const ROUNDS: usize = 12;
+/// Singular values that count as zero, relative to the largest, and largest `residual`: rounding of a
+/// `G` that was assembled from bodies (60 random rows of squeezed boxes of `tests/test_certificate.py`: up to
+/// 2.3e-15). Heavy bodies on light ones have such a direction but for the inverse ratio of their masses.
+const KERNEL: f64 = 1e-13;
+const RESIDUAL: f64 = 4e-15;
+/// Largest part of the weights that moves bodies. Its square is what they change of `G d`: where masses differ by
+/// more than `G` can hold, this tells what that cannot.
+const MOVED: f64 = 1e-10;
+/// Smallest closing velocity relative to the free velocities of the contacts.
+const MARGIN: f64 = 1e-12;
+/// Weights below this part of the largest are none.
+const SMALLEST: f64 = 1e-9;
+
+/// A proof from percussions that have grown.
+pub(super) fn prove(problem: &ContactProblem, percussion: &[f64]) -> Option<Infeasibility> {
+    if problem.delassus.is_matrix_free() {
+        return None;
+    }
+    // In the rows' own scale, s_i P_i, units and masses drop out.
+    let weight = |i: usize, value: f64| value * scale_of(problem, i);
+    let mut support: Vec<(usize, f64)> = (0..problem.contacts.len())
+        .filter(|&i| problem.contacts[i].normal == NormalForce::Unilateral)
+        .map(|i| (i, weight(i, percussion[problem.contacts[i].offset])))
+        .filter(|(_, d)| *d > 0.0 && d.is_finite())
+        .collect();
+    let largest = support.iter().fold(0.0, |m: f64, (_, d)| m.max(*d));
+    support.retain(|(_, d)| *d > SMALLEST * largest);
+    support.iter_mut().for_each(|(_, d)| *d /= largest);
+    for _ in 0..ROUNDS {
+        if support.is_empty() || support.len() > MOST_CONTACTS {
+            return None;
+        }
+        project(problem, &mut support)?;
+        let largest = support.iter().fold(0.0, |m: f64, (_, d)| m.max(d.abs()));
+        let before = support.len();
+        support.retain(|(_, d)| *d > SMALLEST * largest);
+        if support.len() == before {
+            return certify(problem, &support);
+        }
+    }
+    None
+}
+
+/// A proof by the search of all states of a contact that no other contact influences.
+pub(super) fn prove_alone(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+) -> Option<Infeasibility> {
+    let rows = &problem.contacts[contact];
+    let mut alone = true;
+    for row in rows.offset..rows.offset + rows.len() {
+        each_entry(problem, contact, row, |j, _, g| alone &= j == contact || g == 0.0);
+    }
+    if !alone || !exact::proves_no_solution(problem, contact, percussion) {
+        return None;
+    }
+    let mut direction = vec![0.0; problem.rows()];
+    let mut closing_velocity = 0.0;
+    if rows.normal == NormalForce::Unilateral {
+        direction[rows.offset] = 1.0;
+        closing_velocity = -problem.load(contact)[0];
+    }
+    let kind = InfeasibilityKind::OneContact;
+    Some(Infeasibility { kind, contact, direction, closing_velocity, residual: 0.0 })
+}
+
+/// `√G_NN` of a unilateral contact.
+fn scale_of(problem: &ContactProblem, contact: usize) -> f64 {
+    problem.delassus.own(contact, problem.contacts[contact].offset, 0, 0).sqrt()
+}
+
+/// `√G_jj` of a row of a contact.
+fn row_scale(problem: &ContactProblem, contact: usize, row: usize) -> f64 {
+    let offset = problem.contacts[contact].offset;
+    problem.delassus.own(contact, offset, row - offset, row - offset).sqrt()
+}
+
+/// Calls `each` with contact, column and entry of the entries of a contact's row.
+fn each_entry(
+    problem: &ContactProblem,
+    contact: usize,
+    row: usize,
+    mut each: impl FnMut(usize, usize, f64),
+) {
+    match &problem.delassus {
+        Delassus::Dense(g) => {
+            for (j, other) in problem.contacts.iter().enumerate() {
+                for column in other.offset..other.offset + other.len() {
+                    each(j, column, g[(row, column)]);
+                }
+            }
+        }
+        operator => {
+            let local = row - problem.contacts[contact].offset;
+            for (j, block) in operator.blocks().into_iter().flat_map(|g| g.row(contact)) {
+                let other = &problem.contacts[j];
+                let entries = block.chunks_exact(other.len()).nth(local).unwrap_or(&[]);
+                for (k, entry) in entries.iter().enumerate() {
+                    each(j, other.offset + k, *entry);
+                }
+            }
+        }
+    }
+}
+
+/// Projects weights onto the vectors with `Gᵀd = 0`, in scaled rows.
+fn project(problem: &ContactProblem, support: &mut [(usize, f64)]) -> Option<()> {
+    let mut place = vec![usize::MAX; problem.rows()];
+    let mut rows = 0;
+    let mut entries = Vec::new();
+    for (k, &(contact, _)) in support.iter().enumerate() {
+        let own = scale_of(problem, contact);
+        each_entry(problem, contact, problem.contacts[contact].offset, |j, column, g| {
+            if place[column] == usize::MAX {
+                place[column] = rows;
+                rows += 1;
+            }
+            entries.push((place[column], k, g / (own * row_scale(problem, j, column))));
+        });
+    }
+    let mut matrix = DMatrix::zeros(rows.max(support.len()), support.len());
+    for (row, column, value) in entries {
+        matrix[(row, column)] = value;
+    }
+    if !matrix.iter().all(|v| v.is_finite()) {
+        return None;
+    }
+    let svd = matrix.qr().r().try_svd(false, true, f64::EPSILON, 10_000)?;
+    let directions = svd.v_t?;
+    let limit = KERNEL * svd.singular_values.max();
+    let before: Vec<f64> = support.iter().map(|(_, d)| *d).collect();
+    support.iter_mut().for_each(|(_, d)| *d = 0.0);
+    for (value, direction) in svd.singular_values.iter().zip(directions.row_iter()) {
+        if *value <= limit {
+            let part: f64 = direction.iter().zip(&before).map(|(v, d)| v * d).sum();
+            support.iter_mut().zip(direction.iter()).for_each(|((_, d), v)| *d += part * v);
+        }
+    }
+    Some(())
+}
+
+/// The proof by weights in scaled rows, if they are one.
+fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasibility> {
+    let mut direction = vec![0.0; problem.rows()];
+    for &(contact, d) in support {
+        direction[problem.contacts[contact].offset] = d / scale_of(problem, contact);
+    }
+    let sum: f64 = direction.iter().sum();
+    direction.iter_mut().for_each(|d| *d /= sum);
+    let mut brought = vec![0.0; problem.rows()];
+    let (mut closing, mut loads) = (0.0, 0.0);
+    let (mut contact, mut largest) = (0, 0.0);
+    for &(i, _) in support {
+        let rows = &problem.contacts[i];
+        let d = direction[rows.offset];
+        each_entry(problem, i, rows.offset, |_, column, g| brought[column] += g * d);
+        let [load, ..] = problem.load(i);
+        closing -= d * load;
+        loads += d * problem.load(i).iter().fold(0.0, |m: f64, b| m.max(b.abs()));
+        if d * scale_of(problem, i) > largest {
+            (contact, largest) = (i, d * scale_of(problem, i));
+        }
+    }
+    let mut residual = 0.0_f64;
+    for (j, rows) in problem.contacts.iter().enumerate() {
+        for row in rows.offset..rows.offset + rows.len() {
+            residual = residual.max(brought[row].abs() / (row_scale(problem, j, row) * largest));
+        }
+    }
+    let moved = match &problem.delassus {
+        Delassus::Factored(factored) => moved(factored, &direction) / largest,
+        _ => 0.0,
+    };
+    // The comparisons also turn away NaN.
+    let proves = closing > MARGIN * loads && residual <= RESIDUAL && moved <= MOVED;
+    let kind = InfeasibilityKind::Closing;
+    proves.then_some(Infeasibility {
+        kind,
+        contact,
+        direction,
+        closing_velocity: closing,
+        residual,
+    })
+}
+
+/// `max_k |(W d)_k|/√M_kk`: how fast the weights as percussions would move bodies.
+fn moved(factored: &Factored, direction: &[f64]) -> f64 {
+    let (mass, directions) = (factored.mass(), factored.directions());
+    let mut momentum = vec![0.0; mass.rows()];
+    for (row, d) in direction.iter().enumerate().filter(|(_, d)| **d > 0.0) {
+        let (columns, values) = directions.row(row);
+        columns.iter().zip(values).for_each(|(&k, w)| momentum[k] += w * d);
+    }
+    let scaled = momentum.iter().enumerate().map(|(k, p)| {
+        let (columns, values) = mass.row(k);
+        let own = columns.iter().zip(values).filter(|(column, _)| **column == k);
+        p.abs() / own.map(|(_, m)| m).sum::<f64>().sqrt()
+    });
+    scaled.fold(0.0, f64::max)
+}
