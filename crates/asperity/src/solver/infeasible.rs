@@ -118,7 +118,7 @@ fn polish(problem: &ContactProblem, mut weights: Weights) -> Option<Infeasibilit
 
 /// Weights `d ≥ 0` that minimise `‖Gᵀd‖² + (1 + d·(b + e γ_B))²` in scaled rows and velocities: zero where there is a
 /// proof.
-fn nearest(problem: &ContactProblem, support: &Weights) -> Option<Weights> {
+fn nearest(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Weights> {
     if support.is_empty() || support.len() > MOST_SEARCHED {
         return None;
     }
@@ -269,8 +269,9 @@ fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasi
     }
     let mut residual = 0.0_f64;
     for (j, rows) in problem.contacts.iter().enumerate() {
-        for row in rows.offset..rows.offset + rows.len() {
-            residual = residual.max(brought[row].abs() / (row_scale(problem, j, row) * largest));
+        let own = brought.iter().enumerate().skip(rows.offset).take(rows.len());
+        for (row, velocity) in own {
+            residual = residual.max(velocity.abs() / (row_scale(problem, j, row) * largest));
         }
     }
     let moved = match &problem.delassus {
