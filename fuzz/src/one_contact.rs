@@ -45,7 +45,7 @@ pub fn check(data: &[u8]) {
     let report = solver.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
     let ordinary = laws::is_ordinary(&scene.contacts[0].0);
     if source.once_in(8) {
-        for solution in solutions(&problem, 0, &vec![0.0; rows]) {
+        for solution in solutions(&problem, 0, &vec![0.0; rows]).unwrap_or_default() {
             assert!(solution.percussion.iter().all(|p| !p.is_nan()), "{solution:?} of {scene:?}");
         }
     }

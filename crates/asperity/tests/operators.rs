@@ -7,7 +7,10 @@ use asperity::contact::{
     NormalForce, ProblemError,
 };
 use asperity::law::{FrictionLaw, Law};
-use asperity::solver::{ProxStep, SolveReport, Solver, Status, Stop, Workspace};
+use asperity::solver::{
+    Certificate, InfeasibilityKind, ProxStep, SolveReport, Solver, Status, Stop, Workspace,
+    solutions,
+};
 use nalgebra::DMatrix;
 
 const CONTACTS: usize = 6;
@@ -169,4 +172,127 @@ fn bad_operators_are_named() {
     named(unsorted.map(|_| ()), "delassus");
     let outside = Csr::new("delassus", (1, 2), vec![0, 1], vec![2], vec![1.0]);
     named(outside.map(|_| ()), "delassus");
+}
+
+const SOLVERS: [Solver; 8] = [
+    Solver::Auto { interior_point: true, threads: 1 },
+    Solver::Exact { max_sweeps: 1000 },
+    Solver::Newton { max_iterations: 100 },
+    Solver::ProximalPoint { max_iterations: 100 },
+    Solver::InteriorPoint { max_iterations: 100 },
+    Solver::Admm { max_iterations: 2000 },
+    Solver::ProxJacobi { step: ProxStep::Adaptive, max_iterations: 10_000 },
+    Solver::ProxGaussSeidel { step: ProxStep::Adaptive, max_iterations: 10_000 },
+];
+
+/// Three contacts fewer than [`problem`], of one body each.
+fn smaller() -> ContactProblem {
+    let law: Law = FrictionLaw::<1>::isotropic(0.3).unwrap().into();
+    let contacts = (0..3).map(|_| (law.clone(), NormalForce::Unilateral));
+    let free = vec![-1.0, 0.2, -1.0, 0.1, 0.5, 0.0];
+    let mut g = DMatrix::identity(6, 6);
+    (g[(0, 2)], g[(2, 0)]) = (0.3, 0.3);
+    ContactProblem::new(g, free, contacts).unwrap()
+}
+
+/// Buffers that are not there, or are those of another problem, are made; what is remembered of another problem
+/// is forgotten.
+#[test]
+fn workspaces_need_no_preparation() {
+    for solver in SOLVERS {
+        for name in 0..3 {
+            let (problem, other) = (problem(forms().remove(name).1), smaller());
+            let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+            for problem in [&problem, &other, &problem] {
+                let stop = Stop::at(1e-7);
+                let report = solver.solve(problem, stop, &mut memory, &mut workspace);
+                assert_eq!(report.status, Status::Converged, "{solver:?}");
+                assert_eq!(memory.percussion.len(), problem.rows());
+                assert_eq!(workspace.velocity.len(), problem.rows());
+            }
+        }
+    }
+}
+
+/// Where numbers overflow, nothing comes back that an earlier problem left behind.
+#[test]
+fn percussions_of_an_earlier_problem_do_not_come_back() {
+    for solver in SOLVERS {
+        let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+        solver.solve(&smaller(), Stop::at(1e-7), &mut memory, &mut workspace);
+        let earlier = std::mem::take(&mut memory).percussion;
+        assert!(earlier.iter().any(|p| *p != 0.0));
+        let law: Law = FrictionLaw::<1>::isotropic(0.3).unwrap().into();
+        let contacts = (0..3).map(|_| (law.clone(), NormalForce::Unilateral));
+        let free = vec![-1e200, 1e200, -1e200, 1e200, 1e200, 1e200];
+        let huge = ContactProblem::new(smaller().delassus().clone(), free, contacts).unwrap();
+        solver.solve(&huge, Stop::at(1e-7), &mut memory, &mut workspace);
+        let same = |(a, b): (&f64, &f64)| *a != 0.0 && a == b;
+        assert!(!memory.percussion.iter().zip(&earlier).any(same), "{solver:?}");
+    }
+}
+
+/// A limit is the reason only where it was reached; a proof is there if and only if there is no solution.
+#[test]
+fn statuses_say_what_happened() {
+    for solver in SOLVERS {
+        let normals = DMatrix::from_row_slice(2, 2, &[1.0, -1.0, -1.0, 1.0]);
+        let mut g = DMatrix::identity(4, 4);
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            g[(2 * i, 2 * j)] = normals[(i, j)];
+        }
+        let law: Law = FrictionLaw::<1>::isotropic(0.3).unwrap().into();
+        let contacts = [(law.clone(), NormalForce::Unilateral), (law, NormalForce::Unilateral)];
+        let squeezed = ContactProblem::new(g, vec![-1.0, 0.5, -1.0, 0.5], contacts).unwrap();
+        let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+        let report = solver.solve(&squeezed, Stop::at(1e-8), &mut memory, &mut workspace);
+        assert_ne!(report.status, Status::Converged, "{solver:?}");
+        let proof = workspace.infeasibility.clone();
+        assert_eq!(proof.is_some(), report.status == Status::NoSolution, "{solver:?}");
+        if let Some(proof) = proof {
+            assert_eq!(proof.kind, InfeasibilityKind::Closing);
+            assert!((proof.closing_velocity - 1.0).abs() < 1e-12);
+            let expected = [0.5, 0.0, 0.5, 0.0];
+            assert!(proof.direction.iter().zip(expected).all(|(d, e)| (d - e).abs() < 1e-12));
+        }
+        // The next solve forgets it.
+        solver.solve(&smaller(), Stop::at(1e-7), &mut memory, &mut workspace);
+        assert_eq!(workspace.infeasibility, None);
+    }
+}
+
+#[test]
+fn certificates_of_numbers_that_are_none_say_so() {
+    let problem = smaller();
+    let mut percussion = vec![0.1; problem.rows()];
+    percussion[0] = f64::NAN;
+    let certificate = Certificate::new(&problem, &percussion);
+    assert!(certificate.penetration_velocity.is_nan());
+    assert!(certificate.tension.is_nan());
+    assert!(!(certificate.contact_residual <= 1.0));
+}
+
+#[test]
+fn questions_about_no_contact_are_refused_by_name() {
+    let dense = problem(forms().remove(0).1);
+    let free = problem(forms().remove(3).1);
+    let held = vec![0.0; dense.rows()];
+    let named = |problem: &ContactProblem, contact, held: &[f64], argument: &str| {
+        assert_eq!(solutions(problem, contact, held).unwrap_err().argument(), argument);
+    };
+    assert!(solutions(&dense, 0, &held).is_ok());
+    named(&dense, 99, &held, "contact");
+    named(&dense, 0, &[], "percussion");
+    named(&free, 0, &held, "delassus");
+}
+
+#[test]
+fn eigenvalues_beyond_all_numbers_are_an_error() {
+    let full = |size: f64| Delassus::from(DMatrix::from_element(6, 6, size));
+    assert_eq!(full(1e308).spectrum().unwrap_err().argument(), "delassus");
+    for size in [1e300, 1.0, 1e-300] {
+        let (low, high) = full(size).spectrum().unwrap();
+        assert!((high / size - 6.0).abs() < 1e-9, "{size}: {high}");
+        assert!(low.abs() < 1e-9 * size, "{size}: {low}");
+    }
 }

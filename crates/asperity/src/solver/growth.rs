@@ -1,23 +1,25 @@
 //! Percussions that run away.
 //!
 //! Residuals are relative to percussions: where these grow without bound while contacts go on approaching, as
-//! they do where no percussions are admissible, every relative defect becomes small. Three sums of powers tell
+//! they do where no percussions are admissible, every relative defect becomes small. Sums of powers tell
 //! such growth from the large percussions that heavy bodies on light ones do need. Over the unilateral contacts
 //! `i` of a group of contacts that influence each other, with `l_i` the velocity that the contact would have
 //! without unilateral percussions,
 //!
-//! `Q = Σ P_Ni max(0, −ξ_Ni)`, `L = Σ P_Ni |l_i|`, `A = Σ P_Ni Σ_j |G_ij P_j|`.
+//! `Q = Σ P_Ni max(0, −ξ_Ni)`, `L = Σ P_Ni |l_i|`, `N = |Σ P_Ni l_i|`, `A = Σ P_Ni Σ_j |G_ij P_j|`.
 //!
-//! `Q`, and the like sum over separating contacts, vanishes at solutions; percussions that run away leave `Q ≈ L` however large they are. `A/L` is how far
-//! velocities that percussions bring cancel: the growth. As powers, all three are invariant under units, also
-//! of single rows, and ratios of them under masses.
+//! `Q`, and the like sum over separating contacts, vanishes at solutions. Percussions that run away leave
+//! `Q ≈ N` however large they are, for `Σ P_Ni (G P)_i` falls behind. `A/L` is how far velocities that
+//! percussions bring cancel: the growth. As powers, all are invariant under units, also of single rows, and
+//! ratios of them under masses.
 
 use super::residual::ContactVelocity;
 use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
 
-/// Part of the loads' power that contacts may approach with. Where growth is below [`GROWN`], a residual of
-/// 1e-4 and less implies it.
+/// Part of `L`, and of `N`, that contacts may approach with. Where growth is below [`GROWN`], a residual of 1e-4
+/// and less implies the former.
 const APPROACHING: f64 = 1e-2;
+const CLOSING: f64 = 0.1;
 /// Growth that stacks and vaults do not exceed without need, and beyond which a start is not taken where
 /// contacts approach.
 const GROWN: f64 = 1e2;
@@ -69,7 +71,8 @@ struct Powers {
     approach: f64,
     separation: f64,
     load: f64,
-    /// The same with the largest load of all rows of the problem.
+    net: f64,
+    /// `L` with the largest load of all rows of the problem.
     largest: f64,
     brought: f64,
 }
@@ -77,10 +80,11 @@ struct Powers {
 impl Powers {
     /// What the contacts of the group do, if their percussions have grown.
     fn kind(&self) -> Option<Kind> {
-        let Self { approach, separation, load, largest, brought } = *self;
+        let Self { approach, separation, load, net, largest, brought } = *self;
         let boundless = brought > BOUNDLESS * load && load > NO_LOAD * largest;
         // What rounding leaves is no velocity.
-        let counts = |power: f64| power > APPROACHING * load && power > ROUNDING * brought;
+        let allowed = f64::min(APPROACHING * load, CLOSING * net.abs());
+        let counts = |power: f64| power > allowed && power > ROUNDING * brought;
         if !(brought > GROWN * load) {
             None
         } else if counts(approach) {
@@ -153,7 +157,7 @@ pub(super) fn of(
     let pushing = |rows: &ContactRows| {
         rows.normal == NormalForce::Unilateral && percussion[rows.offset] > 0.0
     };
-    // Most solutions end here: no contact that pushes moves against its own load.
+    // Most solutions end here: they are not large, and no contact that pushes moves against its own load.
     let moves = |rows: &ContactRows| {
         let row = rows.offset;
         let load = problem.free_velocity[row] + problem.restitution[row];
@@ -172,7 +176,8 @@ pub(super) fn of(
         let sums = &mut groups.sums[group];
         sums.approach += push * f64::max(0.0, -xi);
         sums.separation += push * f64::max(0.0, xi);
-        sums.load += push * load;
+        sums.load += push * load.abs();
+        sums.net += push * load;
         sums.largest += push * largest;
         sums.brought += push * brought;
     }
@@ -192,22 +197,22 @@ pub(super) fn of(
     Some(Growth { kind, contact, factor: brought / load })
 }
 
-/// `|l|` of the normal row of a contact, with all that contacts of prescribed normal percussion bring, and
+/// `l` of the normal row of a contact, with what contacts of prescribed normal percussion bring, and
 /// `Σ_j |G_ij P_j|`.
 fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f64) {
     let row = problem.contacts[i].offset;
-    let mut load = (problem.free_velocity[row] + problem.restitution[row]).abs();
+    let mut load = problem.free_velocity[row] + problem.restitution[row];
     let mut brought = 0.0;
-    let mut add = |contact: &ContactRows, sum: f64| {
-        brought += sum;
+    let mut add = |contact: &ContactRows, g: f64, p: f64| {
+        brought += (g * p).abs();
         if contact.normal != NormalForce::Unilateral {
-            load += sum;
+            load += g * p;
         }
     };
     match &problem.delassus {
         Delassus::Dense(g) => {
             for contact in &problem.contacts {
-                add(contact, range(contact).map(|j| (g[(row, j)] * percussion[j]).abs()).sum());
+                range(contact).for_each(|j| add(contact, g[(row, j)], percussion[j]));
             }
         }
         Delassus::MatrixFree(operator) => {
@@ -218,7 +223,7 @@ fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f
             for (j, block) in other.blocks().into_iter().flat_map(|g| g.row(i)) {
                 let contact = &problem.contacts[j];
                 let terms = block.iter().zip(&percussion[range(contact)]);
-                add(contact, terms.map(|(g, p)| (g * p).abs()).sum());
+                terms.for_each(|(g, p)| add(contact, *g, *p));
             }
         }
     }

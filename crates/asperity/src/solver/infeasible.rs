@@ -14,9 +14,9 @@
 //! the problem nevertheless satisfies `Σ s_j |P_j| ≥ −d·(b + e γ_B)/(η max_i s_i d_i)`: percussions
 //! that the rounding of the entries of `G` would decide on. `s_j` makes `η` independent of units and masses.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use super::exact;
+use super::{exact, nonnegative};
 use crate::contact::{ContactProblem, Delassus, Factored, NormalForce};
 
 /// Why a problem has no solution.
@@ -57,6 +57,8 @@ pub struct Infeasibility {
 
 /// Most contacts among which a proof is searched: its cost grows with their third power.
 const MOST_CONTACTS: usize = 128;
+/// Most contacts among which the nearest weights are searched: the fourth power.
+const MOST_SEARCHED: usize = 48;
 /// Times that contacts of negative weight are left out.
 const ROUNDS: usize = 12;
 /// Singular values that count as zero, relative to the largest, and largest `residual`: rounding of a
@@ -72,34 +74,70 @@ const MARGIN: f64 = 1e-12;
 /// Weights below this part of the largest are none.
 const SMALLEST: f64 = 1e-9;
 
-/// A proof from percussions that have grown.
+/// A proof from percussions that have grown: from their direction, or, where friction has its part in that, from
+/// the weights that come nearest to a proof.
 pub(super) fn prove(problem: &ContactProblem, percussion: &[f64]) -> Option<Infeasibility> {
     if problem.delassus.is_matrix_free() {
         return None;
     }
     // In the rows' own scale, s_i P_i, units and masses drop out.
-    let weight = |i: usize, value: f64| value * scale_of(problem, i);
-    let mut support: Vec<(usize, f64)> = (0..problem.contacts.len())
+    let pushes = |i: usize| scale_of(problem, i) * percussion[problem.contacts[i].offset];
+    let mut support: Weights = (0..problem.contacts.len())
         .filter(|&i| problem.contacts[i].normal == NormalForce::Unilateral)
-        .map(|i| (i, weight(i, percussion[problem.contacts[i].offset])))
+        .map(|i| (i, pushes(i)))
         .filter(|(_, d)| *d > 0.0 && d.is_finite())
         .collect();
-    let largest = support.iter().fold(0.0, |m: f64, (_, d)| m.max(*d));
-    support.retain(|(_, d)| *d > SMALLEST * largest);
-    support.iter_mut().for_each(|(_, d)| *d /= largest);
+    trim(&mut support);
+    polish(problem, support.clone()).or_else(|| polish(problem, nearest(problem, &support)?))
+}
+
+/// Contacts with their weights in scaled rows.
+type Weights = Vec<(usize, f64)>;
+
+/// Leaves out contacts without a weight, and makes the largest weight one; whether any was left out.
+fn trim(weights: &mut Weights) -> bool {
+    let (before, largest) = (weights.len(), weights.iter().fold(0.0, |m: f64, (_, d)| m.max(*d)));
+    weights.retain(|(_, d)| *d > SMALLEST * largest);
+    weights.iter_mut().for_each(|(_, d)| *d /= largest);
+    weights.len() < before
+}
+
+/// The proof next to these weights.
+fn polish(problem: &ContactProblem, mut weights: Weights) -> Option<Infeasibility> {
     for _ in 0..ROUNDS {
-        if support.is_empty() || support.len() > MOST_CONTACTS {
+        if weights.is_empty() || weights.len() > MOST_CONTACTS {
             return None;
         }
-        project(problem, &mut support)?;
-        let largest = support.iter().fold(0.0, |m: f64, (_, d)| m.max(d.abs()));
-        let before = support.len();
-        support.retain(|(_, d)| *d > SMALLEST * largest);
-        if support.len() == before {
-            return certify(problem, &support);
+        project(problem, &mut weights)?;
+        if !trim(&mut weights) {
+            return certify(problem, &weights);
         }
     }
     None
+}
+
+/// Weights `d ≥ 0` that minimise `‖Gᵀd‖² + (1 + d·(b + e γ_B))²` in scaled rows and velocities: zero where there is a
+/// proof.
+fn nearest(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Weights> {
+    if support.is_empty() || support.len() > MOST_SEARCHED {
+        return None;
+    }
+    let matrix = scaled(problem, support);
+    let loads = support.iter().map(|&(i, _)| problem.load(i)[0] / scale_of(problem, i));
+    let loads: Vec<f64> = loads.collect();
+    let unit = loads.iter().fold(0.0, |m: f64, l| m.max(l.abs()));
+    let (rows, columns) = matrix.shape();
+    let mut bordered = matrix.insert_row(rows, 0.0);
+    (0..columns).for_each(|k| bordered[(rows, k)] = loads[k] / unit);
+    let mut right = DVector::zeros(rows + 1);
+    right[rows] = -1.0;
+    if !bordered.iter().all(|v| v.is_finite()) {
+        return None;
+    }
+    let found = nonnegative::least_squares(&bordered, &right)?;
+    let mut weights: Weights = support.iter().zip(&found).map(|(&(i, _), &d)| (i, d)).collect();
+    trim(&mut weights);
+    Some(weights)
 }
 
 /// A proof by the search of all states of a contact that no other contact influences.
@@ -165,8 +203,8 @@ fn each_entry(
     }
 }
 
-/// Projects weights onto the vectors with `Gᵀd = 0`, in scaled rows.
-fn project(problem: &ContactProblem, support: &mut [(usize, f64)]) -> Option<()> {
+/// `G_ij/(s_i s_j)` of the normal rows `i` of contacts, one column for each, over the rows that they touch.
+fn scaled(problem: &ContactProblem, support: &[(usize, f64)]) -> DMatrix<f64> {
     let mut place = vec![usize::MAX; problem.rows()];
     let mut rows = 0;
     let mut entries = Vec::new();
@@ -184,6 +222,12 @@ fn project(problem: &ContactProblem, support: &mut [(usize, f64)]) -> Option<()>
     for (row, column, value) in entries {
         matrix[(row, column)] = value;
     }
+    matrix
+}
+
+/// Projects weights onto the vectors with `Gᵀd = 0`, in scaled rows.
+fn project(problem: &ContactProblem, support: &mut [(usize, f64)]) -> Option<()> {
+    let matrix = scaled(problem, support);
     if !matrix.iter().all(|v| v.is_finite()) {
         return None;
     }
@@ -225,8 +269,9 @@ fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasi
     }
     let mut residual = 0.0_f64;
     for (j, rows) in problem.contacts.iter().enumerate() {
-        for row in rows.offset..rows.offset + rows.len() {
-            residual = residual.max(brought[row].abs() / (row_scale(problem, j, row) * largest));
+        let own = brought.iter().enumerate().skip(rows.offset).take(rows.len());
+        for (row, velocity) in own {
+            residual = residual.max(velocity.abs() / (row_scale(problem, j, row) * largest));
         }
     }
     let moved = match &problem.delassus {

@@ -23,6 +23,7 @@ mod local;
 mod many;
 mod natural;
 mod natural_map;
+mod nonnegative;
 mod phase;
 mod plane;
 mod prox;

@@ -1,7 +1,7 @@
 //! In which order the phases come.
 
 use super::newton::Goal;
-use super::{Many, Method, Run, exact};
+use super::{Many, Method, Run, exact, infeasible};
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use crate::solver::report::Ended;
 use crate::solver::threads::Threads;
@@ -36,6 +36,9 @@ pub(crate) fn automatic(
     let mut run = Run::new(problem, stop, memory, workspace);
     run.many.newton.threads = threads.clone();
     run.gauss_seidel();
+    if !run.over() {
+        run.look_for_paradox();
+    }
     if !run.over() {
         run.prepare_newton();
         run.newton_attempt(ATTEMPT);
@@ -83,7 +86,16 @@ pub(crate) fn single(
 
 impl Run<'_, '_> {
     fn over(&self) -> bool {
-        self.solved || self.stop.early()
+        self.solved || self.workspace.infeasibility.is_some() || self.stop.early()
+    }
+
+    /// Whether a contact that sweeps could not solve has no solution whatever the others do.
+    fn look_for_paradox(&mut self) {
+        if let Some(contact) = self.stuck {
+            let percussion = &self.workspace.percussion;
+            let proof = infeasible::prove_alone(self.problem, contact, percussion);
+            self.workspace.infeasibility = proof;
+        }
     }
 
     /// Where contacts have several solutions, goes to those that continue their states, if that is a solution
