@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from asperity import _arrays
+from asperity._files import replaced
 from asperity.errors import ParameterError
 from asperity.track.frames import Frame, Pixels
 
@@ -181,11 +182,15 @@ def write_video(
         frames: arrays ``(rows, columns, 3)`` of uint8, rows and columns even.
         path: of the file, such as ``slow.mp4``.
         quality: constant rate factor; 0 best, 18 good, 51 worst.
+
+    The file is complete or not there.
     """
     import av
 
     quality = _arrays.count(quality, "quality", least=0)
-    with av.open(os.fspath(path), "w") as container:
+    # The ending of the name tells the format of the container.
+    ending = f".tmp{os.path.splitext(path)[1]}"
+    with replaced(path, ending) as temporary, av.open(os.fspath(temporary), "w") as container:
         stream: Any = None
         for pixels in frames:
             if stream is None:

@@ -1,0 +1,420 @@
+"""Writers of files, and what may go wrong while they write.
+
+Run as a program of its own, ``python faults.py WRITER COUNT``: it forks children that write and
+come to grief, so many of each kind, and checks what they leave behind. It has a single thread, so
+that forking is safe.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import io
+import os
+import re
+import resource
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import asperity as asp
+import numpy as np
+
+LAW = asp.FrictionLaw.isotropic(0.3)
+# Leftovers of processes that were killed: of a file, of a folder.
+TEMPORARY = re.compile(r"\..+\.[0-9a-f]{8}\.tmp(\..+)?|\.asperity-.+")
+Write = Callable[[Path], object]
+
+
+def _run(speed):
+    system = asp.SlidingPoint(1.0, LAW)
+    return asp.simulate(system, dt=1e-4, t_end=0.3, u0=[speed, 0.0])
+
+
+def _problem(size):
+    rng = np.random.default_rng(size)
+    root = rng.normal(size=(3 * size, 3 * size))
+    return asp.ContactProblem(root @ root.T, rng.normal(size=3 * size), LAW)
+
+
+def trajectory():
+    first, second = _run(1.0), _run(2.0)
+    return lambda out: first.save(out / "run.npz"), lambda out: second.save(out / "run.npz")
+
+
+def table():
+    first, second = _run(1.0).slice(0.0, 0.1), _run(2.0)
+    return lambda out: first.to_csv(out / "run.csv"), lambda out: second.to_csv(out / "run.csv")
+
+
+def problem_npz():
+    first, second = _problem(20), _problem(60)
+    return (
+        lambda out: first.save(out / "problem.npz"),
+        lambda out: second.save(out / "problem.npz"),
+    )
+
+
+def problem_hdf5():
+    first, second = _problem(20), _problem(60)
+    return lambda out: first.save(out / "problem.h5"), lambda out: second.save(out / "problem.h5")
+
+
+def figure():
+    from matplotlib.figure import Figure
+
+    def drawn(values):
+        drawing = Figure(figsize=(3.0, 2.0))
+        drawing.add_subplot().plot(values)
+        return lambda out: asp.plot.save_figure(drawing, out / "figure.png")
+
+    return drawn([1.0, 2.0]), drawn(np.random.default_rng(0).normal(size=500))
+
+
+def figure_data():
+    from asperity.paper.data import Curves, write_columns
+
+    def curves(n):
+        data = Curves()
+        data.add("a", "curve", np.random.default_rng(n).normal(size=(n, 2)))
+        columns = data.columns()
+        return lambda out: write_columns(out / "data.csv", columns)
+
+    return curves(300), curves(5000)
+
+
+def _film(speed):
+    from asperity.track import Mark, Scene, track_mark
+
+    row, column = np.mgrid[:60, :160]
+    frames = np.full((40, 60, 160, 3), 120, np.uint8)
+    for k, frame in enumerate(frames):
+        frame[np.hypot(column - 20.0 - speed * min(k, 30), row - 30.0) < 9.0] = 220, 30, 30
+    return frames, lambda: track_mark(
+        frames, fps=100.0, scene=Scene.from_scale(1e-3), mark=Mark("red")
+    )
+
+
+def frames():
+    first, second = (_film(speed)[1]() for speed in (2.0, 3.0))
+    return lambda out: first.to_csv(out / "frames.csv"), lambda out: second.to_csv(
+        out / "frames.csv"
+    )
+
+
+def path():
+    first, second = (_film(speed)[1]().path() for speed in (2.0, 3.0))
+    return lambda out: first.to_csv(out / "path.csv"), lambda out: second.to_csv(out / "path.csv")
+
+
+def video():
+    from asperity.track import write_video
+
+    first, second = (_film(speed)[0] for speed in (2.0, 3.0))
+    return (
+        lambda out: write_video(first, out / "film.mp4"),
+        lambda out: write_video(second, out / "film.mp4"),
+    )
+
+
+def _campaign(folder, mu):
+    from asperity import identify
+    from asperity.identify.files import write_raw
+
+    machine = identify.VirtualTribometer(
+        asp.FrictionLaw.isotropic(mu),
+        normal_force=10.0,
+        turns=3.2,
+        sample_rate=60.0,
+        no_load_time=1.0,
+    )
+    raw = machine.record()
+    return raw, [folder / name for name in write_raw(raw, folder)]
+
+
+def raw_data():
+    from asperity.identify.files import write_raw
+
+    with tempfile.TemporaryDirectory() as folder:
+        first, second = (_campaign(Path(folder), mu)[0] for mu in (0.3, 0.5))
+    return lambda out: write_raw(first, out), lambda out: write_raw(second, out)
+
+
+def report():
+    from asperity.identify import fit_law
+
+    phi = np.linspace(0.0, 4.0 * np.pi, 500, endpoint=False)
+    ray = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    first, second = (fit_law((phi, mu * ray), "circle", "circle") for mu in (0.3, 0.5))
+    return lambda out: first.report(out / "fit.html"), lambda out: second.report(out / "fit.html")
+
+
+def _quiet(*arguments):
+    from asperity import cli
+
+    told = io.StringIO()
+    with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
+        code = cli.main(list(map(str, arguments)))
+    if code == 2:
+        raise OSError(errno.EIO, told.getvalue().strip().splitlines()[-1])
+
+
+def command_identify():
+    places = [Path(tempfile.mkdtemp()) for _ in range(2)]
+    files = [_campaign(place, mu)[1] for place, mu in zip(places, (0.3, 0.5), strict=True)]
+
+    def writer(names):
+        options = ("--reservoir", "circle", "--direction", "circle")
+        return lambda out: _quiet(
+            "identify", names[0], "--config", names[-1], "--out", out, *options
+        )
+
+    return writer(files[0]), writer(files[1])
+
+
+def command_track():
+    from PIL import Image
+
+    def writer(speed):
+        place = Path(tempfile.mkdtemp())
+        for k, pixels in enumerate(_film(speed)[0]):
+            Image.fromarray(pixels).save(place / f"{k}.png")
+        config = Path(tempfile.mkdtemp(), "track.toml")
+        config.write_text(
+            "fps = 100.0\n[mark]\ncolour = 'red'\n[scene]\nmetres_per_pixel = 0.001\n"
+        )
+        return lambda out: _quiet("track", place, "--config", config, "--out", out)
+
+    return writer(2.0), writer(3.0)
+
+
+def command_solve():
+    place = Path(tempfile.mkdtemp())
+    for name, size in (("small", 2), ("large", 4)):
+        _problem(size).save(place / f"{name}.npz")
+    return tuple(
+        lambda out, name=name: _quiet("solve", place / f"{name}.npz", "--csv", out / "solved.csv")
+        for name in ("small", "large")
+    )
+
+
+def folder():
+    """Files of megabytes that belong together, as commands write them."""
+    from asperity._files import all_or_none
+
+    names = [f"{k}.bin" for k in range(5)]
+
+    def writer(letter):
+        def write(out):
+            with all_or_none(out, names) as place:
+                for name in names:
+                    (place / name).write_bytes(letter * 200_000)
+
+        return write
+
+    return writer(b"a"), writer(b"b")
+
+
+WRITERS = {
+    one.__name__: one
+    for one in (
+        trajectory, table, problem_npz, problem_hdf5, figure, figure_data, frames, path, video,
+        raw_data, report, command_identify, command_track, command_solve, folder,
+    )
+}  # fmt: skip
+# Modules that they need.
+NEEDED = {
+    "problem_hdf5": "h5py", "figure": "matplotlib", "video": "av", "command_track": "PIL",
+    "report": "matplotlib", "command_identify": "matplotlib",
+}  # fmt: skip
+# Writers of files that belong together, all of one result or none.
+TOGETHER = {"command_identify", "command_track", "folder"}
+# Times of solves are never the same twice.
+DIFFERENT = {"command_solve"}
+
+
+def contents(out: Path, name: str) -> dict[str, object]:
+    """Return what the files hold, without those that are named as temporary."""
+    found: dict[str, object] = {}
+    for one in sorted(out.iterdir()):
+        if TEMPORARY.fullmatch(one.name):
+            continue
+        if one.suffix == ".npz":
+            # Archives hold the time at which they were written.
+            with np.load(one) as file:
+                found[one.name] = {key: file[key].tobytes() for key in file}
+        elif name in DIFFERENT:
+            found[one.name] = re.sub(r"[-+.e\d]+", "0", one.read_text())
+        else:
+            found[one.name] = one.read_bytes()
+    return found
+
+
+def complete(name: str, writers: tuple[Write, ...]) -> list[dict[str, object]]:
+    results = []
+    for write in writers:
+        with tempfile.TemporaryDirectory() as out:
+            write(Path(out))
+            results.append(contents(Path(out), name))
+    assert results[0] != results[1], "the two results must differ"
+    return results
+
+
+def check(found: dict[str, object], results: list[dict[str, object]], name: str) -> None:
+    """Every file is one of the complete ones."""
+    for key, value in found.items():
+        assert any(one.get(key) == value for one in results), f"{key} is half-written"
+    if name in TOGETHER:
+        of_one = [all(one.get(key) == value for key, value in found.items()) for one in results]
+        assert any(of_one), "files of two results are mixed"
+
+
+def child(action: Callable[[], object], ready: int | None = None) -> int:
+    """Fork a process that does something and ends; return its number."""
+    number = os.fork()
+    if number:
+        return number
+    try:
+        if ready is not None:
+            os.write(ready, b"x")
+        action()
+        os._exit(0)
+    except BaseException as error:
+        os.write(2, f"{type(error).__name__}: {error}\n".encode())
+        os._exit(1)
+
+
+def killed(name: str, count: int) -> None:
+    """Kill processes that replace a result by another one again and again."""
+    writers = WRITERS[name]()
+    results = complete(name, writers)
+    out = Path(tempfile.mkdtemp())
+    writers[0](out)
+    begin = time.perf_counter()
+    for write in writers:
+        write(out)
+    both = time.perf_counter() - begin
+    rng = np.random.default_rng()
+
+    def again_and_again():
+        while True:
+            for write in writers:
+                write(out)
+
+    leftovers = 0
+    for _ in range(count):
+        heard, ready = os.pipe()
+        number = child(again_and_again, ready)
+        os.read(heard, 1)
+        time.sleep(float(rng.uniform(0.0, 1.5 * both)))
+        os.kill(number, signal.SIGKILL)
+        os.waitpid(number, 0)
+        os.close(heard)
+        os.close(ready)
+        found = contents(out, name)
+        if name not in TOGETHER:
+            assert found.keys() == results[0].keys() | results[1].keys(), "a file has gone"
+        check(found, results, name)
+        for one in out.iterdir():
+            if TEMPORARY.fullmatch(one.name):
+                leftovers += 1
+                shutil.rmtree(one) if one.is_dir() else one.unlink()
+    # What a process left behind does not hinder the next one.
+    writers[1](out)
+    assert contents(out, name) == results[1]
+    print(f"{count} killed, {leftovers} left a temporary file")
+
+
+def refused(name: str, write: Write, out: Path, prepare: Callable[[], object]) -> str | None:
+    """Return what a writer says that cannot write, None if it could."""
+    heard, told = os.pipe()
+
+    def attempt():
+        prepare()
+        try:
+            write(out)
+        except (OSError, asp.AsperityError) as error:
+            os.write(told, f"{type(error).__name__}: {error}".encode())
+
+    number = child(attempt)
+    os.close(told)
+    message = b""
+    while part := os.read(heard, 4096):
+        message += part
+    os.close(heard)
+    _, status = os.waitpid(number, 0)
+    assert status == 0, f"{name} let another error through"
+    return message.decode() or None
+
+
+def full(name: str, count: int) -> None:
+    """Let a writer run out of space after so and so many bytes of a file."""
+    first, second = WRITERS[name]()
+    results = complete(name, (first, second))
+    with tempfile.TemporaryDirectory() as place:
+        out = Path(place)
+        first(out)
+        largest = max(one.stat().st_size for one in out.iterdir())
+        refusals = 0
+        for size in np.unique(np.geomspace(1, max(largest, 2), count).astype(int) - 1).tolist():
+
+            def limited(size=size):
+                # As on a full disk, but for the number of the error.
+                resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+            message = refused(name, second, out, limited)
+            found = contents(out, name)
+            check(found, results, name)
+            assert not [one for one in out.iterdir() if TEMPORARY.fullmatch(one.name)]
+            if message is None:
+                assert found == results[1]
+                first(out)
+                continue
+            refusals += 1
+            if name in TOGETHER:
+                assert found == results[0], "the older result has gone"
+            assert "File too large" in message, message
+            assert ".tmp" not in message, f"{message} names a temporary file"
+        assert refusals
+        print(f"{refusals} refused")
+
+
+def forbidden(name: str, _: int) -> None:
+    """Let a writer write where it must not, and where no folder can be."""
+    write, _ = WRITERS[name]()
+    with tempfile.TemporaryDirectory() as out:
+        # Whoever may write nowhere may perhaps not read modules, either.
+        write(Path(out))
+    place = Path(tempfile.mkdtemp())
+    place.chmod(0o755)
+    locked = place / "locked"
+    locked.mkdir(mode=0o555)
+
+    def as_nobody():
+        if os.getuid() == 0:
+            # The administrator may write anywhere.
+            os.setgid(65534)
+            os.setuid(65534)
+
+    message = refused(name, write, locked, as_nobody)
+    assert message is not None, "wrote into a folder without permission"
+    assert re.search("Permission denied|does not allow", message), message
+    assert ".tmp" not in message, f"{message} names a temporary file"
+    assert not list(locked.iterdir())
+    (place / "file").write_text("mine")
+    message = refused(name, write, place / "file" / "below", lambda: None)
+    assert message is not None
+    assert re.search("Not a directory|is a file|must name a folder", message), message
+    assert (place / "file").read_text() == "mine"
+    locked.chmod(0o755)
+    shutil.rmtree(place)
+    print("refused")
+
+
+if __name__ == "__main__":
+    for fault in (killed, full, forbidden):
+        fault(sys.argv[1], int(sys.argv[2]))
