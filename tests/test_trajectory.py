@@ -161,6 +161,44 @@ def test_fields_that_contradict_each_other_are_refused(motion, tmp_path, changes
     assert caught.value.argument in changes
 
 
+def test_the_state_at_the_end_fits_the_rest(motion, tmp_path):
+    """Fields that later versions add stand in groups of their own, all or none."""
+    from asperity import _trajectory_file
+
+    path = tmp_path / "run.npz"
+    fields = {name: getattr(motion, name) for name in (*ARRAYS, *SCALARS, "phase_counts")}
+    end = {
+        "end_q": motion.q[-1],
+        "end_u": motion.u[-1],
+        "end_t0": 0.0,
+        "end_steps": 200,
+        "end_dt": 1e-2,
+        "end_contacts": np.zeros((2, 16)),
+        "end_momenta": np.zeros((1, 3)),
+    }
+    _trajectory_file.save({**fields, **end}, path)
+    read = _trajectory_file.load(path)
+    for name, value in end.items():
+        np.testing.assert_array_equal(read[name], value)
+    for name, wrong in (
+        ("end_q", None),
+        ("end_q", np.zeros(3)),
+        ("end_u", [np.nan, 0.0]),
+        ("end_steps", -1),
+        ("end_steps", 1.5),
+        ("end_dt", 0.0),
+        ("end_contacts", np.zeros((3, 16))),
+        ("end_contacts", np.zeros((2, 15))),
+        ("end_momenta", np.zeros(3)),
+        ("end_mass", 1.0),
+    ):
+        changed = {**fields, **end, name: wrong}
+        _trajectory_file.save({k: v for k, v in changed.items() if v is not None}, path)
+        with pytest.raises(asp.ParameterError) as caught:
+            _trajectory_file.load(path)
+        assert caught.value.argument == name
+
+
 def outcome(path, expected):
     """Load; what is not refused must be what was saved."""
     try:

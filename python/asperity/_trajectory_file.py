@@ -37,9 +37,22 @@ _FIELDS: dict[str, tuple[type[np.generic], tuple[str | int, ...]]] = {
     "failed_steps": (np.int64, ()),
     "phase_counts": (np.int64, ("contact", 3)),
 }
+# The state from which another run goes on; files of runs that end without one have none of these,
+# and the last three are there where they are known.
+_END: dict[str, tuple[type[np.generic], tuple[str | int, ...]]] = {
+    "end_q": (np.float64, ("q",)),
+    "end_u": (np.float64, ("u",)),
+    "end_t0": (np.float64, ()),
+    "end_steps": (np.int64, ()),
+    "end_dt": (np.float64, ()),
+    "end_contacts": (np.float64, ("contact", 16)),
+    "end_momenta": (np.float64, ("body", 3)),
+}
+_ALL = {**_FIELDS, **_END}
+_NEEDED_AT_END = ("end_q", "end_u", "end_t0", "end_steps")
 _MARKS = ("format", "version")
-_COUNTS = ("iterations", "steps", "ambiguous_steps", "failed_steps", "phase_counts")
-_FINITE = ("t", "q", "u", "dt")
+_COUNTS = ("iterations", "steps", "ambiguous_steps", "failed_steps", "phase_counts", "end_steps")
+_FINITE = ("t", "q", "u", "dt", *(name for name in _END if name != "end_steps"))
 
 
 def save(fields: Mapping[str, Any], path: str | os.PathLike[str]) -> None:
@@ -49,15 +62,18 @@ def save(fields: Mapping[str, Any], path: str | os.PathLike[str]) -> None:
 
 
 def load(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Return the fields of a trajectory.
+    """Return the fields of a trajectory, those of its end only where the file has them.
 
     Raises:
         ParameterError, DimensionError: naming the field, or the path, with the file in the message.
     """
     with Archive(path, _KIND) as file:
         _check_format(file)
-        fields = {name: _field(file, name, *kind) for name, kind in _FIELDS.items()}
-        unknown = sorted(set(file.keys) - set(_FIELDS) - set(_MARKS))
+        ended = any(name in file for name in _END)
+        wanted = [*_FIELDS, *(_NEEDED_AT_END if ended else ())]
+        wanted += [name for name in _END if name in file and name not in wanted]
+        fields = {name: _field(file, name, *_ALL[name]) for name in wanted}
+        unknown = sorted(set(file.keys) - set(_ALL) - set(_MARKS))
         if unknown:
             raise ParameterError(unknown[0], f"is no field of a trajectory, in {file.path}")
         try:
@@ -97,11 +113,11 @@ def _field(
 
 
 def _check_shapes(fields: Mapping[str, NDArray[Any]]) -> None:
-    lengths: dict[str | int, int] = {3: 3}
-    for name, (_, axes) in _FIELDS.items():
+    lengths: dict[str, int] = {}
+    for name in fields:
         wanted = tuple(
-            lengths.setdefault(axis, length)
-            for axis, length in zip(axes, fields[name].shape, strict=True)
+            axis if isinstance(axis, int) else lengths.setdefault(axis, length)
+            for axis, length in zip(_ALL[name][1], fields[name].shape, strict=True)
         )
         if fields[name].shape != wanted:
             raise DimensionError(name, f"must have shape {wanted}, has {fields[name].shape}")
@@ -115,16 +131,17 @@ def _check_shapes(fields: Mapping[str, NDArray[Any]]) -> None:
 
 
 def _check_values(fields: Mapping[str, NDArray[Any]]) -> None:
-    for name in _FINITE:
+    for name in fields.keys() & _FINITE:
         if not np.isfinite(fields[name]).all():
             raise ParameterError(name, "must be finite")
     if (np.diff(fields["t"]) <= 0.0).any():
         raise ParameterError("t", "must ascend")
-    if fields["dt"] <= 0.0:
-        raise ParameterError("dt", "must be positive")
+    for name in fields.keys() & {"dt", "end_dt"}:
+        if fields[name] <= 0.0:
+            raise ParameterError(name, "must be positive")
     if fields["status"].item() not in list(Outcome):
         raise ParameterError("status", f"must be {' or '.join(Outcome)}")
-    for name in (*_COUNTS, "residual"):
+    for name in fields.keys() & {*_COUNTS, "residual"}:
         if (fields[name] < 0).any():
             raise ParameterError(name, "must not be negative")
     steps = int(fields["steps"])
