@@ -32,6 +32,8 @@ _LOCAL = {
 _GLOBAL = {**_LOCAL, "delassus": "fclib_global/H", "free_velocity": "fclib_global/vectors/w"}
 # The library's marks for compressed columns and rows; from 0 on it is the length of a triplet form.
 _COLUMNS, _ROWS = -1, -2
+# Numbers that share a checksum.
+_CHUNK = 2**18
 _ROLLING = ("fclib_local_rolling", "fclib_global_rolling")
 _JOINTS = ("fclib_local/V", "fclib_local/R", "fclib_global/G")
 
@@ -243,12 +245,11 @@ def _write(
 
 def _put(file: Any, key: str, values: NDArray[Any]) -> None:
     """Write an array with its checksum; a text as its bytes, since strings have none."""
-    if not values.size:
-        file[key] = values
-        return
     if values.dtype.kind == "U":
         values = np.frombuffer(str(values).encode(), dtype=np.uint8)
-    file.create_dataset(key, data=values, chunks=values.shape, fletcher32=True)
+    # Nothing has no chunks.
+    chunks = tuple(min(length, _CHUNK) for length in values.shape) if values.size else None
+    file.create_dataset(key, data=values, chunks=chunks, fletcher32=bool(chunks))
 
 
 def _read(source: _Group, name: str) -> csr_array:
