@@ -71,6 +71,32 @@ def test_round_trip_keeps_every_bit(tmp_path, name, suffix):
 
 
 @every_format
+@pytest.mark.parametrize("cases", [20, pytest.param(2000, marks=pytest.mark.long)])
+def test_every_problem_comes_back_equal(tmp_path, suffix, cases):
+    path = tmp_path / f"problem{suffix}"
+    for seed in range(cases):
+        rng = np.random.default_rng(seed)
+        # Often of one law, and often without prescribed forces: what other engines can hold.
+        laws = rng.choice(LAWS, size=rng.integers(1, 4)).tolist()
+        unilateral = rng.random(5) >= rng.choice([0.0, 0.5])
+        problem = random_problem(rng, laws, 5, unilateral)
+        if rng.random() < 0.5:
+            problem = problem.replace(tangential_restitution=rng.random(5))
+        if rng.random() < 0.5:
+            problem = problem.replace(delassus=csr_array(problem.delassus))
+        elif rng.random() < 0.5:
+            rows = problem.free_velocity.size
+            directions = random_array((12, rows), density=0.4, rng=rng) + np.eye(12, rows)
+            problem = problem.replace(mass=blocks(rng, 2), directions=directions)
+        problem.save(path)
+        read = asp.ContactProblem.load(path)
+        assert read == problem
+        assert hash(read) == hash(problem)
+        percussion = rng.normal(size=problem.free_velocity.size)
+        assert read.residual(percussion) == problem.residual(percussion)
+
+
+@every_format
 def test_a_dense_operator_comes_back_dense(tmp_path, suffix):
     problem = plain().replace(delassus=plain().delassus.toarray())
     path = tmp_path / f"problem{suffix}"
