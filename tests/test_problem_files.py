@@ -86,8 +86,8 @@ def test_every_problem_comes_back_equal(tmp_path, suffix, cases):
             problem = problem.replace(delassus=csr_array(problem.delassus))
         elif rng.random() < 0.5:
             rows = problem.free_velocity.size
-            directions = random_array((12, rows), density=0.4, rng=rng) + np.eye(12, rows)
-            problem = problem.replace(mass=blocks(rng, 2), directions=directions)
+            directions = random_array((24, rows), density=0.4, rng=rng) + np.eye(24, rows)
+            problem = problem.replace(mass=blocks(rng, 4), directions=directions)
         problem.save(path)
         read = asp.ContactProblem.load(path)
         assert read == problem

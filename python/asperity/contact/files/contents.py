@@ -79,12 +79,13 @@ def coefficients(problem: ContactProblem) -> Array | None:
 def coefficient(law: FrictionLaw) -> float | None:
     """Return μ of an isotropic law, ``None`` of any other."""
     reservoir = law.reservoir
-    if law != FrictionLaw.associated(reservoir):
-        return None
     if isinstance(reservoir, Interval):
         mu = reservoir.upper if reservoir.lower == -reservoir.upper else None
     else:
         mu = reservoir._parameters["radius"] if isinstance(reservoir, Ball | Disk) else None
+    # Only now: other reservoirs may not be convex, so that no law is associated with them.
+    if mu is None or law != FrictionLaw.associated(reservoir):
+        return None
     return 0.0 if mu == FRICTIONLESS else mu
 
 
