@@ -9,6 +9,7 @@ rounding: runs that meet such a step are counted, and may be few.
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -549,9 +550,19 @@ RELATIONS: dict[Callable[[np.random.Generator], None], int] = {
 """Relations with the factor by which there are fewer cases, for those that take long."""
 
 
+def made(relation, failure):
+    """What a failed relation had made from its seed, to be put into a test of its own."""
+    for frame, _ in traceback.walk_tb(failure.__traceback__):
+        if frame.f_code is relation.__code__:
+            kinds = (scenes.Masses, scenes.Bodies, scenes.Problem, asp.FrictionLaw, asp.StarSet)
+            values = frame.f_locals.items()
+            return {name: value for name, value in values if isinstance(value, kinds)}
+    return {}
+
+
 def check(relation, count):
-    """Assert a relation for `count` seeds; show the seeds and scenes of those it fails for."""
-    ambiguous, failures = 0, []
+    """Assert a relation for `count` seeds; show the seeds that fail and the first one's scene."""
+    ambiguous, failures, first = 0, [], {}
     for seed in range(count):
         rng = np.random.default_rng([seed, *relation.__name__.encode()])
         try:
@@ -559,13 +570,11 @@ def check(relation, count):
         except Ambiguous:
             ambiguous += 1
         except (AssertionError, asp.AsperityError) as failure:
-            failures.append((seed, failure))
-    report = "\n".join(
-        f"seed {seed}: {type(failure).__name__}: {str(failure)[:200]}"
-        for seed, failure in failures[:10]
-    )
+            first = first or made(relation, failure)
+            failures.append(f"seed {seed}: {type(failure).__name__}: {str(failure)[:200]}")
+    report = "\n".join([*failures[:10], *(f"{name} = {value!r}" for name, value in first.items())])
     assert not failures, f"{relation.__name__} fails for {len(failures)} of {count}:\n{report}"
-    assert ambiguous <= AMBIGUOUS * count + 3, f"{ambiguous} of {count} are ambiguous"
+    assert ambiguous <= AMBIGUOUS * count + 1, f"{ambiguous} of {count} are ambiguous"
 
 
 @pytest.mark.parametrize("relation", RELATIONS, ids=lambda relation: relation.__name__)
