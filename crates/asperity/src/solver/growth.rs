@@ -87,19 +87,19 @@ impl Powers {
     fn kind(&self) -> Option<Kind> {
         let Self { approach, separation, load, net, largest, brought } = *self;
         let boundless = brought > BOUNDLESS * load && load > NO_LOAD * largest;
+        let (little, closing) = (APPROACHING * load, CLOSING * net.abs());
         // What rounding leaves is no velocity.
-        let allowed = f64::min(APPROACHING * load, CLOSING * net.abs());
-        let counts = |power: f64| power > allowed && power > ROUNDING * brought;
+        let counts = |power: f64, allowed: f64| power > allowed && power > ROUNDING * brought;
         if !(brought > GROWN * load) {
             None
-        } else if counts(approach) {
+        } else if counts(approach, f64::min(little, closing)) {
             Some(Kind::Approaching)
         } else if boundless {
             Some(Kind::Boundless)
-        } else if brought > SUSPICIOUS * load && approach > ROUNDING * brought {
-            Some(Kind::Suspicious)
+        } else if counts(separation, little) {
+            Some(Kind::Separating)
         } else {
-            counts(separation).then_some(Kind::Separating)
+            (brought > SUSPICIOUS * load && counts(approach, 0.0)).then_some(Kind::Suspicious)
         }
     }
 }

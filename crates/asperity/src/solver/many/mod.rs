@@ -15,7 +15,7 @@ mod phases;
 mod proximal;
 
 use super::exact;
-use super::growth::{self, BOUNDLESS, Groups, Growth};
+use super::growth::{self, BOUNDLESS, Groups, Growth, Kind};
 use super::infeasible;
 use super::natural::natural_map;
 use super::quick;
