@@ -316,6 +316,15 @@ def test_models_that_hold_the_law_fit_where_forces_turn_fast(ratio, noise, sampl
         assert all("is not identifiable" in warning for warning in fit.warnings)
 
 
+@pytest.mark.parametrize("noise", [0.05, 0.1, 0.25])
+def test_noise_is_no_lack_of_fit(noise):
+    law = FrictionLaw(Ellipse(0.54, 0.46), Ellipse(1.5, 1.0))
+    for seed in range(5):
+        fit = fit_law(sampled(law, 4320, 6, noise, seed), "ellipse", "ellipse")
+        assert fit.defects["lack of fit"].size > 0.1 * noise
+        assert not fit.defects["lack of fit"].matters
+
+
 def test_a_model_that_does_not_hold_the_law_does_not_fit():
     """A superellipse misses the C of wedges with μ tan β = 0.87 by 2 % to 3 %."""
     for mu in (0.6, 1.0):
@@ -371,6 +380,8 @@ def test_outliers_that_turn_a_mean_force_round_are_no_wrong_signs():
     phi, force = sampled(TABLE_1)
     with pytest.raises(FitError, match="check the signs of the channels"):
         fit_law((phi, -force))
+    with pytest.raises(FitError, match="the noise is as large as the force there: record more"):
+        fit_law(sampled(TABLE_1, 4320, 6, noise=0.5))
 
 
 def of_machine(seed, gain_drift=0.0, **options):

@@ -118,11 +118,15 @@ def check_coverage(bins: Bins) -> None:
         )
 
 
-def along_sliding(bins: Bins) -> float | None:
-    """Return the direction in degrees where the mean force opposes sliding least, if not at all."""
+def along_sliding(bins: Bins) -> tuple[float, float] | None:
+    """Return the direction in degrees where the mean force opposes sliding least, if not at all.
+
+    With it comes the share of directions where it does not.
+    """
     against = bins.force[:, 0] * np.cos(bins.phi) + bins.force[:, 1] * np.sin(bins.phi)
     at = int(against.argmin())
-    return float(np.rad2deg(bins.phi[at])) if against[at] <= 0.0 else None
+    wrong = against <= 0.0
+    return (float(np.rad2deg(bins.phi[at])), float(wrong.mean())) if wrong.any() else None
 
 
 def support(bins: Bins) -> tuple[Array, Array]:

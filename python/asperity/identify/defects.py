@@ -120,8 +120,10 @@ def lack_of_fit(left: Array, force: Array, error: float = 0.0) -> Defect:
     if turns < 2:
         return Defect(size, size > 0.05 + far)
     within = float(((left - mean) ** 2).sum() / (turns - 1))
-    beyond = turns * float((mean**2).sum()) > 3.0 * within
-    return Defect(size, size > 0.005 + far and (beyond or size > 0.05 + far))
+    # On the average 1 if the scatter of turns is all there is.
+    ratio = turns * float((mean**2).sum()) / max(within, np.finfo(float).tiny)
+    needed = 2.0 if size > 0.05 + far else 3.0
+    return Defect(size, size > 0.005 + far and ratio > needed)
 
 
 def _mean_size(force: Array) -> float:

@@ -100,6 +100,10 @@ def _are_everywhere(place: Array) -> bool:
     return bool(arcs >= _SPREAD * expected)
 
 
+# A wrong sign turns forces round in more than these directions.
+_FEW_DIRECTIONS = 0.1
+
+
 def check_sense(bins: Bins, samples: Samples, width: int) -> None:
     """Refuse forces that do not oppose sliding, and say whether a few of them are why.
 
@@ -108,14 +112,21 @@ def check_sense(bins: Bins, samples: Samples, width: int) -> None:
         samples: from which they are.
         width: of the bins, in fine ones.
     """
-    place = along_sliding(bins)
-    if place is None:
+    found = along_sliding(bins)
+    if found is None:
         return
+    place, share = found
     rest = without_outliers(samples)
     if rest is not samples and along_sliding(grouped(rest, 1).bins(width=width)) is None:
         raise FitError(
             f"data: the mean force does not oppose sliding at φ = {place:.1f}°, but would without "
             "outliers: leave them out, or choose the loss 'cauchy' or 'huber'"
+        )
+    if share < _FEW_DIRECTIONS:
+        raise FitError(
+            f"data: the mean force does not oppose sliding at φ = {place:.1f}°, but does in all "
+            f"but {share:.1%} of the directions: the noise is as large as the force there: record "
+            "more turns"
         )
     raise FitError(
         f"data: the force does not oppose sliding at φ = {place:.1f}°: check the signs of the "
