@@ -549,16 +549,3 @@ def test_callbacks_are_checked_alike(solve):
 def test_steps_that_would_never_end_are_refused(max_step):
     with pytest.raises(asp.ParameterError, match="max_step: is too small"):
         asp.integrate(Push(lambda t: 0.0), t_end=1.0, max_step=max_step)
-
-
-def test_stops_that_touch_take_part_in_impacts():
-    """A mass in a corner: one wall is hit while the mass is about to leave the other one."""
-    contacts = [
-        asp.Contact(line(0.1), [[0.0], [1.0]], normal=[1.0, 0.0], normal_restitution=0.3),
-        asp.Contact(line(0.1), [[1.0], [0.0]], normal=[-0.9, 0.436], normal_restitution=0.8),
-    ]
-    corner = asp.LinearSystem(np.eye(2), contacts=contacts)
-    motion = asp.integrate(corner, t_end=0.5, u0=[-1.0, -1.0])
-    assert motion.ambiguous_events > 0
-    assert len(motion.events) < 20
-    assert np.hypot(*motion.u[-1]) < np.sqrt(2.0)

@@ -226,20 +226,13 @@ pub(super) enum Blow {
     Dead,
 }
 
-/// What an impact has done to a contact: its normal velocity afterwards and the normal percussion.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Rebound {
-    pub(super) velocity: f64,
-    pub(super) percussion: f64,
-}
-
-/// The impact of unilateral contacts: velocities jump. What becomes of the contacts is in `after`.
+/// The impact of unilateral contacts: velocities jump. The contacts' new normal velocities are in `after`.
 pub(super) fn strike(
     field: &mut Field<'_>,
     state: &mut State,
     (contacts, blow): (Vec<usize>, Blow),
     memory: &[ContactState],
-    after: &mut Vec<Rebound>,
+    after: &mut Vec<f64>,
     poll: &Poll<'_>,
 ) -> Result<Decision, FieldError> {
     let n = field.n;
@@ -268,10 +261,7 @@ pub(super) fn strike(
         add(&mut state.u, *percussion, response);
     }
     after.clear();
-    after.extend(problem.contacts.iter().map(|rows| Rebound {
-        velocity: velocity[rows.offset],
-        percussion: found.percussion[rows.offset],
-    }));
+    after.extend(problem.contacts.iter().map(|rows| velocity[rows.offset]));
     Ok(decision)
 }
 

@@ -32,7 +32,7 @@ impl Runner<'_> {
         self.field.system.forces(*t, q, u, &mut self.a0)?;
         self.field.apply_inverse_mass(&mut self.a0);
         self.fall = FALL * largest(&self.a0) * self.options.t_end.powi(2);
-        let depth = |touch: &Touch| touch.prescribed.is_none() && touch.gap < -self.touching(touch);
+        let depth = |touch: &Touch| touch.prescribed.is_none() && touch.gap < -self.closed(touch);
         Ok(self.field.touches.iter().position(depth).map(|contact| {
             let depth = -self.field.touches[contact].gap;
             let message =
@@ -41,12 +41,10 @@ impl Runner<'_> {
         }))
     }
 
-    /// The gap at which a contact counts as closed at the beginning and at impacts. Where no length is known at
-    /// the beginning but that of rounding, such as of a body at rest at the origin, it is told from the lengths
-    /// of the motion to come.
-    pub(super) fn touching(&self, touch: &Touch) -> f64 {
-        let known = TOUCHING * touch.reach;
-        if self.state.t > 0.0 { known } else { known.max(self.fall) }
+    /// The gap at which a contact counts as closed at the beginning. Where no length is known but that of
+    /// rounding, such as of a body at rest at the origin, it is told from the lengths of the motion to come.
+    fn closed(&self, touch: &Touch) -> f64 {
+        (TOUCHING * touch.reach).max(self.fall)
     }
 
     /// Decides what the contacts do at the beginning.
@@ -55,7 +53,7 @@ impl Runner<'_> {
         let mut hit = None;
         for i in 0..self.memory.len() {
             let touch = self.field.touches[i];
-            if touch.prescribed.is_none() && touch.gap <= self.touching(&touch) {
+            if touch.prescribed.is_none() && touch.gap <= self.closed(&touch) {
                 let approach = self.approach(i);
                 if approach < -STILL * self.control.speed() {
                     hit = Some(i);

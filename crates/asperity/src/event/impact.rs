@@ -1,9 +1,9 @@
 //! Impacts, and what contacts do after velocities have jumped.
 
-use super::decide::{self, Blow, Decision, Rebound};
+use super::decide::{self, Blow, Decision};
 use super::happen::Next;
 use super::run::Runner;
-use super::touch::{ROWS, STILL, State, instant};
+use super::touch::{ROWS, STILL, State, TOUCHING, instant};
 use super::{Kind, Outcome};
 use crate::contact::{ContactState, Phase};
 
@@ -22,17 +22,13 @@ impl Runner<'_> {
             .filter(|&i| {
                 let touch = &self.field.touches[i];
                 let closed = touch.mode != Phase::Open;
-                // Also if it is about to open: the percussions of the others may prevent that.
-                let touches = touch.gap <= self.touching(touch);
-                touch.prescribed.is_none() && (closed || touches || i == contact)
+                let meets = touch.gap <= TOUCHING * touch.reach && self.approach(i) <= still;
+                touch.prescribed.is_none() && (closed || meets || i == contact)
             })
             .collect();
-        let approaches: Vec<f64> = involved.iter().map(|&i| self.approach(i)).collect();
-        let untouched = |&velocity: &f64| Rebound { velocity, percussion: 0.0 };
-        let (start, mut after): (_, Vec<Rebound>) =
-            (self.state.clone(), approaches.iter().map(untouched).collect());
+        let (start, mut after) = (self.state.clone(), vec![0.0; involved.len()]);
         let mut ambiguous = false;
-        if approaches.iter().any(|approach| *approach < -still) {
+        if involved.iter().any(|&i| self.approach(i) < -still) {
             for blow in [Blow::Restitution, Blow::Dead] {
                 self.state.clone_from(&start);
                 let meeting = (involved.clone(), blow);
@@ -47,15 +43,9 @@ impl Runner<'_> {
                 }
             }
         }
-        // Contacts that touch while they separate might also be hit one after the other.
-        let drawn_in =
-            |(approach, after): (&f64, &Rebound)| *approach > still && after.percussion > 0.0;
-        ambiguous |= approaches.iter().zip(&after).any(drawn_in);
-        for (k, &i) in involved.iter().enumerate() {
-            let meets = i == contact || approaches[k] <= still || after[k].percussion > 0.0;
-            if self.field.touches[i].mode != Phase::Open || !meets {
-                continue;
-            }
+        let opened = |i: usize| self.field.touches[i].mode == Phase::Open;
+        let meeting: Vec<usize> = involved.iter().copied().filter(|&i| opened(i)).collect();
+        for i in meeting {
             self.event(Some(i), Kind::Impact, ambiguous);
             before[i] = None;
         }
@@ -63,12 +53,11 @@ impl Runner<'_> {
     }
 
     /// Whether contacts bounce, all of them lower than can be followed.
-    fn too_low(&self, involved: &[usize], after: &[Rebound]) -> bool {
+    fn too_low(&self, involved: &[usize], after: &[f64]) -> bool {
         let still = STILL * self.control.speed();
-        let velocities = involved.iter().zip(after.iter().map(|after| after.velocity));
-        let mut bounces = velocities.filter(|(_, v)| *v > still).peekable();
+        let mut bounces = involved.iter().zip(after).filter(|(_, v)| **v > still).peekable();
         bounces.peek().is_some()
-            && bounces.all(|(&i, v)| {
+            && bounces.all(|(&i, &v)| {
                 let fall = -self.field.rate(ROWS * i, &self.a0);
                 let low = v * v < 2.0 * fall * LOWEST * self.field.touches[i].reach;
                 fall > 0.0 && (low || v < fall * instant(self.state.t))
@@ -79,7 +68,7 @@ impl Runner<'_> {
     fn after_blow(
         &mut self,
         involved: &[usize],
-        after: &[Rebound],
+        after: &[f64],
         before: Vec<Option<Phase>>,
     ) -> Next {
         let State { t, q, u } = &self.state;
@@ -89,7 +78,7 @@ impl Runner<'_> {
             let place = involved.iter().position(|&k| k == i);
             let closed = self.field.touches[i].mode != Phase::Open;
             match place {
-                Some(k) if after[k].velocity > still => {
+                Some(k) if after[k] > still => {
                     self.field.touches[i].mode = Phase::Open;
                     self.memory[i] = ContactState::new(Phase::Open, self.memory[i].slip);
                 }
@@ -121,7 +110,7 @@ impl Runner<'_> {
         }
         self.event(Some(contact), Kind::ImpactWithoutCollision, false);
         before[contact] = None;
-        let after = vec![Rebound::default(); involved.len()];
+        let after = vec![0.0; involved.len()];
         self.after_blow(&involved, &after, before)
     }
 }
