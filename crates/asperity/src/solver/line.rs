@@ -11,7 +11,7 @@ pub(super) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
         return [Some(local.open()), None, None, None];
     }
     let open = (local.prescribed.is_none() && local.b_n >= 0.0).then(|| local.open());
-    let stick = local.stick().solution;
+    let stick = local.any_stick();
     let (c0, a) = local.affine();
     let sign = local.sign();
     let slip = |direction: f64| {

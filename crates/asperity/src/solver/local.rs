@@ -169,13 +169,16 @@ impl<'a, const P: usize> Local<'a, P> {
         LocalSolution { phase, normal: 0.0, tangent, slip: self.b_t, degenerate: false }
     }
 
-    /// The percussion with `γ = 0`, whether or not the contact can transmit it.
+    /// The stick solution, if there is one, with a block of any rank.
+    #[inline]
+    pub(super) fn any_stick(&self) -> Option<LocalSolution<P>> {
+        if self.block.sound { self.stick().solution } else { self.stick_of_any_rank() }
+    }
+
+    /// The percussion with `γ = 0`, whether or not the contact can transmit it, with a sound block.
     #[inline(always)]
     pub(super) fn stick(&self) -> Stick<P> {
         let block = self.block;
-        if !block.sound {
-            return self.stick_of_any_rank();
-        }
         let inverse: Matrix<P> = cut_matrix(&block.schur_inverse);
         let load = match self.prescribed {
             Some(_) => self.b_t,
@@ -224,20 +227,10 @@ impl<'a, const P: usize> Local<'a, P> {
     /// Stick with a block that has no sound inverse.
     #[cold]
     #[inline(never)]
-    fn stick_of_any_rank(&self) -> Stick<P> {
+    fn stick_of_any_rank(&self) -> Option<LocalSolution<P>> {
         let single = self.single();
-        match single.stick().filter(|found| found.defect <= single::SOLUTION) {
-            Some(found) => {
-                let (normal, tangent) =
-                    (single.normal(&found.percussion), single.tangent(&found.percussion));
-                let load = tangent * (-1.0 / normal);
-                let gauge = self.law.reservoir().gauge(&load);
-                let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), found.degenerate);
-                let solution = LocalSolution { phase, normal, tangent, slip, degenerate };
-                Stick { load, solution: Some(solution), gauge }
-            }
-            None => Stick { load: self.b_t, solution: None, gauge: f64::INFINITY },
-        }
+        let found = single.stick().filter(|found| found.defect <= single::SOLUTION)?;
+        Some(self.with_phase(&single, &found, Phase::Stick))
     }
 
     /// The contact as a dense problem, for what closed forms do not reach.

@@ -18,7 +18,7 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
     if local.prescribed.is_none() && local.b_n >= 0.0 {
         out.push(local.open());
     }
-    out.extend(local.stick().solution);
+    out.extend(local.any_stick());
     if local.prescribed.is_none() && local.b_n == 0.0 {
         return true;
     }

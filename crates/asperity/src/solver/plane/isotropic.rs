@@ -4,13 +4,13 @@ use super::super::local::{Local, LocalSolution};
 use super::equation::{Slip, V, cross};
 use crate::contact::Phase;
 
-/// Stick or slip of a unilateral contact. That friction holds it, `‖P_T‖ < μ P_N`, needs no root and no
-/// division.
+/// Stick or slip of a unilateral contact with a sound block. That friction holds it, `‖P_T‖ < μ P_N`, needs no
+/// root and no division.
 #[inline(always)]
 pub(super) fn quick(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
     let mu = local.law.isotropic_coefficient()?;
     let block = local.block;
-    if local.prescribed.is_some() || !block.sound {
+    if local.prescribed.is_some() {
         return None;
     }
     let load = local.b_t - block.g_tn * (local.b_n * block.inverse_nn);

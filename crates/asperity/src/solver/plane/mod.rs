@@ -48,9 +48,9 @@ pub(super) fn quick(
     buffer: &mut Vec<LocalSolution<2>>,
 ) -> Option<LocalSolution<2>> {
     match opens(local) {
-        Some(None) => {}
-        Some(open) => return open,
-        None => return select_among_all(*local, state, buffer).map(|s| s.solution),
+        Some(None) if local.block.sound => {}
+        Some(Some(open)) => return Some(open),
+        _ => return select_among_all(*local, state, buffer).map(|s| s.solution),
     }
     if state.phase != Phase::Slip
         && let Some(found) = isotropic::quick(local, &guess)
@@ -90,6 +90,9 @@ fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>>
     if let Some(open) = opens(local)? {
         return Some(open);
     }
+    if !local.block.sound {
+        return None;
+    }
     let bounds = local.law.bounds();
     let stick = local.stick();
     let certain = certain(local, &stick);
@@ -104,9 +107,6 @@ fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>>
         let slip = Slip::new(local, bounds.largest_radius);
         let scan = Scan::new(&slip, table);
         return (0..COARSE).all(|i| scan.excluded(&slip, table, i)).then_some(solution);
-    }
-    if !local.block.sound {
-        return None;
     }
     let slip = Slip::new(local, bounds.largest_radius);
     let mut found = newton(&slip, &guess());

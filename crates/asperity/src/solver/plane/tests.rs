@@ -1,9 +1,8 @@
 //! What the complete search costs, counted in pieces of cells.
 
 use std::cell::Cell;
-use std::sync::Arc;
 
-use asperity_set::{Convex, Cuboid, Ellipse, Star, Superellipse, Vector};
+use asperity_set::{Convex, Cuboid, Ellipse, Star, StarSet, Superellipse, Vector};
 use nalgebra::DMatrix;
 
 use super::solutions;
@@ -22,16 +21,22 @@ pub(super) fn count(pieces: usize) {
 }
 
 /// Pieces that the complete search looks at, and the phases that it finds.
-fn search(law: &Arc<FrictionLaw<2>>, load: Vector<2>) -> (usize, Vec<Phase>) {
-    let contacts = [(Law::Two(law.clone()), NormalForce::Prescribed(1.0))];
+fn search(law: &Law, load: Vector<2>) -> (usize, Vec<Phase>) {
+    let Law::Two(planar) = law else { panic!("the law is planar") };
+    let contacts = [(law.clone(), NormalForce::Prescribed(1.0))];
     let free = vec![load.x, load.y];
     let problem = ContactProblem::new(DMatrix::identity(2, 2), free, contacts).unwrap();
     let block = Block::new(&problem, 0);
     let mut found = Vec::new();
     PIECES.with(|total| total.set(0));
-    let complete = solutions(&Local::new(law, &problem, 0, &block, &[0.0; 2]), &mut found);
+    let complete = solutions(&Local::new(planar, &problem, 0, &block, &[0.0; 2]), &mut found);
     assert!(complete);
     (PIECES.with(Cell::get), found.iter().map(|s| s.phase).collect())
+}
+
+fn gauge(law: &Law, x: &Vector<2>) -> f64 {
+    let Law::Two(law) = law else { panic!("the law is planar") };
+    law.reservoir().gauge(x)
 }
 
 /// However near a load is to a corner, the search costs at most three times what it costs far from it.
@@ -49,15 +54,14 @@ fn loads_beside_corners_cost_as_much_as_others() {
         FrictionLaw::new(rectangle(0.54, 0.48).into(), ellipse).unwrap(),
         FrictionLaw::associated(rounded(1.0)),
         FrictionLaw::associated(rounded(40.0)),
-    ]
-    .map(Arc::new);
-    for (k, law) in laws.iter().enumerate() {
+    ];
+    for (k, law) in laws.map(Law::from).iter().enumerate() {
         // The corner of the rectangle, the tip of the rhombus; next to corners of the last one.
         let corner = match k {
             3 => Vector::<2>::new(0.54, 0.0),
             4 => {
                 let direction = Vector::<2>::new(0.54, 0.48);
-                direction / asperity_set::StarSet::gauge(law.reservoir(), &direction)
+                direction / gauge(law, &direction)
             }
             _ => Vector::<2>::new(0.54, 0.48),
         };
