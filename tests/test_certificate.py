@@ -6,6 +6,7 @@ import pytest
 from asperity import Certificate, Status
 from asperity.grading import proves_no_solution
 from samples import LAWS, identify, random_problem
+from scipy.optimize import linprog
 
 LAW = asp.FrictionLaw.isotropic(0.5)
 DEFECTS = [
@@ -248,6 +249,74 @@ def test_paradoxes_are_proven_for_every_law(law):
             )
             assert not proves_no_solution(problem, proof)
     assert found > 0
+
+
+RANDOM_SYSTEMS = 200
+
+
+def random_system(seed):
+    """Contacts of few degrees of freedom; now and then a normal opposes a mixture of others."""
+    rng = np.random.default_rng(seed)
+    contacts, p, dof = (int(rng.integers(*limits)) for limits in ((2, 7), (1, 3), (2, 8)))
+    directions = rng.normal(size=(dof, contacts * (1 + p)))
+    if rng.random() < 0.7:
+        k = int(rng.integers(1, contacts))
+        mixture = directions[:, 0 : (1 + p) * k : 1 + p] @ rng.dirichlet(np.ones(k))
+        directions[:, (1 + p) * k] = -mixture * rng.uniform(0.5, 2.0)
+    directions *= np.exp(rng.normal(size=(dof, 1)))
+    free = directions.T @ rng.normal(size=dof)
+    if rng.random() < 0.5:
+        free[:: 1 + p] -= rng.exponential(size=contacts) * rng.choice([1e-3, 1.0])
+    law = (asp.FrictionLaw.isotropic(0.4, dimension=1), LAW)[p - 1]
+    return directions, asp.ContactProblem(directions.T @ directions, free, law)
+
+
+def closes(directions, problem):
+    """Whether contacts close on each other whatever the percussions, by linear programming.
+
+    The least d·b over d ≥ 0 with W_N d = 0, Σ d = 1 (Farkas).
+    """
+    rows = [rows.start for rows in problem.row_slices]
+    normals = directions[:, rows] / np.abs(directions).max()
+    found = linprog(
+        problem.free_velocity[rows],
+        A_eq=np.vstack([normals, np.ones(len(rows))]),
+        b_eq=np.r_[np.zeros(len(directions)), 1.0],
+    )
+    return found.status == 0 and found.fun < -1e-9
+
+
+def check_random_systems(seeds):
+    """Return how many systems converged, have a proof, and close although they meet the measure."""
+    counts = {"converged": 0, "proven": 0, "missed": 0}
+    for seed in seeds:
+        directions, problem = random_system(seed)
+        solution = problem.solve(tolerance=1e-9, time_limit=20.0, on_failure="record")
+        closing = closes(directions, problem)
+        if solution.status is Status.NO_SOLUTION:
+            counts["proven"] += 1
+            assert closing, seed
+            assert proves_no_solution(problem, solution.infeasibility), seed
+        else:
+            # Friction may leave problems without a solution that nothing proves.
+            assert solution.status in (Status.CONVERGED, Status.UNBOUNDED, Status.STALLED), seed
+            counts["converged"] += solution.converged and not closing
+            # Large percussions may meet the measure while contacts close slowly.
+            counts["missed"] += closing
+    return counts
+
+
+def test_verdicts_are_those_of_linear_programming():
+    counts = check_random_systems(range(RANDOM_SYSTEMS))
+    assert counts["converged"] > 0.5 * RANDOM_SYSTEMS
+    assert counts["proven"] > 0.3 * RANDOM_SYSTEMS
+    assert counts["missed"] <= 0.02 * RANDOM_SYSTEMS
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("first", range(0, 10_000, 500))
+def test_ten_thousand_verdicts_are_those_of_linear_programming(first):
+    assert check_random_systems(range(first, first + 500))["missed"] <= 0.02 * 500
 
 
 def test_the_checker_refuses_what_proves_nothing():

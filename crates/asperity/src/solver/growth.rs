@@ -20,6 +20,9 @@ use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
 /// and less implies the former.
 const APPROACHING: f64 = 1e-2;
 const CLOSING: f64 = 0.1;
+/// Growth beyond which contacts that approach at all are looked at more closely. Contacts that close on each other
+/// by less than this times the tolerance are within it.
+const SUSPICIOUS: f64 = 1e4;
 /// Growth that stacks and vaults do not exceed without need, and beyond which a start is not taken where
 /// contacts approach.
 const GROWN: f64 = 1e2;
@@ -46,6 +49,8 @@ pub(super) struct Growth {
 pub(super) enum Kind {
     /// They separate with percussions: an iteration has passed the solution.
     Separating,
+    /// They approach a little: their percussions are those of a solution, or grow slowly for ever.
+    Suspicious,
     /// Growth is boundless: rounding may hide that they approach.
     Boundless,
     /// They go on approaching.
@@ -55,7 +60,7 @@ pub(super) enum Kind {
 impl Growth {
     /// The contact that percussions run away from.
     pub(super) fn running(&self) -> Option<usize> {
-        (self.kind != Kind::Separating).then_some(self.contact)
+        (self.kind >= Kind::Boundless).then_some(self.contact)
     }
 }
 
@@ -82,17 +87,19 @@ impl Powers {
     fn kind(&self) -> Option<Kind> {
         let Self { approach, separation, load, net, largest, brought } = *self;
         let boundless = brought > BOUNDLESS * load && load > NO_LOAD * largest;
+        let (little, closing) = (APPROACHING * load, CLOSING * net.abs());
         // What rounding leaves is no velocity.
-        let allowed = f64::min(APPROACHING * load, CLOSING * net.abs());
-        let counts = |power: f64| power > allowed && power > ROUNDING * brought;
+        let counts = |power: f64, allowed: f64| power > allowed && power > ROUNDING * brought;
         if !(brought > GROWN * load) {
             None
-        } else if counts(approach) {
+        } else if counts(approach, f64::min(little, closing)) {
             Some(Kind::Approaching)
         } else if boundless {
             Some(Kind::Boundless)
+        } else if counts(separation, little) {
+            Some(Kind::Separating)
         } else {
-            counts(separation).then_some(Kind::Separating)
+            (brought > SUSPICIOUS * load && counts(approach, 0.0)).then_some(Kind::Suspicious)
         }
     }
 }
@@ -185,7 +192,7 @@ pub(super) fn of(
     for (i, rows) in problem.contacts.iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let group = groups.find(i);
         let Some(kind) = groups.sums[group].kind() else { continue };
-        let sign = if kind == Kind::Approaching { -1.0 } else { 1.0 };
+        let sign = if kind == Kind::Separating { 1.0 } else { -1.0 };
         let power = sign * percussion[rows.offset] * xi.of(rows.offset);
         if worst.is_none_or(|(k, largest, _)| kind > k || kind == k && power > largest) {
             worst = Some((kind, power, i));

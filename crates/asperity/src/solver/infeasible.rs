@@ -82,13 +82,17 @@ pub(super) fn prove(problem: &ContactProblem, percussion: &[f64]) -> Option<Infe
     }
     // In the rows' own scale, s_i P_i, units and masses drop out.
     let pushes = |i: usize| scale_of(problem, i) * percussion[problem.contacts[i].offset];
-    let mut support: Weights = (0..problem.contacts.len())
+    let all: Weights = (0..problem.contacts.len())
         .filter(|&i| problem.contacts[i].normal == NormalForce::Unilateral)
         .map(|i| (i, pushes(i)))
-        .filter(|(_, d)| *d > 0.0 && d.is_finite())
         .collect();
+    let mut support = all.clone();
+    support.retain(|(_, d)| *d > 0.0 && d.is_finite());
     trim(&mut support);
-    polish(problem, support.clone()).or_else(|| polish(problem, nearest(problem, &support)?))
+    polish(problem, support.clone()).or_else(|| {
+        let searched = if all.len() <= MOST_SEARCHED { all } else { support };
+        polish(problem, nearest(problem, &searched)?)
+    })
 }
 
 /// Contacts with their weights in scaled rows.

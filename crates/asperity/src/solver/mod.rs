@@ -48,7 +48,7 @@ pub use stop::{Measure, Stop};
 
 use crate::contact::{ContactProblem, ContactState, Memory};
 use block::Block;
-use growth::Groups;
+use growth::{Groups, Kind};
 use local::LocalSolution;
 use report::{Ended, Findings};
 use threads::Threads;
@@ -287,12 +287,17 @@ fn judge(
     let Workspace { percussion, velocity, groups, infeasibility, .. } = workspace;
     let growth = growth::of(problem, percussion, velocity, groups);
     let running = growth.and_then(|growth| growth.running());
-    if residual.value <= stop.tolerance && running.is_none() {
+    let suspicious = growth.is_some_and(|growth| growth.kind >= Kind::Suspicious);
+    let small = residual.value <= stop.tolerance;
+    if small && !suspicious {
         *infeasibility = None;
         return Findings::default();
     }
-    if infeasibility.is_none() && running.is_some() && !stop.early() {
+    if infeasibility.is_none() && suspicious && !stop.early() {
         *infeasibility = infeasible::prove(problem, percussion);
+    }
+    if small && running.is_none() && infeasibility.is_none() {
+        return Findings::default();
     }
     if let (None, Ended::Stuck(contact)) = (&infeasibility, ended) {
         *infeasibility = infeasible::prove_alone(problem, contact, percussion);

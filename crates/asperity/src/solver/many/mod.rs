@@ -15,7 +15,7 @@ mod phases;
 mod proximal;
 
 use super::exact;
-use super::growth::{self, BOUNDLESS, Groups, Growth};
+use super::growth::{self, BOUNDLESS, Groups, Growth, Kind};
 use super::infeasible;
 use super::natural::natural_map;
 use super::quick;
@@ -211,11 +211,16 @@ impl<'a, 'b> Run<'a, 'b> {
     fn keep(&mut self, percussion: &[f64], grade: f64, small: bool) {
         let Many { astray, velocity, groups, .. } = &mut *self.many;
         self.growth = growth::of(self.problem, percussion, velocity, groups);
-        if self.growth.is_some_and(|growth| growth.running().is_some()) {
+        let kind = self.growth.map(|growth| growth.kind);
+        if kind >= Some(Kind::Suspicious) {
             astray.copy_from_slice(percussion);
+        }
+        if kind >= Some(Kind::Boundless)
+            || kind == Some(Kind::Suspicious) && small && self.is_infeasible()
+        {
             return;
         }
-        let solved = small && self.growth.is_none();
+        let solved = small && kind != Some(Kind::Separating);
         if solved || !self.solved {
             (self.grade, self.solved, self.growth) = (grade, solved, None);
             self.many.best.copy_from_slice(percussion);
