@@ -199,6 +199,20 @@ def test_the_state_at_the_end_fits_the_rest(motion, tmp_path):
         assert caught.value.argument == name
 
 
+@pytest.mark.parametrize("name", ["q", "u", "t0", "steps", "dt", "contacts", "momenta"])
+@pytest.mark.parametrize("change", [None, lambda one: one[None], lambda one: one.astype(str)])
+def test_damage_of_the_state_at_the_end_is_refused(motion, tmp_path, name, change):
+    path = tmp_path / "run.npz"
+    motion.save(path)
+    with np.load(path) as file:
+        fields = dict(file)
+    was = fields.pop(f"end_{name}")
+    np.savez(path, **fields, **({} if change is None else {f"end_{name}": change(was)}))
+    with pytest.raises(asp.ParameterError) as caught:
+        asp.Trajectory.load(path)
+    assert caught.value.argument == f"end_{name}"
+
+
 def outcome(path, expected):
     """Load; what is not refused must be what was saved."""
     try:

@@ -160,18 +160,19 @@ def _check_values(fields: Mapping[str, NDArray[Any]]) -> None:
 
 def _check_end(fields: Mapping[str, NDArray[Any]]) -> None:
     """Check what the next step asks for: it must be of the last sample."""
+    # After a step all of it is known.
     for name in _END:
-        if not np.isfinite(fields[name]).all():
-            raise ParameterError(name, "must be finite")
+        if name not in fields and fields["end_steps"] > 0:
+            raise ParameterError(name, "is missing")
     for name in ("q", "u", "dt"):
         last = fields[name] if name == "dt" else fields[name][-1]
-        if not np.array_equal(fields[f"end_{name}"], last):
+        if not np.array_equal(fields.get(f"end_{name}", last), last):
             raise ParameterError(f"end_{name}", f"must be the last {name}")
     if fields["end_steps"] < fields["steps"]:
         raise ParameterError("end_steps", f"must be at least {fields['steps']}")
-    if fields["end_t0"] + fields["end_steps"] * fields["end_dt"] != fields["t"][-1]:
+    if fields["end_t0"] + fields["end_steps"] * fields["dt"] != fields["t"][-1]:
         raise ParameterError("end_t0", "must fit the last time")
-    contacts = fields["end_contacts"]
+    contacts = fields.get("end_contacts", np.zeros((0, 16)))
     phases, counts = contacts[:, 1], contacts[:, 2]
     if not np.isin(phases, list(Phase)).all() or not np.isin(contacts[:, 0], (0, 1)).all():
         raise ParameterError("end_contacts", "must hold phases and whether contacts are closed")
