@@ -8,7 +8,7 @@ overflow; what is extreme belongs to the fuzz targets.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import asperity as asp
 import numpy as np
@@ -166,7 +166,7 @@ class Masses:
     u0: Array
     dt: float
     steps: int = 40
-    orders: tuple[tuple[int, ...], tuple[int, ...]] = field(default=((), ()))
+    tolerance: float = 1e-11
 
     def system(self) -> asp.LinearSystem:
         """The scene as a `LinearSystem`; contacts in the order of rubs and stops."""
@@ -206,7 +206,11 @@ class Masses:
 
     def run(self, **options: object) -> asp.Trajectory:
         """The motion by time stepping, solved tightly."""
-        settings = {"dt": self.dt, "t_end": self.steps * self.dt, "tolerance": 1e-12} | options
+        settings = {
+            "dt": self.dt,
+            "t_end": self.steps * self.dt,
+            "tolerance": self.tolerance,
+        } | options
         return asp.simulate(self.system(), q0=self.q0, u0=self.u0, **settings)
 
     def moved(self, matrix: Array) -> Masses:
@@ -338,6 +342,7 @@ class Bodies:
     """Whether boxes have a foot more, in the middle of the face on the plane."""
     restitution: float = 0.0
     steps: int = 30
+    tolerance: float = 1e-11
 
     def system(self) -> asp.RigidBodies:
         pairs: list[object] = []
@@ -353,7 +358,11 @@ class Bodies:
         return asp.RigidBodies([body for body, _, _ in self.parts], pairs, gravity=self.gravity)
 
     def run(self, **options: object) -> asp.Trajectory:
-        settings = {"dt": self.dt, "t_end": self.steps * self.dt, "tolerance": 1e-11} | options
+        settings = {
+            "dt": self.dt,
+            "t_end": self.steps * self.dt,
+            "tolerance": self.tolerance,
+        } | options
         return asp.simulate(self.system(), **settings)
 
 

@@ -148,6 +148,23 @@ def continued(rng):
     close(rest.q, whole.q[first:], 1e-6, "coordinates")
 
 
+def handed_over(rng):
+    """A run that is continued from a trajectory, which holds phases and percussions: to the bit."""
+    scene = scenes.masses(rng) if rng.random() < 0.5 else scenes.bodies(rng)
+    whole = scene.run()
+    first = int(rng.integers(1, scene.steps))
+    part = scene.run(t_end=first * scene.dt)
+    rest = asp.simulate(
+        scene.system(),
+        dt=scene.dt,
+        t_end=scene.steps * scene.dt,
+        tolerance=scene.tolerance,
+        start=part,
+    )
+    assert np.array_equal(rest.q, whole.q[first:])
+    assert np.array_equal(rest.u, whole.u[first:])
+
+
 def scaled_direction(rng):
     """The scale of D is no parameter of a law."""
     reservoir, direction = scenes.star_set(rng), scenes.smooth_set(rng)
@@ -528,6 +545,7 @@ RELATIONS: dict[Callable[[np.random.Generator], None], int] = {
     split_contact: 1,
     doubled_stop: 1,
     continued: 1,
+    handed_over: 1,
     scaled_direction: 1,
     other_constructor: 1,
     from_forces: 1,
