@@ -106,7 +106,7 @@ def limit_cycle(
         raise NoCycleError(
             "deviations from the unstable equilibrium grow by a share of only "
             f"{growth:.2g} per turn: passages that agree within {RECURRENCE:g} do not show a cycle "
-            "yet. Give q0, u0 and a section near the cycle, or continue one of a slower belt by near="
+            "yet. Give q0, u0 and a section near it, or continue one of a slower belt by near="
         ) from failure
     raise failure
 
