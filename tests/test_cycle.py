@@ -207,3 +207,22 @@ def test_arguments_of_a_diagram_that_fit_no_member_are_refused_at_once():
         asp.bifurcation_diagram(belt, "phi", values, t_end=-1.0)
     with pytest.raises(asp.ParameterError, match="threads"):
         asp.bifurcation_diagram(belt, "phi", values, cycles=False, threads=0)
+
+
+@pytest.mark.parametrize("phi", [50.0, 60.0])
+@pytest.mark.parametrize("speed", [0.1, 1.0, 30.0, 100.0])
+def test_the_cycle_depends_on_speed_mass_and_stiffness_by_one_parameter(phi, speed):
+    # v √(km)/λ_N: its twin has the same value; lengths scale with λ_N/k, times with √(m/k).
+    direction = np.array([np.cos(np.deg2rad(phi)), np.sin(np.deg2rad(phi))])
+    cycle = asp.limit_cycle(asp.MassOnBelt(1.0, 1.0, LAW, 1.0, speed * direction))
+    mass, stiffness, load = 4.0, 9.0, 36.0
+    faster = speed * load / np.sqrt(mass * stiffness)
+    twin = asp.limit_cycle(asp.MassOnBelt(mass, stiffness, LAW, load, faster * direction))
+    assert twin.period * 1.5 == pytest.approx(cycle.period, rel=1e-8)
+    np.testing.assert_allclose(twin.maximum * stiffness / load, cycle.maximum, rtol=1e-7)
+
+
+@pytest.mark.parametrize(("phi", "speed"), [(50.0, 1e3), (50.0, 1e4), (60.0, 1e4)])
+def test_a_cycle_that_grows_too_slowly_is_refused_for_this_reason(phi, speed):
+    with pytest.raises(NoCycleError, match="per turn"):
+        asp.limit_cycle(belt(np.deg2rad(phi), speed))

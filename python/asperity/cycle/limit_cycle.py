@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity import _arrays
@@ -11,6 +12,7 @@ from asperity._arrays import Array
 from asperity.cycle.floquet import multipliers
 from asperity.cycle.orbit import LimitCycle
 from asperity.cycle.recurrence import (
+    RECURRENCE,
     SAME_TURN,
     extent,
     has_died_out,
@@ -24,7 +26,7 @@ from asperity.errors import NoCycleError, ParameterError
 from asperity.integrate import integrate
 from asperity.motion import Section
 from asperity.simulate import Model
-from asperity.stability import equilibrium, stability
+from asperity.stability import Stability, equilibrium, stability
 
 # The motion is followed for at most so many of the longest times of the linearised system, and for
 # this part of it before a section is chosen.
@@ -71,7 +73,8 @@ def limit_cycle(
 
     Raises:
         NoCycleError: if the motion settles, does not recur, or if periodic orbits form a continuum
-            (as the undamped ones of a mass that never stops sliding).
+            (as the undamped ones of a mass that never stops sliding). Beside an equilibrium whose
+            deviations grow by less than 2 % per turn, as on very fast belts, the search says so.
         ParameterError, ConvergenceError: as `integrate`, `equilibrium` and `stability`; the last
             two are not needed if `q0` and `t_end` are given.
 
@@ -91,7 +94,7 @@ def limit_cycle(
         if any(given is not None for given in (q0, u0, section, t_end)):
             raise ParameterError("near", "excludes q0, u0, section and t_end")
         return _continued(system, near, tolerance)
-    horizon, states = _beginnings(system, q0, u0, t_end)
+    horizon, states, growth = _beginnings(system, q0, u0, t_end)
     failure = None
     for q, u in states:
         try:
@@ -99,6 +102,12 @@ def limit_cycle(
         except NoCycleError as error:
             failure = failure or error
     assert failure is not None
+    if 0.0 < growth < RECURRENCE:
+        raise NoCycleError(
+            "deviations from the unstable equilibrium grow by a share of only "
+            f"{growth:.2g} per turn: passages that agree within {RECURRENCE:g} do not show a cycle "
+            "yet. Give q0, u0 and a section near it, or continue one of a slower belt by near="
+        ) from failure
     raise failure
 
 
@@ -114,10 +123,14 @@ def _continued(system: Model, near: LimitCycle, tolerance: float) -> LimitCycle:
 
 def _beginnings(
     system: Model, q0: ArrayLike | None, u0: ArrayLike | None, t_end: float | None
-) -> tuple[float, Iterator[tuple[Array, Array]]]:
-    """Return the longest time and the states to start from."""
+) -> tuple[float, Iterator[tuple[Array, Array]], float]:
+    """Return the longest time, the states to start from, and the growth per turn beside rest.
+
+    The growth is that of the linearised motion, zero where it is not known or does not turn.
+    """
     n = system.dof
     state = None if q0 is not None and t_end is not None else stability(system, equilibrium(system))
+    growth = 0.0 if state is None else _growth_per_turn(state)
     if t_end is not None:
         horizon = _arrays.positive(t_end, "t_end")
     else:
@@ -125,14 +138,23 @@ def _beginnings(
         horizon = _LONGEST * longest_time(system, state)
     if q0 is None and u0 is None:
         assert state is not None
-        return horizon, starts(system, state)
+        return horizon, starts(system, state), growth
     if q0 is None:
         assert state is not None
         q = state.equilibrium.q
     else:
         q = _arrays.array(q0, "q0", (n,))
     u = dragged(system, q) if u0 is None else _arrays.array(u0, "u0", (n,))
-    return horizon, iter([(q, u)])
+    return horizon, iter([(q, u)]), growth
+
+
+def _growth_per_turn(state: Stability) -> float:
+    """Return by which share the fastest growing deviation that turns is larger a turn later."""
+    turning = state.eigenvalues[np.abs(state.eigenvalues.imag) > np.abs(state.eigenvalues.real)]
+    if not turning.size:
+        return 0.0
+    fastest = turning[int(turning.real.argmax())]
+    return float(np.expm1(2.0 * np.pi * fastest.real / abs(fastest.imag)))
 
 
 def _followed(

@@ -13,8 +13,9 @@ from asperity.simulate import Model
 SAME_TURN = 6
 """Turns of a section that may make up one period."""
 
-# Newton's method begins when two passages are so close, in parts of the orbit's extent.
-_RECURRENCE = 0.02
+RECURRENCE = 0.02
+"""Newton's method begins when two passages are so close, in parts of the orbit's extent."""
+
 _PASSAGES = 200
 # Orbits whose extent falls below this part of the first swing have died out.
 _DIED_OUT = 1e-3
@@ -45,7 +46,7 @@ def recurring(
         states.append(np.concatenate([q, u]))
         times.append(t)
         for back in range(2, min(SAME_TURN + 2, len(states) + 1)):
-            if np.abs((states[-1] - states[-back]) / size).max() < _RECURRENCE:
+            if np.abs((states[-1] - states[-back]) / size).max() < RECURRENCE:
                 return scale, states[-1], times[-1] - times[-back]
     raise NoCycleError(
         f"the motion passes the section {len(states)} times in {t_end:.6g} s and does not recur: "
