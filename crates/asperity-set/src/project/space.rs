@@ -102,7 +102,7 @@ impl<const P: usize> Planes<P> {
             };
             let (mut step, mut freed) = (reach, None);
             for (i, (held, share)) in self.multipliers.iter().zip(shares).enumerate() {
-                if i < self.count && share > 0.0 && *held < step * share {
+                if share > 0.0 && *held < step * share {
                     (step, freed) = (held / share, Some(i));
                 }
             }
