@@ -93,8 +93,3 @@ def test_plot_is_imported_by_its_first_use():
 def test_public_names_exist_and_are_sorted():
     assert asp.__all__ == sorted(asp.__all__)
     assert all(hasattr(asp, name) for name in asp.__all__)
-
-
-def test_files_and_lines_stay_short():
-    for path in MODULES:
-        assert len(path.read_text().splitlines()) <= 350, path

@@ -40,14 +40,3 @@ fn modules_depend_in_one_direction() {
         }
     }
 }
-
-#[test]
-fn files_fit_on_a_few_screens() {
-    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let files =
-        ["asperity-set", "asperity", "asperity-py"].map(|name| crates.join(name).join("src"));
-    for file in files.iter().flat_map(|folder| sources(folder)) {
-        let lines = fs::read_to_string(&file).unwrap().lines().count();
-        assert!(lines <= 350, "{} has {lines} lines", file.display());
-    }
-}
