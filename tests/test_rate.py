@@ -134,7 +134,7 @@ def test_the_factor_is_that_of_the_speed_at_the_end_of_the_step(law):
     point = asp.LinearSystem(
         [1.0, 2.0], force=[30.0, 11.0], contacts=[asp.Contact(rated, np.eye(2), normal_force=5.0)]
     )
-    motion = asp.simulate(point, dt=0.05, t_end=5.0, u0=[3.0, -2.0])
+    motion = asp.simulate(point, dt=1e-3, t_end=0.1, u0=[3.0, -2.0])
     assert motion.failed_steps == 0
     before, slip = np.linalg.norm(motion.u[:-1], axis=1), motion.slip[1:, 0]
     falling = Stribeck(0.1, 0.5)(before)
@@ -143,6 +143,19 @@ def test_the_factor_is_that_of_the_speed_at_the_end_of_the_step(law):
     assert sliding.sum() > 50
     expected = factor[:, None] * law.force(slip, 5.0)
     np.testing.assert_allclose(motion.force[1:, 0][sliding], expected[sliding], rtol=1e-7)
+
+
+def test_a_factor_that_is_not_found_is_no_success():
+    # With the factor held this law has three solutions in so long a step, stick and two slips. The
+    # one whose speed goes with its factor is the middle one, which does not continue the motion.
+    law = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+    contact = asp.Contact(
+        law.replace(rate=Stribeck(0.1, 0.5, viscous=300.0)), np.eye(2), normal_force=5.0
+    )
+    point = asp.LinearSystem([1.0, 2.0], force=[30.0, 11.0], contacts=[contact])
+    with pytest.raises(asp.ConvergenceError, match="contact 0"):
+        asp.simulate(point, dt=0.05, t_end=5.0, u0=[3.0, -2.0])
+    assert asp.simulate(point, dt=1e-3, t_end=0.1, u0=[3.0, -2.0]).failed_steps == 0
 
 
 def test_contacts_of_one_body_share_a_stiff_factor():

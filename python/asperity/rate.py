@@ -22,7 +22,8 @@ class Stribeck(Value):
     −λ = f(‖γ‖) λ_N z/k_C(z); in stick the force takes any value in λ_N C, as f(0) = 1.
     `simulate` takes the falling part of f at the speed before the step, and κv at its end: viscous
     friction is damped however long the step. It is then found by several solves in a step; if
-    these do not end, the step counts as not converged.
+    these do not end, as with laws that have several solutions in so long a step, the step counts
+    as not converged.
 
     Args:
         speed: v₀ > 0 in m/s, at which the drop of the force is well on its way.

@@ -1,6 +1,7 @@
 //! Bad input is refused with the argument's name.
 
 use asperity::simulate::{Options, simulate};
+use asperity::stepper::{StepError, Stepper};
 use asperity::system::SystemError;
 use asperity::system::rigid::{Body, Frame, Pair, PlanarBody, Plane, RigidBodies, Shape, Spring};
 use std::ops::ControlFlow;
@@ -142,4 +143,28 @@ fn springs_and_states_are_checked() {
     assert!((trajectory.q[3] - 0.6).abs() + (trajectory.q[6] + 0.8).abs() < 1e-15);
     assert_eq!((trajectory.coordinates, trajectory.dof), (7, 6));
     assert_eq!((trajectory.q.len(), trajectory.u.len()), (7 * 11, 6 * 11));
+}
+
+#[test]
+fn a_stepper_refuses_what_is_no_state_of_the_system() {
+    let system = bodies(Body::new(1.0, [1.0; 3])).unwrap();
+    let (q, u) = (system.q0().to_vec(), system.u0().to_vec());
+    let broken = |values: &[f64]| values.iter().map(|_| f64::NAN).collect::<Vec<_>>();
+    assert!(Stepper::new(&system, EXACT, 1e-9, 1e-3, &q, &u).is_ok());
+    for (argument, tolerance, dt, q, u) in [
+        ("q0", 1e-9, 1e-3, vec![0.0], vec![]),
+        ("q0", 1e-9, 1e-3, broken(&q), u.clone()),
+        ("u0", 1e-9, 1e-3, q.clone(), vec![]),
+        ("u0", 1e-9, 1e-3, q.clone(), broken(&u)),
+        ("tolerance", 0.0, 1e-3, q.clone(), u.clone()),
+        ("tolerance", f64::NAN, 1e-3, q.clone(), u.clone()),
+        ("dt", 1e-9, -1e-3, q.clone(), u.clone()),
+        ("dt", 1e-9, f64::INFINITY, q.clone(), u.clone()),
+    ] {
+        let error = Stepper::new(&system, EXACT, tolerance, dt, &q, &u).unwrap_err();
+        let StepError::System(SystemError::Argument { argument: named, .. }) = error else {
+            panic!("{error:?}");
+        };
+        assert_eq!(named, argument);
+    }
 }
