@@ -373,3 +373,27 @@ def test_the_last_step_is_kept_however_a_run_ends():
     assert part.steps == 50
     assert part.t.tolist() == [0.0, 0.05]
     assert part.end.t == 0.05
+
+
+STOPS = 60
+
+
+def test_a_block_dragged_against_a_stop_fails_in_no_step():
+    # Nothing presses the stop but friction: with the block at rest all its free velocities vanish.
+    rng = np.random.default_rng(2)
+    line, plane = asp.FrictionLaw.isotropic(0.5, dimension=1), asp.FrictionLaw.isotropic(0.5)
+    for _ in range(STOPS):
+        square, angle = rng.normal(size=(2, 2)), rng.uniform(-0.6, 0.6)
+        normal = np.array([-np.cos(angle), np.sin(angle)])
+        along = np.array([[-normal[1]], [normal[0]]])
+        contacts = [
+            asp.Contact(plane, np.eye(2), normal_force=10.0, velocity=[-1.0, 0.0]),
+            asp.Contact(line, along, normal=normal, gap=0.0),
+        ]
+        dragged = asp.LinearSystem(square @ square.T + np.eye(2), contacts=contacts)
+        motion = asp.simulate(dragged, dt=1e-3, t_end=0.2)
+        assert motion.failed_steps == 0
+        forces = motion.force[-1, 0] + motion.force[-1, 1, 0] * along[:, 0]
+        forces = forces + motion.normal_force[-1, 1] * normal
+        if not motion.u[-1].any():
+            np.testing.assert_allclose(forces, 0.0, atol=1e-9)
