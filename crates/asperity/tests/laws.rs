@@ -142,7 +142,7 @@ fn rates_are_their_formulae() {
         assert_eq!(rate.speed(), speed);
         assert_eq!(rate.factor(0.0), 1.0);
         for v in [1e-3, 0.1, 0.2, 0.5, 3.0] {
-            let x = (v / speed as f64).powf(exponent);
+            let x = f64::powf(v / speed, exponent);
             let s = match fall {
                 Fall::Exponential => (-x).exp(),
                 Fall::Hyperbolic => 1.0 / (1.0 + x),
