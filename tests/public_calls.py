@@ -209,7 +209,7 @@ ARGUMENTS = {
     "track.VirtualCamera.config": {},
     "track.VirtualCamera.write": {"folder": FOLDER.name},
     "track.track_mark": {"frames": [FRAME] * 3, "fps": 250.0, "scene": CAMERA.view},
-    "track.write_video": {"frames": [], "path": f"{FOLDER.name}/film.mp4"},
+    "track.write_video": {"frames": [FRAME], "path": f"{FOLDER.name}/film.mp4"},
     "track.fit_circle": {"points": UNIT},
     # problems and mechanisms
     "problems.Scene.free_motion": {},

@@ -127,8 +127,7 @@ pub fn resume(
     };
     let watch = Watch { clock: RefCell::new(Clock::new()), observer: RefCell::new(observer) };
     let outcome = run(system, options, &mut stepper, &mut trajectory, &watch);
-    let finite = stepper.q().iter().chain(stepper.u()).all(|value| value.is_finite());
-    let end = finite.then(|| stepper.state());
+    let end = Some(stepper.state()).filter(State::is_finite);
     Ok(Run { trajectory, end, outcome: outcome.unwrap_or_else(Outcome::Error) })
 }
 

@@ -98,7 +98,7 @@ def limit_cycle(
     failure = None
     for q, u in states:
         try:
-            return _followed(system, section, (q, u), horizon, tolerance)
+            return _followed(system, section, (q, u), horizon, tolerance, growth)
         except NoCycleError as error:
             failure = failure or error
     assert failure is not None
@@ -149,7 +149,12 @@ def _beginnings(
 
 
 def _growth_per_turn(state: Stability) -> float:
-    """Return by which share the fastest growing deviation that turns is larger a turn later."""
+    """Return by which share the fastest growing deviation that turns is larger a turn later.
+
+    It is zero where the equilibrium is not unstable beyond rounding.
+    """
+    if state.kind != "unstable":
+        return 0.0
     turning = state.eigenvalues[np.abs(state.eigenvalues.imag) > np.abs(state.eigenvalues.real)]
     if not turning.size:
         return 0.0
@@ -163,6 +168,7 @@ def _followed(
     start: tuple[Array, Array],
     horizon: float,
     tolerance: float,
+    growth: float,
 ) -> LimitCycle:
     """Follow the motion until it recurs and converge to the cycle."""
     q, u = start
@@ -170,7 +176,7 @@ def _followed(
         swing = integrate(system, t_end=_SETTLING * horizon, q0=q, u0=u)
         section = middle(second_half(swing))[0]
         q, u = swing.q[-1], swing.u[-1]
-    scale, state, period = recurring(system, section, q, u, horizon)
+    scale, state, period = recurring(system, section, q, u, horizon, growth)
     returns = ReturnMap(system, section, scale, _SHARPER * tolerance)
     return _found(returns, state, period, tolerance)
 

@@ -17,6 +17,8 @@ RECURRENCE = 0.02
 """Newton's method begins when two passages are so close, in parts of the orbit's extent."""
 
 _PASSAGES = 200
+# Passages that recur are this many times closer than the turns of a spiral grow.
+_WITHIN_A_SPIRAL = 8.0
 # Orbits whose extent falls below this part of the first swing have died out.
 _DIED_OUT = 1e-3
 # A coordinate that hardly moves is compared with this part of the largest extent.
@@ -24,9 +26,14 @@ _LEAST_EXTENT = 0.1
 
 
 def recurring(
-    system: Model, section: Section, q: Array, u: Array, t_end: float
+    system: Model, section: Section, q: Array, u: Array, t_end: float, growth: float = 0.0
 ) -> tuple[Array, Array, float]:
-    """Return scale, state and period when the motion passes the section as it did before."""
+    """Return scale, state and period when the motion passes the section as it did before.
+
+    Where deviations from an equilibrium grow by the share `growth` per turn, passages of such a
+    spiral differ by half of it in parts of the extent: closer ones are asked for.
+    """
+    close = min(RECURRENCE, growth / _WITHIN_A_SPIRAL) if growth > 0.0 else RECURRENCE
     states: list[Array] = []
     times: list[float] = []
     t, scale = 0.0, None
@@ -46,7 +53,7 @@ def recurring(
         states.append(np.concatenate([q, u]))
         times.append(t)
         for back in range(2, min(SAME_TURN + 2, len(states) + 1)):
-            if np.abs((states[-1] - states[-back]) / size).max() < RECURRENCE:
+            if np.abs((states[-1] - states[-back]) / size).max() < close:
                 return scale, states[-1], times[-1] - times[-back]
     raise NoCycleError(
         f"the motion passes the section {len(states)} times in {t_end:.6g} s and does not recur: "

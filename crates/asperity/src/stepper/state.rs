@@ -100,15 +100,18 @@ impl State {
         if momenta != 0 && momenta != bodies {
             return refuse(format!("must be a state of {bodies} bodies, is one of {momenta}"));
         }
-        let numbers = self.contacts.iter().flat_map(|contact| {
+        if self.is_finite() { Ok(()) } else { refuse("must be finite".into()) }
+    }
+
+    /// Whether all that is handed over is a number.
+    pub(crate) fn is_finite(&self) -> bool {
+        let mut remembered = self.contacts.iter().flat_map(|contact| {
             let (slips, _) = contact.state.history();
             slips.into_iter().flatten().chain(contact.percussion)
         });
-        let mut numbers = numbers.chain(self.momenta.iter().flatten().copied());
-        if !self.time().is_finite() || numbers.any(|value| !value.is_finite()) {
-            return refuse("must be finite".into());
-        }
-        Ok(())
+        let mut numbers =
+            self.q.iter().chain(&self.u).chain(self.momenta.iter().flatten()).copied();
+        self.time().is_finite() && numbers.all(f64::is_finite) && remembered.all(f64::is_finite)
     }
 }
 

@@ -87,7 +87,8 @@ impl Stepper<'_> {
             let mut report = solver.solve(&closed.problem, sharp, memory, workspace);
             iterations += report.iterations;
             report.iterations = iterations;
-            if !(report.residual <= stop.tolerance) {
+            let runs_away = matches!(report.status, Status::NoSolution | Status::Unbounded);
+            if runs_away || !(report.residual <= stop.tolerance) {
                 return report;
             }
             report.status = Status::Converged;
