@@ -33,7 +33,6 @@ fn one_contact_keeps_its_word() {
 }
 
 #[test]
-#[ignore = "among the first 150 inputs is one that takes more than 15 s"]
 fn many_contacts_keep_their_word() {
     replay("many_contacts");
 }
@@ -44,7 +43,7 @@ fn events_keep_their_word() {
 }
 
 #[test]
-#[ignore = "among the first 150 inputs is one that takes more than 15 s"]
+#[ignore = "one of the first 150 inputs ends beyond its reservoir by the factor of its rate"]
 fn steps_keep_their_word() {
     replay("steps");
 }

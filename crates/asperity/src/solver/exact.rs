@@ -6,6 +6,7 @@ use asperity_set::Vector;
 use rayon::prelude::*;
 
 use super::block::Block;
+use super::effort::Effort;
 use super::local::{Local, LocalSolution, Selection};
 use super::report::Ended;
 use super::threads::{self, Threads};
@@ -90,7 +91,7 @@ pub(super) fn sweep(
     first: bool,
 ) -> Option<usize> {
     let mut stuck = None;
-    let Workspace { percussion, blocks, planar, ambiguous, states, .. } = &mut *workspace;
+    let Workspace { percussion, blocks, planar, ambiguous, states, efforts, .. } = &mut *workspace;
     for (i, rows) in problem.contacts.iter().enumerate() {
         let history = &memory.states[i];
         let slip = if first { history.ahead() } else { states[i].slip };
@@ -99,6 +100,7 @@ pub(super) fn sweep(
             percussion: &mut percussion[rows.offset..rows.offset + rows.len()],
             state: &mut states[i],
             ambiguous: &mut ambiguous[i],
+            effort: &mut efforts[i],
         };
         if !one_contact((problem, i, &blocks[i]), &held, (history, slip), own, planar) {
             stuck = Some(i);
@@ -218,7 +220,8 @@ impl<'a> Part<'a> {
             let (own, rest) =
                 std::mem::take(&mut percussion).split_at_mut(problem.contacts[i].len());
             percussion = rest;
-            let own = Own { percussion: own, state, ambiguous };
+            let effort = &mut Effort::alone();
+            let own = Own { percussion: own, state, ambiguous, effort };
             let at = (problem, i, &blocks[i]);
             if !one_contact(at, &held, (history, history.ahead()), own, planar) {
                 stuck = Some(i);
@@ -233,6 +236,7 @@ struct Own<'a> {
     percussion: &'a mut [f64],
     state: &'a mut ContactState,
     ambiguous: &'a mut bool,
+    effort: &'a mut Effort,
 }
 
 /// Solves one contact with the velocities `held` that the others leave it, from a slip velocity; false if
@@ -246,17 +250,17 @@ fn one_contact(
     planar: &mut Vec<LocalSolution<2>>,
 ) -> bool {
     let rows = &problem.contacts[i];
-    let Own { percussion, state, ambiguous } = own;
+    let Own { percussion, state, ambiguous, effort } = own;
     let found = match &rows.law {
-        Law::One(law) => line::solve(&Local::from_held(law, rows, block, held), history)
+        Law::One(law) => line::solve(&Local::from_held(law, rows, block, held), history, effort)
             .map(|found| store(rows, &found, percussion, history, state)),
         Law::Two(law) => {
             let local = Local::from_held(law, rows, block, held);
-            plane::solve(&local, history, || start(slip, &local), planar)
+            plane::solve(&local, history, || start(slip, &local), (planar, effort))
                 .map(|found| store(rows, &found, percussion, history, state))
         }
         Law::Three(law) => {
-            space::solve(problem, i, law, (held, percussion), history).map(|found| {
+            space::solve(problem, i, law, (held, percussion), history, effort).map(|found| {
                 let len = percussion.len();
                 percussion.copy_from_slice(&found.percussion[..len]);
                 *state = history.after(found.phase, found.slip);
@@ -347,12 +351,13 @@ fn is_ambiguous(
     match &problem.contacts[i].law {
         Law::One(law) => {
             let local = Local::new(law, problem, i, block, percussion);
-            line::solve(&local, state).is_some_and(|s| s.ambiguous)
+            line::solve(&local, state, &mut Effort::none()).is_some_and(|s| s.ambiguous)
         }
         Law::Two(law) => {
             let local = Local::new(law, problem, i, block, percussion);
             let guess = || start(state.ahead(), &local);
-            plane::solve(&local, state, guess, planar).is_some_and(|s| s.ambiguous)
+            plane::solve(&local, state, guess, (planar, &mut Effort::none()))
+                .is_some_and(|s| s.ambiguous)
         }
         Law::Three(_) => false,
     }

@@ -2,6 +2,7 @@
 
 use asperity_set::{StarSet, Vector};
 
+use super::effort::Effort;
 use super::local::{Local, LocalSolution, Selection};
 use crate::contact::{ContactState, Phase};
 
@@ -39,7 +40,11 @@ pub(super) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
 }
 
 /// The solution that continues `state`.
-pub(super) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<Selection<1>> {
+pub(super) fn solve(
+    local: &Local<'_, 1>,
+    state: &ContactState,
+    effort: &mut Effort,
+) -> Option<Selection<1>> {
     let all = solutions(local);
     let blank = LocalSolution { phase: Phase::Unknown, ..local.open() };
     let mut found = [blank; 4];
@@ -48,7 +53,9 @@ pub(super) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<Select
         found[count] = solution;
         count += 1;
     }
-    let Some(solution) = local.select(&found[..count], state) else { return local.rescued() };
+    let Some(solution) = local.select(&found[..count], state) else {
+        return local.rescued(state, effort);
+    };
     let continuum = found[..count].iter().any(|s| s.degenerate);
     Some(Selection { solution, ambiguous: count > 1 || continuum })
 }

@@ -3,6 +3,7 @@
 use asperity_set::{Matrix, StarSet, Vector};
 
 use super::block::Block;
+use super::effort::{Effort, Evaluations};
 use super::single::{self, Graded, Single, V};
 use crate::contact::{ContactProblem, ContactRows, ContactState, NormalForce, Phase};
 use crate::law::FrictionLaw;
@@ -10,7 +11,7 @@ use crate::law::FrictionLaw;
 /// Part of the percussions by which refinement may change them; more would lead to another solution.
 const NEAR: f64 = 1e-3;
 /// Largest defect that is handed on to the measure, which will not take it for a solution.
-const LEAST: f64 = 1e-6;
+pub(super) const LEAST: f64 = 1e-6;
 
 /// One contact with the percussions of all others held: `γ = G_ii P + b` with these data.
 #[derive(Debug, Clone, Copy)]
@@ -285,20 +286,39 @@ impl<'a, const P: usize> Local<'a, P> {
     /// The solution of a contact whose block is not sound and for which the closed forms have found none.
     #[cold]
     #[inline(never)]
-    pub(super) fn rescued(&self) -> Option<Selection<P>> {
+    pub(super) fn rescued(
+        &self,
+        state: &ContactState,
+        effort: &mut Effort,
+    ) -> Option<Selection<P>> {
         if self.block.sound {
             return None;
         }
         let single = self.single();
         let stick = single.stick();
-        let start = stick.map_or(V::zeros(), |found| found.percussion);
-        let found = single.search(&start).into_iter().chain(stick);
+        let last = Vector::<P>::from_fn(|i, _| state.slip[i]);
+        let starts = [stick.map_or(V::zeros(), |found| found.percussion), single.slipping(&last)];
+        let known = if last.amax() > 0.0 { &starts[..] } else { &starts[..1] };
+        let found = single.search(known, effort).into_iter().chain(stick);
         let best = found.min_by(|a, b| a.defect.total_cmp(&b.defect))?;
         let phase = single.phase(&best.percussion).0;
         (best.defect <= LEAST).then(|| Selection {
             solution: self.with_phase(&single, &best, phase),
             ambiguous: best.degenerate,
         })
+    }
+
+    /// Slip found by Newton's method on all rows together, from sliding along a velocity.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn slip_from(&self, velocity: &Vector<P>) -> Option<LocalSolution<P>> {
+        let single = self.single();
+        let start = single.slipping(velocity);
+        let p = single.newton(start, &mut { Evaluations::FEW })?;
+        let found = single.refined(single.graded(p, false));
+        let slips =
+            found.defect <= single::FOUND && single.phase(&found.percussion).0 == Phase::Slip;
+        slips.then(|| self.with_phase(&single, &found, Phase::Slip))
     }
 
     /// The selection rule: the solution that continues the previous state.

@@ -15,6 +15,7 @@
 
 mod block;
 mod certificate;
+mod effort;
 mod exact;
 mod growth;
 mod infeasible;
@@ -48,6 +49,7 @@ pub use stop::{Measure, Stop};
 
 use crate::contact::{ContactProblem, ContactState, Memory};
 use block::Block;
+use effort::Effort;
 use growth::{Groups, Kind};
 use local::LocalSolution;
 use report::{Ended, Findings};
@@ -118,6 +120,8 @@ pub struct Workspace {
     blocks: Vec<Block>,
     planar: Vec<LocalSolution<2>>,
     states: Vec<ContactState>,
+    /// What is left of the work on contacts in sweeps.
+    efforts: Vec<Effort>,
     next: Vec<f64>,
     /// What [`Solver::Auto`] and its phases did at the last call.
     pub stages: Vec<Stage>,
@@ -134,6 +138,7 @@ impl Workspace {
         self.next.resize(rows, 0.0);
         self.ambiguous.resize(contacts, false);
         self.states.resize(contacts, ContactState::default());
+        self.efforts.resize(contacts, Effort::in_sweeps());
         self.groups.resize(contacts);
         if let Some(many) = &mut self.many {
             many.reset();
@@ -179,6 +184,8 @@ impl Solver {
         forget_runaways(problem, memory, workspace);
         // What is found depends on the memory, not on what the workspace has seen before.
         workspace.states.clone_from(&memory.states);
+        workspace.efforts.clear();
+        workspace.efforts.resize(contacts, Effort::in_sweeps());
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
         let (iterations, ended) = self.run(problem, stop, &threads, memory, workspace);

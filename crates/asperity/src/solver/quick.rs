@@ -20,9 +20,9 @@ pub(super) fn sweep(
     first: bool,
 ) -> Option<usize> {
     let mut stuck = None;
-    let Workspace { percussion, blocks, planar, states, .. } = &mut *workspace;
+    let Workspace { percussion, blocks, planar, states, efforts, .. } = &mut *workspace;
     for (i, rows) in problem.contacts.iter().enumerate() {
-        let (block, state) = (&blocks[i], &mut states[i]);
+        let (block, state, effort) = (&blocks[i], &mut states[i], &mut efforts[i]);
         let held = problem.contact_velocity(i, percussion, false);
         if block.pressed && held[0] >= 0.0 {
             percussion[rows.offset..rows.offset + rows.len()].fill(0.0);
@@ -33,7 +33,7 @@ pub(super) fn sweep(
         let found = match &rows.law {
             Law::One(law) => {
                 let local = Local::from_held(law, rows, block, &held);
-                line::solve(&local, history).map(|found| {
+                line::solve(&local, history, effort).map(|found| {
                     let s = found.solution;
                     store(rows, (s.normal, &s.tangent), percussion);
                     (s.phase, [s.slip[0], 0.0, 0.0])
@@ -43,14 +43,15 @@ pub(super) fn sweep(
                 let local = Local::from_held(law, rows, block, &held);
                 let slip = if first { history.ahead() } else { state.slip };
                 let guess = || exact::start(slip, &local);
-                plane::quick(&local, history, guess, planar).map(|s| {
+                plane::quick(&local, history, guess, (planar, effort)).map(|s| {
                     store(rows, (s.normal, &s.tangent), percussion);
                     (s.phase, [s.slip[0], s.slip[1], 0.0])
                 })
             }
             Law::Three(law) => {
                 let own = rows.offset..rows.offset + rows.len();
-                space::solve(problem, i, law, (&held, &percussion[own.clone()]), history).map(|s| {
+                let start = (&held, &percussion[own.clone()]);
+                space::solve(problem, i, law, start, history, effort).map(|s| {
                     let len = own.len();
                     percussion[own].copy_from_slice(&s.percussion[..len]);
                     (s.phase, s.slip)

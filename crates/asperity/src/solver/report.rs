@@ -40,6 +40,10 @@ impl Status {
     }
 }
 
+/// Largest residual that rounding explains: percussions of an ill-conditioned block that are handed on, in
+/// `local.rs`, have at most this one.
+const ROUNDED: f64 = super::local::LEAST;
+
 /// What a solver says of its result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveReport {
@@ -75,7 +79,8 @@ impl SolveReport {
             (_, _, Some(contact)) if residual.value <= tolerance => (Status::Unbounded, contact),
             (Ended::MaxIterations, ..) => (Status::MaxIterations, worst),
             (_, _, Some(contact)) => (Status::Unbounded, contact),
-            (Ended::Done, ..) => (Status::Inexact, worst),
+            (Ended::Done, ..) if residual.value <= ROUNDED => (Status::Inexact, worst),
+            (Ended::Done, ..) => (Status::Stalled, worst),
             (Ended::Stalled, ..) => (Status::Stalled, worst),
             (Ended::Stuck(contact), ..) => (Status::Stalled, contact),
         };

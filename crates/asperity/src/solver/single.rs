@@ -7,6 +7,7 @@
 use asperity_set::{StarSet, Vector};
 use nalgebra::{Matrix3, Vector3, Vector4};
 
+use super::effort::{Effort, Evaluations};
 use super::natural_map::{self, Rho, Small};
 use super::residual::{ContactVelocity, tangential_defect};
 use super::singular::Factors;
@@ -37,7 +38,7 @@ pub(super) const ROUNDING: f64 = 1e-14;
 /// Relative defect up to which percussions count as a solution when one is chosen, and up to which a search
 /// goes on.
 pub(super) const SOLUTION: f64 = 1e-12;
-const FOUND: f64 = 1e-11;
+pub(super) const FOUND: f64 = 1e-11;
 /// Singular values below this part of the largest may be left out in stick. The result is judged by its
 /// defect, so that this decides about the effort only.
 const SMALL: f64 = 1e-6;
@@ -255,7 +256,7 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// Damped Newton from `p`; `None` if it does not end in a zero of the natural map.
-    pub(super) fn newton(&self, mut p: V) -> Option<V> {
+    pub(super) fn newton(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
         let (mut f, mut matrix) = self.linearized(&p);
         for _ in 0..ITERATIONS {
             let (norm, scale) = (f.norm(), self.loads.max(p.norm()));
@@ -265,9 +266,12 @@ impl<'a, const P: usize> Single<'a, P> {
             let step = solution(&matrix, &-f)?;
             let mut length = 1.0;
             let mut next = p + step;
+            if !left.take() {
+                break;
+            }
             while !(self.map(&next, self.rho).norm() < (1.0 - 1e-4 * length) * norm) {
                 length *= 0.5;
-                if length < 0.5_f64.powi(HALVINGS as i32) {
+                if length < 0.5_f64.powi(HALVINGS as i32) || !left.take() {
                     // Rounding ends the descent.
                     return (norm <= SOLVED * scale).then_some(p);
                 }
@@ -300,15 +304,18 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// Prox iterations with steps that shrink, Newton's method after each round.
-    pub(super) fn prox(&self, mut p: V) -> Option<V> {
+    fn prox(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
         let scale = 1.0 / (self.g.norm() * self.rho.normal.max(self.rho.tangent));
         for round in 0..ROUNDS {
             let factor = scale * 0.7_f64.powi(round as i32);
             let rho = Rho { normal: self.rho.normal * factor, tangent: self.rho.tangent * factor };
             for _ in 0..PROX {
+                if !left.take() {
+                    return None;
+                }
                 p -= self.map(&p, rho);
             }
-            if let Some(found) = self.newton(p) {
+            if let Some(found) = self.newton(p, left) {
                 return Some(found);
             }
         }
@@ -317,17 +324,20 @@ impl<'a, const P: usize> Single<'a, P> {
 
     /// Newton's method where the block is singular: on `G + εI` with the load `b − εP`, which the solution of the
     /// singular problem satisfies too. Small ε are long steps.
-    pub(super) fn proximal_point(&self, mut p: V) -> Option<V> {
+    fn proximal_point(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
         let mut small = 1.0 / self.rho.tangent;
         for _ in 0..PROXIMAL {
+            if !left.are_left() {
+                break;
+            }
             let g = self.g + Small::identity() * small;
-            let Some(next) = (Self { g, b: self.b - p * small, ..*self }).newton(p) else {
+            let Some(next) = (Self { g, b: self.b - p * small, ..*self }).newton(p, left) else {
                 small *= 5.0;
                 continue;
             };
             p = next;
             small *= 0.3;
-            if let Some(found) = self.newton(p) {
+            if let Some(found) = self.newton(p, left) {
                 return Some(found);
             }
         }
@@ -335,8 +345,10 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// Percussions that solve the contact, by every means there is: from a start, from sliding all around,
-    /// by prox iterations and proximal points. What has the least defect, which may be large.
-    pub(super) fn search(&self, start: &V) -> Option<Graded> {
+    /// by prox iterations and proximal points, as far as the effort goes. What has the least defect, which may be
+    /// large.
+    pub(super) fn search(&self, first: &[V], effort: &mut Effort) -> Option<Graded> {
+        let mut left = effort.search();
         let mut best: Option<Graded> = None;
         let mut keep = |p: V| {
             let found = self.refined(self.graded(p, false));
@@ -346,18 +358,20 @@ impl<'a, const P: usize> Single<'a, P> {
             found.defect <= FOUND
         };
         let free = self.tangent(&self.b);
-        let starts = [*start, self.slipping(&free), V::zeros()];
-        let mut near = starts.into_iter().chain(self.spread()).filter_map(|p| self.newton(p));
-        if near.any(&mut keep) {
+        let starts = [self.slipping(&free), V::zeros()];
+        let all = first.iter().copied().chain(starts).chain(self.spread());
+        if all.filter_map(|p| self.newton(p, &mut left)).any(&mut keep) {
             return best;
         }
+        let start = first.first().copied().unwrap_or_default();
         for far in [Self::proximal_point, Self::prox] {
-            if let Some(p) = far(self, *start)
+            if let Some(p) = far(self, start, &mut left)
                 && keep(p)
             {
-                break;
+                return best;
             }
         }
+        effort.failed(left);
         best
     }
 

@@ -6,6 +6,7 @@
 
 use asperity_set::Vector;
 
+use super::effort::{Effort, Evaluations};
 use super::single::{SOLUTION, Single, V};
 use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::law::FrictionLaw;
@@ -33,6 +34,7 @@ pub(super) fn solve(
     law: &FrictionLaw<3>,
     (held, start): (&[f64; 4], &[f64]),
     state: &ContactState,
+    effort: &mut Effort,
 ) -> Option<SpaceSolution> {
     let single = Single::of(problem, contact, law, held);
     if single.opens() {
@@ -46,8 +48,9 @@ pub(super) fn solve(
     // A slipping contact goes on slipping where it can: from its last slip, Newton's method finds that.
     let last = Vector::<3>::from_column_slice(&state.slip);
     let ahead = (last.amax() > 0.0).then(|| single.slipping(&last));
-    let slides =
-        ahead.and_then(|p| single.newton(p)).filter(|p| stick.is_none() || single.slips(p));
+    let slides = ahead
+        .and_then(|p| single.newton(p, &mut { Evaluations::FEW }))
+        .filter(|p| stick.is_none() || single.slips(p));
     if let Some(p) = slides {
         return Some(SpaceSolution::new(&single, &p, false));
     }
@@ -55,6 +58,6 @@ pub(super) fn solve(
         return sticks();
     }
     let given = V::from_fn(|i, _| start.get(i).copied().unwrap_or(0.0));
-    let found = single.search(&given)?;
+    let found = single.search(&[given], effort)?;
     Some(SpaceSolution::new(&single, &found.percussion, found.degenerate))
 }

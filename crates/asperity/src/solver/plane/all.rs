@@ -43,6 +43,8 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
         }
     }
     let complete = search.complete;
+    // Neighbours that are one root need not be refined one by one.
+    merge(local, out);
     refine(local, out);
     merge(local, out);
     complete

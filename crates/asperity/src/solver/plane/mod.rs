@@ -16,6 +16,7 @@ mod tests;
 use asperity_set::{ConvexSet, StarSet};
 
 use super::block::Shape;
+use super::effort::Effort;
 use super::local::{Local, LocalSolution, Selection, Stick};
 use crate::contact::{ContactState, Phase};
 use crate::law::COARSE;
@@ -30,11 +31,11 @@ pub(super) fn solve(
     local: &Local<'_, 2>,
     state: &ContactState,
     guess: impl Fn() -> V,
-    buffer: &mut Vec<LocalSolution<2>>,
+    (buffer, effort): (&mut Vec<LocalSolution<2>>, &mut Effort),
 ) -> Option<Selection<2>> {
     match fast(local, guess) {
         Some(solution) => Some(Selection { solution, ambiguous: false }),
-        None => select_among_all(*local, state, buffer),
+        None => select_among_all(*local, state, buffer, effort),
     }
 }
 
@@ -45,12 +46,13 @@ pub(super) fn quick(
     local: &Local<'_, 2>,
     state: &ContactState,
     guess: impl Fn() -> V,
-    buffer: &mut Vec<LocalSolution<2>>,
+    (buffer, effort): (&mut Vec<LocalSolution<2>>, &mut Effort),
 ) -> Option<LocalSolution<2>> {
     match opens(local) {
         Some(None) if local.block.sound => {}
         Some(Some(open)) => return Some(open),
-        _ => return select_among_all(*local, state, buffer).map(|s| s.solution),
+        _ if !local.block.sound => return ill_conditioned(*local, state, guess(), buffer, effort),
+        _ => return select_among_all(*local, state, buffer, effort).map(|s| s.solution),
     }
     if state.phase != Phase::Slip
         && let Some(found) = isotropic::quick(local, &guess)
@@ -66,9 +68,43 @@ pub(super) fn quick(
     match stick.solution {
         Some(solution) if state.phase != Phase::Slip || certain(local, &stick) => Some(solution),
         // Where several are possible, the rule decides between all of them.
-        Some(_) => select_among_all(*local, state, buffer).map(|s| s.solution),
-        None => slips().or_else(|| select_among_all(*local, state, buffer).map(|s| s.solution)),
+        Some(_) => select_among_all(*local, state, buffer, effort).map(|s| s.solution),
+        None => {
+            slips().or_else(|| select_among_all(*local, state, buffer, effort).map(|s| s.solution))
+        }
     }
+}
+
+/// The same where the closed forms divide by small pivots: by Newton's method on all rows, and only where it does
+/// not succeed by a walk along the boundary, as long as the effort lasts.
+#[cold]
+#[inline(never)]
+fn ill_conditioned(
+    local: Local<'_, 2>,
+    state: &ContactState,
+    guess: V,
+    buffer: &mut Vec<LocalSolution<2>>,
+    effort: &mut Effort,
+) -> Option<LocalSolution<2>> {
+    let opens = match local.prescribed {
+        Some(normal) => normal == 0.0,
+        None => local.b_n >= 0.0,
+    };
+    if opens {
+        return Some(local.open());
+    }
+    let stick = local.any_stick();
+    if stick.is_some() && state.phase != Phase::Slip {
+        return stick;
+    }
+    let found = local.slip_from(&guess).or(stick);
+    if found.is_some() {
+        return found;
+    }
+    if effort.walk() {
+        return select_among_all(local, state, buffer, effort).map(|s| s.solution);
+    }
+    local.rescued(state, effort).map(|s| s.solution)
 }
 
 #[cold]
@@ -77,9 +113,12 @@ fn select_among_all(
     local: Local<'_, 2>,
     state: &ContactState,
     buffer: &mut Vec<LocalSolution<2>>,
+    effort: &mut Effort,
 ) -> Option<Selection<2>> {
     let complete = solutions(&local, buffer);
-    let Some(solution) = local.select(buffer, state) else { return local.rescued() };
+    let Some(solution) = local.select(buffer, state) else {
+        return local.rescued(state, effort);
+    };
     let continuum = buffer.iter().any(|s| s.degenerate);
     Some(Selection { solution, ambiguous: buffer.len() > 1 || continuum || !complete })
 }

@@ -13,6 +13,8 @@ const DEEPEST: usize = 24;
 /// cusp of a caustic, three roots within 10⁻⁴ rad take some thousand.
 const PATIENCE: usize = 4000;
 const MOST: usize = 20_000;
+/// Roots beyond which those of an ill-conditioned block are rounding, of which some are enough.
+const MANY: usize = 64;
 /// Change of `F` against its distance from the chord from which on `F` is monotone: 4 is enough where the
 /// second derivative is constant, and it varies little in a cell.
 pub(super) const MONOTONE: f64 = 8.0;
@@ -96,6 +98,10 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
 
     fn piece(&mut self, a: &End, b: &End, cell: Cell, depth: usize) {
         self.pieces += 1;
+        if self.out.len() >= MANY && !self.slip.local.block.sound {
+            self.complete = false;
+            return;
+        }
         let slip = self.slip;
         if (b.x - a.x).norm() <= 4.0 * f64::EPSILON * a.x.norm() {
             self.corner(a, b);
