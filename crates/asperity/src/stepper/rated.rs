@@ -236,7 +236,7 @@ impl Factors {
         correction: usize,
         percussion: &mut [f64],
     ) {
-        if self.rising > 1 && correction % WHOLE_CORRECTIONS == 0 {
+        if self.rising > 1 && correction.is_multiple_of(WHOLE_CORRECTIONS) {
             self.forget_bounds();
         }
         for (i, contact) in problem.contacts.iter().enumerate() {
