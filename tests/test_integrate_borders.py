@@ -549,3 +549,40 @@ def test_callbacks_are_checked_alike(solve):
 def test_steps_that_would_never_end_are_refused(max_step):
     with pytest.raises(asp.ParameterError, match="max_step: is too small"):
         asp.integrate(Push(lambda t: 0.0), t_end=1.0, max_step=max_step)
+
+
+def test_a_state_at_rest_with_light_and_heavy_parts_is_taken_in_few_steps():
+    # Masses 270 to 1 make the mobility of the two rows ill-conditioned: what is left of the forces
+    # that balance must stay rounding, or the steps shorten until it is followed.
+    law = asp.FrictionLaw.associated(asp.Ellipse(6.936261985821017, 17.78279410038923))
+    rows = [[-0.197174072265625, -0.04595947265625], [0.957000732421875, -0.476409912109375]]
+    system = asp.LinearSystem(
+        np.diag([38.40710927766292, 0.14293920660513285]),
+        [[1.875, 0.5], [0.762725830078125, 2.625]],
+        0.0,
+        [0.1778279410038923, -17.78279410038923],
+        contacts=[asp.Contact(law, rows, normal_force=65.43285927366601)],
+    )
+    for t_end in (0.05, 0.18679571509277595, 10.0):
+        motion = asp.integrate(system, t_end=t_end, tolerance=1e-6)
+        assert motion.events == ()
+        assert motion.steps + motion.rejected_steps <= 20
+        assert np.abs(motion.u).max() < 1e-20
+
+
+@pytest.mark.parametrize("load", [5.99, -5.99])
+@pytest.mark.parametrize("width", [1e-3, 0.1, 1.0])
+def test_no_contact_pulls_where_another_one_sticks(load, width):
+    # One degree of freedom that a sticking contact and a slipping stop both hold.
+    side = asp.Superellipse(53.06, 40.46, 3.075)
+    stop = asp.FrictionLaw(asp.Superellipse(width, width, 8.0), asp.Ellipse(1, 1))
+    contacts = [
+        asp.Contact(asp.FrictionLaw(side, side), [[-0.4394, 0.375]], normal_force=37.68),
+        asp.Contact(stop, [[1.0, 0.0]], normal=[1.0], gap=0.0, velocity=[-0.1079, 0.0]),
+    ]
+    system = asp.LinearSystem([[30.96]], [[1.003]], 0.0, [load], contacts=contacts)
+    motion = asp.integrate(system, t_end=1.0)
+    assert motion.normal_force.min() >= 0
+    assert np.abs(motion.u).max() < 1e-12
+    # Neither does the stop carry more than the load: its friction pushes as its normal force does.
+    assert motion.normal_force[:, 1].max() <= 5.99 * (1 + 1e-12)

@@ -33,6 +33,8 @@ from asperity.stability import Stability, equilibrium, stability
 _LONGEST, _SETTLING = 200.0, 0.05
 # Turns of a section that may make up one period, and the accuracy to which they have to agree.
 _LOOPS, _SAME = SAME_TURN, 1e-6
+# Growth of deviations per turn that counts as none.
+_GROWTH = 1e-12
 # The motion is integrated so much more sharply than the cycle has to close.
 _SHARPER = 0.05
 # Samples of the period that a cycle keeps.
@@ -102,7 +104,8 @@ def limit_cycle(
         except NoCycleError as error:
             failure = failure or error
     assert failure is not None
-    if 0.0 < growth < RECURRENCE:
+    # Less is rounding: a centre, whose passages say themselves what they are.
+    if _GROWTH < growth < RECURRENCE:
         raise NoCycleError(
             "deviations from the unstable equilibrium grow by a share of only "
             f"{growth:.2g} per turn: passages that agree within {RECURRENCE:g} do not show a cycle "

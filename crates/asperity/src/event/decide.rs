@@ -8,6 +8,7 @@ use nalgebra::DMatrix;
 use super::field::{Field, add, dot};
 use super::force;
 use super::inverse::Inverse;
+use super::part::{Part, constrained};
 use super::poll::Poll;
 use super::touch::{FieldError, ROWS, State, Touch};
 use super::{Cause, Outcome};
@@ -39,13 +40,6 @@ pub(super) enum Decision {
     Ended(Outcome),
 }
 
-/// Rows that take part in a contact problem, with `M⁻¹` of them.
-struct Part {
-    contacts: Vec<usize>,
-    rows: Vec<usize>,
-    responses: Vec<f64>,
-}
-
 /// Decides on the contacts that rest, `memory` being what all did before. Afterwards the field holds the
 /// accelerations, the modes and for contacts that begin to slip γ̇ in place of γ.
 pub(super) fn decide(
@@ -61,7 +55,12 @@ pub(super) fn decide(
         let normals: Vec<usize> = field.unknown().iter().map(|row| row / ROWS).collect();
         let mut pressing = if normals.is_empty() { vec![] } else { field.solution.clone() };
         let contacts = (0..field.touches.len()).filter(|&i| field.touches[i].resting).collect();
-        let (part, answers) = constrained(field, contacts);
+        let (mut part, mut answers) = constrained(field, contacts);
+        let held = part.held(field);
+        if !held.is_empty() {
+            part.contacts.retain(|i| !held.contains(i));
+            (part, answers) = constrained(field, part.contacts);
+        }
         let load: Vec<f64> =
             part.rows.iter().map(|&row| field.rate(row, &field.acceleration)).collect();
         let problem = problem(field, &part, load, |touch| touch.prescribed)?;
@@ -76,25 +75,21 @@ pub(super) fn decide(
             field.touches[normals[k]].mode = Phase::Open;
             continue;
         }
+        for (&i, force) in normals.iter().zip(&pressing) {
+            // Evaluated without the contacts that have been decided on.
+            let touch = &mut field.touches[i];
+            (touch.normal_force, touch.force) = (*force, touch.sliding.map(|f| f * force));
+        }
+        for &i in &held {
+            let touch = &mut field.touches[i];
+            (touch.mode, touch.resting, touch.tolerated) = (Phase::Stick, false, 0.0);
+            (touch.force, touch.slip) = ([0.0; 3], [0.0; 3]);
+            touch.normal_force = touch.prescribed.unwrap_or(0.0);
+        }
         keep(field, &part, &problem, &remembered, &velocity);
         hold_at_limit(field, &part, &problem, &velocity);
         return Ok(decision);
     }
-}
-
-/// Rows of these contacts, answered by the slipping contacts that stay closed: responses, and the normal
-/// forces there.
-fn constrained(field: &mut Field<'_>, contacts: Vec<usize>) -> (Part, Vec<f64>) {
-    let rows: Vec<usize> = contacts.iter().flat_map(|&i| field.rows_of(i)).collect();
-    let n = field.n;
-    let (mut responses, mut answers) = (Vec::with_capacity(rows.len() * n), Vec::new());
-    for &row in &rows {
-        let mut response = field.response[row * n..(row + 1) * n].to_vec();
-        field.constrain(&mut response);
-        responses.extend_from_slice(&response);
-        answers.extend_from_slice(&field.solution[..field.unknown().len()]);
-    }
-    (Part { contacts, rows, responses }, answers)
 }
 
 fn problem(

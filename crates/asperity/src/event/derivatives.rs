@@ -3,11 +3,13 @@
 use super::collocation::Scale;
 use super::field::{Field, add, dot};
 use super::force;
-use super::touch::{FieldError, ROWS, State, Touch};
+use super::touch::{FieldError, ROUNDING, ROWS, State, Touch};
 use crate::contact::Phase;
 
 /// Width of differences along the motion over the time scale of the rows: truncation and rounding are of one size.
 const CHANGE: f64 = 1e-3;
+/// What rounding may add to the product of a Jacobian and the length of a step: Newton's method hardly notices.
+const NOISE: f64 = 1e-3;
 /// Widths that are tried at the beginning.
 const TRIALS: usize = 30;
 
@@ -125,16 +127,26 @@ impl Field<'_> {
         Ok(())
     }
 
-    /// The smooth part of the Jacobian at `state`: forward differences at fixed sliding directions.
-    pub(super) fn linearise(&mut self, state: &State, scale: Scale) -> Result<(), FieldError> {
+    /// The smooth part of the Jacobian at `state` for steps up to about the length `h`: forward differences at
+    /// fixed sliding directions.
+    ///
+    /// Where forces balance, what is left of their change by rounding must not look like a Jacobian: its product
+    /// with `h`, or `h²`, has to be small beside one. Their `load` gives the least widths.
+    pub(super) fn linearise(
+        &mut self,
+        state: &State,
+        h: f64,
+        scale: Scale,
+    ) -> Result<(), FieldError> {
         let n = self.n;
         let State { t, q, u } = state;
         let (mut q, mut u) = (q.clone(), u.clone());
         self.evaluate(*t, &q, &u, true)?;
+        let least = ROUNDING / NOISE * self.load * h;
         let (here, slips) = (self.acceleration.clone(), self.slips());
         let root = f64::EPSILON.sqrt();
         for j in 0..n {
-            let (kept, step) = (u[j], root * u[j].abs().max(1e-3 * scale.u));
+            let (kept, step) = (u[j], (root * u[j].abs().max(1e-3 * scale.u)).max(least));
             u[j] += step;
             let step = u[j] - kept;
             self.evaluate(*t, &q, &u, true)?;
@@ -144,7 +156,7 @@ impl Field<'_> {
             }
         }
         for j in 0..n {
-            let (kept, step) = (q[j], root * q[j].abs().max(1e-3 * scale.q));
+            let (kept, step) = (q[j], (root * q[j].abs().max(1e-3 * scale.q)).max(least * h));
             q[j] += step;
             let step = q[j] - kept;
             self.evaluate(*t, &q, &u, true)?;

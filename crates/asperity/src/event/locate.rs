@@ -11,7 +11,7 @@ pub(super) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
     let touch = &field.touches[contact];
     match (touch.mode, touch.prescribed) {
         (Phase::Open, None) => -touch.gap - (SLACK * touch.reach).max(field.creep),
-        (Phase::Stick, _) if touch.shared => -1.0,
+        (Phase::Stick | Phase::Slip, _) if touch.shared => -1.0,
         (Phase::Stick, _) => excess(field, contact),
         (Phase::Slip, None) => -touch.normal_force,
         _ => -1.0,

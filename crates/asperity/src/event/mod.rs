@@ -8,7 +8,7 @@
 //! | `collocation.rs` | Radau IIA of order nine, its error estimate |
 //! | `points.rs` | Newton's method with points of *D* as unknowns, where *D* is nearly flat |
 //! | `field.rs`, `mobility.rs`, `touch.rs`, `derivatives.rs`, `force.rs` | accelerations in a mode and their Jacobian |
-//! | `decide.rs`, `share.rs` | contact problems of accelerations and of impacts |
+//! | `decide.rs`, `part.rs`, `share.rs` | contact problems of accelerations and of impacts |
 //! | `locate.rs`, `watch.rs`, `between.rs` | functions whose zeros are events, watched along steps |
 //! | `sample.rs`, `dense.rs` | samples inside steps |
 //! | `run.rs`, `control.rs`, `poll.rs` | the loop over steps, the length of steps, whether to go on |
@@ -30,6 +30,7 @@ mod locate;
 mod lu;
 mod mobility;
 mod motion;
+mod part;
 mod points;
 mod poll;
 mod run;

@@ -28,6 +28,9 @@ const COAST: f64 = 2e-14;
 /// Events at one time that are too many.
 const AT_ONCE: usize = 50;
 
+/// How much longer steps may become before the Jacobian is computed anew: rounding in it grows with their square.
+const LONGER: f64 = 4.0;
+
 /// Everything that changes during a run.
 pub(super) struct Runner<'a> {
     pub(super) options: &'a Options,
@@ -53,6 +56,8 @@ pub(super) struct Runner<'a> {
     /// Whether the step before was of the same mode, and whether its Jacobian can be used again.
     pub(super) smooth: bool,
     pub(super) linear: bool,
+    /// The length of the step for which it was computed.
+    linearised: f64,
     /// Whether the field is where a rejected attempt has left it.
     stale: bool,
     /// Alarms at the present state, contacts first, then the section; those along the attempt.
@@ -106,6 +111,7 @@ impl<'a> Runner<'a> {
             fall: 0.0,
             smooth: false,
             linear: false,
+            linearised: 0.0,
             stale: false,
             alarms: vec![0.0; contacts + 1],
             seen: vec![[0.0; NODES]; contacts + 1],
@@ -162,9 +168,9 @@ impl<'a> Runner<'a> {
         }
         self.field.creep = ROUNDING * self.field.load * h * h;
         let scale = self.control.scale(h, self.push(h), self.rounding(self.control.newton));
-        if !self.linear {
-            self.field.linearise(&self.state, scale)?;
-            self.linear = true;
+        if !self.linear || h > LONGER * self.linearised {
+            self.field.linearise(&self.state, h, scale)?;
+            (self.linear, self.linearised) = (true, h);
         }
         if !self.attempt(h)? {
             return Ok(self.shorten(0.25 * h));

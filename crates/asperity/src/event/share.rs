@@ -9,8 +9,8 @@ use super::touch::{FieldError, State, Touch};
 use crate::contact::{ContactState, Phase};
 
 impl Runner<'_> {
-    /// Evaluates the field. Sticking contacts that share their forces so that one could not carry its part,
-    /// though together they can, are given parts that they can carry: the accelerations stay the same.
+    /// Evaluates the field. Closed contacts that share their forces so that one could not carry its part or would
+    /// have to pull, though together they can, are given parts that they can carry: the accelerations stay the same.
     pub(super) fn evaluate(
         &mut self,
         (t, q, u): (f64, &[f64], &[f64]),
@@ -18,7 +18,7 @@ impl Runner<'_> {
     ) -> Result<(), FieldError> {
         self.field.evaluate(t, q, u, frozen)?;
         let overloaded =
-            |i: usize| self.field.touches[i].mode == Phase::Stick && alarm(&self.field, i) > 0.0;
+            |i: usize| self.field.touches[i].mode != Phase::Open && alarm(&self.field, i) > 0.0;
         if self.field.indeterminate() && (0..self.memory.len()).any(overloaded) {
             let state = State { t, q: q.to_vec(), u: u.to_vec() };
             if !share(&mut self.field, &state, &self.memory, &self.poll)? {
@@ -29,7 +29,8 @@ impl Runner<'_> {
     }
 }
 
-/// Asks the contact problem whether all sticking contacts can stick on; whether they can.
+/// Asks the contact problem whether all sticking contacts can stick on and all slipping ones stay closed; whether
+/// they can.
 fn share(
     field: &mut Field<'_>,
     state: &State,
@@ -47,7 +48,7 @@ fn share(
     for (touch, kept) in field.touches.iter_mut().zip(kept) {
         let (force, normal_force) = (touch.force, touch.normal_force);
         *touch = kept;
-        if sticks && touch.mode == Phase::Stick {
+        if sticks && touch.mode != Phase::Open {
             (touch.force, touch.normal_force, touch.shared) = (force, normal_force, true);
         }
     }
