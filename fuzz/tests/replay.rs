@@ -18,9 +18,10 @@ const HANGS: Duration = Duration::from_secs(120);
 const SLOW: Duration = Duration::from_millis(200);
 
 /// Inputs per target beside the corpus: some seconds each. Few, until the defects that more of them show are
-/// mended; then ten seconds each.
+/// mended; then ten seconds each. Of `steps` one of the next thirty has a force
+/// beyond the bound of its rate-dependent law at the recorded slip.
 const INPUTS: [(&str, usize); 5] =
-    [("sets", 150), ("one_contact", 150), ("many_contacts", 150), ("events", 150), ("steps", 150)];
+    [("sets", 150), ("one_contact", 150), ("many_contacts", 150), ("events", 150), ("steps", 30)];
 
 #[test]
 fn sets_keep_their_word() {
@@ -43,7 +44,6 @@ fn events_keep_their_word() {
 }
 
 #[test]
-#[ignore = "one of the first 150 inputs ends beyond its reservoir by the factor of its rate"]
 fn steps_keep_their_word() {
     replay("steps");
 }
