@@ -586,3 +586,16 @@ def test_no_contact_pulls_where_another_one_sticks(load, width):
     assert np.abs(motion.u).max() < 1e-12
     # Neither does the stop carry more than the load: its friction pushes as its normal force does.
     assert motion.normal_force[:, 1].max() <= 5.99 * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("u0", [-2e-19, 0.0, 2e-19])
+def test_a_start_at_rest_up_to_rounding_sticks(u0):
+    # With μ = 100 a slip would lift the contact or need an impact, depending on its sign.
+    law = asp.FrictionLaw.isotropic(100.0, dimension=1)
+    contact = asp.Contact(law, [[1.0], [0.0]], normal=[0.0, 1.0])
+    system = asp.LinearSystem(
+        np.linalg.inv([[1.0, 0.5], [0.5, 1.0]]), 0.0, 0.0, [0.0, -9.81], contacts=[contact]
+    )
+    motion = asp.integrate(system, t_end=1.0, u0=[u0, 0.0])
+    assert motion.events == ()
+    assert np.abs(motion.u[1:]).max() < 1e-15

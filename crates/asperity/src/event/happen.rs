@@ -51,13 +51,21 @@ impl Runner<'_> {
     pub(super) fn begin(&mut self) -> Next {
         self.field.begin(&self.state, self.options.t_end)?;
         let mut hit = None;
+        // As gaps, velocities at rest are told from those of the motion to come: rounding must not slip.
+        let slow = self.fall / self.options.t_end;
+        let still = (STILL * self.control.speed()).max(slow);
         for i in 0..self.memory.len() {
+            let rows = (1..=self.field.touches[i].p).map(|r| largest(self.field.row(ROWS * i + r)));
+            let size = rows.fold(0.0, f64::max);
+            if norm(&self.field.touches[i].slip) <= slow * size {
+                self.field.touches[i].slip = [0.0; 3];
+            }
             let touch = self.field.touches[i];
             if touch.prescribed.is_none() && touch.gap <= self.closed(&touch) {
                 let approach = self.approach(i);
-                if approach < -STILL * self.control.speed() {
+                if approach < -still {
                     hit = Some(i);
-                } else if approach <= STILL * self.control.speed() {
+                } else if approach <= still {
                     self.close(i);
                 }
             } else if touch.prescribed.is_some_and(|force| force > 0.0) {
