@@ -18,7 +18,7 @@ pub enum Status {
     /// Percussions grow without bound while a contact goes on approaching: there is probably no solution, but
     /// that is not proven.
     Unbounded,
-    /// There is no solution: [`Workspace::infeasibility`] holds the proof.
+    /// There is no solution: [`Workspace::infeasibility`](super::Workspace::infeasibility) holds the proof.
     NoSolution,
     /// The solver does not know all the laws or needs the entries of a matrix-free operator.
     NotApplicable,
