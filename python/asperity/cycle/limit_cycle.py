@@ -104,8 +104,7 @@ def limit_cycle(
         except NoCycleError as error:
             failure = failure or error
     assert failure is not None
-    # Less is rounding: a centre, whose passages say themselves what they are.
-    if _GROWTH < growth < RECURRENCE:
+    if 0.0 < growth < RECURRENCE:
         raise NoCycleError(
             "deviations from the unstable equilibrium grow by a share of only "
             f"{growth:.2g} per turn: passages that agree within {RECURRENCE:g} do not show a cycle "
@@ -162,7 +161,9 @@ def _growth_per_turn(state: Stability) -> float:
     if not turning.size:
         return 0.0
     fastest = turning[int(turning.real.argmax())]
-    return float(np.expm1(2.0 * np.pi * fastest.real / abs(fastest.imag)))
+    growth = float(np.expm1(2.0 * np.pi * fastest.real / abs(fastest.imag)))
+    # Less is rounding: a centre, whose passages say themselves what they are.
+    return growth if growth > _GROWTH else 0.0
 
 
 def _followed(
