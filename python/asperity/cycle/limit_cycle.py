@@ -107,8 +107,8 @@ def limit_cycle(
     if 0.0 < growth < RECURRENCE:
         raise NoCycleError(
             "deviations from the unstable equilibrium grow by a share of only "
-            f"{growth:.2g} per turn: passages that agree within {RECURRENCE:g} do not show a cycle "
-            "yet. Give q0, u0 and a section near it, or continue one of a slower belt by near="
+            f"{growth:.2g} per turn: the search does not tell turns of so slow a spiral from a "
+            "cycle. Give q0, u0 and a section near it, or continue one of a slower belt by near="
         ) from failure
     raise failure
 
