@@ -228,14 +228,19 @@ impl Watch<'_, '_> {
 
 /// Polls by the clock, reading it only now and then while steps are short.
 struct Clock {
-    last: Instant,
+    /// When the observer was last called.
+    polled: Instant,
+    /// When the clock was last read.
+    read: Instant,
+    /// Steps until the clock is read again, and how many they were after the last reading.
     countdown: u32,
     interval: u32,
 }
 
 impl Clock {
     fn new() -> Self {
-        Self { last: Instant::now(), countdown: 1, interval: 1 }
+        let now = Instant::now();
+        Self { polled: now, read: now, countdown: 1, interval: 1 }
     }
 
     /// Whether the observer is to be called, as seen by every so-manieth call of this.
@@ -245,8 +250,10 @@ impl Clock {
         if self.countdown > 0 {
             return false;
         }
-        let quick = self.last.elapsed() < POLL_EVERY / 8;
+        let before = self.read;
         let due = self.look();
+        // The steps since the last reading tell how many fit between two.
+        let quick = self.read.duration_since(before) < POLL_EVERY / 8;
         self.interval =
             if quick { (2 * self.interval).min(MOST_UNSEEN) } else { (self.interval / 2).max(1) };
         self.countdown = self.interval;
@@ -255,9 +262,10 @@ impl Clock {
 
     /// Whether the observer is to be called.
     fn look(&mut self) -> bool {
-        let due = self.last.elapsed() >= POLL_EVERY;
+        self.read = Instant::now();
+        let due = self.read.duration_since(self.polled) >= POLL_EVERY;
         if due {
-            self.last = Instant::now();
+            self.polled = self.read;
         }
         due
     }

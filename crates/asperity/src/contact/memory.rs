@@ -97,9 +97,15 @@ impl Memory {
     }
 
     /// Takes over what another one remembers, in the buffers that are there.
+    #[inline]
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        self.percussion.clone_from(&other.percussion);
-        self.states.clone_from(&other.states);
+        let (rows, contacts) = (other.percussion.len(), other.states.len());
+        if self.percussion.len() != rows || self.states.len() != contacts {
+            self.percussion.resize(rows, 0.0);
+            self.states.resize(contacts, ContactState::default());
+        }
+        self.percussion.copy_from_slice(&other.percussion);
+        self.states.copy_from_slice(&other.states);
     }
 
     /// What is remembered of an earlier solution.

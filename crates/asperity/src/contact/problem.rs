@@ -291,9 +291,10 @@ impl ContactProblem {
     pub fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
         if let Delassus::Dense(g) = &self.delassus {
             velocity.copy_from_slice(&self.free_velocity);
-            let (entries, n) = (g.as_slice(), self.rows());
-            for (j, p) in percussion.iter().enumerate() {
-                for (value, g) in velocity.iter_mut().zip(&entries[j * n..(j + 1) * n]) {
+            // At least one, as no contact is without rows; there is nothing to add where there is no contact.
+            let rows = self.rows().max(1);
+            for (column, p) in g.as_slice().chunks_exact(rows).zip(percussion) {
+                for (value, g) in velocity.iter_mut().zip(column) {
                     *value += g * p;
                 }
             }

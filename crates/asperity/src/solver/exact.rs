@@ -137,6 +137,7 @@ fn uncoupled(
         rest = after;
         stuck = batch.run(problem, threads, memory, blocks, planar).or(stuck);
         if stop.early() {
+            rest.states.copy_from_slice(&memory.states[rest.contacts]);
             return Err(Interrupted);
         }
     }

@@ -154,6 +154,7 @@ fn range(contact: &ContactRows) -> std::ops::Range<usize> {
 }
 
 /// How percussions have grown, with velocities `γ_E` that belong to them.
+#[inline]
 pub(super) fn of(
     problem: &ContactProblem,
     percussion: &[f64],
@@ -161,18 +162,38 @@ pub(super) fn of(
     groups: &mut Groups,
 ) -> Option<Growth> {
     let xi = ContactVelocity { velocity, restitution: &problem.restitution };
-    let pushing = |rows: &ContactRows| {
-        rows.normal == NormalForce::Unilateral && percussion[rows.offset] > 0.0
-    };
     // Most solutions end here: they are not large, and no contact that pushes moves against its own load.
     let moves = |rows: &ContactRows| {
         let row = rows.offset;
         let load = problem.free_velocity[row] + problem.restitution[row];
-        pushing(rows) && xi.of(row).abs() > APPROACHING * load.abs()
+        xi.of(row).abs() > APPROACHING * load.abs()
     };
-    if !problem.contacts.iter().any(moves) && !is_large(problem, percussion) {
-        return None;
+    let (mut any, mut moving) = (false, false);
+    for rows in problem.contacts.iter().filter(|rows| pushes(rows, percussion)) {
+        (any, moving) = (true, moving || moves(rows));
     }
+    if any && (moving || is_large(problem, percussion)) {
+        of_groups(problem, percussion, &xi, groups)
+    } else {
+        None
+    }
+}
+
+/// Whether growth is measured by a contact: the normal percussion is unknown, and there is one.
+#[inline]
+fn pushes(rows: &ContactRows, percussion: &[f64]) -> bool {
+    rows.normal == NormalForce::Unilateral && percussion[rows.offset] > 0.0
+}
+
+/// The group of contacts with the worst growth.
+#[cold]
+fn of_groups(
+    problem: &ContactProblem,
+    percussion: &[f64],
+    xi: &ContactVelocity<'_>,
+    groups: &mut Groups,
+) -> Option<Growth> {
+    let pushing = |rows: &&ContactRows| pushes(rows, percussion);
     groups.join(problem);
     let loads = problem.free_velocity.iter().zip(&problem.restitution);
     let largest = loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));

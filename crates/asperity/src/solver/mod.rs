@@ -182,10 +182,11 @@ impl Solver {
             _ => Threads::default(),
         };
         forget_runaways(problem, memory, workspace);
-        // What is found depends on the memory, not on what the workspace has seen before.
-        workspace.states.clone_from(&memory.states);
-        workspace.efforts.clear();
-        workspace.efforts.resize(contacts, Effort::in_sweeps());
+        if !problem.is_uncoupled() {
+            // What sweeps find depends on the memory, not on what the workspace has seen before.
+            workspace.states.clone_from(&memory.states);
+            workspace.efforts.fill(Effort::in_sweeps());
+        }
         // The workspace holds the percussions meanwhile, the memory the states of before.
         std::mem::swap(&mut workspace.percussion, &mut memory.percussion);
         let (iterations, ended) = self.run(problem, stop, &threads, memory, workspace);

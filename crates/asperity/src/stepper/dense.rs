@@ -90,10 +90,11 @@ impl Dense {
         }
         let change = self.update_operator(system, (t, dt), u, closed, new_mass)?;
         let (n, jacobian, chi) = (self.dof, &self.jacobian, &self.chi);
-        let velocity = |row: usize, u: &[f64]| dot(&jacobian[row * n..(row + 1) * n], u) + chi[row];
-        for (row, value) in closed.problem.free_velocity.iter_mut().enumerate() {
-            *value = velocity(row, &self.free);
+        let rows = jacobian.chunks_exact(n.max(1)).zip(chi);
+        for (value, (row, chi)) in closed.problem.free_velocity.iter_mut().zip(rows) {
+            *value = dot(row, &self.free) + chi;
         }
+        let velocity = |row: usize, u: &[f64]| dot(&jacobian[row * n..(row + 1) * n], u) + chi[row];
         if closed.bounces() {
             closed.bounce(|row| velocity(row, u));
         }
@@ -236,10 +237,10 @@ impl Dense {
         dt: f64,
         (q, u): (&mut [f64], &mut Vec<f64>),
     ) {
-        let (n, rated) = (self.dof, self.factors.any());
-        for (j, p) in percussion.iter().enumerate() {
-            let p = if rated { p * self.factors.of(j) } else { *p };
-            for (value, c) in self.free.iter_mut().zip(&self.response[j * n..(j + 1) * n]) {
+        let (columns, rated) = (self.response.chunks_exact(self.dof.max(1)), self.factors.any());
+        for (row, (column, p)) in columns.zip(percussion).enumerate() {
+            let p = if rated { p * self.factors.of(row) } else { *p };
+            for (value, c) in self.free.iter_mut().zip(column) {
                 *value += c * p;
             }
         }
