@@ -7,7 +7,8 @@ mod common;
 use asperity::contact::{ContactProblem, ContactState, Memory, NormalForce, Phase};
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{
-    BoundaryPoint, Convex, ConvexSet, CoulombContensou, Ellipsoid, Pressure, StarSet, Vector,
+    BoundaryPoint, Convex, ConvexSet, CoulombContensou, Ellipsoid, Polygon, Pressure, Star,
+    StarSet, Vector,
 };
 use asperity::solver::{ContactSolution, Solver, Stop, Workspace, natural_residual, solutions};
 use common::{FAMILIES, Random, V, gram, laws, one_contact};
@@ -280,6 +281,100 @@ fn ambiguity_is_never_overlooked() {
             check_selection(&problem, &listed, &mut random, name);
         }
     }
+}
+
+/// A polygon with corners at random angles on an ellipse, and its corners in the order of the angles.
+fn polygon(corners: usize, [a, b]: [f64; 2], tilt: f64, random: &mut Random) -> (Polygon, Vec<V>) {
+    let mut angles: Vec<f64> =
+        (0..corners).map(|_| random.within(0.0, std::f64::consts::TAU)).collect();
+    angles.sort_by(f64::total_cmp);
+    let (sine, cosine) = tilt.to_radians().sin_cos();
+    let on_ellipse = |angle: &f64| {
+        let (x, y) = (a * angle.cos(), b * angle.sin());
+        V::new(cosine * x - sine * y, sine * x + cosine * y)
+    };
+    let corners: Vec<V> = angles.iter().map(on_ellipse).collect();
+    (Polygon::new(&corners).unwrap(), corners)
+}
+
+/// Slip at all `x` of bdry *C* for polygons: over a side of *D* the normal is constant and `F` affine in `x`, at
+/// a corner of *D* the slip velocity lies between the normals of its sides.
+fn slips_of_polygons(equation: &Equation<'_>, c: &[V], d: &[V]) -> Vec<V> {
+    let reservoir = equation.law.reservoir();
+    let angle = |x: &V| x.y.atan2(x.x).rem_euclid(std::f64::consts::TAU);
+    let cross = |a: &V, b: &V| a.x * b.y - a.y * b.x;
+    // All rays to corners; whether the corner is one of D.
+    let mut rays: Vec<(f64, V, bool)> = c
+        .iter()
+        .map(|x| (angle(x), *x, false))
+        .chain(d.iter().map(|x| (angle(x), *x, true)))
+        .collect();
+    rays.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let on_c = |ray: &V| ray / reservoir.gauge(ray);
+    let normal_between = |a: &V, b: &V| {
+        let (ray, direction) = (a.normalize() + b.normalize(), equation.law.direction());
+        BoundaryPoint::at_position(direction, &ray).normal
+    };
+    let sides: Vec<V> = (0..rays.len())
+        .map(|i| normal_between(&rays[i].1, &rays[(i + 1) % rays.len()].1))
+        .collect();
+    let mut found = Vec::new();
+    for i in 0..rays.len() {
+        let (x, next) = (on_c(&rays[i].1), on_c(&rays[(i + 1) % rays.len()].1));
+        let (n, before) = (&sides[i], &sides[(i + sides.len() - 1) % sides.len()]);
+        let (f, along, den) = equation.evaluate(n, &x);
+        let (g, ..) = equation.evaluate(n, &next);
+        if rays[i].2 && den > 0.0 {
+            let (f_before, along_before, _) = equation.evaluate(before, &x);
+            // v turns from the normal before to the one after.
+            if f_before >= 0.0 && f <= 0.0 && along + along_before > 0.0 {
+                found.push(x);
+            }
+        }
+        if (f >= 0.0) != (g >= 0.0) {
+            let root = x + (next - x) * (f / (f - g));
+            let (_, along, den) = equation.evaluate(n, &root);
+            if along > 0.0 && den > 0.0 && cross(&root, &next) >= 0.0 {
+                found.push(root);
+            }
+        }
+    }
+    found
+}
+
+/// Several hundred corners, so that some turn by very little: none of the solutions that polygons have in closed form
+/// is missed.
+#[test]
+fn no_solution_between_hundreds_of_corners_is_missed() {
+    let mut random = Random::new(23);
+    let mut several = 0;
+    for corners in [40, 300, 500, 800] {
+        let (reservoir, c) = polygon(corners, [0.6, 0.2], 30.0, &mut random);
+        let (direction, d) = polygon(corners, [3.0, 1.0], 0.0, &mut random);
+        let law =
+            FrictionLaw::new(reservoir.into(), Star::from(direction).as_convex().unwrap().clone())
+                .unwrap();
+        let shared = Law::from(law);
+        let Law::Two(law) = &shared else { unreachable!() };
+        for k in 0..600 {
+            let x = &c[k % c.len()];
+            let load = x * (1.0 + 10f64.powf(random.within(-4.0, -0.5)));
+            let free = vec![load.x, load.y];
+            let contacts = [(shared.clone(), NormalForce::Prescribed(1.0))];
+            let problem = ContactProblem::new(DMatrix::identity(2, 2), free, contacts).unwrap();
+            let listed = solutions(&problem, 0, &[0.0; 2]).unwrap();
+            let exact = slips_of_polygons(&Equation::new(&problem, law), &c, &d);
+            several += usize::from(exact.len() > 1);
+            for x in &exact {
+                let off = |s: &ContactSolution| {
+                    (V::new(s.percussion[0], s.percussion[1]) + x).norm() / x.norm()
+                };
+                let nearest = listed.iter().map(off).fold(f64::INFINITY, f64::min);
+                assert!(nearest < 1e-7, "{corners} corners, load {k}: {nearest:e} from {x:?}");
+            }
+        }
+    }
+    assert!(several > 100, "{several} loads have several slips");
 }
 
 /// Two loads inside the reservoir of an unstable law: stick and two slips, or stick alone.

@@ -15,4 +15,4 @@ pub use extended::FrictionLaw;
 pub(crate) use extended::Walk;
 pub use flow::{FlowReport, FlowSets, flow_sets};
 pub use rate::{Fall, Stribeck};
-pub(crate) use table::{COARSE, Cell, FINE_PER_COARSE, Node, WalkTable};
+pub(crate) use table::{COARSE, Cell, Node, WalkTable};

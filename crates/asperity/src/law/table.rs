@@ -15,11 +15,13 @@ use super::ambiguity::AmbiguousLoads;
 
 /// Number of coarse cells.
 pub(crate) const COARSE: usize = 64;
-/// Most corners that are nodes. Where there are more, a polygon with hundreds of corners, the others turn by
-/// less than a degree and lie within cells.
-const SHARPEST: usize = 384;
-/// Number of fine cells in a coarse one.
-pub(crate) const FINE_PER_COARSE: usize = 16;
+/// Smallest and largest number of fine cells in a coarse one. There are so many that all corners are nodes and a
+/// quarter of the nodes are left for what is smooth.
+const FINE: usize = 16;
+const FINEST: usize = 1024;
+/// Most nodes at corners: of a polygon with more than some 16 000 corners the others turn by less than 0.03° and
+/// lie within cells.
+const MOST_AT_CORNERS: usize = COARSE * FINEST * 3 / 4;
 
 /// A node: a point of bdry *D* with its normal, and the point of bdry *C* on the same ray.
 #[derive(Debug, Clone, Copy)]
@@ -54,6 +56,8 @@ pub(crate) struct Columns {
 pub(crate) struct WalkTable {
     /// Fine nodes, counter-clockwise, the first repeated at the end.
     pub(crate) nodes: Vec<Node>,
+    /// Number of fine cells in a coarse one.
+    pub(crate) fine_per_coarse: usize,
     pub(crate) fine: Vec<Cell>,
     pub(crate) coarse: Vec<Cell>,
     pub(crate) columns: Box<Columns>,
@@ -69,10 +73,13 @@ pub(crate) struct WalkTable {
 impl WalkTable {
     /// The table of a law.
     pub fn new(reservoir: &Star<2>, direction: &Convex<2>) -> Self {
-        let corners = reservoir.corners().len() + direction.corners().len();
+        let mut corners = corners(reservoir, direction);
         // A corner between the inner nodes may stray twice as far as they do.
-        let margin = if corners > SHARPEST { 2.5 } else { 1.25 };
-        let mut nodes = nodes(reservoir, direction);
+        let margin = if corners.len() > MOST_AT_CORNERS { 2.5 } else { 1.25 };
+        corners.truncate(MOST_AT_CORNERS);
+        let fine_per_coarse =
+            (corners.len() * 4 / 3).div_ceil(COARSE).next_power_of_two().clamp(FINE, FINEST);
+        let mut nodes = nodes(reservoir, direction, corners, COARSE * fine_per_coarse);
         nodes.push(nodes[0]);
         let fine: Vec<Cell> = nodes
             .windows(2)
@@ -86,7 +93,7 @@ impl WalkTable {
             .collect();
         let coarse = (0..COARSE)
             .map(|i| {
-                let range = i * FINE_PER_COARSE..=(i + 1) * FINE_PER_COARSE;
+                let range = i * fine_per_coarse..=(i + 1) * fine_per_coarse;
                 let (first, last) = (nodes[*range.start()], nodes[*range.end()]);
                 let own = deviation(&first, &last, &nodes[range.clone()], margin);
                 let within = &fine[*range.start()..*range.end()];
@@ -97,7 +104,7 @@ impl WalkTable {
                 }
             })
             .collect();
-        let at = |i: usize| nodes[i * FINE_PER_COARSE];
+        let at = |i: usize| nodes[i * fine_per_coarse];
         let column = |f: &dyn Fn(Node) -> f64| std::array::from_fn(|i| f(at(i)));
         let columns = Box::new(Columns {
             n: [0, 1].map(|i| column(&|node| node.point.normal[i])),
@@ -106,7 +113,16 @@ impl WalkTable {
         let largest_radius = nodes.iter().map(|node| node.x.norm()).fold(0.0, f64::max);
         let smallest_sine = smallest_sine(&nodes);
         let ambiguous = AmbiguousLoads::new(&nodes, reservoir, direction);
-        Self { nodes, fine, coarse, columns, smallest_sine, ambiguous, largest_radius }
+        Self {
+            nodes,
+            fine_per_coarse,
+            fine,
+            coarse,
+            columns,
+            smallest_sine,
+            ambiguous,
+            largest_radius,
+        }
     }
 
     /// Whether a load `y = c₀/a` with gauge `k_C(y)` may have several solutions with `A = aI`.
@@ -163,8 +179,8 @@ impl Ord for Pending {
     }
 }
 
-/// The corners of both sets, those of *D* with their first and last normals; of very many the sharpest ones.
-fn sharpest_corners(reservoir: &Star<2>, direction: &Convex<2>) -> Vec<BoundaryPoint> {
+/// The corners of both sets, those of *D* with their first and last normals, the sharpest ones first.
+fn corners(reservoir: &Star<2>, direction: &Convex<2>) -> Vec<BoundaryPoint> {
     let mut found: Vec<(f64, Vec<BoundaryPoint>)> = Vec::new();
     for position in direction.corners() {
         let cone = direction.normal_cone(&position, 1e-9);
@@ -180,26 +196,30 @@ fn sharpest_corners(reservoir: &Star<2>, direction: &Convex<2>) -> Vec<BoundaryP
         found.push((turn, vec![BoundaryPoint::at_position(direction, &x)]));
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.truncate(SHARPEST);
     found.into_iter().flat_map(|corner| corner.1).collect()
 }
 
-/// Nodes at all corners of both sets, then wherever the walk turns most until the table is full.
-fn nodes(reservoir: &Star<2>, direction: &Convex<2>) -> Vec<Node> {
+/// Nodes at the corners, then wherever the walk turns most until there are `count`.
+fn nodes(
+    reservoir: &Star<2>,
+    direction: &Convex<2>,
+    corners: Vec<BoundaryPoint>,
+    count: usize,
+) -> Vec<Node> {
     let mut chain: Vec<BoundaryPoint> = (0..16)
         .map(|k| {
             let (sine, cosine) = (TAU * (k as f64 + 0.5) / 16.0).sin_cos();
             BoundaryPoint::at_position(direction, &Vector::<2>::new(cosine, sine))
         })
         .collect();
-    chain.extend(sharpest_corners(reservoir, direction));
+    chain.extend(corners);
     chain.sort_by(|a, b| walk_angle(a).total_cmp(&walk_angle(b)));
     chain.dedup_by(|a, b| walk_angle(a) - walk_angle(b) < 1e-12);
     let next = |i: usize| chain[(i + 1) % chain.len()];
     let pending = |start, end| Pending::new(Arc { start, end }, reservoir, direction);
     let mut heap: BinaryHeap<Pending> =
         (0..chain.len()).map(|i| pending(chain[i], next(i))).collect();
-    while heap.len() < COARSE * FINE_PER_COARSE {
+    while heap.len() < count {
         let Some(Pending { arc, .. }) = heap.pop() else { break };
         let middle = arc.middle(direction);
         heap.push(pending(arc.start, middle));

@@ -5,7 +5,7 @@ use super::equation::Slip;
 use super::scan::Scan;
 use super::search::{End, Search};
 use crate::contact::Phase;
-use crate::law::{COARSE, FINE_PER_COARSE, Walk};
+use crate::law::{COARSE, Walk};
 
 /// All solutions, in the order open, stick, slips counter-clockwise along bdry *D*; false if a cell was given
 /// up in which there may be more.
@@ -34,7 +34,7 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
         if scan.excluded(&slip, table, i) {
             continue;
         }
-        for j in i * FINE_PER_COARSE..(i + 1) * FINE_PER_COARSE {
+        for j in i * table.fine_per_coarse..(i + 1) * table.fine_per_coarse {
             let (first, last) = (&table.nodes[j], &table.nodes[j + 1]);
             if !slip.excluded_between(first, last, slip.stray(&table.fine[j])) {
                 let ends = [first, last].map(|node| End::new(&slip, node.point));

@@ -2,7 +2,7 @@
 
 use super::equation::{Slip, cross};
 use super::search::MONOTONE;
-use crate::law::{COARSE, FINE_PER_COARSE, WalkTable};
+use crate::law::{COARSE, WalkTable};
 
 /// `F` and `n·v` at all coarse nodes.
 pub(super) struct Scan {
@@ -47,7 +47,7 @@ impl Scan {
 
     /// Whether one fine cell holds one root and the others none.
     pub(super) fn monotone(&self, slip: &Slip<'_, '_>, table: &WalkTable, cell: usize) -> bool {
-        let range = cell * FINE_PER_COARSE..(cell + 1) * FINE_PER_COARSE;
+        let range = cell * table.fine_per_coarse..(cell + 1) * table.fine_per_coarse;
         let value = |j: usize| {
             let node = &table.nodes[j];
             cross(&node.point.normal, &slip.velocity_at(node))
