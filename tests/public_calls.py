@@ -10,12 +10,13 @@ from pathlib import Path
 
 import asperity as asp
 import numpy as np
-from asperity import identify, mechanisms, plot, problems, track
+from asperity import grading, identify, mechanisms, plot, problems, track
+from asperity.contact import files
 from filmed import RUN, SMALL
 from matplotlib.figure import Figure
 from test_values import CYCLE, VALUES
 
-MODULES = (asp, identify, track, problems, problems.scenes, mechanisms, plot)
+MODULES = (asp, identify, track, problems, problems.scenes, mechanisms, plot, grading, files)
 _NUMBERS = re.compile(r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b")
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.5), asp.Ellipse(3.0, 1.0))
@@ -148,6 +149,7 @@ ARGUMENTS = {
     },
     "certificate": {"percussion": [1.0, 0.0, 0.1]},
     "natural_map": {"percussion": [1.0, 0.0, 0.1]},
+    "grading.natural_map": {"problem": PROBLEM, "percussion": [1.0, 0.0, 0.1]},
     "residual": {"percussion": [1.0, 0.0, 0.1]},
     "solutions": {"contact": 0},
     "solve": {},
@@ -286,6 +288,7 @@ RESULTS = {
     "Motion",
     "Trajectory",
     "PathComparison",
+    "Percussions",
     "Bands",
     "Candidate",
     "Comparison",

@@ -4,7 +4,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import Certificate, Status
-from asperity.grading import proves_no_solution
+from asperity.grading import natural_map, proves_no_solution
 from samples import LAWS, identify, random_problem
 from scipy.optimize import linprog
 
@@ -31,8 +31,8 @@ def contact(free=(-1.0, 0.2, 0.0), **options):
         # P_N = 2, ξ_N = 1
         ((-1.0, 0.2, 0.0), (2.0, -0.2, 0.0), "complementarity", 2.0),
         ((1.0, 0.0, 0.0), (-0.3, 0.0, 0.0), "tension", 0.3),
-        # ‖P‖/μ − P_N = 1.6 − 1, times μ in the measure of C: k_C = 0.8/0.5
-        ((-1.0, 0.8, 0.0), (1.0, -0.8, 0.0), "cone_violation", 0.6),
+        # ‖P‖ − μP_N = 0.8 − 0.5
+        ((-1.0, 0.8, 0.0), (1.0, -0.8, 0.0), "cone_violation", 0.3),
     ],
 )
 def test_defects_by_hand(free, percussion, defect, value):
@@ -60,7 +60,7 @@ def test_restitution_belongs_to_the_velocity():
 def test_prescribed_forces_have_no_normal_defects():
     problem = asp.ContactProblem(np.eye(2), [3.0, 4.0], LAW, normal_force=1.0)
     certificate = problem.certificate([-0.6, -0.8])
-    assert certificate.cone_violation == pytest.approx(1.0)
+    assert certificate.cone_violation == pytest.approx(0.5)
     assert certificate.penetration_velocity == certificate.tension == 0.0
     assert certificate.complementarity == 0.0
 
@@ -350,3 +350,39 @@ def test_solutions_check_what_they_hold(wrong):
     with pytest.raises(asp.ParameterError) as caught:
         contact().solve().replace(**wrong)
     assert caught.value.argument in wrong
+
+
+@pytest.mark.parametrize(
+    ("argument", "value"),
+    [
+        ("kind", "open"),
+        ("contact", -1),
+        ("contact", 0.7),
+        ("direction", [[1.0]]),
+        ("direction", [np.nan, 0.0]),
+        ("closing_velocity", np.nan),
+        ("closing_velocity", -0.1),
+        ("residual", np.nan),
+        ("residual", -1.0),
+    ],
+)
+def test_proofs_hold_what_they_can_hold(argument, value):
+    given = {"kind": "closing", "contact": 0, "direction": [1.0], "residual": 0.0}
+    with pytest.raises(asp.ParameterError) as caught:
+        asp.Infeasibility(**{"closing_velocity": 0.1, **given, argument: value})
+    assert caught.value.argument == argument
+
+
+@pytest.mark.parametrize(
+    "percussion",
+    [np.ones(2), np.ones((3, 1)), np.ma.masked_array(np.ones(3), [1, 0, 0]), [1.0, 1.0j, 0.0]],
+    ids=["short", "column", "masked", "complex"],
+)
+def test_second_opinions_are_asked_about_percussions(percussion):
+    with pytest.raises(asp.ParameterError, match="percussion: must"):
+        natural_map(contact(), percussion)
+    assert natural_map(contact(), [0.9, -0.2, 0.0]) > 0.0
+    with pytest.raises(asp.ParameterError, match="problem: must be of ContactProblem"):
+        natural_map(np.eye(3), [0.9, -0.2, 0.0])
+    with pytest.raises(asp.ParameterError, match="proof: must be of Infeasibility"):
+        proves_no_solution(contact(), None)

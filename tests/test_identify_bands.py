@@ -420,6 +420,31 @@ def test_a_drift_is_told_in_each_of_several_runs():
     assert not few.drift.matters
 
 
+@pytest.mark.parametrize(
+    "sizes",
+    [(0.05, -0.05), (-0.02, 0.02), (0.2, -0.2), (0.1, -0.1, 0.1, -0.1), (0.0, 0.0, -0.05)],
+)
+def test_drifts_of_opposite_senses_do_not_cancel(sizes):
+    machine = VirtualTribometer(
+        TABLE_1, normal_force=9.3, turns=8, turn_rate=0.5, sample_rate=250.0, drift=0.0
+    )
+
+    def drift(sizes):
+        runs = []
+        for seed, size in enumerate(sizes):
+            raw = machine.replace(seed=seed, crosstalk=np.eye(3)).record()
+            run = raw.recordings[0]
+            gain = (1.0 + size * np.arange(len(run)) / len(run))[:, None] ** [1, 1, 0]
+            runs.append(Recording(run.time + 1e3 * seed, run.angle, run.readings * gain))
+        return fit_law(process(raw.replace(recordings=runs))).drift
+
+    found = drift(sizes)
+    assert found.matters
+    # Eight turns are seven steps. Zeros of up to 2 % drift along.
+    assert abs(found.size) == pytest.approx(0.875 * max(map(abs, sizes)), rel=0.15, abs=2e-3)
+    assert not drift((0.0,) * len(sizes)).matters
+
+
 @pytest.mark.parametrize("bits", [8, 9])
 def test_steps_as_large_as_the_noise_are_told(bits):
     step = 8.0 * 9.3 / 2.0**bits

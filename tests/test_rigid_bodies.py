@@ -85,6 +85,8 @@ def test_every_message_on_quaternions_states_their_order(orientation, use):
     with pytest.raises(ParameterError, match=r"\(w, x, y, z\)") as caught:
         use(orientation)
     assert caught.value.argument == "orientation"
+    if isinstance(orientation, Rotation):
+        assert "must be one rotation, got a list of" in str(caught.value)
 
 
 def test_orientations_do_not_import_scipy():

@@ -345,6 +345,86 @@ def test_what_a_run_may_start_from():
     assert asp.simulate(BLOCK, dt=1e-2, t_end=0.2, start=fresh).t[-1] == pytest.approx(0.2)
 
 
+def test_times_may_be_negative_but_must_be_told_apart():
+    early = asp.State([0.0, 0.0], [1.0, 1.0], t0=-5.0)
+    for t_end in (-4.0, 0.0, 1.0):
+        run = asp.simulate(BLOCK, dt=1e-2, t_end=t_end, start=early)
+        np.testing.assert_allclose(run.t[[0, -1]], [-5.0, t_end], atol=1e-12)
+        assert run.steps == round(100.0 * (t_end + 5.0))
+    for t_end in (-5.0, -6.0):
+        with pytest.raises(asp.ParameterError, match=r"t_end: must lie after .* -5 s"):
+            asp.simulate(BLOCK, dt=1e-2, t_end=t_end, start=early)
+    with pytest.raises(asp.ParameterError, match="t_end: must be positive"):
+        asp.simulate(BLOCK, dt=1e-2, t_end=-1.0)
+    # Beyond 1e14 s numbers are farther apart than such steps.
+    late = early.replace(t0=1e17)
+    with pytest.raises(asp.ParameterError, match=r"dt: must be at least 32 s, .* t = 1e\+17 s"):
+        asp.simulate(BLOCK, dt=1e-2, t_end=1e17 + 100.0, start=late)
+    assert (np.diff(asp.simulate(BLOCK, dt=32.0, t_end=1e17 + 320.0, start=late).t) > 0.0).all()
+
+
+def thrown_box():
+    """Return a box of unequal moments in flight, and its state after ten steps."""
+    box = asp.Body(1.0, (2.5e-3, 4.2e-3, 5.0e-3), position=(0.0, 0.0, 0.3))
+    system = asp.RigidBodies([box], [])
+    run = asp.simulate(system, dt=1e-3, t_end=0.01, u0=[0.0, 0.0, 0.0, 1.4, 1.4, 3.2])
+    return system, run.end
+
+
+def test_velocities_that_replace_others_are_those_of_the_run():
+    system, end = thrown_box()
+    assert end.momenta is not None
+    options = {"dt": 1e-3, "t_end": 0.02}
+    stopped = asp.simulate(system, start=end.replace(u=0.0 * end.u), **options)
+    np.testing.assert_array_equal(stopped.u[:, 3:], 0.0)
+    faster = asp.simulate(system, start=end.replace(u=2.0 * end.u), **options)
+    fresh = asp.simulate(system, start=asp.State(end.q, 2.0 * end.u, t0=end.t), **options)
+    np.testing.assert_allclose(faster.u, fresh.u, rtol=1e-12, atol=1e-12)
+    # Turned by an orientation of one's own, too.
+    turned = end.replace(q=[0.0, 0.0, 0.3, 0.6, 0.8, 0.0, 0.0])
+    run = asp.simulate(system, start=turned, **options)
+    np.testing.assert_allclose(run.u[1, 3:], end.u[3:], atol=0.05)
+
+
+@pytest.mark.parametrize("change", [0.0, 5.0, 1.0 + 1e-9])
+def test_momenta_of_other_velocities_are_refused(change):
+    system, end = thrown_box()
+    options = {"dt": 1e-3, "t_end": 0.02}
+    for state in (
+        end.replace(momenta=change * end.momenta),
+        end.replace(u=change * end.u, momenta=end.momenta),
+    ):
+        with pytest.raises(asp.ParameterError, match="start: has momenta of other velocities"):
+            asp.simulate(system, start=state, **options)
+    asp.simulate(system, start=end.replace(momenta=end.momenta), **options)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "message"),
+    [
+        (0, 0.5, "whether a contact is closed, 0 or 1, .* got 0.5"),
+        (0, -1.0, "whether a contact is closed, 0 or 1, .* got -1"),
+        (0, 2.0, "whether a contact is closed, 0 or 1, .* got 2"),
+        (1, 1.5, "phases, -1, 0, 1 or 2, .* got 1.5"),
+        (1, 1e300, r"phases, -1, 0, 1 or 2, .* got 1e\+300"),
+        (2, 3.0, "numbers of earlier slips, 0, 1 or 2, .* got 3"),
+        (2, -1.0, "numbers of earlier slips, 0, 1 or 2, .* got -1"),
+        (2, 1e300, r"numbers of earlier slips, 0, 1 or 2, .* got 1e\+300"),
+    ],
+)
+def test_states_hold_what_contacts_can_remember(column, value, message):
+    contacts = np.zeros((2, 16))
+    contacts[1, column] = value
+    with pytest.raises(asp.ParameterError, match=f"contacts: must hold {message}"):
+        asp.State([0.0, 0.0], [1.0, 0.0], contacts=contacts)
+
+
+@pytest.mark.parametrize("steps", [0.0, None, "", [], -1, 1.5])
+def test_steps_of_a_state_are_counted(steps):
+    with pytest.raises(asp.ParameterError, match="steps: must"):
+        asp.State([0.0, 0.0], [1.0, 0.0], steps=steps, dt=0.1)
+
+
 def test_the_last_step_is_kept_however_a_run_ends():
     # The block slips along, then sticks, which two iterations do not find.
     weak = asp.ProxJacobi(r=1e-6, max_iterations=2)

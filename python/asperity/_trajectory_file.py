@@ -13,6 +13,7 @@ from asperity import _core
 from asperity._archive import Archive
 from asperity._files import atomic
 from asperity.errors import DimensionError, ParameterError
+from asperity.state import check_memory
 from asperity.status import Outcome, Phase
 
 FORMAT = 1
@@ -172,12 +173,8 @@ def _check_end(fields: Mapping[str, NDArray[Any]]) -> None:
         raise ParameterError("end_steps", f"must be at least {fields['steps']}")
     if fields["end_t0"] + fields["end_steps"] * fields["dt"] != fields["t"][-1]:
         raise ParameterError("end_t0", "must fit the last time")
-    contacts = fields.get("end_contacts", np.zeros((0, 16)))
-    phases, counts = contacts[:, 1], contacts[:, 2]
-    if not np.isin(phases, list(Phase)).all() or not np.isin(contacts[:, 0], (0, 1)).all():
-        raise ParameterError("end_contacts", "must hold phases and whether contacts are closed")
-    if not np.isin(counts, (0, 1, 2)).all():
-        raise ParameterError("end_contacts", "must count 0, 1 or 2 earlier slips")
+    if "end_contacts" in fields:
+        check_memory(fields["end_contacts"], "end_contacts")
 
 
 def _check_phases(phase: NDArray[Any]) -> None:

@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from asperity import _arrays
 from asperity._arrays import Array
 from asperity.contact import ContactProblem, Infeasibility
 from asperity.contact.arguments import sizes
+from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import Ball, Disk
 
+__all__ = ["natural_map", "proves_no_solution"]
 
-def natural_map(problem: ContactProblem, percussion: Array) -> float:
+
+def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
     """Return ‖P − proj(P − ρξ)‖/max(‖P‖, ρ‖b + e∘γ_B‖), ρ = rows/tr G.
 
     Unilateral contacts with disks or balls are projected onto their cones, with μ‖ξ_T‖ added to
@@ -22,7 +26,8 @@ def natural_map(problem: ContactProblem, percussion: Array) -> float:
 
     Args:
         problem: with any laws.
-        percussion: in N s, shape ``(rows,)``.
+        percussion: in N s, shape ``(rows,)``; infinity where they are not finite, as those of a
+            solver may be.
 
     Reference: [AcaryBremondHuber2018]; [WL19] (12), (69).
 
@@ -31,15 +36,17 @@ def natural_map(problem: ContactProblem, percussion: Array) -> float:
     >>> natural_map(problem, np.array([1.0, -0.3, -0.4])) < 1e-12
     True
     """
+    _check(problem, "problem", ContactProblem)
     free = problem.free_velocity + _restitution(problem)
     rho = free.size / problem.delassus.diagonal().sum()
+    given = _arrays.with_gaps(percussion, "percussion", free.shape)
     # A solver may have ended anywhere.
-    if not np.isfinite(percussion).all():
+    if not np.isfinite(given).all():
         return math.inf
-    xi = problem.delassus @ percussion + free
+    xi = problem.delassus @ given + free
     squares = 0.0
     for law, unilateral, rows, normal in _groups(problem):
-        p, v = percussion[rows], rho * xi[rows]
+        p, v = given[rows], rho * xi[rows]
         if not unilateral:
             squares += _tangential(law, normal, p, v)
             continue
@@ -48,7 +55,7 @@ def natural_map(problem: ContactProblem, percussion: Array) -> float:
             continue
         squares += float(((p[:, 0] - np.maximum(0.0, p[:, 0] - v[:, 0])) ** 2).sum())
         squares += _tangential(law, p[:, 0], p[:, 1:], v[:, 1:])
-    scale = max(_norm(percussion), float(rho) * _norm(free), float(np.finfo(float).tiny))
+    scale = max(_norm(given), float(rho) * _norm(free), float(np.finfo(float).tiny))
     return math.sqrt(squares) / scale
 
 
@@ -74,6 +81,8 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     >>> proves_no_solution(paradox, paradox.solve(on_failure="record").infeasibility)
     True
     """
+    _check(problem, "problem", ContactProblem)
+    _check(proof, "proof", Infeasibility)
     free = problem.free_velocity + _restitution(problem)
     if proof.direction.shape != free.shape or not 0 <= proof.contact < len(problem.laws):
         return False
@@ -89,6 +98,11 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     changed = np.abs(problem.delassus.T @ weights) / scale
     closing, sizes_of_load = -weights @ free, weights @ np.abs(free)
     return bool(changed.max() <= 1e-13 * largest and closing > 1e-13 * sizes_of_load)
+
+
+def _check(value: object, argument: str, kind: type) -> None:
+    if not isinstance(value, kind):
+        raise ParameterError(argument, f"must be of {kind.__name__}, got {value!r:.60}")
 
 
 def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:

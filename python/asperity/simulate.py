@@ -74,7 +74,8 @@ def simulate(
     Args:
         system: `LinearSystem`, `SlidingPoint`, `MassOnBelt`, `RigidBodies` or a `System`.
         dt: step Δt > 0 in s.
-        t_end: end time in s; the last step is the first with k Δt ≥ `t_end` (to 1e-9 relative).
+        t_end: end time in s, after the time of `start`, which is 0 without it; the last step is
+            the first with k Δt ≥ `t_end` (to 1e-9 relative).
         q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``, whose
             quaternions are normalised. Default 0, of `RigidBodies` the state of the bodies.
         u0: initial velocities, shape ``(n,)``; default likewise.
@@ -112,14 +113,16 @@ def simulate(
         raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
     _arrays.choice(on_failure, "on_failure", ["raise", "record"])
     dt = _arrays.positive(dt, "dt")
-    t_end = _arrays.positive(t_end, "t_end")
+    t_end = _arrays.number(t_end, "t_end")
     if start is None:
+        t_end = _arrays.positive(t_end, "t_end")
         state = State(*initial_state(system, q0, u0))
     elif q0 is None and u0 is None:
         state = _beginning(start)
     else:
         raise ParameterError("start", "excludes q0 and u0")
     steps = _steps_from(state, dt, t_end)
+    _check_clock(state, dt, steps)
     with _reporter(progress, steps) as report:
         run, exception = _core.simulate(
             system._core,
@@ -180,6 +183,21 @@ def _step_count(dt: float, t_end: float) -> int:
         raise ParameterError("dt", f"is too small for t_end = {t_end!r}, got {dt!r}")
     nearest = round(ratio)
     return nearest if abs(ratio - nearest) <= _MULTIPLE * nearest else math.ceil(ratio)
+
+
+def _check_clock(state: State, dt: float, steps: int) -> None:
+    """Refuse steps that the clock cannot count: rounding would give several the same time."""
+    first = state.t0 if state.dt == dt else state.t
+    done = state.steps if state.dt == dt else 0
+    latest = max(abs(first), abs(first + (done + steps) * dt))
+    # k Δt is rounded, and so is its sum with t₀: by half a spacing of numbers each.
+    least = 2.0 * math.ulp(latest)
+    if not dt >= least:
+        raise ParameterError(
+            "dt",
+            f"must be at least {least:.3g} s, twice the spacing of numbers at t = {latest:.9g} s, "
+            f"got {dt!r}",
+        )
 
 
 def initial_state(system: Model, q0: ArrayLike | None, u0: ArrayLike | None) -> tuple[Array, Array]:

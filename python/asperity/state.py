@@ -11,6 +11,7 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import ParameterError
+from asperity.status import Phase
 
 _COLUMNS = 16
 _PREFIX = "end_"
@@ -22,7 +23,8 @@ class State(Value):
     ``trajectory.end`` is one. A run that starts from it continues the one before as if that had
     not ended: with the same options, what follows is the same to the bit, also where contacts have
     several solutions, since phases, slip directions and percussions are handed over.
-    ``State(q, u, t0=t)`` is one without memory: a fresh start at the time t.
+    ``State(q, u, t0=t)`` is one without memory: a fresh start at the time t. `replace` leaves the
+    momenta out if it changes coordinates or velocities without them, since they follow from these.
 
     Args:
         q: coordinates, as those of a `Trajectory`.
@@ -30,11 +32,12 @@ class State(Value):
         t0: time in s from which steps are counted.
         steps: number of steps since then.
         dt: their length in s, so that the state is that of t = t₀ + k Δt; ``None`` without steps.
-        contacts: what the contacts remember, shape ``(n_contact, 16)``: whether closed, phase, how
-            many earlier slip velocities count, three slip velocities with the latest first, four
-            percussions. ``None`` if nothing is known of them.
-        momenta: angular momenta of rigid bodies in the world's axes, shape ``(n_body, 3)``;
-            ``None`` if they follow from the velocities.
+        contacts: what the contacts remember, shape ``(n_contact, 16)``: whether closed (0 or 1),
+            `Phase`, how many earlier slip velocities count (0, 1 or 2), three slip velocities with
+            the latest first, four percussions. ``None`` if nothing is known of them.
+        momenta: angular momenta of rigid bodies in the world's axes, shape ``(n_body, 3)``, those
+            of unequal moments being kept from step to step; ``None`` if they follow from the
+            velocities. `simulate` refuses those of other velocities.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
     >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
@@ -64,17 +67,32 @@ class State(Value):
         contacts: ArrayLike | None = None,
         momenta: ArrayLike | None = None,
     ) -> None:
-        if steps and dt is None:
+        done = _arrays.count(steps, "steps", least=0)
+        if done and dt is None:
             raise ParameterError("dt", "must be given with steps")
+        memory = _table(contacts, "contacts", _COLUMNS)
+        if memory is not None:
+            check_memory(memory, "contacts")
         self._set(
             q=_arrays.read_only(_arrays.array(q, "q", (None,))),
             u=_arrays.read_only(_arrays.array(u, "u", (None,))),
             t0=_arrays.number(t0, "t0"),
-            steps=_arrays.count(steps, "steps") if steps else 0,
+            steps=done,
             dt=None if dt is None else _arrays.positive(dt, "dt"),
-            contacts=_table(contacts, "contacts", _COLUMNS),
+            contacts=memory,
             momenta=_table(momenta, "momenta", 3),
         )
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some parameters changed, and momenta that follow from others left out.
+
+        >>> thrown = State([0.0] * 7, [0.0] * 6, momenta=[[0.0, 0.0, 1.0]])
+        >>> thrown.replace(u=[1.0] * 6).momenta is None, thrown.replace(t0=1.0).momenta is None
+        (True, False)
+        """
+        if changes.keys() & {"q", "u"}:
+            changes = {"momenta": None, **changes}
+        return super().replace(**changes)
 
     @property
     def t(self) -> float:
@@ -104,6 +122,19 @@ class State(Value):
         names = [name for name in contents if name.startswith(_PREFIX)]
         given = {name.removeprefix(_PREFIX): contents.pop(name) for name in names}
         return cls(**given) if given else None
+
+
+def check_memory(contacts: Array, argument: str) -> None:
+    """Refuse what no contact remembers, in the table of a `State`."""
+    for column, what, allowed in (
+        (0, "whether a contact is closed, 0 or 1", (0, 1)),
+        (1, "phases, -1, 0, 1 or 2", tuple(Phase)),
+        (2, "numbers of earlier slips, 0, 1 or 2", (0, 1, 2)),
+    ):
+        wrong = ~np.isin(contacts[:, column], allowed)
+        if wrong.any():
+            found = float(contacts[wrong.argmax(), column])
+            raise ParameterError(argument, f"must hold {what}, in column {column}, got {found:g}")
 
 
 def _table(values: ArrayLike | None, argument: str, columns: int) -> Array | None:

@@ -26,7 +26,8 @@ class Certificate(Value):
         penetration_velocity: max(0, −ξ_N) over the unilateral contacts, in m/s.
         complementarity: max |P_N ξ_N| over the unilateral contacts, in J.
         tension: max(0, −P_N), in N s.
-        cone_violation: max P_N (k_C(−P/P_N) − 1)⁺, friction beyond the reservoir, in N s.
+        cone_violation: max |P| (1 − 1/k_C(−P/P_N))⁺ of the friction percussions P, in N s: by so
+            much they are longer than the reservoir is in their direction.
         direction_violation: largest distance of a friction percussion from the one that the law
             assigns to the slip, in N s.
         stick: number of contacts that stick.
@@ -143,8 +144,8 @@ class Infeasibility(Value):
     ) -> None:
         self._set(
             kind=_arrays.choice(kind, "kind", ("closing", "one_contact")),
-            contact=int(contact),
+            contact=_arrays.count(contact, "contact", least=0),
             direction=_arrays.read_only(_arrays.array(direction, "direction", (None,))),
-            closing_velocity=float(closing_velocity),
-            residual=float(residual),
+            closing_velocity=_arrays.non_negative(closing_velocity, "closing_velocity"),
+            residual=_arrays.non_negative(residual, "residual"),
         )

@@ -16,7 +16,7 @@ pub enum LawError {
     #[error("force: does not tell stick from slip in a law whose friction depends on the speed")]
     SpeedUnknown,
     /// A force that the contact cannot transmit.
-    #[error("force: lies outside the reservoir, its gauge is {gauge}")]
+    #[error("force: lies outside the reservoir, its gauge is {gauge:?}")]
     OutsideReservoir {
         /// Gauge of the force per unit normal force.
         gauge: f64,

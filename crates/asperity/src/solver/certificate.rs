@@ -23,7 +23,8 @@ pub struct Certificate {
     pub complementarity: f64,
     /// Largest pull `max(0, −P_N)` in N s.
     pub tension: f64,
-    /// Largest `P_N (k_C(−P_T/P_N) − 1)` above zero in N s.
+    /// Largest part of a friction percussion beyond its reservoir, `|P_T| (1 − 1/k_C(−P_T/P_N))` above
+    /// zero, in N s: by so much it is too long.
     pub cone_violation: f64,
     /// Largest defect of the inclusion `ξ_T ∈ N_D(−αP_T)` in N s.
     pub direction_violation: f64,
@@ -56,12 +57,12 @@ impl Certificate {
                 }
             };
             let at = (normal, problem.rho[i], rows.tangent());
-            let (gauge, direction) = match &rows.law {
+            let (beyond, direction) = match &rows.law {
                 Law::One(law) => friction(law, at, percussion, &xi),
                 Law::Two(law) => friction(law, at, percussion, &xi),
                 Law::Three(law) => friction(law, at, percussion, &xi),
             };
-            raise(&mut out.cone_violation, gauge);
+            raise(&mut out.cone_violation, beyond);
             raise(&mut out.direction_violation, direction);
             match phase_of(problem, i, percussion, &velocity).0 {
                 Phase::Slip => out.phases[2] += 1,
@@ -80,7 +81,7 @@ fn raise(largest: &mut f64, value: f64) {
     }
 }
 
-/// `P_N (k_C − 1)` and the defect of the inclusion.
+/// The part of the friction beyond its reservoir and the defect of the inclusion.
 fn friction<const P: usize>(
     law: &FrictionLaw<P>,
     (normal, rho, first): (f64, f64, usize),
@@ -91,6 +92,7 @@ fn friction<const P: usize>(
     let pushing = normal.max(0.0);
     // `P_N k_C(x/P_N) = k_C(x)`, also for an open contact.
     let gauge = if tangent.amax() == 0.0 { 0.0 } else { law.reservoir().gauge(&tangent) };
+    let beyond = if gauge <= pushing { 0.0 } else { tangent.norm() * (1.0 - pushing / gauge) };
     let defect = tangential_defect(law, normal, rho, first, percussion, xi);
-    (gauge - pushing, defect.sqrt())
+    (beyond, defect.sqrt())
 }

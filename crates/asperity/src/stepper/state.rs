@@ -1,6 +1,7 @@
 //! What a run hands over to one that continues it.
 
 use crate::contact::ContactState;
+use crate::system::rigid::RigidBodies;
 use crate::system::{System, SystemError};
 
 /// What a contact hands over to the next step.
@@ -100,7 +101,18 @@ impl State {
         if momenta != 0 && momenta != bodies {
             return refuse(format!("must be a state of {bodies} bodies, is one of {momenta}"));
         }
-        if self.is_finite() { Ok(()) } else { refuse("must be finite".into()) }
+        if !self.is_finite() {
+            return refuse("must be finite".into());
+        }
+        // Velocities that were replaced would otherwise lose against the momenta that were not.
+        let own = |system: &RigidBodies| {
+            let has = |(body, &momentum)| system.has_spin((&self.q, &self.u), body, momentum);
+            self.momenta.iter().enumerate().all(has)
+        };
+        if system.rigid_bodies().is_none_or(own) {
+            return Ok(());
+        }
+        refuse("has momenta of other velocities: leave them out where velocities are given".into())
     }
 
     /// Whether all that is handed over is a number.

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from asperity import _arrays
 from asperity._arrays import Array
-from asperity.errors import ParameterError
+from asperity.errors import DimensionError, ParameterError
 
 # What is a unit vector to rounding stays as it is, so that normalising twice changes no bit.
 _UNIT = 1e-15
@@ -31,12 +31,21 @@ Orientation: TypeAlias = ArrayLike | Rotation
 
 def quaternion(value: Orientation, argument: str) -> Array:
     """Return the unit quaternion (w, x, y, z) of an orientation."""
-    if isinstance(value, Rotation):
-        value = np.roll(np.asarray(value.as_quat(), dtype=np.float64), 1, axis=-1)
     try:
+        if isinstance(value, Rotation):
+            value = _wxyz(value, argument)
         return normalised(value, argument, 4)
     except ParameterError as error:
         raise type(error)(argument, f"{error.message}; {_ORDER}") from None
+
+
+def _wxyz(rotation: Rotation, argument: str) -> Array:
+    found = np.asarray(rotation.as_quat(), dtype=np.float64)
+    if found.ndim != 1:
+        raise DimensionError(
+            argument, f"must be one rotation, got a list of {len(found)}: take one as rotation[0]"
+        )
+    return np.roll(found, 1)
 
 
 def normalised(value: ArrayLike, argument: str, size: int) -> Array:

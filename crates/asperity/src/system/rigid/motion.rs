@@ -25,6 +25,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::rotation::{matrix, turned, turned_back};
 use super::{Pose, RigidBodies, Twist, angular, linear, twist};
 
+/// How far a momentum may be off that of its state, as a part: `R J J⁻¹ Rᵀ L` is L to a few roundings.
+const SAME_SPIN: f64 = 1e-12;
+
 /// The bodies at the midpoint of a step.
 #[derive(Debug)]
 pub(crate) struct Middle {
@@ -93,6 +96,17 @@ impl RigidBodies {
     /// Angular momentum `R J Ω` of a body about its centre of mass, in the world's axes.
     pub(crate) fn spin(&self, q: &[f64], u: &[f64], body: usize) -> Vector3<f64> {
         self.pose(q, body).rotation * (self.inertial[body].inertia * angular(&self.twist(u, body)))
+    }
+
+    /// Whether a momentum is that of a body in a state, to rounding. Bodies of equal moments keep none.
+    pub(crate) fn has_spin(
+        &self,
+        (q, u): (&[f64], &[f64]),
+        body: usize,
+        momentum: [f64; 3],
+    ) -> bool {
+        let (found, given) = (self.spin(q, u, body), Vector3::from(momentum));
+        self.inertial[body].isotropic || (found - given).amax() <= SAME_SPIN * given.amax()
     }
 
     /// The first half of the step: where the bodies are at the midpoint, and their velocities there
