@@ -226,11 +226,6 @@ WRITERS = {
         raw_data, report, command_identify, command_track, command_solve, folder,
     )
 }  # fmt: skip
-# Modules that they need.
-NEEDED = {
-    "problem_hdf5": "h5py", "figure": "matplotlib", "video": "av", "command_track": "PIL",
-    "report": "matplotlib", "command_identify": "matplotlib",
-}  # fmt: skip
 # Writers of files that belong together, all of one result or none.
 TOGETHER = {"command_identify", "command_track", "folder"}
 # Times of solves are never the same twice.

@@ -7,7 +7,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import DimensionError, ParameterError
-from test_problem_files import DISK, PROBLEMS, every_format, needs_h5py, of_bodies, plain
+from test_problem_files import DISK, PROBLEMS, every_format, of_bodies, plain
 
 
 def changed(path, **changes):
@@ -105,7 +105,6 @@ def test_missing_details_are_named(tmp_path, key):
     assert caught.value.argument == key
 
 
-@needs_h5py
 @pytest.mark.parametrize(
     "key", ["fclib_local/W/p", "fclib_local/vectors/q", "fclib_local/spacedim"]
 )
@@ -121,7 +120,6 @@ def test_missing_groups_are_named(tmp_path, key):
     assert caught.value.argument == key
 
 
-@needs_h5py
 def test_joints_are_refused(tmp_path):
     import h5py
 
@@ -133,7 +131,6 @@ def test_joints_are_refused(tmp_path):
         asp.ContactProblem.load(path)
 
 
-@needs_h5py
 @pytest.mark.parametrize("group", ["fclib_local_rolling", "fclib_global_rolling"])
 def test_rolling_friction_is_refused_by_name(tmp_path, group):
     import h5py
@@ -146,7 +143,6 @@ def test_rolling_friction_is_refused_by_name(tmp_path, group):
     assert caught.value.argument == group
 
 
-@needs_h5py
 def test_a_mass_matrix_that_is_not_symmetric_is_refused(tmp_path):
     import h5py
 

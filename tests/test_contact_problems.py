@@ -91,7 +91,6 @@ def library(name):
     folder = os.environ.get(VARIABLE)
     if folder is None:
         pytest.skip(f"set {VARIABLE} to the folder of the problems")
-    pytest.importorskip("h5py")
     return Path(folder) / "fclib" / f"{name}.hdf5"
 
 

@@ -7,9 +7,9 @@ of other types. No other exception may come out, and nothing may wait for ever.
 import datetime
 import os
 import tomllib
-from importlib.util import find_spec
 
 import asperity as asp
+import h5py
 import numpy as np
 import pytest
 from asperity import identify, track
@@ -113,23 +113,23 @@ def read_campaign(path):
 NOISE = np.random.default_rng(0).integers(0, 255, (20, 30, 3), dtype=np.uint8)
 DEEP = np.random.default_rng(0).integers(20_000, 65_535, (20, 30), dtype=np.uint16)
 load = asp.ContactProblem.load
-# Name: what writes the file, what reads it, what reading needs, whether checksums protect it.
+# Name: what writes the file, what reads it, whether checksums protect it.
 READERS = {
-    "problem npz": (problem_file(PROBLEMS["everything"], ".npz"), load, None, True),
-    "bodies npz": (problem_file(of_bodies(), ".npz"), load, None, True),
-    "problem hdf5": (problem_file(PROBLEMS["everything"], ".h5"), load, "h5py", True),
-    "bodies hdf5": (problem_file(of_bodies(), ".h5"), load, "h5py", True),
-    "percussions": (problem_file(of_bodies(), ".h5"), percussions, "h5py", True),
-    "trajectory": (trajectory_file, asp.Trajectory.load, None, True),
-    "table": (table_of_run, identify.read_csv, None, False),
-    "records": (table_of_run, read_campaign, None, False),
-    "tribometer.toml": (tribometer_toml, read_campaign, None, False),
-    "weighings": (lambda folder: campaign(folder) / "calibration.csv", read_campaign, None, False),
-    "track.toml": (track_toml, track.read_config, None, False),
-    "png": (image(".png", NOISE), lambda p: whole(track.ImageFolder(p.parent)), "PIL", False),
-    "tiff": (image(".tiff", DEEP), lambda p: whole(track.ImageFolder(p.parent)), "PIL", False),
-    "jpeg": (image(".jpg", NOISE), lambda p: whole(track.ImageFolder(p.parent)), "PIL", False),
-    "video": (video, lambda p: whole(track.VideoFile(p)), "av", False),
+    "problem npz": (problem_file(PROBLEMS["everything"], ".npz"), load, True),
+    "bodies npz": (problem_file(of_bodies(), ".npz"), load, True),
+    "problem hdf5": (problem_file(PROBLEMS["everything"], ".h5"), load, True),
+    "bodies hdf5": (problem_file(of_bodies(), ".h5"), load, True),
+    "percussions": (problem_file(of_bodies(), ".h5"), percussions, True),
+    "trajectory": (trajectory_file, asp.Trajectory.load, True),
+    "table": (table_of_run, identify.read_csv, False),
+    "records": (table_of_run, read_campaign, False),
+    "tribometer.toml": (tribometer_toml, read_campaign, False),
+    "weighings": (lambda folder: campaign(folder) / "calibration.csv", read_campaign, False),
+    "track.toml": (track_toml, track.read_config, False),
+    "png": (image(".png", NOISE), lambda p: whole(track.ImageFolder(p.parent)), False),
+    "tiff": (image(".tiff", DEEP), lambda p: whole(track.ImageFolder(p.parent)), False),
+    "jpeg": (image(".jpg", NOISE), lambda p: whole(track.ImageFolder(p.parent)), False),
+    "video": (video, lambda p: whole(track.VideoFile(p)), False),
 }
 
 
@@ -177,9 +177,7 @@ def outcome(read, path):
 @pytest.mark.parametrize("name", READERS)
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_damaged_bytes_are_refused_or_valid(name, amount, folders):
-    write, read, needed, protected = READERS[name]
-    if needed and find_spec(needed) is None:
-        pytest.skip(f"needs {needed}")
+    write, read, protected = READERS[name]
     path = write(folders())
     content, expected = path.read_bytes(), read(path)
 
@@ -257,7 +255,7 @@ def with_other_keys(fields, edits):
 @pytest.mark.parametrize("name", ["problem npz", "bodies npz", "trajectory"])
 @pytest.mark.filterwarnings("ignore::numpy.exceptions.ComplexWarning")
 def test_archives_with_other_keys_are_refused_or_valid(name, amount, folders):
-    write, read, _, _ = READERS[name]
+    write, read, _ = READERS[name]
     path = write(folders())
     with np.load(path) as file:
         fields = dict(file)
@@ -280,8 +278,7 @@ def test_archives_with_other_keys_are_refused_or_valid(name, amount, folders):
 @pytest.mark.parametrize("name", ["problem hdf5", "bodies hdf5"])
 @pytest.mark.filterwarnings("ignore::numpy.exceptions.ComplexWarning")
 def test_groups_with_other_keys_are_refused_or_valid(name, amount, folders):
-    h5py = pytest.importorskip("h5py")
-    write, read, _, _ = READERS[name]
+    write, read, _ = READERS[name]
     path = write(folders())
     fields = {}
     with h5py.File(path) as file:
@@ -346,7 +343,7 @@ def places(table):
 @every_amount
 @pytest.mark.parametrize("name", ["tribometer.toml", "track.toml"])
 def test_configurations_with_other_values_are_refused_or_valid(name, amount, folders):
-    write, read, _, _ = READERS[name]
+    write, read, _ = READERS[name]
     path = write(folders())
     text = path.read_text()
 
@@ -391,7 +388,7 @@ CELL_EDIT = st.tuples(
 @pytest.mark.parametrize("name", ["table", "records", "weighings"])
 @pytest.mark.parametrize("on_defect", ["raise", "split"])
 def test_tables_with_other_cells_are_refused_or_valid(name, on_defect, amount, folders):
-    write, read, _, _ = READERS[name]
+    write, read, _ = READERS[name]
     path = write(folders())
     text = path.read_text()
     if name == "table":
@@ -429,9 +426,7 @@ def test_tables_with_other_cells_are_refused_or_valid(name, on_defect, amount, f
 
 @pytest.mark.parametrize("name", READERS)
 def test_what_is_no_file_is_said_so(name, tmp_path):
-    write, read, needed, _ = READERS[name]
-    if needed and find_spec(needed) is None:
-        pytest.skip(f"needs {needed}")
+    write, read, _ = READERS[name]
     path = write(tmp_path)
     path.unlink()
     with pytest.raises((asp.AsperityError, FileNotFoundError), match=path.stem):

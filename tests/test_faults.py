@@ -6,14 +6,13 @@ What is written and how it fails stands in `faults.py`, which runs in a process 
 import os
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("resource", reason="needs processes and limits of POSIX")
 
-from faults import NEEDED, WRITERS
+from faults import WRITERS
 
 KILLS, MANY = 5, 100
 # Commands read, fit and draw for seconds before they write.
@@ -21,9 +20,6 @@ SLOW = {"command_identify": 2, "command_track": 2, "report": 2}
 
 
 def come_to_grief(name, count):
-    needed = NEEDED.get(name)
-    if needed and find_spec(needed) is None:
-        pytest.skip(f"needs {needed}")
     program = Path(__file__).with_name("faults.py")
     done = subprocess.run(
         [sys.executable, program, name, str(count)],

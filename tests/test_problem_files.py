@@ -1,7 +1,5 @@
 """Files of contact problems: round trips, the layouts other engines read, errors that name keys."""
 
-from importlib.util import find_spec
-
 import asperity as asp
 import numpy as np
 import pytest
@@ -10,8 +8,7 @@ from samples import LAWS, TILTED_ELLIPSES, random_problem
 from scipy.sparse import block_diag, csc_array, csr_array, random_array, tril, triu
 
 DISK = asp.FrictionLaw.isotropic(0.5)
-needs_h5py = pytest.mark.skipif(find_spec("h5py") is None, reason="needs h5py")
-SUFFIXES = [".npz", *(pytest.param(suffix, marks=needs_h5py) for suffix in (".h5", ".hdf5"))]
+SUFFIXES = [".npz", ".h5", ".hdf5"]
 
 every_format = pytest.mark.parametrize("suffix", SUFFIXES)
 
@@ -171,7 +168,6 @@ def test_other_problems_cannot_be_taken_for_plain_ones(tmp_path, name):
         assert not any(data[key].dtype.hasobject for key in data)
 
 
-@needs_h5py
 def test_fclib_layout(tmp_path):
     import h5py
 
@@ -213,7 +209,6 @@ def rewrite(path, name, *written):
             file[f"{name}/{key}"] = np.atleast_1d(value)
 
 
-@needs_h5py
 @pytest.mark.parametrize("form", ["rows", "columns", "triplets"])
 def test_all_storage_forms_of_a_matrix_are_read(tmp_path, form):
     rng = np.random.default_rng(3)
@@ -226,7 +221,6 @@ def test_all_storage_forms_of_a_matrix_are_read(tmp_path, form):
     assert asp.ContactProblem.load(path) == problem
 
 
-@needs_h5py
 @pytest.mark.parametrize("form", ["rows", "columns", "triplets"])
 @pytest.mark.parametrize("triangle", [lambda m: m, tril, triu], ids=["both", "lower", "upper"])
 def test_all_storage_forms_of_bodies_are_read(tmp_path, form, triangle):
@@ -241,7 +235,6 @@ def test_all_storage_forms_of_bodies_are_read(tmp_path, form, triangle):
     assert asp.ContactProblem.load(path) == problem
 
 
-@needs_h5py
 def test_a_global_problem_alone_is_assembled(tmp_path):
     import h5py
 
@@ -273,7 +266,6 @@ def test_no_friction_is_a_tiny_disk(tmp_path, suffix):
     assert np.abs(tangential).max() < 1e-10
 
 
-@needs_h5py
 def test_solution_and_guesses_of_a_file_check_and_start_a_solve(tmp_path):
     import h5py
 

@@ -197,7 +197,6 @@ def test_progress_is_reported_and_its_exceptions_come_through():
 
 
 def test_progress_bar(capsys):
-    pytest.importorskip("tqdm")
     asp.simulate(BLOCK, dt=1e-3, t_end=0.1, progress=True)
     assert "100/100" in capsys.readouterr().err
 

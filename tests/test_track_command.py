@@ -232,7 +232,6 @@ def test_bad_folders_are_one_line(kind, message, folder, tmp_path, capsys):
 
 
 def test_videos(tmp_path, folder, capsys):
-    pytest.importorskip("av", reason="PyAV, the extra video, is not installed")
     camera = VirtualCamera(RUN, noise=1.0, **{**SMALL, "fps": 100.0})
     write_video(camera.frames(), tmp_path / "slow.mp4", quality=10)
     video = VideoFile(tmp_path / "slow.mp4")

@@ -2,10 +2,12 @@
 
 import fractions
 
+import av
 import numpy as np
 import pytest
 from asperity import ParameterError
 from asperity.track import ImageFolder, Mark, Scene, Sight, track_mark
+from PIL import Image
 
 SCENE = Scene.from_scale(1e-3)
 ROWS, COLUMNS = np.mgrid[:120, :160]
@@ -19,7 +21,6 @@ def coloured(place):
 
 def film(path, stamps, places=None, ticks=100):
     """Write a video whose frames are shown at stamps/ticks seconds."""
-    av = pytest.importorskip("av", reason="PyAV, the extra video, is not installed")
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=ticks)
         stream.width, stream.height, stream.pix_fmt = 160, 120, "yuv420p"
@@ -88,10 +89,9 @@ def grey(low, kind, factor):
 
 
 def images(folder, pixels, suffix="png", **options):
-    image_module = pytest.importorskip("PIL.Image", reason="Pillow, the extra video")
     folder.mkdir()
     for number in range(8):
-        image_module.fromarray(pixels).save(folder / f"{number}.{suffix}", **options)
+        Image.fromarray(pixels).save(folder / f"{number}.{suffix}", **options)
     return folder
 
 
@@ -126,8 +126,7 @@ def test_images_of_other_numbers_are_refused(tmp_path):
 
 @pytest.mark.parametrize("orientation", range(1, 9))
 def test_images_are_turned_as_viewers_show_them(tmp_path, orientation):
-    image_module = pytest.importorskip("PIL.Image", reason="Pillow, the extra video")
-    exif = image_module.Exif()
+    exif = Image.Exif()
     exif[0x0112] = orientation
     stored = coloured(10)[10:]
     folder = images(tmp_path / "turned", stored, "jpg", exif=exif, quality=95)

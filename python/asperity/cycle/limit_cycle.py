@@ -75,8 +75,10 @@ def limit_cycle(
 
     Raises:
         NoCycleError: if the motion settles, does not recur, or if periodic orbits form a continuum
-            (as the undamped ones of a mass that never stops sliding). Beside an equilibrium whose
-            deviations grow by less than 2 % per turn, as on very fast belts, the search says so.
+            (as the undamped ones of a mass that never stops sliding). Also where there may be a
+            cycle: beside an equilibrium whose deviations grow by less than 2 % per turn, as on
+            very fast belts, turns of the spiral are not told from a cycle. Start near it then, by
+            `q0`, `u0` and `section`, or continue that of a slower belt by `near`.
         ParameterError, ConvergenceError: as `integrate`, `equilibrium` and `stability`; the last
             two are not needed if `q0` and `t_end` are given.
 
