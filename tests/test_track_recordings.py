@@ -6,7 +6,7 @@ import av
 import numpy as np
 import pytest
 from asperity import ParameterError
-from asperity.track import ImageFolder, Mark, Scene, Sight, track_mark
+from asperity.track import ImageFolder, Mark, Scene, Sight, track_mark, write_video
 from PIL import Image
 
 SCENE = Scene.from_scale(1e-3)
@@ -73,13 +73,33 @@ def test_constant_rates_are_read_whatever_the_clock(tmp_path, stamps, ticks, suf
 
 
 def test_frames_repeated_by_a_player_are_reported(tmp_path):
-    places = N.tolist()
-    for filler in (12, 20, 21):
-        places[filler] = places[filler - 1]
-    track = followed(film(tmp_path / "filled.mp4", N, places))
-    assert track.frames(Sight.REPEATED).tolist() == [12, 20, 21]
-    seen = track.status == 0
-    assert np.abs(track.pixel[seen, 0] - 30.0 - 2.0 * N[seen]).max() < 0.5
+    fillers = [12, 20, 21]
+    # With the noise of a camera, and computed without any.
+    for noise, sight in ((2.0, Sight.REPEATED), (0.0, Sight.STILL)):
+        rng, frames = np.random.default_rng(0), []
+        for place in N.tolist():
+            image = coloured(place) + noise * rng.standard_normal((120, 160, 3))
+            new = np.clip(np.rint(image), 0.0, 255.0).astype(np.uint8)
+            frames.append(frames[-1] if place in fillers else new)
+        write_video(frames, tmp_path / "filled.mp4")
+        track = followed(tmp_path / "filled.mp4")
+        assert track.frames(sight).tolist() == fillers
+        seen = track.status == 0
+        assert seen.sum() == len(N) - len(fillers)
+        assert np.abs(track.pixel[seen, 0] - 30.0 - 2.0 * N[seen]).max() < 0.5
+
+
+@pytest.mark.parametrize("noise", [0.0, 2.0])
+def test_stick_and_slip_in_a_video_keeps_its_positions(tmp_path, noise):
+    rng, places = np.random.default_rng(0), np.cumsum([0.0, *[3.0, 3.0, 3.0, 0.0, 0.0, 0.0] * 6])
+    frames = [
+        np.clip(np.rint(coloured(x) + noise * rng.standard_normal((120, 160, 3))), 0, 255)
+        for x in places
+    ]
+    write_video([frame.astype(np.uint8) for frame in frames], tmp_path / "sticks.mp4")
+    track = followed(tmp_path / "sticks.mp4")
+    np.testing.assert_allclose(track.pixel[:, 0], 30.0 + 2.0 * places, atol=0.5)
+    assert not track.frames(Sight.REPEATED).size
 
 
 def grey(low, kind, factor):

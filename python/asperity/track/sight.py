@@ -26,8 +26,10 @@ class Sight(IntFlag):
     AMBIGUOUS = 16
     """Another one like it was as possible, here or in a frame before: it may be the wrong one."""
     REPEATED = 32
-    """The frame before is shown again while the mark moves, as players fill gaps; there is no
-    position."""
+    """The image is the one of the frame before, as players fill gaps: there is no position."""
+    STILL = 64
+    """The mark stands still between two steps of a motion: it rests, or the frame before is shown
+    again, which the images, being without noise, do not tell. There is a position."""
 
     def __str__(self) -> str:
         return "+".join((one.name or "").lower() for one in Sight if one & self) or "good"

@@ -192,13 +192,15 @@ def track_mark(
         raise ParameterError("scene", f"must be a Scene, got {scene!r}")
     source = open_frames(frames)
     follower = Follower(scene, mark or Mark(), fps)
+    changes = repeats.Changes()
     sightings = []
     for number, frame in enumerate(source):
         sightings.append(follower.look(frame))
+        changes.add(frame)
         if progress is not None:
             progress(number + 1, len(source))
     _check(sightings, follower.mark, source.source)
-    sightings = repeats.marked(sightings)
+    sightings = repeats.marked(sightings, changes)
     return Track(
         fps,
         scene,

@@ -134,6 +134,7 @@ def _reason(error: Exception) -> str:
 class _VideoFrame:
     def __init__(self, frame: Any) -> None:
         self._frame = frame
+        self._whole: Pixels | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -146,8 +147,9 @@ class _VideoFrame:
         left, right, _ = columns.indices(width)
         small = 2 * (bottom - top) < height and 2 * (right - left) < width
         if self._frame.format.name != "yuv420p" or not small:
-            whole: Pixels = self._frame.to_ndarray(format="rgb24")
-            return whole[rows, columns]
+            if self._whole is None:
+                self._whole = self._frame.to_ndarray(format="rgb24")
+            return self._whole[rows, columns]
         # Two rows of even number above and below, and as many columns, share their colours.
         start_row, start_column = max(top // 2 - 2, 0), max(left // 2 - 2, 0)
         end_row, end_column = min(bottom // 2 + 3, height // 2), min(right // 2 + 3, width // 2)
