@@ -33,6 +33,9 @@ class Frame(Protocol):
     def crop(self, rows: slice, columns: slice) -> Pixels:
         """Return red, green and blue of a part, shape ``(rows, columns, 3)``."""
 
+    def levels(self, rows: slice, columns: slice) -> Pixels:
+        """Return what is stored of a part, shape ``(rows, columns, channels)``."""
+
 
 @runtime_checkable
 class Frames(Protocol):
@@ -63,6 +66,8 @@ class ArrayFrame:
     def crop(self, rows: slice, columns: slice) -> Pixels:
         """Return a part."""
         return self._pixels[rows, columns]
+
+    levels = crop
 
 
 class _Arrays:

@@ -157,6 +157,14 @@ class _VideoFrame:
         part = part[top - 2 * start_row :, left - 2 * start_column :]
         return part[: bottom - top, : right - left]
 
+    def levels(self, rows: slice, columns: slice) -> Pixels:
+        """Return the brightness alone where it is a plane of its own, which needs no conversion."""
+        if self._frame.format.name != "yuv420p":
+            return self.crop(rows, columns)
+        plane = self._frame.planes[0]
+        samples = np.frombuffer(plane, dtype=np.uint8).reshape(-1, plane.line_size)
+        return samples[: self._frame.height, : self._frame.width][rows, columns, None]
+
     def _part(self, start_row: int, end_row: int, start_column: int, end_column: int) -> Pixels:
         import av
 
