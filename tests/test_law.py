@@ -149,3 +149,11 @@ def test_one_and_three_dimensions():
 
 def test_reservoir_per_unit_normal_force_at_zero_load():
     assert not TILTED_ELLIPSES.force([[1.0, 0.3]], 0.0).any()
+
+
+@pytest.mark.parametrize("size", [5.0, 1e100, 1e150])
+def test_forces_beyond_the_reservoir_are_refused_by_a_readable_number(size):
+    with pytest.raises(asp.ParameterError, match="outside the reservoir, its gauge is") as caught:
+        asp.FrictionLaw.isotropic(0.5).slip_direction([size, 0.0], 1.0)
+    assert float(str(caught.value).split()[-1]) == pytest.approx(2.0 * size)
+    assert len(str(caught.value)) < 80
