@@ -1,7 +1,7 @@
 //! What a solve found; arrays are made when Python asks for them.
 
 use asperity::contact::Memory;
-use asperity::solver::{Certificate, Infeasibility, SolveReport, Stage, Status, Workspace};
+use asperity::solver::{Certificate, Infeasibility, SolveReport, Stage, State, Status, Workspace};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -38,6 +38,14 @@ fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray
     let array = PyArray1::from_vec(py, values);
     let _ = array.readwrite().make_nonwriteable();
     array
+}
+
+/// The state of a contact in a case: its name, or the angles of a sector of slip directions.
+fn state<'py>(py: Python<'py>, state: &State) -> PyResult<Bound<'py, PyAny>> {
+    match state {
+        State::Slip { from, to } => Ok((*from, *to).into_pyobject(py)?.into_any()),
+        other => Ok(other.name().into_pyobject(py)?.into_any()),
+    }
 }
 
 #[pymethods]
@@ -102,6 +110,11 @@ impl Outcome {
         out.set_item("direction", array(py, proof.direction.clone()))?;
         out.set_item("closing_velocity", proof.closing_velocity)?;
         out.set_item("residual", proof.residual)?;
+        let cases = proof.cases.iter().map(|case| {
+            let states: PyResult<Vec<_>> = case.states.iter().map(|s| state(py, s)).collect();
+            Ok((states?, array(py, case.direction.clone())))
+        });
+        out.set_item("cases", cases.collect::<PyResult<Vec<_>>>()?)?;
         Ok(Some(out))
     }
 

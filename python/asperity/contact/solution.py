@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity._value import Value
-from asperity.contact.certificate import Certificate, Infeasibility
+from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
 from asperity.errors import DimensionError, ParameterError
 from asperity.status import Phase, Status
 
@@ -175,7 +175,10 @@ class ContactSolution(Value):
     def infeasibility(self) -> Infeasibility | None:
         """The proof that there is no solution, if there is none."""
         proof = self._outcome.infeasibility
-        return None if proof is None else Infeasibility(**proof)
+        if proof is None:
+            return None
+        cases = [InfeasibleCase(*case) for case in proof["cases"]]
+        return Infeasibility(**{**proof, "cases": cases})
 
     @cached_property
     def _parameters(self) -> dict[str, Any]:

@@ -16,6 +16,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::cases::Case;
 use super::{exact, nonnegative};
 use crate::contact::{ContactProblem, Delassus, Factored, NormalForce};
 
@@ -28,6 +29,9 @@ pub enum InfeasibilityKind {
     /// A contact that no other contact influences has no solution (Painlevé's paradox): the complete search of
     /// its open, sticking and slipping states finds none.
     OneContact,
+    /// Contacts that influence each other have no solution together: each case of what they do, open, stick, slip
+    /// in some sector of directions, is refuted by a combination of velocities.
+    Cases,
 }
 
 impl InfeasibilityKind {
@@ -36,6 +40,7 @@ impl InfeasibilityKind {
         match self {
             Self::Closing => "closing",
             Self::OneContact => "one_contact",
+            Self::Cases => "cases",
         }
     }
 }
@@ -47,12 +52,16 @@ pub struct Infeasibility {
     pub kind: InfeasibilityKind,
     /// The contact without a solution, or the one with the largest part in the combination.
     pub contact: usize,
-    /// Weights `d` of the rows: not negative, on normal rows only, with sum one; of one contact its normal row.
+    /// Weights `d` of the rows: not negative, on normal rows only, with sum one; of one contact, and of cases, the
+    /// normal row of `contact`.
     pub direction: Vec<f64>,
     /// `−d·(b + e γ_B)`, the velocity in m/s with which the contacts close.
     pub closing_velocity: f64,
-    /// `max_j |(Gᵀd)_j|/s_j` over `max_i s_i d_i`, `s = √diag G`: what of the closing velocity percussions change.
+    /// `max_j |(Gᵀd)_j|/s_j` over `max_i s_i d_i`, `s = √diag G`: what of the closing velocity percussions change;
+    /// of cases, the most that any of them leaves to rounding.
     pub residual: f64,
+    /// The cases, which together are all that the contacts can do; of the other kinds none.
+    pub cases: Vec<Case>,
 }
 
 /// Most contacts among which a proof is searched: its cost grows with their third power.
@@ -65,10 +74,10 @@ const ROUNDS: usize = 12;
 /// `G` that was assembled from bodies (60 random rows of squeezed boxes of `tests/test_certificate.py`: up to
 /// 2.3e-15). Heavy bodies on light ones have such a direction but for the inverse ratio of their masses.
 const KERNEL: f64 = 1e-13;
-const RESIDUAL: f64 = 4e-15;
+pub(super) const RESIDUAL: f64 = 4e-15;
 /// Largest part of the weights that moves bodies. Its square is what they change of `G d`: where masses differ by
 /// more than `G` can hold, this tells what that cannot.
-const MOVED: f64 = 1e-10;
+pub(super) const MOVED: f64 = 1e-10;
 /// Smallest closing velocity relative to the free velocities of the contacts.
 const MARGIN: f64 = 1e-12;
 /// Weights below this part of the largest are none.
@@ -165,7 +174,14 @@ pub(super) fn prove_alone(
         closing_velocity = -problem.load(contact)[0];
     }
     let kind = InfeasibilityKind::OneContact;
-    Some(Infeasibility { kind, contact, direction, closing_velocity, residual: 0.0 })
+    Some(Infeasibility {
+        kind,
+        contact,
+        direction,
+        closing_velocity,
+        residual: 0.0,
+        cases: Vec::new(),
+    })
 }
 
 /// `√G_NN` of a unilateral contact.
@@ -180,7 +196,7 @@ fn row_scale(problem: &ContactProblem, contact: usize, row: usize) -> f64 {
 }
 
 /// Calls `each` with contact, column and entry of the entries of a contact's row.
-fn each_entry(
+pub(super) fn each_entry(
     problem: &ContactProblem,
     contact: usize,
     row: usize,
@@ -291,11 +307,12 @@ fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasi
         direction,
         closing_velocity: closing,
         residual,
+        cases: Vec::new(),
     })
 }
 
 /// `max_k |(W d)_k|/√M_kk`: how fast the weights as percussions would move bodies.
-fn moved(factored: &Factored, direction: &[f64]) -> f64 {
+pub(super) fn moved(factored: &Factored, direction: &[f64]) -> f64 {
     let (mass, directions) = (factored.mass(), factored.directions());
     let mut momentum = vec![0.0; mass.rows()];
     for (row, d) in direction.iter().enumerate().filter(|(_, d)| **d > 0.0) {

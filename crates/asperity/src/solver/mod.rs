@@ -14,6 +14,7 @@
 //! The measures in `residual.rs` and `natural.rs` belong to no solver and grade them all.
 
 mod block;
+mod cases;
 mod certificate;
 mod effort;
 mod exact;
@@ -38,6 +39,7 @@ mod space;
 mod stop;
 mod threads;
 
+pub use cases::{Case, State};
 pub use certificate::Certificate;
 pub use infeasible::{Infeasibility, InfeasibilityKind};
 pub use natural::natural_map;
@@ -308,6 +310,15 @@ fn judge(
     }
     if let (None, Ended::Stuck(contact)) = (&infeasibility, ended) {
         *infeasibility = infeasible::prove_alone(problem, contact, percussion);
+    }
+    let contact = match (running, ended) {
+        (Some(contact), _) | (_, Ended::Stuck(contact) | Ended::Unbounded(contact)) => contact,
+        _ => residual.worst_contact,
+    };
+    let done =
+        matches!(ended, Ended::Done | Ended::Stalled | Ended::Stuck(_) | Ended::Unbounded(_));
+    if infeasibility.is_none() && done && !stop.early() {
+        *infeasibility = cases::prove(problem, stop, contact);
     }
     let without_solution = infeasibility.as_ref().map(|proof| proof.contact);
     Findings { running, without_solution, ambiguous: false }
