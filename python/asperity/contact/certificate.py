@@ -115,9 +115,7 @@ class InfeasibleCase(Value):
     states: tuple[str | tuple[float, float], ...]
     direction: Array
 
-    def __init__(
-        self, states: Sequence[str | tuple[float, float]], direction: ArrayLike
-    ) -> None:
+    def __init__(self, states: Sequence[str | tuple[float, float]], direction: ArrayLike) -> None:
         names = ("any", "open", "closed", "stick")
         self._set(
             states=tuple(

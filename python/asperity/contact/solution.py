@@ -175,10 +175,7 @@ class ContactSolution(Value):
     def infeasibility(self) -> Infeasibility | None:
         """The proof that there is no solution, if there is none."""
         proof = self._outcome.infeasibility
-        if proof is None:
-            return None
-        cases = [InfeasibleCase(*case) for case in proof["cases"]]
-        return Infeasibility(**{**proof, "cases": cases})
+        return None if proof is None else infeasibility(proof)
 
     @cached_property
     def _parameters(self) -> dict[str, Any]:
@@ -193,6 +190,12 @@ class ContactSolution(Value):
     def converged(self) -> bool:
         """Whether the tolerance was reached."""
         return self.status is Status.CONVERGED
+
+
+def infeasibility(proof: dict[str, Any]) -> Infeasibility:
+    """Return the proof that the core hands over."""
+    cases = [InfeasibleCase(*case) for case in proof["cases"]]
+    return Infeasibility(**{**proof, "cases": cases})
 
 
 class LocalSolution(Value):

@@ -64,6 +64,25 @@ pub struct Infeasibility {
     pub cases: Vec<Case>,
 }
 
+/// A contact problem of a motion that has no solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unsolvable {
+    /// The problem; the laws may have factors of the speed, which its operator holds then.
+    pub problem: ContactProblem,
+    /// The system's contacts in it.
+    pub contacts: Vec<usize>,
+    /// Why it has no solution.
+    pub infeasibility: Infeasibility,
+}
+
+impl Unsolvable {
+    /// Velocities `b + e γ_B` without percussions.
+    pub fn load(&self) -> Vec<f64> {
+        let ContactProblem { free_velocity, restitution, .. } = &self.problem;
+        free_velocity.iter().zip(restitution).map(|(b, bounce)| b + bounce).collect()
+    }
+}
+
 /// Most contacts among which a proof is searched: its cost grows with their third power.
 const MOST_CONTACTS: usize = 128;
 /// Most contacts among which the nearest weights are searched: the fourth power.

@@ -41,7 +41,7 @@ mod threads;
 
 pub use cases::{Case, State};
 pub use certificate::Certificate;
-pub use infeasible::{Infeasibility, InfeasibilityKind};
+pub use infeasible::{Infeasibility, InfeasibilityKind, Unsolvable};
 pub use natural::natural_map;
 pub use prox::ProxStep;
 pub use report::{Method, SolveReport, Stage, Status};
@@ -317,7 +317,9 @@ fn judge(
     };
     let done =
         matches!(ended, Ended::Done | Ended::Stalled | Ended::Stuck(_) | Ended::Unbounded(_));
-    if infeasibility.is_none() && done && !stop.early() {
+    // What rounding explains needs no other reason.
+    let rounded = running.is_none() && residual.value <= report::ROUNDED;
+    if infeasibility.is_none() && done && !rounded && !stop.early() {
         *infeasibility = cases::prove(problem, stop, contact);
     }
     let without_solution = infeasibility.as_ref().map(|proof| proof.contact);
