@@ -350,3 +350,51 @@ def test_solutions_check_what_they_hold(wrong):
     with pytest.raises(asp.ParameterError) as caught:
         contact().solve().replace(**wrong)
     assert caught.value.argument in wrong
+
+
+def normals(entries, loads):
+    """Contacts that meet in their normal rows, each with friction of its own."""
+    count = len(loads)
+    line = np.diag([0.0, 1.0])
+    operator = np.kron(np.asarray(entries), np.diag([1.0, 0.0])) + np.kron(np.eye(count), line)
+    free = np.zeros(2 * count)
+    free[::2] = loads
+    return asp.ContactProblem(operator, free, asp.FrictionLaw.isotropic(0.3, dimension=1))
+
+
+@pytest.mark.parametrize("loads", [(-1.1, 1.0), (-1.01, 1.0), (1.0, -1.1), (-1.0, -0.1)])
+@pytest.mark.parametrize("solver", [*SQUEEZERS, asp.ADMM()], ids=identify)
+def test_jaws_that_close_on_a_body_that_leaves_one_of_them(solver, loads):
+    problem = normals([[1.0, -1.0], [-1.0, 1.0]], loads)
+    for tolerance in (1e-8, 1e-10):
+        solution = problem.solve(
+            solver, tolerance=tolerance, time_limit=20.0, on_failure="record"
+        )
+        assert solution.status is Status.NO_SOLUTION
+        assert proves_no_solution(problem, solution.infeasibility)
+
+
+@pytest.mark.parametrize("gap", [5e-14, 1e-13, 1e-11])
+@pytest.mark.parametrize("closing", [2e-12, 1e-9, 1e-3])
+def test_nearly_singular_problems_that_have_a_solution_are_not_refuted(gap, closing):
+    """P = (1 − (1 − s)(1 − g))/(g(2 − g)) … in rational arithmetic both are positive."""
+    problem = normals([[1.0, -1.0 + gap], [-1.0 + gap, 1.0]], [-1.0, 1.0 - closing])
+    claim = asp.Infeasibility(
+        kind="closing",
+        contact=0,
+        direction=[0.5, 0.0, 0.5, 0.0],
+        closing_velocity=0.5 * closing,
+        residual=0.5 * gap,
+    )
+    assert not proves_no_solution(problem, claim)
+    for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.InteriorPoint()):
+        solution = problem.solve(solver, on_failure="record", time_limit=20.0)
+        assert solution.status is not Status.NO_SOLUTION
+
+
+@pytest.mark.parametrize("ratio", [1e12, 1e13, 1e14, 2.6e14])
+def test_heavy_bodies_on_light_ones_are_never_said_to_have_no_solution(ratio):
+    problem = normals([[1.0, -1.0], [-1.0, 1.0 + 1.0 / ratio]], [-1.0, 0.0])
+    for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.InteriorPoint(), asp.ADMM()):
+        solution = problem.solve(solver, on_failure="record", time_limit=20.0)
+        assert solution.status is not Status.NO_SOLUTION

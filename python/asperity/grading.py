@@ -15,6 +15,9 @@ from asperity.sets import Ball, Disk
 
 State = str | tuple[float, float]
 
+# Percussions over those that the loads call for beyond which they are none.
+_HUGE = 5e9
+
 
 def natural_map(problem: ContactProblem, percussion: Array) -> float:
     """Return ‖P − proj(P − ρξ)‖/max(‖P‖, ρ‖b + e∘γ_B‖), ρ = rows/tr G.
@@ -58,8 +61,9 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     """Check the proof that a problem has no solution, from the problem alone.
 
     A proof of the kind ``"closing"`` has weights d ≥ 0 on normal rows of unilateral contacts with
-    d·(b + e∘γ_B) < 0 and |(Gᵀd)ⱼ| ≤ 1e-13 sⱼ max sᵢdᵢ, s = √diag G: no percussions P with
-    Σ sⱼ|Pⱼ| below 1e13 times the closing velocity over max sᵢdᵢ solve the problem.
+    d·(b + e∘γ_B) < 0 and Gᵀd = 0 up to the rounding of the entries of G, 16 ε Σᵢ|Gᵢⱼ|dᵢ. What that
+    leaves, |(Gᵀd)ⱼ| ≤ η sⱼ, s = √diag G, bounds the percussions of any solution from below:
+    Σ sⱼ|Pⱼ| ≥ −d·(b + e∘γ_B)/η, which must be 5e9 times the largest |b_N|/s_N of these contacts.
 
     A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
     neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions
@@ -99,9 +103,15 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     largest = (scale * weights).max()
     if not largest > 0.0 or (weights < 0.0).any() or (weights[~normal] != 0.0).any():
         return False
-    changed = np.abs(problem.delassus.T @ weights) / scale
+    operator = problem.delassus.T
+    changed, terms = np.abs(operator @ weights), abs(operator) @ weights
     closing, sizes_of_load = -weights @ free, weights @ np.abs(free)
-    return bool(changed.max() <= 1e-13 * largest and closing > 1e-13 * sizes_of_load)
+    called_for = (np.abs(free) / scale)[weights > 0.0].max()
+    return bool(
+        (changed <= 16.0 * np.finfo(float).eps * terms).all()
+        and closing >= _HUGE * (changed / scale).max() * called_for
+        and closing > 1e-13 * sizes_of_load
+    )
 
 
 def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
@@ -197,7 +207,7 @@ def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -
         return False
     y = problem.delassus.T @ z
     largest = (scale * np.abs(z)).max()
-    gap, terms = z @ free, np.abs(z) @ np.abs(free)
+    gap, terms, rounding = z @ free, np.abs(z) @ np.abs(free), 0.0
     for rows, law, force, state in zip(
         problem.row_slices, problem.laws, problem.normal_force, case.states, strict=True
     ):
@@ -228,7 +238,8 @@ def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -
         allowed = 1e-13 * largest * (own[0] + np.sqrt((friction**2).sum(axis=1).max()) * own.max())
         if y[rows.start] - most < -allowed:
             return False
-    return bool(gap > 1e-10 * terms)
+        rounding = max(rounding, (most - y[rows.start]) / own[0])
+    return bool(gap > 1e-10 * terms and gap >= _HUGE * rounding * (np.abs(free) / scale).max())
 
 
 def _friction_of(law: FrictionLaw, state: State) -> Array:

@@ -26,10 +26,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use asperity_set::{StarSet, Vector};
 use nalgebra::{DMatrix, DVector};
 
-use super::infeasible::{self, Infeasibility, InfeasibilityKind, MOVED, RESIDUAL};
+use super::infeasible::{self, HUGE, Infeasibility, InfeasibilityKind, MOVED};
 use super::{Stop, nonnegative};
 use crate::contact::{ContactProblem, Delassus, NormalForce};
 use crate::law::Law;
+use crate::linear::LeastNorm;
 
 /// Most contacts that influence each other: the number of cases grows with the power of it.
 const MOST_CONTACTS: usize = 6;
@@ -52,6 +53,8 @@ const EMPTY: f64 = 1e-8;
 const MARGIN: f64 = 1e-9;
 /// Components of `z` below this part of the largest are none.
 const SMALLEST: f64 = 1e-9;
+/// `−(Gᵀz)·P` that rounding of the entries of `G` explains, relative to the largest component of `z` and of `P`.
+const RESIDUAL: f64 = 4e-15;
 /// `(Gᵀz)·P` below this part of its terms is small enough to ask whether `G` holds the masses.
 const NEARLY: f64 = 1e-10;
 
@@ -490,6 +493,8 @@ impl Search<'_, '_> {
                 }
             }
         }
+        // What rounding leaves allows percussions beyond all bounds only.
+        holds &= gap >= HUGE * residual * largest * load.amax();
         // The comparisons also turn away NaN.
         if holds && gap > MARGIN * terms && (!nearly || self.keeps_masses(z)) {
             Verdict::Refuted(residual)
@@ -663,16 +668,10 @@ impl<'a> System<'a> {
         rest /= rest.norm();
         if !free.is_empty() {
             // The rest is small against what it is a difference of.
-            let svd = DMatrix::from_columns(&free).try_svd(true, true, f64::EPSILON, 10_000)?;
-            let u = svd.u?;
-            let limit = 1e-13 * svd.singular_values.max();
+            let factors = LeastNorm::new(DMatrix::from_columns(&free), 1e-13)?;
             for _ in 0..2 {
-                for (value, axis) in svd.singular_values.iter().zip(u.column_iter()) {
-                    if *value > limit {
-                        let part = axis.dot(&rest);
-                        rest -= axis * part;
-                    }
-                }
+                let along = factors.range() * factors.range().tr_mul(&rest);
+                rest -= along;
                 rest /= rest.norm();
             }
         }

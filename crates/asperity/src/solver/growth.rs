@@ -10,8 +10,8 @@
 //!
 //! `Q`, and the like sum over separating contacts, vanishes at solutions. Percussions that run away leave
 //! `Q ≈ N` however large they are, for `Σ P_Ni (G P)_i` falls behind. `A/L` is how far velocities that
-//! percussions bring cancel: the growth. As powers, all are invariant under units, also of single rows, and
-//! ratios of them under masses.
+//! percussions bring cancel: the growth. Ratios of powers do not depend on units nor on masses; `A` may change by
+//! up to √2 with the choice of tangential axes.
 
 use super::residual::ContactVelocity;
 use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
@@ -26,12 +26,13 @@ const SUSPICIOUS: f64 = 1e4;
 /// Growth that stacks and vaults do not exceed without need, and beyond which a start is not taken where
 /// contacts approach.
 const GROWN: f64 = 1e2;
-/// Growth at which percussions count as boundless: rounding of `G` is about to hide the loads.
-pub(super) const BOUNDLESS: f64 = 1e13;
 /// Normal loads below this part of all loads are rounding: growth is not measured by them.
 const NO_LOAD: f64 = 1e-12;
-/// Power relative to those that cancel in it which rounding explains.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Power relative to those that cancel in it which rounding explains: a velocity is a sum of some tens to hundreds of
+/// products `G_ij P_j`.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Growth at which percussions count as boundless: rounding hides that contacts approach.
+pub(super) const BOUNDLESS: f64 = APPROACHING / ROUNDING;
 
 /// Percussions that have grown.
 #[derive(Debug, Clone, Copy, PartialEq)]
