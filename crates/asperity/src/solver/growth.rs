@@ -100,7 +100,9 @@ impl Powers {
         } else if counts(separation, little) {
             Some(Kind::Separating)
         } else {
-            (brought > SUSPICIOUS * load && counts(approach, 0.0)).then_some(Kind::Suspicious)
+            // What rounding explains may be an approach nevertheless.
+            let approaches = counts(approach, 0.0) || approach > f64::min(little, closing);
+            (brought > SUSPICIOUS * load && approaches).then_some(Kind::Suspicious)
         }
     }
 }

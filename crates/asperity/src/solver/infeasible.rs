@@ -97,7 +97,7 @@ const KERNEL: f64 = 1e-13;
 /// `|(Gᵀd)_j|` relative to the sum `Σ |G_ij| d_i` that rounding of the entries explains. Rows of squeezed boxes of
 /// `tests/test_certificate.py` leave up to 2 units in the last place. Of masses the heavier of which is 10¹⁵ times the
 /// lighter, `G` does not know any more that both can be moved.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+const ROUNDING: f64 = 3.0 * f64::EPSILON;
 /// Percussions over those that normal loads call for, `Σ s_j |P_j|` over `max_i |b_Ni|/s_i`, from which on they are no
 /// solution: with all digits of `G`, contacts are proven to close that do so with a hundred-thousandth of the loads.
 pub(super) const HUGE: f64 = 1e10;
