@@ -287,22 +287,23 @@ def closes(directions, problem):
 
 
 def check_random_systems(seeds):
-    """Return how many systems converged, have a proof, and close although they meet the measure."""
-    counts = {"converged": 0, "proven": 0, "missed": 0}
+    """Return how many systems converged, how many are proven to close or to have no solution.
+
+    Friction may leave problems without a solution whose normal rows alone have one.
+    """
+    counts = {"converged": 0, "closing": 0, "friction": 0}
     for seed in seeds:
         directions, problem = random_system(seed)
         solution = problem.solve(tolerance=1e-9, time_limit=20.0, on_failure="record")
         closing = closes(directions, problem)
         if solution.status is Status.NO_SOLUTION:
-            counts["proven"] += 1
-            assert closing, seed
             assert proves_no_solution(problem, solution.infeasibility), seed
+            assert closing or solution.infeasibility.kind == "cases", seed
+            counts["closing" if closing else "friction"] += 1
         else:
-            # Friction may leave problems without a solution that nothing proves.
-            assert solution.status in (Status.CONVERGED, Status.UNBOUNDED, Status.STALLED), seed
-            counts["converged"] += solution.converged and not closing
-            # Large percussions may meet the measure while contacts close slowly.
-            counts["missed"] += closing
+            assert not closing, seed
+            assert solution.converged or not problem_has_small_groups(problem), seed
+            counts["converged"] += solution.converged
     return counts
 
 

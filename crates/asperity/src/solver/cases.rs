@@ -55,6 +55,10 @@ const MARGIN: f64 = 1e-9;
 const SMALLEST: f64 = 1e-9;
 /// `−(Gᵀz)·P` that rounding of the entries of `G` explains, relative to the largest component of `z` and of `P`.
 const RESIDUAL: f64 = 4e-15;
+/// Components of `Gᵀz` against `z` that count as none, in scaled rows, before they are made none.
+const VANISHING: f64 = 1e-9;
+/// What is left of a column of the longest one's size by rounding.
+const ROUNDING: f64 = 1e-13;
 /// `(Gᵀz)·P` below this part of its terms is small enough to ask whether `G` holds the masses.
 const NEARLY: f64 = 1e-10;
 
@@ -372,6 +376,7 @@ impl Search<'_, '_> {
             Look::Hull { percussion, velocity } => (percussion, velocity),
         };
         let k = self.split(states, &percussion, &velocity)?;
+
         let whole = states[k];
         for part in self.parts(&self.group.members[k], whole) {
             states[k] = part;
@@ -561,6 +566,8 @@ struct System<'a> {
     means: Vec<usize>,
     /// Percussions of the columns, then velocities.
     percussions: Vec<DVector<f64>>,
+    /// Their members.
+    owners: Vec<usize>,
     columns: Vec<DVector<f64>>,
     velocities: Vec<DVector<f64>>,
     right: DVector<f64>,
@@ -598,9 +605,9 @@ impl<'a> System<'a> {
         let below = std::iter::repeat_n(1.0, means.len());
         let right = rows.iter().map(|&row| -group.load[row]).chain(below);
         let right = DVector::from_iterator(rows.len() + means.len(), right);
-        let (percussions, columns) = (Vec::new(), Vec::new());
+        let (percussions, columns, owners) = (Vec::new(), Vec::new(), Vec::new());
         let mut system =
-            Self { group, states, rows, means, percussions, columns, velocities, right };
+            Self { group, states, rows, means, percussions, owners, columns, velocities, right };
         for (k, member) in group.members.iter().enumerate() {
             let pieces: Vec<Vector<2>> =
                 member.pieces(states[k]).map(|piece| piece.ends[0]).collect();
@@ -628,6 +635,7 @@ impl<'a> System<'a> {
         let own = self.rows.iter().map(|&row| brought[row]).chain(self.means.iter().map(mean));
         self.columns.push(DVector::from_iterator(self.right.len(), own));
         self.percussions.push(percussion);
+        self.owners.push(k);
     }
 
     /// A vector that the percussions and velocities given do not refute, if there is one, and those that come
@@ -649,13 +657,12 @@ impl<'a> System<'a> {
             true => Vec::new(),
             false => nonnegative::least_squares(&DMatrix::from_columns(&columns), &self.right)?,
         };
-        let size = self.group.load.len();
-        let mut percussion = DVector::zeros(size);
+        let mut percussion = DVector::zeros(self.group.load.len());
         let mut rest = self.right.clone();
         let mut free = Vec::new();
         for (k, factor) in factors.iter().enumerate().filter(|(_, factor)| **factor > 0.0) {
             rest -= &columns[k] * *factor;
-            free.push(columns[k].clone());
+            free.push((self.owners.get(k).copied(), columns[k].clone()));
             if let Some(own) = self.percussions.get(k) {
                 percussion += own * (*factor / sizes[k]);
             }
@@ -665,25 +672,70 @@ impl<'a> System<'a> {
         if rest.norm() <= EMPTY * self.right.norm() {
             return Some((None, hull));
         }
-        rest /= rest.norm();
-        if !free.is_empty() {
-            // The rest is small against what it is a difference of.
-            let factors = LeastNorm::new(DMatrix::from_columns(&free), 1e-13)?;
-            for _ in 0..2 {
-                let along = factors.range() * factors.range().tr_mul(&rest);
-                rest -= along;
-                rest /= rest.norm();
+        Some((Some(self.sharpened(&rest, free)), hull))
+    }
+
+    /// The vector of what is left over, which is small against what it is a difference of, without the parts along
+    /// the columns used.
+    fn sharpened(
+        &self,
+        rest: &DVector<f64>,
+        mut free: Vec<(Option<usize>, DVector<f64>)>,
+    ) -> DVector<f64> {
+        let Group { members, matrix, .. } = self.group;
+        let rest =
+            without(rest, &free.iter().map(|(_, column)| column.clone()).collect::<Vec<_>>());
+        // Friction that takes nearly all of the resistance brings a velocity that is the rounding of others. Where
+        // the vector is orthogonal to all that a contact brings, it is made so for its rows one by one.
+        let y = matrix.tr_mul(&self.on_rows(&rest));
+        for (k, member) in members.iter().enumerate() {
+            let own = member.first..member.first + member.normal + member.tangential;
+            let vanishes = own.clone().all(|row| y[row].abs() <= VANISHING);
+            if !vanishes || member.prescribed.is_some() || self.states[k] == State::Open {
+                continue;
+            }
+            free.retain(|(owner, _)| *owner != Some(k));
+            for column in own {
+                let entries = self.rows.iter().map(|&row| matrix[(row, column)]);
+                let means = self.means.iter().map(|_| 0.0);
+                let entries = DVector::from_iterator(self.right.len(), entries.chain(means));
+                free.push((None, entries));
             }
         }
-        let mut z = DVector::zeros(size);
-        self.rows.iter().zip(rest.iter()).for_each(|(&row, part)| z[row] = -part);
+        let mut z =
+            self.on_rows(&without(&rest, &free.into_iter().map(|(_, c)| c).collect::<Vec<_>>()));
         let largest = z.amax();
         z.iter_mut().filter(|v| v.abs() < SMALLEST * largest).for_each(|v| *v = 0.0);
-        for (member, state) in self.group.members.iter().zip(self.states) {
+        for (member, state) in members.iter().zip(self.states) {
             if member.normal == 1 && matches!(state, State::Any | State::Open) {
                 z[member.first] = z[member.first].min(0.0);
             }
         }
-        Some((Some(z), hull))
+        z
     }
+
+    /// A vector of the equations, with its sign turned, on the rows of the group.
+    fn on_rows(&self, rest: &DVector<f64>) -> DVector<f64> {
+        let mut z = DVector::zeros(self.group.load.len());
+        self.rows.iter().zip(rest.iter()).for_each(|(&row, part)| z[row] = -part);
+        z
+    }
+}
+
+/// The unit vector along what is left of a vector without its parts along columns, until nothing but rounding is left.
+fn without(vector: &DVector<f64>, columns: &[DVector<f64>]) -> DVector<f64> {
+    let mut rest = vector / vector.norm();
+    let factors = match columns.is_empty() {
+        true => None,
+        false => LeastNorm::new(DMatrix::from_columns(columns), ROUNDING),
+    };
+    // Once more for what rounding has left over.
+    for _ in 0..3 {
+        if let Some(factors) = &factors {
+            let along = factors.range() * factors.range().tr_mul(&rest);
+            rest -= along;
+        }
+        rest /= rest.norm();
+    }
+    rest
 }
