@@ -368,9 +368,7 @@ def normals(entries, loads):
 def test_jaws_that_close_on_a_body_that_leaves_one_of_them(solver, loads):
     problem = normals([[1.0, -1.0], [-1.0, 1.0]], loads)
     for tolerance in (1e-8, 1e-10):
-        solution = problem.solve(
-            solver, tolerance=tolerance, time_limit=20.0, on_failure="record"
-        )
+        solution = problem.solve(solver, tolerance=tolerance, time_limit=20.0, on_failure="record")
         # The paper's iteration may not come far enough to see it.
         if not isinstance(solver, asp.ProxJacobi) or solution.status is not Status.MAX_ITERATIONS:
             assert solution.status is Status.NO_SOLUTION

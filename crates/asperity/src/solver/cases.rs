@@ -53,8 +53,8 @@ const EMPTY: f64 = 1e-8;
 const MARGIN: f64 = 1e-9;
 /// Components of `z` below this part of the largest are none.
 const SMALLEST: f64 = 1e-9;
-/// `−(Gᵀz)·P` that rounding of the entries of `G` explains, relative to the largest component of `z` and of `P`.
-const RESIDUAL: f64 = 4e-15;
+/// `−(Gᵀz)·P` in scaled rows, relative to `Σ |z_i|` and `P`, that rounding of the entries of `G` explains.
+const EXPLAINED: f64 = 4.0 * f64::EPSILON;
 /// Components of `Gᵀz` against `z` that count as none, in scaled rows, before they are made none.
 const VANISHING: f64 = 1e-9;
 /// What is left of a column of the longest one's size by rounding.
@@ -464,7 +464,7 @@ impl Search<'_, '_> {
     /// Whether a vector refutes a case; if not, friction that it does not hold for.
     fn verdict(&self, states: &[State], z: &DVector<f64>) -> Verdict {
         let Group { members, matrix, load, .. } = self.group;
-        let y = matrix.tr_mul(z);
+        let (y, rounding) = (matrix.tr_mul(z), EXPLAINED * z.abs().sum());
         let largest = z.amax();
         let (mut gap, mut terms) = (z.dot(load), z.component_mul(load).abs().sum());
         let (mut residual, mut nearly, mut missed) = (0.0_f64, false, Vec::new());
@@ -491,7 +491,7 @@ impl Search<'_, '_> {
                     let rest = (y[member.first] - most) / unit;
                     nearly |= rest < NEARLY;
                     residual = residual.max(-rest);
-                    if rest < -RESIDUAL {
+                    if rest * unit < -rounding * (1.0 + member.radius) {
                         holds = false;
                         missed.push((k, beyond));
                     }
