@@ -280,6 +280,7 @@ RESULTS = {
     "Equilibrium",
     "Event",
     "Infeasibility",
+    "InfeasibleCase",
     "State",
     "LimitCycle",
     "BifurcationDiagram",

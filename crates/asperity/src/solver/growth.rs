@@ -23,6 +23,9 @@ const CLOSING: f64 = 0.1;
 /// Growth beyond which contacts that approach at all are looked at more closely. Contacts that close on each other
 /// by less than this times the tolerance are within it.
 const SUSPICIOUS: f64 = 1e4;
+/// Growth beyond which rounding leaves too little of velocities to say whether contacts approach. Two contacts of
+/// opposite normals, which close, ended as solved with percussions that this hides.
+const UNRESOLVED: f64 = 1e10;
 /// Growth that stacks and vaults do not exceed without need, and beyond which a start is not taken where
 /// contacts approach.
 const GROWN: f64 = 1e2;
@@ -50,7 +53,8 @@ pub(super) struct Growth {
 pub(super) enum Kind {
     /// They separate with percussions: an iteration has passed the solution.
     Separating,
-    /// They approach a little: their percussions are those of a solution, or grow slowly for ever.
+    /// They approach a little, or may do so within rounding: their percussions are those of a solution, or grow
+    /// slowly for ever.
     Suspicious,
     /// Growth is boundless: rounding may hide that they approach.
     Boundless,
@@ -100,9 +104,10 @@ impl Powers {
         } else if counts(separation, little) {
             Some(Kind::Separating)
         } else {
+            let hidden = brought > UNRESOLVED * load && load > NO_LOAD * largest;
             // What rounding explains may be an approach nevertheless.
             let approaches = counts(approach, 0.0) || approach > f64::min(little, closing);
-            (brought > SUSPICIOUS * load && approaches).then_some(Kind::Suspicious)
+            (brought > SUSPICIOUS * load && approaches || hidden).then_some(Kind::Suspicious)
         }
     }
 }

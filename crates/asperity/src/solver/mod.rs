@@ -301,7 +301,9 @@ fn judge(
     let Workspace { percussion, velocity, groups, infeasibility, .. } = workspace;
     let growth = growth::of(problem, percussion, velocity, groups);
     let running = growth.and_then(|growth| growth.running());
-    let suspicious = growth.is_some_and(|growth| growth.kind >= Kind::Suspicious);
+    // Velocities are as far off as the residual, relative to what percussions bring.
+    let hidden = growth.is_some_and(|growth| growth.factor * residual.value > HIDDEN);
+    let suspicious = hidden || growth.is_some_and(|growth| growth.kind >= Kind::Suspicious);
     let small = residual.value <= stop.tolerance;
     if small && !suspicious {
         *infeasibility = None;
@@ -310,9 +312,7 @@ fn judge(
     if infeasibility.is_none() && suspicious && !stop.early() {
         *infeasibility = infeasible::prove(problem, percussion);
     }
-    // Velocities are as far off as the residual, relative to what percussions bring.
-    let hidden = growth.is_some_and(|growth| growth.factor * residual.value > HIDDEN);
-    if small && running.is_none() && infeasibility.is_none() && !(suspicious && hidden) {
+    if small && running.is_none() && infeasibility.is_none() && !hidden {
         return Findings::default();
     }
     if let (None, Ended::Stuck(contact)) = (&infeasibility, ended) {
@@ -323,11 +323,10 @@ fn judge(
         (Some(growth), _) => growth.contact,
         _ => residual.worst_contact,
     };
-    let done =
-        matches!(ended, Ended::Done | Ended::Stalled | Ended::Stuck(_) | Ended::Unbounded(_));
+    let early = matches!(ended, Ended::TimeLimit | Ended::NotApplicable | Ended::MaxIterations);
     // What rounding explains needs no other reason.
     let rounded = running.is_none() && residual.value <= report::ROUNDED && !hidden;
-    if infeasibility.is_none() && done && !rounded && !stop.early() {
+    if infeasibility.is_none() && (small || !early) && !rounded && !stop.early() {
         *infeasibility = cases::prove(problem, stop, contact);
     }
     let without_solution = infeasibility.as_ref().map(|proof| proof.contact);
