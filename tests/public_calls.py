@@ -282,6 +282,7 @@ RESULTS = {
     "Equilibrium",
     "Event",
     "Infeasibility",
+    "InfeasibleCase",
     "State",
     "LimitCycle",
     "BifurcationDiagram",

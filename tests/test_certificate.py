@@ -287,36 +287,112 @@ def closes(directions, problem):
 
 
 def check_random_systems(seeds):
-    """Return how many systems converged, have a proof, and close although they meet the measure."""
-    counts = {"converged": 0, "proven": 0, "missed": 0}
+    """Return how many systems converged, how many are proven to close or to have no solution.
+
+    Friction may leave problems without a solution whose normal rows alone have one.
+    """
+    counts = {"converged": 0, "closing": 0, "friction": 0}
     for seed in seeds:
         directions, problem = random_system(seed)
         solution = problem.solve(tolerance=1e-9, time_limit=20.0, on_failure="record")
         closing = closes(directions, problem)
         if solution.status is Status.NO_SOLUTION:
-            counts["proven"] += 1
-            assert closing, seed
             assert proves_no_solution(problem, solution.infeasibility), seed
+            assert closing or solution.infeasibility.kind == "cases", seed
+            counts["closing" if closing else "friction"] += 1
         else:
-            # Friction may leave problems without a solution that nothing proves.
-            assert solution.status in (Status.CONVERGED, Status.UNBOUNDED, Status.STALLED), seed
-            counts["converged"] += solution.converged and not closing
-            # Large percussions may meet the measure while contacts close slowly.
-            counts["missed"] += closing
+            assert not closing, seed
+            # Six contacts may have more cases than are looked at.
+            assert solution.converged or len(problem.laws) == 6, seed
+            counts["converged"] += solution.converged
     return counts
 
 
 def test_verdicts_are_those_of_linear_programming():
     counts = check_random_systems(range(RANDOM_SYSTEMS))
     assert counts["converged"] > 0.5 * RANDOM_SYSTEMS
-    assert counts["proven"] > 0.3 * RANDOM_SYSTEMS
-    assert counts["missed"] <= 0.02 * RANDOM_SYSTEMS
+    assert counts["closing"] > 0.3 * RANDOM_SYSTEMS
+    assert counts["friction"] > 0
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("first", range(0, 10_000, 500))
 def test_ten_thousand_verdicts_are_those_of_linear_programming(first):
-    assert check_random_systems(range(first, first + 500))["missed"] <= 0.02 * 500
+    assert check_random_systems(range(first, first + 500))["converged"] > 250
+
+
+def hinge(rng, p):
+    """A contact whose rows see one direction of motion, which has bounced, and what solves it.
+
+    ξ = b + w s with one unknown s: with ξ_N = 0 the slip is known, and so is the friction. It pulls
+    the contact to the surface where w_N(w_N − w_T·x) < 0.
+    """
+    w = rng.normal(size=1 + p)
+    free = w * -np.sign(w[0]) * rng.uniform(0.1, 2.0)
+    restitution = rng.choice([0.0, 0.3, 0.8])
+    law = asp.FrictionLaw.isotropic(rng.uniform(0.1, 1.5), dimension=p)
+    problem = asp.ContactProblem(
+        np.outer(w, w), free, law, normal_restitution=restitution, initial_velocity=free
+    )
+    slip = free[1:] - (1.0 + restitution) * free[0] * w[1:] / w[0]
+    resistance = w[0] * (w[0] + w[1:] @ law.force(slip, 1.0)) if restitution else w[0] ** 2
+    return problem, resistance
+
+
+def test_hinges_with_restitution_have_a_solution_or_a_proof():
+    rng = np.random.default_rng(5)
+    without = 0
+    for k in range(400):
+        problem, resistance = hinge(rng, 1 + k % 2)
+        if abs(resistance) < 1e-3 * problem.delassus[0, 0]:
+            continue
+        solution = problem.solve(on_failure="record")
+        if resistance > 0.0:
+            assert solution.converged, k
+            continue
+        without += 1
+        assert solution.status is Status.NO_SOLUTION, k
+        assert solution.infeasibility.kind == "cases"
+        assert proves_no_solution(problem, solution.infeasibility), k
+    assert without > 20
+
+
+def test_the_checker_refuses_cases_that_leave_something_out():
+    rng = np.random.default_rng(5)
+    problem, resistance = hinge(rng, 2)
+    while resistance > -0.1:
+        problem, resistance = hinge(rng, 2)
+    proof = problem.solve(on_failure="record").infeasibility
+    assert proves_no_solution(problem, proof)
+    for k, case in enumerate(proof.cases):
+        others = proof.cases[:k] + proof.cases[k + 1 :]
+        assert not proves_no_solution(problem, proof.replace(cases=others))
+        turned = (*others, case.replace(direction=-case.direction))
+        assert not proves_no_solution(problem, proof.replace(cases=turned))
+    lifted = problem.replace(free_velocity=-problem.free_velocity, initial_velocity=np.zeros(3))
+    assert not proves_no_solution(lifted, proof)
+    smooth = problem.replace(laws=asp.FrictionLaw.isotropic(1e-3))
+    assert smooth.solve().converged
+    assert not proves_no_solution(smooth, proof)
+
+
+def test_contacts_that_influence_each_other_may_have_no_solution_together():
+    # Normals alone could be held apart: friction prevents it.
+    _, problem = random_system(66)
+    solution = problem.solve(on_failure="record")
+    assert solution.status is Status.NO_SOLUTION
+    assert len(solution.infeasibility.cases) > 1
+    assert proves_no_solution(problem, solution.infeasibility)
+
+
+@pytest.mark.parametrize("seed", [18, 114, 312])
+def test_percussions_do_not_hide_contacts_that_close_slowly(seed):
+    # Percussions 1e5 … 1e12 times as large as the loads ask for meet any relative measure.
+    directions, problem = random_system(seed)
+    assert closes(directions, problem)
+    solution = problem.solve(tolerance=1e-9, on_failure="record")
+    assert solution.status is Status.NO_SOLUTION
+    assert proves_no_solution(problem, solution.infeasibility)
 
 
 def test_the_checker_refuses_what_proves_nothing():
@@ -386,3 +462,51 @@ def test_second_opinions_are_asked_about_percussions(percussion):
         natural_map(np.eye(3), [0.9, -0.2, 0.0])
     with pytest.raises(asp.ParameterError, match="proof: must be of Infeasibility"):
         proves_no_solution(contact(), None)
+
+
+def normals(entries, loads):
+    """Contacts that meet in their normal rows, each with friction of its own."""
+    count = len(loads)
+    line = np.diag([0.0, 1.0])
+    operator = np.kron(np.asarray(entries), np.diag([1.0, 0.0])) + np.kron(np.eye(count), line)
+    free = np.zeros(2 * count)
+    free[::2] = loads
+    return asp.ContactProblem(operator, free, asp.FrictionLaw.isotropic(0.3, dimension=1))
+
+
+@pytest.mark.parametrize("loads", [(-1.1, 1.0), (-1.01, 1.0), (1.0, -1.1), (-1.0, -0.1)])
+@pytest.mark.parametrize("solver", [*SQUEEZERS, asp.ADMM()], ids=identify)
+def test_jaws_that_close_on_a_body_that_leaves_one_of_them(solver, loads):
+    problem = normals([[1.0, -1.0], [-1.0, 1.0]], loads)
+    for tolerance in (1e-8, 1e-10):
+        solution = problem.solve(solver, tolerance=tolerance, time_limit=20.0, on_failure="record")
+        # The paper's iteration may not come far enough to see it.
+        if not isinstance(solver, asp.ProxJacobi) or solution.status is not Status.MAX_ITERATIONS:
+            assert solution.status is Status.NO_SOLUTION
+            assert proves_no_solution(problem, solution.infeasibility)
+
+
+@pytest.mark.parametrize("gap", [5e-14, 1e-13, 1e-11])
+@pytest.mark.parametrize("closing", [2e-12, 1e-9, 1e-3])
+def test_nearly_singular_problems_that_have_a_solution_are_not_refuted(gap, closing):
+    """Both percussions are positive in rational arithmetic: they are about closing/gap."""
+    problem = normals([[1.0, -1.0 + gap], [-1.0 + gap, 1.0]], [-1.0, 1.0 - closing])
+    claim = asp.Infeasibility(
+        kind="closing",
+        contact=0,
+        direction=[0.5, 0.0, 0.5, 0.0],
+        closing_velocity=0.5 * closing,
+        residual=0.5 * gap,
+    )
+    assert not proves_no_solution(problem, claim)
+    for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.InteriorPoint()):
+        solution = problem.solve(solver, on_failure="record", time_limit=20.0)
+        assert solution.status is not Status.NO_SOLUTION
+
+
+@pytest.mark.parametrize("ratio", [1e12, 1e13, 1e14, 2.6e14])
+def test_heavy_bodies_on_light_ones_are_never_said_to_have_no_solution(ratio):
+    problem = normals([[1.0, -1.0], [-1.0, 1.0 + 1.0 / ratio]], [-1.0, 0.0])
+    for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.InteriorPoint(), asp.ADMM()):
+        solution = problem.solve(solver, on_failure="record", time_limit=20.0)
+        assert solution.status is not Status.NO_SOLUTION

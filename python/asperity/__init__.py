@@ -21,6 +21,7 @@ from asperity.contact import (
     ContactProblem,
     ContactSolution,
     Infeasibility,
+    InfeasibleCase,
     LocalSolution,
     Stage,
 )
@@ -144,6 +145,7 @@ __all__ = [
     "FlowReport",
     "FrictionLaw",
     "Infeasibility",
+    "InfeasibleCase",
     "InteriorPoint",
     "Intersection",
     "Interval",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from asperity.contact.certificate import Infeasibility
+    from asperity.contact.problem import ContactProblem
     from asperity.motion import Motion
     from asperity.trajectory import Trajectory
 
@@ -113,7 +114,10 @@ class NoSolutionError(ConvergenceError):
     """There is no solution: Painlevé paradox, or bodies squeezed by prescribed motions.
 
     Attributes:
-        infeasibility: the proof, if the error comes from `ContactProblem.solve`.
+        infeasibility: the proof; ``None`` where `integrate` has found that no impact ends a
+            Painlevé paradox.
+        problem: what has no solution, of `simulate` in percussions, of `integrate` in forces and
+            accelerations or, at an impact, in percussions. ``None`` for `RigidBodies`.
     """
 
     def __init__(
@@ -126,10 +130,12 @@ class NoSolutionError(ConvergenceError):
         advice: str = "",
         trajectory: Trajectory | Motion | None = None,
         infeasibility: Infeasibility | None = None,
+        problem: ContactProblem | None = None,
     ) -> None:
         super().__init__(message, step, time, contact, residual, advice, trajectory)
-        self.args = (*self.args, infeasibility)
+        self.args = (*self.args, infeasibility, problem)
         self.infeasibility = infeasibility
+        self.problem = problem
 
 
 class NoCycleError(AsperityError, RuntimeError):

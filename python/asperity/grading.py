@@ -9,13 +9,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity import _arrays
 from asperity._arrays import Array
-from asperity.contact import ContactProblem, Infeasibility
+from asperity.contact import ContactProblem, Infeasibility, InfeasibleCase
 from asperity.contact.arguments import sizes
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import Ball, Disk
 
 __all__ = ["natural_map", "proves_no_solution"]
+
+State = str | tuple[float, float]
+
+# Percussions over those that the loads call for beyond which they are none.
+_HUGE = 5e9
 
 
 def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
@@ -63,13 +68,19 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     """Check the proof that a problem has no solution, from the problem alone.
 
     A proof of the kind ``"closing"`` has weights d ≥ 0 on normal rows of unilateral contacts with
-    d·(b + e∘γ_B) < 0 and |(Gᵀd)ⱼ| ≤ 1e-13 sⱼ max sᵢdᵢ, s = √diag G: no percussions P with
-    Σ sⱼ|Pⱼ| below 1e13 times the closing velocity over max sᵢdᵢ solve the problem.
+    d·(b + e∘γ_B) < 0 and Gᵀd = 0 up to the rounding of the entries of G, |(Gᵀd)ⱼ| ≤ 8 ε sⱼ Σᵢ sᵢdᵢ with
+    s = √diag G. What that leaves, |(Gᵀd)ⱼ| ≤ η sⱼ, bounds the percussions of any solution from below:
+    Σ sⱼ|Pⱼ| ≥ −d·(b + e∘γ_B)/η, which must be 5e9 times the largest |b_N|/s_N of these contacts.
 
     A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
     neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions
     parallel to the direction that the friction belongs to. It is checked for p = 1 and p = 2 and a
     regular block.
+
+    A proof of the kind ``"cases"`` divides what the contacts can do into cases, which must leave
+    nothing out. Each has a vector z that may be multiplied by no velocity of the case to more than
+    zero, and Gᵀz by no percussion of it to less, in as many directions as above and up to the
+    rounding of the first kind, while z·(b + e∘γ_B) > 0. It is checked for p = 1 and p = 2.
 
     Args:
         problem: with any laws.
@@ -88,6 +99,12 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
         return False
     if proof.kind == "one_contact":
         return _has_none(problem, proof.contact, free)
+    if proof.kind == "cases":
+        whole: tuple[State, ...] = ("any",) * len(problem.laws)
+        possible = [case for case in proof.cases if len(case.states) == len(whole)]
+        return _covers(problem, whole, possible) and all(
+            _is_impossible(problem, case, free) for case in possible
+        )
     weights, scale = proof.direction, np.sqrt(problem.delassus.diagonal())
     normal = np.zeros(free.size, dtype=bool)
     for rows, force in zip(problem.row_slices, problem.normal_force, strict=True):
@@ -97,7 +114,12 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
         return False
     changed = np.abs(problem.delassus.T @ weights) / scale
     closing, sizes_of_load = -weights @ free, weights @ np.abs(free)
-    return bool(changed.max() <= 1e-13 * largest and closing > 1e-13 * sizes_of_load)
+    called_for = (np.abs(free) / scale)[weights > 0.0].max()
+    return bool(
+        changed.max() <= 8.0 * np.finfo(float).eps * (scale * weights).sum()
+        and closing >= _HUGE * changed.max() * called_for
+        and closing > 1e-13 * sizes_of_load
+    )
 
 
 def _check(value: object, argument: str, kind: type) -> None:
@@ -136,6 +158,116 @@ def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
         for value in (resistance, along)
     ]
     return not bool((ahead[0] & ahead[1]).any())
+
+
+def _covers(
+    problem: ContactProblem, states: tuple[State, ...], cases: list[InfeasibleCase]
+) -> bool:
+    """Return whether contacts that do these things are in one of the cases, whatever they do."""
+    if any(all(map(_contains, case.states, states)) for case in cases):
+        return True
+    every = range(len(states))
+    for k in (k for case in cases for k in every if not _contains(case.states[k], states[k])):
+        parts = _parts_of(states[k], problem.laws[k].dimension, problem.normal_force[k] is None)
+        if parts:
+            break
+    else:
+        return False
+    for part in parts:
+        narrower = (*states[:k], part, *states[k + 1 :])
+        meeting = [
+            case
+            for case in cases
+            if all(
+                _contains(a, b) or _contains(b, a)
+                for a, b in zip(case.states, narrower, strict=True)
+            )
+        ]
+        if not _covers(problem, narrower, meeting):
+            return False
+    return True
+
+
+def _contains(whole: State, part: State) -> bool:
+    """Return whether one state is a special case of another."""
+    if isinstance(whole, tuple):
+        return isinstance(part, tuple) and whole[0] <= part[0] and part[1] <= whole[1]
+    if whole == "closed":
+        return isinstance(part, tuple) or part in ("closed", "stick")
+    return whole in ("any", part)
+
+
+def _parts_of(state: State, dimension: int, unilateral: bool) -> list[State]:
+    """Return the states that a state is divided into; none if it is not."""
+    if isinstance(state, tuple):
+        middle = 0.5 * (state[0] + state[1])
+        narrow = state[1] - state[0] < 1e-6
+        return [] if narrow else [(state[0], middle), (middle, state[1])]
+    if state == "any" and unilateral:
+        return ["open", "closed"]
+    if state not in ("any", "closed"):
+        return []
+    if dimension == 1:
+        return ["stick", (0.0, 0.0), (np.pi, np.pi)]
+    quadrants = [(k * np.pi / 2 - np.pi, (k + 1) * np.pi / 2 - np.pi) for k in range(4)]
+    return ["stick", *quadrants] if dimension == 2 else []
+
+
+def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -> bool:
+    """Return whether z refutes a case."""
+    z, scale = case.direction, np.sqrt(problem.delassus.diagonal())
+    if z.shape != free.shape or not np.isfinite(z).all():
+        return False
+    y = problem.delassus.T @ z
+    largest = (scale * np.abs(z)).max()
+    gap, terms, rounding = z @ free, np.abs(z) @ np.abs(free), 0.0
+    for rows, law, force, state in zip(
+        problem.row_slices, problem.laws, problem.normal_force, case.states, strict=True
+    ):
+        if not (z[rows].any() or y[rows].any()):
+            continue
+        if law.dimension > 2:
+            return False
+        normal = 0 if force is not None else 1
+        along, pulled = z[rows][normal:], y[rows][normal:]
+        if isinstance(state, tuple):
+            ends = np.array([[np.cos(angle), np.sin(angle)] for angle in state])
+            if law.dimension == 1:
+                ends = np.sign(ends[:, :1])
+            if state[1] - state[0] > np.pi / 2 + 1e-9 or (ends @ along > 0.0).any():
+                return False
+        elif state != "stick" and along.any():
+            return False
+        if state in ("any", "open") and normal and z[rows.start] > 0.0:
+            return False
+        if state == "open":
+            continue
+        friction = _friction_of(law, state)
+        most = (friction @ pulled).max()
+        if force is not None:
+            gap, terms = gap - force * most, terms + force * abs(most)
+            continue
+        own = scale[rows]
+        allowed = 1e-13 * largest * (own[0] + np.sqrt((friction**2).sum(axis=1).max()) * own.max())
+        if y[rows.start] - most < -allowed:
+            return False
+        rounding = max(rounding, (most - y[rows.start]) / own[0])
+    return bool(gap > 1e-10 * terms and gap >= _HUGE * rounding * (np.abs(free) / scale).max())
+
+
+def _friction_of(law: FrictionLaw, state: State) -> Array:
+    """Return −P_T/P_N of a state, with zero where the contact need not slip."""
+    directions, force = _frictions(law)
+    friction = -force
+    if not isinstance(state, tuple):
+        return np.vstack([friction, np.zeros(law.dimension)])
+    middle, half = 0.5 * (state[0] + state[1]), 0.5 * (state[1] - state[0])
+    if law.dimension == 1:
+        return friction[directions[:, 0] * np.cos(middle) > 0.0]
+    turned = np.arctan2(directions[:, 1], directions[:, 0]) - middle
+    inside = np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi) <= half + 1e-12
+    ends = law.direction.support_point([[np.cos(angle), np.sin(angle)] for angle in state])
+    return np.vstack([friction[inside], ends / law.reservoir.gauge(ends)[:, None]])
 
 
 def _frictions(law: FrictionLaw) -> tuple[Array, Array]:

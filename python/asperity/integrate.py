@@ -14,7 +14,7 @@ from asperity.errors import (
     ParameterError,
 )
 from asperity.motion import Event, Motion, Section
-from asperity.simulate import Model, initial_state, raise_with
+from asperity.simulate import Model, initial_state, raise_with, without_solution
 from asperity.status import Outcome, Status
 
 _ENDS = {
@@ -127,6 +127,7 @@ def integrate(
         progress,
     )
     ended, contact = run.pop("ended"), run.pop("contact")
+    unsolvable = run.pop("unsolvable", None)
     events = [
         Event(time, kind, number, phase, ambiguous=ambiguous)
         for time, number, kind, phase, ambiguous in run.pop("events")
@@ -136,12 +137,18 @@ def integrate(
         time = motion.t[-1] if len(motion) else 0.0
         raise_with(exception, motion, f"after t = {time:.9g} s")
     if ended in _FAILURES:
-        raise _failure(ended, contact, motion)
+        raise _failure(ended, contact, motion, without_solution(unsolvable, system))
     return motion
 
 
-def _failure(ended: str, contact: Any, motion: Motion) -> ConvergenceError:
+def _failure(ended: str, contact: Any, motion: Motion, proven: dict[str, Any]) -> ConvergenceError:
     message, advice = _FAILURES[ended]
-    kind = NoSolutionError if ended == "no_solution" else ConvergenceError
-    time = float(motion.t[-1]) if len(motion) else 0.0
-    return kind(message, time=time, contact=contact, advice=advice, trajectory=motion)
+    details: dict[str, Any] = {
+        "time": float(motion.t[-1]) if len(motion) else 0.0,
+        "contact": contact,
+        "advice": advice,
+        "trajectory": motion,
+    }
+    if ended == "no_solution":
+        return NoSolutionError(message, **details, **proven)
+    return ConvergenceError(message, **details)

@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 
 from asperity import _arrays, _core
 from asperity._arrays import Array
+from asperity.contact.problem import ContactProblem
+from asperity.contact.solution import infeasibility
 from asperity.errors import (
     ConvergenceError,
     DivergenceError,
@@ -144,7 +146,7 @@ def simulate(
         reached = f"in step {trajectory.steps + 1}, after t = {trajectory.t[-1]:.9g} s"
         raise_with(exception, trajectory, reached)
     if failure is not None and on_failure == "raise":
-        raise _failure(failure, trajectory)
+        raise _failure(failure, trajectory, system)
     return trajectory
 
 
@@ -237,15 +239,32 @@ def raise_with(exception: BaseException, part: Trajectory | Motion, when: str) -
     raise exception
 
 
-def _failure(failure: dict[str, Any], trajectory: Trajectory) -> ConvergenceError:
+def _failure(failure: dict[str, Any], trajectory: Trajectory, system: Model) -> ConvergenceError:
     status = Status(failure["status"])
-    kind = NoSolutionError if status is Status.NO_SOLUTION else ConvergenceError
-    return kind(
-        status.message,
-        failure["step"],
-        failure["time"],
-        failure["contact"],
-        failure["residual"],
-        status.advice,
-        trajectory,
-    )
+    details: dict[str, Any] = {
+        "advice": status.advice,
+        "trajectory": trajectory,
+        **{name: failure[name] for name in ("step", "time", "contact", "residual")},
+    }
+    if status is Status.NO_SOLUTION:
+        return NoSolutionError(
+            status.message, **details, **without_solution(failure["unsolvable"], system)
+        )
+    return ConvergenceError(status.message, **details)
+
+
+def without_solution(found: dict[str, Any] | None, system: Model) -> dict[str, Any]:
+    """Return the problem of a motion that has no solution, and the proof, as far as known."""
+    if found is None:
+        return {}
+    laws = [getattr(system.contacts[i], "law", None) for i in found["contacts"]]
+    problem = None
+    if "delassus" in found and None not in laws:
+        # Factors of the speed are in the operator.
+        problem = ContactProblem(
+            found["delassus"],
+            found["free_velocity"],
+            [law.replace(rate=None) for law in laws if law is not None],
+            normal_force=found["normal_force"],
+        )
+    return {"infeasibility": infeasibility(found["infeasibility"]), "problem": problem}

@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::convert::{Numbers, numbers};
 use crate::errors::Failure;
+use crate::outcome::without_solution;
 use crate::rigid::RigidBodies;
 use crate::system::with_system;
 
@@ -57,7 +58,11 @@ pub fn integrate<'py>(
         Outcome::Section => ("section", None, None),
         Outcome::Interrupted => ("interrupted", None, raised),
         Outcome::TooManyEvents => ("too_many_events", None, None),
-        Outcome::NoSolution { contact } => ("no_solution", Some(contact), None),
+        Outcome::NoSolution { contact, unsolvable } => {
+            let proven = unsolvable.map(|proof| without_solution(py, &proof)).transpose()?;
+            out.set_item("unsolvable", proven)?;
+            ("no_solution", Some(contact), None)
+        }
         Outcome::Stuck { cause, contact } => {
             let name = match cause {
                 Cause::Step => "step",

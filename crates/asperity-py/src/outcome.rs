@@ -1,7 +1,9 @@
 //! What a solve found; arrays are made when Python asks for them.
 
-use asperity::contact::Memory;
-use asperity::solver::{Certificate, Infeasibility, SolveReport, Stage, Status, Workspace};
+use asperity::contact::{Delassus, Memory, NormalForce};
+use asperity::solver::{
+    Certificate, Infeasibility, SolveReport, Stage, State, Status, Unsolvable, Workspace,
+};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -38,6 +40,54 @@ fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray
     let array = PyArray1::from_vec(py, values);
     let _ = array.readwrite().make_nonwriteable();
     array
+}
+
+/// The state of a contact in a case: its name, or the angles of a sector of slip directions.
+fn state<'py>(py: Python<'py>, state: &State) -> PyResult<Bound<'py, PyAny>> {
+    match state {
+        State::Slip { from, to } => Ok((*from, *to).into_pyobject(py)?.into_any()),
+        other => Ok(other.name().into_pyobject(py)?.into_any()),
+    }
+}
+
+/// A proof that there is no solution as a dictionary.
+fn proven<'py>(py: Python<'py>, proof: &Infeasibility) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("kind", proof.kind.name())?;
+    out.set_item("contact", proof.contact)?;
+    out.set_item("direction", array(py, proof.direction.clone()))?;
+    out.set_item("closing_velocity", proof.closing_velocity)?;
+    out.set_item("residual", proof.residual)?;
+    let cases = proof.cases.iter().map(|case| {
+        let states: PyResult<Vec<_>> = case.states.iter().map(|s| state(py, s)).collect();
+        Ok((states?, array(py, case.direction.clone())))
+    });
+    out.set_item("cases", cases.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(out)
+}
+
+/// A contact problem of a motion without solution: its numbers, the system's contacts in it, and the proof.
+pub fn without_solution<'py>(
+    py: Python<'py>,
+    unsolvable: &Unsolvable,
+) -> PyResult<Bound<'py, PyDict>> {
+    let Unsolvable { problem, contacts, infeasibility } = unsolvable;
+    let normal_force = problem.contacts().iter().map(|rows| match rows.normal {
+        NormalForce::Prescribed(value) => Some(value),
+        NormalForce::Unilateral => None,
+    });
+    let out = PyDict::new(py);
+    // That of rigid bodies is not asked for.
+    if let Delassus::Dense(operator) = problem.delassus() {
+        // Rows follow each other in Python.
+        let entries = PyArray1::from_slice(py, operator.transpose().as_slice());
+        out.set_item("delassus", entries.reshape(operator.shape())?)?;
+    }
+    out.set_item("free_velocity", array(py, unsolvable.load()))?;
+    out.set_item("contacts", contacts.clone())?;
+    out.set_item("normal_force", normal_force.collect::<Vec<_>>())?;
+    out.set_item("infeasibility", proven(py, infeasibility)?)?;
+    Ok(out)
 }
 
 #[pymethods]
@@ -95,14 +145,7 @@ impl Outcome {
 
     #[getter]
     fn infeasibility<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(proof) = &self.infeasibility else { return Ok(None) };
-        let out = PyDict::new(py);
-        out.set_item("kind", proof.kind.name())?;
-        out.set_item("contact", proof.contact)?;
-        out.set_item("direction", array(py, proof.direction.clone()))?;
-        out.set_item("closing_velocity", proof.closing_velocity)?;
-        out.set_item("residual", proof.residual)?;
-        Ok(Some(out))
+        self.infeasibility.as_ref().map(|proof| proven(py, proof)).transpose()
     }
 
     #[getter]

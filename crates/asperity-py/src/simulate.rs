@@ -12,6 +12,7 @@ use pyo3::types::PyDict;
 
 use crate::convert::{Numbers, Points, numbers};
 use crate::errors::{Failure, dimension, parameter};
+use crate::outcome::without_solution;
 use crate::problem::Solver;
 use crate::rigid::RigidBodies;
 use crate::system::with_system;
@@ -179,6 +180,9 @@ pub fn simulate<'py>(
         out.set_item("contact", failure.contact)?;
         out.set_item("residual", failure.residual)?;
         out.set_item("status", failure.status.name())?;
+        let unsolvable = failure.unsolvable.as_deref();
+        let unsolvable = unsolvable.map(|proof| without_solution(py, proof)).transpose()?;
+        out.set_item("unsolvable", unsolvable)?;
         Ok(out)
     });
     out.set_item("failure", failure.transpose()?)?;

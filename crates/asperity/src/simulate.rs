@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use crate::solver::{SolveReport, Solver, Status};
+use crate::solver::{SolveReport, Solver, Status, Unsolvable};
 use crate::stepper::{Attempt, State, StepError, Stepper};
 use crate::system::{System, SystemError};
 use crate::trajectory::Trajectory;
@@ -50,7 +50,7 @@ pub enum Outcome {
 }
 
 /// A contact problem that was not solved.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Failure {
     /// Step, counted from 1.
     pub step: usize,
@@ -62,6 +62,8 @@ pub struct Failure {
     pub residual: f64,
     /// How the solver ended.
     pub status: Status,
+    /// The problem and the proof, if it has no solution.
+    pub unsolvable: Option<Box<Unsolvable>>,
 }
 
 /// Bad options.
@@ -176,6 +178,7 @@ fn steps(
                     contact: stepper.contact_of(report.worst_contact),
                     residual: report.residual,
                     status: report.status,
+                    unsolvable: stepper.unsolvable().map(Box::new),
                 }));
             }
         };

@@ -10,9 +10,11 @@ use asperity::set::{
     BoundaryPoint, Convex, ConvexSet, CoulombContensou, Ellipsoid, Polygon, Pressure, Star,
     StarSet, Vector,
 };
-use asperity::solver::{ContactSolution, Solver, Stop, Workspace, natural_residual, solutions};
+use asperity::solver::{
+    ContactSolution, Solver, Status, Stop, Workspace, natural_residual, solutions,
+};
 use common::{FAMILIES, Random, V, gram, laws, one_contact};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 const TOLERANCE: f64 = 1e-10;
 const NODES: usize = 16_384;
@@ -375,6 +377,39 @@ fn no_solution_between_hundreds_of_corners_is_missed() {
         }
     }
     assert!(several > 100, "{several} loads have several slips");
+}
+
+/// Stick with the force exactly on the border of the reservoir, which rounding puts inside or outside: with coupled
+/// rows slip ends there, too.
+#[test]
+fn stick_on_the_border_is_found() {
+    let mut random = Random::new(41);
+    let solve = |law: &Law, g: DMatrix<f64>, p: &[f64]| {
+        let rows = DVector::from_column_slice(p);
+        let free = -(&g * rows);
+        let contacts = [(law.clone(), NormalForce::Unilateral)];
+        let problem = ContactProblem::new(g, free.as_slice().to_vec(), contacts).unwrap();
+        let (mut memory, mut workspace) = (Memory::new(p.len(), 1), Workspace::default());
+        let exact = Solver::Exact { max_sweeps: 1 };
+        exact.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace)
+    };
+    for (name, law) in laws() {
+        let nodes = nodes(&law);
+        let reservoir = law.reservoir().clone();
+        let law = Law::from(law);
+        for k in 0..1000 {
+            let node = &nodes[(random.unit() * NODES as f64) as usize];
+            let x = node.position / reservoir.gauge(&node.position);
+            let report = solve(&law, gram(3, 5, &mut random), &[1.0, -x.x, -x.y]);
+            assert_eq!(report.status, Status::Converged, "{name}, {k}: {report:?}");
+        }
+    }
+    let law = Law::from(FrictionLaw::<1>::isotropic(0.7).unwrap());
+    for k in 0..1000 {
+        let sign = [-0.7, 0.7][k % 2];
+        let report = solve(&law, gram(2, 4, &mut random), &[1.0, sign]);
+        assert_eq!(report.status, Status::Converged, "p = 1, {k}: {report:?}");
+    }
 }
 
 /// Two loads inside the reservoir of an unstable law: stick and two slips, or stick alone.

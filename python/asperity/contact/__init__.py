@@ -1,6 +1,6 @@
 """Contact problems as data: problem, solution, certificate, files."""
 
-from asperity.contact.certificate import Certificate, Infeasibility
+from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
 from asperity.contact.problem import ContactProblem
 from asperity.contact.solution import ContactSolution, LocalSolution, Stage
 
@@ -9,6 +9,7 @@ __all__ = [
     "ContactProblem",
     "ContactSolution",
     "Infeasibility",
+    "InfeasibleCase",
     "LocalSolution",
     "Stage",
 ]

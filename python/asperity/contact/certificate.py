@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 from numpy.typing import ArrayLike
@@ -9,8 +10,9 @@ from numpy.typing import ArrayLike
 from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
+from asperity.errors import ParameterError
 
-InfeasibilityKind = Literal["closing", "one_contact"]
+InfeasibilityKind = Literal["closing", "one_contact", "cases"]
 
 
 class Certificate(Value):
@@ -95,6 +97,38 @@ class Certificate(Value):
         return "\n".join([*lines, f"{'contacts':<22} {counts}; worst {self.worst_contact}"])
 
 
+class InfeasibleCase(Value):
+    """What contacts may do in one case of a proof, and why that is impossible.
+
+    Attributes:
+        states: of each contact ``"any"``; ``"open"``; ``"closed"``, without normal velocity;
+            ``"stick"``; or the angles in rad between which the direction of its slip lies, on a
+            line both 0 or both π.
+        direction: z, shape ``(rows,)``, with magnitudes that add up to one: z·ξ ≤ 0 for all
+            velocities of these states and (Gᵀz)·P ≥ 0 for all their percussions, but
+            z·(b + e∘γ_B) > 0.
+
+    >>> from asperity import InfeasibleCase
+    >>> InfeasibleCase(["open"], [-1.0, 0.0]).states
+    ('open',)
+    """
+
+    states: tuple[str | tuple[float, float], ...]
+    direction: Array
+
+    def __init__(self, states: Sequence[str | tuple[float, float]], direction: ArrayLike) -> None:
+        names = ("any", "open", "closed", "stick")
+        self._set(
+            states=tuple(
+                _arrays.choice(state, "states", names)
+                if isinstance(state, str)
+                else (float(state[0]), float(state[1]))
+                for state in states
+            ),
+            direction=_arrays.read_only(_arrays.array(direction, "direction", (None,))),
+        )
+
+
 class Infeasibility(Value):
     """The proof that a contact problem has no solution, see `ContactSolution.infeasibility`.
 
@@ -106,15 +140,21 @@ class Infeasibility(Value):
     Kind ``"one_contact"``: a contact that no other one influences has neither an open, nor a
     sticking, nor a slipping state (Painlevé's paradox).
 
-    `asperity.grading.proves_no_solution` checks either without a solver.
+    Kind ``"cases"``: contacts that influence each other, or one with a singular block of G such as
+    a hinge, have no solution together. Everything that they can do is divided into cases, each of
+    which is impossible by Farkas' lemma, see `InfeasibleCase`.
+
+    `asperity.grading.proves_no_solution` checks all of them without a solver.
 
     Attributes:
-        kind: ``"closing"`` or ``"one_contact"``.
+        kind: ``"closing"``, ``"one_contact"`` or ``"cases"``.
         contact: the contact without a solution, or the one with the largest part in d.
-        direction: d, with sum one, shape ``(rows,)``; of one contact its normal row.
-        closing_velocity: −d·(b + e∘γ_B) in m/s; of one contact the speed at which it approaches
-            without percussions.
-        residual: max |(Gᵀd)ⱼ|/sⱼ over max sᵢdᵢ, s = √diag G: zero to rounding.
+        direction: d, with sum one, shape ``(rows,)``; of the other kinds the contact's normal row.
+        closing_velocity: −d·(b + e∘γ_B) in m/s; of the other kinds the speed at which the contact
+            approaches without percussions.
+        residual: max |(Gᵀd)ⱼ|/sⱼ over max sᵢdᵢ, s = √diag G: zero to rounding; of cases the most
+            that one of them leaves to rounding.
+        cases: all that the contacts can do; of the other kinds none.
 
     >>> import numpy as np
     >>> from asperity import ContactProblem, FrictionLaw
@@ -132,6 +172,7 @@ class Infeasibility(Value):
     direction: Array
     closing_velocity: float
     residual: float
+    cases: tuple[InfeasibleCase, ...]
 
     def __init__(
         self,
@@ -141,11 +182,16 @@ class Infeasibility(Value):
         direction: ArrayLike,
         closing_velocity: float,
         residual: float,
+        cases: Sequence[InfeasibleCase] = (),
     ) -> None:
+        for case in cases:
+            if not isinstance(case, InfeasibleCase):
+                raise ParameterError("cases", f"must hold InfeasibleCase objects, got {case!r}")
         self._set(
-            kind=_arrays.choice(kind, "kind", ("closing", "one_contact")),
+            kind=_arrays.choice(kind, "kind", ("closing", "one_contact", "cases")),
             contact=_arrays.count(contact, "contact", least=0),
             direction=_arrays.read_only(_arrays.array(direction, "direction", (None,))),
             closing_velocity=_arrays.non_negative(closing_velocity, "closing_velocity"),
             residual=_arrays.non_negative(residual, "residual"),
+            cases=tuple(cases),
         )

@@ -219,7 +219,7 @@ class ContactProblem(Value):
         )
         solution = ContactSolution._of(found)
         if not found.converged and on_failure == "raise":
-            raise _failure(solution, measure)
+            raise _failure(self, solution, measure)
         return solution
 
     def residual(self, percussion: ArrayLike) -> float:
@@ -332,7 +332,9 @@ class ContactProblem(Value):
         return _arrays.array(percussion, "percussion", (self.free_velocity.size,))
 
 
-def _failure(solution: ContactSolution, measure: Measure) -> ConvergenceError | ParameterError:
+def _failure(
+    problem: ContactProblem, solution: ContactSolution, measure: Measure
+) -> ConvergenceError | ParameterError:
     status = solution.status
     if status is Status.NOT_APPLICABLE:
         return ParameterError("solver", f"{status.message}. {status.advice}")
@@ -341,5 +343,6 @@ def _failure(solution: ContactSolution, measure: Measure) -> ConvergenceError | 
         "contact": solution.worst_contact, "residual": residual, "advice": status.advice
     }  # fmt: skip
     if status is Status.NO_SOLUTION:
-        return NoSolutionError(status.message, **details, infeasibility=solution.infeasibility)
+        proof = solution.infeasibility
+        return NoSolutionError(status.message, **details, infeasibility=proof, problem=problem)
     return ConvergenceError(status.message, **details)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity._value import Value
-from asperity.contact.certificate import Certificate, Infeasibility
+from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
 from asperity.errors import DimensionError, ParameterError
 from asperity.status import Phase, Status
 
@@ -175,7 +175,7 @@ class ContactSolution(Value):
     def infeasibility(self) -> Infeasibility | None:
         """The proof that there is no solution, if there is none."""
         proof = self._outcome.infeasibility
-        return None if proof is None else Infeasibility(**proof)
+        return None if proof is None else infeasibility(proof)
 
     @cached_property
     def _parameters(self) -> dict[str, Any]:
@@ -190,6 +190,12 @@ class ContactSolution(Value):
     def converged(self) -> bool:
         """Whether the tolerance was reached."""
         return self.status is Status.CONVERGED
+
+
+def infeasibility(proof: dict[str, Any]) -> Infeasibility:
+    """Return the proof that the core hands over."""
+    cases = [InfeasibleCase(*case) for case in proof["cases"]]
+    return Infeasibility(**{**proof, "cases": cases})
 
 
 class LocalSolution(Value):

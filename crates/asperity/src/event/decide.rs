@@ -15,7 +15,7 @@ use super::{Cause, Outcome};
 use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
-use crate::solver::{Solver, Status, Stop, Workspace};
+use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
 
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over.
 const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };
@@ -157,7 +157,13 @@ fn solve(
         }
         let contact = part.contacts[report.worst_contact];
         outcome = match report.status {
-            Status::NoSolution => Outcome::NoSolution { contact },
+            Status::NoSolution => {
+                let unsolvable = workspace.infeasibility.map(|infeasibility| {
+                    let (problem, contacts) = (problem.clone(), part.contacts.clone());
+                    Box::new(Unsolvable { problem, contacts, infeasibility })
+                });
+                Outcome::NoSolution { contact, unsolvable }
+            }
             _ => Outcome::Stuck { cause: Cause::Unsolved, contact: Some(contact) },
         };
     }

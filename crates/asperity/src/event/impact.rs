@@ -106,7 +106,7 @@ impl Runner<'_> {
         };
         let involved: Vec<usize> = (0..self.memory.len()).filter(closed).collect();
         if !decide::stop(&mut self.field, &mut self.state, &involved)? {
-            return Ok(Some(Outcome::NoSolution { contact }));
+            return Ok(Some(Outcome::NoSolution { contact, unsolvable: None }));
         }
         self.event(Some(contact), Kind::ImpactWithoutCollision, false);
         before[contact] = None;

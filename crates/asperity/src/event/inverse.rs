@@ -1,6 +1,8 @@
 //! Inverse of a small matrix, the pseudo-inverse if it is singular.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+
+use crate::linear::LeastNorm;
 
 /// Relative size of a pivot that counts as zero.
 const SINGULAR: f64 = 1e-11;
@@ -32,12 +34,16 @@ impl Inverse {
         self.entries.resize(size * size, 0.0);
         self.singular = !self.eliminate();
         if self.singular {
+            // Without an inverse there are no forces: entries that are not numbers have none.
+            self.entries.fill(f64::NAN);
             let matrix = DMatrix::from_fn(size, size, &entry);
-            let largest = matrix.amax();
-            let finite = matrix.iter().all(|m| m.is_finite());
-            if finite && let Ok(inverse) = matrix.pseudo_inverse(1e-10 * largest) {
-                // The transpose of column-major entries is row-major.
-                self.entries.copy_from_slice(inverse.transpose().as_slice());
+            if let Some(factors) = LeastNorm::new(matrix, 1e-10) {
+                for column in 0..size {
+                    let unit = DVector::from_fn(size, |i, _| f64::from(u8::from(i == column)));
+                    for (row, value) in factors.solve(&unit).iter().enumerate() {
+                        self.entries[row * size + column] = *value;
+                    }
+                }
             }
         }
     }

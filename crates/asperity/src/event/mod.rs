@@ -48,6 +48,7 @@ pub use motion::{Event, Kind, Motion};
 pub use touch::FieldError;
 
 use crate::law::{FrictionLaw, Law};
+use crate::solver::Unsolvable;
 use crate::system::System;
 
 /// A hyperplane of states at which the integration ends.
@@ -99,6 +100,9 @@ pub enum Outcome {
     NoSolution {
         /// The contact.
         contact: usize,
+        /// The problem of accelerations or of percussions and the proof; of Painlevé's impact without collision
+        /// there is none.
+        unsolvable: Option<Box<Unsolvable>>,
     },
     /// The motion does not get on: the forces grow without bound or jump where the method does not know it.
     Stuck {

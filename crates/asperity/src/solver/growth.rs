@@ -10,8 +10,8 @@
 //!
 //! `Q`, and the like sum over separating contacts, vanishes at solutions. Percussions that run away leave
 //! `Q ≈ N` however large they are, for `Σ P_Ni (G P)_i` falls behind. `A/L` is how far velocities that
-//! percussions bring cancel: the growth. As powers, all are invariant under units, also of single rows, and
-//! ratios of them under masses.
+//! percussions bring cancel: the growth. Ratios of powers do not depend on units nor on masses; `A` may change by
+//! up to √2 with the choice of tangential axes.
 
 use super::residual::ContactVelocity;
 use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
@@ -23,15 +23,19 @@ const CLOSING: f64 = 0.1;
 /// Growth beyond which contacts that approach at all are looked at more closely. Contacts that close on each other
 /// by less than this times the tolerance are within it.
 const SUSPICIOUS: f64 = 1e4;
+/// Growth beyond which rounding leaves too little of velocities to say whether contacts approach. Two contacts of
+/// opposite normals, which close, ended as solved with percussions that this hides.
+const UNRESOLVED: f64 = 1e10;
 /// Growth that stacks and vaults do not exceed without need, and beyond which a start is not taken where
 /// contacts approach.
 const GROWN: f64 = 1e2;
-/// Growth at which percussions count as boundless: rounding of `G` is about to hide the loads.
-pub(super) const BOUNDLESS: f64 = 1e13;
 /// Normal loads below this part of all loads are rounding: growth is not measured by them.
 const NO_LOAD: f64 = 1e-12;
-/// Power relative to those that cancel in it which rounding explains.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Power relative to those that cancel in it which rounding explains: a velocity is a sum of some tens to hundreds of
+/// products `G_ij P_j`.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Growth at which percussions count as boundless: rounding hides that contacts approach.
+pub(super) const BOUNDLESS: f64 = APPROACHING / ROUNDING;
 
 /// Percussions that have grown.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +53,8 @@ pub(super) struct Growth {
 pub(super) enum Kind {
     /// They separate with percussions: an iteration has passed the solution.
     Separating,
-    /// They approach a little: their percussions are those of a solution, or grow slowly for ever.
+    /// They approach a little, or may do so within rounding: their percussions are those of a solution, or grow
+    /// slowly for ever.
     Suspicious,
     /// Growth is boundless: rounding may hide that they approach.
     Boundless,
@@ -99,7 +104,10 @@ impl Powers {
         } else if counts(separation, little) {
             Some(Kind::Separating)
         } else {
-            (brought > SUSPICIOUS * load && counts(approach, 0.0)).then_some(Kind::Suspicious)
+            let hidden = brought > UNRESOLVED * load && load > NO_LOAD * largest;
+            // What rounding explains may be an approach nevertheless.
+            let approaches = counts(approach, 0.0) || approach > f64::min(little, closing);
+            (brought > SUSPICIOUS * load && approaches || hidden).then_some(Kind::Suspicious)
         }
     }
 }

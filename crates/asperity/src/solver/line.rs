@@ -36,7 +36,11 @@ pub(super) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
             local.refined(&solution)
         }
     };
-    [open, stick, slip(-1.0), slip(1.0)]
+    let all = [open, stick, slip(-1.0), slip(1.0)];
+    match all.iter().any(Option::is_some) {
+        true => all,
+        false => [None, local.stick_on_border(), None, None],
+    }
 }
 
 /// The solution that continues `state`.

@@ -203,6 +203,31 @@ impl<'a, const P: usize> Local<'a, P> {
         }
     }
 
+    /// Stick with the force on the border of the reservoir, where rounding decides whether the force that stick needs
+    /// is one that the contact can transmit: where normal and tangential rows are coupled, slip may end at the
+    /// same force, so that nothing would be left.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn stick_on_border(&self) -> Option<LocalSolution<P>> {
+        let Stick { load, gauge, .. } = self.stick();
+        // The comparison also turns away NaN.
+        if !((gauge - 1.0).abs() <= NEAR) {
+            return None;
+        }
+        let x = load / gauge;
+        let stick = self.slip(&x, &Vector::zeros(), false);
+        let single = self.single();
+        let mut percussion = V::zeros();
+        let first = single.first();
+        if first == 1 {
+            percussion[0] = stick.normal;
+        }
+        (0..P).for_each(|i| percussion[first + i] = stick.tangent[i]);
+        let found = single.graded(percussion, false);
+        (stick.normal > 0.0 && found.defect <= single::SOLUTION)
+            .then_some(LocalSolution { phase: Phase::Stick, ..stick })
+    }
+
     /// Whether the contact can neither open nor stick, with a relative margin. Blocks without a sound inverse
     /// prove nothing, and a contact with a prescribed normal percussion always has a solution: an affine map
     /// on a compact convex set that always points away from it.

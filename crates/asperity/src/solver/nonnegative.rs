@@ -2,8 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Iterations of a singular value decomposition.
-const ITERATIONS: usize = 10_000;
+use crate::linear::LeastNorm;
 
 /// `x ≥ 0` with the least `‖A x − f‖`, by the active sets of \[LawsonHanson1974\]; `None` if they do not settle.
 pub(super) fn least_squares(a: &DMatrix<f64>, f: &DVector<f64>) -> Option<Vec<f64>> {
@@ -17,8 +16,7 @@ pub(super) fn least_squares(a: &DMatrix<f64>, f: &DVector<f64>) -> Option<Vec<f6
         let Some(next) = steepest.filter(|&j| gradient[j] > small) else { return Some(x) };
         free.push(next);
         loop {
-            let svd = a.select_columns(&free).try_svd(true, true, f64::EPSILON, ITERATIONS)?;
-            let solved = svd.solve(f, 1e-14 * a.norm()).ok()?;
+            let solved = LeastNorm::new(a.select_columns(&free), 1e-14)?.solve(f);
             if solved.iter().all(|v| *v > 0.0) {
                 free.iter().zip(&solved).for_each(|(&j, v)| x[j] = *v);
                 break;

@@ -42,7 +42,7 @@ impl Status {
 
 /// Largest residual that rounding explains: percussions of an ill-conditioned block that are handed on, in
 /// `local.rs`, have at most this one.
-const ROUNDED: f64 = super::local::LEAST;
+pub(super) const ROUNDED: f64 = super::local::LEAST;
 
 /// What a solver says of its result.
 #[derive(Debug, Clone, Copy, PartialEq)]

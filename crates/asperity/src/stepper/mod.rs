@@ -17,7 +17,7 @@ mod step;
 use thiserror::Error;
 
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
-use crate::solver::{SolveReport, Solver, Workspace};
+use crate::solver::{SolveReport, Solver, Unsolvable, Workspace};
 use crate::system::{RigidBodies, System, SystemError};
 use bodies::BodyAssembly;
 use closed::Closed;
@@ -228,6 +228,13 @@ impl<'a> Stepper<'a> {
     /// The contact problem of the last step.
     pub fn problem(&self) -> &ContactProblem {
         &self.closed.problem
+    }
+
+    /// The contact problem of the last step and the proof that it has no solution, if there is one.
+    pub fn unsolvable(&self) -> Option<Unsolvable> {
+        let infeasibility = self.workspace.infeasibility.clone()?;
+        let (problem, contacts) = (self.closed.problem.clone(), self.closed.active.clone());
+        Some(Unsolvable { problem, contacts, infeasibility })
     }
 
     /// The system's contact behind a contact of the last contact problem.

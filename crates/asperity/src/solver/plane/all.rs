@@ -47,6 +47,9 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
     merge(local, out);
     refine(local, out);
     merge(local, out);
+    if out.is_empty() {
+        out.extend(local.stick_on_border());
+    }
     complete
 }
 
