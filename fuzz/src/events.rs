@@ -45,7 +45,7 @@ pub fn check(data: &[u8]) {
     if !scene.tame {
         return;
     }
-    scene.check_forces(motion.p, &motion.slip, &motion.force, &motion.normal_force, 1e-3);
+    scene.check_forces((motion.p, 0), &motion.slip, &motion.force, &motion.normal_force, 1e-3);
     let size = states.fold(1.0, |m: f64, v| m.max(v.abs()));
     for contact in &scene.contacts {
         let Normal::Gap { direction, gap } = &contact.normal else { continue };

@@ -29,7 +29,7 @@ pub fn check(data: &[u8]) {
     if !scene.tame {
         return;
     }
-    scene.check_forces(path.p, &path.slip, &path.force, &path.normal_force, 1e-6);
+    scene.check_forces((path.p, 1), &path.slip, &path.force, &path.normal_force, 1e-6);
     if matches!(run.outcome, Outcome::Finished) {
         assert!(path.u.iter().all(|v| v.is_finite()), "not finite: {options:?} {scene:?}");
     }

@@ -101,9 +101,13 @@ fn contact(source: &mut Source<'_>, n: usize, rated: bool) -> Option<Contact> {
 
 impl Scene {
     /// Asserts that normal forces do not pull and friction forces lie in their reservoirs.
+    ///
+    /// Reservoirs grow and shrink with a factor of the speed. Its part that rises with the speed is that of `slip`, the
+    /// part that falls that of the slip `lag` samples before: an event-driven integration takes both at the
+    /// same time, Moreau's steps take the latter at the beginning of the step.
     pub fn check_forces(
         &self,
-        p: usize,
+        (p, lag): (usize, usize),
         slip: &[f64],
         force: &[f64],
         normal_force: &[f64],
@@ -113,14 +117,22 @@ impl Scene {
         let size = normal_force.iter().fold(1e-3, |m: f64, f| m.max(f.abs()));
         for (k, &normal) in normal_force.iter().enumerate() {
             let contact = &self.contacts[k % m];
-            let (own, slip) = (&force[k * p..(k + 1) * p], &slip[k * p..(k + 1) * p]);
-            // Not known where a contact is at an event or not closed.
-            if own.iter().any(|f| f.is_nan()) || normal.is_nan() {
+            // Laws of fewer dimensions are padded.
+            let rows = k * p..k * p + contact.law.dimension();
+            let own = &force[rows];
+            // Not known where a contact is at an event or not closed, nor at the start.
+            if own.iter().any(|f| f.is_nan()) || normal.is_nan() || k < lag * m {
                 continue;
             }
             assert!(normal >= -slack * size, "contact {} pulls with {normal}: {self:?}", k % m);
-            let speed = slip.iter().map(|v| v * v).sum::<f64>().sqrt();
-            let factor = contact.law.rate().map_or(1.0, |rate| rate.factor(speed).max(1.0));
+            let speed = |k: usize| {
+                let own = &slip[k * p..k * p + contact.law.dimension()];
+                own.iter().map(|v| v * v).sum::<f64>().sqrt()
+            };
+            // At rest a speed of the size of rounding may stand for none.
+            let before = (speed(k - lag * m) - 1e-9).max(0.0);
+            let factor = contact.law.rate();
+            let factor = factor.map_or(1.0, |rate| rate.falling(before) + rate.rising(speed(k)));
             let gauge = gauge(&contact.law, own);
             assert!(
                 gauge <= normal * factor + slack * size,

@@ -386,8 +386,11 @@ impl<'a, const P: usize> Single<'a, P> {
             let p = -(inverse * self.b);
             let rest = self.velocity(&p);
             let percussion = p - inverse * rest;
-            // Within the reservoir nothing but the velocity is a defect.
-            let defect = self.own_rho * rest.norm() / self.loads.max(p.norm());
+            // Within the reservoir nothing but the velocity is a defect, and without loads there is none.
+            let defect = match rest.norm() {
+                0.0 => 0.0,
+                rest => self.own_rho * rest / self.loads.max(p.norm()),
+            };
             return self.holds(&percussion).then_some(Graded {
                 percussion,
                 defect,
