@@ -199,7 +199,8 @@ const SUPPORT_POINTS: usize = 1000;
 /// \[GilbertJohnsonKeerthi1988\].
 ///
 /// Every point on the way is in the set, and `h(z − x) − x·(z − x)`, which the support point gives for nothing, bounds
-/// how far it is from the nearest one. Polytopes take as many points as they have corners around it.
+/// how far it is from the nearest one. Polytopes take as many points as they have corners around it and are exact to
+/// rounding; on curved boundaries it is the distance that is, and the point has half the digits.
 fn by_support_points<const P: usize, S: ConvexSet<P> + ?Sized>(
     set: &S,
     z: &Vector<P>,
