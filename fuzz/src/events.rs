@@ -6,7 +6,7 @@ use asperity::event::{Options, Outcome, integrate};
 use asperity::system::Normal;
 
 use crate::decode::{Range, Source};
-use crate::systems;
+use crate::systems::{self, Forces};
 
 /// Steps that are plenty for what these systems do in their time; more means that the motion does not get on.
 const STEPS: usize = 50_000;
@@ -45,7 +45,15 @@ pub fn check(data: &[u8]) {
     if !scene.tame {
         return;
     }
-    scene.check_forces(motion.p, &motion.slip, &motion.force, &motion.normal_force, 1e-3);
+    scene.check_forces(&Forces {
+        p: motion.p,
+        lag: 0,
+        slip: &motion.slip,
+        force: &motion.force,
+        normal_force: &motion.normal_force,
+        slack: 1e-3,
+        resolution: 0.0,
+    });
     let size = states.fold(1.0, |m: f64, v| m.max(v.abs()));
     for contact in &scene.contacts {
         let Normal::Gap { direction, gap } = &contact.normal else { continue };

@@ -72,3 +72,16 @@ pub fn describe(law: &Law) -> String {
         }
     }
 }
+
+/// The least radius of the reservoir.
+pub fn least_radius(law: &Law) -> f64 {
+    fn of<const P: usize>(law: &FrictionLaw<P>) -> f64 {
+        let radii = directions::<P>(64).into_iter().map(|d| law.reservoir().radius(&d));
+        radii.fold(f64::INFINITY, f64::min)
+    }
+    match law {
+        Law::One(law) => of(law),
+        Law::Two(law) => of(law),
+        Law::Three(law) => of(law),
+    }
+}

@@ -6,7 +6,7 @@ use asperity::simulate::{Options, Outcome, simulate};
 use asperity::solver::Solver;
 
 use crate::decode::{Range, Source};
-use crate::systems;
+use crate::systems::{self, Forces};
 
 /// Steps give finite states and forces that the laws allow.
 pub fn check(data: &[u8]) {
@@ -29,7 +29,15 @@ pub fn check(data: &[u8]) {
     if !scene.tame {
         return;
     }
-    scene.check_forces(path.p, &path.slip, &path.force, &path.normal_force, 1e-6);
+    scene.check_forces(&Forces {
+        p: path.p,
+        lag: 1,
+        slip: &path.slip,
+        force: &path.force,
+        normal_force: &path.normal_force,
+        slack: 1e-6,
+        resolution: 10.0 * options.tolerance / options.dt,
+    });
     if matches!(run.outcome, Outcome::Finished) {
         assert!(path.u.iter().all(|v| v.is_finite()), "not finite: {options:?} {scene:?}");
     }

@@ -101,34 +101,64 @@ fn contact(source: &mut Source<'_>, n: usize, rated: bool) -> Option<Contact> {
 
 impl Scene {
     /// Asserts that normal forces do not pull and friction forces lie in their reservoirs.
-    pub fn check_forces(
-        &self,
-        p: usize,
-        slip: &[f64],
-        force: &[f64],
-        normal_force: &[f64],
-        slack: f64,
-    ) {
+    ///
+    /// Reservoirs grow and shrink with a factor of the speed. Its part that rises with the speed is that of the slip, the
+    /// part that falls that of the slip `lag` samples before.
+    pub fn check_forces(&self, forces: &Forces<'_>) {
+        let Forces { p, lag, slip, force, normal_force, slack, resolution } = *forces;
         let m = self.contacts.len();
         let size = normal_force.iter().fold(1e-3, |m: f64, f| m.max(f.abs()));
+        let errors: Vec<f64> = self.contacts.iter().map(|c| self.error_by_speed(c)).collect();
         for (k, &normal) in normal_force.iter().enumerate() {
             let contact = &self.contacts[k % m];
-            let (own, slip) = (&force[k * p..(k + 1) * p], &slip[k * p..(k + 1) * p]);
-            // Not known where a contact is at an event or not closed.
-            if own.iter().any(|f| f.is_nan()) || normal.is_nan() {
+            // Laws of fewer dimensions are padded.
+            let own = &force[k * p..k * p + contact.law.dimension()];
+            // Not known where a contact is at an event or not closed, nor at the start.
+            if own.iter().any(|f| f.is_nan()) || normal.is_nan() || k < lag * m {
                 continue;
             }
             assert!(normal >= -slack * size, "contact {} pulls with {normal}: {self:?}", k % m);
-            let speed = slip.iter().map(|v| v * v).sum::<f64>().sqrt();
-            let factor = contact.law.rate().map_or(1.0, |rate| rate.factor(speed).max(1.0));
+            let speed = |k: usize| {
+                let own = &slip[k * p..k * p + contact.law.dimension()];
+                own.iter().map(|v| v * v).sum::<f64>().sqrt()
+            };
+            let (before, now) = (speed(k - lag * m), speed(k));
+            // At rest a speed of the size of rounding may stand for none.
+            let falls_at = (before - 1e-9).max(0.0);
+            let factor = contact.law.rate();
+            let factor = factor.map_or(1.0, |rate| rate.falling(falls_at) + rate.rising(now));
             let gauge = gauge(&contact.law, own);
+            let error = slack * size + resolution * errors[k % m] * (before + now);
             assert!(
-                gauge <= normal * factor + slack * size,
-                "contact {}: k_C(−λ) = {gauge} at λ_N = {normal}: {self:?}",
+                gauge <= normal * factor + error,
+                "contact {}: k_C(−λ) = {gauge} at λ_N = {normal} and f = {factor}: {self:?}",
                 k % m
             );
         }
     }
+
+    /// What an error of a percussion relative to its loads may do to the gauge, by the speed: `ρ` over the least radius.
+    fn error_by_speed(&self, contact: &Contact) -> f64 {
+        let inverse = self.matrices[0].clone().try_inverse().expect("a mass matrix is regular");
+        let trace = (contact.direction.transpose() * inverse * &contact.direction).trace();
+        contact.law.dimension() as f64 / trace / laws::least_radius(&contact.law)
+    }
+}
+
+/// Forces along a motion; `p` numbers per contact.
+pub struct Forces<'a> {
+    pub p: usize,
+    /// Samples since the speed at which the falling part of the rate factor is taken: none in an event-driven
+    /// integration, one in Moreau's steps, which take it at the beginning of the step.
+    pub lag: usize,
+    pub slip: &'a [f64],
+    pub force: &'a [f64],
+    pub normal_force: &'a [f64],
+    /// Relative to the largest normal force.
+    pub slack: f64,
+    /// The tolerance of percussions relative to their loads over the length of the step, in 1/s: forces of short steps
+    /// are known the less the shorter these are.
+    pub resolution: f64,
 }
 
 fn gauge(law: &Law, force: &[f64]) -> f64 {

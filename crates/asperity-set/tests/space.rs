@@ -2,7 +2,10 @@
 
 mod common;
 
-use asperity_set::{Convex, ConvexSet, Cuboid, Matrix, Star, StarSet, Vector, convexity};
+use asperity_set::{
+    Ball, Convex, ConvexSet, Cuboid, Matrix, MinkowskiSum, Star, StarSet, Superellipsoid, Vector,
+    convexity,
+};
 use common::*;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
@@ -179,5 +182,31 @@ proptest! {
         let digits = 1e-10 * wanted.norm() + 1e-14 * z.norm();
         prop_assert!((x - wanted).norm() <= digits, "{} of {}", (x - wanted).norm(), x.norm());
         prop_assert!(set.gauge(&x) <= 1.0 + 1e-12);
+    }
+}
+
+/// Boxes and octahedra, also rounded by a ball, are sums whose projection is known: that onto the box or octahedron itself.
+#[test]
+fn projections_onto_sums_with_edges_are_exact() {
+    let ball = |radius| Convex::from(Ball::new(radius).unwrap());
+    let lower = W::new(-1.0, -0.5, -2.0);
+    let cuboid = Convex::from(Cuboid::new(lower, W::new(0.01, 0.3, 1.0)).unwrap());
+    let octahedron = Superellipsoid::new(W::new(1.0, 0.4, 0.02), 1.0).unwrap();
+    let octahedron = Star::from(octahedron).as_convex().unwrap().clone();
+    for core in [cuboid, octahedron] {
+        for (radius, slack) in [(None, 1e-14), (Some(0.2), 1e-8)] {
+            let members: Vec<Convex<3>> =
+                std::iter::once(core.clone()).chain(radius.map(ball)).collect();
+            let sum = MinkowskiSum::new(members).unwrap();
+            for k in 0..200 {
+                let (turn, height) = (2.4 * f64::from(k), f64::from(k) / 100.0 - 0.995);
+                let wide = (1.0 - height * height).sqrt();
+                let z = W::new(wide * turn.cos(), wide * turn.sin(), height) * 4.0;
+                let below = core.project(&z);
+                let known = below + (z - below).normalize() * radius.unwrap_or(0.0);
+                let off = (sum.project(&z) - known).norm();
+                assert!(off <= slack * z.norm(), "{off:e} at {z} of {sum:?}");
+            }
+        }
     }
 }

@@ -555,3 +555,87 @@ fn blocks_of_any_rank_are_solved() {
 fn a_hundred_thousand_blocks_of_any_rank_are_solved() {
     check_deficient(100_000);
 }
+
+/// A contact in space with the percussions that solve it.
+fn solved_in_space(
+    law: Law,
+    normal: NormalForce,
+    (delassus, free): (DMatrix<f64>, Vec<f64>),
+    state: ContactState,
+) -> Memory {
+    let rows = free.len();
+    let problem = ContactProblem::new(delassus, free, [(law, normal)]).unwrap();
+    let mut memory = Memory::new(rows, 1);
+    memory.states[0] = state;
+    let mut workspace = Workspace::default();
+    let solver = Solver::Exact { max_sweeps: 1 };
+    let report = solver.solve(&problem, Stop::at(1e-12), &mut memory, &mut workspace);
+    assert_eq!(report.status.name(), "converged", "{report:?}");
+    memory
+}
+
+/// Without loads nothing is relative to them: the solution is no percussion at all, whatever was before.
+#[test]
+fn a_contact_without_loads_stands_still() {
+    let mut random = Random::new(5);
+    for phase in [Phase::Unknown, Phase::Open, Phase::Stick, Phase::Slip] {
+        let law = Law::from(FrictionLaw::<3>::isotropic(0.01).unwrap());
+        let problem = (gram(3, 4, &mut random), vec![0.0; 3]);
+        let state = ContactState::new(phase, [0.3, -0.2, 0.1]);
+        let memory = solved_in_space(law, NormalForce::Prescribed(0.01), problem, state);
+        assert_eq!(memory.percussion, [0.0; 3], "{phase:?}");
+    }
+}
+
+/// Slip where the friction force nearly pulls the contact in: percussions are twenty times those of the normal row alone.
+#[test]
+fn slip_next_to_the_paradox_is_found_in_space() {
+    let normal = [2.628156e-4, 3.597577e-3, -1.585836e-3, -6.551227e-5];
+    let tangent = [
+        [2.754413539448888, -1.2107472098337682, -0.0652546332701288],
+        [-1.2107472098337682, 0.5322302886232706, 0.02869109986035725],
+        [-0.0652546332701288, 0.02869109986035725, 0.0015600300740363133],
+    ];
+    let delassus = DMatrix::from_fn(4, 4, |i, j| match (i, j) {
+        (0, k) | (k, 0) => normal[k],
+        _ => tangent[i - 1][j - 1],
+    });
+    let law = FrictionLaw::<3>::isotropic(0.5).unwrap();
+    let slip = Vector::<3>::new(0.379, 0.586, 0.554);
+    let mut percussion = nalgebra::DVector::from_element(4, 1.284);
+    let force = law.force(&slip, percussion[0]).unwrap();
+    percussion.rows_mut(1, 3).copy_from(&force);
+    let free = -&delassus * &percussion
+        + nalgebra::DVector::from_row_slice(&[0.0, slip.x, slip.y, slip.z]);
+    let problem = (delassus, free.as_slice().to_vec());
+    let state = ContactState::default();
+    let memory = solved_in_space(law.into(), NormalForce::Unilateral, problem, state);
+    for (found, known) in memory.percussion.iter().zip(&percussion) {
+        assert!((found - known).abs() < 1e-8 * percussion[0], "{found} {known}");
+    }
+}
+
+/// Other units of mass change no digit: no threshold of the solver has a unit.
+#[test]
+fn contacts_in_space_have_no_unit_of_mass() {
+    let mut random = Random::new(19);
+    let shape = Ellipsoid::new(Vector::<3>::new(0.6, 0.3, 0.2)).unwrap();
+    for k in 0..300 {
+        let law = Law::from(FrictionLaw::associated(Convex::from(shape)));
+        let (normal, rows) = match k % 2 {
+            0 => (Some(random.within(0.1, 2.0)), 3),
+            _ => (None, 4),
+        };
+        let delassus = gram(rows, 5, &mut random);
+        let free: Vec<f64> = (0..rows).map(|_| random.normal()).map(|v| -v.abs()).collect();
+        let in_unit = |unit: f64| {
+            let normal =
+                normal.map_or(NormalForce::Unilateral, |n| NormalForce::Prescribed(n * unit));
+            let problem = (&delassus / unit, free.clone());
+            solved_in_space(law.clone(), normal, problem, ContactState::default()).percussion
+        };
+        let (one, other) = (in_unit(1.0), in_unit(2f64.powi(-60)));
+        let scaled: Vec<f64> = one.iter().map(|p| p * 2f64.powi(-60)).collect();
+        assert_eq!(other, scaled, "problem {k}");
+    }
+}

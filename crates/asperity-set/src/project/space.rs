@@ -1,6 +1,6 @@
 //! Projections in three dimensions.
 
-use crate::{ConvexSet, Matrix, Vector, polar};
+use crate::{ConvexSet, Matrix, Vector};
 
 /// Projection in three dimensions by Newton's method on the dual problem
 /// `max z·y − h(y) − ½‖y‖²`, whose solution is `y = z − prox(z)`. Made for strictly convex sets.
@@ -33,7 +33,7 @@ pub(super) fn by_dual_newton<const P: usize, S: ConvexSet<P> + ?Sized>(
     let normal = z - x;
     let gap = set.support(&normal) - x.dot(&normal);
     let fits = gap.abs() <= 1e-12 * x.norm() * normal.norm() && set.gauge(&x) <= 1.0 + 1e-12;
-    if fits { x } else { by_dual_ellipsoids(set, z) }
+    if fits { x } else { by_support_points(set, z) }
 }
 
 /// Most planes that are tried before another method has to do.
@@ -191,16 +191,90 @@ impl<const P: usize> Planes<P> {
     }
 }
 
-/// The same for sets with edges and flat faces, where the dual has no Hessian, from subgradients alone.
-fn by_dual_ellipsoids<const P: usize, S: ConvexSet<P> + ?Sized>(
+/// Most support points that are asked for.
+const SUPPORT_POINTS: usize = 1000;
+
+/// The same for sets with edges and flat faces, where the dual has no Hessian: the point nearest to `z` in the hull of
+/// support points, of which those that carry it are kept, at most `P`, and one more along `z − x` is added
+/// \[GilbertJohnsonKeerthi1988\].
+///
+/// Every point on the way is in the set, and `h(z − x) − x·(z − x)`, which the support point gives for nothing, bounds
+/// how far it is from the nearest one. Polytopes take as many points as they have corners around it and are exact to
+/// rounding; on curved boundaries it is the distance that is, and the point has half the digits.
+fn by_support_points<const P: usize, S: ConvexSet<P> + ?Sized>(
     set: &S,
     z: &Vector<P>,
 ) -> Vector<P> {
-    let descent = |y: &Vector<P>| if y.amax() > 0.0 { set.support_point(y) + y - z } else { -z };
-    // The origin is in the set, so that the solution is no longer than z.
-    let y = polar::by_ellipsoids(&(z * 0.5), 0.5 * z.norm(), &descent);
-    let x = z - y;
-    x / set.gauge(&x).max(1.0)
+    let mut simplex = Simplex { points: [set.support_point(z); 4], count: 1 };
+    let mut x = simplex.points[0];
+    for _ in 0..SUPPORT_POINTS {
+        let normal = z - x;
+        let distance = normal.norm();
+        let point = set.support_point(&normal);
+        let size = x.norm() + z.norm();
+        // The comparison also ends at what is not a number.
+        if !(normal.dot(&(point - x)) > f64::EPSILON * size * distance) {
+            break;
+        }
+        let nearest = simplex.nearest_with(point, z);
+        if !((z - nearest).norm() < distance) {
+            break;
+        }
+        x = nearest;
+    }
+    x
+}
+
+/// Up to four points, the first `count` of them in use.
+struct Simplex<const P: usize> {
+    points: [Vector<P>; 4],
+    count: usize,
+}
+
+impl<const P: usize> Simplex<P> {
+    /// The point of the hull with one more point that is nearest to `z`, which is not in the hull; keeps
+    /// the points that carry it.
+    fn nearest_with(&mut self, point: Vector<P>, z: &Vector<P>) -> Vector<P> {
+        self.points[self.count] = point;
+        let count = self.count + 1;
+        let mut best = (f64::INFINITY, point, 1_usize << self.count);
+        for members in 1_usize..1 << count {
+            // The nearest point lies on a face, which as many points as there are dimensions carry.
+            if members.count_ones() as usize > P.min(3) {
+                continue;
+            }
+            if let Some(x) = self.nearest_in_span(members, z) {
+                let distance = (z - x).norm_squared();
+                if distance < best.0 {
+                    best = (distance, x, members);
+                }
+            }
+        }
+        self.count = 0;
+        for i in (0..count).filter(|i| best.2 >> i & 1 == 1) {
+            self.points[self.count] = self.points[i];
+            self.count += 1;
+        }
+        best.1
+    }
+
+    /// The point nearest to `z` on the line or plane through some of the points, if it is between them.
+    fn nearest_in_span(&self, members: usize, z: &Vector<P>) -> Option<Vector<P>> {
+        let mut chosen = (0..4).filter(|i| members >> i & 1 == 1).map(|i| &self.points[i]);
+        let first = chosen.next()?;
+        let Some(second) = chosen.next().map(|point| point - first) else { return Some(*first) };
+        let away = z - first;
+        let Some(third) = chosen.next().map(|point| point - first) else {
+            let weight = second.dot(&away) / second.norm_squared();
+            return (0.0..=1.0).contains(&weight).then(|| first + second * weight);
+        };
+        // Orthogonal to the second edge, so that little is lost where the triangle is slender.
+        let turned = third - second * (second.dot(&third) / second.norm_squared());
+        let last = turned.dot(&away) / turned.norm_squared();
+        let middle = second.dot(&(away - third * last)) / second.norm_squared();
+        let between = last >= 0.0 && middle >= 0.0 && last + middle <= 1.0;
+        between.then(|| first + second * middle + third * last)
+    }
 }
 
 /// Projection onto an image `{A u : u ∈ S}` in the preimage: `min ‖A u − z‖` over `u ∈ S` by Nesterov's

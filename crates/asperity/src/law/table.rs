@@ -199,7 +199,11 @@ fn corners(reservoir: &Star<2>, direction: &Convex<2>) -> Vec<BoundaryPoint> {
     found.into_iter().flat_map(|corner| corner.1).collect()
 }
 
-/// Nodes at the corners, then wherever the walk turns most until there are `count`.
+/// Nodes all around by position and by normal and at the corners, then wherever the walk turns most until there are
+/// `count`.
+///
+/// By position alone, two neighbours may lie on the opposite flat sides of a slender set: between normals that are a
+/// half turn apart nothing can be interpolated.
 fn nodes(
     reservoir: &Star<2>,
     direction: &Convex<2>,
@@ -207,9 +211,13 @@ fn nodes(
     count: usize,
 ) -> Vec<Node> {
     let mut chain: Vec<BoundaryPoint> = (0..16)
-        .map(|k| {
+        .flat_map(|k| {
             let (sine, cosine) = (TAU * (k as f64 + 0.5) / 16.0).sin_cos();
-            BoundaryPoint::at_position(direction, &Vector::<2>::new(cosine, sine))
+            let around = Vector::<2>::new(cosine, sine);
+            [
+                BoundaryPoint::at_position(direction, &around),
+                BoundaryPoint::at_normal(direction, &around),
+            ]
         })
         .collect();
     chain.extend(corners);

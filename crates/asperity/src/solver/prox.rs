@@ -91,7 +91,7 @@ fn iterate(
             return (iteration, Ended::Done);
         }
         if !residual.is_finite() {
-            return (iteration, Ended::MaxIterations);
+            return (iteration, Ended::Stalled);
         }
         stalled = if residual < 0.9 * best { 0 } else { stalled + 1 };
         best = best.min(residual);

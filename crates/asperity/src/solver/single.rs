@@ -4,7 +4,7 @@
 //! what is found there is refined here, and what is not found there is searched for here: the measure
 //! of a contact decides which percussions are a solution.
 
-use asperity_set::{StarSet, Vector};
+use asperity_set::{Matrix, StarSet, Vector};
 use nalgebra::{Matrix3, Vector3, Vector4};
 
 use super::effort::{Effort, Evaluations};
@@ -52,7 +52,7 @@ const VANISHING: f64 = 1e-13;
 pub(super) struct Single<'a, const P: usize> {
     pub(super) law: &'a FrictionLaw<P>,
     pub(super) normal: NormalForce,
-    /// `G_ii`, unused rows of the unit matrix.
+    /// `G_ii`, unused rows of a multiple of the unit matrix, in its units.
     pub(super) g: Small,
     pub(super) b: V,
     rho: Rho,
@@ -91,6 +91,15 @@ fn inverse(matrix: &Small, condition: f64) -> Option<Small> {
     matrix.lu().try_inverse().filter(|inverse| inverse.norm() * matrix.norm() <= condition)
 }
 
+/// Directions to the centres of the faces, edges and corners of a cube of `P` dimensions.
+fn around<const P: usize>() -> impl Iterator<Item = Vector<P>> {
+    let count = 3usize.pow(P as u32);
+    (0..count).filter(move |&k| k != count / 2).map(|k| {
+        let step = |i: u32| (k / 3usize.pow(i) % 3) as f64 - 1.0;
+        Vector::<P>::from_fn(|i, _| step(i as u32))
+    })
+}
+
 impl<'a, const P: usize> Single<'a, P> {
     /// Contact `i` of a problem with the velocities `held` that the others leave it.
     pub(super) fn of(
@@ -112,14 +121,16 @@ impl<'a, const P: usize> Single<'a, P> {
     ) -> Self {
         let first = usize::from(normal == NormalForce::Unilateral);
         let len = first + P;
+        let mean = (0..len).map(|i| entry(i, i)).sum::<f64>() / len as f64;
         let g = Small::from_fn(|i, j| match i.max(j) < len {
             true => entry(i, j),
-            false => f64::from(u8::from(i == j)),
+            false if i == j => mean,
+            false => 0.0,
         });
         let b = V::from_fn(|i, _| if i < len { load(i) } else { 0.0 });
         let tangent: f64 = (first..len).map(|i| g[(i, i)]).sum();
         let rho = Rho { normal: 1.0 / g[(0, 0)], tangent: P as f64 / tangent };
-        let own_rho = len as f64 / (0..len).map(|i| g[(i, i)]).sum::<f64>();
+        let own_rho = 1.0 / mean;
         Self { law, normal, g, b, rho, own_rho, loads: own_rho * b.norm() }
     }
 
@@ -223,14 +234,67 @@ impl<'a, const P: usize> Single<'a, P> {
         if normal.is_finite() { unit * normal } else { V::zeros() }
     }
 
-    /// Percussions of sliding along directions all around: to the centres of the faces, edges and corners
-    /// of a cube of `P` dimensions.
-    pub(super) fn spread(&self) -> impl Iterator<Item = V> + '_ {
-        let count = 3usize.pow(P as u32);
-        (0..count).filter(move |&k| k != count / 2).map(|k| {
-            let step = |i: u32| (k / 3usize.pow(i) % 3) as f64 - 1.0;
-            self.slipping(&Vector::<P>::from_fn(|i, _| step(i as u32)))
-        })
+    /// Sliding with the normal `n` of *D*: the friction percussion per normal percussion, after 1 for the normal
+    /// one, the denominator `G_N·` of it, and how far the direction of `denominator · γ_T` is from `n`.
+    ///
+    /// With `P_N = −b_N/denominator` that product has no pole where the denominator vanishes, as in `plane/`.
+    fn astray(&self, n: &Vector<P>) -> Option<(V, f64, Vector<P>)> {
+        let force = self.law.force(n, 1.0).ok()?;
+        let (mut unit, first) = (V::zeros(), self.first());
+        (0..P).for_each(|i| unit[first + i] = force[i]);
+        let (denominator, factor) = match self.normal {
+            NormalForce::Prescribed(value) => (1.0, value),
+            NormalForce::Unilateral => {
+                unit[0] = 1.0;
+                (self.g.row(0).transpose().dot(&unit), -self.b[0])
+            }
+        };
+        let slip = self.tangent(&self.b) * denominator + self.tangent(&(self.g * unit)) * factor;
+        Some((unit * factor, denominator, slip.try_normalize(0.0)? - n))
+    }
+
+    /// Newton's method for the normal of *D* along which the contact slides, with differences.
+    ///
+    /// Beside cusps of *C* and on slender *D* the natural map has no derivative to speak of; along bdry *D* the
+    /// percussions depend on the normal the less the sharper these are. Where friction nearly pulls the contact in,
+    /// percussions are large and nothing else leads to them.
+    fn along_normals(&self, start: &Vector<P>, left: &mut Evaluations) -> Option<V> {
+        const STEP: f64 = 1e-7;
+        let mut n = start.try_normalize(0.0)?;
+        let (mut percussion, mut denominator, mut off) = self.astray(&n)?;
+        'newton: for _ in 0..ITERATIONS {
+            let distance = off.norm();
+            if distance <= 4.0 * f64::EPSILON {
+                break;
+            }
+            let mut jacobian = Matrix::<P>::zeros();
+            for k in 0..P {
+                if !left.take() {
+                    break 'newton;
+                }
+                let mut beside = n;
+                beside[k] += STEP;
+                jacobian.set_column(k, &((self.astray(&beside)?.2 - off) / STEP));
+            }
+            // Along the normal itself the derivative is −1.
+            let step = -(jacobian.try_inverse()? * off);
+            let mut length = (0.5 / step.norm()).min(1.0);
+            loop {
+                // The comparison also turns away NaN.
+                if !(length > 1e-4) || !left.take() {
+                    break 'newton;
+                }
+                let next = (n + step * length).normalize();
+                let there = self.astray(&next)?;
+                if there.2.norm() < (1.0 - 1e-4 * length) * distance {
+                    n = next;
+                    (percussion, denominator, off) = there;
+                    break;
+                }
+                length *= 0.5;
+            }
+        }
+        (denominator > 0.0 && off.norm() < 1e-6).then(|| percussion / denominator)
     }
 
     /// `F` and its Jacobian `A + B G`.
@@ -359,9 +423,18 @@ impl<'a, const P: usize> Single<'a, P> {
         };
         let free = self.tangent(&self.b);
         let starts = [self.slipping(&free), V::zeros()];
-        let all = first.iter().copied().chain(starts).chain(self.spread());
+        let all = first.iter().copied().chain(starts);
         if all.filter_map(|p| self.newton(p, &mut left)).any(&mut keep) {
             return best;
+        }
+        // In turns, so that neither takes all evaluations; on a line there are two normals only.
+        for n in std::iter::once(free).chain(around()) {
+            if P > 1 && self.along_normals(&n, &mut left).is_some_and(&mut keep) {
+                return best;
+            }
+            if self.newton(self.slipping(&n), &mut left).is_some_and(&mut keep) {
+                return best;
+            }
         }
         let start = first.first().copied().unwrap_or_default();
         for far in [Self::proximal_point, Self::prox] {
@@ -386,8 +459,11 @@ impl<'a, const P: usize> Single<'a, P> {
             let p = -(inverse * self.b);
             let rest = self.velocity(&p);
             let percussion = p - inverse * rest;
-            // Within the reservoir nothing but the velocity is a defect.
-            let defect = self.own_rho * rest.norm() / self.loads.max(p.norm());
+            // Within the reservoir nothing but the velocity is a defect, and without loads there is none.
+            let defect = match rest.norm() {
+                0.0 => 0.0,
+                rest => self.own_rho * rest / self.loads.max(p.norm()),
+            };
             return self.holds(&percussion).then_some(Graded {
                 percussion,
                 defect,

@@ -124,6 +124,14 @@ pub fn laws() -> Vec<(&'static str, FrictionLaw<2>)> {
             ),
         ),
         ("measured", measured()),
+        // Its sides are so long that rays in many directions meet no other part of it.
+        (
+            "C ellipse, D runner",
+            extended(
+                ellipse(0.6, 0.3, 20.0).into(),
+                CappedRectangle::new(2.6, 0.1, 0.9).unwrap().into(),
+            ),
+        ),
     ]
 }
 
