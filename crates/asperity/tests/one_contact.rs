@@ -225,6 +225,11 @@ fn check_selection(
 
 #[test]
 fn no_solution_is_missed() {
+    compare(300 / FAMILIES.len());
+}
+
+#[test]
+fn no_solution_is_missed_in_ten_thousand_problems() {
     compare(10_000 / FAMILIES.len());
 }
 
@@ -512,6 +517,11 @@ fn check_deficient(count: usize) {
 
 #[test]
 fn blocks_of_any_rank_are_solved() {
+    check_deficient(600);
+}
+
+#[test]
+fn six_thousand_blocks_of_any_rank_are_solved() {
     check_deficient(6_000);
 }
 

@@ -8,10 +8,11 @@ use rayon::prelude::*;
 use super::block::Block;
 use super::effort::Effort;
 use super::local::{Local, LocalSolution, Selection};
+use super::plane::Rising;
 use super::report::Ended;
 use super::threads::{self, Threads};
 use super::{Stop, Workspace, line, plane, space};
-use crate::contact::{ContactProblem, ContactRows, ContactState, Memory};
+use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, Phase};
 use crate::law::Law;
 
 /// Sweeps until the natural residual is below the tolerance.
@@ -78,6 +79,50 @@ pub(super) fn proves_no_solution(
         }
         Law::Three(_) => false,
     }
+}
+
+/// A solution of one contact in which speed and factor agree.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settled {
+    pub(crate) factor: f64,
+    pub(crate) state: ContactState,
+    /// Normal percussion.
+    pub(crate) normal: f64,
+    /// Tangential percussions, to be multiplied by the factor.
+    pub(crate) tangent: [f64; 2],
+    /// Whether there are others.
+    pub(crate) ambiguous: bool,
+}
+
+/// The solution with a factor of the speed at the end that continues `state`, the percussions of the other
+/// contacts held; `None` where there is none, or not `p = 2`.
+#[cold]
+pub(crate) fn settle(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+    state: &ContactState,
+    factor: &Rising<'_>,
+    workspace: &mut Workspace,
+) -> Option<Settled> {
+    let (Law::Two(law), false) =
+        (&problem.contacts[contact].law, problem.delassus.is_matrix_free())
+    else {
+        return None;
+    };
+    let block = Block::new(problem, contact);
+    let local = Local::new(law, problem, contact, &block, percussion);
+    let all = &mut workspace.planar;
+    plane::rising_solutions(&local, factor, all);
+    let found = local.select(all, state)?;
+    let speed = if found.phase == Phase::Slip { found.slip.norm() } else { 0.0 };
+    Some(Settled {
+        factor: factor.falling + factor.rate.rising(speed),
+        state: ContactState::new(found.phase, [found.slip.x, found.slip.y, 0.0]),
+        normal: found.normal,
+        tangent: found.tangent.into(),
+        ambiguous: all.len() > 1,
+    })
 }
 
 /// One sweep; the last contact that had no solution.

@@ -39,8 +39,10 @@ mod stop;
 mod threads;
 
 pub use certificate::Certificate;
+pub(crate) use exact::settle;
 pub use infeasible::{Infeasibility, InfeasibilityKind};
 pub use natural::natural_map;
+pub(crate) use plane::Rising;
 pub use prox::ProxStep;
 pub use report::{Method, SolveReport, Stage, Status};
 pub use residual::{Residual, natural_residual};

@@ -33,14 +33,25 @@ use asperity_set::Vector;
 use nalgebra::DMatrix;
 
 use super::linear_solve::LinearSolver;
-use crate::contact::{ContactProblem, ContactRows, ContactState, Delassus, NormalForce, Phase};
-use crate::law::{FrictionLaw, Law};
+use crate::contact::{
+    ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
+};
+use crate::law::{FrictionLaw, Law, Stribeck};
+use crate::solver::{Rising, Workspace, settle};
 
 /// Factors below this one count as it.
 const SMALLEST: f64 = 1e-12;
 
-/// So many corrections of several contacts are made as they come, and so many more within the same bounds.
-const WHOLE_CORRECTIONS: usize = 30;
+/// How factors are corrected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Correction {
+    /// As Newton's method says; the factor of a single contact within bounds.
+    Whole,
+    /// As Newton's method says, from solutions of the contacts that are consistent one by one.
+    Following,
+    /// Within bounds.
+    Bounded,
+}
 
 /// The factors of all rows of a contact problem.
 #[derive(Debug, Default)]
@@ -59,9 +70,12 @@ pub(super) struct Factors {
     bounds: Vec<(f64, f64)>,
     /// Number of contacts with a factor that rises.
     rising: usize,
+    /// Whether a contact had several solutions in which its speed and factor agree, when last looked for.
+    several: bool,
     /// Per contact: `J` for the percussions of the problem.
     jacobian: Vec<[[f64; 3]; 3]>,
-    /// Per row: directions `e`, zero where a contact does not slip, `w`, and scratch.
+    /// Per row: slip velocities and their directions `e`, zero where a contact does not slip, `w`, and scratch.
+    slip: Vec<f64>,
     direction: Vec<f64>,
     change_of_slip: Vec<f64>,
     load: Vec<f64>,
@@ -88,8 +102,8 @@ impl Factors {
             }
             self.bounds.resize(contacts, (0.0, f64::INFINITY));
             self.jacobian.resize(contacts, [[0.0; 3]; 3]);
-            let Self { direction, change_of_slip, load, product, .. } = self;
-            for list in [direction, change_of_slip, load, product] {
+            let Self { slip, direction, change_of_slip, load, product, .. } = self;
+            for list in [slip, direction, change_of_slip, load, product] {
                 list.clear();
                 list.resize(problem.rows(), 0.0);
             }
@@ -150,7 +164,7 @@ impl Factors {
                 let force = tangential(contact, |row| percussion[row]);
                 self.jacobian[i] = jacobian(contact, &slip, &force, percussion[contact.offset]);
                 for (row, value) in rows.clone().zip(slip.iter()) {
-                    self.direction[row] = value / speed;
+                    (self.slip[row], self.direction[row]) = (*value, value / speed);
                 }
             }
             if let Some(rate) = contact.law.rate()
@@ -233,10 +247,15 @@ impl Factors {
     pub(super) fn mend(
         &mut self,
         problem: &ContactProblem,
-        correction: usize,
+        correction: Correction,
         percussion: &mut [f64],
     ) {
-        if self.rising > 1 && correction.is_multiple_of(WHOLE_CORRECTIONS) {
+        let bounded = match correction {
+            Correction::Whole => self.rising == 1,
+            Correction::Following => false,
+            Correction::Bounded => true,
+        };
+        if self.rising > 1 && !bounded {
             self.forget_bounds();
         }
         for (i, contact) in problem.contacts.iter().enumerate() {
@@ -251,7 +270,6 @@ impl Factors {
                 *high = high.min(old);
             }
             let mut new = old + self.change[i];
-            let bounded = self.rising == 1 || correction >= WHOLE_CORRECTIONS;
             if bounded && high.is_finite() && !(new > *low && new < *high) {
                 new = 0.5 * (*low + *high);
             }
@@ -260,6 +278,67 @@ impl Factors {
             for row in rows {
                 percussion[row] *= old / new;
                 self.rows[row] = new;
+            }
+        }
+    }
+
+    /// Moves the contacts with a factor that rises, one after another, to solutions in which their speeds and
+    /// factors agree, which [`Correction::Following`] then continues. Whether it has moved any.
+    pub(super) fn settle(
+        &mut self,
+        problem: &ContactProblem,
+        before: &[ContactState],
+        memory: &mut Memory,
+        workspace: &mut Workspace,
+    ) -> bool {
+        let mut moved = false;
+        self.several = false;
+        self.change.fill(0.0);
+        let Memory { percussion, states } = memory;
+        for (i, contact) in problem.contacts.iter().enumerate() {
+            let Some(rate) = contact.law.rate().filter(|rate| rate.rises()) else { continue };
+            let rows = own(contact);
+            let present = self.rows[rows.start];
+            let rising = Rising { rate, falling: self.falling[i].max(SMALLEST), present };
+            let Some(found) = settle(problem, i, percussion, &before[i], &rising, workspace) else {
+                continue;
+            };
+            moved = true;
+            self.several |= found.ambiguous;
+            let new = found.factor.max(SMALLEST);
+            self.change[i] = new - present;
+            states[i] = found.state;
+            if contact.normal_rows() == 1 {
+                percussion[contact.offset] = found.normal;
+            }
+            // The operator keeps the factors of before until all contacts have moved.
+            for (row, tangent) in rows.zip(found.tangent) {
+                percussion[row] = tangent * new / present;
+            }
+        }
+        for (i, contact) in problem.contacts.iter().enumerate() {
+            for row in own(contact) {
+                let new = self.rows[row] + self.change[i];
+                percussion[row] *= self.rows[row] / new;
+                self.rows[row] = new;
+            }
+        }
+        moved
+    }
+
+    /// Whether a contact that was moved had a choice.
+    pub(super) fn several(&self) -> bool {
+        self.several
+    }
+
+    /// Lets the states go with the correction, so that the next solve continues what was found and not what was
+    /// before the step.
+    pub(super) fn follow(&self, problem: &ContactProblem, states: &mut [ContactState]) {
+        for (contact, state) in problem.contacts.iter().zip(states) {
+            let slips = own(contact).any(|row| self.direction[row] != 0.0);
+            if slips && contact.law.rate().is_some_and(Stribeck::rises) {
+                let slip = tangential(contact, |row| self.slip[row] + self.change_of_slip[row]);
+                *state = ContactState::new(Phase::Slip, slip.into());
             }
         }
     }

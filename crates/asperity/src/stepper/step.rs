@@ -3,6 +3,7 @@
 use std::cell::Cell;
 
 use super::closed::Change;
+use super::rated::Correction;
 use super::{Assembly, StepError, Stepper};
 use crate::contact::Memory;
 use crate::solver::{SolveReport, Status, Stop};
@@ -10,6 +11,12 @@ use crate::solver::{SolveReport, Status, Stop};
 /// Solves after which the search for factors of the speed at the end of the step gives up. One or two do while
 /// contacts do not disturb each other.
 const MOST_CORRECTIONS: usize = 120;
+/// Corrections after which solutions are looked for in which speed and factor of every contact agree by itself, and
+/// after which factors are kept within bounds. Half of a round has bounds; then it begins anew.
+const UNAIDED: usize = 6;
+const WHOLE_CORRECTIONS: usize = 30;
+const ROUND: usize = 2 * WHOLE_CORRECTIONS;
+
 /// How an attempt to make a step ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Attempt {
@@ -82,7 +89,7 @@ impl Stepper<'_> {
         }
         // What a solve leaves over must not hide what the factors lack.
         let sharp = Stop { tolerance: 0.1 * stop.tolerance, ..stop };
-        let (mut iterations, mut correction) = (0, 0);
+        let (mut iterations, mut correction, mut following) = (0, 0, false);
         loop {
             let mut report = solver.solve(&closed.problem, sharp, memory, workspace);
             iterations += report.iterations;
@@ -97,17 +104,36 @@ impl Stepper<'_> {
             let (defect, contact) = factors.defect(&closed.problem, percussion, velocity, states);
             report.residual = report.residual.max(defect);
             if defect <= stop.tolerance {
+                if following {
+                    report.ambiguous = factors.several();
+                    for (state, before) in states.iter_mut().zip(&before.states) {
+                        *state = before.after(state.phase, state.slip);
+                    }
+                }
                 return report;
             }
             if correction == MOST_CORRECTIONS || stop.cancelled.is_some_and(|ask| ask()) {
                 let status = Status::MaxIterations;
                 return SolveReport { status, worst_contact: contact, ..report };
             }
-            factors.mend(&closed.problem, correction, percussion);
+            following &= !correction.is_multiple_of(WHOLE_CORRECTIONS);
+            if correction % ROUND == UNAIDED {
+                memory.states.clone_from(&before.states);
+                following = factors.settle(&closed.problem, &before.states, memory, workspace);
+            } else if following {
+                factors.mend(&closed.problem, Correction::Following, percussion);
+                factors.follow(&closed.problem, states);
+            } else {
+                let kind = match correction % ROUND {
+                    ..WHOLE_CORRECTIONS => Correction::Whole,
+                    _ => Correction::Bounded,
+                };
+                factors.mend(&closed.problem, kind, percussion);
+                // The states before the step decide between several solutions, whatever was found meanwhile.
+                states.clone_from(&before.states);
+            }
             assembly.rescale(closed);
             workspace.prepare(&closed.problem);
-            // The states before the step decide between several solutions, whatever was found meanwhile.
-            memory.states.clone_from(&before.states);
             correction += 1;
         }
     }
