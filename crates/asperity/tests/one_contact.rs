@@ -225,7 +225,7 @@ fn check_selection(
 
 #[test]
 fn no_solution_is_missed() {
-    compare(300 / FAMILIES.len());
+    compare(150 / FAMILIES.len());
 }
 
 #[test]
@@ -266,12 +266,21 @@ fn roots_on_nodes_are_listed_once() {
 /// Loads next to bdry *C*, where several solutions are frequent: none is overlooked by the fast path.
 #[test]
 fn ambiguity_is_never_overlooked() {
+    check_ambiguity(200);
+}
+
+#[test]
+fn ambiguity_is_never_overlooked_in_four_thousand_problems() {
+    check_ambiguity(4_000);
+}
+
+fn check_ambiguity(count: usize) {
     for (name, law) in laws() {
         let nodes = nodes(&law);
         let reservoir = law.reservoir().clone();
         let law = Law::from(law);
         let mut random = Random::new(11);
-        for k in 0..4000 {
+        for k in 0..count {
             let node = &nodes[(random.unit() * NODES as f64) as usize];
             let x = node.position / reservoir.gauge(&node.position);
             let s = 10f64.powf(random.within(-5.0, 0.5)) * x.norm();

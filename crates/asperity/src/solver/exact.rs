@@ -95,7 +95,7 @@ pub(crate) struct Settled {
 }
 
 /// The solution with a factor of the speed at the end that continues `state`, the percussions of the other
-/// contacts held; `None` where there is none, or not `p = 2`.
+/// contacts held; `None` where there is none, and for `p = 3`.
 #[cold]
 pub(crate) fn settle(
     problem: &ContactProblem,
@@ -105,24 +105,47 @@ pub(crate) fn settle(
     factor: &Rising<'_>,
     workspace: &mut Workspace,
 ) -> Option<Settled> {
-    let (Law::Two(law), false) =
-        (&problem.contacts[contact].law, problem.delassus.is_matrix_free())
-    else {
+    if problem.delassus.is_matrix_free() {
         return None;
-    };
+    }
     let block = Block::new(problem, contact);
-    let local = Local::new(law, problem, contact, &block, percussion);
-    let all = &mut workspace.planar;
-    plane::rising_solutions(&local, factor, all);
-    let found = local.select(all, state)?;
-    let speed = if found.phase == Phase::Slip { found.slip.norm() } else { 0.0 };
-    Some(Settled {
-        factor: factor.falling + factor.rate.rising(speed),
-        state: ContactState::new(found.phase, [found.slip.x, found.slip.y, 0.0]),
-        normal: found.normal,
-        tangent: found.tangent.into(),
-        ambiguous: all.len() > 1,
-    })
+    match &problem.contacts[contact].law {
+        Law::One(law) => {
+            let local = Local::new(law, problem, contact, &block, percussion);
+            let all = &mut workspace.linear;
+            plane::solutions_on_a_line(&local, factor, all);
+            Settled::new(&local, all, state, factor)
+        }
+        Law::Two(law) => {
+            let local = Local::new(law, problem, contact, &block, percussion);
+            let all = &mut workspace.planar;
+            plane::rising_solutions(&local, factor, all);
+            Settled::new(&local, all, state, factor)
+        }
+        Law::Three(_) => None,
+    }
+}
+
+impl Settled {
+    fn new<const P: usize>(
+        local: &Local<'_, P>,
+        all: &[LocalSolution<P>],
+        state: &ContactState,
+        factor: &Rising<'_>,
+    ) -> Option<Self> {
+        let found = local.select(all, state)?;
+        let speed = if found.phase == Phase::Slip { found.slip.norm() } else { 0.0 };
+        let (mut tangent, mut slip) = ([0.0; 2], [0.0; 3]);
+        tangent[..P].copy_from_slice(found.tangent.as_slice());
+        slip[..P].copy_from_slice(found.slip.as_slice());
+        Some(Self {
+            factor: factor.falling + factor.rate.rising(speed),
+            state: ContactState::new(found.phase, slip),
+            normal: found.normal,
+            tangent,
+            ambiguous: all.len() > 1,
+        })
+    }
 }
 
 /// One sweep; the last contact that had no solution.

@@ -121,6 +121,7 @@ pub struct Workspace {
     /// Diagonal blocks of `G`, prepared.
     blocks: Vec<Block>,
     planar: Vec<LocalSolution<2>>,
+    linear: Vec<LocalSolution<1>>,
     states: Vec<ContactState>,
     /// What is left of the work on contacts in sweeps.
     efforts: Vec<Effort>,
@@ -269,6 +270,18 @@ impl Solver {
             phase::classify(problem, workspace);
         }
     }
+}
+
+/// The report on the percussions of a memory as they are, whoever has found them.
+pub(crate) fn grade(
+    problem: &ContactProblem,
+    stop: Stop<'_>,
+    memory: &Memory,
+    workspace: &mut Workspace,
+) -> SolveReport {
+    problem.velocity(&memory.percussion, &mut workspace.velocity);
+    let residual = stop.residual(problem, &memory.percussion, &workspace.velocity);
+    SolveReport::new(Ended::Done, 0, residual, Findings::default(), stop.tolerance)
 }
 
 /// Starts from zero where the percussions of before run away from this problem: they might look like a solution.

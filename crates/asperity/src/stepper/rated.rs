@@ -37,10 +37,13 @@ use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
 use crate::law::{FrictionLaw, Law, Stribeck};
-use crate::solver::{Rising, Workspace, settle};
+use crate::solver::{Rising, Stop, Workspace, settle};
 
 /// Factors below this one count as it.
 const SMALLEST: f64 = 1e-12;
+
+/// Most sweeps over contacts that disturb each other, after which Newton's method goes on.
+const MOST_SWEEPS: usize = 300;
 
 /// How factors are corrected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -288,10 +291,39 @@ impl Factors {
         &mut self,
         problem: &ContactProblem,
         before: &[ContactState],
+        stop: Stop<'_>,
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> bool {
         let mut moved = false;
+        for _ in 0..if self.rising > 1 { MOST_SWEEPS } else { 1 } {
+            let change = self.sweep(problem, before, memory, workspace);
+            moved |= change.is_some();
+            let left = change.is_some_and(|change| change > 0.1 * stop.tolerance);
+            if !left || stop.cancelled.is_some_and(|ask| ask()) {
+                break;
+            }
+        }
+        for (i, contact) in problem.contacts.iter().enumerate() {
+            for row in own(contact) {
+                let new = self.rows[row] + self.change[i];
+                memory.percussion[row] *= self.rows[row] / new;
+                self.rows[row] = new;
+            }
+        }
+        moved
+    }
+
+    /// One sweep of [`settle`](Self::settle): the largest change of a percussion, of all that its contact has; `None`
+    /// if no contact has moved. The operator keeps the factors of before; `change` holds what is to be added to them.
+    fn sweep(
+        &mut self,
+        problem: &ContactProblem,
+        before: &[ContactState],
+        memory: &mut Memory,
+        workspace: &mut Workspace,
+    ) -> Option<f64> {
+        let mut largest = None;
         self.several = false;
         self.change.fill(0.0);
         let Memory { percussion, states } = memory;
@@ -303,27 +335,23 @@ impl Factors {
             let Some(found) = settle(problem, i, percussion, &before[i], &rising, workspace) else {
                 continue;
             };
-            moved = true;
             self.several |= found.ambiguous;
-            let new = found.factor.max(SMALLEST);
-            self.change[i] = new - present;
+            self.change[i] = found.factor - present;
             states[i] = found.state;
             if contact.normal_rows() == 1 {
                 percussion[contact.offset] = found.normal;
             }
-            // The operator keeps the factors of before until all contacts have moved.
+            let (mut moved, mut size) = (0.0_f64, 0.0_f64);
             for (row, tangent) in rows.zip(found.tangent) {
-                percussion[row] = tangent * new / present;
+                let new = tangent * found.factor / present;
+                moved = moved.max((new - percussion[row]).abs());
+                size = size.max(new.abs());
+                percussion[row] = new;
             }
+            let relative = if size > 0.0 { moved / size } else { 0.0 };
+            largest = Some(relative.max(largest.unwrap_or(0.0)));
         }
-        for (i, contact) in problem.contacts.iter().enumerate() {
-            for row in own(contact) {
-                let new = self.rows[row] + self.change[i];
-                percussion[row] *= self.rows[row] / new;
-                self.rows[row] = new;
-            }
-        }
-        moved
+        largest
     }
 
     /// Whether a contact that was moved had a choice.

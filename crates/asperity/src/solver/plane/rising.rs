@@ -16,13 +16,16 @@
 //! once, counted with signs. Held factors have no such order: a solution whose speed agrees with its factor may lie
 //! between stick and another slip that do not.
 //!
+//! For `p = 1` both directions are tried, and there is no equation left.
+//!
 //! Zeros are looked for between the nodes of the law's table, of which two neighbours hold at most one pair that is
 //! overlooked.
 
-use asperity_set::{Arc, BoundaryPoint, StarSet};
+use asperity_set::{Arc, BoundaryPoint, StarSet, Vector};
 
+use super::super::block::Block;
 use super::super::local::{Local, LocalSolution};
-use super::equation::{Slip, V, cross};
+use super::equation::{V, cross};
 use crate::contact::Phase;
 use crate::law::{Node, Stribeck, Walk};
 
@@ -41,11 +44,14 @@ pub(crate) struct Rising<'a> {
 }
 
 /// The equation `F` of one contact; factors are relative to the present one.
-struct Equation<'a, 'b, 'c> {
-    slip: &'a Slip<'b, 'c>,
+struct Equation<'a> {
+    block: &'a Block,
+    prescribed: Option<f64>,
+    b_n: f64,
     factor: &'a Rising<'a>,
     /// `q`.
     load: V,
+    /// `f₋`.
     least: f64,
 }
 
@@ -53,27 +59,63 @@ struct Equation<'a, 'b, 'c> {
 struct At {
     factor: f64,
     speed: f64,
+    /// `F`.
     value: f64,
 }
 
-impl Equation<'_, '_, '_> {
+impl<'a> Equation<'a> {
+    /// The contact, unless it opens or has no normal force; the block must be sound.
+    fn new<const P: usize>(local: &Local<'a, P>, factor: &'a Rising<'a>) -> Self {
+        let Local { block, prescribed, b_n, .. } = *local;
+        let b_t = V::from_fn(|i, _| if i < P { local.b_t[i] } else { 0.0 });
+        let beside = if prescribed.is_none() { b_n / block.g_nn } else { 0.0 };
+        let load = block.schur_inverse * (b_t - block.g_tn * beside);
+        Self { block, prescribed, b_n, factor, load, least: factor.falling / factor.present }
+    }
+
+    /// Stick, if the reservoir `f₋ C` with the given gauge of *C* holds it.
+    fn stick<const P: usize>(&self, gauge: impl Fn(&Vector<P>) -> f64) -> Option<LocalSolution<P>> {
+        let Self { block, load, least, .. } = self;
+        let normal =
+            self.prescribed.unwrap_or_else(|| (block.g_nt.dot(load) - self.b_n) / block.g_nn);
+        let load = Vector::<P>::from_fn(|i, _| load[i]);
+        // The comparison also turns away NaN.
+        (normal > 0.0 && gauge(&(load / normal)) <= *least).then(|| LocalSolution {
+            phase: Phase::Stick,
+            normal,
+            tangent: load / -least,
+            slip: Vector::zeros(),
+            degenerate: false,
+        })
+    }
+
+    /// Slip along `n` with the force along `x`, if there is a speed.
+    fn slip<const P: usize>(&self, n: &V, x: &V) -> Option<LocalSolution<P>> {
+        let At { factor, speed, .. } = self.at(n, x);
+        let normal = self.pull(x, factor)?.0 / factor;
+        (speed > 0.0).then(|| LocalSolution {
+            phase: Phase::Slip,
+            normal,
+            tangent: Vector::from_fn(|i, _| -normal * x[i]),
+            slip: Vector::from_fn(|i, _| speed * n[i]),
+            degenerate: false,
+        })
+    }
+
     /// `P_N φ`, and its slope; `None` where no finite normal force presses.
     fn pull(&self, x: &V, factor: f64) -> Option<(f64, f64)> {
-        let local = self.slip.local;
-        match local.prescribed {
-            Some(normal) => Some((normal * factor, normal)),
-            None => {
-                let denominator = local.denominator(&(x * factor));
-                let normal = -local.b_n / denominator;
-                let slope = normal * local.block.g_nn / denominator;
-                (denominator > 0.0).then_some((normal * factor, slope))
-            }
-        }
+        let Some(normal) = self.prescribed else {
+            let denominator = self.block.g_nn - factor * self.block.g_nt.dot(x);
+            let normal = -self.b_n / denominator;
+            let slope = normal * self.block.g_nn / denominator;
+            return (denominator > 0.0).then_some((normal * factor, slope));
+        };
+        Some((normal * factor, normal))
     }
 
     fn at(&self, n: &V, x: &V) -> At {
-        let Self { slip, factor: Rising { rate, present, .. }, .. } = self;
-        let across = slip.local.block.schur_inverse * n;
+        let Rising { rate, present, .. } = self.factor;
+        let across = self.block.schur_inverse * n;
         let (drive, drag, give) = (n.dot(&self.load), n.dot(x), n.dot(&across));
         let end = |factor: f64, pull: f64| {
             let speed = (drive - pull * drag) / give;
@@ -88,9 +130,9 @@ impl Equation<'_, '_, '_> {
         if !(first.speed > 0.0) {
             return first;
         }
+        // Newton's method within bounds.
         let (mut low, mut high) = (self.least, self.least + rate.rising(first.speed) / present);
-        let mut new = low;
-        let mut best = first;
+        let (mut new, mut best) = (low, first);
         for _ in 0..MOST {
             let Some((pull, slope)) = self.pull(x, new) else {
                 (high, new) = (new, 0.5 * (low + new));
@@ -104,9 +146,8 @@ impl Equation<'_, '_, '_> {
             } else {
                 high = new
             }
-            let fall =
-                if speed > 0.0 { rate.rising_slope(speed) * slope * drag / give } else { 0.0 };
-            let step = lacks / (1.0 + fall / present);
+            let steep = if speed > 0.0 { rate.rising_slope(speed) / present } else { 0.0 };
+            let step = lacks / (1.0 + steep * slope * drag / give);
             if step.abs() <= 2.0 * f64::EPSILON * new {
                 break;
             }
@@ -118,25 +159,6 @@ impl Equation<'_, '_, '_> {
         }
         best
     }
-
-    /// The slip at a zero of `F`.
-    fn solution(&self, root: &BoundaryPoint) -> Option<LocalSolution<2>> {
-        let At { factor, speed, .. } = self.at_point(root);
-        let x = self.slip.on_reservoir(root);
-        let (pull, _) = self.pull(&x, factor)?;
-        let normal = pull / factor;
-        (speed > 0.0).then(|| LocalSolution {
-            phase: Phase::Slip,
-            normal,
-            tangent: x * -normal,
-            slip: root.normal * speed,
-            degenerate: false,
-        })
-    }
-
-    fn at_point(&self, point: &BoundaryPoint) -> At {
-        self.at(&point.normal, &self.slip.on_reservoir(point))
-    }
 }
 
 /// Open, stick and slips in which speed and factor agree, each with the percussions of a problem that has its factor;
@@ -146,36 +168,56 @@ pub(in crate::solver) fn solutions(
     factor: &Rising<'_>,
     out: &mut Vec<LocalSolution<2>>,
 ) {
-    out.clear();
-    let block = local.block;
-    if local.prescribed == Some(0.0) || local.prescribed.is_none() && local.b_n >= 0.0 {
-        out.push(local.open());
+    if without_friction(local, out) {
         return;
     }
-    if !block.sound {
-        return;
-    }
-    let least = factor.falling / factor.present;
-    let beside = if local.prescribed.is_none() { local.b_n / block.g_nn } else { 0.0 };
-    let load = block.schur_inverse * (local.b_t - block.g_tn * beside);
-    let normal = local.prescribed.unwrap_or_else(|| block.g_nt.dot(&load) / block.g_nn - beside);
-    if normal > 0.0 && local.law.reservoir().gauge(&(load / normal)) <= least {
-        let (tangent, slip) = (load / -least, V::zeros());
-        let phase = Phase::Stick;
-        out.push(LocalSolution { phase, normal, tangent, slip, degenerate: false });
-    }
+    let equation = Equation::new(local, factor);
+    let reservoir = local.law.reservoir();
+    out.extend(equation.stick(|x| reservoir.gauge(x)));
     let Walk { table, direction } = local.law.walk();
-    let slip = Slip::new(local, local.law.bounds().largest_radius);
-    let equation = Equation { slip: &slip, factor, load, least };
-    let at_node = |node: &Node| equation.at(&node.point.normal, &(node.x * slip.scale)).value;
+    let scale = local.law.isotropic_coefficient().unwrap_or(1.0);
+    let at_node = |node: &Node| equation.at(&node.point.normal, &(node.x * scale)).value;
+    let on_reservoir = |point: &BoundaryPoint| point.position / reservoir.gauge(&point.position);
     let mut last = at_node(&table.nodes[0]);
     for pair in table.nodes.windows(2) {
         let next = at_node(&pair[1]);
         if (last >= 0.0) != (next >= 0.0) {
             let arc = Arc { start: pair[0].point, end: pair[1].point };
-            let root = arc.root(direction, 0.0, |point| equation.at_point(point).value);
-            out.extend(equation.solution(&root));
+            let value = |at: &BoundaryPoint| equation.at(&at.normal, &on_reservoir(at)).value;
+            let root = arc.root(direction, 0.0, value);
+            out.extend(equation.slip(&root.normal, &on_reservoir(&root)));
         }
         last = next;
     }
+}
+
+/// The same on a line.
+pub(in crate::solver) fn solutions_on_a_line(
+    local: &Local<'_, 1>,
+    factor: &Rising<'_>,
+    out: &mut Vec<LocalSolution<1>>,
+) {
+    if without_friction(local, out) {
+        return;
+    }
+    let equation = Equation::new(local, factor);
+    let reservoir = local.law.reservoir();
+    out.extend(equation.stick(|x| reservoir.gauge(x)));
+    for sign in [1.0, -1.0] {
+        let x = sign / reservoir.gauge(&Vector::<1>::new(sign));
+        out.extend(equation.slip(&V::new(sign, 0.0), &V::new(x, 0.0)));
+    }
+}
+
+/// Whether nothing is left to find: the contact opens, has no normal force, or cannot be solved.
+fn without_friction<const P: usize>(local: &Local<'_, P>, out: &mut Vec<LocalSolution<P>>) -> bool {
+    out.clear();
+    let opens = match local.prescribed {
+        Some(normal) => normal == 0.0,
+        None => local.b_n >= 0.0,
+    };
+    if opens {
+        out.push(local.open());
+    }
+    opens || !local.block.sound
 }
