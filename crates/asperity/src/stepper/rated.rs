@@ -25,6 +25,13 @@
 //!
 //! `w = G (P̃ δφ + φ J w)`, `δφ_i = r_i + f₊′ e_iᵀ w_i`, `e_i = γ_i/s_i`.
 //!
+//! Held factors may have no solution near the one that is looked for, whose speed goes with its factor: a law that turns
+//! the slip may have, at the factor held, stick and two slips, and the consistent solution is a slip in between; and
+//! contacts that push each other may jump between stick and slip by turns. After some corrections consistent solutions
+//! are therefore looked for contact by contact, each with its own factor free (`solver/plane/rising.rs`, which finds all
+//! of them) and the others held, in sweeps. The rule of selection decides between them by the states before the step.
+//! From there Newton's method goes on, the states following the slip velocities `γ + w` that it expects.
+//!
 //! For one contact that goes on slipping along a line with a viscous force one correction is exact. `δφ/φ` is the
 //! defect that is compared with the tolerance: it is a relative error of the friction force, as the residual
 //! of a contact is, whereas `r` magnifies rounding of the speed by `κ`.
