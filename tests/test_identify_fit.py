@@ -156,6 +156,22 @@ def test_samples_on_the_axes_of_a_slender_turned_direction_set():
         assert (fit.residuals**2).sum() < 1.01 * (error**2).sum()
 
 
+@pytest.mark.parametrize("noise", [1e-4, 1e-2])
+@pytest.mark.parametrize("offset", [0.0, 1e-3, 0.3])
+@pytest.mark.parametrize("exponent", [0.5, 0.7, 0.9])
+def test_samples_on_the_tips_of_a_cusped_reservoir_do_not_hide_the_minimum(exponent, offset, noise):
+    phi = np.linspace(0.0, 12.0 * np.pi, 4320, endpoint=False) + offset
+    e = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    error = noise * np.random.default_rng(0).normal(size=e.shape)
+    for direction in (2.0, 3.0, 4.0):
+        law = FrictionLaw(Superellipse(0.5, 0.4, exponent), Superellipse(1.2, 1.0, direction))
+        fit = fit_law((phi, error - law.force(e)))
+        assert (fit.residuals**2).sum() < 1.001 * (error**2).sum()
+        for name, truth in {"reservoir.exponent": exponent, "reservoir.angle": 0.0}.items():
+            found = fit.parameters[name]
+            assert abs(found.value - truth) < 4.0 * found.standard_error
+
+
 def test_apart_and_joint_fits_agree():
     data = sampled(turned_law(), noise=0.005)
     joint, apart = fit_law(data), fit_law(data, joint=False)

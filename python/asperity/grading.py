@@ -68,9 +68,10 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     """Check the proof that a problem has no solution, from the problem alone.
 
     A proof of the kind ``"closing"`` has weights d ≥ 0 on normal rows of unilateral contacts with
-    d·(b + e∘γ_B) < 0 and Gᵀd = 0 up to the rounding of the entries of G, |(Gᵀd)ⱼ| ≤ 8 ε sⱼ Σᵢ sᵢdᵢ with
-    s = √diag G. What that leaves, |(Gᵀd)ⱼ| ≤ η sⱼ, bounds the percussions of any solution from below:
-    Σ sⱼ|Pⱼ| ≥ −d·(b + e∘γ_B)/η, which must be 5e9 times the largest |b_N|/s_N of these contacts.
+    d·(b + e∘γ_B) < 0 and Gᵀd = 0 up to the rounding of the entries of G, |(Gᵀd)ⱼ| ≤ 8 ε sⱼ Σᵢ sᵢdᵢ
+    with s = √diag G. What that leaves, |(Gᵀd)ⱼ| ≤ η sⱼ, bounds the percussions of any solution from
+    below: Σ sⱼ|Pⱼ| ≥ −d·(b + e∘γ_B)/η, which must be 5e9 times the largest |b_N|/s_N of these
+    contacts.
 
     A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
     neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions

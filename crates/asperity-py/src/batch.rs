@@ -1,9 +1,10 @@
 //! Questions to a set, answered for many points, and answers on their way to Python.
 
+use std::cell::{Cell, OnceCell};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use asperity::set::{Convex, Star, Vector, Verdict};
+use asperity::set::{Cancelled, Convex, Star, Vector, Verdict};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -58,6 +59,28 @@ fn in_blocks(
             Python::attach(|py| py.check_signals())?;
         }
         Ok(())
+    })
+}
+
+/// Answers a question without the interpreter. The question asks again and again whether it is given up, as it is by
+/// Ctrl-C; its answer does not matter then.
+pub fn asked<T: Send>(
+    py: Python<'_>,
+    question: impl FnOnce(Cancelled<'_>) -> T + Send,
+) -> PyResult<T> {
+    py.detach(|| {
+        let (last, interrupt) = (Cell::new(Instant::now()), OnceCell::new());
+        let cancelled = || {
+            if interrupt.get().is_none() && last.get().elapsed() >= POLL {
+                if let Err(error) = Python::attach(|py| py.check_signals()) {
+                    let _ = interrupt.set(error);
+                }
+                last.set(Instant::now());
+            }
+            interrupt.get().is_some()
+        };
+        let answer = question(&cancelled);
+        interrupt.into_inner().map_or(Ok(answer), Err)
     })
 }
 

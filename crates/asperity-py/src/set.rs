@@ -2,14 +2,14 @@
 
 use asperity::set::{
     Ball, CappedRectangle, Checked, Convex, CoulombContensou, Cuboid, Ellipse, Ellipsoid,
-    PolarCurve, Polygon, Pressure, Star, Superellipsoid, SupportCurve, WedgeAsperity, convexity,
-    largest_ratio, strict_convexity, symmetry,
+    PolarCurve, Polygon, Pressure, Star, Superellipsoid, SupportCurve, WedgeAsperity,
+    convexity_unless, largest_ratio_unless, strict_convexity_unless, symmetry_unless,
 };
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::any_star::{AnyStar, build, combined, each};
-use crate::batch::{Answer, answer, convex, each_point, flat, touching};
+use crate::batch::{Answer, answer, asked, convex, each_point, flat, touching};
 use crate::convert::{Numbers, Points, numbers, points, rows, square, vector};
 use crate::errors::{Failure, dimension, parameter};
 
@@ -107,15 +107,15 @@ impl Set {
     }
 
     fn convexity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, set => answer(py, &py.detach(|| convexity(set))))
+        each!(&self.0, set => answer(py, &asked(py, |cancelled| convexity_unless(set, cancelled))?))
     }
 
     fn strict_convexity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, set => answer(py, &py.detach(|| strict_convexity(set))))
+        each!(&self.0, set => answer(py, &asked(py, |cancelled| strict_convexity_unless(set, cancelled))?))
     }
 
     fn symmetry<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {
-        each!(&self.0, set => answer(py, &py.detach(|| symmetry(set))))
+        each!(&self.0, set => answer(py, &asked(py, |cancelled| symmetry_unless(set, cancelled))?))
     }
 
     fn scale_inside<'py>(
@@ -124,9 +124,15 @@ impl Set {
         outer: &Self,
     ) -> Result<(f64, Bound<'py, PyArray1<f64>>), Failure> {
         let (ratio, at) = match (&self.0, &outer.0) {
-            (AnyStar::One(a), AnyStar::One(b)) => touching(py.detach(|| largest_ratio(b, a))),
-            (AnyStar::Two(a), AnyStar::Two(b)) => touching(py.detach(|| largest_ratio(b, a))),
-            (AnyStar::Three(a), AnyStar::Three(b)) => touching(py.detach(|| largest_ratio(b, a))),
+            (AnyStar::One(a), AnyStar::One(b)) => {
+                touching(asked(py, |cancelled| largest_ratio_unless(b, a, cancelled))?)
+            }
+            (AnyStar::Two(a), AnyStar::Two(b)) => {
+                touching(asked(py, |cancelled| largest_ratio_unless(b, a, cancelled))?)
+            }
+            (AnyStar::Three(a), AnyStar::Three(b)) => {
+                touching(asked(py, |cancelled| largest_ratio_unless(b, a, cancelled))?)
+            }
             _ => return Err(dimension("outer", "must have the dimension of the set").into()),
         };
         Ok((1.0 / ratio, PyArray1::from_vec(py, at)))

@@ -1,6 +1,6 @@
 //! How large a set fits inside another.
 
-use crate::{ConvexSet, StarSet, Vector, along};
+use crate::{Cancelled, ConvexSet, StarSet, Vector, along};
 
 /// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
 ///
@@ -21,7 +21,19 @@ pub fn largest_scale_inside<const P: usize>(
 /// The largest ratio of two gauges over all directions, `max k_a(x)/k_b(x)`, and a unit direction that has
 /// it: `b` scaled by the reciprocal lies inside `a` and touches it there.
 pub fn largest_ratio<const P: usize>(a: &dyn StarSet<P>, b: &dyn StarSet<P>) -> (f64, Vector<P>) {
-    let ratio = |d: &Vector<P>| a.gauge(d) / b.gauge(d);
+    largest_ratio_unless(a, b, &|| false)
+}
+
+/// The same, unless `cancelled` gives it up, which is asked between evaluations of gauges: the ratio then says nothing.
+pub fn largest_ratio_unless<const P: usize>(
+    a: &dyn StarSet<P>,
+    b: &dyn StarSet<P>,
+    cancelled: Cancelled<'_>,
+) -> (f64, Vector<P>) {
+    // With nothing to gain anywhere every search ends after a few more moves.
+    let ratio = |d: &Vector<P>| {
+        if cancelled() { f64::NEG_INFINITY } else { a.gauge(d) / b.gauge(d) }
+    };
     let mut around = directions::<P>(if P == 3 { 4000 } else { 2880 });
     let own = around.len();
     around.extend(a.corners().into_iter().chain(b.corners()));

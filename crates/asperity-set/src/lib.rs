@@ -61,7 +61,7 @@ pub use cuboid::{Cuboid, Interval};
 pub use ellipsoid::{Ellipse, Ellipsoid};
 pub use error::SetError;
 pub use image::Image;
-pub use inside::{directions, largest_ratio, largest_scale_inside};
+pub use inside::{directions, largest_ratio, largest_ratio_unless, largest_scale_inside};
 pub use planar::Planar;
 pub use plane::Embedded;
 pub use polar_curve::PolarCurve;
@@ -69,7 +69,10 @@ pub use polygon::{OutlineFault, Polygon};
 pub use star::StarSet;
 pub use superellipsoid::{Superellipse, Superellipsoid};
 pub use support_curve::SupportCurve;
-pub use verdict::{Verdict, convexity, star_shape, strict_convexity, symmetry};
+pub use verdict::{
+    Cancelled, Verdict, convexity, convexity_unless, star_shape, strict_convexity,
+    strict_convexity_unless, symmetry, symmetry_unless,
+};
 pub use wedge::WedgeAsperity;
 
 /// A point of R^P.

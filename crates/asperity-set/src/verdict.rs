@@ -9,6 +9,9 @@ use crate::{Convex, ConvexSet, Planar, SetError, Star, StarSet, Vector, along, d
 /// Tolerance of the questions that are decided numerically.
 const TOLERANCE: f64 = 1e-9;
 
+/// Whether a long question is to be given up; asked often, so it should be quick to answer.
+pub type Cancelled<'a> = &'a dyn Fn() -> bool;
+
 /// The answer to a question about a set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict<const P: usize> {
@@ -50,6 +53,11 @@ impl<const P: usize> Verdict<P> {
 
 /// Whether a set is convex. The witness is two points of the set whose middle lies outside.
 pub fn convexity<const P: usize>(set: &Star<P>) -> Verdict<P> {
+    convexity_unless(set, &|| false)
+}
+
+/// The same, unless `cancelled` gives it up, which is asked between evaluations of gauges: the verdict then says nothing.
+pub fn convexity_unless<const P: usize>(set: &Star<P>, cancelled: Cancelled<'_>) -> Verdict<P> {
     let two = |x: Vec<Vector<P>>| {
         let middle = x.iter().sum::<Vector<P>>() * 0.5;
         Verdict::refuted(set.gauge(&middle) - 1.0, x)
@@ -70,8 +78,8 @@ pub fn convexity<const P: usize>(set: &Star<P>) -> Verdict<P> {
             },
             _ => Verdict::exact(true),
         },
-        Star::Image(image) => convexity(image.preimage()).mapped(image.map()),
-        _ => sampled_convexity(set),
+        Star::Image(image) => convexity_unless(image.preimage(), cancelled).mapped(image.map()),
+        _ => sampled_convexity(set, cancelled),
     }
 }
 
@@ -96,9 +104,9 @@ fn beside<const P: usize>(set: &Star<P>, direction: &Vector<P>) -> Verdict<P> {
 
 /// By the gauge in the middle between boundary points near each other: a closed curve or surface around
 /// the origin that is convex everywhere in the small is so in the large.
-fn sampled_convexity<const P: usize>(set: &Star<P>) -> Verdict<P> {
+fn sampled_convexity<const P: usize>(set: &Star<P>, cancelled: Cancelled<'_>) -> Verdict<P> {
     let mut worst = (f64::NEG_INFINITY, Vec::new());
-    for pair in neighbours(set) {
+    for pair in neighbours(set, cancelled).into_iter().take_while(|_| !cancelled()) {
         let excess = set.gauge(&((pair[0] + pair[1]) * 0.5)) - 1.0;
         if excess > worst.0 {
             worst = (excess, pair.to_vec());
@@ -108,8 +116,9 @@ fn sampled_convexity<const P: usize>(set: &Star<P>) -> Verdict<P> {
 }
 
 /// Pairs of boundary points at several distances from each other.
-fn neighbours<const P: usize>(set: &Star<P>) -> Vec<[Vector<P>; 2]> {
+fn neighbours<const P: usize>(set: &Star<P>, cancelled: Cancelled<'_>) -> Vec<[Vector<P>; 2]> {
     let on_boundary = |d: &Vector<P>| d / set.gauge(d);
+    let goes_on = |_: &Vector<P>| !cancelled();
     match P {
         1 => Vec::new(),
         2 => {
@@ -117,7 +126,8 @@ fn neighbours<const P: usize>(set: &Star<P>) -> Vec<[Vector<P>; 2]> {
             around.extend(set.corners());
             let angle = |x: &Vector<P>| x[1].atan2(x[0]).rem_euclid(TAU);
             around.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
-            let points: Vec<Vector<P>> = around.iter().map(on_boundary).collect();
+            let points: Vec<Vector<P>> =
+                around.iter().map_while(|d| goes_on(d).then(|| on_boundary(d))).collect();
             let n = points.len();
             let reaches = [1, 2, 8, 32, 128, 360];
             reaches
@@ -134,7 +144,7 @@ fn neighbours<const P: usize>(set: &Star<P>) -> Vec<[Vector<P>; 2]> {
                 [(u, 0.01), (v, 0.01), (u + v, 0.1), (u - v, 0.3)]
                     .map(|(t, s)| [on_boundary(&(d + t * s)), on_boundary(&(d - t * s))])
             };
-            centres.iter().flat_map(around).collect()
+            centres.iter().take_while(|d| goes_on(d)).flat_map(around).collect()
         }
     }
 }
@@ -142,11 +152,19 @@ fn neighbours<const P: usize>(set: &Star<P>) -> Vec<[Vector<P>; 2]> {
 /// Whether a set is strictly convex (\[WL19\] Def. 1). The witness is two boundary points whose middle is
 /// not in the interior.
 pub fn strict_convexity<const P: usize>(set: &Star<P>) -> Verdict<P> {
+    strict_convexity_unless(set, &|| false)
+}
+
+/// The same, unless `cancelled` gives it up: the verdict then says nothing.
+pub fn strict_convexity_unless<const P: usize>(
+    set: &Star<P>,
+    cancelled: Cancelled<'_>,
+) -> Verdict<P> {
     let convex = match set {
         Star::Convex(convex) => convex,
         _ => {
-            let verdict = convexity(set);
-            return if verdict.holds { sampled_strictness(set) } else { verdict };
+            let verdict = convexity_unless(set, cancelled);
+            return if verdict.holds { sampled_strictness(set, cancelled) } else { verdict };
         }
     };
     if P == 1 {
@@ -164,7 +182,8 @@ pub fn strict_convexity<const P: usize>(set: &Star<P>) -> Verdict<P> {
             Verdict::refuted(0.0, vec![along(0, s.semi_axes()[0]), along(1, s.semi_axes()[1])])
         }
         Convex::Image(image) => {
-            strict_convexity(&Star::Convex(image.preimage().clone())).mapped(image.map())
+            strict_convexity_unless(&Star::Convex(image.preimage().clone()), cancelled)
+                .mapped(image.map())
         }
         Convex::Planar(planar) => match planar.set() {
             Planar::CappedRectangle(set) => {
@@ -186,24 +205,32 @@ pub fn strict_convexity<const P: usize>(set: &Star<P>) -> Verdict<P> {
             },
         },
         Convex::Sum(sum) => {
-            let members = sum.sets().iter().map(|s| strict_convexity(&Star::Convex(s.clone())));
+            let strict =
+                |s: &Convex<P>| strict_convexity_unless(&Star::Convex(s.clone()), cancelled);
+            let members = sum.sets().iter().map(strict);
             match members.into_iter().find(|verdict| !verdict.holds) {
-                Some(verdict) => segment_of_sum(convex, &verdict.witness),
+                Some(verdict) => segment_of_sum(convex, &verdict.witness, cancelled),
                 None => Verdict::exact(true),
             }
         }
         Convex::Intersection(sets) => {
-            let all = sets.sets().iter().all(|s| strict_convexity(&Star::Convex(s.clone())).holds);
-            if all { Verdict::exact(true) } else { sampled_strictness(set) }
+            let strict =
+                |s: &Convex<P>| strict_convexity_unless(&Star::Convex(s.clone()), cancelled);
+            let all = sets.sets().iter().all(|s| strict(s).holds);
+            if all { Verdict::exact(true) } else { sampled_strictness(set, cancelled) }
         }
-        Convex::Custom(_) => sampled_strictness(set),
+        Convex::Custom(_) => sampled_strictness(set, cancelled),
     }
 }
 
 /// A segment in one member's boundary is one in the sum's, where the sum is farthest along its normal.
-fn segment_of_sum<const P: usize>(sum: &Convex<P>, segment: &[Vector<P>]) -> Verdict<P> {
+fn segment_of_sum<const P: usize>(
+    sum: &Convex<P>,
+    segment: &[Vector<P>],
+    cancelled: Cancelled<'_>,
+) -> Verdict<P> {
     let (2, [a, b]) = (P, segment) else {
-        return sampled_strictness(&Star::Convex(sum.clone()));
+        return sampled_strictness(&Star::Convex(sum.clone()), cancelled);
     };
     let normal = quarter_turn(&cast::<P, 2>(&(b - a)));
     let normal = if normal.dot(&cast(a)) < 0.0 { -normal } else { normal };
@@ -213,9 +240,9 @@ fn segment_of_sum<const P: usize>(sum: &Convex<P>, segment: &[Vector<P>]) -> Ver
 }
 
 /// By the gauge in the middle between boundary points: on a chord of the boundary it is one.
-fn sampled_strictness<const P: usize>(set: &Star<P>) -> Verdict<P> {
+fn sampled_strictness<const P: usize>(set: &Star<P>, cancelled: Cancelled<'_>) -> Verdict<P> {
     let mut flattest = (f64::INFINITY, Vec::new());
-    for pair in neighbours(set) {
+    for pair in neighbours(set, cancelled).into_iter().take_while(|_| !cancelled()) {
         let sag = 1.0 - set.gauge(&((pair[0] + pair[1]) * 0.5));
         let size = (pair[0] - pair[1]).norm_squared() / pair[0].norm_squared();
         if sag / size < flattest.0 {
@@ -229,17 +256,22 @@ fn sampled_strictness<const P: usize>(set: &Star<P>) -> Verdict<P> {
 
 /// Whether `C = −C`. The witness is a boundary point `x` with `k(−x) ≠ k(x)`.
 pub fn symmetry<const P: usize>(set: &Star<P>) -> Verdict<P> {
+    symmetry_unless(set, &|| false)
+}
+
+/// The same, unless `cancelled` gives it up: the verdict then says nothing.
+pub fn symmetry_unless<const P: usize>(set: &Star<P>, cancelled: Cancelled<'_>) -> Verdict<P> {
     let sampled = || {
         let probes = directions::<P>(1440).into_iter().chain(set.corners());
-        let points = probes.map(|d| d / set.gauge(&d));
-        let defect = |x: &Vector<P>| (set.gauge(&-x) - 1.0).abs();
-        let worst =
-            points.max_by(|x, y| defect(x).total_cmp(&defect(y))).unwrap_or(Vector::zeros());
-        Verdict::sampled(defect(&worst), vec![worst])
+        let points = probes.take_while(|_| !cancelled()).map(|d| d / set.gauge(&d));
+        let graded = points.map(|x| ((set.gauge(&-x) - 1.0).abs(), x));
+        let worst = graded.max_by(|x, y| x.0.total_cmp(&y.0));
+        let (defect, at) = worst.unwrap_or((0.0, Vector::zeros()));
+        Verdict::sampled(defect, vec![at])
     };
     match set {
         Star::Superellipsoid(_) => Verdict::exact(true),
-        Star::Image(image) => symmetry(image.preimage()).mapped(image.map()),
+        Star::Image(image) => symmetry_unless(image.preimage(), cancelled).mapped(image.map()),
         Star::Planar(planar) if matches!(planar.set(), Planar::WedgeAsperity(_)) => {
             Verdict::exact(true)
         }
@@ -260,7 +292,8 @@ pub fn symmetry<const P: usize>(set: &Star<P>) -> Verdict<P> {
                 }
             },
             Convex::Image(image) => {
-                symmetry(&Star::Convex(image.preimage().clone())).mapped(image.map())
+                symmetry_unless(&Star::Convex(image.preimage().clone()), cancelled)
+                    .mapped(image.map())
             }
             Convex::Planar(planar)
                 if matches!(
@@ -271,7 +304,10 @@ pub fn symmetry<const P: usize>(set: &Star<P>) -> Verdict<P> {
                 Verdict::exact(true)
             }
             Convex::Sum(sum)
-                if sum.sets().iter().all(|s| symmetry(&Star::Convex(s.clone())).holds) =>
+                if sum
+                    .sets()
+                    .iter()
+                    .all(|s| symmetry_unless(&Star::Convex(s.clone()), cancelled).holds) =>
             {
                 Verdict::exact(true)
             }

@@ -3,7 +3,7 @@
 mod common;
 
 use asperity::law::{Fall, FrictionLaw, Law, LawError, Stribeck, flow_sets};
-use asperity::set::{Ball, Convex, ConvexSet, Ellipse, Interval, Star, StarSet, Vector};
+use asperity::set::{Ball, Convex, ConvexSet, Ellipse, Interval, Star, StarSet, Vector, Verdict};
 use common::{Random, V, laws};
 
 #[test]
@@ -268,7 +268,13 @@ fn kinds_of_laws_are_told_with_witnesses() {
     let line = FrictionLaw::associated(Convex::from(
         Interval::new(Vector::<1>::new(-0.2), Vector::<1>::new(0.4)).unwrap(),
     ));
-    assert!(line.associativity().holds && line.collinearity().holds);
+    assert_eq!(line.associativity(), Verdict::exact(true));
+    assert_eq!(line.collinearity(), Verdict::exact(true));
+    // So are closed forms in the plane and in space.
+    let disk = FrictionLaw::<2>::isotropic(0.4).unwrap();
+    assert_eq!(disk.associativity(), Verdict::exact(true));
+    assert_eq!(disk.collinearity(), Verdict::exact(true));
+    assert_eq!(FrictionLaw::<3>::isotropic(0.4).unwrap().collinearity(), Verdict::exact(true));
 }
 
 /// f(φ) of diag(μ₁, μ₂): C has the semi-axes μᵢ, D the ratio √(μ₁/μ₂).

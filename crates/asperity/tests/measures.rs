@@ -1,9 +1,11 @@
 //! The measures of contact problems against small cases that are written out by hand.
 
-use asperity::contact::{ContactProblem, NormalForce};
+use asperity::contact::{ContactProblem, Memory, NormalForce};
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Convex, Cuboid, Ellipse, Interval, Vector};
-use asperity::solver::{Certificate, natural_map, natural_residual};
+use asperity::solver::{
+    Certificate, InfeasibilityKind, Solver, Stop, Workspace, natural_map, natural_residual,
+};
 use nalgebra::DMatrix;
 
 fn isotropic(mu: f64) -> Law {
@@ -187,6 +189,24 @@ fn restitution_enters_the_measures() {
     assert!(map(&problem, &[1.0, 0.0, 0.0]) > 0.1);
 }
 
+/// A body that bounces with half its velocities, along the surface too: `ξ = γ + e γ_B` vanishes in stick.
+#[test]
+fn restitution_enters_the_phases() {
+    let problem = unilateral(isotropic(0.5), [1.0, 0.1, 0.1], [-1.0, 0.02, 0.0])
+        .with_restitution(&[0.5], &[0.5], &[-1.0, 0.02, 0.0])
+        .unwrap();
+    let percussion = [1.5, -0.3, 0.0];
+    close(residual(&problem, &percussion), 0.0);
+    assert_eq!(Certificate::new(&problem, &percussion).phases, [0, 1, 0]);
+    // Faster it slips, to the same side: ξ_T = 0.15 − 0.1·0.75.
+    let problem = unilateral(isotropic(0.5), [1.0, 0.1, 0.1], [-1.0, 0.1, 0.0])
+        .with_restitution(&[0.5], &[0.5], &[-1.0, 0.1, 0.0])
+        .unwrap();
+    let percussion = [1.5, -0.75, 0.0];
+    close(residual(&problem, &percussion), 0.0);
+    assert_eq!(Certificate::new(&problem, &percussion).phases, [0, 0, 1]);
+}
+
 #[test]
 fn certificates_are_in_physical_units() {
     let problem = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [-2.0, 1.0, 0.0]);
@@ -247,4 +267,72 @@ fn certificates_count_phases() {
     let found = Certificate::new(&problem, &[-1.0, -0.1, -0.2, -1.0, 0.0, 0.0]);
     assert_eq!(found.phases, [0, 1, 2]);
     close(found.direction_violation, 0.0);
+}
+
+/// A body of mass `m` between two walls that move at it: `b_N` of both, tangential rows along the walls.
+fn squeezed(mass: f64, walls: [f64; 2]) -> ContactProblem {
+    let (x, y) = ([1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 1.0]);
+    let delassus = DMatrix::from_fn(4, 4, |i, j| (x[i] * x[j] + y[i] * y[j]) / mass);
+    let law = || Law::from(FrictionLaw::<1>::isotropic(0.5).unwrap());
+    let contacts = [0, 1].map(|_| (law(), NormalForce::Unilateral));
+    ContactProblem::new(delassus, vec![walls[0], 0.3, walls[1], 0.3], contacts).unwrap()
+}
+
+/// Both walls close on the body with the mean of their velocities, whatever acts between: `d = (½, 0, ½, 0)`.
+#[test]
+fn walls_that_close_on_a_body_are_proven_to_have_no_solution() {
+    let solvers =
+        [Solver::Exact { max_sweeps: 2000 }, Solver::Auto { interior_point: true, threads: 1 }];
+    for solver in solvers {
+        for mass in [1e-6, 1.0, 1e6] {
+            for (first, second) in [(-1.0, -0.5), (-1.0, 0.5), (0.25, -2.0)] {
+                let problem = squeezed(mass, [first, second]);
+                let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
+                let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
+                assert_eq!(report.status.name(), "no_solution", "{solver:?} {mass} {first}");
+                let proof = workspace.infeasibility.unwrap();
+                assert_eq!(proof.kind, InfeasibilityKind::Closing);
+                let weights = [0.5, 0.0, 0.5, 0.0];
+                for (d, expected) in proof.direction.iter().zip(weights) {
+                    close(*d, expected);
+                }
+                close(proof.closing_velocity, -0.5 * (first + second));
+                assert!(proof.residual <= 4e-15);
+            }
+            // The body gives way, or the walls part.
+            for (first, second) in [(-1.0, 1.0), (-1.0, 1.5), (0.5, 0.25), (-1.0, 1.0 + 1e-6)] {
+                let problem = squeezed(mass, [first, second]);
+                let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
+                let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
+                assert_eq!(report.status.name(), "converged", "{solver:?} {mass} {second}");
+                assert!(workspace.infeasibility.is_none());
+            }
+        }
+    }
+}
+
+/// Painlevé's rod: `γ_N = (G_NN − μ G_NT) P_N + b_N` falls with `P_N`, and the contact slips.
+#[test]
+fn a_rod_that_friction_presses_down_is_proven_to_have_no_solution() {
+    for (sign, velocity) in [(1.0, 1.0), (-1.0, -1.0)] {
+        let delassus = DMatrix::from_row_slice(2, 2, &[1.0, 2.0 * sign, 2.0 * sign, 3.0]);
+        let solve = |mu: f64, b: f64| {
+            let law = FrictionLaw::<1>::isotropic(mu).unwrap().into();
+            let contacts = [(law, NormalForce::Unilateral)];
+            let problem =
+                ContactProblem::new(delassus.clone(), vec![b, 5.0 * velocity], contacts).unwrap();
+            let (mut memory, mut workspace) = (Memory::new(2, 1), Workspace::default());
+            let solver = Solver::Exact { max_sweeps: 1 };
+            let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
+            (report.status.name(), workspace.infeasibility)
+        };
+        let (status, proof) = solve(0.8, -1.0);
+        assert_eq!(status, "no_solution");
+        let proof = proof.unwrap();
+        assert_eq!((proof.kind, proof.contact), (InfeasibilityKind::OneContact, 0));
+        assert_eq!((proof.direction, proof.closing_velocity), (vec![1.0, 0.0], 1.0));
+        // Too smooth to be pressed down, or not pressed at all.
+        assert_eq!(solve(0.4, -1.0), ("converged", None));
+        assert_eq!(solve(0.8, 1.0), ("converged", None));
+    }
 }

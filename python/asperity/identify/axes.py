@@ -38,10 +38,13 @@ _NEAR = 20.0
 _SMALLEST = 1e-9
 # Samples on an axis decide where they are farther from the direction of the model at the angle that
 # all others know than their noise explains: by so many squared standard deviations in all.
-_DECISIVE = 9.0
+DECISIVE = 9.0
 # Angles that differ by less than this in the sum of squares, in variances, are equally good.
 _SAME = 0.01
 _MOST_CANDIDATES = 256
+# Axes of C and D are common to both, and to samples, up to this angle, to which C is known without
+# the samples on its tips; so many angles of samples are tried, which differ by more than rounding.
+_SHARED, _MOST_SHARED, _ROUNDING = 1e-3, 4, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,10 +138,41 @@ def decided_angle(
 
     costs = np.array([cost(angle) for angle in angles.tolist()])
     best = int(costs.argmin())
-    if costs[np.searchsorted(angles, known)] - costs[best] <= _DECISIVE * clear.variance:
+    if costs[np.searchsorted(angles, known)] - costs[best] <= DECISIVE * clear.variance:
         return None
     angle, least = _between(cost, angles, best, float(costs[best]))
     return now if now is not None and cost(now) - least <= _SAME * clear.variance else angle
+
+
+def shared_axes(family: Family, samples: Samples, p: Array) -> list[float]:
+    """Return angles of D with samples on an axis, where C has cusps on the same axes."""
+    c = p[: family.split]
+    apart = float(c[-1] - p[-1])
+    if not (
+        family.joint
+        and family.reservoir.is_cusped(c)
+        and family.direction.flow(p[family.split :]) > 0.0
+    ):
+        return []
+    if abs(apart - round_quarters(apart)) > _SHARED:
+        return []
+    near = _near(samples, float(p[-1]), _SHARED).phi
+    cos, sin = np.cos(near), np.sin(near)
+    off, quarter = _off_axis(cos, sin, float(p[-1]))
+    # On an axis of a D with flat sides rounding decides where a force is: the angles are those of
+    # the samples themselves, of equal ones that which has been turned least.
+    order = np.lexsort((np.abs(near), np.rint(np.abs(off) / _ROUNDING)))
+    own = _angle_back(cos, sin, quarter)[order]
+    angles: list[float] = []
+    for angle in own[:_MOST_CANDIDATES].tolist():
+        if len(angles) < _MOST_SHARED and all(abs(angle - a) > _ROUNDING for a in angles):
+            angles.append(angle)
+    return angles
+
+
+def round_quarters(angle: float) -> float:
+    """Return the multiple of a quarter turn that is nearest to an angle."""
+    return round(angle / (0.5 * np.pi)) * 0.5 * np.pi
 
 
 def _between(

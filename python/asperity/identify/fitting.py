@@ -8,10 +8,13 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity.errors import FitError, ParameterError
 from asperity.identify.axes import (
+    DECISIVE,
     Clear,
     clear_of_axes,
     decided_angle,
     is_singular,
+    round_quarters,
+    shared_axes,
 )
 from asperity.identify.bins import check_coverage, grouped
 from asperity.identify.descent import Descent, refine
@@ -135,12 +138,14 @@ def _fit_samples(
     """
 
     def from_here(p: Array, measure: Loss) -> tuple[Descent, bool]:
+        descent, held = None, False
         if clear is not None:
             known = clear.p if p is first else p
             descent, held = _descend_about_axes(family, samples, known, measure, clear)
-            if descent.converged:
-                return descent, held
-        return _descend(family, samples, p, measure), False
+        if descent is None or not descent.converged:
+            descent, held = _descend(family, samples, p, measure), False
+        shared = _descend_on_shared_axes(family, samples, descent, measure)
+        return (descent, held) if shared is None else (shared, True)
 
     if loss.is_linear:
         descent, held = from_here(first, loss)
@@ -161,17 +166,17 @@ def _fit_samples(
 
 
 def _descend(
-    family: Family, samples: Samples, p: Array, loss: Loss, *, angle: float | None = None
+    family: Family, samples: Samples, p: Array, loss: Loss, held: dict[int, float] | None = None
 ) -> Descent:
-    """Descend on all samples; with the angle of D, the last coordinate, held if it is given."""
+    """Descend on all samples; with some coordinates held."""
     free = np.ones(family.size)
-    if angle is not None:
-        p, free[-1] = p.copy(), 0.0
-        p[-1] = angle
+    if held:
+        p, at = p.copy(), list(held)
+        p[at], free[at] = list(held.values()), 0.0
 
     def sums_at(at: Array) -> Sums:
         sums = family.sums(samples, at, loss)
-        if angle is None:
+        if not held:
             return sums
         return Sums(sums.cost, sums.gradient * free, sums.matrix * np.outer(free, free))
 
@@ -195,7 +200,32 @@ def _descend_about_axes(
             return _descend(family, samples, p, loss), False
         if held == before:
             break
-        descent = _descend(family, samples, p, loss, angle=held)
+        descent = _descend(family, samples, p, loss, {family.size - 1: held})
         p = descent.p
     # The bands are those of an angle that is free.
     return descent._replace(sums=family.sums(samples, p, loss)), True
+
+
+def _descend_on_shared_axes(
+    family: Family, samples: Samples, descent: Descent, loss: Loss
+) -> Descent | None:
+    """Descend with samples on the axes of both sets, where C has cusps there; None if no better."""
+    # From a tip, r_C falls with |θ − α|^s: for s < 1 the sum of squares has a cusp where a sample
+    # is on a tip, and no step along derivatives leads there. Samples are on several tips at once
+    # where axes of C and D and samples fall together, as with the positions of an encoder.
+    axes = (family.split - 1, family.size - 1)
+    angles = shared_axes(family, samples, descent.p)
+    if not angles:
+        return None
+    # Not that of the descent, whose last step may be continued linearly, across a cusp.
+    best, cost = None, float(family.sums(samples, descent.p, loss).cost.sum())
+    least = DECISIVE * cost / max(2 * len(samples) - family.size, 1) if descent.converged else 0.0
+    for angle in angles:
+        held = {axis: angle + round_quarters(descent.p[axis] - angle) for axis in axes}
+        trial = _descend(family, samples, descent.p, loss, held)
+        if trial.converged and trial.cost < cost - least:
+            best, cost = trial, trial.cost
+    if best is None:
+        return None
+    # The bands are those of angles that are free.
+    return best._replace(sums=family.sums(samples, best.p, loss))

@@ -40,6 +40,10 @@ class ReservoirModel(CurveModel, ABC):
     def reservoir(self, p: Array) -> StarSet:
         """Return the set C."""
 
+    def is_cusped(self, p: Array) -> bool:
+        """Return whether the radius has no derivative on the axes of the set."""
+        return False
+
     @abstractmethod
     def start(self, c: Array, s: Array, radius: Array, weight: Array) -> list[Array]:
         """Return coordinates to start from, for radii in directions (c, s)."""
@@ -137,6 +141,10 @@ class SuperellipseReservoir(ReservoirModel):
             exponent = _LOG_2 / max(math.log(math.hypot(a, b) / between), 0.05)
             starts.append(np.array([math.log(a), math.log(b), math.log(exponent), angle]))
         return starts
+
+    def is_cusped(self, p: Array) -> bool:
+        """Return whether the exponent is below 1: an astroid and beyond."""
+        return self._exponent(p) < 1.0
 
     def roundness(self) -> Roundness:
         """Return ln a/b, and ln s/2 if the exponent is free."""

@@ -8,10 +8,11 @@ use rayon::prelude::*;
 use super::block::Block;
 use super::effort::Effort;
 use super::local::{Local, LocalSolution, Selection};
+use super::plane::Rising;
 use super::report::Ended;
 use super::threads::{self, Threads};
 use super::{Stop, Workspace, line, plane, space};
-use crate::contact::{ContactProblem, ContactRows, ContactState, Memory};
+use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, Phase};
 use crate::law::Law;
 
 /// Sweeps until the natural residual is below the tolerance.
@@ -77,6 +78,73 @@ pub(super) fn proves_no_solution(
             plane::proves_no_solution(&Local::new(law, problem, contact, &block, percussion))
         }
         Law::Three(_) => false,
+    }
+}
+
+/// A solution of one contact in which speed and factor agree.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settled {
+    pub(crate) factor: f64,
+    pub(crate) state: ContactState,
+    /// Normal percussion.
+    pub(crate) normal: f64,
+    /// Tangential percussions, to be multiplied by the factor.
+    pub(crate) tangent: [f64; 2],
+    /// Whether there are others.
+    pub(crate) ambiguous: bool,
+}
+
+/// The solution with a factor of the speed at the end that continues `state`, the percussions of the other
+/// contacts held; `None` where there is none, and for `p = 3`.
+#[cold]
+pub(crate) fn settle(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+    state: &ContactState,
+    factor: &Rising<'_>,
+    workspace: &mut Workspace,
+) -> Option<Settled> {
+    if problem.delassus.is_matrix_free() {
+        return None;
+    }
+    let block = Block::new(problem, contact);
+    match &problem.contacts[contact].law {
+        Law::One(law) => {
+            let local = Local::new(law, problem, contact, &block, percussion);
+            let all = &mut workspace.linear;
+            plane::solutions_on_a_line(&local, factor, all);
+            Settled::new(&local, all, state, factor)
+        }
+        Law::Two(law) => {
+            let local = Local::new(law, problem, contact, &block, percussion);
+            let all = &mut workspace.planar;
+            plane::rising_solutions(&local, factor, all);
+            Settled::new(&local, all, state, factor)
+        }
+        Law::Three(_) => None,
+    }
+}
+
+impl Settled {
+    fn new<const P: usize>(
+        local: &Local<'_, P>,
+        all: &[LocalSolution<P>],
+        state: &ContactState,
+        factor: &Rising<'_>,
+    ) -> Option<Self> {
+        let found = local.select(all, state)?;
+        let speed = if found.phase == Phase::Slip { found.slip.norm() } else { 0.0 };
+        let (mut tangent, mut slip) = ([0.0; 2], [0.0; 3]);
+        tangent[..P].copy_from_slice(found.tangent.as_slice());
+        slip[..P].copy_from_slice(found.slip.as_slice());
+        Some(Self {
+            factor: factor.falling + factor.rate.rising(speed),
+            state: ContactState::new(found.phase, slip),
+            normal: found.normal,
+            tangent,
+            ambiguous: all.len() > 1,
+        })
     }
 }
 

@@ -41,8 +41,10 @@ mod threads;
 
 pub use cases::{Case, State};
 pub use certificate::Certificate;
+pub(crate) use exact::settle;
 pub use infeasible::{Infeasibility, InfeasibilityKind, Unsolvable};
 pub use natural::natural_map;
+pub(crate) use plane::Rising;
 pub use prox::ProxStep;
 pub use report::{Method, SolveReport, Stage, Status};
 pub use residual::{Residual, natural_residual};
@@ -121,6 +123,7 @@ pub struct Workspace {
     /// Diagonal blocks of `G`, prepared.
     blocks: Vec<Block>,
     planar: Vec<LocalSolution<2>>,
+    linear: Vec<LocalSolution<1>>,
     states: Vec<ContactState>,
     /// What is left of the work on contacts in sweeps.
     efforts: Vec<Effort>,
@@ -269,6 +272,18 @@ impl Solver {
             phase::classify(problem, workspace);
         }
     }
+}
+
+/// The report on the percussions of a memory as they are, whoever has found them.
+pub(crate) fn grade(
+    problem: &ContactProblem,
+    stop: Stop<'_>,
+    memory: &Memory,
+    workspace: &mut Workspace,
+) -> SolveReport {
+    problem.velocity(&memory.percussion, &mut workspace.velocity);
+    let residual = stop.residual(problem, &memory.percussion, &workspace.velocity);
+    SolveReport::new(Ended::Done, 0, residual, Findings::default(), stop.tolerance)
 }
 
 /// Starts from zero where the percussions of before run away from this problem: they might look like a solution.

@@ -25,6 +25,13 @@
 //!
 //! `w = G (P̃ δφ + φ J w)`, `δφ_i = r_i + f₊′ e_iᵀ w_i`, `e_i = γ_i/s_i`.
 //!
+//! Held factors may have no solution near the one that is looked for, whose speed goes with its factor: a law that turns
+//! the slip may have, at the factor held, stick and two slips, and the consistent solution is a slip in between; and
+//! contacts that push each other may jump between stick and slip by turns. After some corrections consistent solutions
+//! are therefore looked for contact by contact, each with its own factor free (`solver/plane/rising.rs`, which finds all
+//! of them) and the others held, in sweeps. The rule of selection decides between them by the states before the step.
+//! From there Newton's method goes on, the states following the slip velocities `γ + w` that it expects.
+//!
 //! For one contact that goes on slipping along a line with a viscous force one correction is exact. `δφ/φ` is the
 //! defect that is compared with the tolerance: it is a relative error of the friction force, as the residual
 //! of a contact is, whereas `r` magnifies rounding of the speed by `κ`.
@@ -33,14 +40,28 @@ use asperity_set::Vector;
 use nalgebra::DMatrix;
 
 use super::linear_solve::LinearSolver;
-use crate::contact::{ContactProblem, ContactRows, ContactState, Delassus, NormalForce, Phase};
-use crate::law::{FrictionLaw, Law};
+use crate::contact::{
+    ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
+};
+use crate::law::{FrictionLaw, Law, Stribeck};
+use crate::solver::{Rising, Stop, Workspace, settle};
 
 /// Factors below this one count as it.
 const SMALLEST: f64 = 1e-12;
 
-/// So many corrections of several contacts are made as they come, and so many more within the same bounds.
-const WHOLE_CORRECTIONS: usize = 30;
+/// Most sweeps over contacts that disturb each other, after which Newton's method goes on.
+const MOST_SWEEPS: usize = 300;
+
+/// How factors are corrected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Correction {
+    /// As Newton's method says; the factor of a single contact within bounds.
+    Whole,
+    /// As Newton's method says, from solutions of the contacts that are consistent one by one.
+    Following,
+    /// Within bounds.
+    Bounded,
+}
 
 /// The factors of all rows of a contact problem.
 #[derive(Debug, Default)]
@@ -59,9 +80,12 @@ pub(super) struct Factors {
     bounds: Vec<(f64, f64)>,
     /// Number of contacts with a factor that rises.
     rising: usize,
+    /// Whether a contact had several solutions in which its speed and factor agree, when last looked for.
+    several: bool,
     /// Per contact: `J` for the percussions of the problem.
     jacobian: Vec<[[f64; 3]; 3]>,
-    /// Per row: directions `e`, zero where a contact does not slip, `w`, and scratch.
+    /// Per row: slip velocities and their directions `e`, zero where a contact does not slip, `w`, and scratch.
+    slip: Vec<f64>,
     direction: Vec<f64>,
     change_of_slip: Vec<f64>,
     load: Vec<f64>,
@@ -88,8 +112,8 @@ impl Factors {
             }
             self.bounds.resize(contacts, (0.0, f64::INFINITY));
             self.jacobian.resize(contacts, [[0.0; 3]; 3]);
-            let Self { direction, change_of_slip, load, product, .. } = self;
-            for list in [direction, change_of_slip, load, product] {
+            let Self { slip, direction, change_of_slip, load, product, .. } = self;
+            for list in [slip, direction, change_of_slip, load, product] {
                 list.clear();
                 list.resize(problem.rows(), 0.0);
             }
@@ -150,7 +174,7 @@ impl Factors {
                 let force = tangential(contact, |row| percussion[row]);
                 self.jacobian[i] = jacobian(contact, &slip, &force, percussion[contact.offset]);
                 for (row, value) in rows.clone().zip(slip.iter()) {
-                    self.direction[row] = value / speed;
+                    (self.slip[row], self.direction[row]) = (*value, value / speed);
                 }
             }
             if let Some(rate) = contact.law.rate()
@@ -233,10 +257,15 @@ impl Factors {
     pub(super) fn mend(
         &mut self,
         problem: &ContactProblem,
-        correction: usize,
+        correction: Correction,
         percussion: &mut [f64],
     ) {
-        if self.rising > 1 && correction.is_multiple_of(WHOLE_CORRECTIONS) {
+        let bounded = match correction {
+            Correction::Whole => self.rising == 1,
+            Correction::Following => false,
+            Correction::Bounded => true,
+        };
+        if self.rising > 1 && !bounded {
             self.forget_bounds();
         }
         for (i, contact) in problem.contacts.iter().enumerate() {
@@ -251,7 +280,6 @@ impl Factors {
                 *high = high.min(old);
             }
             let mut new = old + self.change[i];
-            let bounded = self.rising == 1 || correction >= WHOLE_CORRECTIONS;
             if bounded && high.is_finite() && !(new > *low && new < *high) {
                 new = 0.5 * (*low + *high);
             }
@@ -260,6 +288,92 @@ impl Factors {
             for row in rows {
                 percussion[row] *= old / new;
                 self.rows[row] = new;
+            }
+        }
+    }
+
+    /// Moves the contacts with a factor that rises, one after another, to solutions in which their speeds and
+    /// factors agree, which [`Correction::Following`] then continues. Whether it has moved any.
+    pub(super) fn settle(
+        &mut self,
+        problem: &ContactProblem,
+        before: &[ContactState],
+        stop: Stop<'_>,
+        memory: &mut Memory,
+        workspace: &mut Workspace,
+    ) -> bool {
+        let mut moved = false;
+        for _ in 0..if self.rising > 1 { MOST_SWEEPS } else { 1 } {
+            let change = self.sweep(problem, before, memory, workspace);
+            moved |= change.is_some();
+            let left = change.is_some_and(|change| change > 0.1 * stop.tolerance);
+            if !left || stop.cancelled.is_some_and(|ask| ask()) {
+                break;
+            }
+        }
+        for (i, contact) in problem.contacts.iter().enumerate() {
+            for row in own(contact) {
+                let new = self.rows[row] + self.change[i];
+                memory.percussion[row] *= self.rows[row] / new;
+                self.rows[row] = new;
+            }
+        }
+        moved
+    }
+
+    /// One sweep of [`settle`](Self::settle): the largest change of a percussion, of all that its contact has; `None`
+    /// if no contact has moved. The operator keeps the factors of before; `change` holds what is to be added to them.
+    fn sweep(
+        &mut self,
+        problem: &ContactProblem,
+        before: &[ContactState],
+        memory: &mut Memory,
+        workspace: &mut Workspace,
+    ) -> Option<f64> {
+        let mut largest = None;
+        self.several = false;
+        self.change.fill(0.0);
+        let Memory { percussion, states } = memory;
+        for (i, contact) in problem.contacts.iter().enumerate() {
+            let Some(rate) = contact.law.rate().filter(|rate| rate.rises()) else { continue };
+            let rows = own(contact);
+            let present = self.rows[rows.start];
+            let rising = Rising { rate, falling: self.falling[i].max(SMALLEST), present };
+            let Some(found) = settle(problem, i, percussion, &before[i], &rising, workspace) else {
+                continue;
+            };
+            self.several |= found.ambiguous;
+            self.change[i] = found.factor - present;
+            states[i] = found.state;
+            if contact.normal_rows() == 1 {
+                percussion[contact.offset] = found.normal;
+            }
+            let (mut moved, mut size) = (0.0_f64, 0.0_f64);
+            for (row, tangent) in rows.zip(found.tangent) {
+                let new = tangent * found.factor / present;
+                moved = moved.max((new - percussion[row]).abs());
+                size = size.max(new.abs());
+                percussion[row] = new;
+            }
+            let relative = if size > 0.0 { moved / size } else { 0.0 };
+            largest = Some(relative.max(largest.unwrap_or(0.0)));
+        }
+        largest
+    }
+
+    /// Whether a contact that was moved had a choice.
+    pub(super) fn several(&self) -> bool {
+        self.several
+    }
+
+    /// Lets the states go with the correction, so that the next solve continues what was found and not what was
+    /// before the step.
+    pub(super) fn follow(&self, problem: &ContactProblem, states: &mut [ContactState]) {
+        for (contact, state) in problem.contacts.iter().zip(states) {
+            let slips = own(contact).any(|row| self.direction[row] != 0.0);
+            if slips && contact.law.rate().is_some_and(Stribeck::rises) {
+                let slip = tangential(contact, |row| self.slip[row] + self.change_of_slip[row]);
+                *state = ContactState::new(Phase::Slip, slip.into());
             }
         }
     }

@@ -3,13 +3,21 @@
 use std::cell::Cell;
 
 use super::closed::Change;
+use super::rated::Correction;
 use super::{Assembly, StepError, Stepper};
 use crate::contact::Memory;
-use crate::solver::{SolveReport, Status, Stop};
+use crate::solver::{self, SolveReport, Status, Stop};
 
 /// Solves after which the search for factors of the speed at the end of the step gives up. One or two do while
 /// contacts do not disturb each other.
 const MOST_CORRECTIONS: usize = 120;
+/// Corrections after which solutions are looked for in which speed and factor of every contact agree by itself, and
+/// after which factors are kept within bounds. Half of a round has bounds; then it begins anew.
+const UNAIDED: usize = 6;
+const SETTLING: usize = 12;
+const WHOLE_CORRECTIONS: usize = 30;
+const ROUND: usize = 2 * WHOLE_CORRECTIONS;
+
 /// How an attempt to make a step ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Attempt {
@@ -80,34 +88,73 @@ impl Stepper<'_> {
         if !assembly.factors().rises() {
             return solver.solve(&closed.problem, stop, memory, workspace);
         }
-        // What a solve leaves over must not hide what the factors lack.
-        let sharp = Stop { tolerance: 0.1 * stop.tolerance, ..stop };
         let (mut iterations, mut correction) = (0, 0);
+        let (mut settled, mut following) = (false, false);
         loop {
-            let mut report = solver.solve(&closed.problem, sharp, memory, workspace);
+            // What a solve leaves over must not hide what the factors lack: among contacts of one body a stiff
+            // factor magnifies it.
+            let part = if correction < UNAIDED { 0.1 } else { 1e-3 };
+            let sharp = Stop { tolerance: part * stop.tolerance, ..stop };
+            let mut report = solver::grade(&closed.problem, sharp, memory, workspace);
+            if !settled || report.status != Status::Converged {
+                report = solver.solve(&closed.problem, sharp, memory, workspace);
+            }
             iterations += report.iterations;
             report.iterations = iterations;
             let runs_away = matches!(report.status, Status::NoSolution | Status::Unbounded);
-            if runs_away || !(report.residual <= stop.tolerance) {
-                return report;
+            let solved = !runs_away && report.residual <= stop.tolerance;
+            let ends = correction == MOST_CORRECTIONS || stop.cancelled.is_some_and(|ask| ask());
+            if !solved {
+                if ends || !following && correction >= UNAIDED {
+                    return report;
+                }
+                // A factor in between may have no solution, or none that is found.
+                correction = correction.max(UNAIDED);
             }
-            report.status = Status::Converged;
-            let Memory { percussion, states } = &mut *memory;
-            let (factors, velocity) = (assembly.factors(), &workspace.velocity);
-            let (defect, contact) = factors.defect(&closed.problem, percussion, velocity, states);
+            let factors = assembly.factors();
+            let (mut defect, mut contact) = (f64::INFINITY, report.worst_contact);
+            if solved {
+                report.status = Status::Converged;
+                let Memory { percussion, states } = &*memory;
+                let velocity = &workspace.velocity;
+                (defect, contact) = factors.defect(&closed.problem, percussion, velocity, states);
+            }
             report.residual = report.residual.max(defect);
             if defect <= stop.tolerance {
+                if following {
+                    report.ambiguous = factors.several();
+                    for (state, before) in memory.states.iter_mut().zip(&before.states) {
+                        *state = before.after(state.phase, state.slip);
+                    }
+                }
                 return report;
             }
-            if correction == MOST_CORRECTIONS || stop.cancelled.is_some_and(|ask| ask()) {
+            if ends {
                 let status = Status::MaxIterations;
                 return SolveReport { status, worst_contact: contact, ..report };
             }
-            factors.mend(&closed.problem, correction, percussion);
+            following &= solved && !correction.is_multiple_of(WHOLE_CORRECTIONS);
+            let place = correction % ROUND;
+            settled = place < WHOLE_CORRECTIONS && place % SETTLING == UNAIDED;
+            if settled {
+                let states = &before.states;
+                following = factors.settle(&closed.problem, states, stop, memory, workspace);
+            } else if solved {
+                let kind = match place {
+                    _ if following => Correction::Following,
+                    ..WHOLE_CORRECTIONS => Correction::Whole,
+                    _ => Correction::Bounded,
+                };
+                factors.mend(&closed.problem, kind, &mut memory.percussion);
+            }
+            if !following {
+                // The states before the step decide between several solutions, whatever was found meanwhile.
+                memory.states.clone_from(&before.states);
+            } else if !settled {
+                factors.follow(&closed.problem, &mut memory.states);
+            }
             assembly.rescale(closed);
             workspace.prepare(&closed.problem);
-            // The states before the step decide between several solutions, whatever was found meanwhile.
-            memory.states.clone_from(&before.states);
             correction += 1;
         }
     }

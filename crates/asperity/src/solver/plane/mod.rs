@@ -8,6 +8,7 @@ mod all;
 mod equation;
 mod isotropic;
 mod proof;
+mod rising;
 mod scan;
 mod search;
 #[cfg(test)]
@@ -23,6 +24,8 @@ use crate::law::COARSE;
 pub(super) use all::solutions;
 use equation::{Slip, V, cross};
 pub(super) use proof::proves_no_solution;
+pub(crate) use rising::Rising;
+pub(super) use rising::{solutions as rising_solutions, solutions_on_a_line};
 use scan::Scan;
 
 /// The solution that continues `state`, by the fast path where uniqueness is certain.
