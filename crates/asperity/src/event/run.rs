@@ -182,6 +182,11 @@ impl<'a> Runner<'a> {
             let shorter = self.control.h;
             return Ok(self.shorten(shorter));
         }
+        let growth = self.step.growth();
+        if self.control.repels(h, growth) {
+            let shorter = self.control.h;
+            return Ok(self.shorten(shorter));
+        }
         match self.watch()? {
             Watch::Singular => Ok(self.shorten(0.5 * h)),
             Watch::Quiet if self.field.narrow(self.step.end(&self.step.u)) => Ok(self.shorten(h)),

@@ -215,7 +215,7 @@ impl Runner<'_> {
     /// Takes the end of the attempt, or of the last look, as the present state.
     fn go_to(&mut self, t: f64, attempt: bool) -> Result<(), FieldError> {
         let step = if attempt { &self.step } else { &self.probe };
-        let h = step.h;
+        let (h, unstable) = (step.h, step.unstable);
         self.state.t = t;
         self.state.q.copy_from_slice(step.end(&step.q));
         self.state.u.copy_from_slice(step.end(&step.u));
@@ -225,7 +225,7 @@ impl Runner<'_> {
         self.control.see(&mut self.field, &self.state.q, &self.state.u, h);
         if h > 0.0 {
             self.motion.steps += 1;
-            self.control.made(&self.field, h);
+            self.control.made(&self.field, h, unstable);
         }
         self.field.survey(&self.state)
     }
