@@ -71,7 +71,9 @@ impl Control {
             let rows = (1..=field.touches[i].p).map(|r| largest(field.row(ROWS * i + r)));
             let creep = rows.fold(0.0, f64::max) * creep;
             let touch = &mut field.touches[i];
-            touch.speed = touch.speed.max(touch.size).max(creep);
+            touch.speed = touch.speed.max(touch.size);
+            // The slip of what sticks is taken out again after every step, however long.
+            touch.creep = if touch.mode == Phase::Stick { 0.0 } else { touch.creep.max(creep) };
             if touch.prescribed.is_none() {
                 touch.reach = touch.reach.max(sizes).max((touch.gap - sum).abs());
             }

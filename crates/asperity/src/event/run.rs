@@ -240,7 +240,7 @@ impl<'a> Runner<'a> {
         }
         let slow = |&i: &usize| {
             let touch = &self.field.touches[i];
-            norm(&touch.slip) / touch.speed
+            norm(&touch.slip) / touch.reference()
         };
         let slips = |&i: &usize| self.field.touches[i].mode == Phase::Slip;
         (0..self.memory.len()).filter(slips).min_by(|a, b| slow(a).total_cmp(&slow(b)))

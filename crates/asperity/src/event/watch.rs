@@ -263,7 +263,8 @@ impl Runner<'_> {
                 return touch.mode == Phase::Slip;
             }
             let rate = control::slip_rate(&self.field, i, &self.a0);
-            rate < 0.0 && speed <= f64::max(STILL * touch.speed, -rate * instant(self.state.t))
+            rate < 0.0
+                && speed <= f64::max(STILL * touch.reference(), -rate * instant(self.state.t))
         };
         (0..self.memory.len()).filter(ends).collect()
     }
