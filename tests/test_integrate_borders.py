@@ -682,3 +682,21 @@ def test_slow_slips_do_not_stick_where_they_only_come_near():
         least.append(float(vertex(vertex.deriv().roots()[0])) / speed)
     assert least[0] == pytest.approx(least[1], rel=0.1)
     assert 0.03 < least[0] < 0.1
+
+
+@pytest.mark.parametrize(("u0", "driven_back"), [((0.3, -1.0), True), ((1.0, -0.5), False)])
+def test_an_impact_in_a_corner_says_whether_it_drives_back_what_leaves(u0, driven_back):
+    """In a wedge of 37°: one after the other, or both at a time, are two laws of the corner."""
+    law = asp.FrictionLaw.isotropic(0.01, dimension=1)
+    normals = np.array([[0.0, 1.0], [0.6, -0.8]])
+    stops = [
+        asp.Contact(law, np.array([[n[1]], [-n[0]]]), normal=n, normal_restitution=0.8)
+        for n in normals
+    ]
+    wedge = asp.LinearSystem(np.eye(2), np.zeros((2, 2)), contacts=stops)
+    # One hits at once, the other one is left.
+    assert normals[0] @ u0 < 0.0 < normals[1] @ u0
+    motion = asp.integrate(wedge, t_end=0.1, u0=u0)
+    assert motion.events[0].kind is EventKind.IMPACT
+    assert motion.events[0].ambiguous == driven_back
+    assert (motion.events[1:2] != ()) == driven_back
