@@ -68,8 +68,8 @@ def limit_cycle(
         tolerance: largest ‖P(x) − x‖ in parts of the orbit's extent.
 
     Returns:
-        The cycle, stable or not; from the motion's own recurrence only stable ones are found. Its
-        multipliers are accurate to about 1e-6.
+        The cycle, stable or not; the motion's own recurrence leads to stable ones, and to others
+        that it passes closely. Its multipliers are accurate to about 1e-6.
 
     Raises:
         NoCycleError: if the motion settles, does not recur, or if periodic orbits form a continuum
