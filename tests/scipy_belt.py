@@ -62,7 +62,7 @@ class Belt:
         slow.terminal, slow.direction = True, -1
         start = [*q, START_SPEED, np.arctan2(n[1], n[0])]
         options = {"method": "Radau", "rtol": self.tolerance, "atol": 0.1 * self.tolerance}
-        done = solve_ivp(rates, (0.0, 1e3), start, events=slow, **options)
+        done = solve_ivp(rates, (0.0, 1e6), start, events=slow, **options)
         x = done.y[:, -1]
         n = unit(x[3])
         rest = x[2] / (n @ (x[:2] + self.resistance(n)))

@@ -209,17 +209,40 @@ def test_arguments_of_a_diagram_that_fit_no_member_are_refused_at_once():
         asp.bifurcation_diagram(belt, "phi", values, cycles=False, threads=0)
 
 
-@pytest.mark.parametrize("phi", [50.0, 60.0])
-@pytest.mark.parametrize("speed", [0.1, 1.0, 30.0, 100.0])
-def test_the_cycle_depends_on_speed_mass_and_stiffness_by_one_parameter(phi, speed):
-    # v √(km)/λ_N: its twin has the same value; lengths scale with λ_N/k, times with √(m/k).
+TWINS = {"heavy": (4.0, 9.0, 36.0), "loaded": (1.0, 1.0, 1e4), "tiny": (7.3e-3, 2.1e4, 3.3e-5)}
+
+
+def check_twin(phi, speed, mass, stiffness, load):
+    """v √(km)/λ_N: its twin has the same value; lengths scale with λ_N/k, times with √(m/k)."""
     direction = np.array([np.cos(np.deg2rad(phi)), np.sin(np.deg2rad(phi))])
     cycle = asp.limit_cycle(asp.MassOnBelt(1.0, 1.0, LAW, 1.0, speed * direction))
-    mass, stiffness, load = 4.0, 9.0, 36.0
     faster = speed * load / np.sqrt(mass * stiffness)
     twin = asp.limit_cycle(asp.MassOnBelt(mass, stiffness, LAW, load, faster * direction))
-    assert twin.period * 1.5 == pytest.approx(cycle.period, rel=1e-8)
+    assert twin.period * np.sqrt(stiffness / mass) == pytest.approx(cycle.period, rel=1e-8)
     np.testing.assert_allclose(twin.maximum * stiffness / load, cycle.maximum, rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("phi", "speed", "twin"),
+    [
+        *((phi, speed, "heavy") for phi in (50.0, 60.0) for speed in (0.1, 1.0, 30.0, 100.0)),
+        (50.0, 1e-2, "loaded"),
+        (60.0, 1e-2, "tiny"),
+        (50.0, 1e-3, "heavy"),
+        (50.0, 1.0, "loaded"),
+        (60.0, 30.0, "tiny"),
+    ],
+)
+def test_the_cycle_depends_on_speed_mass_and_stiffness_by_one_parameter(phi, speed, twin):
+    check_twin(phi, speed, *TWINS[twin])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("phi", [50.0, 60.0])
+@pytest.mark.parametrize("speed", [1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0])
+@pytest.mark.parametrize("twin", TWINS)
+def test_every_cycle_depends_on_speed_mass_and_stiffness_by_one_parameter(phi, speed, twin):
+    check_twin(phi, speed, *TWINS[twin])
 
 
 @pytest.mark.parametrize(("phi", "speed"), [(50.0, 1e3), (50.0, 1e4), (60.0, 1e4)])

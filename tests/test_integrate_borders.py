@@ -8,6 +8,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import mechanisms
+from asperity.motion import EventKind
 from scipy.integrate import quad, solve_ivp
 
 
@@ -599,3 +600,103 @@ def test_a_start_at_rest_up_to_rounding_sticks(u0):
     motion = asp.integrate(system, t_end=1.0, u0=[u0, 0.0])
     assert motion.events == ()
     assert np.abs(motion.u[1:]).max() < 1e-15
+
+
+# The paper's law: where the normals of C and D enclose more than 90°, slips repel their neighbours.
+PAPER = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+
+
+def slow_belt(phi, speed, direction=PAPER.direction):
+    velocity = speed * np.array([np.cos(np.deg2rad(phi)), np.sin(np.deg2rad(phi))])
+    return asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw(PAPER.reservoir, direction), 1.0, velocity)
+
+
+@pytest.mark.parametrize(("phi", "stick"), [(50.0, 46.77587116164), (60.0, 64.80520875063)])
+def test_a_slip_that_repels_is_left_at_once(phi, stick):
+    """When it sticks again by `scipy_belt.Belt` with tolerance 1e-11, in a minute each."""
+    belt = slow_belt(phi, 1e-2)
+    # A step may be as long as the last one in stick, which knows no rate.
+    motion = asp.integrate(belt, t_end=3e4, u0=belt.belt_velocity)
+    assert [event.kind for event in motion.events[:2]] == [EventKind.SLIP, EventKind.STICK]
+    assert 1e-2 * motion.events[1].time == pytest.approx(stick, abs=1e-9)
+
+
+@pytest.mark.parametrize(("phi", "speed"), [(50.0, 1e-2), (60.0, 1e-3), (70.0, 1e-3), (70.0, 1e-5)])
+def test_deviations_from_unstable_steady_sliding_grow_at_their_rate(phi, speed):
+    """By four powers of ten within a time that springs do not notice, as of 1e-5 s."""
+    belt = slow_belt(phi, speed)
+    steady = asp.stability(belt)
+    fastest = int(steady.eigenvalues.real.argmax())
+    rate, mode = steady.eigenvalues[fastest].real, steady.modes[:, fastest].real
+    start = 1e-7 * speed * mode / np.abs(mode).max()
+    later = np.log(1e4) / rate
+    sharp = {"dt": later, "tolerance": 1e-13}
+    motion = asp.integrate(
+        belt, t_end=1e3 * later, q0=steady.equilibrium.q + start / rate, u0=start, **sharp
+    )
+    assert np.abs(motion.u[1]).max() == pytest.approx(1e-3 * speed, rel=0.01)
+
+
+def test_slips_that_repel_are_left_among_other_contacts():
+    speed, angles = 1e-2, (50.0, 60.0)
+    belts = [slow_belt(phi, speed) for phi in angles]
+    contacts = [
+        asp.Contact(PAPER, np.eye(4)[:, 2 * k : 2 * k + 2], normal_force=1.0, velocity=-velocity)
+        for k, velocity in enumerate(belt.belt_velocity for belt in belts)
+    ]
+    both = asp.LinearSystem(np.eye(4), np.eye(4), contacts=contacts)
+    motion = asp.integrate(both, t_end=3e4, u0=np.concatenate([b.belt_velocity for b in belts]))
+    for k, belt in enumerate(belts):
+        alone = asp.integrate(belt, t_end=3e4, u0=belt.belt_velocity)
+        together = [event.time for event in motion.events if event.contact == k]
+        assert together[:2] == pytest.approx([e.time for e in alone.events[:2]], rel=1e-10)
+
+
+@pytest.mark.parametrize("exponent", [1.8, 2.6])
+def test_slips_that_repel_are_left_whatever_the_directions(exponent):
+    """The fold does not depend on the speed of the belt, times in parts of 1/v hardly."""
+    times = []
+    for speed in (0.03, 0.01):
+        belt = slow_belt(50.0, speed, asp.Superellipse(3.0, 1.0, exponent))
+        motion = asp.integrate(belt, t_end=300.0 / speed, u0=belt.belt_velocity)
+        times.append([speed * event.time for event in motion.events[:2]])
+    assert times[0] == pytest.approx(times[1], rel=0.01)
+
+
+def test_slow_slips_do_not_stick_where_they_only_come_near():
+    """A slip from rest swings, 1 − cos t; turning it loses a share of the order of the speed.
+
+    What rounding may have made of balanced forces in a stick of 2e5 s is no measure of slips.
+    """
+    least = []
+    for speed in (1e-3, 1e-4):
+        belt = slow_belt(50.0, speed)
+        begins = asp.integrate(belt, t_end=22.0 / speed, u0=belt.belt_velocity).events[0].time
+        motion = asp.integrate(belt, t_end=begins + 9.0, u0=belt.belt_velocity, tolerance=1e-12)
+        assert [event.kind for event in motion.events] == [EventKind.SLIP]
+        turn = (motion.t > begins + 5.0) & (motion.t < begins + 7.5)
+        near, slip = motion.t[turn] - begins, np.linalg.norm(motion.slip[turn, 0], axis=1) / speed
+        # The vertex of a parabola through the turn: steps are no finer than they need to be.
+        close = slip < 2e-3
+        vertex = np.polynomial.Polynomial.fit(near[close], slip[close], 2)
+        least.append(float(vertex(vertex.deriv().roots()[0])) / speed)
+    assert least[0] == pytest.approx(least[1], rel=0.1)
+    assert 0.03 < least[0] < 0.1
+
+
+@pytest.mark.parametrize(("u0", "driven_back"), [((0.3, -1.0), True), ((1.0, -0.5), False)])
+def test_an_impact_in_a_corner_says_whether_it_drives_back_what_leaves(u0, driven_back):
+    """In a wedge of 37°: one after the other, or both at a time, are two laws of the corner."""
+    law = asp.FrictionLaw.isotropic(0.01, dimension=1)
+    normals = np.array([[0.0, 1.0], [0.6, -0.8]])
+    stops = [
+        asp.Contact(law, np.array([[n[1]], [-n[0]]]), normal=n, normal_restitution=0.8)
+        for n in normals
+    ]
+    wedge = asp.LinearSystem(np.eye(2), np.zeros((2, 2)), contacts=stops)
+    # One hits at once, the other one is left.
+    assert normals[0] @ u0 < 0.0 < normals[1] @ u0
+    motion = asp.integrate(wedge, t_end=0.1, u0=u0)
+    assert motion.events[0].kind is EventKind.IMPACT
+    assert motion.events[0].ambiguous == driven_back
+    assert (motion.events[1:2] != ()) == driven_back

@@ -33,8 +33,6 @@ from asperity.stability import Stability, equilibrium, stability
 _LONGEST, _SETTLING = 200.0, 0.05
 # Turns of a section that may make up one period, and the accuracy to which they have to agree.
 _LOOPS, _SAME = SAME_TURN, 1e-6
-# Growth of deviations per turn that counts as none.
-_GROWTH = 1e-12
 # The motion is integrated so much more sharply than the cycle has to close.
 _SHARPER = 0.05
 # Samples of the period that a cycle keeps.
@@ -70,8 +68,8 @@ def limit_cycle(
         tolerance: largest ‖P(x) − x‖ in parts of the orbit's extent.
 
     Returns:
-        The cycle, stable or not; from the motion's own recurrence only stable ones are found. Its
-        multipliers are accurate to about 1e-6.
+        The cycle, stable or not; the motion's own recurrence leads to stable ones, and to others
+        that it passes closely. Its multipliers are accurate to about 1e-6.
 
     Raises:
         NoCycleError: if the motion settles, does not recur, or if periodic orbits form a continuum
@@ -153,19 +151,15 @@ def _beginnings(
 
 
 def _growth_per_turn(state: Stability) -> float:
-    """Return by which share the fastest growing deviation that turns is larger a turn later.
+    """Return by which share deviations are larger a turn later if they leave in a spiral.
 
-    It is zero where the equilibrium is not unstable beyond rounding.
+    It is zero where the equilibrium is not unstable beyond rounding, or where the fastest growing
+    deviation does not turn: the motion has left long before another one has grown.
     """
-    if state.kind != "unstable":
+    fastest = state.eigenvalues[int(state.eigenvalues.real.argmax())]
+    if state.kind != "unstable" or abs(fastest.imag) <= abs(fastest.real):
         return 0.0
-    turning = state.eigenvalues[np.abs(state.eigenvalues.imag) > np.abs(state.eigenvalues.real)]
-    if not turning.size:
-        return 0.0
-    fastest = turning[int(turning.real.argmax())]
-    growth = float(np.expm1(2.0 * np.pi * fastest.real / abs(fastest.imag)))
-    # Less is rounding: a centre, whose passages say themselves what they are.
-    return growth if growth > _GROWTH else 0.0
+    return float(np.expm1(2.0 * np.pi * fastest.real / abs(fastest.imag)))
 
 
 def _followed(

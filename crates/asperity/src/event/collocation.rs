@@ -103,7 +103,7 @@ pub(super) struct Scale {
 /// One step with its stages.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Step {
-    n: usize,
+    pub(super) n: usize,
     /// Length.
     pub(super) h: f64,
     /// Accelerations, velocities and coordinates, stage after stage.
@@ -116,6 +116,8 @@ pub(super) struct Step {
     matrix: Vec<f64>,
     residual: Vec<f64>,
     small: Vec<f64>,
+    /// Rate at which deviations grow at the end, zero if they do not.
+    pub(super) unstable: f64,
     /// Points of direction sets, where they are unknowns of their own.
     pub(super) points: Points,
 }
@@ -134,6 +136,7 @@ impl Step {
             matrix: vec![0.0; STAGES * n * STAGES * n],
             residual: row,
             small: vec![0.0; n * n],
+            unstable: 0.0,
             points: Points::default(),
         }
     }
@@ -294,6 +297,13 @@ impl Step {
         errors.fold(0.0, |m: f64, (q, u)| {
             m.max((u / scale.u).abs()).max(((q + step * u) / scale.q).abs())
         })
+    }
+
+    /// The way of a coordinate from the start to the end, without the rounding of the coordinate.
+    pub(super) fn way(&self, start: &State, k: usize) -> f64 {
+        let weights = Tableau::radau().a_squared.row(STAGES - 1);
+        let second: f64 = (0..STAGES).map(|j| weights[j] * self.a[j * self.n + k]).sum();
+        self.h * (start.u[k] + self.h * second)
     }
 
     /// The last stage, which is the end of the step.

@@ -14,6 +14,11 @@ const ESTIMATE: f64 = 6.0;
 const APPROACH: f64 = 0.75;
 /// Share of the time in which a gap closes at its present velocity that a step may take.
 const BEYOND: f64 = 1.2;
+/// Powers of e by which deviations may grow within a step. The method is exact to 1e-8 there, and to 1e-3 at 3; from
+/// 6 on, beyond its pole, it damps.
+pub(super) const GROWTH: f64 = 1.0;
+/// Relative change of the growth, between attempts one of which is at most 0.8 times as long, that counts as none.
+const SAME: f64 = 0.05;
 
 /// Tolerances, scales and the length of the next step.
 #[derive(Debug)]
@@ -30,6 +35,10 @@ pub(super) struct Control {
     /// Rates at which the resistances of unilateral contacts change.
     rates: Vec<f64>,
     resistances: Vec<f64>,
+    /// Rate at which deviations grow.
+    unstable: f64,
+    /// Growth within the last attempt from the present state that was too long for it.
+    refused: f64,
 }
 
 impl Control {
@@ -43,6 +52,8 @@ impl Control {
             last_error: 1.0,
             rates: vec![0.0; contacts],
             resistances: vec![1.0; contacts],
+            unstable: 0.0,
+            refused: f64::INFINITY,
         }
     }
 
@@ -60,7 +71,9 @@ impl Control {
             let rows = (1..=field.touches[i].p).map(|r| largest(field.row(ROWS * i + r)));
             let creep = rows.fold(0.0, f64::max) * creep;
             let touch = &mut field.touches[i];
-            touch.speed = touch.speed.max(touch.size).max(creep);
+            touch.speed = touch.speed.max(touch.size);
+            // The slip of what sticks is taken out again after every step, however long.
+            touch.creep = if touch.mode == Phase::Stick { 0.0 } else { touch.creep.max(creep) };
             if touch.prescribed.is_none() {
                 touch.reach = touch.reach.max(sizes).max((touch.gap - sum).abs());
             }
@@ -108,8 +121,20 @@ impl Control {
         true
     }
 
-    /// A step of length `h` has been made.
-    pub(super) fn made(&mut self, field: &Field<'_>, h: f64) {
+    /// Whether deviations grow so much within a step of length `h` that the method would damp them; then the length
+    /// of the next attempt. Where a shorter step would be the same, as at the beginning of slips from rest, it is kept.
+    pub(super) fn repels(&mut self, h: f64, growth: f64) -> bool {
+        let repels = growth > GROWTH && !((growth / self.refused - 1.0).abs() < SAME);
+        if repels {
+            self.h = h * (0.9 * GROWTH / growth).clamp(0.1, 0.8);
+            self.refused = growth;
+        }
+        repels
+    }
+
+    /// A step of length `h` has been made, at whose end deviations grow at the rate `unstable`.
+    pub(super) fn made(&mut self, field: &Field<'_>, h: f64, unstable: f64) {
+        (self.unstable, self.refused) = (unstable, f64::INFINITY);
         for ((rate, last), touch) in
             self.rates.iter_mut().zip(&mut self.resistances).zip(&field.touches)
         {
@@ -125,6 +150,7 @@ impl Control {
 
     /// Forgets how fast resistances change: contacts do something else.
     pub(super) fn forget(&mut self, field: &Field<'_>) {
+        (self.unstable, self.refused) = (0.0, f64::INFINITY);
         self.rates.fill(0.0);
         for (last, touch) in self.resistances.iter_mut().zip(&field.touches) {
             *last = touch.resistance;
@@ -154,7 +180,7 @@ impl Control {
     /// The longest step that reaches neither the end of a slip, where the direction is not defined, nor the end
     /// of a resistance.
     pub(super) fn limit(&self, field: &Field<'_>, a0: &[f64]) -> f64 {
-        let mut limit = f64::INFINITY;
+        let mut limit = GROWTH / self.unstable;
         for (i, touch) in field.touches.iter().enumerate() {
             if touch.mode != Phase::Slip {
                 continue;

@@ -13,6 +13,9 @@ pub(super) struct Dense {
     n: usize,
     start: f64,
     h: f64,
+    /// Coordinates at the start. What is interpolated are the ways from there: the slopes of coordinates would have
+    /// their rounding errors, over the length of the step.
+    origin: Vec<f64>,
     /// Per coordinate.
     differences: Vec<[f64; CONDITIONS]>,
 }
@@ -24,18 +27,28 @@ fn place(i: usize) -> f64 {
 
 impl Dense {
     pub(super) fn new(n: usize) -> Self {
-        Self { n, start: 0.0, h: 0.0, differences: vec![[0.0; CONDITIONS]; n] }
+        Self {
+            n,
+            start: 0.0,
+            h: 0.0,
+            origin: vec![0.0; n],
+            differences: vec![[0.0; CONDITIONS]; n],
+        }
     }
 
-    /// A step of length `h` from `start`, of which nothing is known.
-    pub(super) fn begin(&mut self, start: f64, h: f64) {
-        (self.start, self.h) = (start, h);
-    }
-
-    /// What holds at one of the places.
-    pub(super) fn set(&mut self, k: usize, q: &[f64], u: &[f64], a: &[f64]) {
+    /// A step of length `h` from `start`, with accelerations `a` there.
+    pub(super) fn begin(&mut self, start: &State, h: f64, a: &[f64]) {
+        (self.start, self.h) = (start.t, h);
+        self.origin.copy_from_slice(&start.q);
         for (i, own) in self.differences.iter_mut().enumerate() {
-            own[3 * k..3 * k + 3].copy_from_slice(&[q[i], u[i], a[i]]);
+            own[..3].copy_from_slice(&[0.0, start.u[i], a[i]]);
+        }
+    }
+
+    /// What holds at one of the later places: ways from the start, velocities and accelerations.
+    pub(super) fn set(&mut self, k: usize, way: impl Fn(usize) -> f64, u: &[f64], a: &[f64]) {
+        for (i, own) in self.differences.iter_mut().enumerate() {
+            own[3 * k..3 * k + 3].copy_from_slice(&[way(i), u[i], a[i]]);
         }
     }
 
@@ -75,7 +88,7 @@ impl Dense {
                 slope = slope * (x - place(k)) + value;
                 value = value * (x - place(k)) + own[k];
             }
-            (state.q[i], state.u[i]) = (value, slope / self.h);
+            (state.q[i], state.u[i]) = (self.origin[i] + value, slope / self.h);
         }
     }
 }
@@ -91,10 +104,12 @@ mod tests {
         };
         for k in 2..=11 {
             let mut dense = Dense::new(1);
-            dense.begin(0.5, 0.75);
-            for i in 0..PLACES {
+            let [q0, u0, a0] = p(0.5, k).map(|v| [v]);
+            let start = State { t: 0.5, q: q0.to_vec(), u: u0.to_vec() };
+            dense.begin(&start, 0.75, &a0);
+            for i in 1..PLACES {
                 let [q, u, a] = p(0.5 + 0.75 * place(3 * i), k).map(|v| [v]);
-                dense.set(i, &q, &u, &a);
+                dense.set(i, |_| q[0] - q0[0], &u, &a);
             }
             dense.finish();
             let mut state = State { t: 0.0, q: vec![0.0], u: vec![0.0] };

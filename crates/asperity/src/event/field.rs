@@ -79,6 +79,7 @@ impl<'a> Field<'a> {
             resistance: 1.0,
             size: 0.0,
             speed: 0.0,
+            creep: 0.0,
             reach: 0.0,
         };
         let row = vec![0.0; ROWS * contacts];

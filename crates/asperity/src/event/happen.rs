@@ -91,7 +91,7 @@ impl Runner<'_> {
     /// A contact without approach slips, or rests.
     pub(super) fn close(&mut self, contact: usize) {
         let touch = &mut self.field.touches[contact];
-        if norm(&touch.slip) > STILL * touch.speed {
+        if norm(&touch.slip) > STILL * touch.reference() {
             touch.mode = Phase::Slip;
             self.memory[contact] = ContactState::new(Phase::Slip, touch.slip);
         } else {
@@ -111,7 +111,7 @@ impl Runner<'_> {
     pub(super) fn settle(&mut self, before: &[Option<Phase>]) -> Next {
         self.field.project(&mut self.state)?;
         for touch in &mut self.field.touches {
-            let still = norm(&touch.slip) <= STILL * touch.speed;
+            let still = norm(&touch.slip) <= STILL * touch.reference();
             touch.resting = touch.mode == Phase::Stick || (touch.mode == Phase::Slip && still);
         }
         let state = self.state.clone();
@@ -138,7 +138,7 @@ impl Runner<'_> {
             if resting[i] {
                 self.starting |= mode == Phase::Slip;
                 if mode == Phase::Slip {
-                    onset = onset.max(ONSET * touch.speed / norm(&slip));
+                    onset = onset.max(ONSET * touch.reference() / norm(&slip));
                 }
                 let slip = if mode == Phase::Slip { slip } else { self.memory[i].slip };
                 self.memory[i] = ContactState::new(mode, slip);
@@ -267,7 +267,7 @@ impl Runner<'_> {
             self.a0 = stuck;
             // γ = ½ γ̈ t².
             let growth = norm(&self.memory[contact].slip) / later;
-            let onset = (2.0 * ONSET * self.field.touches[contact].speed / growth).sqrt();
+            let onset = (2.0 * ONSET * self.field.touches[contact].reference() / growth).sqrt();
             self.control.h = length.max(onset);
         }
         Ok(None)

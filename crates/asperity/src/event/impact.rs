@@ -3,7 +3,7 @@
 use super::decide::{self, Blow, Decision};
 use super::happen::Next;
 use super::run::Runner;
-use super::touch::{ROWS, STILL, State, TOUCHING, instant};
+use super::touch::{FieldError, ROWS, STILL, State, TOUCHING, instant};
 use super::{Kind, Outcome};
 use crate::contact::{ContactState, Phase};
 
@@ -42,6 +42,7 @@ impl Runner<'_> {
                     break;
                 }
             }
+            ambiguous |= self.drives_back(&involved)?;
         }
         let opened = |i: usize| self.field.touches[i].mode == Phase::Open;
         let meeting: Vec<usize> = involved.iter().copied().filter(|&i| opened(i)).collect();
@@ -50,6 +51,20 @@ impl Runner<'_> {
             before[i] = None;
         }
         self.after_blow(&involved, &after, before)
+    }
+
+    /// Whether an impact drives a contact back that touched and was about to leave. It collides next, and so on:
+    /// one impact of both at a time is another law of the corner, to which time steps may converge.
+    fn drives_back(&mut self, involved: &[usize]) -> Result<bool, FieldError> {
+        let State { t, q, u } = &self.state;
+        self.field.kinematics(*t, q, u)?;
+        let still = STILL * self.control.speed();
+        let mut others = (0..self.memory.len()).filter(|i| !involved.contains(i));
+        Ok(others.any(|i| {
+            let touch = &self.field.touches[i];
+            let touches = touch.prescribed.is_none() && touch.gap <= TOUCHING * touch.reach;
+            touches && self.approach(i) < -still
+        }))
     }
 
     /// Whether contacts bounce, all of them lower than can be followed.

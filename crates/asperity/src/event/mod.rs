@@ -6,6 +6,7 @@
 //! | file | concept |
 //! |---|---|
 //! | `collocation.rs` | Radau IIA of order nine, its error estimate |
+//! | `growth.rs` | how fast deviations grow along a step |
 //! | `points.rs` | Newton's method with points of *D* as unknowns, where *D* is nearly flat |
 //! | `field.rs`, `mobility.rs`, `touch.rs`, `derivatives.rs`, `force.rs` | accelerations in a mode and their Jacobian |
 //! | `decide.rs`, `part.rs`, `share.rs` | contact problems of accelerations and of impacts |
@@ -23,6 +24,7 @@ mod dense;
 mod derivatives;
 mod field;
 mod force;
+mod growth;
 mod happen;
 mod impact;
 mod inverse;

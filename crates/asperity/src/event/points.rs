@@ -20,6 +20,9 @@ use crate::contact::Phase;
 const MORE_ITERATIONS: usize = 3 * ITERATIONS;
 /// Largest change of a point in one iteration, relative to its size.
 const LONGEST: f64 = 0.5;
+/// What is added to `1 − ∂prox_D` to see whether deviations grow: the contraction makes it positive, rounding where
+/// the boundary is flat may not.
+const FLAT: f64 = 1e-8;
 
 /// The points of a step and what belongs to them.
 #[derive(Debug, Clone, Default)]
@@ -270,6 +273,31 @@ impl Step {
         let solved = lu::solve(matrix, right);
         values.copy_from_slice(&right[..n]);
         solved
+    }
+}
+
+impl Step {
+    /// The derivatives of the accelerations by the velocities at a stage, with points as they follow from slips;
+    /// none where they do not.
+    pub(super) fn by_velocity(&self, stage: usize) -> Option<Vec<f64>> {
+        let (n, m) = (self.n, self.points.count());
+        let Points { by_point, own, by_u, .. } = &self.points;
+        let block = stage * n * n..(stage + 1) * n * n;
+        let mut total = self.ku[block].to_vec();
+        for column in 0..n {
+            let mut matrix = own[stage * m * m..(stage + 1) * m * m].to_vec();
+            (0..m).for_each(|r| matrix[r * m + r] += FLAT);
+            let mut turn: Vec<f64> = (0..m).map(|r| by_u[(stage * m + r) * n + column]).collect();
+            if !lu::solve(&mut matrix, &mut turn) {
+                return None;
+            }
+            for r in 0..n {
+                let by_point = &by_point[(stage * n + r) * m..][..m];
+                total[r * n + column] +=
+                    by_point.iter().zip(&turn).map(|(a, z)| a * z).sum::<f64>();
+            }
+        }
+        Some(total)
     }
 }
 

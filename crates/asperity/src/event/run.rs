@@ -182,6 +182,11 @@ impl<'a> Runner<'a> {
             let shorter = self.control.h;
             return Ok(self.shorten(shorter));
         }
+        let growth = self.step.growth();
+        if self.control.repels(h, growth) {
+            let shorter = self.control.h;
+            return Ok(self.shorten(shorter));
+        }
         match self.watch()? {
             Watch::Singular => Ok(self.shorten(0.5 * h)),
             Watch::Quiet if self.field.narrow(self.step.end(&self.step.u)) => Ok(self.shorten(h)),
@@ -235,7 +240,7 @@ impl<'a> Runner<'a> {
         }
         let slow = |&i: &usize| {
             let touch = &self.field.touches[i];
-            norm(&touch.slip) / touch.speed
+            norm(&touch.slip) / touch.reference()
         };
         let slips = |&i: &usize| self.field.touches[i].mode == Phase::Slip;
         (0..self.memory.len()).filter(slips).min_by(|a, b| slow(a).total_cmp(&slow(b)))

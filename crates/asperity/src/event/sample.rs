@@ -42,12 +42,11 @@ impl Runner<'_> {
 
     /// The motion over the first `h` of the attempt, its end included.
     fn interpolate(&mut self, h: f64, attempt: bool) -> Result<(), FieldError> {
-        self.dense.begin(self.state.t, h);
-        self.dense.set(0, &self.state.q, &self.state.u, &self.a0);
+        self.dense.begin(&self.state, h, &self.a0);
         for k in 1..PLACES {
             if attempt && k + 1 == PLACES {
-                let step = &self.step;
-                self.dense.set(k, step.end(&step.q), step.end(&step.u), step.end(&step.a));
+                let (state, step) = (&self.state, &self.step);
+                self.dense.set(k, |i| step.way(state, i), step.end(&step.u), step.end(&step.a));
                 break;
             }
             match self.look(h * k as f64 / (PLACES - 1) as f64) {
@@ -59,8 +58,8 @@ impl Runner<'_> {
                 }
                 Err(Lost::Error(error)) => return Err(error),
             }
-            let probe = &self.probe;
-            self.dense.set(k, probe.end(&probe.q), probe.end(&probe.u), probe.end(&probe.a));
+            let (state, probe) = (&self.state, &self.probe);
+            self.dense.set(k, |i| probe.way(state, i), probe.end(&probe.u), probe.end(&probe.a));
         }
         self.dense.finish();
         Ok(())

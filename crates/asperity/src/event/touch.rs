@@ -71,14 +71,22 @@ pub(super) struct Touch {
     pub(super) resistance: f64,
     /// `‖|Wᵀ||u| + |χ|‖`.
     pub(super) size: f64,
-    /// The largest of these along the motion, what slips are compared with; attempts do not count.
+    /// The largest of these along the motion; attempts do not count.
     pub(super) speed: f64,
+    /// The velocity of which the share [`STILL`] is what rounding may have made of forces that balance, since the
+    /// contact has stuck last.
+    pub(super) creep: f64,
     /// The larger of `|w_N|ᵀ|q|` and `|g_N − w_Nᵀq|`, the largest along the motion: what gaps are compared with,
     /// whatever the other coordinates are.
     pub(super) reach: f64,
 }
 
 impl Touch {
+    /// What slips are compared with to tell whether they vanish.
+    pub(super) fn reference(&self) -> f64 {
+        self.speed.max(self.creep)
+    }
+
     /// Unilateral and not closed.
     pub(super) fn is_free(&self) -> bool {
         self.mode == Phase::Open && !self.resting && self.prescribed.is_none()

@@ -215,7 +215,7 @@ impl Runner<'_> {
     /// Takes the end of the attempt, or of the last look, as the present state.
     fn go_to(&mut self, t: f64, attempt: bool) -> Result<(), FieldError> {
         let step = if attempt { &self.step } else { &self.probe };
-        let h = step.h;
+        let (h, unstable) = (step.h, step.unstable);
         self.state.t = t;
         self.state.q.copy_from_slice(step.end(&step.q));
         self.state.u.copy_from_slice(step.end(&step.u));
@@ -225,7 +225,7 @@ impl Runner<'_> {
         self.control.see(&mut self.field, &self.state.q, &self.state.u, h);
         if h > 0.0 {
             self.motion.steps += 1;
-            self.control.made(&self.field, h);
+            self.control.made(&self.field, h, unstable);
         }
         self.field.survey(&self.state)
     }
@@ -263,7 +263,8 @@ impl Runner<'_> {
                 return touch.mode == Phase::Slip;
             }
             let rate = control::slip_rate(&self.field, i, &self.a0);
-            rate < 0.0 && speed <= f64::max(STILL * touch.speed, -rate * instant(self.state.t))
+            rate < 0.0
+                && speed <= f64::max(STILL * touch.reference(), -rate * instant(self.state.t))
         };
         (0..self.memory.len()).filter(ends).collect()
     }
