@@ -198,11 +198,11 @@ impl<'a> Group<'a> {
         let mut offsets = vec![0; first];
         for member in &members {
             let offset = problem.contacts[member.contact].offset;
-            let b = problem.load(member.contact);
-            for k in 0..member.normal + member.tangential {
+            let loads = problem.load(member.contact);
+            for (k, b) in loads.into_iter().enumerate().take(member.normal + member.tangential) {
                 let row = member.first + k;
                 offsets[row] = offset + k;
-                load[row] = b[k] / member.scale(k);
+                load[row] = b / member.scale(k);
                 infeasible::each_entry(problem, member.contact, offset + k, |j, column, g| {
                     if let Some(other) = members.iter().find(|other| other.contact == j) {
                         let l = column - problem.contacts[j].offset;
