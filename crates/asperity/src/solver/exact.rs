@@ -177,6 +177,9 @@ pub(super) fn sweep(
     stuck
 }
 
+/// Velocities below this part of those without percussions are what rounding leaves of them.
+const ROUNDING: f64 = 1e-14;
+
 /// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
 const BATCH: usize = 8 * threads::LEAF;
 
@@ -417,6 +420,13 @@ fn is_ambiguous(
     state: &ContactState,
     planar: &mut Vec<LocalSolution<2>>,
 ) -> bool {
+    // A redundant foot that the others stop has nothing to do: to search with what rounding has left of its load
+    // would find anything or nothing.
+    let held = problem.contact_velocity(i, percussion, false);
+    let size = |velocity: [f64; 4]| velocity.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    if size(held) <= ROUNDING * size(problem.load(i)) {
+        return false;
+    }
     match &problem.contacts[i].law {
         Law::One(law) => {
             let local = Local::new(law, problem, i, block, percussion);

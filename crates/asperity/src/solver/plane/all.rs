@@ -7,6 +7,9 @@ use super::search::{End, Search};
 use crate::contact::Phase;
 use crate::law::{COARSE, Walk};
 
+/// Slip velocities below this part of what cancels in them are rounding, as singular values are in `single.rs`.
+const VANISHING: f64 = 1e-13;
+
 /// All solutions, in the order open, stick, slips counter-clockwise along bdry *D*; false if a cell was given
 /// up in which there may be more.
 pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) -> bool {
@@ -27,6 +30,9 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
     // What is not a number would be searched for in vain.
     if !(slip.norm_c + slip.norm_a).is_finite() {
         return false;
+    }
+    if moves_nothing(local, &slip) {
+        return true;
     }
     let scan = Scan::new(&slip, table);
     let mut search = Search::new(&slip, direction, out);
@@ -51,6 +57,18 @@ pub(in crate::solver) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolu
         out.extend(local.stick_on_border());
     }
     complete
+}
+
+/// Whether nothing but rounding is left of the slip velocities of all friction: a foot whose rows see one direction of
+/// motion that other contacts stop. Slip would be stick, and every piece of the boundary would be searched to the end.
+fn moves_nothing(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> bool {
+    let (block, b_n, b_t) = (local.block, local.b_n.abs(), local.b_t.norm());
+    let constant = b_t * block.g_nn + block.g_tn.norm() * b_n;
+    let linear = b_t * block.g_nt.norm() + block.g_tt.norm() * b_n;
+    !block.sound
+        && local.prescribed.is_none()
+        && slip.norm_c <= VANISHING * constant
+        && slip.norm_a <= VANISHING * linear
 }
 
 /// Slip solutions to the last digits, without what only looked like one.
