@@ -214,24 +214,6 @@ fn workspaces_need_no_preparation() {
     }
 }
 
-/// At the largest loads that a problem takes, nothing comes back that an earlier problem left behind.
-#[test]
-fn percussions_of_an_earlier_problem_do_not_come_back() {
-    for solver in SOLVERS {
-        let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
-        solver.solve(&smaller(), Stop::at(1e-7), &mut memory, &mut workspace);
-        let earlier = std::mem::take(&mut memory).percussion;
-        assert!(earlier.iter().any(|p| *p != 0.0));
-        let law: Law = FrictionLaw::<1>::isotropic(0.3).unwrap().into();
-        let contacts = (0..3).map(|_| (law.clone(), NormalForce::Unilateral));
-        let free = [-1.0, 1.0, -1.0, 1.0, 1.0, 1.0].map(|sign| 1e99 * sign).to_vec();
-        let huge = ContactProblem::new(smaller().delassus().clone(), free, contacts).unwrap();
-        solver.solve(&huge, Stop::at(1e-7), &mut memory, &mut workspace);
-        let same = |(a, b): (&f64, &f64)| *a != 0.0 && a == b;
-        assert!(!memory.percussion.iter().zip(&earlier).any(same), "{solver:?}");
-    }
-}
-
 /// A limit is the reason only where it was reached; a proof is there if and only if there is no solution.
 #[test]
 fn statuses_say_what_happened() {
