@@ -259,12 +259,13 @@ def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -
 def _friction_of(law: FrictionLaw, state: State) -> Array:
     """Return −P_T/P_N of a state, with zero where the contact need not slip."""
     directions, force = _frictions(law)
-    friction = -force
+    friction: Array = -force
     if not isinstance(state, tuple):
         return np.vstack([friction, np.zeros(law.dimension)])
     middle, half = 0.5 * (state[0] + state[1]), 0.5 * (state[1] - state[0])
     if law.dimension == 1:
-        return friction[directions[:, 0] * np.cos(middle) > 0.0]
+        slides: Array = friction[directions[:, 0] * np.cos(middle) > 0.0]
+        return slides
     turned = np.arctan2(directions[:, 1], directions[:, 0]) - middle
     inside = np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi) <= half + 1e-12
     ends = law.direction.support_point([[np.cos(angle), np.sin(angle)] for angle in state])

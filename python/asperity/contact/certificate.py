@@ -118,13 +118,15 @@ class InfeasibleCase(Value):
 
     def __init__(self, states: Sequence[str | tuple[float, float]], direction: ArrayLike) -> None:
         names = ("any", "open", "closed", "stick")
+
+        def read(state: str | tuple[float, float]) -> str | tuple[float, float]:
+            if isinstance(state, str):
+                return _arrays.choice(state, "states", names)
+            first, last = _arrays.array(state, "states", (2,))
+            return float(first), float(last)
+
         self._set(
-            states=tuple(
-                _arrays.choice(state, "states", names)
-                if isinstance(state, str)
-                else (float(state[0]), float(state[1]))
-                for state in states
-            ),
+            states=tuple(read(state) for state in states),
             direction=_arrays.read_only(_arrays.array(direction, "direction", (None,))),
         )
 
