@@ -128,7 +128,8 @@ impl Scene {
             let factor = contact.law.rate();
             let factor = factor.map_or(1.0, |rate| rate.falling(falls_at) + rate.rising(now));
             let gauge = gauge(&contact.law, own);
-            let error = slack * size + resolution * errors[k % m] * (before + now);
+            let error =
+                slack * (size + normal * factor) + resolution * errors[k % m] * (before + now);
             assert!(
                 gauge <= normal * factor + error,
                 "contact {}: k_C(−λ) = {gauge} at λ_N = {normal} and f = {factor}: {self:?}",
