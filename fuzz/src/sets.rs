@@ -91,8 +91,10 @@ fn gauge<const P: usize>(set: &Star<P>, x: &Vector<P>, shape: &Shape) {
     assert!(gauge.is_finite() && gauge > 0.0, "k = {gauge} at {x} of {set:?}");
     close(same, gauge, 1e-12, "gauge and gauge_jet", set);
     close(radius * gauge, x.norm(), 1e-9, "radius times gauge", set);
-    // Three times a number is rounded, to which gauges of slender sets are sensitive.
-    let rounding = 1e-12 + 1e-15 * shape.slenderness;
+    // Three times a number is rounded, to which the gauge is sensitive where it is steep, and on slender sets.
+    let steepness = gradient.norm() * x.norm() / gauge;
+    let sensitivity = if steepness.is_finite() { steepness.max(1.0) } else { 1.0 };
+    let rounding = 1e-12 * sensitivity + 1e-15 * shape.slenderness;
     close(set.gauge(&(x * 3.0)), 3.0 * gauge, rounding, "homogeneity", set);
     if gradient.iter().all(|v| v.is_finite()) {
         // Euler's identity; where radii differ much its terms cancel.

@@ -128,7 +128,8 @@ impl Scene {
             let factor = contact.law.rate();
             let factor = factor.map_or(1.0, |rate| rate.falling(falls_at) + rate.rising(now));
             let gauge = gauge(&contact.law, own);
-            let error = slack * size + resolution * errors[k % m] * (before + now);
+            let error =
+                slack * (size + normal * factor) + resolution * errors[k % m] * (before + now);
             assert!(
                 gauge <= normal * factor + error,
                 "contact {}: k_C(−λ) = {gauge} at λ_N = {normal} and f = {factor}: {self:?}",
@@ -141,6 +142,10 @@ impl Scene {
     fn error_by_speed(&self, contact: &Contact) -> f64 {
         let inverse = self.matrices[0].clone().try_inverse().expect("a mass matrix is regular");
         let trace = (contact.direction.transpose() * inverse * &contact.direction).trace();
+        // What moves nothing has no loads.
+        if trace == 0.0 {
+            return 0.0;
+        }
         contact.law.dimension() as f64 / trace / laws::least_radius(&contact.law)
     }
 }

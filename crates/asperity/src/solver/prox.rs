@@ -91,6 +91,8 @@ fn iterate(
             return (iteration, Ended::Done);
         }
         if !residual.is_finite() {
+            // Too large a step size has run away beyond all numbers.
+            workspace.percussion.fill(0.0);
             return (iteration, Ended::Stalled);
         }
         stalled = if residual < 0.9 * best { 0 } else { stalled + 1 };
