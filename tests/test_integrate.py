@@ -252,3 +252,30 @@ def test_a_long_run_is_interrupted_and_reports():
     found = run_interrupted(INTERRUPTED)
     assert found.lines == ["interrupted"]
     assert found.code == 42
+
+
+@pytest.mark.parametrize("feet", range(1, 25))
+def test_redundant_feet_share_the_load_of_one(feet):
+    """A block slides to rest after v²/(2μg); one that falls first lands and slides on."""
+    line = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    foot = asp.Contact(line, [1.0, 0.0], normal=[0.0, 1.0])
+    block = asp.LinearSystem(1.0, force=[0.0, -2.0], contacts=[foot] * feet)
+    motion = asp.integrate(block, t_end=3.0, u0=[1.0, 0.0])
+    np.testing.assert_allclose(motion.normal_force[:-1].sum(axis=1), 2.0, rtol=1e-13)
+    np.testing.assert_allclose(motion.q[-1], [1.0 / (2.0 * 0.3 * 2.0), 0.0], rtol=1e-10, atol=1e-15)
+    landing = asp.integrate(block, t_end=1.5, q0=[0.0, 0.01], u0=[1.0, 0.0])
+    # The impact takes μ times the normal percussion from the speed at once.
+    fall = np.sqrt(2.0 * 0.01 / 2.0)
+    left = 1.0 - 0.3 * 2.0 * fall
+    expected = [fall + left**2 / (2.0 * 0.3 * 2.0), 0.0]
+    np.testing.assert_allclose(landing.q[-1], expected, rtol=1e-10, atol=1e-15)
+
+
+@pytest.mark.parametrize("feet", [9, 10, 11, 12])
+def test_a_box_on_many_points_slides_to_rest(feet):
+    line = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    box = asp.PlanarBody.box(1.0, (0.1, 0.02), position=(0.0, 0.02), velocity=(1.0, 0.0))
+    points = [asp.PointPlane(0, (x, -0.02), asp.Line(), line) for x in np.linspace(-0.1, 0.1, feet)]
+    motion = asp.integrate(asp.RigidBodies([box], points), t_end=0.2)
+    expected = [0.2 - 0.5 * 0.3 * 9.81 * 0.2**2, 0.02, 0.0]
+    np.testing.assert_allclose(motion.q[-1], expected, rtol=1e-9, atol=1e-15)
