@@ -153,7 +153,8 @@ def walk(seeds):
 # contradict each other: such runs end with a proof.
 EXPECTED = ("agrees", "ambiguous", "events", "no solution")
 # What else happens among the first 10,000 systems. Such a run ends with an error that says so, but
-# it should not end; integrators that stay apart should mark a choice. Whoever mends one takes it out.
+# it should not end; integrators that stay apart should mark a choice. Whoever mends one takes it
+# out.
 KNOWN = {
     # At rest in a corner of several contacts, which have a second state together only.
     "apart": {893, 3622, 4041, 7384, 9835},
