@@ -700,3 +700,58 @@ def test_an_impact_in_a_corner_says_whether_it_drives_back_what_leaves(u0, drive
     assert motion.events[0].kind is EventKind.IMPACT
     assert motion.events[0].ambiguous == driven_back
     assert (motion.events[1:2] != ()) == driven_back
+
+
+@pytest.mark.parametrize("approach", [0.0, 1e-12, 1e-6])
+def test_a_contact_that_can_open_opens_though_slip_could_keep_it_closed(approach):
+    """The indeterminate zone of Painlevé: w_NᵀM⁻¹(w_N + Wf) < 0 and γ̈_N > 0 without the contact."""
+    contact = asp.Contact(line(1.0), [2.0, 1.0], normal=[1.0, 0.0], velocity=[1.0])
+    system = asp.LinearSystem(np.eye(2), force=[0.1, 0.0], contacts=[contact])
+    motion = asp.integrate(system, t_end=0.1, u0=[approach, 0.0])
+    assert EventKind.IMPACT_WITHOUT_COLLISION not in [event.kind for event in motion.events]
+    assert motion.q[-1] == pytest.approx([0.0005 + 0.1 * approach, 0.0], abs=1e-12)
+    steps = asp.simulate(system, dt=1e-3, t_end=0.1)
+    assert motion.q[-1] == pytest.approx(steps.q[-1], abs=1e-5)
+    if approach == 0.0:
+        (opens,) = motion.events
+        assert (opens.kind, opens.ambiguous) == (EventKind.OPEN, True)
+
+
+def test_a_contact_pressed_into_the_paradox_is_stopped_by_an_impact():
+    """Its percussion is finite although the approach that calls for it vanishes."""
+    rows = np.array([[0.47, -0.05, -0.03], [1.05, -0.72, -0.47], [-0.52, 1.17, 0.99]])
+    law = asp.FrictionLaw.isotropic(0.9)
+    contact = asp.Contact(law, rows[1:].T, normal=rows[0], velocity=[1.29, -0.03])
+    force = np.array([-0.16, 0.85, -0.39])
+    system = asp.LinearSystem(np.eye(3), force=force, contacts=[contact])
+    motion = asp.integrate(system, t_end=1e-3)
+    steps = asp.simulate(system, dt=1e-4, t_end=1e-3)
+    assert len(motion.events) <= 3
+    assert motion.u[-1] == pytest.approx(steps.u[-1], rel=1e-4)
+
+
+def random_openings(count):
+    """Contacts in space in that zone: numbers of all, and of those that do not open."""
+    rng = np.random.default_rng(7)
+    law = asp.FrictionLaw.isotropic(0.9)
+    met, closed = 0, []
+    for case in range(count):
+        rows = rng.normal(size=(3, 3))
+        slip = rng.normal(size=2)
+        force = rng.normal(size=3)
+        sliding = rows[0] - 0.9 * slip @ rows[1:] / np.linalg.norm(slip)
+        if rows[0] @ sliding > -1e-3 or rows[0] @ force < 1e-2:
+            continue
+        met += 1
+        contact = asp.Contact(law, rows[1:].T, normal=rows[0], velocity=slip)
+        system = asp.LinearSystem(np.eye(3), force=force, contacts=[contact])
+        motion = asp.integrate(system, t_end=1e-3)
+        if np.abs(motion.q[-1] - 0.5e-6 * force).max() > 1e-12:
+            closed.append(case)
+    return met, closed
+
+
+def test_contacts_in_space_that_can_open_open():
+    met, closed = random_openings(400)
+    assert met > 10
+    assert closed == []

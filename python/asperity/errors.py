@@ -114,8 +114,7 @@ class NoSolutionError(ConvergenceError):
     """There is no solution: Painlevé paradox, or bodies squeezed by prescribed motions.
 
     Attributes:
-        infeasibility: the proof; ``None`` where `integrate` has found that no impact ends a
-            Painlevé paradox.
+        infeasibility: the proof.
         problem: what has no solution, of `simulate` in percussions, of `integrate` in forces and
             accelerations or, at an impact, in percussions. ``None`` for `RigidBodies`.
     """

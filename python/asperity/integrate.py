@@ -47,6 +47,11 @@ _FAILURES = {
         "The contacts may depend on each other, so that rounding decides what they do: try "
         "simulate",
     ),
+    "no_impact": (
+        "no percussion was found that stops the slip without a collision",
+        "Friction and normal force enforce each other (Painlevé), but that no percussion satisfies "
+        "the laws is not proven: try simulate",
+    ),
     "no_solution": (Status.NO_SOLUTION.message, Status.NO_SOLUTION.advice),
 }
 
@@ -94,8 +99,9 @@ def integrate(
         |w_N|ᵀ|q| so far, end a sequence of impacts: the contact stays closed from there.
 
     Raises:
-        NoSolutionError: neither forces nor an impact satisfy the laws (Painlevé).
-        ConvergenceError: too many events, or no step succeeds. Either holds the time, the
+        NoSolutionError: no forces or percussions satisfy the laws; it holds the proof.
+        ConvergenceError: too many events, no step succeeds, or no impact was found that ends a
+            Painlevé paradox. Either holds the time, the
             contact and the part before as ``trajectory``.
         SimulationInterrupted: on Ctrl-C, with the part before as ``trajectory``.
 

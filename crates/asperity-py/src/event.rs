@@ -68,6 +68,7 @@ pub fn integrate<'py>(
                 Cause::Step => "step",
                 Cause::Rejections => "rejections",
                 Cause::Events => "events",
+                Cause::NoImpact => "no_impact",
                 Cause::Unsolved => "unsolved",
             };
             (name, contact, None)

@@ -21,7 +21,7 @@ use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
 const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };
 const FALLBACK: Solver = Solver::Auto { interior_point: true, threads: 1 };
 const TOLERANCE: f64 = 1e-12;
-/// Residual that counts as solved where rounding leaves no better one.
+/// Residual that counts as solved where rounding leaves no better one and the solver has come to its end.
 const ROUNDED: f64 = 1e-9;
 /// Relative distance from the boundary of a reservoir that counts as none.
 const BOUNDARY: f64 = 1e-6;
@@ -148,7 +148,16 @@ fn solve(
         let (mut workspace, mut found) = (Workspace::default(), start.clone());
         workspace.prepare(problem);
         let report = solver.solve(problem, stop, &mut found, &mut workspace);
-        if report.status == Status::Converged || report.residual < ROUNDED {
+        // Where percussions run away, or a proof excludes a solution, a small residual says nothing. One contact
+        // alone has nothing to be squeezed against: in Painlevé's paradox its percussion is large beside an approach
+        // that vanishes, and solves the problem all the same.
+        let ended = match report.status {
+            Status::Stalled | Status::Inexact => true,
+            Status::Unbounded => part.contacts.len() == 1,
+            _ => false,
+        };
+        let at_rounding = ended && report.residual < ROUNDED;
+        if report.status == Status::Converged || at_rounding {
             let decision = Decision::Made { ambiguous: report.ambiguous };
             return (decision, found, workspace.velocity);
         }

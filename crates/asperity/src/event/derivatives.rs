@@ -51,16 +51,21 @@ impl Field<'_> {
         Ok(())
     }
 
-    /// The drift of all contacts, open ones too, at a state where the field has been evaluated; the stencil
-    /// widens where rows hardly change.
-    pub(super) fn survey(&mut self, State { t, q, u }: &State) -> Result<(), FieldError> {
+    /// The drift of all contacts, open ones too, at a state where the field has been evaluated.
+    pub(super) fn drift_of_all(&mut self, State { t, q, u }: &State) -> Result<(), FieldError> {
+        if !self.constant && self.touches.iter().any(Touch::is_free) {
+            self.update_drift(*t, q, u, |_| true)?;
+        }
+        Ok(())
+    }
+
+    /// The drift of all contacts at a new state; the stencil widens where rows hardly change.
+    pub(super) fn survey(&mut self, state: &State) -> Result<(), FieldError> {
+        self.drift_of_all(state)?;
         if self.constant {
             return Ok(());
         }
-        if self.touches.iter().any(Touch::is_free) {
-            self.update_drift(*t, q, u, |_| true)?;
-        }
-        let change = self.change(u);
+        let change = self.change(&state.u);
         if change < 0.25 * CHANGE {
             self.stencil = f64::min(self.stencil * wider(change), self.widest);
         }

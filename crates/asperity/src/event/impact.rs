@@ -4,7 +4,7 @@ use super::decide::{self, Blow, Decision};
 use super::happen::Next;
 use super::run::Runner;
 use super::touch::{FieldError, ROWS, STILL, State, TOUCHING, instant};
-use super::{Kind, Outcome};
+use super::{Cause, Kind, Outcome};
 use crate::contact::{ContactState, Phase};
 
 /// Height of a bounce over the reach of the contact below which it rests: the end of a sequence of impacts,
@@ -112,16 +112,35 @@ impl Runner<'_> {
         slipping.position(|(mode, resistance)| mode == Phase::Slip && resistance < RESISTANCE)
     }
 
-    /// Painlevé's impact without collision.
-    pub(super) fn stop_without_collision(&mut self, contact: usize) -> Next {
+    /// Whether a slipping contact that no longer resists opens without its own force. With a negative resistance it
+    /// could go on slipping as well, under a force that keeps itself up.
+    fn opens(&mut self, contact: usize) -> Result<bool, FieldError> {
+        let State { t, q, u } = &self.state;
+        self.field.touches[contact].mode = Phase::Open;
+        self.field.evaluate(*t, q, u, false)?;
+        self.field.drift_of_all(&self.state)?;
+        self.field.touches[contact].mode = Phase::Slip;
+        Ok(self.field.rate(ROWS * contact, &self.field.acceleration) >= 0.0)
+    }
+
+    /// Painlevé's paradox: a contact that can open, opens; if none can, an impact without collision stops the slip.
+    pub(super) fn leave_singular(&mut self, contact: usize) -> Next {
         let mut before = self.phases();
+        if self.opens(contact)? {
+            self.field.touches[contact].mode = Phase::Open;
+            self.memory[contact] = ContactState::new(Phase::Open, self.memory[contact].slip);
+            self.event(Some(contact), Kind::Open, true);
+            before[contact] = None;
+            return self.settle(&before);
+        }
         let closed = |&i: &usize| {
             let touch = &self.field.touches[i];
             touch.prescribed.is_none() && touch.mode != Phase::Open
         };
         let involved: Vec<usize> = (0..self.memory.len()).filter(closed).collect();
         if !decide::stop(&mut self.field, &mut self.state, &involved)? {
-            return Ok(Some(Outcome::NoSolution { contact, unsolvable: None }));
+            let cause = Cause::NoImpact;
+            return Ok(Some(Outcome::Stuck { cause, contact: Some(contact) }));
         }
         self.event(Some(contact), Kind::ImpactWithoutCollision, false);
         before[contact] = None;

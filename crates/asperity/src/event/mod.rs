@@ -97,13 +97,12 @@ pub enum Outcome {
     Interrupted,
     /// There were as many events as are allowed.
     TooManyEvents,
-    /// Friction and normal force enforce each other and no impact ends that (Painlevé), or contacts are
-    /// squeezed: no force or percussion satisfies the laws.
+    /// Contacts are squeezed, or friction and normal force enforce each other: no force or percussion satisfies the
+    /// laws.
     NoSolution {
         /// The contact.
         contact: usize,
-        /// The problem of accelerations or of percussions and the proof; of Painlevé's impact without collision
-        /// there is none.
+        /// The problem of accelerations or of percussions and the proof.
         unsolvable: Option<Box<Unsolvable>>,
     },
     /// The motion does not get on: the forces grow without bound or jump where the method does not know it.
@@ -126,6 +125,9 @@ pub enum Cause {
     Rejections,
     /// Events follow each other without time passing.
     Events,
+    /// Friction and normal force enforce each other (Painlevé), and an impact without collision that stops every
+    /// slip without a normal motion would break the laws; there may be another one.
+    NoImpact,
     /// The forces or percussions of the contacts at an event have not been found to the accuracy that is needed.
     Unsolved,
 }

@@ -164,7 +164,7 @@ impl<'a> Runner<'a> {
             return Ok(Some(Outcome::Stuck { cause, contact: self.hindered(cause) }));
         }
         if let Some(contact) = self.singular() {
-            return self.stop_without_collision(contact);
+            return self.leave_singular(contact);
         }
         self.field.creep = ROUNDING * self.field.load * h * h;
         let scale = self.control.scale(h, self.push(h), self.rounding(self.control.newton));
