@@ -702,6 +702,63 @@ def test_an_impact_in_a_corner_says_whether_it_drives_back_what_leaves(u0, drive
     assert (motion.events[1:2] != ()) == driven_back
 
 
+ENDS = [10.0**k for k in range(2, 9)]
+
+
+def spring(mu=0.3):
+    """A stiff spring, ω = 100/s, that friction brings to rest."""
+    contact = asp.Contact(line(mu), [1.0], normal_force=1.0)
+    return asp.LinearSystem(1.0, stiffness=1e4, contacts=[contact])
+
+
+@pytest.mark.parametrize("t_end", ENDS)
+def test_a_start_from_rest_does_not_depend_on_the_end(t_end):
+    # x = 3e-5 + (0.01 − 3e-5) cos ωt vanishes a little after a quarter of a turn.
+    section = asp.Section([-1.0, 0.0], 0.0)
+    motion = asp.integrate(spring(), t_end=t_end, q0=[0.01], section=section)
+    assert motion.t[-1] == pytest.approx(np.arccos(-3e-5 / (0.01 - 3e-5)) / 100.0, rel=1e-10)
+    # Without a section: half a turn from one change of the slip to the next.
+    motion = asp.integrate(spring(30.0), t_end=t_end, q0=[0.01])
+    times = [event.time for event in motion.events]
+    assert times == pytest.approx(np.pi / 100.0 * np.arange(1, 1 + len(times)), rel=1e-9)
+    assert motion.events[-1].kind is EventKind.STICK
+    assert motion.status is asp.Outcome.FINISHED
+
+
+@pytest.mark.parametrize("t_end", ENDS)
+def test_fast_damping_and_forcing_from_rest_do_not_depend_on_the_end(t_end):
+    section = asp.Section([1.0, 0.0], 1e-6)
+    damped = asp.LinearSystem(1.0, damping=1e5, force=[10.0])
+    motion = asp.integrate(damped, t_end=t_end, section=section)
+    # x = g/d (t − (1 − exp(−dt))/d).
+    assert motion.t[-1] == pytest.approx(1e-2 + 1e-5, rel=1e-9)
+    forced = Push(lambda t: np.sin(50.0 * t))
+    motion = asp.integrate(forced, t_end=t_end, section=asp.Section([0.0, 1.0], 0.0, after=0.02))
+    # It slips from |F| = 0.3 on, and its slip is back at zero before a turn is over.
+    assert motion.events[0].kind is EventKind.SLIP
+    assert motion.events[0].time == pytest.approx(np.arcsin(0.3) / 50.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("gap", [1e-9, 1e-6, 1e-2])
+@pytest.mark.parametrize("t_end", ENDS)
+def test_an_open_contact_falls_shut_whatever_the_end(gap, t_end):
+    contact = asp.Contact(line(0.3), [1.0, 0.0], normal=[0.0, 1.0])
+    block = asp.LinearSystem(np.eye(2), force=[0.0, -10.0], contacts=[contact])
+    motion = asp.integrate(block, t_end=t_end, q0=[0.0, gap], u0=[1.0, 0.0])
+    impact = motion.events[0]
+    assert impact.kind is EventKind.IMPACT
+    assert impact.time == pytest.approx(np.sqrt(2.0 * gap / 10.0), rel=1e-9)
+    section = asp.Section([1.0, 0.0, 0.0, 0.0], 1e-5)
+    fall = asp.integrate(block, t_end=t_end, q0=[0.0, 1e-2], u0=[1.0, 0.0], section=section)
+    assert fall.t[-1] == pytest.approx(1e-5, rel=1e-12)
+    assert fall.q[-1, 1] == pytest.approx(1e-2, abs=1e-9)
+    with pytest.raises(asp.ParameterError, match="overlap"):
+        asp.integrate(block, t_end=t_end, q0=[0.0, -1e-6])
+    rest = asp.integrate(block, t_end=t_end, q0=[0.0, -1e-18])
+    assert rest.events == ()
+    assert np.abs(rest.q[-1]).max() <= 1e-18
+
+
 @pytest.mark.parametrize("approach", [0.0, 1e-12, 1e-6])
 def test_a_contact_that_can_open_opens_though_slip_could_keep_it_closed(approach):
     """The indeterminate zone of Painlevé: w_NᵀM⁻¹(w_N + Wf) < 0 and γ̈_N > 0 without the contact."""
@@ -715,6 +772,15 @@ def test_a_contact_that_can_open_opens_though_slip_could_keep_it_closed(approach
     if approach == 0.0:
         (opens,) = motion.events
         assert (opens.kind, opens.ambiguous) == (EventKind.OPEN, True)
+
+
+@pytest.mark.parametrize("t_end", ENDS)
+def test_a_fall_from_rest_does_not_depend_on_the_end(t_end):
+    contact = asp.Contact(line(0.3), [1.0, 0.0], normal=[0.0, 1.0])
+    block = asp.LinearSystem(np.eye(2), force=[0.0, -10.0], contacts=[contact])
+    motion = asp.integrate(block, t_end=t_end, q0=[0.0, 1e-2])
+    (impact,) = motion.events
+    assert impact.time == pytest.approx(np.sqrt(2e-3), rel=1e-10)
 
 
 def test_a_contact_pressed_into_the_paradox_is_stopped_by_an_impact():

@@ -81,7 +81,7 @@ impl Control {
         }
     }
 
-    /// What errors of a step are compared with: the largest values so far, at least what the largest
+    /// What errors of a step are compared with: the largest values so far, at least what this
     /// acceleration changes. `goal` is the relative error that counts: it must not be asked for below what
     /// rounding leaves of the forces, of which `load` is the largest, where these balance.
     pub(super) fn scale(&self, h: f64, acceleration: f64, (goal, load): (f64, f64)) -> Scale {
@@ -95,12 +95,13 @@ impl Control {
         self.scale.u.max(self.creep)
     }
 
-    /// A length to begin with, which need not be good.
-    pub(super) fn begin(&mut self, t_end: f64, a0: &[f64]) {
+    /// The longest first step: a share of the times in which velocities and coordinates change by themselves, as
+    /// far as there are any, and of all the time.
+    pub(super) fn first(&self, t_end: f64, a0: &[f64]) -> f64 {
         let Scale { q, u } = self.scale;
         let times = [0.01 * u / largest(a0), 0.01 * q / u];
         let usable = times.into_iter().filter(|t| t.is_finite() && *t > 0.0);
-        self.h = usable.fold(0.01 * t_end, f64::min);
+        usable.fold(0.01 * t_end, f64::min)
     }
 
     /// The estimate relative to the tolerance decides whether a step is kept, and on the length of the next;

@@ -18,8 +18,9 @@ const ONSET: f64 = 1e-8;
 /// Excess of a sticking force over the reservoir that may be rounding, relative to the largest normal force.
 const AT_LIMIT: f64 = 1e-9;
 
-/// The gap over the length `a t²` of the motion to come that counts as closed at the beginning: eight roundings.
-const FALL: f64 = 8.0 * f64::EPSILON;
+/// Gap in m, and velocity in m/s, that count as none at the beginning, where no length may be known but that of
+/// rounding, such as of a body at rest at the origin: states of a size of one are no finer.
+const LEAST: f64 = f64::EPSILON;
 
 pub(super) type Next = Result<Option<Outcome>, FieldError>;
 
@@ -29,10 +30,10 @@ impl Runner<'_> {
         let State { t, q, u } = &self.state;
         self.field.kinematics(*t, q, u)?;
         self.control.see(&mut self.field, q, u, 0.0);
+        // An impact at the beginning is told from rest by the accelerations without contacts.
         self.field.system.forces(*t, q, u, &mut self.a0)?;
         self.field.apply_inverse_mass(&mut self.a0);
-        self.fall = FALL * largest(&self.a0) * self.options.t_end.powi(2);
-        let depth = |touch: &Touch| touch.prescribed.is_none() && touch.gap < -self.closed(touch);
+        let depth = |touch: &Touch| touch.prescribed.is_none() && touch.gap < -closed(touch);
         Ok(self.field.touches.iter().position(depth).map(|contact| {
             let depth = -self.field.touches[contact].gap;
             let message =
@@ -41,27 +42,20 @@ impl Runner<'_> {
         }))
     }
 
-    /// The gap at which a contact counts as closed at the beginning. Where no length is known but that of
-    /// rounding, such as of a body at rest at the origin, it is told from the lengths of the motion to come.
-    fn closed(&self, touch: &Touch) -> f64 {
-        (TOUCHING * touch.reach).max(self.fall)
-    }
-
     /// Decides what the contacts do at the beginning.
     pub(super) fn begin(&mut self) -> Next {
         self.field.begin(&self.state, self.options.t_end)?;
         let mut hit = None;
-        // As gaps, velocities at rest are told from those of the motion to come: rounding must not slip.
-        let slow = self.fall / self.options.t_end;
-        let still = (STILL * self.control.speed()).max(slow);
+        let still = (STILL * self.control.speed()).max(LEAST);
         for i in 0..self.memory.len() {
             let rows = (1..=self.field.touches[i].p).map(|r| largest(self.field.row(ROWS * i + r)));
             let size = rows.fold(0.0, f64::max);
-            if norm(&self.field.touches[i].slip) <= slow * size {
+            // Rounding must not slip.
+            if norm(&self.field.touches[i].slip) <= LEAST * size {
                 self.field.touches[i].slip = [0.0; 3];
             }
             let touch = self.field.touches[i];
-            if touch.prescribed.is_none() && touch.gap <= self.closed(&touch) {
+            if touch.prescribed.is_none() && touch.gap <= closed(&touch) {
                 let approach = self.approach(i);
                 if approach < -still {
                     hit = Some(i);
@@ -296,4 +290,9 @@ impl Runner<'_> {
         add(&mut self.state.u, left, &self.a0);
         self.settle(&before)
     }
+}
+
+/// The gap at which a contact counts as closed at the beginning.
+pub(super) fn closed(touch: &Touch) -> f64 {
+    (TOUCHING * touch.reach).max(LEAST)
 }

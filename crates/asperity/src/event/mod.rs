@@ -12,7 +12,7 @@
 //! | `decide.rs`, `part.rs`, `share.rs` | contact problems of accelerations and of impacts |
 //! | `locate.rs`, `watch.rs`, `between.rs` | functions whose zeros are events, watched along steps |
 //! | `sample.rs`, `dense.rs` | samples inside steps |
-//! | `run.rs`, `control.rs`, `poll.rs` | the loop over steps, the length of steps, whether to go on |
+//! | `run.rs`, `control.rs`, `start.rs`, `poll.rs` | the loop over steps, the length of steps and of the first one, whether to go on |
 //! | `happen.rs`, `impact.rs` | what is done at events |
 //! | `motion.rs` | what is returned |
 
@@ -38,6 +38,7 @@ mod poll;
 mod run;
 mod sample;
 mod share;
+mod start;
 mod touch;
 mod watch;
 

@@ -9,6 +9,7 @@ use super::dense::Dense;
 use super::field::{Field, add, largest};
 use super::force::norm;
 use super::poll::Poll;
+use super::start::first_step;
 use super::touch::{FieldError, ROUNDING, State, instant};
 use super::watch::{Lost, Watch};
 use super::{Cause, Motion, Options, OptionsError, Outcome, Run};
@@ -28,6 +29,8 @@ const COAST: f64 = 2e-14;
 /// Events at one time that are too many.
 const AT_ONCE: usize = 50;
 
+/// Length of a step over the time of an event in it, where the one before was far too long to tell that time.
+const SOON: f64 = 4.0;
 /// How much longer steps may become before the Jacobian is computed anew: rounding in it grows with their square.
 const LONGER: f64 = 4.0;
 
@@ -51,8 +54,6 @@ pub(super) struct Runner<'a> {
     pub(super) probe: Step,
     /// Whether a slip begins at the present state.
     pub(super) starting: bool,
-    /// Gap that counts as closed at the beginning where no other length is known.
-    pub(super) fall: f64,
     /// Whether the step before was of the same mode, and whether its Jacobian can be used again.
     pub(super) smooth: bool,
     pub(super) linear: bool,
@@ -108,7 +109,6 @@ impl<'a> Runner<'a> {
             last: Step::new(n),
             probe: Step::new(n),
             starting: false,
-            fall: 0.0,
             smooth: false,
             linear: false,
             linearised: 0.0,
@@ -125,8 +125,12 @@ impl<'a> Runner<'a> {
 
     fn go(&mut self) -> Result<Outcome, FieldError> {
         let mut outcome = self.begin()?;
-        self.control.begin(self.options.t_end, &self.a0);
         self.record()?;
+        if outcome.is_none() {
+            let longest = self.control.first(self.options.t_end, &self.a0);
+            self.control.h = first_step(&mut self.field, &self.state, &self.a0, longest)?;
+            self.stale = true;
+        }
         loop {
             if let Some(outcome) = outcome {
                 if self.motion.t.last() != Some(&self.state.t) {
@@ -150,7 +154,8 @@ impl<'a> Runner<'a> {
         if self.stale {
             let State { t, q, u } = &self.state;
             self.field.evaluate(*t, q, u, self.starting)?;
-            self.field.survey(&self.state)?;
+            // A stencil that has been narrowed for the end of an attempt must not widen for its start.
+            self.field.drift_of_all(&self.state)?;
             self.stale = false;
         }
         let mut limit = self.control.flight(&self.field, &self.state.u, &self.a0);
@@ -175,8 +180,8 @@ impl<'a> Runner<'a> {
         if !self.attempt(h)? {
             return Ok(self.shorten(0.25 * h));
         }
-        let push = self.push(h).max(largest(&self.step.a));
-        let scale = self.control.scale(h, push, self.rounding(self.control.estimate));
+        let reached = largest(&self.step.u);
+        let scale = self.control.scale(h, reached / h, self.rounding(self.control.estimate));
         let error = self.step.error(&self.state, &self.a0, scale);
         if !self.control.judge(h, error) {
             let shorter = self.control.h;
@@ -198,6 +203,7 @@ impl<'a> Runner<'a> {
             Watch::Alarms(alarms) => match self.locate(&alarms) {
                 Ok(which) => self.happen(which),
                 Err(Lost::Diverged) => Ok(self.shorten(0.5 * h)),
+                Err(Lost::Early(at)) => Ok(self.shorten(SOON * at)),
                 Err(Lost::Error(error)) => Err(error),
             },
         }

@@ -52,7 +52,7 @@ impl Runner<'_> {
             match self.look(h * k as f64 / (PLACES - 1) as f64) {
                 Ok(()) => {}
                 // The polynomial of the attempt is what is left.
-                Err(Lost::Diverged) => {
+                Err(Lost::Diverged | Lost::Early(_)) => {
                     self.probe.guess_from(h * k as f64 / (PLACES - 1) as f64, &self.step, 0.0);
                     self.probe.stages(&self.state);
                 }

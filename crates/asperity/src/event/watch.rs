@@ -4,10 +4,15 @@ use super::between;
 use super::collocation::{STAGES, Tableau};
 use super::control;
 use super::field::largest;
+use super::happen::closed;
 use super::locate::{self, alarm};
 use super::run::Runner;
 use super::touch::{FieldError, STILL, Touch, instant};
 use crate::contact::Phase;
+
+/// Share of the first step in which events are not located: to rounding of its length is not to rounding of their
+/// time. Later steps are not so much longer than those before.
+const EARLY: f64 = 1e-2;
 
 /// What the stages of a step show.
 pub(super) enum Watch {
@@ -29,6 +34,8 @@ pub(super) struct Alarms {
 /// A step to another time that has not been found, or an error.
 pub(super) enum Lost {
     Diverged,
+    /// An event so early in the step, at this time from its start, that the step does not tell the time well.
+    Early(f64),
     Error(FieldError),
 }
 
@@ -157,7 +164,7 @@ impl Runner<'_> {
                     return Ok(Some(Alarms { low, high, fired }));
                 }
             }
-            Err(Lost::Diverged) => {}
+            Err(Lost::Diverged | Lost::Early(_)) => {}
             Err(Lost::Error(error)) => return Err(error),
         }
         self.evaluate_stage(STAGES - 1)?;
@@ -180,6 +187,9 @@ impl Runner<'_> {
             }
         }
         let (h, which) = first;
+        if self.motion.steps == 0 && h < EARLY * self.step.h && !self.at_once(which) {
+            return Err(Lost::Early(h));
+        }
         self.sample(self.state.t + h, false)?;
         self.look(h)?;
         self.go_to(self.state.t + h, false)?;
@@ -190,6 +200,15 @@ impl Runner<'_> {
             self.record()?;
         }
         Ok(which)
+    }
+
+    /// Whether an alarm is at its limit at the present state already, so that it goes off at once.
+    fn at_once(&self, which: usize) -> bool {
+        let limit = match self.field.touches.get(which) {
+            Some(touch) if touch.mode == Phase::Open => closed(touch),
+            _ => 0.0,
+        };
+        self.alarms[which] >= -limit
     }
 
     /// The step from the present state to another time of the present attempt, with the full order; the field
