@@ -54,6 +54,8 @@ pub(super) struct Runner<'a> {
     pub(super) probe: Step,
     /// Whether a slip begins at the present state.
     pub(super) starting: bool,
+    /// How often the first step has been shortened for an event far too early in it.
+    pub(super) shortened: u8,
     /// Whether the step before was of the same mode, and whether its Jacobian can be used again.
     pub(super) smooth: bool,
     pub(super) linear: bool,
@@ -109,6 +111,7 @@ impl<'a> Runner<'a> {
             last: Step::new(n),
             probe: Step::new(n),
             starting: false,
+            shortened: 0,
             smooth: false,
             linear: false,
             linearised: 0.0,
@@ -180,8 +183,8 @@ impl<'a> Runner<'a> {
         if !self.attempt(h)? {
             return Ok(self.shorten(0.25 * h));
         }
-        let reached = largest(&self.step.u);
-        let scale = self.control.scale(h, reached / h, self.rounding(self.control.estimate));
+        let push = self.push(h).max(largest(&self.step.a));
+        let scale = self.control.scale(h, push, self.rounding(self.control.estimate));
         let error = self.step.error(&self.state, &self.a0, scale);
         if !self.control.judge(h, error) {
             let shorter = self.control.h;

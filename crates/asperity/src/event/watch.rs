@@ -13,6 +13,8 @@ use crate::contact::Phase;
 /// Share of the first step in which events are not located: to rounding of its length is not to rounding of their
 /// time. Later steps are not so much longer than those before.
 const EARLY: f64 = 1e-2;
+/// Most times that the first step is shortened for such an event: one whose time falls with the step goes off at once.
+const MOST_SHORTENED: u8 = 5;
 
 /// What the stages of a step show.
 pub(super) enum Watch {
@@ -187,7 +189,9 @@ impl Runner<'_> {
             }
         }
         let (h, which) = first;
-        if self.motion.steps == 0 && h < EARLY * self.step.h && !self.at_once(which) {
+        let early = self.motion.steps == 0 && h < EARLY * self.step.h && !self.at_once(which);
+        if early && self.shortened < MOST_SHORTENED {
+            self.shortened += 1;
             return Err(Lost::Early(h));
         }
         self.sample(self.state.t + h, false)?;
