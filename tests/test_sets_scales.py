@@ -174,7 +174,7 @@ def test_laws_at_slips_and_loads_of_any_magnitude(magnitude, load, rng):
     unit = whole(random_directions(rng, 12, 2), magnitude)
     slip = unit * magnitude
     np.testing.assert_allclose(law.force(slip, load), load * law.force(unit), rtol=1e-12)
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         power = load * law.dissipation(unit) * magnitude
         slope = law.jacobian(unit) * (load / magnitude)
     found = answer(lambda: law.dissipation(slip, load), "slip")
