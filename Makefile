@@ -56,10 +56,13 @@ SETS ?= 20000
 INPUTS ?= 20000
 ONLY ?=
 long: $(VENV)/.installed
-	PROPTEST_CASES=$(SETS) cargo test --release --locked -p asperity-set
-	cargo test --release --locked -p asperity -- --ignored
-	cd fuzz && ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test --release --locked --target-dir ../target/fuzz
-	$(BIN)/pytest --numprocesses auto --timeout 7200 -m long -k "$(ONLY)"
+	failed=0; \
+	PROPTEST_CASES=$(SETS) cargo test --release --locked -p asperity-set || failed=1; \
+	cargo test --release --locked -p asperity -- --ignored || failed=1; \
+	(cd fuzz && ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test --release --locked --no-fail-fast \
+		--target-dir ../target/fuzz) || failed=1; \
+	$(BIN)/pytest --numprocesses auto --timeout 7200 -m long -k "$(ONLY)" || failed=1; \
+	exit $$failed
 
 # libFuzzer on stable Rust, SECONDS per target; needs a C++ compiler. What it finds is in out/fuzz: give it to
 # the binary again, or into fuzz/corpus, from where `make test` replays it.

@@ -336,3 +336,20 @@ fn a_rod_that_friction_presses_down_is_proven_to_have_no_solution() {
         assert_eq!(solve(0.8, 1.0), ("converged", None));
     }
 }
+
+/// Painlevé's paradox again, where friction, not the normal load, calls for percussions: they solve the problem
+/// however small the approach is.
+#[test]
+fn percussions_of_one_contact_do_not_run_away_from_a_vanishing_load() {
+    let root =
+        DMatrix::from_row_slice(3, 3, &[0.47, -0.05, -0.03, 1.05, -0.72, -0.47, -0.52, 1.17, 0.99]);
+    for approach in [1.0, 1e-3, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-15, 0.0] {
+        let contacts = [(isotropic(0.9), NormalForce::Unilateral)];
+        let free = vec![-approach, 1.29, -0.03];
+        let problem = ContactProblem::new(&root * root.transpose(), free, contacts).unwrap();
+        let (mut memory, mut workspace) = (Memory::new(3, 1), Workspace::default());
+        let solver = Solver::Exact { max_sweeps: 1 };
+        let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
+        assert_eq!(report.status.name(), "converged", "{approach:e}: {report:?}");
+    }
+}

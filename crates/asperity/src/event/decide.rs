@@ -148,14 +148,8 @@ fn solve(
         let (mut workspace, mut found) = (Workspace::default(), start.clone());
         workspace.prepare(problem);
         let report = solver.solve(problem, stop, &mut found, &mut workspace);
-        // Where percussions run away, or a proof excludes a solution, a small residual says nothing. One contact
-        // alone has nothing to be squeezed against: in Painlevé's paradox its percussion is large beside an approach
-        // that vanishes, and solves the problem all the same.
-        let ended = match report.status {
-            Status::Stalled | Status::Inexact => true,
-            Status::Unbounded => part.contacts.len() == 1,
-            _ => false,
-        };
+        // Where percussions run away, or a proof excludes a solution, a small residual says nothing.
+        let ended = matches!(report.status, Status::Stalled | Status::Inexact);
         let at_rounding = ended && report.residual < ROUNDED;
         if report.status == Status::Converged || at_rounding {
             let decision = Decision::Made { ambiguous: report.ambiguous };

@@ -78,6 +78,8 @@ pub(super) struct Groups {
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Powers {
+    /// Contacts that push.
+    contacts: usize,
     approach: f64,
     separation: f64,
     load: f64,
@@ -90,8 +92,10 @@ struct Powers {
 impl Powers {
     /// What the contacts of the group do, if their percussions have grown.
     fn kind(&self) -> Option<Kind> {
-        let Self { approach, separation, load, net, largest, brought } = *self;
-        let boundless = brought > BOUNDLESS * load && load > NO_LOAD * largest;
+        let Self { contacts, approach, separation, load, net, largest, brought } = *self;
+        // One contact alone is not squeezed: in Painlevé's paradox friction calls for percussions that are large beside a
+        // vanishing normal load.
+        let boundless = contacts > 1 && brought > BOUNDLESS * load && load > NO_LOAD * largest;
         let (little, closing) = (APPROACHING * load, CLOSING * net.abs());
         // What rounding leaves is no velocity.
         let counts = |power: f64, allowed: f64| power > allowed && power > ROUNDING * brought;
@@ -210,6 +214,7 @@ fn of_groups(
         let (load, brought) = velocities(problem, i, percussion);
         let group = groups.find(i);
         let sums = &mut groups.sums[group];
+        sums.contacts += 1;
         sums.approach += push * f64::max(0.0, -xi);
         sums.separation += push * f64::max(0.0, xi);
         sums.load += push * load.abs();
