@@ -159,7 +159,7 @@ KNOWN = {
     # At rest in a corner of several contacts, which have a second state together only.
     "apart": {893, 3622, 4041, 7384, 9835},
     # Neither a solution nor a proof that there is none.
-    "unsolved": {105, 503, 1454, 3892, 5362, 5458, 7642, 7937, 8660, 8666, 9963},
+    "unsolved": {105, 503, 1454, 3892, 5458, 7642, 7937, 8660, 8666},
     # Events without time passing; 6577: forces of a singular pair of contacts; 3008: Painlevé's
     # paradox in several contacts.
     "failed": {2390, 3008, 5263, 6051, 6577, 8502, 8700},
