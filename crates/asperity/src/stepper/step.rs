@@ -95,10 +95,12 @@ impl Stepper<'_> {
             // factor magnifies it.
             let part = if correction < UNAIDED { 0.1 } else { 1e-3 };
             let sharp = Stop { tolerance: part * stop.tolerance, ..stop };
-            let mut report = solver::grade(&closed.problem, sharp, memory, workspace);
-            if !settled || report.status != Status::Converged {
-                report = solver.solve(&closed.problem, sharp, memory, workspace);
-            }
+            // Where contacts were moved to solutions one by one, that may be the solution of all.
+            let graded = settled.then(|| solver::grade(&closed.problem, sharp, memory, workspace));
+            let mut report = match graded.filter(|report| report.status == Status::Converged) {
+                Some(report) => report,
+                None => solver.solve(&closed.problem, sharp, memory, workspace),
+            };
             iterations += report.iterations;
             report.iterations = iterations;
             let runs_away = matches!(report.status, Status::NoSolution | Status::Unbounded);
@@ -130,7 +132,8 @@ impl Stepper<'_> {
                 return report;
             }
             if ends {
-                let status = Status::MaxIterations;
+                // No option of the user sets the number of corrections.
+                let status = Status::Stalled;
                 return SolveReport { status, worst_contact: contact, ..report };
             }
             following &= solved && !correction.is_multiple_of(WHOLE_CORRECTIONS);

@@ -18,8 +18,8 @@
 //!
 //! For `p = 1` both directions are tried, and there is no equation left.
 //!
-//! Zeros are looked for between the nodes of the law's table, of which two neighbours hold at most one pair that is
-//! overlooked.
+//! Zeros are looked for where `F` changes its sign between neighbouring nodes of the law's table: two solutions
+//! between the same two nodes are overlooked.
 
 use asperity_set::{Arc, BoundaryPoint, StarSet, Vector};
 
