@@ -10,25 +10,25 @@ use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::simulate::{Options, simulate};
 use asperity::solver::Solver;
-use asperity::system::{ContactLaw, System, SystemError};
-use nalgebra::DMatrix;
+use asperity::system::{Blocks, ContactLaw, System, SystemError};
 
 /// A puck of 1 kg; coordinates (r, φ).
 #[derive(Debug)]
 struct Puck {
+    blocks: Blocks,
     contact: ContactLaw,
 }
 
 impl System for Puck {
-    fn dof(&self) -> usize {
-        2
+    fn blocks(&self) -> &Blocks {
+        &self.blocks
     }
 
     fn contacts(&self) -> &[ContactLaw] {
         std::slice::from_ref(&self.contact)
     }
 
-    fn mass(&self, q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
+    fn mass(&self, q: &[f64], _block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
         mass.copy_from_slice(&[1.0, 0.0, 0.0, q[0] * q[0]]);
         Ok(())
     }
@@ -39,17 +39,17 @@ impl System for Puck {
         Ok(())
     }
 
-    fn tangent(
+    fn rows(
         &self,
         _t: f64,
         q: &[f64],
         _contact: usize,
-        tangent: &mut [f64],
+        rows: &mut [f64],
         velocity: &mut [f64],
     ) -> Result<(), SystemError> {
         let (sine, cosine) = q[1].sin_cos();
         // Row by row: ẋ, then ẏ, by ṙ and φ̇.
-        tangent.copy_from_slice(&[cosine, -q[0] * sine, sine, q[0] * cosine]);
+        rows.copy_from_slice(&[cosine, -q[0] * sine, sine, q[0] * cosine]);
         velocity.fill(0.0);
         Ok(())
     }
@@ -68,7 +68,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (until_rest, stop_on_failure) = (false, true);
     let options =
         Options { dt, steps, q0, u0, solver, tolerance, save_every, until_rest, stop_on_failure };
-    let run = simulate(&Puck { contact }, &options, &mut |_, _| ControlFlow::Continue(()))?;
+    let run = simulate(&Puck { blocks: Blocks::one(2), contact }, &options, &mut |_, _| {
+        ControlFlow::Continue(())
+    })?;
     // The slip of the last sample: the velocity in Cartesian coordinates, (1, 1) m/s at the start.
     let slip = &run.trajectory.slip;
     let (v1, v2) = (slip[slip.len() - 2], slip[slip.len() - 1]);

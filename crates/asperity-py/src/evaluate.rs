@@ -1,7 +1,6 @@
 //! What a system says about one state.
 
-use asperity::system::System;
-use nalgebra::DMatrix;
+use asperity::system::{System, full_rows};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -44,8 +43,18 @@ fn state<'py>(
     let n = system.dof();
     check_length("q", q, system.coordinates())?;
     check_length("u", u, n)?;
-    let mut mass = DMatrix::zeros(n, n);
-    system.mass(q, &mut mass)?;
+    let (blocks, mut mass, mut own) = (system.blocks(), vec![0.0; n * n], Vec::new());
+    for block in 0..blocks.count() {
+        let range = blocks.range(block);
+        let len = range.len();
+        own.resize(len * len, 0.0);
+        system.mass(q, block, &mut own)?;
+        for (j, column) in own.chunks_exact(len.max(1)).enumerate() {
+            for (i, entry) in column.iter().enumerate() {
+                mass[(range.start + i) * n + range.start + j] = *entry;
+            }
+        }
+    }
     let mut forces = vec![0.0; n];
     system.forces(t, q, u, &mut forces)?;
     let contacts = PyList::empty(py);
@@ -53,8 +62,7 @@ fn state<'py>(
         contacts.append(kinematics(py, system, t, q, contact)?)?;
     }
     let out = PyDict::new(py);
-    // Column-major Mᵀ is row-major M.
-    out.set_item("mass", rows(py, mass.transpose().as_slice().to_vec(), n)?)?;
+    out.set_item("mass", rows(py, mass, n)?)?;
     out.set_item("forces", PyArray1::from_vec(py, forces))?;
     out.set_item("contacts", contacts)?;
     Ok(out)
@@ -68,15 +76,16 @@ fn kinematics<'py>(
     contact: usize,
 ) -> Result<Bound<'py, PyDict>, Failure> {
     let (n, law) = (system.dof(), &system.contacts()[contact]);
-    let p = law.law.dimension();
-    let (mut tangent, mut velocity) = (vec![0.0; n * p], vec![0.0; p]);
-    system.tangent(t, q, contact, &mut tangent, &mut velocity)?;
+    let (p, normal_rows) = (law.law.dimension(), usize::from(law.normal_force.is_none()));
+    let (mut tangent, mut velocity) =
+        (vec![0.0; n * (normal_rows + p)], vec![0.0; normal_rows + p]);
+    full_rows(system, t, q, contact, &mut tangent, &mut velocity)?;
+    let normal: Vec<f64> = tangent.drain(..n * normal_rows).collect();
     let out = PyDict::new(py);
     out.set_item("tangent", rows(py, tangent, n)?)?;
-    out.set_item("velocity", PyArray1::from_vec(py, velocity))?;
-    if law.normal_force.is_none() {
-        let mut normal = vec![0.0; n];
-        out.set_item("gap", system.gap(t, q, contact, &mut normal)?)?;
+    out.set_item("velocity", PyArray1::from_slice(py, &velocity[normal_rows..]))?;
+    if normal_rows == 1 {
+        out.set_item("gap", system.gap(t, q, contact)?)?;
         out.set_item("normal", PyArray1::from_vec(py, normal))?;
     }
     Ok(out)

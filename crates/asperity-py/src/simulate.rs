@@ -56,10 +56,7 @@ fn state(
             .chunks_exact(COLUMNS)
             .map(memory)
             .collect::<PyResult<_>>()?,
-        momenta: rows(momenta, "momenta", 3)?
-            .chunks_exact(3)
-            .map(|row| [row[0], row[1], row[2]])
-            .collect(),
+        momenta: rows(momenta, "momenta", 3)?,
     })
 }
 
@@ -73,8 +70,7 @@ fn state_dict<'py>(py: Python<'py>, state: State) -> PyResult<Bound<'py, PyDict>
         table.extend(slips.into_iter().flatten());
         table.extend(memory.percussion);
     }
-    let (contacts, bodies) = (state.contacts.len(), state.momenta.len());
-    let momenta: Vec<f64> = state.momenta.into_iter().flatten().collect();
+    let (contacts, bodies) = (state.contacts.len(), state.momenta.len() / 3);
     let out = PyDict::new(py);
     out.set_item("t0", state.origin)?;
     out.set_item("steps", state.steps)?;
@@ -82,7 +78,7 @@ fn state_dict<'py>(py: Python<'py>, state: State) -> PyResult<Bound<'py, PyDict>
     out.set_item("q", PyArray1::from_vec(py, state.q))?;
     out.set_item("u", PyArray1::from_vec(py, state.u))?;
     out.set_item("contacts", PyArray1::from_vec(py, table).reshape([contacts, COLUMNS])?)?;
-    out.set_item("momenta", PyArray1::from_vec(py, momenta).reshape([bodies, 3])?)?;
+    out.set_item("momenta", PyArray1::from_vec(py, state.momenta).reshape([bodies, 3])?)?;
     Ok(out)
 }
 

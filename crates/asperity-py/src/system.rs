@@ -1,8 +1,7 @@
 //! Systems: linear ones as data, those of Python by callbacks.
 
 use asperity::law::Law as CoreLaw;
-use asperity::system::{self, Constancy, Contact, ContactLaw, Normal, System, SystemError};
-use nalgebra::DMatrix;
+use asperity::system::{self, Blocks, Constancy, Contact, ContactLaw, Normal, System, SystemError};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -89,22 +88,40 @@ impl LinearSystem {
 #[derive(Debug)]
 pub struct CallbackSystem {
     object: Py<PyAny>,
-    dof: usize,
+    blocks: Blocks,
+    /// Number of coordinates, where the system advances them itself.
+    coordinates: Option<usize>,
+    /// Whether it announces the blocks that contacts touch; else each touches all velocities, which are one block.
+    in_blocks: bool,
+    touched: Vec<Vec<usize>>,
+    constancy: Constancy,
     laws: Vec<ContactLaw>,
 }
 
 #[pymethods]
 impl CallbackSystem {
     #[new]
-    fn new(system: Py<PyAny>, dof: usize, contacts: Vec<Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(
+        system: Py<PyAny>,
+        blocks: Vec<usize>,
+        touched: Option<Vec<Vec<usize>>>,
+        coordinates: Option<usize>,
+        constant: (bool, bool),
+        contacts: Vec<Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
         let law_of = |contact: &Bound<'_, PyDict>| {
             let (normal_restitution, tangential_restitution) = restitution(contact)?;
             let normal_force = item(contact, "normal_force")?.extract()?;
             let law = law(contact)?;
             Ok(ContactLaw { law, normal_force, normal_restitution, tangential_restitution })
         };
-        let laws = contacts.iter().map(law_of).collect::<PyResult<_>>()?;
-        Ok(Self { object: system, dof, laws })
+        let laws: Vec<_> = contacts.iter().map(law_of).collect::<PyResult<_>>()?;
+        let in_blocks = touched.is_some();
+        let touched = touched.unwrap_or_else(|| vec![vec![0]; laws.len()]);
+        let (mass, contacts) = constant;
+        let constancy = Constancy { mass, contacts };
+        let blocks = Blocks::new(blocks);
+        Ok(Self { object: system, blocks, coordinates, in_blocks, touched, constancy, laws })
     }
 }
 
@@ -172,29 +189,37 @@ fn at(t: f64, q: &[f64], contact: usize) -> impl FnOnce(Python<'_>) -> PyResult<
 }
 
 impl System for CallbackSystem {
-    fn dof(&self) -> usize {
-        self.dof
+    fn blocks(&self) -> &Blocks {
+        &self.blocks
+    }
+
+    fn coordinates(&self) -> usize {
+        self.coordinates.unwrap_or(self.dof())
     }
 
     fn contacts(&self) -> &[ContactLaw] {
         &self.laws
     }
 
-    fn constancy(&self) -> Constancy {
-        Constancy::default()
+    fn touched(&self, contact: usize) -> &[usize] {
+        &self.touched[contact]
     }
 
-    fn mass(&self, q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
-        let n = self.dof;
-        self.call(
-            "mass",
-            &[n, n],
-            |py| Ok(vec![array(py, q)]),
-            |values| {
-                mass.copy_from_slice(values);
-                mass.transpose_mut();
-            },
-        )
+    fn constancy(&self) -> Constancy {
+        self.constancy
+    }
+
+    fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
+        let n = self.blocks.range(block).len();
+        // The matrix is symmetric: its rows are its columns.
+        let receive = |values: &[f64]| mass.copy_from_slice(values);
+        if self.in_blocks {
+            let arguments = |py: Python<'_>| {
+                Ok(vec![array(py, q), block.into_pyobject(py)?.into_any().unbind()])
+            };
+            return self.call("block_mass", &[n, n], arguments, receive);
+        }
+        self.call("mass", &[n, n], |py| Ok(vec![array(py, q)]), receive)
     }
 
     fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
@@ -202,38 +227,37 @@ impl System for CallbackSystem {
             let t = t.into_pyobject(py)?.into_any().unbind();
             Ok(vec![t, array(py, q), array(py, u)])
         };
-        self.call("forces", &[self.dof], arguments, |values| forces.copy_from_slice(values))
+        self.call("forces", &[self.dof()], arguments, |values| forces.copy_from_slice(values))
     }
 
-    fn tangent(
+    fn gap(&self, t: f64, q: &[f64], contact: usize) -> Result<f64, SystemError> {
+        self.call("gap", &[], at(t, q, contact), |values| values[0])
+    }
+
+    fn rows(
         &self,
         t: f64,
         q: &[f64],
         contact: usize,
-        tangent: &mut [f64],
+        rows: &mut [f64],
         velocity: &mut [f64],
     ) -> Result<(), SystemError> {
-        let (n, p) = (self.dof, velocity.len());
+        let p = self.laws[contact].law.dimension();
+        let n = self.touched[contact].iter().map(|&block| self.blocks.range(block).len()).sum();
+        let normal_rows = velocity.len() - p;
+        let (normal, tangent) = rows.split_at_mut(normal_rows * n);
+        if normal_rows == 1 {
+            self.call("normal", &[n], at(t, q, contact), |values| normal.copy_from_slice(values))?;
+            velocity[0] = 0.0;
+        }
         self.call("direction", &[n, p], at(t, q, contact), |values| {
-            for (k, row) in tangent.chunks_exact_mut(n).enumerate() {
+            for (k, row) in tangent.chunks_exact_mut(n.max(1)).enumerate() {
                 for (i, value) in row.iter_mut().enumerate() {
                     *value = values[i * p + k];
                 }
             }
         })?;
-        self.call("velocity", &[p], at(t, q, contact), |values| velocity.copy_from_slice(values))
-    }
-
-    fn gap(
-        &self,
-        t: f64,
-        q: &[f64],
-        contact: usize,
-        normal: &mut [f64],
-    ) -> Result<f64, SystemError> {
-        self.call("normal", &[self.dof], at(t, q, contact), |values| {
-            normal.copy_from_slice(values)
-        })?;
-        self.call("gap", &[], at(t, q, contact), |values| values[0])
+        let chi = &mut velocity[normal_rows..];
+        self.call("velocity", &[p], at(t, q, contact), |values| chi.copy_from_slice(values))
     }
 }

@@ -20,13 +20,14 @@
 #![deny(missing_docs)]
 
 pub use asperity_set as set;
+pub use integrator::midpoint as stepper;
 
 pub mod contact;
 pub mod event;
+mod integrator;
 pub mod law;
 mod linear;
 pub mod simulate;
 pub mod solver;
-pub mod stepper;
 pub mod system;
 pub mod trajectory;

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
+use crate::integrator::midpoint::{Attempt, State, StepError, Stepper};
 use crate::solver::{SolveReport, Solver, Status, Unsolvable};
-use crate::stepper::{Attempt, State, StepError, Stepper};
 use crate::system::{System, SystemError};
 use crate::trajectory::Trajectory;
 

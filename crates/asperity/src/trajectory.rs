@@ -1,7 +1,7 @@
 //! What a simulation returns.
 
 use crate::contact::Phase;
-use crate::stepper::{StepError, Stepper};
+use crate::integrator::midpoint::{StepError, Stepper};
 
 /// Samples of a run, time first; `p` is the largest dimension of the laws, shorter forces are padded
 /// with NaN. Sample 0 is the initial state, which no step has led to: forces NaN, phases unknown.

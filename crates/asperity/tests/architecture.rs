@@ -1,4 +1,4 @@
-//! Data walks one way: set ← law ← contact ← {solver, system} ← stepper ← simulate.
+//! Data walks one way: set ← law ← contact ← {solver, system} ← integrator ← simulate.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,10 +10,10 @@ const ALLOWED: [(&str, &[&str]); 9] = [
     ("linear", &["contact"]),
     ("solver", &["law", "contact", "linear"]),
     ("system", &["law", "contact"]),
-    ("stepper", &["law", "contact", "solver", "system"]),
-    ("event", &["law", "contact", "linear", "solver", "system", "stepper"]),
-    ("trajectory", &["contact", "stepper"]),
-    ("simulate", &["solver", "stepper", "system", "trajectory"]),
+    ("integrator", &["law", "contact", "solver", "system"]),
+    ("event", &["law", "contact", "linear", "solver", "system"]),
+    ("trajectory", &["contact", "integrator"]),
+    ("simulate", &["solver", "integrator", "system", "trajectory"]),
 ];
 
 fn sources(path: &Path) -> Vec<PathBuf> {

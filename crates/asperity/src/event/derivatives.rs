@@ -5,6 +5,7 @@ use super::field::{Field, add, dot};
 use super::force;
 use super::touch::{FieldError, ROUNDING, ROWS, State, Touch};
 use crate::contact::Phase;
+use crate::system::full_rows;
 
 /// Width of differences along the motion over the time scale of the rows: truncation and rounding are of one size.
 const CHANGE: f64 = 1e-3;
@@ -29,19 +30,12 @@ impl Field<'_> {
             let time = t + place * step;
             self.system.advance(q, u, place * step, &mut self.scratch_q);
             for (i, touch) in self.touches.iter().enumerate().filter(|(_, touch)| wanted(touch)) {
-                let rows = &mut self.scratch;
-                let mut chi = [0.0; ROWS];
-                if touch.prescribed.is_none() {
-                    self.system.gap(time, &self.scratch_q, i, &mut rows[..n])?;
-                    self.along[ROWS * i][k] = dot(&rows[..n], u);
-                }
-                if touch.is_free() {
-                    continue;
-                }
-                let (tangent, chi) = (&mut rows[n..(1 + touch.p) * n], &mut chi[..touch.p]);
-                self.system.tangent(time, &self.scratch_q, i, tangent, chi)?;
-                for (r, row) in tangent.chunks_exact(n).enumerate() {
-                    self.along[ROWS * i + 1 + r][k] = chi[r] + dot(row, u);
+                let (first, mut chi) = (usize::from(touch.prescribed.is_some()), [0.0; ROWS]);
+                let chi = &mut chi[first..1 + touch.p];
+                let rows = &mut self.scratch[..chi.len() * n];
+                full_rows(self.system, time, &self.scratch_q, i, rows, chi)?;
+                for (r, row) in rows.chunks_exact(n).enumerate() {
+                    self.along[ROWS * i + first + r][k] = chi[r] + dot(row, u);
                 }
             }
         }

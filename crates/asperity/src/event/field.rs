@@ -3,15 +3,13 @@
 //! `M a = h + Σ (w_N λ_N + W λ)`, with `λ = λ_N f(γ)` in slip, `γ̇ = 0` in stick and `γ̇_N = 0` at closed
 //! unilateral contacts: one small linear system for the forces that are not given.
 
-use nalgebra::DMatrix;
-
 use super::force;
 use super::inverse::Inverse;
 use super::touch::{FieldError, ROWS, Touch};
 use crate::contact::Phase;
 use crate::law::Law;
-use crate::stepper::mass::MassFactor;
-use crate::system::System;
+use crate::system::mass::MassFactors;
+use crate::system::{System, full_rows};
 
 /// The system in a mode.
 #[derive(Debug)]
@@ -36,8 +34,7 @@ pub(super) struct Field<'a> {
     pub(super) drift: Vec<f64>,
     /// `M⁻¹` times the rows.
     pub(super) response: Vec<f64>,
-    pub(super) factor: Option<MassFactor>,
-    mass: DMatrix<f64>,
+    pub(super) factor: Option<MassFactors>,
     /// Whether rows and mass never change.
     pub(super) constant: bool,
     ready: bool,
@@ -99,7 +96,6 @@ impl<'a> Field<'a> {
             drift: row.clone(),
             response: rows.clone(),
             factor: None,
-            mass: DMatrix::zeros(n, n),
             constant: constancy.mass && constancy.contacts,
             ready: false,
             stencil: 0.0,
@@ -143,14 +139,17 @@ impl<'a> Field<'a> {
         let (n, fresh) = (self.n, !self.constant || !self.ready);
         for (i, touch) in self.touches.iter_mut().enumerate() {
             let own = &mut self.rows[ROWS * i * n..ROWS * (i + 1) * n];
+            let first = usize::from(touch.prescribed.is_some());
+            let rows = first..1 + touch.p;
             if touch.prescribed.is_none() {
-                touch.gap = self.system.gap(t, q, i, &mut own[..n])?;
+                touch.gap = self.system.gap(t, q, i)?;
             }
-            let chi = &mut self.chi[ROWS * i + 1..ROWS * i + 1 + touch.p];
-            let tangent = &mut own[n..(1 + touch.p) * n];
             if fresh {
-                self.system.tangent(t, q, i, tangent, chi)?;
+                let chi = &mut self.chi[ROWS * i + rows.start..ROWS * i + rows.end];
+                full_rows(self.system, t, q, i, &mut own[rows.start * n..rows.end * n], chi)?;
             }
+            let chi = &self.chi[ROWS * i + 1..ROWS * i + 1 + touch.p];
+            let tangent = &own[n..(1 + touch.p) * n];
             let mut size = 0.0;
             for ((slip, chi), row) in touch.slip.iter_mut().zip(chi).zip(tangent.chunks_exact(n)) {
                 *slip = *chi + dot(row, u);
@@ -163,12 +162,16 @@ impl<'a> Field<'a> {
             return Ok(());
         }
         if self.factor.is_none() || !self.system.constancy().mass {
-            self.system.mass(q, &mut self.mass)?;
-            self.factor = MassFactor::new(&self.mass);
+            let mut factors = self.factor.take().unwrap_or_default();
+            if !factors.update(self.system, q)? {
+                return Err(FieldError::SingularMass { time: t });
+            }
+            self.factor = Some(factors);
         }
-        let Some(factor) = &self.factor else { return Err(FieldError::SingularMass { time: t }) };
         self.response.copy_from_slice(&self.rows);
-        self.response.chunks_exact_mut(n).for_each(|row| factor.solve(row));
+        if let Some(factor) = &self.factor {
+            self.response.chunks_exact_mut(n).for_each(|row| factor.solve(self.system, row));
+        }
         self.ready = true;
         (0..self.touches.len())
             .filter(|&i| !self.touches[i].is_free())
@@ -190,7 +193,7 @@ impl<'a> Field<'a> {
         }
         self.system.forces(t, q, u, &mut self.acceleration)?;
         if let Some(factor) = &self.factor {
-            factor.solve(&mut self.acceleration);
+            factor.solve(self.system, &mut self.acceleration);
         }
         self.load = largest(&self.acceleration);
         for i in 0..self.touches.len() {

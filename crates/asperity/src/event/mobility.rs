@@ -19,7 +19,7 @@ impl Field<'_> {
     /// `values ← M⁻¹ values` with the mass matrix of the last state.
     pub(super) fn apply_inverse_mass(&self, values: &mut [f64]) {
         if let Some(factor) = &self.factor {
-            factor.solve(values);
+            factor.solve(self.system, values);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{Constancy, ContactLaw, System, SystemError};
+use super::{Blocks, Constancy, ContactLaw, System, SystemError};
 use crate::law::Law;
 
 /// Normal direction of a contact of a linear system.
@@ -47,20 +47,22 @@ impl Contact {
 /// `M q̈ + B q̇ + K q = f + W_N λ_N + W λ`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearSystem {
+    blocks: Blocks,
     mass: DMatrix<f64>,
     /// `(i, j, −K_ij, −B_ij)` where either is not zero.
     internal: Vec<(usize, usize, f64, f64)>,
     force: Vec<f64>,
-    /// `Wᵀ` row by row, χ and the normal row of every contact.
-    rows: Vec<ContactRow>,
+    contacts: Vec<LinearContact>,
     laws: Vec<ContactLaw>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct ContactRow {
-    tangent: Vec<f64>,
+struct LinearContact {
+    /// `W_Nᵀ`, if it is unilateral, and `Wᵀ`, row by row.
+    rows: Vec<f64>,
+    /// χ_N and χ.
     velocity: Vec<f64>,
-    normal: Vec<f64>,
+    /// Gap at `q = 0`.
     gap: f64,
 }
 
@@ -88,7 +90,7 @@ impl LinearSystem {
             .map(|(i, j)| (i, j, -stiffness[(i, j)], -damping[(i, j)]))
             .filter(|&(_, _, k, b)| k != 0.0 || b != 0.0)
             .collect();
-        let rows = contacts.iter().map(|c| contact_row(c, n)).collect::<Result<_, _>>()?;
+        let checked = contacts.iter().map(|c| linear_contact(c, n)).collect::<Result<_, _>>()?;
         let laws = contacts
             .into_iter()
             .map(|contact| ContactLaw {
@@ -101,11 +103,11 @@ impl LinearSystem {
                 tangential_restitution: contact.restitution.1,
             })
             .collect();
-        Ok(Self { mass, internal, force, rows, laws })
+        Ok(Self { blocks: Blocks::one(n), mass, internal, force, contacts: checked, laws })
     }
 }
 
-fn contact_row(contact: &Contact, n: usize) -> Result<ContactRow, SystemError> {
+fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, SystemError> {
     let p = contact.law.dimension();
     check_matrix("direction", &contact.direction, n, p)?;
     check_finite("velocity", &contact.velocity, p)?;
@@ -117,21 +119,25 @@ fn contact_row(contact: &Contact, n: usize) -> Result<ContactRow, SystemError> {
             return Err(SystemError::argument(argument, format!("must lie in [-1, 1], got {e}")));
         }
     }
-    let (normal, gap) = match &contact.normal {
-        Normal::Force(value) if value.is_finite() && *value >= 0.0 => (vec![0.0; n], 0.0),
+    let (mut rows, mut velocity, mut gap) = (Vec::new(), Vec::new(), 0.0);
+    match &contact.normal {
+        Normal::Force(value) if value.is_finite() && *value >= 0.0 => {}
         Normal::Force(value) => {
             let message = format!("must be finite and not negative, got {value}");
             return Err(SystemError::argument("normal_force", message));
         }
-        Normal::Gap { direction, gap } => {
+        Normal::Gap { direction, gap: at_zero } => {
             check_finite("normal", direction, n)?;
-            check_finite("gap", &[*gap], 1)?;
-            (direction.clone(), *gap)
+            check_finite("gap", &[*at_zero], 1)?;
+            rows.extend(direction);
+            velocity.push(0.0);
+            gap = *at_zero;
         }
-    };
+    }
     // Column-major W is row-major Wᵀ.
-    let tangent = contact.direction.as_slice().to_vec();
-    Ok(ContactRow { tangent, velocity: contact.velocity.clone(), normal, gap })
+    rows.extend(contact.direction.as_slice());
+    velocity.extend(&contact.velocity);
+    Ok(LinearContact { rows, velocity, gap })
 }
 
 fn check_matrix(
@@ -160,20 +166,23 @@ fn check_finite(argument: &'static str, values: &[f64], len: usize) -> Result<()
 }
 
 impl System for LinearSystem {
-    fn dof(&self) -> usize {
-        self.mass.nrows()
+    #[inline]
+    fn blocks(&self) -> &Blocks {
+        &self.blocks
     }
 
+    #[inline]
     fn contacts(&self) -> &[ContactLaw] {
         &self.laws
     }
 
+    #[inline]
     fn constancy(&self) -> Constancy {
         Constancy { mass: true, contacts: true }
     }
 
-    fn mass(&self, _q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
-        mass.copy_from(&self.mass);
+    fn mass(&self, _q: &[f64], _block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
+        mass.copy_from_slice(self.mass.as_slice());
         Ok(())
     }
 
@@ -186,28 +195,21 @@ impl System for LinearSystem {
         Ok(())
     }
 
-    fn tangent(
+    fn gap(&self, _t: f64, q: &[f64], contact: usize) -> Result<f64, SystemError> {
+        let LinearContact { rows, gap, .. } = &self.contacts[contact];
+        Ok(gap + rows.iter().zip(q).map(|(w, x)| w * x).sum::<f64>())
+    }
+
+    fn rows(
         &self,
         _t: f64,
         _q: &[f64],
         contact: usize,
-        tangent: &mut [f64],
+        rows: &mut [f64],
         velocity: &mut [f64],
     ) -> Result<(), SystemError> {
-        tangent.copy_from_slice(&self.rows[contact].tangent);
-        velocity.copy_from_slice(&self.rows[contact].velocity);
+        rows.copy_from_slice(&self.contacts[contact].rows);
+        velocity.copy_from_slice(&self.contacts[contact].velocity);
         Ok(())
-    }
-
-    fn gap(
-        &self,
-        _t: f64,
-        q: &[f64],
-        contact: usize,
-        normal: &mut [f64],
-    ) -> Result<f64, SystemError> {
-        let row = &self.rows[contact];
-        normal.copy_from_slice(&row.normal);
-        Ok(row.gap + row.normal.iter().zip(q).map(|(w, x)| w * x).sum::<f64>())
     }
 }

@@ -1,13 +1,14 @@
 //! Mechanical systems: what a time step asks of them.
 
 mod linear;
+pub(crate) mod mass;
 mod models;
 pub mod rigid;
 
 use std::error::Error;
 use std::fmt::Debug;
+use std::ops::Range;
 
-use nalgebra::DMatrix;
 use thiserror::Error as ThisError;
 
 pub use linear::{Contact, LinearSystem, Normal};
@@ -66,13 +67,83 @@ impl SystemError {
     }
 }
 
-/// `M(q) u̇ − h(t, q, u) = W_N λ_N + W λ`, `q̇ = u` or what [`System::advance`] makes of it, with `γ_N = W_Nᵀu` and `γ = Wᵀu + χ`
-/// (\[WL19\] §2.2, (23)).
+/// How the velocities of a system fall into blocks, which the mass matrix does not couple: the bodies of a system of
+/// bodies, or all velocities at once.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Blocks {
+    /// First velocity of every block, and the number of velocities.
+    starts: Vec<usize>,
+}
+
+impl Blocks {
+    /// Blocks of these sizes, one after another.
+    pub fn new(sizes: impl IntoIterator<Item = usize>) -> Self {
+        let mut starts = vec![0];
+        let mut end = 0;
+        starts.extend(sizes.into_iter().map(|size| {
+            end += size;
+            end
+        }));
+        Self { starts }
+    }
+
+    /// One block of so many velocities.
+    pub fn one(size: usize) -> Self {
+        Self { starts: vec![0, size] }
+    }
+
+    /// Number of blocks.
+    #[inline]
+    pub fn count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Number of velocities of all blocks.
+    #[inline]
+    pub fn velocities(&self) -> usize {
+        self.starts[self.starts.len() - 1]
+    }
+
+    /// The velocities of a block.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such block.
+    #[inline]
+    pub fn range(&self, block: usize) -> Range<usize> {
+        self.starts[block]..self.starts[block + 1]
+    }
+}
+
+/// A system at the midpoint of a step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Midpoint {
+    /// Coordinates `q_M`.
+    pub q: Vec<f64>,
+    /// Velocities before the step, as they are expressed at the midpoint.
+    pub before: Vec<f64>,
+    /// Forces `h(t_M, q_M, u_B)` without those of the contacts.
+    pub forces: Vec<f64>,
+    /// What [`System::momenta`] carries from step to step.
+    pub momenta: Vec<f64>,
+}
+
+/// `M(q) u̇ − h(t, q, u) = W_N λ_N + W λ`, `q̇ = u` or what [`System::advance`] makes of it, with `γ_N = W_Nᵀu + χ_N`
+/// and `γ = Wᵀu + χ` (\[WL19\] §2.2, (23)).
+///
+/// The velocities fall into [`Blocks`] that the mass matrix does not couple, and a contact touches few of them, so that
+/// a step of many bodies costs in proportion to their number. A system without such structure has one block, which
+/// every contact touches.
 ///
 /// Immutable: everything that changes lives in the buffers that the methods fill.
 pub trait System: Debug + Sync {
+    /// The blocks of the velocities.
+    fn blocks(&self) -> &Blocks;
+
     /// Number of degrees of freedom.
-    fn dof(&self) -> usize;
+    fn dof(&self) -> usize {
+        self.blocks().velocities()
+    }
 
     /// Number of coordinates, more than velocities where rotations of space are among them.
     fn coordinates(&self) -> usize {
@@ -92,44 +163,116 @@ pub trait System: Debug + Sync {
         Ok(())
     }
 
-    /// The system as rigid bodies, which are stepped body by body, without matrices of the size of the
-    /// system.
-    fn rigid_bodies(&self) -> Option<&RigidBodies> {
-        None
-    }
-
     /// The contacts, in a fixed order.
     fn contacts(&self) -> &[ContactLaw];
+
+    /// The blocks that a contact touches, ascending.
+    fn touched(&self, _contact: usize) -> &[usize] {
+        &[0]
+    }
 
     /// What never changes.
     fn constancy(&self) -> Constancy {
         Constancy::default()
     }
 
-    /// Mass matrix `M(q)`, symmetric positive definite.
-    fn mass(&self, q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError>;
+    /// The mass matrix `M(q)` of a block, symmetric positive definite, column by column.
+    fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError>;
 
     /// Forces `h(t, q, u)` without those of the contacts.
     fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError>;
 
-    /// Directions of one contact: `row(k)` of `Wᵀ` into `tangent[k·dof..]`, and χ into `velocity`.
-    fn tangent(
+    /// Gap `g_N` of a unilateral contact.
+    fn gap(&self, _t: f64, _q: &[f64], _contact: usize) -> Result<f64, SystemError> {
+        Err(SystemError::argument("contacts", "a unilateral contact needs a gap function"))
+    }
+
+    /// Directions of one contact: the rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ`, one after another, each with
+    /// the velocities of the blocks that it touches; and χ_N and χ into `velocity`.
+    fn rows(
         &self,
         t: f64,
         q: &[f64],
         contact: usize,
-        tangent: &mut [f64],
+        rows: &mut [f64],
         velocity: &mut [f64],
     ) -> Result<(), SystemError>;
 
-    /// Gap of a unilateral contact, and the row `W_Nᵀ` into `normal`.
-    fn gap(
-        &self,
-        _t: f64,
-        _q: &[f64],
-        _contact: usize,
-        _normal: &mut [f64],
-    ) -> Result<f64, SystemError> {
-        Err(SystemError::argument("contacts", "a unilateral contact needs a gap function"))
+    /// What a motion carries from step to step besides coordinates and velocities, as it follows from these; nothing
+    /// unless the system steps momenta.
+    fn momenta(&self, _q: &[f64], _u: &[f64]) -> Vec<f64> {
+        Vec::new()
     }
+
+    /// Whether these momenta belong to a state.
+    fn has_momenta(&self, _q: &[f64], _u: &[f64], momenta: &[f64]) -> bool {
+        momenta.is_empty()
+    }
+
+    /// The first half of a step of length `dt` with the midpoint at the time `t`: `q_M = q ⊕ ½Δt u`, and the forces
+    /// there.
+    #[inline]
+    fn begin(
+        &self,
+        t: f64,
+        dt: f64,
+        (q, u): (&[f64], &[f64]),
+        midpoint: &mut Midpoint,
+    ) -> Result<(), SystemError> {
+        self.advance(q, u, 0.5 * dt, &mut midpoint.q);
+        midpoint.before.copy_from_slice(u);
+        self.forces(t, &midpoint.q, u, &mut midpoint.forces)
+    }
+
+    /// The second half: `u` and `q = q_M ⊕ ½Δt u` from the velocities `after` all forces and percussions have acted.
+    #[inline]
+    fn finish(
+        &self,
+        midpoint: &mut Midpoint,
+        after: &[f64],
+        dt: f64,
+        (q, u): (&mut [f64], &mut [f64]),
+    ) {
+        u.copy_from_slice(after);
+        self.advance(&midpoint.q, u, 0.5 * dt, q);
+    }
+}
+
+/// Number of rows of a contact: the normal one, if it is unilateral, and those of friction.
+pub(crate) fn row_count(contact: &ContactLaw) -> usize {
+    usize::from(contact.normal_force.is_none()) + contact.law.dimension()
+}
+
+/// The rows of a contact with all velocities of the system, as methods with matrices of its size need them.
+pub fn full_rows(
+    system: &dyn System,
+    t: f64,
+    q: &[f64],
+    contact: usize,
+    rows: &mut [f64],
+    velocity: &mut [f64],
+) -> Result<(), SystemError> {
+    let (blocks, touched, n) = (system.blocks(), system.touched(contact), system.dof());
+    let len = velocity.len();
+    let width: usize = touched.iter().map(|&block| blocks.range(block).len()).sum();
+    let (narrow, wide) = (len * width, len * n);
+    system.rows(t, q, contact, &mut rows[..narrow], velocity)?;
+    if width == n {
+        return Ok(());
+    }
+    // From the last entry to the first, as every entry moves to the right.
+    rows[narrow..wide].fill(0.0);
+    for row in (0..len).rev() {
+        let (mut source, mut end) = ((row + 1) * width, (row + 1) * n);
+        for &block in touched.iter().rev() {
+            let range = blocks.range(block);
+            let target = row * n + range.start;
+            source -= range.len();
+            rows.copy_within(source..source + range.len(), target);
+            rows[target + range.len()..end].fill(0.0);
+            end = target;
+        }
+        rows[row * n..end].fill(0.0);
+    }
+    Ok(())
 }

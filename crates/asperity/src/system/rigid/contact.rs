@@ -7,11 +7,13 @@ use super::{Pose, Twist};
 
 /// A possible contact of a body with another one or with the world.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Contact {
-    pub(crate) body: usize,
-    pub(crate) other: Option<usize>,
+pub(super) struct Contact {
+    pub(super) body: usize,
+    pub(super) other: Option<usize>,
+    /// The bodies in ascending order, the only one twice.
+    pub(super) bodies: [usize; 2],
     /// Whether it may open, and has a normal row.
-    pub(crate) unilateral: bool,
+    pub(super) unilateral: bool,
     /// Number of tangential rows.
     pub(super) tangential: usize,
     pub(super) touching: Touching,
@@ -56,9 +58,21 @@ impl ContactGeometry {
 }
 
 impl Contact {
+    /// The bodies that it touches, ascending.
+    #[inline]
+    pub(super) fn touched(&self) -> &[usize] {
+        &self.bodies[..1 + usize::from(self.other.is_some())]
+    }
+
+    /// The places of the first and of the second body among those.
+    #[inline]
+    pub(super) fn places(&self) -> (usize, usize) {
+        if self.bodies[0] == self.body { (0, 1) } else { (1, 0) }
+    }
+
     /// Gap and contact point.
     #[inline]
-    pub(crate) fn gap(&self, first: &Pose, second: Option<&Pose>) -> (f64, Vector3<f64>) {
+    pub(super) fn gap(&self, first: &Pose, second: Option<&Pose>) -> (f64, Vector3<f64>) {
         match &self.touching {
             Touching::Plane { point, radius, surface } => {
                 let x = first.point(point);
@@ -78,18 +92,9 @@ impl Contact {
     }
 
     /// Everything of the contact but its rows.
-    pub(super) fn geometry(&self, first: &Pose, second: Option<&Pose>) -> ContactGeometry {
-        self.geometry_at(self.gap(first, second), first, second)
-    }
-
-    /// Everything of the contact but its rows, from its gap and its point.
     #[inline]
-    fn geometry_at(
-        &self,
-        (gap, point): (f64, Vector3<f64>),
-        first: &Pose,
-        second: Option<&Pose>,
-    ) -> ContactGeometry {
+    pub(super) fn geometry(&self, first: &Pose, second: Option<&Pose>) -> ContactGeometry {
+        let (gap, point) = self.gap(first, second);
         match &self.touching {
             Touching::Plane { surface, .. } => {
                 let surface = second.map_or(*surface, |pose| surface.at(pose));
@@ -147,20 +152,6 @@ impl Contact {
             Some(e1) => (e1, surface.normal.cross(&e1)),
             None => (surface.e1, surface.e2),
         }
-    }
-
-    /// Rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ` for the first and the second body, and χ, from its
-    /// gap and its point.
-    #[inline]
-    pub(crate) fn rows(
-        &self,
-        at: (f64, Vector3<f64>),
-        poses: (&Pose, Option<&Pose>),
-        rows: (&mut [Twist], &mut [Twist]),
-        chi: &mut [f64],
-    ) {
-        let geometry = self.geometry_at(at, poses.0, poses.1);
-        self.rows_of(&geometry, poses, (self.unilateral, self.tangential), rows, chi);
     }
 
     /// The rows wanted: the normal one if `normal`, and `p` tangential ones.

@@ -22,10 +22,9 @@ pub use pair::{Pair, Shape};
 pub use spring::Spring;
 pub use surface::{Field, Frame, Plane};
 
-use super::{ContactLaw, SystemError};
+use super::{Blocks, ContactLaw, SystemError};
 use body::{Inertial, Parts, check};
-pub(crate) use contact::Contact;
-pub(crate) use motion::Middle;
+use contact::Contact;
 
 /// A system of rigid bodies.
 ///
@@ -33,6 +32,7 @@ pub(crate) use motion::Middle;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidBodies {
     planar: bool,
+    blocks: Blocks,
     inertial: Vec<Inertial>,
     gravity: Vector3<f64>,
     springs: Vec<Spring>,
@@ -56,7 +56,7 @@ pub struct Pose {
 }
 
 /// Velocity `(v, Ω)` of a body, or what is dual to it: v in the world's axes, Ω in the body's.
-pub(crate) type Twist = Vector6<f64>;
+type Twist = Vector6<f64>;
 
 impl Pose {
     /// World coordinates of a point of the body.
@@ -119,8 +119,12 @@ impl RigidBodies {
         }
         let given = |&contact: &usize| laws[contact].normal_force.is_some();
         let prescribed = (0..laws.len()).filter(given).collect();
-        let gravity = gravity.into();
-        Ok(Self { planar, inertial, gravity, springs, contacts, laws, labels, prescribed, q0, u0 })
+        let (gravity, size) = (gravity.into(), if planar { 3 } else { 6 });
+        let blocks = Blocks::new(std::iter::repeat_n(size, inertial.len()));
+        #[rustfmt::skip]
+        let bodies =
+            Self { planar, blocks, inertial, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
+        Ok(bodies)
     }
 
     /// Whether the bodies move in the plane `z = 0`.

@@ -23,21 +23,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::rotation::{matrix, turned, turned_back};
-use super::{Pose, RigidBodies, Twist, angular, linear, twist};
-
-/// How far a momentum may be off that of its state, as a part: `R J J⁻¹ Rᵀ L` is L to a few roundings.
-const SAME_SPIN: f64 = 1e-12;
-
-/// The bodies at the midpoint of a step.
-#[derive(Debug)]
-pub(crate) struct Middle {
-    pub(crate) q: Vec<f64>,
-    pub(crate) poses: Vec<Pose>,
-    /// Velocities before the step.
-    pub(crate) before: Vec<Twist>,
-    /// Velocities without contact forces, then with their percussions.
-    pub(crate) free: Vec<Twist>,
-}
+use super::{Pose, RigidBodies, Twist, angular, twist};
 
 impl RigidBodies {
     /// Place and attitude of a body.
@@ -56,7 +42,7 @@ impl RigidBodies {
 
     /// `(v, Ω)` of a body.
     #[inline]
-    pub(crate) fn twist(&self, u: &[f64], body: usize) -> Twist {
+    pub(super) fn twist(&self, u: &[f64], body: usize) -> Twist {
         if self.planar {
             let u = &u[3 * body..3 * body + 3];
             return Twist::new(u[0], u[1], 0.0, 0.0, 0.0, u[2]);
@@ -66,7 +52,7 @@ impl RigidBodies {
 
     /// Writes a body's velocities, or what is dual to them.
     #[inline]
-    pub(crate) fn set_twist(&self, u: &mut [f64], body: usize, twist: &Twist) {
+    pub(super) fn set_twist(&self, u: &mut [f64], body: usize, twist: &Twist) {
         if self.planar {
             u[3 * body..3 * body + 3].copy_from_slice(&[twist[0], twist[1], twist[5]]);
         } else {
@@ -94,88 +80,12 @@ impl RigidBodies {
     }
 
     /// Angular momentum `R J Ω` of a body about its centre of mass, in the world's axes.
-    pub(crate) fn spin(&self, q: &[f64], u: &[f64], body: usize) -> Vector3<f64> {
+    pub(super) fn spin(&self, q: &[f64], u: &[f64], body: usize) -> Vector3<f64> {
         self.pose(q, body).rotation * (self.inertial[body].inertia * angular(&self.twist(u, body)))
     }
 
-    /// Whether a momentum is that of a body in a state, to rounding. Bodies of equal moments keep none.
-    pub(crate) fn has_spin(
-        &self,
-        (q, u): (&[f64], &[f64]),
-        body: usize,
-        momentum: [f64; 3],
-    ) -> bool {
-        let (found, given) = (self.spin(q, u, body), Vector3::from(momentum));
-        self.inertial[body].isotropic || (found - given).amax() <= SAME_SPIN * given.amax()
-    }
-
-    /// The first half of the step: where the bodies are at the midpoint, and their velocities there
-    /// before the step and without contact forces.
-    pub(crate) fn start(
-        &self,
-        (q, u, spins): (&[f64], &[f64], &[Vector3<f64>]),
-        dt: f64,
-        middle: &mut Middle,
-    ) {
-        let Middle { q: mid, poses, before, free } = middle;
-        for (body, inertial) in self.inertial.iter().enumerate() {
-            self.advance_body(q, u, body, 0.5 * dt, mid);
-            let pose = self.pose(mid, body);
-            let mut start = self.twist(u, body);
-            if !inertial.isotropic {
-                let momentum = pose.rotation.tr_mul(&spins[body]);
-                start = twist(&linear(&start), &inertial.rate(&momentum));
-            }
-            poses[body] = pose;
-            before[body] = start;
-            free[body] = start + self.response(body, &self.weight(body, &pose)) * dt;
-        }
-        let mut add = |body: usize, load: Twist| free[body] += self.response(body, &load) * dt;
-        self.couplings(|body| poses[body], u, &mut add);
-    }
-
-    /// `M⁻¹` times what is dual to a twist.
-    #[inline]
-    pub(crate) fn response(&self, body: usize, wrench: &Twist) -> Twist {
-        let inertial = &self.inertial[body];
-        let torque = angular(wrench);
-        let turning = if inertial.isotropic {
-            torque * inertial.inverse_inertia.m11
-        } else {
-            inertial.inverse_inertia * torque
-        };
-        twist(&(linear(wrench) * inertial.inverse_mass), &turning)
-    }
-
-    /// The second half of the step: coordinates and velocities at the end, once the percussions are in the
-    /// velocities `free`. Takes `L` along.
-    pub(crate) fn finish(
-        &self,
-        middle: &Middle,
-        spins: &mut [Vector3<f64>],
-        half: f64,
-        (q, u): (&mut [f64], &mut [f64]),
-    ) {
-        let Middle { q: mid, poses, before, free: after } = middle;
-        for (body, (inertial, after)) in self.inertial.iter().zip(after).enumerate() {
-            if inertial.isotropic {
-                self.set_twist(u, body, after);
-                self.advance_body(mid, u, body, half, q);
-                continue;
-            }
-            let change = inertial.inertia * (angular(after) - angular(&before[body]));
-            spins[body] += poses[body].rotation * change;
-            let omega = self.end_rate(body, &angular(after), half);
-            self.set_twist(u, body, &twist(&linear(after), &omega));
-            self.advance_body(mid, u, body, half, q);
-            // Momentum is kept whatever the iteration has left over.
-            let momentum = self.pose(q, body).rotation.tr_mul(&spins[body]);
-            self.set_twist(u, body, &twist(&linear(after), &inertial.rate(&momentum)));
-        }
-    }
-
     /// `Ω` with `J Ω = exp(−½Δt Ω) Π` by Newton's method without the terms of second order.
-    fn end_rate(&self, body: usize, start: &Vector3<f64>, half: f64) -> Vector3<f64> {
+    pub(super) fn end_rate(&self, body: usize, start: &Vector3<f64>, half: f64) -> Vector3<f64> {
         let inertia = &self.inertial[body].inertia;
         let momentum = inertia * start;
         let mut omega = *start;
@@ -191,31 +101,29 @@ impl RigidBodies {
         omega
     }
 
-    /// Weight and constant loads of a body.
-    #[inline]
-    pub(super) fn weight(&self, body: usize, pose: &Pose) -> Twist {
-        let inertial = &self.inertial[body];
-        let force = self.gravity * inertial.mass + inertial.force;
-        if inertial.torque == Vector3::zeros() {
-            return twist(&force, &inertial.torque);
+    /// Weight, constant loads, springs and prescribed normal forces, without gyroscopic terms.
+    pub(super) fn loads(&self, q: &[f64], u: &[f64], forces: &mut [f64]) {
+        for (body, inertial) in self.inertial.iter().enumerate() {
+            let force = self.gravity * inertial.mass + inertial.force;
+            let load = if inertial.torque == Vector3::zeros() {
+                twist(&force, &inertial.torque)
+            } else {
+                self.pose(q, body).wrench(&force, &inertial.torque)
+            };
+            self.set_twist(forces, body, &load);
         }
-        pose.wrench(&force, &inertial.torque)
-    }
-
-    /// Springs and prescribed normal forces.
-    pub(super) fn couplings(
-        &self,
-        pose: impl Fn(usize) -> Pose,
-        u: &[f64],
-        add: &mut impl FnMut(usize, Twist),
-    ) {
+        let mut add = |body: usize, load: Twist| {
+            let sum = self.twist(forces, body) + load;
+            self.set_twist(forces, body, &sum);
+        };
+        let pose = |body| self.pose(q, body);
         for spring in &self.springs {
-            spring.load(&pose, |body| self.twist(u, body), add);
+            spring.load(pose, |body| self.twist(u, body), &mut add);
         }
         for &i in &self.prescribed {
             let contact = &self.contacts[i];
             let force = self.laws[i].normal_force.unwrap_or(0.0);
-            let poses = (pose(contact.body), contact.other.map(&pose));
+            let poses = (pose(contact.body), contact.other.map(pose));
             let geometry = contact.geometry(&poses.0, poses.1.as_ref());
             let (mut own, mut other) = ([Twist::zeros()], [Twist::zeros()]);
             let at = (&poses.0, poses.1.as_ref());

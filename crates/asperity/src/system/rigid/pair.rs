@@ -170,6 +170,7 @@ impl Pair {
         let contact = |touching| Contact {
             body,
             other,
+            bodies: other.map_or([body; 2], |other| [body.min(other), body.max(other)]),
             unilateral: self.normal_force.is_none(),
             tangential: self.law.dimension(),
             touching,

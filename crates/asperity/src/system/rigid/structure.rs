@@ -1,102 +1,18 @@
-//! What time steps ask of rigid bodies: body by body, or in matrices as of any system.
+//! Rigid bodies as a system: every body is a block of velocities.
 
-use nalgebra::DMatrix;
+use nalgebra::Vector3;
 
-use super::contact::Contact;
 use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
-use crate::contact::Csr;
-use crate::system::{Constancy, ContactLaw, System, SystemError};
+use crate::system::{Blocks, Constancy, ContactLaw, Midpoint, System, SystemError};
 
-impl RigidBodies {
-    /// Number of velocities of a body.
-    #[inline]
-    pub(crate) fn velocities_per_body(&self) -> usize {
-        self.sizes().1
-    }
-
-    /// The mass matrix, body by body.
-    pub(crate) fn sparse_mass(&self) -> Option<Csr> {
-        let (n, bodies) = (self.sizes().1, self.bodies());
-        let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
-        for (body, inertial) in self.inertial.iter().enumerate() {
-            for row in 0..n {
-                let unit = Twist::ith(if self.planar && row == 2 { 5 } else { row }, 1.0);
-                let moving = linear(&unit) * inertial.mass;
-                let column = twist(&moving, &(inertial.inertia * angular(&unit)));
-                let mut entries = [0.0; 6];
-                self.set_twist(&mut entries, 0, &column);
-                for (k, &entry) in entries[..n].iter().enumerate().filter(|(_, e)| **e != 0.0) {
-                    indices.push(n * body + k);
-                    values.push(entry);
-                }
-                starts.push(indices.len());
-            }
-        }
-        Csr::new("mass", (n * bodies, n * bodies), starts, indices, values).ok()
-    }
-
-    /// Laws of the contacts.
-    #[inline]
-    pub(crate) fn contact_laws(&self) -> &[ContactLaw] {
-        &self.laws
-    }
-
-    /// `γ = Wᵀu + χ` of a contact.
-    pub(crate) fn slip(&self, q: &[f64], u: &[f64], index: usize) -> [f64; 3] {
-        let contact = &self.contacts[index];
-        let first = self.pose(q, contact.body);
-        let second = contact.other.map(|body| self.pose(q, body));
-        let (mut own, mut others) = ([Twist::zeros(); 3], [Twist::zeros(); 3]);
-        let (at, mut slip) = ((&first, second.as_ref()), [0.0; 3]);
-        let geometry = contact.geometry(at.0, at.1);
-        let rows = (own.as_mut_slice(), others.as_mut_slice());
-        contact.rows_of(&geometry, at, (false, contact.tangential), rows, &mut slip);
-        for (k, slip) in slip.iter_mut().enumerate() {
-            *slip += own[k].dot(&self.twist(u, contact.body));
-            if let Some(body) = contact.other {
-                *slip += others[k].dot(&self.twist(u, body));
-            }
-        }
-        slip
-    }
-
-    /// The possible contacts.
-    #[inline]
-    pub(crate) fn possible_contacts(&self) -> &[Contact] {
-        &self.contacts
-    }
-
-    /// Rows of one contact for the whole system, from coordinates.
-    fn wide_rows(
-        &self,
-        q: &[f64],
-        index: usize,
-        (normal, p): (bool, usize),
-        wide: &mut [f64],
-        chi: &mut [f64],
-    ) -> f64 {
-        let contact = &self.contacts[index];
-        let first = self.pose(q, contact.body);
-        let second = contact.other.map(|body| self.pose(q, body));
-        let (mut own, mut others) = ([Twist::zeros(); 3], [Twist::zeros(); 3]);
-        let geometry = contact.geometry(&first, second.as_ref());
-        let rows = (own.as_mut_slice(), others.as_mut_slice());
-        contact.rows_of(&geometry, (&first, second.as_ref()), (normal, p), rows, chi);
-        wide.fill(0.0);
-        for (k, row) in wide.chunks_exact_mut(self.dof()).enumerate() {
-            self.set_twist(row, contact.body, &own[k]);
-            if let Some(body) = contact.other {
-                self.set_twist(row, body, &others[k]);
-            }
-        }
-        geometry.gap
-    }
-}
+/// How far a momentum may be off that of its state, as a part: `R J J⁻¹ Rᵀ L` is L to a few roundings.
+const SAME_MOMENTUM: f64 = 1e-12;
 
 impl System for RigidBodies {
-    fn dof(&self) -> usize {
-        self.sizes().1 * self.bodies()
+    #[inline]
+    fn blocks(&self) -> &Blocks {
+        &self.blocks
     }
 
     fn coordinates(&self) -> usize {
@@ -125,44 +41,39 @@ impl System for RigidBodies {
         Ok(())
     }
 
-    fn rigid_bodies(&self) -> Option<&RigidBodies> {
-        Some(self)
-    }
-
+    #[inline]
     fn contacts(&self) -> &[ContactLaw] {
         &self.laws
+    }
+
+    #[inline]
+    fn touched(&self, contact: usize) -> &[usize] {
+        self.contacts[contact].touched()
     }
 
     fn constancy(&self) -> Constancy {
         Constancy { mass: true, contacts: false }
     }
 
-    fn mass(&self, _q: &[f64], mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
+    fn mass(&self, _q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
         mass.fill(0.0);
-        let n = self.sizes().1;
-        for (body, inertial) in self.inertial.iter().enumerate() {
-            let first = n * body;
-            for i in 0..3 {
-                mass[(first + i, first + i)] = inertial.mass;
-            }
-            if self.planar {
-                mass[(first + 2, first + 2)] = inertial.inertia.m33;
-            } else {
-                mass.fixed_view_mut::<3, 3>(first + 3, first + 3).copy_from(&inertial.inertia);
+        let (n, inertial) = (self.sizes().1, &self.inertial[block]);
+        if self.planar {
+            (mass[0], mass[n + 1]) = (inertial.mass, inertial.mass);
+            mass[2 * n + 2] = inertial.inertia.m33;
+            return Ok(());
+        }
+        for i in 0..3 {
+            mass[n * i + i] = inertial.mass;
+            for j in 0..3 {
+                mass[n * (3 + j) + 3 + i] = inertial.inertia[(i, j)];
             }
         }
         Ok(())
     }
 
     fn forces(&self, _t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
-        for body in 0..self.bodies() {
-            self.set_twist(forces, body, &self.weight(body, &self.pose(q, body)));
-        }
-        let mut add = |body: usize, load: Twist| {
-            let sum = self.twist(forces, body) + load;
-            self.set_twist(forces, body, &sum);
-        };
-        self.couplings(|body| self.pose(q, body), u, &mut add);
+        self.loads(q, u, forces);
         for (body, inertial) in self.inertial.iter().enumerate().filter(|(_, i)| !i.isotropic) {
             let omega = angular(&self.twist(u, body));
             let gyroscopic = (inertial.inertia * omega).cross(&omega);
@@ -172,25 +83,100 @@ impl System for RigidBodies {
         Ok(())
     }
 
-    fn tangent(
+    #[inline]
+    fn gap(&self, _t: f64, q: &[f64], contact: usize) -> Result<f64, SystemError> {
+        let contact = &self.contacts[contact];
+        let second = contact.other.map(|body| self.pose(q, body));
+        Ok(contact.gap(&self.pose(q, contact.body), second.as_ref()).0)
+    }
+
+    fn rows(
         &self,
         _t: f64,
         q: &[f64],
         contact: usize,
-        tangent: &mut [f64],
+        rows: &mut [f64],
         velocity: &mut [f64],
     ) -> Result<(), SystemError> {
-        self.wide_rows(q, contact, (false, velocity.len()), tangent, velocity);
+        let contact = &self.contacts[contact];
+        let first = self.pose(q, contact.body);
+        let second = contact.other.map(|body| self.pose(q, body));
+        let (mut own, mut others) = ([Twist::zeros(); 4], [Twist::zeros(); 4]);
+        let (poses, n) = ((&first, second.as_ref()), self.sizes().1);
+        let geometry = contact.geometry(poses.0, poses.1);
+        let wanted = (contact.unilateral, contact.tangential);
+        contact.rows_of(&geometry, poses, wanted, (&mut own, &mut others), velocity);
+        let (place, other_place) = contact.places();
+        for (k, row) in rows.chunks_exact_mut(n * contact.touched().len()).enumerate() {
+            self.set_twist(row, place, &own[k]);
+            if contact.other.is_some() {
+                self.set_twist(row, other_place, &others[k]);
+            }
+        }
         Ok(())
     }
 
-    fn gap(
+    fn momenta(&self, q: &[f64], u: &[f64]) -> Vec<f64> {
+        let momentum = |body| <[f64; 3]>::from(self.spin(q, u, body));
+        (0..self.bodies()).flat_map(momentum).collect()
+    }
+
+    /// Bodies of equal moments carry none.
+    fn has_momenta(&self, q: &[f64], u: &[f64], momenta: &[f64]) -> bool {
+        let has = |(body, given): (usize, &[f64])| {
+            let (found, given) = (self.spin(q, u, body), Vector3::from_column_slice(given));
+            self.inertial[body].isotropic || (found - given).amax() <= SAME_MOMENTUM * given.amax()
+        };
+        momenta.len() == 3 * self.bodies() && momenta.chunks_exact(3).enumerate().all(has)
+    }
+
+    fn begin(
         &self,
         _t: f64,
-        q: &[f64],
-        contact: usize,
-        normal: &mut [f64],
-    ) -> Result<f64, SystemError> {
-        Ok(self.wide_rows(q, contact, (true, 0), normal, &mut [0.0]))
+        dt: f64,
+        (q, u): (&[f64], &[f64]),
+        midpoint: &mut Midpoint,
+    ) -> Result<(), SystemError> {
+        let Midpoint { q: mid, before, forces, momenta } = midpoint;
+        before.copy_from_slice(u);
+        for (body, inertial) in self.inertial.iter().enumerate() {
+            self.advance_body(q, u, body, 0.5 * dt, mid);
+            if !inertial.isotropic {
+                let momentum = Vector3::from_column_slice(&momenta[3 * body..3 * body + 3]);
+                let omega = inertial.rate(&self.pose(mid, body).rotation.tr_mul(&momentum));
+                self.set_twist(before, body, &twist(&linear(&self.twist(u, body)), &omega));
+            }
+        }
+        self.loads(mid, u, forces);
+        Ok(())
+    }
+
+    fn finish(
+        &self,
+        midpoint: &mut Midpoint,
+        after: &[f64],
+        dt: f64,
+        (q, u): (&mut [f64], &mut [f64]),
+    ) {
+        let Midpoint { q: mid, before, momenta, .. } = midpoint;
+        u.copy_from_slice(after);
+        for (body, inertial) in self.inertial.iter().enumerate() {
+            if !inertial.isotropic {
+                let (start, after) = (self.twist(before, body), self.twist(after, body));
+                let change = inertial.inertia * (angular(&after) - angular(&start));
+                let momentum = &mut momenta[3 * body..3 * body + 3];
+                let spin =
+                    Vector3::from_column_slice(momentum) + self.pose(mid, body).rotation * change;
+                momentum.copy_from_slice(spin.as_slice());
+                let omega = self.end_rate(body, &angular(&after), 0.5 * dt);
+                self.set_twist(u, body, &twist(&linear(&after), &omega));
+                self.advance_body(mid, u, body, 0.5 * dt, q);
+                // Momentum is kept whatever the iteration has left over.
+                let omega = inertial.rate(&self.pose(q, body).rotation.tr_mul(&spin));
+                self.set_twist(u, body, &twist(&linear(&after), &omega));
+            } else {
+                self.advance_body(mid, u, body, 0.5 * dt, q);
+            }
+        }
     }
 }

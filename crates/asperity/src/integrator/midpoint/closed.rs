@@ -4,7 +4,7 @@ use super::state::ContactMemory;
 use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
-use crate::system::{ContactLaw, System};
+use crate::system::{ContactLaw, System, SystemError};
 
 /// What has changed in the contact problem besides the velocities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,11 +25,14 @@ pub(super) struct Closed {
     pub(super) active: Vec<usize>,
     /// Contacts found closed in the present step, before they become the active ones.
     pub(super) found: Vec<usize>,
+    /// Velocities with which they close what is left of their gaps in a step.
+    pub(super) gaps: Vec<f64>,
     /// Whether each contact is in the problem.
     is_active: Vec<bool>,
     /// Whether the contact problem is one of this run and complete.
     pub(super) ready: bool,
-    /// Contacts that were closed before the run, until it has closed contacts of its own.
+    /// Contacts that were closed before the run, until it has closed contacts of its own; all of them if nothing is
+    /// known of what was before.
     closed_before: Vec<bool>,
     /// Whether the memory has yet to follow the last change of the closed contacts.
     moved: bool,
@@ -49,14 +52,16 @@ impl Closed {
     pub(super) fn new(system: &dyn System, known: &[ContactMemory]) -> Self {
         let contacts = system.contacts().len();
         let mut closed = Self {
-            problem: ContactProblem::blank(std::iter::empty(), |_| {
-                Delassus::Blocks(Default::default())
-            }),
+            problem: ContactProblem::blank(
+                std::iter::empty(),
+                Delassus::Blocks(Default::default()),
+            ),
             active: Vec::with_capacity(contacts),
             found: Vec::with_capacity(contacts),
+            gaps: Vec::with_capacity(contacts),
             is_active: vec![false; contacts],
             ready: false,
-            closed_before: vec![false; contacts],
+            closed_before: vec![known.is_empty(); contacts],
             moved: false,
             restitution: Vec::new(),
             bounces: false,
@@ -97,12 +102,7 @@ impl Closed {
     }
 
     /// Makes the contacts found closed the active ones, with a problem of zeros to be filled in.
-    pub(super) fn renew(
-        &mut self,
-        laws: &[ContactLaw],
-        dt: f64,
-        delassus: impl FnOnce(&[ContactRows]) -> Delassus,
-    ) {
+    pub(super) fn renew(&mut self, laws: &[ContactLaw], dt: f64, delassus: Delassus) {
         std::mem::swap(&mut self.active, &mut self.found);
         let contact = |&c: &usize| {
             let normal = match laws[c].normal_force {
@@ -153,6 +153,17 @@ impl Closed {
         }
     }
 
+    /// Refuses directions that move nothing: they would make the friction force meaningless.
+    pub(super) fn check_directions(&self) -> Result<(), SystemError> {
+        for (i, (contact, c)) in self.problem.contacts.iter().zip(&self.active).enumerate() {
+            let diagonal = |a| self.problem.delassus.own(i, contact.offset, a, a);
+            if (0..contact.len()).any(|a| diagonal(a) <= 0.0) {
+                return Err(SystemError::direction(*c));
+            }
+        }
+        Ok(())
+    }
+
     /// Whether any contact has restitution.
     #[inline]
     pub(super) fn bounces(&self) -> bool {
@@ -173,7 +184,7 @@ impl ContactProblem {
     /// A problem of zeros to be filled in.
     fn blank(
         contacts: impl Iterator<Item = (crate::law::Law, NormalForce)>,
-        delassus: impl FnOnce(&[ContactRows]) -> Delassus,
+        delassus: Delassus,
     ) -> Self {
         let mut rows = 0;
         let contacts: Vec<ContactRows> = contacts
@@ -183,7 +194,7 @@ impl ContactProblem {
                 contact
             })
             .collect();
-        let (delassus, count) = (delassus(&contacts), contacts.len());
+        let count = contacts.len();
         Self {
             delassus,
             free_velocity: vec![0.0; rows],

@@ -1,7 +1,6 @@
 //! What a run hands over to one that continues it.
 
 use crate::contact::ContactState;
-use crate::system::rigid::RigidBodies;
 use crate::system::{System, SystemError};
 
 /// What a contact hands over to the next step.
@@ -32,9 +31,9 @@ pub struct State {
     pub u: Vec<f64>,
     /// One per contact; none if nothing is known of them.
     pub contacts: Vec<ContactMemory>,
-    /// Angular momenta of rigid bodies in the world's axes, those of unequal moments being kept from step to
-    /// step; none if they follow from the velocities.
-    pub momenta: Vec<[f64; 3]>,
+    /// What the system carries besides coordinates and velocities ([`System::momenta`]), of rigid bodies their angular
+    /// momenta in the world's axes, one after another; nothing if they follow from the velocities.
+    pub momenta: Vec<f64>,
 }
 
 impl State {
@@ -96,20 +95,15 @@ impl State {
         if known != 0 && known != contacts {
             return refuse(format!("must be a state of {contacts} contacts, is one of {known}"));
         }
-        let bodies = system.rigid_bodies().map_or(0, |system| system.bodies());
-        let momenta = self.momenta.len();
-        if momenta != 0 && momenta != bodies {
-            return refuse(format!("must be a state of {bodies} bodies, is one of {momenta}"));
+        let (momenta, expected) = (self.momenta.len(), system.momenta(&self.q, &self.u).len());
+        if momenta != 0 && momenta != expected {
+            return refuse(format!("must be a state with {expected} momenta, has {momenta}"));
         }
         if !self.is_finite() {
             return refuse("must be finite".into());
         }
         // Velocities that were replaced would otherwise lose against the momenta that were not.
-        let own = |system: &RigidBodies| {
-            let has = |(body, &momentum)| system.has_spin((&self.q, &self.u), body, momentum);
-            self.momenta.iter().enumerate().all(has)
-        };
-        if system.rigid_bodies().is_none_or(own) {
+        if self.momenta.is_empty() || system.has_momenta(&self.q, &self.u, &self.momenta) {
             return Ok(());
         }
         refuse("has momenta of other velocities: leave them out where velocities are given".into())
@@ -121,8 +115,7 @@ impl State {
             let (slips, _) = contact.state.history();
             slips.into_iter().flatten().chain(contact.percussion)
         });
-        let mut numbers =
-            self.q.iter().chain(&self.u).chain(self.momenta.iter().flatten()).copied();
+        let mut numbers = self.q.iter().chain(&self.u).chain(&self.momenta).copied();
         self.time().is_finite() && numbers.all(f64::is_finite) && remembered.all(f64::is_finite)
     }
 }

@@ -4,9 +4,10 @@ use std::cell::Cell;
 
 use super::closed::Change;
 use super::rated::Correction;
-use super::{Assembly, StepError, Stepper};
+use super::{StepError, Stepper};
 use crate::contact::Memory;
 use crate::solver::{self, SolveReport, Status, Stop};
+use crate::system::SystemError;
 
 /// Solves after which the search for factors of the speed at the end of the step gives up. One or two do while
 /// contacts do not disturb each other.
@@ -52,7 +53,7 @@ impl Stepper<'_> {
             was_cancelled.set(was_cancelled.get() || cancelled());
             was_cancelled.get()
         };
-        let report = self.solve(Stop { cancelled: Some(&ask), ..Stop::at(self.tolerance) });
+        let report = self.solve(Stop { cancelled: Some(&ask), ..Stop::at(self.tolerance) })?;
         let solved = report.status == Status::Converged;
         let given_up = was_cancelled.get() && !solved;
         if given_up || !wanted(&report) {
@@ -60,12 +61,8 @@ impl Stepper<'_> {
             return Ok(if given_up { Attempt::Cancelled } else { Attempt::Refused(report) });
         }
         self.keep_outputs();
-        let (percussion, dt) = (&self.memory.percussion, self.dt);
-        let (q, u) = (&mut self.q, &mut self.u);
-        match &mut self.assembly {
-            Assembly::Dense(dense) => dense.finish(self.system, percussion, dt, (q, u)),
-            Assembly::Bodies(bodies, assembly) => assembly.finish(bodies, percussion, dt, (q, u)),
-        }
+        let state = (self.q.as_mut_slice(), self.u.as_mut_slice());
+        self.assembly.finish(self.system, &self.memory.percussion, self.dt, state);
         self.steps += 1;
         self.check_finite()?;
         Ok(Attempt::Made(report))
@@ -73,20 +70,16 @@ impl Stepper<'_> {
 
     /// The contact problem of the step.
     fn update(&mut self) -> Result<Change, StepError> {
-        let (dt, system) = (self.dt, self.system);
-        let t_mid = self.origin + (self.steps as f64 + 0.5) * dt;
-        let (start, closed) = ((self.q.as_slice(), self.u.as_slice()), &mut self.closed);
-        match &mut self.assembly {
-            Assembly::Dense(dense) => dense.update(system, (t_mid, dt), start, closed),
-            Assembly::Bodies(bodies, assembly) => Ok(assembly.update(bodies, dt, start, closed)),
-        }
+        let t_mid = self.origin + (self.steps as f64 + 0.5) * self.dt;
+        let start = (self.q.as_slice(), self.u.as_slice());
+        self.assembly.update(self.system, (t_mid, self.dt), start, &mut self.closed)
     }
 
     /// Solves the contact problem, again and again where factors of the friction follow from the solution.
-    fn solve(&mut self, stop: Stop<'_>) -> SolveReport {
-        let Self { solver, closed, assembly, memory, before, workspace, .. } = self;
+    fn solve(&mut self, stop: Stop<'_>) -> Result<SolveReport, SystemError> {
+        let Self { system, solver, closed, assembly, memory, before, workspace, .. } = self;
         if !assembly.factors().rises() {
-            return solver.solve(&closed.problem, stop, memory, workspace);
+            return Ok(solver.solve(&closed.problem, stop, memory, workspace));
         }
         let (mut iterations, mut correction) = (0, 0);
         let (mut settled, mut following) = (false, false);
@@ -108,7 +101,7 @@ impl Stepper<'_> {
             let ends = correction == MOST_CORRECTIONS || stop.cancelled.is_some_and(|ask| ask());
             if !solved {
                 if ends || !following && correction >= UNAIDED {
-                    return report;
+                    return Ok(report);
                 }
                 // A factor in between may have no solution, or none that is found.
                 correction = correction.max(UNAIDED);
@@ -129,12 +122,12 @@ impl Stepper<'_> {
                         *state = before.after(state.phase, state.slip);
                     }
                 }
-                return report;
+                return Ok(report);
             }
             if ends {
                 // No option of the user sets the number of corrections.
                 let status = Status::Stalled;
-                return SolveReport { status, worst_contact: contact, ..report };
+                return Ok(SolveReport { status, worst_contact: contact, ..report });
             }
             following &= solved && !correction.is_multiple_of(WHOLE_CORRECTIONS);
             let place = correction % ROUND;
@@ -156,7 +149,7 @@ impl Stepper<'_> {
             } else if !settled {
                 factors.follow(&closed.problem, &mut memory.states);
             }
-            assembly.rescale(closed);
+            assembly.fill(*system, closed)?;
             workspace.prepare(&closed.problem);
             correction += 1;
         }

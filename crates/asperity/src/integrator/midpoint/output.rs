@@ -1,6 +1,6 @@
 //! What contacts do in a step.
 
-use super::{Assembly, StepError, Stepper};
+use super::{StepError, Stepper};
 use crate::contact::Phase;
 
 /// What one contact does after a step.
@@ -34,10 +34,7 @@ impl Stepper<'_> {
     /// Keeps what the closed contacts do, before the next step changes the contact problem.
     pub(super) fn keep_outputs(&mut self) {
         let Self { closed, memory, workspace, assembly, outputs, system, dt, .. } = self;
-        let factors = match assembly {
-            Assembly::Dense(dense) => dense.factors(),
-            Assembly::Bodies(_, assembly) => assembly.factors(),
-        };
+        let factors = assembly.factors();
         if outputs.len() > closed.active.len() {
             outputs.fill(None);
         }

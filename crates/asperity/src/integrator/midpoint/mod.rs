@@ -3,12 +3,10 @@
 //! `q_M = q_B + ½Δt u_B`; the contacts closed at the midpoint form the contact problem
 //! `M(u_E − u_B) − hΔt = W_N P_N + W P` with the laws in `u_E` (19); `q_E = q_M + ½Δt u_E`.
 
-mod bodies;
+mod assembly;
 mod closed;
-mod dense;
+mod coupling;
 mod linear_solve;
-pub(crate) mod mass;
-mod meetings;
 mod output;
 mod rated;
 mod state;
@@ -18,12 +16,10 @@ use thiserror::Error;
 
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use crate::solver::{SolveReport, Solver, Unsolvable, Workspace};
-use crate::system::{RigidBodies, System, SystemError};
-use bodies::BodyAssembly;
+use crate::system::{System, SystemError};
+use assembly::Assembly;
 use closed::Closed;
-use dense::Dense;
 pub use output::ContactOutput;
-use rated::Factors;
 pub use state::{ContactMemory, State};
 pub(crate) use step::Attempt;
 
@@ -63,32 +59,6 @@ pub enum StepError {
     },
 }
 
-/// How the contact problem is made.
-#[derive(Debug)]
-enum Assembly<'a> {
-    /// With matrices of the size of the system.
-    Dense(Box<Dense>),
-    /// Body by body.
-    Bodies(&'a RigidBodies, Box<BodyAssembly>),
-}
-
-impl Assembly<'_> {
-    fn factors(&mut self) -> &mut Factors {
-        match self {
-            Self::Dense(dense) => dense.factors(),
-            Self::Bodies(_, assembly) => assembly.factors(),
-        }
-    }
-
-    /// Brings the contact problem up to date with the factors.
-    fn rescale(&mut self, closed: &mut Closed) {
-        match self {
-            Self::Dense(dense) => dense.factors().apply(&mut closed.problem),
-            Self::Bodies(bodies, assembly) => assembly.rescale(bodies, closed),
-        }
-    }
-}
-
 /// The scheme with its state and all its buffers.
 #[derive(Debug)]
 pub struct Stepper<'a> {
@@ -101,7 +71,7 @@ pub struct Stepper<'a> {
     q: Vec<f64>,
     u: Vec<f64>,
     closed: Closed,
-    assembly: Assembly<'a>,
+    assembly: Assembly,
     memory: Memory,
     /// The memory before the present step.
     before: Memory,
@@ -145,12 +115,7 @@ impl<'a> Stepper<'a> {
         state.check(system)?;
         let State { origin, steps, mut q, u, contacts, momenta, .. } = state.in_steps_of(dt);
         system.normalise(&mut q)?;
-        let assembly = match system.rigid_bodies() {
-            Some(bodies) => {
-                Assembly::Bodies(bodies, Box::new(BodyAssembly::new(bodies, &q, &u, &momenta)))
-            }
-            None => Assembly::Dense(Box::new(Dense::new(system))),
-        };
+        let assembly = Assembly::new(system, &q, &u, momenta);
         let mut stepper = Self {
             system,
             solver,
@@ -180,10 +145,6 @@ impl<'a> Stepper<'a> {
 
     /// The present state with all that a run needs that goes on from here.
     pub fn state(&self) -> State {
-        let momenta = match &self.assembly {
-            Assembly::Dense(_) => Vec::new(),
-            Assembly::Bodies(_, assembly) => assembly.momenta().collect(),
-        };
         State {
             origin: self.origin,
             steps: self.steps,
@@ -191,7 +152,7 @@ impl<'a> Stepper<'a> {
             q: self.q.clone(),
             u: self.u.clone(),
             contacts: self.closed.memory(&self.memory),
-            momenta,
+            momenta: self.assembly.momenta().to_vec(),
         }
     }
 
@@ -263,9 +224,6 @@ impl<'a> Stepper<'a> {
     /// Slip velocity `γ = Wᵀu + χ` of a contact in the present state.
     fn slip(&mut self, contact: usize) -> Result<[f64; 3], StepError> {
         let (t, state) = (self.time(), (self.q.as_slice(), self.u.as_slice()));
-        match &mut self.assembly {
-            Assembly::Dense(dense) => Ok(dense.slip(self.system, t, state, contact)?),
-            Assembly::Bodies(bodies, _) => Ok(bodies.slip(state.0, state.1, contact)),
-        }
+        Ok(self.assembly.slip(self.system, t, state, contact)?)
     }
 }

@@ -37,12 +37,9 @@
 //! of a contact is, whereas `r` magnifies rounding of the speed by `κ`.
 
 use asperity_set::Vector;
-use nalgebra::DMatrix;
 
 use super::linear_solve::LinearSolver;
-use crate::contact::{
-    ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
-};
+use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce, Phase};
 use crate::law::{FrictionLaw, Law, Stribeck};
 use crate::solver::{Rising, Stop, Workspace, settle};
 
@@ -67,8 +64,6 @@ pub(super) enum Correction {
 #[derive(Debug, Default)]
 pub(super) struct Factors {
     rows: Vec<f64>,
-    /// The dense Delassus operator without factors.
-    plain: DMatrix<f64>,
     /// Whether some law depends on the speed.
     any: bool,
     /// Per contact: `f₋` before the step, `r`, `f₊′`, and what Newton's method adds to the factor.
@@ -101,9 +96,6 @@ impl Factors {
         self.rising = rates().filter(|rate| rate.rises()).count();
         self.rows.clear();
         self.rows.resize(problem.rows(), 1.0);
-        if let (true, Delassus::Dense(delassus)) = (self.any, &problem.delassus) {
-            self.plain = delassus.clone();
-        }
         if self.any {
             let contacts = problem.contacts.len();
             for list in [&mut self.falling, &mut self.defect, &mut self.slope, &mut self.change] {
@@ -131,13 +123,6 @@ impl Factors {
     #[inline]
     pub(super) fn rises(&self) -> bool {
         self.rising > 0
-    }
-
-    /// Remembers a dense operator that has just been filled in.
-    pub(super) fn keep(&mut self, problem: &ContactProblem) {
-        if let (true, Delassus::Dense(delassus)) = (self.any, &problem.delassus) {
-            self.plain.copy_from(delassus);
-        }
     }
 
     /// Takes the factors for relative velocities `slip(row)` before the step.
@@ -376,18 +361,6 @@ impl Factors {
                 *state = ContactState::new(Phase::Slip, slip.into());
             }
         }
-    }
-
-    /// Scales the columns of a dense operator.
-    pub(super) fn apply(&self, problem: &mut ContactProblem) {
-        let Delassus::Dense(delassus) = &mut problem.delassus else { return };
-        for (column, factor) in self.rows.iter().enumerate() {
-            let plain = self.plain.column(column);
-            for (scaled, entry) in delassus.column_mut(column).iter_mut().zip(&plain) {
-                *scaled = entry * factor;
-            }
-        }
-        problem.update_rho();
     }
 
     /// The factor of a row, one for rows without.

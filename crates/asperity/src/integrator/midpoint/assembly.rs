@@ -1,0 +1,463 @@
+//! From a system at the midpoint to the contact problem, and back from percussions to velocities.
+//!
+//! A contact touches few blocks of velocities and is coupled only with the other contacts of these: nothing is larger
+//! than the contacts, the blocks and their couplings are many.
+
+use std::ops::Range;
+
+use super::StepError;
+use super::closed::{Change, Closed};
+use super::coupling::Coupling;
+use super::rated::Factors;
+use crate::contact::{BlockMatrix, Delassus};
+use crate::system::mass::MassFactors;
+use crate::system::{ContactLaw, Midpoint, System, SystemError};
+
+/// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
+const ROUNDING: f64 = 1e-6;
+
+/// The system and its closed contacts at the midpoint.
+#[derive(Debug)]
+pub(super) struct Assembly {
+    /// Whether contacts neither open, close nor change their directions.
+    fixed: bool,
+    midpoint: Midpoint,
+    mass: MassFactors,
+    has_mass: bool,
+    /// Velocities without contact forces, then with them.
+    free: Vec<f64>,
+    contacts: Vec<Rows>,
+    sides: Vec<Side>,
+    /// `W_Nᵀ`, `Wᵀ` row by row, every row with the velocities of the blocks of its contact; `M⁻¹W` with the factors
+    /// of the speed likewise.
+    directions: Vec<f64>,
+    responses: Vec<f64>,
+    /// χ row by row, and the velocities before the step where they are needed.
+    chi: Vec<f64>,
+    slip: Vec<f64>,
+    factors: Factors,
+    /// Rows and χ of one contact.
+    own: Vec<f64>,
+    own_chi: [f64; 4],
+}
+
+/// The rows of a closed contact.
+#[derive(Debug, Clone)]
+struct Rows {
+    /// First row, and number of rows.
+    first: usize,
+    len: usize,
+    /// First entry, and number of entries per row.
+    place: usize,
+    width: usize,
+    /// The blocks that the contact touches.
+    sides: Range<usize>,
+}
+
+/// A block that a contact touches.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    block: usize,
+    /// Its first velocity, and their number.
+    velocity: usize,
+    len: usize,
+    /// The first of them in the contact's rows.
+    offset: usize,
+}
+
+impl Rows {
+    /// The entries of a row.
+    #[inline]
+    fn row<'a>(&self, k: usize, entries: &'a [f64]) -> &'a [f64] {
+        &entries[self.place + k * self.width..self.place + (k + 1) * self.width]
+    }
+
+    #[inline]
+    fn entries(&self) -> Range<usize> {
+        self.place..self.place + self.len * self.width
+    }
+}
+
+impl Assembly {
+    /// The system in a state; `momenta` are those that it carries, where they are known.
+    pub(super) fn new(system: &dyn System, q: &[f64], u: &[f64], momenta: Vec<f64>) -> Self {
+        let (dof, constancy) = (system.dof(), system.constancy());
+        let momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
+        let given = |contact: &ContactLaw| contact.normal_force.is_some();
+        Self {
+            fixed: constancy.contacts && system.contacts().iter().all(given),
+            midpoint: Midpoint {
+                q: q.to_vec(),
+                before: vec![0.0; dof],
+                forces: vec![0.0; dof],
+                momenta,
+            },
+            mass: MassFactors::default(),
+            has_mass: false,
+            free: vec![0.0; dof],
+            contacts: Vec::new(),
+            sides: Vec::new(),
+            directions: Vec::new(),
+            responses: Vec::new(),
+            chi: Vec::new(),
+            slip: Vec::new(),
+            factors: Factors::default(),
+            own: Vec::new(),
+            own_chi: [0.0; 4],
+        }
+    }
+
+    /// What the system carries from step to step besides coordinates and velocities.
+    pub(super) fn momenta(&self) -> &[f64] {
+        &self.midpoint.momenta
+    }
+
+    /// `γ = Wᵀu + χ` of any contact.
+    pub(super) fn slip(
+        &mut self,
+        system: &dyn System,
+        t: f64,
+        (q, u): (&[f64], &[f64]),
+        contact: usize,
+    ) -> Result<[f64; 3], SystemError> {
+        let width = self.evaluate(system, t, q, contact)?;
+        let law = &system.contacts()[contact];
+        let (normal, mut slip) = (usize::from(law.normal_force.is_none()), [0.0; 3]);
+        for (k, slip) in slip[..law.law.dimension()].iter_mut().enumerate() {
+            let row = &self.own[(normal + k) * width..(normal + k + 1) * width];
+            *slip = self.own_chi[normal + k];
+            let mut offset = 0;
+            for &block in system.touched(contact) {
+                let velocities = &u[system.blocks().range(block)];
+                *slip += dot(&row[offset..offset + velocities.len()], velocities);
+                offset += velocities.len();
+            }
+        }
+        Ok(slip)
+    }
+
+    /// The rows and χ of a contact into `own`; the number of entries per row.
+    fn evaluate(
+        &mut self,
+        system: &dyn System,
+        t: f64,
+        q: &[f64],
+        contact: usize,
+    ) -> Result<usize, SystemError> {
+        let (blocks, touched) = (system.blocks(), system.touched(contact));
+        let width = touched.iter().map(|&block| blocks.range(block).len()).sum();
+        let len = crate::system::row_count(&system.contacts()[contact]);
+        self.own.resize(self.own.len().max(len * width), 0.0);
+        self.own_chi = [0.0; 4];
+        let (rows, chi) = (&mut self.own[..len * width], &mut self.own_chi[..len]);
+        system.rows(t, q, contact, rows, chi)?;
+        Ok(width)
+    }
+
+    /// The contact problem of the step from `q`, `u`, with its midpoint at the time `t`.
+    pub(super) fn update(
+        &mut self,
+        system: &dyn System,
+        (t, dt): (f64, f64),
+        (q, u): (&[f64], &[f64]),
+        closed: &mut Closed,
+    ) -> Result<Change, StepError> {
+        system.begin(t, dt, (q, u), &mut self.midpoint)?;
+        let new_mass = !(self.has_mass && system.constancy().mass);
+        if new_mass {
+            self.has_mass = self.mass.update(system, &self.midpoint.q)?;
+            if !self.has_mass {
+                return Err(StepError::SingularMass { time: t });
+            }
+        }
+        self.free.copy_from_slice(&self.midpoint.forces);
+        self.mass.solve(system, &mut self.free);
+        for (free, before) in self.free.iter_mut().zip(&self.midpoint.before) {
+            *free = before + dt * *free;
+        }
+        let (mut same, mut changed) = (true, false);
+        if closed.ready && self.fixed && !new_mass {
+            for place in 0..self.contacts.len() {
+                self.update_velocities(place, 0.0, closed);
+            }
+        } else {
+            (same, changed) = self.find_closed(system, (t, dt), new_mass, closed)?;
+            if !same {
+                self.renew(system, (t, dt), closed)?;
+            }
+        }
+        if self.factors.any() {
+            self.factors.update(&closed.problem, |row| self.slip[row]);
+        }
+        if !same || changed || self.factors.any() {
+            self.fill(system, closed)?;
+        }
+        if closed.bounces() {
+            closed.bounce(|row| self.slip[row]);
+        }
+        Ok(match (same, changed || self.factors.any()) {
+            (false, _) => Change::Contacts,
+            (true, true) => Change::Operator,
+            (true, false) => Change::None,
+        })
+    }
+
+    /// Finds the closed contacts and brings their rows up to date, in one pass while they are those of the last step;
+    /// whether they are, and whether the operator has changed.
+    ///
+    /// A contact is closed where its gap has vanished. One that was closed in the last step, or at the beginning of a
+    /// run, may also have been lifted by rounding and by what the solver leaves over: up to a millionth of the way that
+    /// the contact forces have to make up for in a step. It may close this gap until the next midpoint: else resting
+    /// contacts would creep open.
+    fn find_closed(
+        &mut self,
+        system: &dyn System,
+        (t, dt): (f64, f64),
+        new_mass: bool,
+        closed: &mut Closed,
+    ) -> Result<(bool, bool), SystemError> {
+        closed.found.clear();
+        closed.gaps.clear();
+        let (mut same, mut changed) = (closed.ready, new_mass);
+        let constant = system.constancy().contacts;
+        for (contact, law) in system.contacts().iter().enumerate() {
+            let gap = match law.normal_force {
+                Some(_) => 0.0,
+                None => system.gap(t, &self.midpoint.q, contact)?,
+            };
+            let lifted = gap > 0.0;
+            if lifted
+                && !(closed.was_closed(contact) && gap <= self.lift(system, (t, dt), contact)?)
+            {
+                continue;
+            }
+            let place = closed.found.len();
+            closed.found.push(contact);
+            closed.gaps.push(gap.max(0.0) / dt);
+            same = same && closed.active.get(place) == Some(&contact);
+            if same {
+                if !constant {
+                    if !lifted {
+                        self.evaluate_at_midpoint(system, t, contact)?;
+                    }
+                    changed |= self.store(place);
+                }
+                self.update_velocities(place, closed.gaps[place], closed);
+            }
+        }
+        Ok((same && closed.found.len() == closed.active.len(), changed))
+    }
+
+    /// The gap up to which a contact counts as closed; its rows are then in `own`.
+    fn lift(
+        &mut self,
+        system: &dyn System,
+        (t, dt): (f64, f64),
+        contact: usize,
+    ) -> Result<f64, SystemError> {
+        self.evaluate_at_midpoint(system, t, contact)?;
+        let (mut gained, mut row) = (0.0, self.own.iter());
+        for &block in system.touched(contact) {
+            let range = system.blocks().range(block);
+            let change = self.free[range.clone()].iter().zip(&self.midpoint.before[range]);
+            gained += change.zip(&mut row).map(|((a, b), w)| (w * (a - b)).abs()).sum::<f64>();
+        }
+        Ok(ROUNDING * dt * gained)
+    }
+
+    fn evaluate_at_midpoint(
+        &mut self,
+        system: &dyn System,
+        t: f64,
+        contact: usize,
+    ) -> Result<(), SystemError> {
+        let q = std::mem::take(&mut self.midpoint.q);
+        let evaluated = self.evaluate(system, t, &q, contact);
+        self.midpoint.q = q;
+        evaluated.map(drop)
+    }
+
+    /// Takes the rows in `own` for those of a closed contact; whether they differ from the old ones.
+    #[inline]
+    fn store(&mut self, place: usize) -> bool {
+        let Rows { first, len, .. } = self.contacts[place];
+        self.chi[first..first + len].copy_from_slice(&self.own_chi[..len]);
+        let old = &mut self.directions[self.contacts[place].entries()];
+        let new = &self.own[..old.len()];
+        let changed = *old != *new;
+        if changed {
+            old.copy_from_slice(new);
+        }
+        changed
+    }
+
+    /// Brings the velocities of a contact up to date; `closing` is that with which it closes its gap in a step.
+    #[inline]
+    fn update_velocities(&mut self, place: usize, closing: f64, closed: &mut Closed) {
+        let rows = &self.contacts[place];
+        let before = closed.bounces() || self.factors.any();
+        for k in 0..rows.len {
+            let row = rows.first + k;
+            let chi = if k == 0 { self.chi[row] + closing } else { self.chi[row] };
+            closed.problem.free_velocity[row] = self.velocity(rows, k, &self.free) + chi;
+            if before {
+                self.slip[row] = self.velocity(rows, k, &self.midpoint.before) + chi;
+            }
+        }
+    }
+
+    /// `Wᵀu` of a row.
+    #[inline]
+    fn velocity(&self, rows: &Rows, k: usize, u: &[f64]) -> f64 {
+        let row = rows.row(k, &self.directions);
+        let side = |side: &Side| {
+            dot(
+                &row[side.offset..side.offset + side.len],
+                &u[side.velocity..side.velocity + side.len],
+            )
+        };
+        match &self.sides[rows.sides.clone()] {
+            [one] => side(one),
+            sides => sides.iter().map(side).sum(),
+        }
+    }
+
+    /// Rows and operator for a new set of closed contacts.
+    fn renew(
+        &mut self,
+        system: &dyn System,
+        (t, dt): (f64, f64),
+        closed: &mut Closed,
+    ) -> Result<(), SystemError> {
+        let delassus = Coupling::new(system, &closed.found).pattern(&self.midpoint.q)?;
+        closed.renew(system.contacts(), dt, delassus);
+        let blocks = system.blocks();
+        self.contacts.clear();
+        self.sides.clear();
+        let mut place = 0;
+        for (rows, &contact) in closed.problem.contacts.iter().zip(&closed.active) {
+            let (first_side, mut width) = (self.sides.len(), 0);
+            for &block in system.touched(contact) {
+                let range = blocks.range(block);
+                let (velocity, len) = (range.start, range.len());
+                self.sides.push(Side { block, velocity, len, offset: width });
+                width += len;
+            }
+            let (first, len, sides) = (rows.offset, rows.len(), first_side..self.sides.len());
+            self.contacts.push(Rows { first, len, place, width, sides });
+            place += len * width;
+        }
+        let rows = closed.problem.rows();
+        for list in [&mut self.directions, &mut self.responses] {
+            list.resize(place, 0.0);
+        }
+        for list in [&mut self.chi, &mut self.slip] {
+            list.resize(rows, 0.0);
+        }
+        self.factors.reset(&closed.problem);
+        for place in 0..self.contacts.len() {
+            self.evaluate_at_midpoint(system, t, closed.active[place])?;
+            self.store(place);
+            self.update_velocities(place, closed.gaps[place], closed);
+        }
+        Ok(())
+    }
+
+    /// `M⁻¹W`, scaled by the factors of the speed, and the Delassus operator.
+    pub(super) fn fill(
+        &mut self,
+        system: &dyn System,
+        closed: &mut Closed,
+    ) -> Result<(), SystemError> {
+        self.responses.copy_from_slice(&self.directions);
+        for rows in &self.contacts {
+            for k in 0..rows.len {
+                let factor = self.factors.of(rows.first + k);
+                let start = rows.place + k * rows.width;
+                for side in &self.sides[rows.sides.clone()] {
+                    let first = start + side.offset;
+                    let response = &mut self.responses[first..first + side.len];
+                    self.mass.solve_block(system, side.block, response);
+                    if factor != 1.0 {
+                        response.iter_mut().for_each(|value| *value *= factor);
+                    }
+                }
+            }
+        }
+        match &mut closed.problem.delassus {
+            Delassus::Blocks(blocks) => self.fill_blocks(blocks),
+            Delassus::Factored(factored) => {
+                let (_, directions, blocks) = factored.parts_mut();
+                directions.copy_from_slice(&self.directions);
+                self.fill_blocks(blocks);
+            }
+            _ => {}
+        }
+        closed.problem.update_rho();
+        closed.check_directions()
+    }
+
+    fn fill_blocks(&self, blocks: &mut BlockMatrix) {
+        for (i, contact) in self.contacts.iter().enumerate() {
+            for k in 0..blocks.neighbours(i).len() {
+                let (j, block) = blocks.block_mut(i, k);
+                self.fill_block(contact, &self.contacts[j], block);
+            }
+        }
+    }
+
+    /// `G_ij`: what the percussions of one contact do to the velocities of another, over the blocks that both touch.
+    #[inline]
+    fn fill_block(&self, i: &Rows, j: &Rows, block: &mut [f64]) {
+        block.fill(0.0);
+        for own in &self.sides[i.sides.clone()] {
+            for other in self.sides[j.sides.clone()].iter().filter(|side| side.block == own.block) {
+                for a in 0..i.len {
+                    let row = &i.row(a, &self.directions)[own.offset..own.offset + own.len];
+                    for b in 0..j.len {
+                        let column = j.row(b, &self.responses);
+                        let column = &column[other.offset..other.offset + other.len];
+                        block[a * j.len + b] += dot(row, column);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Factors of the speed.
+    #[inline]
+    pub(super) fn factors(&mut self) -> &mut Factors {
+        &mut self.factors
+    }
+
+    /// Coordinates and velocities at the end of the step, from the percussions.
+    pub(super) fn finish(
+        &mut self,
+        system: &dyn System,
+        percussion: &[f64],
+        dt: f64,
+        state: (&mut [f64], &mut [f64]),
+    ) {
+        for rows in &self.contacts {
+            for (k, &p) in percussion[rows.first..rows.first + rows.len].iter().enumerate() {
+                let response = rows.row(k, &self.responses);
+                for side in &self.sides[rows.sides.clone()] {
+                    let free = &mut self.free[side.velocity..side.velocity + side.len];
+                    for (value, c) in free.iter_mut().zip(&response[side.offset..]) {
+                        *value += c * p;
+                    }
+                }
+            }
+        }
+        system.finish(&mut self.midpoint, &self.free, dt, state);
+    }
+}
+
+#[inline]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    if let (Ok(a), Ok(b)) = (<&[f64; 6]>::try_from(a), <&[f64; 6]>::try_from(b)) {
+        return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+            + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
+    }
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

@@ -1,0 +1,97 @@
+//! Which closed contacts are coupled through the inertia of the blocks that they touch, and the pattern of their
+//! Delassus operator.
+
+use crate::contact::{BlockMatrix, Csr, Delassus, Factored};
+use crate::system::{System, SystemError, row_count};
+
+/// The contacts that every closed contact is coupled with.
+pub(super) struct Coupling<'a> {
+    system: &'a dyn System,
+    /// The system's contacts, and those of them, by their place in this list, that each is coupled with.
+    contacts: &'a [usize],
+    neighbours: Vec<Vec<usize>>,
+    /// Number of velocities of the blocks that are touched.
+    velocities: usize,
+}
+
+impl<'a> Coupling<'a> {
+    pub(super) fn new(system: &'a dyn System, contacts: &'a [usize]) -> Self {
+        let blocks = system.blocks();
+        let mut at = vec![Vec::new(); blocks.count()];
+        for (place, &contact) in contacts.iter().enumerate() {
+            for &block in system.touched(contact) {
+                at[block].push(place);
+            }
+        }
+        let neighbours = |&contact: &usize| {
+            let mut list = Vec::new();
+            for &block in system.touched(contact) {
+                list.extend_from_slice(&at[block]);
+            }
+            list.sort_unstable();
+            list.dedup();
+            list
+        };
+        let neighbours = contacts.iter().map(neighbours).collect();
+        let touched = (0..at.len()).filter(|&block| !at[block].is_empty());
+        let velocities = touched.map(|block| blocks.range(block).len()).sum();
+        Self { system, contacts, neighbours, velocities }
+    }
+
+    /// An operator of zeros: with its factors where there are more contact rows than velocities, so that solvers may
+    /// eliminate among these. The mass matrix is that of the coordinates `q`.
+    pub(super) fn pattern(&self, q: &[f64]) -> Result<Delassus, SystemError> {
+        let laws = || self.contacts.iter().map(|&contact| &self.system.contacts()[contact]);
+        let sizes: Vec<usize> = laws().map(row_count).collect();
+        let blocks = BlockMatrix::with_pattern(&sizes, &self.neighbours);
+        // A factor of the speed scales columns of G only; a mass matrix that changes would have to be filled in anew.
+        let known =
+            self.system.constancy().mass && laws().all(|contact| contact.law.rate().is_none());
+        if blocks.rows() <= self.velocities || !known {
+            return Ok(blocks.into());
+        }
+        let factored = self.directions(&sizes).zip(sparse_mass(self.system, q)?);
+        let factored = factored.and_then(|(directions, mass)| {
+            Factored::with_blocks(mass, directions, blocks.clone()).ok()
+        });
+        Ok(factored.map_or_else(|| blocks.into(), Delassus::from))
+    }
+
+    /// `Wᵀ` with a zero for every velocity of the blocks of a contact.
+    fn directions(&self, sizes: &[usize]) -> Option<Csr> {
+        let blocks = self.system.blocks();
+        let (mut starts, mut indices) = (vec![0], Vec::new());
+        for (&contact, &size) in self.contacts.iter().zip(sizes) {
+            for _ in 0..size {
+                for &block in self.system.touched(contact) {
+                    indices.extend(blocks.range(block));
+                }
+                starts.push(indices.len());
+            }
+        }
+        let (values, rows) = (vec![0.0; indices.len()], starts.len() - 1);
+        Csr::new("directions", (rows, blocks.velocities()), starts, indices, values).ok()
+    }
+}
+
+/// The mass matrix, block by block, without its zeros.
+fn sparse_mass(system: &dyn System, q: &[f64]) -> Result<Option<Csr>, SystemError> {
+    let blocks = system.blocks();
+    let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+    let mut mass = Vec::new();
+    for block in 0..blocks.count() {
+        let range = blocks.range(block);
+        let n = range.len();
+        mass.resize(n * n, 0.0);
+        system.mass(q, block, &mut mass)?;
+        for i in 0..n {
+            for j in (0..n).filter(|j| mass[n * j + i] != 0.0) {
+                indices.push(range.start + j);
+                values.push(mass[n * j + i]);
+            }
+            starts.push(indices.len());
+        }
+    }
+    let n = blocks.velocities();
+    Ok(Csr::new("mass", (n, n), starts, indices, values).ok())
+}

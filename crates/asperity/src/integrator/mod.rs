@@ -1,0 +1,3 @@
+//! Integrators: Moreau's time stepping.
+
+pub mod midpoint;
