@@ -214,7 +214,13 @@ class LinearSystem:
 @final
 class CallbackSystem:
     def __new__(
-        cls, system: object, dof: int, contacts: Sequence[dict[str, Any]]
+        cls,
+        system: object,
+        blocks: Sequence[int],
+        touched: Sequence[Sequence[int]] | None,
+        coordinates: int | None,
+        constant: tuple[bool, bool],
+        contacts: Sequence[dict[str, Any]],
     ) -> CallbackSystem: ...
 
 # Places and vectors have two entries in planar systems where they go in, always three where they

@@ -7,8 +7,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::convert::{Numbers, numbers, rows};
 use crate::errors::{Failure, dimension};
-use crate::rigid::RigidBodies;
-use crate::system::with_system;
+use crate::system::{raised, with_system};
 
 fn check_length(argument: &str, values: &[f64], expected: usize) -> PyResult<()> {
     if values.len() == expected {
@@ -28,9 +27,8 @@ pub fn evaluate<'py>(
 ) -> Result<Bound<'py, PyDict>, Failure> {
     let (q, u) = (numbers(&q, "q")?, numbers(&u, "u")?);
     let out = with_system(system, |system| state(py, system, t, q, u))??;
-    // A frame of Python cannot return what it raises.
-    let raised = system.cast::<RigidBodies>().ok().and_then(|rigid| rigid.get().raised());
-    raised.map_or(Ok(out), |error| Err(error.into()))
+    // Some callbacks cannot return what they raise.
+    raised(system).map_or(Ok(out), |error| Err(error.into()))
 }
 
 fn state<'py>(

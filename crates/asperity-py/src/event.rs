@@ -11,8 +11,7 @@ use pyo3::types::PyDict;
 use crate::convert::{Numbers, numbers};
 use crate::errors::Failure;
 use crate::outcome::without_solution;
-use crate::rigid::RigidBodies;
-use crate::system::with_system;
+use crate::system::{raised as raised_meanwhile, with_system};
 
 /// The motion so far as a dictionary, and the exception that ended it, if one did.
 #[pyfunction]
@@ -77,9 +76,7 @@ pub fn integrate<'py>(
     };
     out.set_item("ended", name)?;
     out.set_item("contact", contact)?;
-    // A frame of Python that raised is the cause of whatever ended the run.
-    let rigid = system.cast::<RigidBodies>();
-    let error = rigid.ok().and_then(|rigid| rigid.get().raised()).or(error);
+    let error = raised_meanwhile(system).or(error);
     Ok((out, error.map(|error| error.into_value(py))))
 }
 

@@ -14,8 +14,7 @@ use crate::convert::{Numbers, Points, numbers};
 use crate::errors::{Failure, dimension, parameter};
 use crate::outcome::without_solution;
 use crate::problem::Solver;
-use crate::rigid::RigidBodies;
-use crate::system::with_system;
+use crate::system::{raised as raised_meanwhile, with_system};
 
 /// Columns of what a contact hands over: closed, phase, number of earlier slips, three slip velocities, four
 /// percussions.
@@ -114,7 +113,6 @@ pub fn simulate<'py>(
         until_rest,
         stop_on_failure: raise_on_failure,
     };
-    let rigid = system.cast::<RigidBodies>();
     let mut raised = None;
     let mut observer = |step: usize, steps: usize| {
         let answer = Python::attach(|py| {
@@ -139,8 +137,7 @@ pub fn simulate<'py>(
         Outcome::Failed(failure) => ("failed", Some(failure), None),
         Outcome::Error(error) => ("failed", None, Some(Failure::from(error).0)),
     };
-    // A frame of Python that raised is the cause of whatever ended the run.
-    let error = rigid.ok().and_then(|rigid| rigid.get().raised()).or(error);
+    let error = raised_meanwhile(system).or(error);
     if let Some(f) = progress.as_ref().filter(|_| error.is_none()) {
         f.call1(py, (trajectory.steps, steps))?;
     }

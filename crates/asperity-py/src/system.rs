@@ -1,5 +1,7 @@
 //! Systems: linear ones as data, those of Python by callbacks.
 
+use std::sync::{Mutex, PoisonError};
+
 use asperity::law::Law as CoreLaw;
 use asperity::system::{self, Blocks, Constancy, Contact, ContactLaw, Normal, System, SystemError};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
@@ -96,6 +98,8 @@ pub struct CallbackSystem {
     touched: Vec<Vec<usize>>,
     constancy: Constancy,
     laws: Vec<ContactLaw>,
+    /// What a method that cannot fail has raised.
+    raised: Mutex<Option<PyErr>>,
 }
 
 #[pymethods]
@@ -121,8 +125,29 @@ impl CallbackSystem {
         let (mass, contacts) = constant;
         let constancy = Constancy { mass, contacts };
         let blocks = Blocks::new(blocks);
-        Ok(Self { object: system, blocks, coordinates, in_blocks, touched, constancy, laws })
+        let raised = Mutex::default();
+        Ok(Self {
+            object: system,
+            blocks,
+            coordinates,
+            in_blocks,
+            touched,
+            constancy,
+            laws,
+            raised,
+        })
     }
+}
+
+/// What callbacks that cannot fail have raised since the last question: the cause of whatever ended the run.
+pub fn raised(system: &Bound<'_, PyAny>) -> Option<PyErr> {
+    let of = |raised: &Mutex<Option<PyErr>>| {
+        raised.lock().unwrap_or_else(PoisonError::into_inner).take()
+    };
+    if let Ok(callback) = system.cast::<CallbackSystem>() {
+        return of(&callback.get().raised);
+    }
+    system.cast::<RigidBodies>().ok().and_then(|rigid| rigid.get().raised())
 }
 
 /// What a callback returned, as a float64 array in C order of the given shape, all finite.
@@ -195,6 +220,30 @@ impl System for CallbackSystem {
 
     fn coordinates(&self) -> usize {
         self.coordinates.unwrap_or(self.dof())
+    }
+
+    /// Not a number where the method has raised, which ends the run.
+    fn advance(&self, q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
+        if self.coordinates.is_none() {
+            for (out, (q, u)) in out.iter_mut().zip(q.iter().zip(u)) {
+                *out = q + dt * u;
+            }
+            return;
+        }
+        let arguments = |py: Python<'_>| {
+            Ok(vec![array(py, q), array(py, u), dt.into_pyobject(py)?.into_any().unbind()])
+        };
+        let moved =
+            self.call("advance", &[q.len()], arguments, |values| out.copy_from_slice(values));
+        if let Err(error) = moved {
+            out.fill(f64::NAN);
+            let error = match error {
+                SystemError::Foreign(error) => error.downcast::<PyErr>().ok().map(|error| *error),
+                _ => None,
+            };
+            let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+            *raised = raised.take().or(error);
+        }
     }
 
     fn contacts(&self) -> &[ContactLaw] {

@@ -24,6 +24,17 @@ class System:
     time step and must depend on their arguments alone. Parameter names are checked when the class
     is defined. A class that is itself only a base says ``class Base(System, abstract=True)``.
 
+    What never changes is computed once if the class says so: ``constant_mass = True`` for M,
+    ``constant_contacts = True`` for W, w_N and χ of all contacts (not for gaps).
+
+    A system of many parts sets ``blocks``, the numbers of velocities of the parts, which M does not
+    couple. It defines `block_mass` in place of `mass`, and `touched`, the parts whose velocities a
+    contact sees; `direction` and `normal` have the velocities of these parts only, one part after
+    the other. A step then costs in proportion to the number of parts and contacts.
+
+    Where rotations of space are among the coordinates, ``coordinates`` is their number and
+    `advance` moves them.
+
     Reference: [WL19] (16), §2.2–2.3.
 
     >>> import numpy as np
@@ -46,6 +57,10 @@ class System:
 
     dof: int
     contacts: Sequence[ContactLaw] = ()
+    blocks: Sequence[int] | None = None
+    coordinates: int | None = None
+    constant_mass: bool = False
+    constant_contacts: bool = False
 
     def __init_subclass__(cls, *, abstract: bool = False, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -55,19 +70,32 @@ class System:
             elif inspect.isfunction(attribute) and not name.startswith("_"):
                 _check_spelling(cls, name)
         if not abstract:
-            for name in ("mass", "forces"):
-                _require(cls, name)
+            if cls.block_mass is System.block_mass:
+                _require(cls, "mass")
+            _require(cls, "forces")
 
     def mass(self, q: Array) -> Array:
         """Return M(q), symmetric positive definite, shape ``(n, n)``."""
         raise NotImplementedError
+
+    def block_mass(self, q: Array, block: int) -> Array:
+        """Return the part of M(q) that belongs to a block, shape ``(n_block, n_block)``."""
+        raise NotImplementedError
+
+    def touched(self, contact: int) -> Sequence[int]:
+        """Return the numbers of the blocks whose velocities a contact sees, ascending."""
+        raise NotImplementedError
+
+    def advance(self, q: Array, u: Array, dt: float) -> Array:
+        """Return the coordinates after moving with the velocities u for dt, shape of ``q``."""
+        return q + dt * u
 
     def forces(self, t: float, q: Array, u: Array) -> Array:
         """Return h(t, q, u), all forces but those of the contacts, shape ``(n,)``."""
         raise NotImplementedError
 
     def direction(self, t: float, q: Array, contact: int) -> Array:
-        """Return W of a contact, shape ``(n, p)``."""
+        """Return W of a contact, shape ``(n, p)``; n counts the velocities that it touches."""
         raise NotImplementedError
 
     def velocity(self, t: float, q: Array, contact: int) -> Array:
@@ -84,8 +112,7 @@ class System:
 
     @property
     def _core(self) -> _core.CallbackSystem:
-        dof = _arrays.count(getattr(self, "dof", None), "dof")
-        listed = tuple(self.contacts)
+        cls, listed = type(self), tuple(self.contacts)
         for contact in listed:
             if not isinstance(contact, ContactLaw):
                 raise ParameterError("contacts", f"must hold ContactLaw objects, got {contact!r}")
@@ -93,13 +120,54 @@ class System:
         if any(contact.unilateral for contact in listed):
             needed += ["normal", "gap"]
         for name in needed:
-            _require(type(self), name)
-        return _core.CallbackSystem(self, dof, [contact._core_data() for contact in listed])
+            _require(cls, name)
+        blocks, touched = self._blocks(len(listed))
+        coordinates = self.coordinates
+        if coordinates is not None:
+            coordinates = _arrays.count(coordinates, "coordinates")
+            _require(cls, "advance")
+        constant = (bool(self.constant_mass), bool(self.constant_contacts))
+        data = [contact._core_data() for contact in listed]
+        return _core.CallbackSystem(self, blocks, touched, coordinates, constant, data)
+
+    def _blocks(self, contacts: int) -> tuple[list[int], list[list[int]] | None]:
+        """Return the sizes of the blocks, and the blocks of every contact unless there is but one."""
+        dof = _arrays.count(getattr(self, "dof", None), "dof")
+        if self.blocks is None:
+            _require(type(self), "mass")
+            return [dof], None
+        blocks = [_arrays.count(size, "blocks") for size in self.blocks]
+        if dof != sum(blocks):
+            raise ParameterError("dof", f"must be {sum(blocks)}, the sum of blocks, got {dof}")
+        _require(type(self), "block_mass")
+        if contacts:
+            _require(type(self), "touched")
+        return blocks, [self._touched(contact, len(blocks)) for contact in range(contacts)]
+
+    def _touched(self, contact: int, blocks: int) -> list[int]:
+        touched = [int(block) for block in self.touched(contact)]
+        if touched and sorted(set(touched)) == touched and 0 <= touched[0] <= touched[-1] < blocks:
+            return touched
+        raise ParameterError(
+            "touched",
+            f"must return ascending numbers of blocks below {blocks}, "
+            f"returned {touched} for contact {contact}",
+        )
 
 
 _INTERFACE: dict[str, Callable[..., Any]] = {
     name: getattr(System, name)
-    for name in ("mass", "forces", "direction", "velocity", "normal", "gap")
+    for name in (
+        "mass",
+        "block_mass",
+        "touched",
+        "advance",
+        "forces",
+        "direction",
+        "velocity",
+        "normal",
+        "gap",
+    )
 }
 
 
