@@ -303,7 +303,7 @@ RESULTS = {
 
 SYSTEMS = {"System", "FollowerPendulum", "FrictionalImpactOscillator"}
 """Systems, whose methods answer the integrators."""
-ANSWERS = {"direction", "forces", "gap", "mass", "normal", "velocity"}
+ANSWERS = {"advance", "block_mass", "direction", "forces", "gap", "mass", "normal", "touched", "velocity"}
 MODELS = {
     f"{name}{kind}"
     for name in ("Circle", "Fourier", "Superellipse")

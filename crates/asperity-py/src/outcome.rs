@@ -1,6 +1,6 @@
 //! What a solve found; arrays are made when Python asks for them.
 
-use asperity::contact::{Delassus, Memory, NormalForce};
+use asperity::contact::{Memory, NormalForce};
 use asperity::solver::{
     Certificate, Infeasibility, SolveReport, Stage, State, Status, Unsolvable, Workspace,
 };
@@ -66,6 +66,9 @@ fn proven<'py>(py: Python<'py>, proof: &Infeasibility) -> PyResult<Bound<'py, Py
     Ok(out)
 }
 
+/// Most rows of a problem without solution that is handed over with its operator, every entry of it.
+const LARGEST: usize = 1000;
+
 /// A contact problem of a motion without solution: its numbers, the system's contacts in it, and the proof.
 pub fn without_solution<'py>(
     py: Python<'py>,
@@ -77,9 +80,9 @@ pub fn without_solution<'py>(
         NormalForce::Unilateral => None,
     });
     let out = PyDict::new(py);
-    // That of rigid bodies is not asked for.
-    if let Delassus::Dense(operator) = problem.delassus() {
+    if problem.rows() <= LARGEST {
         // Rows follow each other in Python.
+        let operator = problem.delassus().to_dense();
         let entries = PyArray1::from_slice(py, operator.transpose().as_slice());
         out.set_item("delassus", entries.reshape(operator.shape())?)?;
     }

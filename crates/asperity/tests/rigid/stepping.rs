@@ -128,12 +128,13 @@ fn pile() -> RigidBodies {
 /// The factors that are handed to the solvers are those of the operator.
 #[test]
 fn the_operator_is_the_product_of_its_factors() {
-    let flat =
-        |angle: f64| PlanarBody { position: [0.0, 0.1], angle, ..PlanarBody::new(2.0, 0.03) };
-    let shape = Shape::BoxPlane { body: 0, half_sizes: [0.2, 0.1, 0.0], plane: ground() };
-    let pair = Pair::new(shape, line(0.5));
-    let planar = RigidBodies::new(vec![flat(0.0)], &[pair], vec![], [0.0, -G, 0.0]).unwrap();
-    for (system, contacts) in [(pile(), 8), (planar, 2)] {
+    let flat = |x: f64| PlanarBody { position: [x, 0.1], ..PlanarBody::new(2.0, 0.03) };
+    let half_sizes = [0.2, 0.1, 0.0];
+    let pair = |body| Pair::new(Shape::BoxPlane { body, half_sizes, plane: ground() }, line(0.5));
+    let planar =
+        RigidBodies::new(vec![flat(0.0), flat(1.0)], &[pair(0), pair(1)], vec![], [0.0, -G, 0.0])
+            .unwrap();
+    for (system, contacts) in [(pile(), 8), (planar, 4)] {
         let mut stepper = stepper(&system, 1e-3);
         for _ in 0..20 {
             stepper.step().unwrap();

@@ -38,8 +38,9 @@ impl<'a> Coupling<'a> {
         Self { system, contacts, neighbours, velocities }
     }
 
-    /// An operator of zeros: with its factors where there are more contact rows than velocities, so that solvers may
-    /// eliminate among these. The mass matrix is that of the coordinates `q`.
+    /// An operator of zeros: with its factors where several blocks have fewer velocities than contact rows, so that
+    /// solvers may eliminate among these; within one block everything is coupled anyway. The mass matrix is that of
+    /// the coordinates `q`.
     pub(super) fn pattern(&self, q: &[f64]) -> Result<Delassus, SystemError> {
         let laws = || self.contacts.iter().map(|&contact| &self.system.contacts()[contact]);
         let sizes: Vec<usize> = laws().map(row_count).collect();
@@ -47,7 +48,7 @@ impl<'a> Coupling<'a> {
         // A factor of the speed scales columns of G only; a mass matrix that changes would have to be filled in anew.
         let known =
             self.system.constancy().mass && laws().all(|contact| contact.law.rate().is_none());
-        if blocks.rows() <= self.velocities || !known {
+        if blocks.rows() <= self.velocities || self.system.blocks().count() == 1 || !known {
             return Ok(blocks.into());
         }
         let factored = self.directions(&sizes).zip(sparse_mass(self.system, q)?);
