@@ -1,10 +1,12 @@
 //! Cost of a step of many rigid bodies: `cargo bench --bench bodies` prints nanoseconds per body for
-//! independent sliders, tumbling boxes, boxes at rest and rolling balls; an argument names one of them.
+//! independent sliders, boxes that slide and turn on off-centre points with an elliptic law, tumbling boxes, boxes at
+//! rest and rolling balls; arguments name one of them and the number of bodies.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use asperity::law::{FrictionLaw, Law};
+use asperity::set::{Convex, Ellipse, Vector};
 use asperity::solver::Solver;
 use asperity::stepper::Stepper;
 use asperity::system::rigid::{Body, Pair, Plane, RigidBodies, Shape};
@@ -25,6 +27,26 @@ fn sliders(n: usize) -> RigidBodies {
     };
     let shape = |body| Shape::PointPlane { body, point: [0.0; 3], plane: Plane::floor() };
     system(n, slider, shape)
+}
+
+/// Boxes that slide on three points each, off centre, which turns them: the law is an ellipse, directions change.
+fn turning(n: usize) -> RigidBodies {
+    let ellipse: Convex<2> = Ellipse::new(Vector::<2>::new(0.4, 0.25)).unwrap().into();
+    let law = Law::from(FrictionLaw::associated(ellipse));
+    let body = |i: usize| Body {
+        position: [i as f64, 0.0, HALF[2]],
+        velocity: [1e3, 5e2 + i as f64, 0.0],
+        angular_velocity: [0.0, 0.0, 3.0],
+        ..Body::cuboid(1.0, HALF)
+    };
+    let feet = [[0.1, 0.06, -HALF[2]], [-0.07, 0.05, -HALF[2]], [0.02, -0.07, -HALF[2]]];
+    let pairs: Vec<Pair> = (0..n)
+        .flat_map(|body| feet.map(|point| (body, point)))
+        .map(|(body, point)| {
+            Pair::new(Shape::PointPlane { body, point, plane: Plane::floor() }, law.clone())
+        })
+        .collect();
+    RigidBodies::new((0..n).map(body).collect::<Vec<_>>(), &pairs, vec![], G).unwrap()
 }
 
 /// Free flight of boxes, above the plane.
@@ -87,13 +109,21 @@ fn main() {
         ("auto", Solver::Auto { interior_point: true, threads: 1 }),
     ];
     type Kind = (&'static str, fn(usize) -> RigidBodies);
-    let kinds: [Kind; 4] =
-        [("sliders", sliders), ("tumbling", tumbling), ("resting", resting), ("rolling", rolling)];
+    let kinds: [Kind; 5] = [
+        ("sliders", sliders),
+        ("turning", turning),
+        ("tumbling", tumbling),
+        ("resting", resting),
+        ("rolling", rolling),
+    ];
     println!("{:10} {:6} {:>8} ns per body and step", "", "", "bodies");
-    let wanted = std::env::args().skip(1).find(|argument| !argument.starts_with("--"));
+    let mut arguments = std::env::args().skip(1).filter(|argument| !argument.starts_with("--"));
+    let wanted = arguments.next();
+    let count: Option<usize> = arguments.next().and_then(|count| count.parse().ok());
+    let counts = count.map_or(vec![1000, 10_000, 100_000], |count| vec![count]);
     for (name, kind) in kinds.into_iter().filter(|k| wanted.as_ref().is_none_or(|w| w == k.0)) {
         for (solver_name, solver) in solvers {
-            for n in [1000, 10_000, 100_000] {
+            for &n in &counts {
                 let ns = nanoseconds(&kind(n), solver);
                 println!("{name:10} {solver_name:6} {n:8} {ns:8.0}");
             }

@@ -10,7 +10,7 @@ use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::simulate::{Options, simulate};
 use asperity::solver::Solver;
-use asperity::system::{Blocks, ContactLaw, System, SystemError};
+use asperity::system::{Blocks, Configuration, ContactLaw, System, SystemError};
 
 /// A puck of 1 kg; coordinates (r, φ).
 #[derive(Debug)]
@@ -41,17 +41,16 @@ impl System for Puck {
 
     fn rows(
         &self,
-        _t: f64,
-        q: &[f64],
+        at: &Configuration<'_>,
         _contact: usize,
         rows: &mut [f64],
         velocity: &mut [f64],
-    ) -> Result<(), SystemError> {
-        let (sine, cosine) = q[1].sin_cos();
+    ) -> Result<f64, SystemError> {
+        let (r, (sine, cosine)) = (at.q[0], at.q[1].sin_cos());
         // Row by row: ẋ, then ẏ, by ṙ and φ̇.
-        rows.copy_from_slice(&[cosine, -q[0] * sine, sine, q[0] * cosine]);
+        rows.copy_from_slice(&[cosine, -r * sine, sine, r * cosine]);
         velocity.fill(0.0);
-        Ok(())
+        Ok(0.0)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a system says about one state.
 
-use asperity::system::{System, full_rows};
+use asperity::system::{Configuration, System, full_rows};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -77,13 +77,14 @@ fn kinematics<'py>(
     let (p, normal_rows) = (law.law.dimension(), usize::from(law.normal_force.is_none()));
     let (mut tangent, mut velocity) =
         (vec![0.0; n * (normal_rows + p)], vec![0.0; normal_rows + p]);
-    full_rows(system, t, q, contact, &mut tangent, &mut velocity)?;
+    let at = Configuration::new(t, q);
+    let gap = full_rows(system, &at, contact, &mut tangent, &mut velocity)?;
     let normal: Vec<f64> = tangent.drain(..n * normal_rows).collect();
     let out = PyDict::new(py);
     out.set_item("tangent", rows(py, tangent, n)?)?;
     out.set_item("velocity", PyArray1::from_slice(py, &velocity[normal_rows..]))?;
     if normal_rows == 1 {
-        out.set_item("gap", system.gap(t, q, contact)?)?;
+        out.set_item("gap", gap)?;
         out.set_item("normal", PyArray1::from_vec(py, normal))?;
     }
     Ok(out)

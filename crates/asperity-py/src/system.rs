@@ -3,7 +3,9 @@
 use std::sync::{Mutex, PoisonError};
 
 use asperity::law::Law as CoreLaw;
-use asperity::system::{self, Blocks, Constancy, Contact, ContactLaw, Normal, System, SystemError};
+use asperity::system::{
+    self, Blocks, Configuration, Constancy, Contact, ContactLaw, Normal, System, SystemError,
+};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -206,10 +208,13 @@ fn array(py: Python<'_>, values: &[f64]) -> Py<PyAny> {
 }
 
 /// Arguments `(t, q, contact)`.
-fn at(t: f64, q: &[f64], contact: usize) -> impl FnOnce(Python<'_>) -> PyResult<Vec<Py<PyAny>>> {
+fn arguments(
+    at: &Configuration<'_>,
+    contact: usize,
+) -> impl FnOnce(Python<'_>) -> PyResult<Vec<Py<PyAny>>> {
     move |py| {
-        let t = t.into_pyobject(py)?.into_any().unbind();
-        Ok(vec![t, array(py, q), contact.into_pyobject(py)?.into_any().unbind()])
+        let t = at.t.into_pyobject(py)?.into_any().unbind();
+        Ok(vec![t, array(py, at.q), contact.into_pyobject(py)?.into_any().unbind()])
     }
 }
 
@@ -279,27 +284,28 @@ impl System for CallbackSystem {
         self.call("forces", &[self.dof()], arguments, |values| forces.copy_from_slice(values))
     }
 
-    fn gap(&self, t: f64, q: &[f64], contact: usize) -> Result<f64, SystemError> {
-        self.call("gap", &[], at(t, q, contact), |values| values[0])
+    fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
+        self.call("gap", &[], arguments(at, contact), |values| values[0])
     }
 
     fn rows(
         &self,
-        t: f64,
-        q: &[f64],
+        at: &Configuration<'_>,
         contact: usize,
         rows: &mut [f64],
         velocity: &mut [f64],
-    ) -> Result<(), SystemError> {
+    ) -> Result<f64, SystemError> {
         let p = self.laws[contact].law.dimension();
         let n = self.touched[contact].iter().map(|&block| self.blocks.range(block).len()).sum();
         let normal_rows = velocity.len() - p;
         let (normal, tangent) = rows.split_at_mut(normal_rows * n);
         if normal_rows == 1 {
-            self.call("normal", &[n], at(t, q, contact), |values| normal.copy_from_slice(values))?;
+            self.call("normal", &[n], arguments(at, contact), |values| {
+                normal.copy_from_slice(values)
+            })?;
             velocity[0] = 0.0;
         }
-        self.call("direction", &[n, p], at(t, q, contact), |values| {
+        self.call("direction", &[n, p], arguments(at, contact), |values| {
             for (k, row) in tangent.chunks_exact_mut(n.max(1)).enumerate() {
                 for (i, value) in row.iter_mut().enumerate() {
                     *value = values[i * p + k];
@@ -307,6 +313,7 @@ impl System for CallbackSystem {
             }
         })?;
         let chi = &mut velocity[normal_rows..];
-        self.call("velocity", &[p], at(t, q, contact), |values| chi.copy_from_slice(values))
+        self.call("velocity", &[p], arguments(at, contact), |values| chi.copy_from_slice(values))?;
+        if normal_rows == 1 { self.gap(at, contact) } else { Ok(0.0) }
     }
 }

@@ -5,7 +5,7 @@ use super::field::{Field, add, dot};
 use super::force;
 use super::touch::{FieldError, ROUNDING, ROWS, State, Touch};
 use crate::contact::Phase;
-use crate::system::full_rows;
+use crate::system::{Configuration, full_rows};
 
 /// Width of differences along the motion over the time scale of the rows: truncation and rounding are of one size.
 const CHANGE: f64 = 1e-3;
@@ -33,7 +33,7 @@ impl Field<'_> {
                 let (first, mut chi) = (usize::from(touch.prescribed.is_some()), [0.0; ROWS]);
                 let chi = &mut chi[first..1 + touch.p];
                 let rows = &mut self.scratch[..chi.len() * n];
-                full_rows(self.system, time, &self.scratch_q, i, rows, chi)?;
+                full_rows(self.system, &Configuration::new(time, &self.scratch_q), i, rows, chi)?;
                 for (r, row) in rows.chunks_exact(n).enumerate() {
                     self.along[ROWS * i + first + r][k] = chi[r] + dot(row, u);
                 }

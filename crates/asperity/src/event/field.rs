@@ -9,7 +9,7 @@ use super::touch::{FieldError, ROWS, Touch};
 use crate::contact::Phase;
 use crate::law::Law;
 use crate::system::mass::MassFactors;
-use crate::system::{System, full_rows};
+use crate::system::{Configuration, System, full_rows};
 
 /// The system in a mode.
 #[derive(Debug)]
@@ -141,12 +141,13 @@ impl<'a> Field<'a> {
             let own = &mut self.rows[ROWS * i * n..ROWS * (i + 1) * n];
             let first = usize::from(touch.prescribed.is_some());
             let rows = first..1 + touch.p;
-            if touch.prescribed.is_none() {
-                touch.gap = self.system.gap(t, q, i)?;
-            }
+            let at = Configuration::new(t, q);
             if fresh {
                 let chi = &mut self.chi[ROWS * i + rows.start..ROWS * i + rows.end];
-                full_rows(self.system, t, q, i, &mut own[rows.start * n..rows.end * n], chi)?;
+                let own = &mut own[rows.start * n..rows.end * n];
+                touch.gap = full_rows(self.system, &at, i, own, chi)?;
+            } else if touch.prescribed.is_none() {
+                touch.gap = self.system.gap(&at, i)?;
             }
             let chi = &self.chi[ROWS * i + 1..ROWS * i + 1 + touch.p];
             let tangent = &own[n..(1 + touch.p) * n];

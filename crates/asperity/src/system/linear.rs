@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{Blocks, Constancy, ContactLaw, System, SystemError};
+use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError};
 use crate::law::Law;
 
 /// Normal direction of a contact of a linear system.
@@ -195,21 +195,21 @@ impl System for LinearSystem {
         Ok(())
     }
 
-    fn gap(&self, _t: f64, q: &[f64], contact: usize) -> Result<f64, SystemError> {
+    fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let LinearContact { rows, gap, .. } = &self.contacts[contact];
-        Ok(gap + rows.iter().zip(q).map(|(w, x)| w * x).sum::<f64>())
+        Ok(gap + rows.iter().zip(at.q).map(|(w, x)| w * x).sum::<f64>())
     }
 
     fn rows(
         &self,
-        _t: f64,
-        _q: &[f64],
+        at: &Configuration<'_>,
         contact: usize,
         rows: &mut [f64],
         velocity: &mut [f64],
-    ) -> Result<(), SystemError> {
+    ) -> Result<f64, SystemError> {
         rows.copy_from_slice(&self.contacts[contact].rows);
         velocity.copy_from_slice(&self.contacts[contact].velocity);
-        Ok(())
+        let given = self.laws[contact].normal_force.is_some();
+        if given { Ok(0.0) } else { self.gap(at, contact) }
     }
 }

@@ -115,11 +115,31 @@ impl Blocks {
     }
 }
 
+/// Where a system is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Configuration<'a> {
+    /// Time in s.
+    pub t: f64,
+    /// Coordinates.
+    pub q: &'a [f64],
+    /// What [`System::derive`] makes of them, or nothing.
+    pub derived: &'a [f64],
+}
+
+impl<'a> Configuration<'a> {
+    /// A configuration from which nothing is derived yet.
+    pub fn new(t: f64, q: &'a [f64]) -> Self {
+        Self { t, q, derived: &[] }
+    }
+}
+
 /// A system at the midpoint of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Midpoint {
     /// Coordinates `q_M`.
     pub q: Vec<f64>,
+    /// What [`System::derive`] makes of them.
+    pub derived: Vec<f64>,
     /// Velocities before the step, as they are expressed at the midpoint.
     pub before: Vec<f64>,
     /// Forces `h(t_M, q_M, u_B)` without those of the contacts.
@@ -182,21 +202,25 @@ pub trait System: Debug + Sync {
     /// Forces `h(t, q, u)` without those of the contacts.
     fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError>;
 
+    /// What follows from the coordinates and is asked for again and again, contact by contact, such as the attitudes
+    /// of bodies; nothing by default. Every method that is given a [`Configuration`] must do without it, too.
+    fn derive(&self, _q: &[f64], _derived: &mut Vec<f64>) {}
+
     /// Gap `g_N` of a unilateral contact.
-    fn gap(&self, _t: f64, _q: &[f64], _contact: usize) -> Result<f64, SystemError> {
+    fn gap(&self, _at: &Configuration<'_>, _contact: usize) -> Result<f64, SystemError> {
         Err(SystemError::argument("contacts", "a unilateral contact needs a gap function"))
     }
 
     /// Directions of one contact: the rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ`, one after another, each with
-    /// the velocities of the blocks that it touches; and χ_N and χ into `velocity`.
+    /// the velocities of the blocks that it touches; and χ_N and χ into `velocity`. Returns the gap, zero where the
+    /// normal force is given.
     fn rows(
         &self,
-        t: f64,
-        q: &[f64],
+        at: &Configuration<'_>,
         contact: usize,
         rows: &mut [f64],
         velocity: &mut [f64],
-    ) -> Result<(), SystemError>;
+    ) -> Result<f64, SystemError>;
 
     /// What a motion carries from step to step besides coordinates and velocities, as it follows from these; nothing
     /// unless the system steps momenta.
@@ -220,6 +244,7 @@ pub trait System: Debug + Sync {
         midpoint: &mut Midpoint,
     ) -> Result<(), SystemError> {
         self.advance(q, u, 0.5 * dt, &mut midpoint.q);
+        self.derive(&midpoint.q, &mut midpoint.derived);
         midpoint.before.copy_from_slice(u);
         self.forces(t, &midpoint.q, u, &mut midpoint.forces)
     }
@@ -243,22 +268,21 @@ pub(crate) fn row_count(contact: &ContactLaw) -> usize {
     usize::from(contact.normal_force.is_none()) + contact.law.dimension()
 }
 
-/// The rows of a contact with all velocities of the system, as methods with matrices of its size need them.
+/// The rows of a contact with all velocities of the system, as methods with matrices of its size need them; its gap.
 pub fn full_rows(
     system: &dyn System,
-    t: f64,
-    q: &[f64],
+    at: &Configuration<'_>,
     contact: usize,
     rows: &mut [f64],
     velocity: &mut [f64],
-) -> Result<(), SystemError> {
+) -> Result<f64, SystemError> {
     let (blocks, touched, n) = (system.blocks(), system.touched(contact), system.dof());
     let len = velocity.len();
     let width: usize = touched.iter().map(|&block| blocks.range(block).len()).sum();
     let (narrow, wide) = (len * width, len * n);
-    system.rows(t, q, contact, &mut rows[..narrow], velocity)?;
+    let gap = system.rows(at, contact, &mut rows[..narrow], velocity)?;
     if width == n {
-        return Ok(());
+        return Ok(gap);
     }
     // From the last entry to the first, as every entry moves to the right.
     rows[narrow..wide].fill(0.0);
@@ -274,5 +298,5 @@ pub fn full_rows(
         }
         rows[row * n..end].fill(0.0);
     }
-    Ok(())
+    Ok(gap)
 }

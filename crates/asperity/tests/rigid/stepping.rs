@@ -3,7 +3,9 @@
 use asperity::contact::{Delassus, Factored};
 use asperity::stepper::Stepper;
 use asperity::system::rigid::{Body, Pair, PlanarBody, Plane, RigidBodies, Shape};
-use asperity::system::{Blocks, Constancy, ContactLaw, System, SystemError, full_rows};
+use asperity::system::{
+    Blocks, Configuration, Constancy, ContactLaw, System, SystemError, full_rows,
+};
 use nalgebra::Vector3;
 
 use crate::support::*;
@@ -47,18 +49,17 @@ impl System for OneBlock {
     fn forces(&self, t: f64, q: &[f64], u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
         self.bodies.forces(t, q, u, h)
     }
-    fn gap(&self, t: f64, q: &[f64], contact: usize) -> Result<f64, SystemError> {
-        self.bodies.gap(t, q, contact)
+    fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
+        self.bodies.gap(at, contact)
     }
     fn rows(
         &self,
-        t: f64,
-        q: &[f64],
+        at: &Configuration<'_>,
         contact: usize,
         rows: &mut [f64],
         chi: &mut [f64],
-    ) -> Result<(), SystemError> {
-        full_rows(&self.bodies, t, q, contact, rows, chi)
+    ) -> Result<f64, SystemError> {
+        full_rows(&self.bodies, at, contact, rows, chi)
     }
 }
 

@@ -3,6 +3,7 @@
 //! A contact touches few blocks of velocities and is coupled only with the other contacts of these: nothing is larger
 //! than the contacts, the blocks and their couplings are many.
 
+use std::mem;
 use std::ops::Range;
 
 use super::StepError;
@@ -11,7 +12,7 @@ use super::coupling::Coupling;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
 use crate::system::mass::MassFactors;
-use crate::system::{ContactLaw, Midpoint, System, SystemError};
+use crate::system::{Configuration, ContactLaw, Midpoint, System, SystemError, row_count};
 
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
@@ -88,6 +89,7 @@ impl Assembly {
             fixed: constancy.contacts && system.contacts().iter().all(given),
             midpoint: Midpoint {
                 q: q.to_vec(),
+                derived: Vec::new(),
                 before: vec![0.0; dof],
                 forces: vec![0.0; dof],
                 momenta,
@@ -120,7 +122,8 @@ impl Assembly {
         (q, u): (&[f64], &[f64]),
         contact: usize,
     ) -> Result<[f64; 3], SystemError> {
-        let width = self.evaluate(system, t, q, contact)?;
+        self.evaluate(system, &Configuration::new(t, q), contact)?;
+        let width = width(system, contact);
         let law = &system.contacts()[contact];
         let (normal, mut slip) = (usize::from(law.normal_force.is_none()), [0.0; 3]);
         for (k, slip) in slip[..law.law.dimension()].iter_mut().enumerate() {
@@ -136,22 +139,19 @@ impl Assembly {
         Ok(slip)
     }
 
-    /// The rows and χ of a contact into `own`; the number of entries per row.
+    /// The rows and χ of a contact into `own`; its gap.
     fn evaluate(
         &mut self,
         system: &dyn System,
-        t: f64,
-        q: &[f64],
+        at: &Configuration<'_>,
         contact: usize,
-    ) -> Result<usize, SystemError> {
-        let (blocks, touched) = (system.blocks(), system.touched(contact));
-        let width = touched.iter().map(|&block| blocks.range(block).len()).sum();
-        let len = crate::system::row_count(&system.contacts()[contact]);
-        self.own.resize(self.own.len().max(len * width), 0.0);
-        self.own_chi = [0.0; 4];
-        let (rows, chi) = (&mut self.own[..len * width], &mut self.own_chi[..len]);
-        system.rows(t, q, contact, rows, chi)?;
-        Ok(width)
+    ) -> Result<f64, SystemError> {
+        let len = row_count(&system.contacts()[contact]);
+        let entries = len * width(system, contact);
+        if self.own.len() < entries {
+            self.own.resize(entries, 0.0);
+        }
+        system.rows(at, contact, &mut self.own[..entries], &mut self.own_chi[..len])
     }
 
     /// The contact problem of the step from `q`, `u`, with its midpoint at the time `t`.
@@ -221,14 +221,15 @@ impl Assembly {
         let (mut same, mut changed) = (closed.ready, new_mass);
         let constant = system.constancy().contacts;
         for (contact, law) in system.contacts().iter().enumerate() {
+            // What was closed most probably still is.
+            let was_closed = closed.was_closed(contact);
+            let known = was_closed && !constant;
             let gap = match law.normal_force {
+                _ if known => self.evaluate_at_midpoint(system, t, contact)?,
                 Some(_) => 0.0,
-                None => system.gap(t, &self.midpoint.q, contact)?,
+                None => system.gap(&self.at_midpoint(t), contact)?,
             };
-            let lifted = gap > 0.0;
-            if lifted
-                && !(closed.was_closed(contact) && gap <= self.lift(system, (t, dt), contact)?)
-            {
+            if gap > 0.0 && !(was_closed && gap <= self.lift(system, (t, dt), (contact, known))?) {
                 continue;
             }
             let place = closed.found.len();
@@ -237,7 +238,7 @@ impl Assembly {
             same = same && closed.active.get(place) == Some(&contact);
             if same {
                 if !constant {
-                    if !lifted {
+                    if !known {
                         self.evaluate_at_midpoint(system, t, contact)?;
                     }
                     changed |= self.store(place);
@@ -248,14 +249,16 @@ impl Assembly {
         Ok((same && closed.found.len() == closed.active.len(), changed))
     }
 
-    /// The gap up to which a contact counts as closed; its rows are then in `own`.
+    /// The gap up to which a contact counts as closed; its rows are then in `own`, as they are before if `known`.
     fn lift(
         &mut self,
         system: &dyn System,
         (t, dt): (f64, f64),
-        contact: usize,
+        (contact, known): (usize, bool),
     ) -> Result<f64, SystemError> {
-        self.evaluate_at_midpoint(system, t, contact)?;
+        if !known {
+            self.evaluate_at_midpoint(system, t, contact)?;
+        }
         let (mut gained, mut row) = (0.0, self.own.iter());
         for &block in system.touched(contact) {
             let range = system.blocks().range(block);
@@ -265,16 +268,20 @@ impl Assembly {
         Ok(ROUNDING * dt * gained)
     }
 
+    fn at_midpoint(&self, t: f64) -> Configuration<'_> {
+        Configuration { t, q: &self.midpoint.q, derived: &self.midpoint.derived }
+    }
+
     fn evaluate_at_midpoint(
         &mut self,
         system: &dyn System,
         t: f64,
         contact: usize,
-    ) -> Result<(), SystemError> {
-        let q = std::mem::take(&mut self.midpoint.q);
-        let evaluated = self.evaluate(system, t, &q, contact);
-        self.midpoint.q = q;
-        evaluated.map(drop)
+    ) -> Result<f64, SystemError> {
+        let (q, derived) = (mem::take(&mut self.midpoint.q), mem::take(&mut self.midpoint.derived));
+        let gap = self.evaluate(system, &Configuration { t, q: &q, derived: &derived }, contact);
+        (self.midpoint.q, self.midpoint.derived) = (q, derived);
+        gap
     }
 
     /// Takes the rows in `own` for those of a closed contact; whether they differ from the old ones.
@@ -451,6 +458,13 @@ impl Assembly {
         }
         system.finish(&mut self.midpoint, &self.free, dt, state);
     }
+}
+
+/// Number of velocities that a contact sees.
+#[inline]
+fn width(system: &dyn System, contact: usize) -> usize {
+    let blocks = system.blocks();
+    system.touched(contact).iter().map(|&block| blocks.range(block).len()).sum()
 }
 
 #[inline]

@@ -24,6 +24,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::rotation::{matrix, turned, turned_back};
 use super::{Pose, RigidBodies, Twist, angular, twist};
+use crate::system::Configuration;
 
 impl RigidBodies {
     /// Place and attitude of a body.
@@ -38,6 +39,18 @@ impl RigidBodies {
         let q = &q[7 * body..7 * body + 7];
         let rotation = matrix(&[q[3], q[4], q[5], q[6]]);
         Pose { position: Vector3::new(q[0], q[1], q[2]), rotation }
+    }
+
+    /// The same, as it was derived from the coordinates before if it was.
+    #[inline]
+    pub(super) fn pose_at(&self, at: &Configuration<'_>, body: usize) -> Pose {
+        match at.derived.get(12 * body..12 * body + 12) {
+            Some(derived) => Pose {
+                position: Vector3::from_column_slice(&derived[..3]),
+                rotation: Matrix3::from_column_slice(&derived[3..]),
+            },
+            None => self.pose(at.q, body),
+        }
     }
 
     /// `(v, Ω)` of a body.
@@ -102,13 +115,13 @@ impl RigidBodies {
     }
 
     /// Weight, constant loads, springs and prescribed normal forces, without gyroscopic terms.
-    pub(super) fn loads(&self, q: &[f64], u: &[f64], forces: &mut [f64]) {
+    pub(super) fn loads(&self, at: &Configuration<'_>, u: &[f64], forces: &mut [f64]) {
         for (body, inertial) in self.inertial.iter().enumerate() {
             let force = self.gravity * inertial.mass + inertial.force;
             let load = if inertial.torque == Vector3::zeros() {
                 twist(&force, &inertial.torque)
             } else {
-                self.pose(q, body).wrench(&force, &inertial.torque)
+                self.pose_at(at, body).wrench(&force, &inertial.torque)
             };
             self.set_twist(forces, body, &load);
         }
@@ -116,7 +129,7 @@ impl RigidBodies {
             let sum = self.twist(forces, body) + load;
             self.set_twist(forces, body, &sum);
         };
-        let pose = |body| self.pose(q, body);
+        let pose = |body| self.pose_at(at, body);
         for spring in &self.springs {
             spring.load(pose, |body| self.twist(u, body), &mut add);
         }
@@ -126,8 +139,8 @@ impl RigidBodies {
             let poses = (pose(contact.body), contact.other.map(pose));
             let geometry = contact.geometry(&poses.0, poses.1.as_ref());
             let (mut own, mut other) = ([Twist::zeros()], [Twist::zeros()]);
-            let at = (&poses.0, poses.1.as_ref());
-            contact.rows_of(&geometry, at, (true, 0), (&mut own, &mut other), &mut [0.0]);
+            let both = (&poses.0, poses.1.as_ref());
+            contact.rows_of(&geometry, both, (true, 0), (&mut own, &mut other), &mut [0.0]);
             add(contact.body, own[0] * force);
             if let Some(body) = contact.other {
                 add(body, other[0] * force);

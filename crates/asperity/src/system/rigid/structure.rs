@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
-use crate::system::{Blocks, Constancy, ContactLaw, Midpoint, System, SystemError};
+use crate::system::{Blocks, Configuration, Constancy, ContactLaw, Midpoint, System, SystemError};
 
 /// How far a momentum may be off that of its state, as a part: `R J J⁻¹ Rᵀ L` is L to a few roundings.
 const SAME_MOMENTUM: f64 = 1e-12;
@@ -72,8 +72,8 @@ impl System for RigidBodies {
         Ok(())
     }
 
-    fn forces(&self, _t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
-        self.loads(q, u, forces);
+    fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
+        self.loads(&Configuration::new(t, q), u, forces);
         for (body, inertial) in self.inertial.iter().enumerate().filter(|(_, i)| !i.isotropic) {
             let omega = angular(&self.twist(u, body));
             let gyroscopic = (inertial.inertia * omega).cross(&omega);
@@ -83,24 +83,33 @@ impl System for RigidBodies {
         Ok(())
     }
 
+    /// The poses, twelve numbers per body.
+    fn derive(&self, q: &[f64], derived: &mut Vec<f64>) {
+        derived.clear();
+        for body in 0..self.bodies() {
+            let pose = self.pose(q, body);
+            derived.extend_from_slice(pose.position.as_slice());
+            derived.extend_from_slice(pose.rotation.as_slice());
+        }
+    }
+
     #[inline]
-    fn gap(&self, _t: f64, q: &[f64], contact: usize) -> Result<f64, SystemError> {
+    fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let contact = &self.contacts[contact];
-        let second = contact.other.map(|body| self.pose(q, body));
-        Ok(contact.gap(&self.pose(q, contact.body), second.as_ref()).0)
+        let second = contact.other.map(|body| self.pose_at(at, body));
+        Ok(contact.gap(&self.pose_at(at, contact.body), second.as_ref()).0)
     }
 
     fn rows(
         &self,
-        _t: f64,
-        q: &[f64],
+        at: &Configuration<'_>,
         contact: usize,
         rows: &mut [f64],
         velocity: &mut [f64],
-    ) -> Result<(), SystemError> {
+    ) -> Result<f64, SystemError> {
         let contact = &self.contacts[contact];
-        let first = self.pose(q, contact.body);
-        let second = contact.other.map(|body| self.pose(q, body));
+        let first = self.pose_at(at, contact.body);
+        let second = contact.other.map(|body| self.pose_at(at, body));
         let (mut own, mut others) = ([Twist::zeros(); 4], [Twist::zeros(); 4]);
         let (poses, n) = ((&first, second.as_ref()), self.sizes().1);
         let geometry = contact.geometry(poses.0, poses.1);
@@ -113,7 +122,7 @@ impl System for RigidBodies {
                 self.set_twist(row, other_place, &others[k]);
             }
         }
-        Ok(())
+        Ok(if contact.unilateral { geometry.gap } else { 0.0 })
     }
 
     fn momenta(&self, q: &[f64], u: &[f64]) -> Vec<f64> {
@@ -132,22 +141,24 @@ impl System for RigidBodies {
 
     fn begin(
         &self,
-        _t: f64,
+        t: f64,
         dt: f64,
         (q, u): (&[f64], &[f64]),
         midpoint: &mut Midpoint,
     ) -> Result<(), SystemError> {
-        let Midpoint { q: mid, before, forces, momenta } = midpoint;
+        let Midpoint { q: mid, derived, before, forces, momenta } = midpoint;
+        self.advance(q, u, 0.5 * dt, mid);
+        self.derive(mid, derived);
         before.copy_from_slice(u);
+        let at = Configuration { t, q: mid, derived };
         for (body, inertial) in self.inertial.iter().enumerate() {
-            self.advance_body(q, u, body, 0.5 * dt, mid);
             if !inertial.isotropic {
                 let momentum = Vector3::from_column_slice(&momenta[3 * body..3 * body + 3]);
-                let omega = inertial.rate(&self.pose(mid, body).rotation.tr_mul(&momentum));
+                let omega = inertial.rate(&self.pose_at(&at, body).rotation.tr_mul(&momentum));
                 self.set_twist(before, body, &twist(&linear(&self.twist(u, body)), &omega));
             }
         }
-        self.loads(mid, u, forces);
+        self.loads(&at, u, forces);
         Ok(())
     }
 
@@ -158,15 +169,16 @@ impl System for RigidBodies {
         dt: f64,
         (q, u): (&mut [f64], &mut [f64]),
     ) {
-        let Midpoint { q: mid, before, momenta, .. } = midpoint;
+        let Midpoint { q: mid, derived, before, momenta, .. } = midpoint;
+        let at = Configuration { t: f64::NAN, q: mid, derived };
         u.copy_from_slice(after);
         for (body, inertial) in self.inertial.iter().enumerate() {
             if !inertial.isotropic {
                 let (start, after) = (self.twist(before, body), self.twist(after, body));
                 let change = inertial.inertia * (angular(&after) - angular(&start));
                 let momentum = &mut momenta[3 * body..3 * body + 3];
-                let spin =
-                    Vector3::from_column_slice(momentum) + self.pose(mid, body).rotation * change;
+                let spin = Vector3::from_column_slice(momentum)
+                    + self.pose_at(&at, body).rotation * change;
                 momentum.copy_from_slice(spin.as_slice());
                 let omega = self.end_rate(body, &angular(&after), 0.5 * dt);
                 self.set_twist(u, body, &twist(&linear(&after), &omega));
