@@ -3,7 +3,10 @@
 mod common;
 
 use asperity::law::{Fall, FrictionLaw, Law, LawError, Stribeck, flow_sets};
-use asperity::set::{Ball, Convex, ConvexSet, Ellipse, Interval, Star, StarSet, Vector, Verdict};
+use asperity::set::{
+    Ball, Convex, ConvexSet, Cuboid, CustomConvex, Ellipse, Ellipsoid, Interval, Star, StarSet,
+    Superellipse, Vector, Verdict,
+};
 use common::{Random, V, laws};
 
 #[test]
@@ -275,6 +278,324 @@ fn kinds_of_laws_are_told_with_witnesses() {
     assert_eq!(disk.associativity(), Verdict::exact(true));
     assert_eq!(disk.collinearity(), Verdict::exact(true));
     assert_eq!(FrictionLaw::<3>::isotropic(0.4).unwrap().collinearity(), Verdict::exact(true));
+}
+
+/// Unit vectors at equidistant angles, half a step off the axes.
+fn around(count: usize) -> impl Iterator<Item = V> {
+    (0..count).map(move |k| {
+        let angle = std::f64::consts::TAU * (k as f64 + 0.5) / count as f64;
+        V::new(angle.cos(), angle.sin())
+    })
+}
+
+fn slip_force(law: &FrictionLaw<2>, e: &V) -> V {
+    -law.force(e, 1.0).unwrap()
+}
+
+/// The largest value over all sliding directions.
+fn largest(value: impl Fn(&V) -> f64) -> f64 {
+    around(100_000).map(|e| value(&e)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// D = disk of radius ½, C = ellipse 2:1: sliding at 45° the associated law dissipates most and this one 1/1.25 of it,
+/// `k_C²(e) h_C²(e) = c⁴ + s⁴ + c²s²(a²/b² + b²/a²)`.
+#[test]
+fn witnesses_of_collinear_laws_are_those_of_the_closed_form() {
+    let ellipse = flat_ellipse(0.6, 0.3, 0.0);
+    let law = FrictionLaw::collinear(ellipse.clone().into()).unwrap();
+    let verdict = law.monotonicity();
+    assert!((verdict.defect - 0.2).abs() < 1e-6 && !verdict.holds && !verdict.exact, "{verdict:?}");
+    let [slip, force, still, other] = verdict.witness[..] else { panic!("{verdict:?}") };
+    assert!((slip.norm() - 1.0).abs() < 1e-12 && (slip.x.abs() - slip.y.abs()).abs() < 1e-9);
+    assert!((force + slip_force(&law, &slip)).norm() < 1e-12 && still == V::zeros());
+    assert!((ellipse.gauge(&other) - 1.0).abs() < 1e-12);
+    assert!((slip.dot(&-other) - ellipse.support(&slip)).abs() < 1e-12);
+    // The associated law's force is farthest from this one's where the witness is.
+    let verdict = law.associativity();
+    let apart = |e: &V| (slip_force(&law, e) - ellipse.support_point(e)).norm();
+    assert!((verdict.defect - 0.5).abs() < 1e-9 && !verdict.exact);
+    assert!(apart(&verdict.witness[0]) > largest(apart) - 1e-5, "{verdict:?}");
+}
+
+/// Of a reservoir that is not convex the farthest point is found among its own.
+#[test]
+fn witnesses_of_laws_with_a_star_shaped_reservoir_dissipate_less_than_they_could() {
+    let star = Star::from(Superellipse::new(V::new(0.5, 0.3), 0.6).unwrap());
+    let law = FrictionLaw::collinear(star.clone()).unwrap();
+    let best = |e: &V| f64::max(0.5 * e.x.abs(), 0.3 * e.y.abs());
+    let lack = |e: &V| 1.0 - slip_force(&law, e).dot(e) / best(e);
+    let verdict = law.monotonicity();
+    assert!((verdict.defect - largest(lack)).abs() < 1e-4, "{verdict:?}");
+    let [slip, force, still, other] = verdict.witness[..] else { panic!("{verdict:?}") };
+    assert!((lack(&slip) - verdict.defect).abs() < 1e-9 && still == V::zeros());
+    assert!((force + slip_force(&law, &slip)).norm() < 1e-12);
+    // The tips of the axes.
+    assert!(
+        (slip.dot(&-other) - best(&slip)).abs() < 1e-12 && (star.gauge(&other) - 1.0).abs() < 1e-9
+    );
+    let verdict = law.associativity();
+    let tip = |e: &V| match 0.5 * e.x.abs() > 0.3 * e.y.abs() {
+        true => V::new(0.5 * e.x.signum(), 0.0),
+        false => V::new(0.0, 0.3 * e.y.signum()),
+    };
+    let apart = |e: &V| (slip_force(&law, e) - tip(e)).norm();
+    assert!(apart(&verdict.witness[0]) > largest(apart) - 2e-3, "{verdict:?}");
+}
+
+/// Each verdict against the definition, for laws of every kind.
+#[test]
+fn verdicts_agree_with_their_definitions() {
+    for (name, law) in laws() {
+        let deflection = |e: &V| slip_force(&law, e).normalize().perp(e).abs();
+        let verdict = law.collinearity();
+        let worst = around(20_000).map(|e| deflection(&e)).fold(0.0, f64::max);
+        assert!((verdict.defect - worst).abs() < 0.02, "{name}: {verdict:?} {worst}");
+        assert_eq!(verdict.holds, worst < 1e-9, "{name}: {verdict:?}");
+        if let [e] = verdict.witness[..] {
+            assert!((deflection(&e) - verdict.defect).abs() < 1e-9, "{name}: {verdict:?}");
+        }
+        let verdict = law.associativity();
+        assert_eq!(verdict.holds, law.is_associated(), "{name}");
+        let ratio = |d: &V| law.reservoir().gauge(d) / law.direction().gauge(d);
+        let tips = law.reservoir().corners();
+        let smallest = around(20_000).chain(tips).map(|d| ratio(&d)).fold(1.0, f64::min);
+        assert!((verdict.defect - (1.0 - smallest)).abs() < 1e-3, "{name}: {verdict:?}");
+        assert!((law.alpha_min() - smallest).abs() < 1e-3 && law.alpha_min() <= smallest + 1e-9);
+        assert_eq!(law.monotonicity().holds, law.is_associated(), "{name}");
+        assert_eq!(law.dissipativity(), Verdict::exact(true), "{name}");
+        // \[WL19\] (56) at some place.
+        let x = V::new(0.13, -0.04);
+        let alpha = law.direction().gauge(&x) - law.reservoir().gauge(&x) + 1.0;
+        assert!((law.alpha(&x) * alpha - 1.0).abs() < 1e-14, "{name}");
+    }
+}
+
+/// In space the normal of an ellipsoid is farthest from its position in the plane of its longest and shortest axes.
+#[test]
+fn deflections_in_space_are_those_of_the_extreme_axes() {
+    let set = Convex::from(Ellipsoid::new(Vector::<3>::new(0.6, 0.3, 0.2)).unwrap());
+    let law = FrictionLaw::associated(set);
+    let verdict = law.collinearity();
+    assert!(!verdict.holds && (verdict.defect - (4.0f64 / 3.0).atan().sin()).abs() < 5e-3);
+    let e = verdict.witness[0];
+    assert!(e.y.abs() < 0.1 && (e.norm() - 1.0).abs() < 1e-12, "{e}");
+    assert_eq!(law.associativity(), Verdict::exact(true));
+}
+
+/// A direction set of a user whose farthest point is the nearest one.
+#[derive(Debug)]
+struct Mirrored;
+
+impl StarSet<2> for Mirrored {
+    fn gauge(&self, x: &V) -> f64 {
+        x.norm() / 0.3
+    }
+}
+
+impl ConvexSet<2> for Mirrored {
+    fn support_point(&self, y: &V) -> V {
+        y.normalize() * -0.3
+    }
+}
+
+#[test]
+fn sets_that_break_their_promise_do_not_dissipate() {
+    let broken = Convex::Custom(CustomConvex(std::sync::Arc::new(Mirrored)));
+    let verdict = FrictionLaw::associated(broken).dissipativity();
+    assert!(!verdict.holds && (verdict.defect - 0.3).abs() < 1e-12, "{verdict:?}");
+    assert!((verdict.witness[0].norm() - 1.0).abs() < 1e-12);
+}
+
+/// The steepest fall of `f(v) = .4 + .6 e^{−2v}` over a quarter of the speed, and the forces of both speeds.
+#[test]
+fn friction_that_falls_is_refuted_at_its_steepest_fall() {
+    for viscous in [0.0, 0.05] {
+        let rate = Stribeck::new(Fall::Exponential, 0.5, 0.4, 1.0, viscous).unwrap();
+        let law = FrictionLaw::associated(flat_ellipse(0.6, 0.3, 0.0)).with_rate(rate);
+        let fall = |v: f64| rate.factor(v) - rate.factor(1.25 * v);
+        let steepest = (0..40_000).map(|k| fall(1e-4 * f64::from(k))).fold(0.0, f64::max);
+        let verdict = law.monotonicity();
+        assert!(!verdict.holds && verdict.defect <= steepest, "{verdict:?}");
+        assert!(verdict.defect > 0.98 * steepest, "{verdict:?} {steepest}");
+        let [slip, force, faster, weaker] = verdict.witness[..] else { panic!("{verdict:?}") };
+        assert!((fall(slip.norm()) - verdict.defect).abs() < 1e-12);
+        assert!((faster - slip * 1.25).norm() < 1e-12 && slip.norm() > 0.0);
+        assert!((law.force(&slip, 1.0).unwrap() - force).norm() < 1e-12);
+        assert!((law.force(&faster, 1.0).unwrap() - weaker).norm() < 1e-12);
+    }
+    // Friction that only rises leaves the sets to decide, at so small a speed that it does not count.
+    let rising = Stribeck::new(Fall::Exponential, 0.5, 1.5, 1.0, 0.1).unwrap();
+    let law = FrictionLaw::collinear(flat_ellipse(0.6, 0.3, 0.0).into()).unwrap().with_rate(rising);
+    let verdict = law.monotonicity();
+    assert!(!verdict.holds && (verdict.defect - 0.2).abs() < 1e-6, "{verdict:?}");
+    let [slip, force, still, other] = verdict.witness[..] else { panic!("{verdict:?}") };
+    assert!((law.force(&slip, 1.0).unwrap() - force).norm() < 1e-5 && still == V::zeros());
+    assert!((slip - still).dot(&(force - other)) > 0.0);
+}
+
+/// `f` is the sum of a part that never rises and one that never falls, whose slope is known.
+#[test]
+fn rates_have_a_falling_and_a_rising_part() {
+    for fall in [Fall::Exponential, Fall::Hyperbolic] {
+        for (ratio, viscous, rises) in [
+            (0.4, 0.0, false),
+            (0.4, 0.3, true),
+            (1.0, 0.0, false),
+            (1.6, 0.0, true),
+            (1.6, 0.3, true),
+        ] {
+            let rate = Stribeck::new(fall, 0.2, ratio, 1.5, viscous).unwrap();
+            assert_eq!(rate.rises(), rises, "{rate:?}");
+            assert_eq!((rate.falling(0.0), rate.rising(0.0)), (1.0, 0.0));
+            let (mut falling, mut rising) = (1.0, 0.0);
+            for k in 1..400 {
+                let v = 0.005 * f64::from(k);
+                assert!(rate.falling(v) <= falling && rate.rising(v) >= rising, "{rate:?} {v}");
+                (falling, rising) = (rate.falling(v), rate.rising(v));
+                assert!((falling + rising - rate.factor(v)).abs() < 1e-15, "{rate:?} {v}");
+                let h = 1e-6;
+                let slope = (rate.rising(v + h) - rate.rising(v - h)) / (2.0 * h);
+                assert!((rate.rising_slope(v) - slope).abs() < 1e-8, "{rate:?} {v}: {slope}");
+            }
+            // Beyond all speeds the dry part has one end and the rest is viscous.
+            assert!((rate.factor(1e4) - (ratio + viscous * 1e4)).abs() < 1e-6);
+            for v in [1e3, 1e6, 1e200] {
+                assert!((rate.slope(v) - viscous).abs() < 1e-6, "{rate:?} {v}");
+            }
+        }
+    }
+}
+
+/// Laws of every kind: the derivative is that of the force wherever two differences agree that there is one.
+#[test]
+fn jacobians_of_all_laws_are_slopes() {
+    let mut random = Random::new(17);
+    for (name, law) in laws() {
+        let mut compared = 0;
+        for _ in 0..60 {
+            let size = 10f64.powf(random.within(-2.0, 2.0));
+            let slip = V::new(random.normal(), random.normal()).normalize() * size;
+            let difference = |h: f64| {
+                let at = |i: usize, h: f64| law.force(&(slip + V::ith(i, h * size)), 1.5).unwrap();
+                [0, 1].map(|i| (at(i, h) - at(i, -h)) / (2.0 * h * size))
+            };
+            let (coarse, fine) = (difference(1e-4), difference(2.5e-5));
+            let scale = fine[0].norm().max(fine[1].norm()).max(0.1 / size);
+            let agree = (0..2).all(|i| (coarse[i] - fine[i]).norm() < 1e-4 * scale);
+            let jacobian = law.jacobian(&slip, 1.5).unwrap();
+            if !agree || !jacobian.iter().all(|v| v.is_finite()) {
+                continue;
+            }
+            compared += 1;
+            for i in 0..2 {
+                let off = (fine[i] - jacobian.column(i)).norm();
+                assert!(off < 1e-3 * scale, "{name}: {off:e} of {scale:e} at {slip}");
+            }
+        }
+        assert!(compared >= 20, "{name}: {compared}");
+    }
+}
+
+/// Where *D* is flat the force jumps along the flat as the direction of sliding turns: against the turn.
+#[test]
+fn jacobians_are_infinite_across_flats_only() {
+    let infinite = f64::INFINITY;
+    let rectangle =
+        FrictionLaw::associated(Convex::from(Cuboid::symmetric(V::new(0.5, 0.3)).unwrap()));
+    let jacobian = rectangle.jacobian(&V::new(2.0, 0.0), 1.0).unwrap();
+    assert_eq!(jacobian, nalgebra::Matrix2::new(0.0, 0.0, 0.0, -infinite));
+    let jacobian = rectangle.jacobian(&V::new(0.0, -2.0), 1.0).unwrap();
+    assert_eq!(jacobian, nalgebra::Matrix2::new(-infinite, 0.0, 0.0, 0.0));
+    // The force moves along bdry C, whose side at (c, s) has the normal (c, s).
+    let set = Convex::from(Cuboid::symmetric(V::new(0.5, 0.3)).unwrap());
+    let reservoir = set.rotated(30f64.to_radians()).unwrap();
+    let jacobian = FrictionLaw::new(reservoir.into(), set).unwrap();
+    let jacobian = jacobian.jacobian(&V::new(1.0, 0.0), 1.0).unwrap();
+    assert_eq!(jacobian, nalgebra::Matrix2::new(0.0, infinite, 0.0, -infinite));
+    // At a corner the force does not change at all.
+    let jacobian = rectangle.jacobian(&V::new(1.0, 1.0), 1.0).unwrap();
+    assert_eq!(jacobian, nalgebra::Matrix2::zeros());
+    // In space there is no number to be had.
+    let cuboid = Cuboid::symmetric(Vector::<3>::new(0.5, 0.3, 0.2)).unwrap();
+    let law = FrictionLaw::associated(Convex::from(cuboid));
+    let jacobian = law.jacobian(&Vector::<3>::new(1.0, 0.0, 0.0), 1.0).unwrap();
+    assert!(jacobian.iter().any(|v| !v.is_finite()));
+}
+
+/// The force is homogeneous of degree 0, its derivative of degree −1, down to the smallest numbers.
+#[test]
+fn tiny_slips_lose_no_digits() {
+    let law =
+        FrictionLaw::new(flat_ellipse(0.6, 0.3, 30.0).into(), flat_ellipse(2.0, 1.0, 0.0)).unwrap();
+    let slip = V::new(0.3, -0.5);
+    let (force, jacobian) = (law.force(&slip, 2.0).unwrap(), law.jacobian(&slip, 2.0).unwrap());
+    for size in [1e-300, 1e-150, 1e150] {
+        assert!((law.force(&(slip * size), 2.0).unwrap() - force).norm() < 1e-14);
+        let scaled = law.jacobian(&(slip * size), 2.0).unwrap() * size;
+        assert!((scaled - jacobian).norm() < 1e-13 * jacobian.norm(), "{size:e}");
+    }
+    let error = law.jacobian(&(slip * 1e-309), 2.0).unwrap_err();
+    assert_eq!(error.argument(), "slip");
+}
+
+/// Forces within the tolerance of the boundary slide, others stick or are refused.
+#[test]
+fn sliding_directions_are_told_within_the_tolerance() {
+    let law = FrictionLaw::<2>::isotropic(0.5).unwrap();
+    let at = |gauge: f64, tolerance: f64| law.slip_direction(&V::new(-gauge, 0.0), 2.0, tolerance);
+    assert_eq!(at(0.95, 0.1).unwrap(), V::new(1.0, 0.0));
+    assert_eq!(at(1.05, 0.1).unwrap(), V::new(1.0, 0.0));
+    assert_eq!(at(0.85, 0.1).unwrap(), V::zeros());
+    assert_eq!(at(1.15, 0.1), Err(LawError::OutsideReservoir { gauge: 1.15 }));
+    assert!(at(f64::NAN, 0.1).is_err());
+}
+
+/// A direction set that is the reservoir but for its size, found by another way, is the reservoir to the bit; one that
+/// differs a little is not.
+#[test]
+fn direction_sets_equal_up_to_rounding_are_the_reservoir() {
+    let reservoir = flat_ellipse(0.6, 0.3, 40.0);
+    let law = FrictionLaw::new(reservoir.clone().into(), flat_ellipse(1.8, 0.9, 40.0)).unwrap();
+    assert!(law.is_associated() && *law.direction() == reservoir);
+    assert!((law.direction_scale() - 1.0 / 3.0).abs() < 1e-12);
+    for near in [flat_ellipse(1.8, 0.9 + 1e-9, 40.0), flat_ellipse(1.8, 0.9, 40.0 + 1e-7)] {
+        let law = FrictionLaw::new(reservoir.clone().into(), near).unwrap();
+        assert!(!law.is_associated() && law.alpha_min() < 1.0 && law.alpha_min() > 1.0 - 1e-6);
+        assert!(!law.monotonicity().holds || law.associativity().defect < 1e-9);
+    }
+    // Of unit scale but for rounding: no bit changes.
+    let disk: Convex<2> = Ball::new(0.3).unwrap().into();
+    let law = FrictionLaw::new(reservoir.into(), disk.clone()).unwrap();
+    assert_eq!((law.direction_scale(), law.direction()), (1.0, &disk));
+}
+
+#[test]
+fn laws_of_all_dimensions_say_what_they_are() {
+    let rate = Stribeck::new(Fall::Hyperbolic, 1.0, 0.5, 1.0, 0.0).unwrap();
+    let line = || FrictionLaw::<1>::isotropic(0.4).unwrap();
+    let space = || {
+        let set = Ellipsoid::new(Vector::<3>::new(0.6, 0.3, 0.2)).unwrap();
+        FrictionLaw::collinear(Star::from(Convex::from(set))).unwrap()
+    };
+    let laws = [
+        Law::from(line()),
+        Law::from(line().with_rate(rate)),
+        Law::from(FrictionLaw::<2>::isotropic(0.4).unwrap()),
+        Law::from(FrictionLaw::<2>::isotropic(0.4).unwrap().with_rate(rate)),
+        Law::from(space()),
+        Law::from(space().with_rate(rate)),
+    ];
+    for (i, law) in laws.iter().enumerate() {
+        assert_eq!(law.dimension(), 1 + i / 2);
+        assert_eq!(law.rate(), [None, Some(&rate)][i % 2]);
+        let alpha_min = [1.0, 1.0, 1.0 / 3.0][i / 2];
+        assert!((law.alpha_min() - alpha_min).abs() < 1e-3, "{}", law.alpha_min());
+        for (j, other) in laws.iter().enumerate() {
+            assert_eq!(law == other, i == j, "{i} {j}");
+        }
+    }
+    assert_eq!(Law::from(line()), Law::from(line()));
+    assert_eq!(Law::from(space()), Law::from(space()));
 }
 
 /// f(φ) of diag(μ₁, μ₂): C has the semi-axes μᵢ, D the ratio √(μ₁/μ₂).
