@@ -2,7 +2,7 @@
 
 mod common;
 
-use asperity::law::{Fall, FrictionLaw, Law, LawError, Stribeck, flow_sets};
+use asperity::law::{Fall, FlowSets, FrictionLaw, Law, LawError, Stribeck, flow_sets};
 use asperity::set::{
     Ball, Convex, ConvexSet, Cuboid, CustomConvex, Ellipse, Ellipsoid, Interval, Star, StarSet,
     Superellipse, Vector, Verdict,
@@ -661,4 +661,172 @@ fn flow_rules_without_a_direction_set_are_refused() {
     assert!(sets.report.convexity_defect > 0.0 && sets.report.convexity_defect < 0.1);
     assert!(sets.report.repair >= sets.report.convexity_defect);
     assert!(sets.theta.is_sorted());
+}
+
+/// Sliding directions of unequal steps, from some first one on, within one turn.
+fn irregular(count: usize, first: f64) -> Vec<f64> {
+    let even = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
+    (0..count).map(|k| first + even(k) + 0.25 * (2.0 * even(k) + first).sin()).collect()
+}
+
+/// `f(φ) = ψ`-turned radius of a law whose D is the ellipse `p` and whose C is the disk.
+fn forces_of_an_elliptic_direction(phi: &[f64], [p, q]: [f64; 2]) -> Vec<V> {
+    let z = |a: f64| V::new(p * p * a.cos(), q * q * a.sin());
+    phi.iter().map(|&a| z(a).normalize() * 0.4).collect()
+}
+
+/// The support function between unequal steps is found with an error of the fourth order, wherever the turn begins.
+#[test]
+fn direction_sets_of_flow_rules_converge_with_the_fourth_order() {
+    let [p, q] = [1.0, 0.6];
+    let error = |count: usize, first: f64| {
+        let phi = irregular(count, first);
+        let force = forces_of_an_elliptic_direction(&phi, [p, q]);
+        let sets = flow_sets(&phi, &force, 0.05, 0.0).unwrap();
+        assert!(sets.phi.len() >= 1440);
+        let exact = |a: f64| f64::hypot(p * a.cos(), q * a.sin());
+        let off = |(a, h): (&f64, &f64)| (h - exact(*a)).abs();
+        // h is normalised by its maximum, here p.
+        let off = sets.phi.iter().zip(&sets.support).map(off).fold(0.0, f64::max);
+        for (theta, radius) in sets.theta.iter().zip(&sets.radius) {
+            assert!((radius - 0.4).abs() < 1e-15 && *theta >= 0.0);
+        }
+        assert_eq!((sets.theta.len(), sets.report.convexity_defect), (count, 0.0));
+        assert!((sets.report.repair - sets.report.closure.ln().abs().exp_m1()).abs() < 1e-15);
+        off.max(sets.report.closure.ln().abs())
+    };
+    for first in [0.0, 1.0, -2.5] {
+        let errors = [40, 80, 160].map(|count| error(count, first));
+        assert!(errors[0] < 1e-4 && errors[2] < errors[0] / 100.0, "{errors:?}");
+    }
+}
+
+/// A rule that turns with its first direction gives the turned sets, wherever the list begins: the seam is nowhere.
+#[test]
+fn flow_rules_have_no_seam() {
+    let count = 60;
+    let phi: Vec<f64> = irregular(count, 0.0);
+    let mut force = forces_of_an_elliptic_direction(&phi, [1.0, 0.5]);
+    // Two neighbours out of order: θ turns back between them.
+    let turn = |x: V, by: f64| nalgebra::Rotation2::new(by) * x;
+    (force[20], force[21]) = (turn(force[20], 0.15), turn(force[21], -0.15));
+    let theta = |k: usize| force[k].y.atan2(force[k].x);
+    let fall = theta(20) - theta(21);
+    assert!(fall > 0.02);
+    let given = flow_sets(&phi, &force, 0.1, 0.4).unwrap();
+    assert!((given.report.convexity_defect - fall).abs() < 1e-12, "{:?}", given.report);
+    let closing = given.report.closure.ln().abs().exp_m1();
+    assert!((given.report.repair - closing - fall.tan()).abs() < 1e-12, "{:?}", given.report);
+    for start in [1, 19, 20, 21, 22, 59] {
+        let by = phi[start];
+        let shifted = |k: usize| match start + k {
+            i if i < count => (phi[i] - by, turn(force[i], -by)),
+            i => (phi[i - count] - by + std::f64::consts::TAU, turn(force[i - count], -by)),
+        };
+        let (phi, force): (Vec<f64>, Vec<V>) = (0..count).map(shifted).unzip();
+        let turned = flow_sets(&phi, &force, 0.1, 0.4).unwrap();
+        let (a, b) = (given.report, turned.report);
+        assert!((a.closure - b.closure).abs() < 1e-12 && (a.repair - b.repair).abs() < 1e-12);
+        assert!((a.convexity_defect - b.convexity_defect).abs() < 1e-12, "{start}: {b:?}");
+        assert!((a.smallest_resistance - b.smallest_resistance).abs() < 1e-12);
+        assert_eq!(given.support.len(), turned.support.len());
+        let radii = |sets: &FlowSets| sets.radius.iter().sum::<f64>();
+        assert!((radii(&given) - radii(&turned)).abs() < 1e-12);
+        let mut compared = 0;
+        for (angle, height) in turned.phi.iter().zip(&turned.support) {
+            let near = |other: &f64| {
+                let off = (angle + by - other).rem_euclid(std::f64::consts::TAU);
+                off.min(std::f64::consts::TAU - off) < 1e-9
+            };
+            let same = given.phi.iter().zip(&given.support).find(|(other, _)| near(other));
+            let Some((_, other)) = same else { continue };
+            compared += 1;
+            // What does not close is spread over the turn from the first direction on.
+            assert!((height - other).abs() < 2.0 * closing + 1e-9, "{start}: {height} {other}");
+        }
+        assert!(compared + 5 > given.phi.len(), "{start}: {compared}");
+    }
+}
+
+/// `f = e + εe⊥` winds up: `r_D(2π)/r_D(0) = exp(2πε)`. Spread over the turn nothing is left of it.
+#[test]
+fn what_does_not_close_is_spread_over_the_turn() {
+    for twist in [1e-3, -2e-3] {
+        let phi = irregular(50, 0.3);
+        let force: Vec<V> = phi
+            .iter()
+            .map(|a| V::new(a.cos(), a.sin()) + V::new(-a.sin(), a.cos()) * twist)
+            .collect();
+        let sets = flow_sets(&phi, &force, 0.1, 0.0).unwrap();
+        let closure = (std::f64::consts::TAU * twist).exp();
+        assert!((sets.report.closure - closure).abs() < 1e-12, "{:?}", sets.report);
+        assert!((sets.report.repair - closure.ln().abs().exp_m1()).abs() < 1e-12);
+        assert!((sets.report.smallest_resistance - 1.0).abs() < 1e-15);
+        // The spiral that is left has a constant angle to its radius and no change of the latter.
+        assert!(sets.support.iter().all(|h| (h - 1.0).abs() < 1e-5), "{:?}", sets.support);
+        let refused = flow_sets(&phi, &force, 0.9 * closure.ln().abs(), 0.0).unwrap_err();
+        assert!(refused.to_string().contains(&format!("{closure:.6}")), "{refused}");
+        assert!(flow_sets(&phi, &force, 1.1 * closure.ln().abs(), 0.0).is_ok());
+    }
+}
+
+/// Rectangles: the force stands at a corner while the direction turns by a right angle, then jumps. *D* has flats where it
+/// jumps and corners where it stands; of *C* the straight sides between the corners are taken.
+#[test]
+fn flow_rules_of_rectangles_are_exact() {
+    let (a, b) = (0.5, 0.3);
+    let right = std::f64::consts::FRAC_PI_2;
+    let gap = 1e-6;
+    let phi: Vec<f64> = (0..4)
+        .flat_map(|k| [gap, 0.3, 0.8, 1.2, right - gap].map(|angle| angle + right * f64::from(k)))
+        .collect();
+    let force: Vec<V> =
+        phi.iter().map(|p| V::new(a * p.cos().signum(), b * p.sin().signum())).collect();
+    let sets = flow_sets(&phi, &force, 1e-4, 1e-12).unwrap();
+    assert!((sets.report.closure - 1.0).abs() < 1e-5, "{:?}", sets.report);
+    // Four corners, and seven points on every side.
+    assert_eq!(sets.theta.len(), 32);
+    assert!(sets.theta.windows(2).all(|pair| pair[1] - pair[0] > 1e-3));
+    for (theta, radius) in sets.theta.iter().zip(&sets.radius) {
+        let x = V::new(radius * theta.cos(), radius * theta.sin());
+        assert!((f64::max(x.x.abs() / a, x.y.abs() / b) - 1.0).abs() < 1e-12, "{x}");
+    }
+    let highest = f64::hypot(a, b);
+    for (angle, height) in sets.phi.iter().zip(&sets.support) {
+        let exact = (a * angle.cos().abs() + b * angle.sin().abs()) / highest;
+        assert!((height - exact).abs() < 1e-5, "{angle}: {height} for {exact}");
+    }
+    assert!(sets.phi.windows(2).all(|pair| pair[1] > pair[0]));
+}
+
+/// What a list of directions may be, to its limits.
+#[test]
+fn directions_of_flow_rules_are_checked_to_their_limits() {
+    let right = std::f64::consts::FRAC_PI_2;
+    let disk = |phi: &[f64]| phi.iter().map(|a| V::new(a.cos(), a.sin())).collect::<Vec<_>>();
+    let make = |phi: &[f64]| flow_sets(phi, &disk(phi), 0.01, 0.01);
+    let eight: Vec<f64> = (0..8).map(|k| 0.5 * right * f64::from(k)).collect();
+    let sets = make(&eight).unwrap();
+    assert!(sets.radius.iter().chain(&sets.support).all(|r| (r - 1.0).abs() < 1e-12));
+    // At most so far apart: between neighbours and around the turn.
+    let with_gap = |gap: f64, first: f64| -> Vec<f64> {
+        let rest = 4.0 * right - gap;
+        (0..9).map(|k| first + rest * f64::from(k) / 8.0).collect()
+    };
+    assert!(make(&with_gap(right - 1e-6, 0.0)).is_ok());
+    let error = make(&with_gap(right + 1e-6, 0.0)).unwrap_err();
+    assert!(error.to_string().contains("gap above") && error.argument() == "phi", "{error}");
+    let mut inner = with_gap(0.1, 0.0);
+    inner.retain(|a| !(1.0..2.5).contains(a));
+    inner.insert(1, 0.1);
+    inner.insert(2, 0.2);
+    assert!(make(&inner).unwrap_err().to_string().contains("gap above"));
+    // At least so far apart.
+    let near = |step: f64| [vec![0.0, step], eight[1..].to_vec()].concat();
+    assert!(make(&near(2e-7)).is_ok());
+    assert!(make(&near(0.5e-7)).unwrap_err().to_string().contains("must rise"));
+    // More than one turn.
+    let turn = |last: f64| [eight.clone(), vec![last]].concat();
+    assert!(make(&turn(4.0 * right - 2e-7)).is_ok());
+    assert!(make(&turn(4.0 * right)).unwrap_err().to_string().contains("must rise"));
 }
