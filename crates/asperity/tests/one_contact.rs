@@ -1083,3 +1083,63 @@ fn friction_that_rises_is_that_of_the_speed_at_the_end() {
     }
     assert!(stopped > 15, "{stopped}");
 }
+
+/// Contacts that hardly meet, of every law and dimension: a few sweeps solve them, in the order of the contacts, and
+/// no other method is asked.
+#[test]
+fn contacts_that_hardly_meet_are_solved_by_a_few_sweeps() {
+    let mut random = Random::new(57);
+    let convex = |a, b, c| Convex::from(Ellipsoid::new(Vector::<3>::new(a, b, c)).unwrap());
+    let others = [
+        Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap()),
+        Law::from(FrictionLaw::<2>::isotropic(0.5).unwrap()),
+        Law::from(FrictionLaw::<2>::isotropic(0.9).unwrap()),
+        Law::from(FrictionLaw::<3>::isotropic(0.5).unwrap()),
+        Law::from(FrictionLaw::associated(convex(0.6, 0.3, 0.2))),
+    ];
+    let planar: Vec<Law> = laws().into_iter().map(|(_, law)| Law::from(law)).collect();
+    for k in 0..120 {
+        let laws = [&planar[k % planar.len()], &others[k % 5], &others[(k / 5 + 1) % 5]];
+        let parts = laws.map(|law| {
+            let known = [Known::Stick, Known::Slip, Known::Open][(3.0 * random.unit()) as usize];
+            match law {
+                Law::One(law) => known_solution(law, known, &mut random),
+                Law::Two(law) => known_solution(law, known, &mut random),
+                Law::Three(law) => known_solution(law, known, &mut random),
+            }
+        });
+        let percussion = parts.clone().map(|part| part.0).concat();
+        let velocity = parts.clone().map(|part| part.1).concat();
+        let rows = percussion.len();
+        let mut delassus = gram(rows, rows + 4, &mut random) * 1e-4;
+        let mut first = 0;
+        for (part, _) in &parts {
+            let n = part.len();
+            let own = gram(n, n + 3, &mut random);
+            let mut block = delassus.view_mut((first, first), (n, n));
+            block += own + DMatrix::identity(n, n) * 0.2;
+            first += n;
+        }
+        let known = DVector::from_column_slice(&percussion);
+        let free = (&delassus * known).iter().zip(&velocity).map(|(gp, v)| v - gp).collect();
+        let contacts = laws.map(|law| (law.clone(), NormalForce::Unilateral));
+        let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+        for solver in
+            [Solver::Auto { interior_point: true, threads: 1 }, Solver::Exact { max_sweeps: 10 }]
+        {
+            let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+            let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
+            assert_eq!(report.status, Status::Converged, "{k} {solver:?} {report:?}");
+            let stages: Vec<_> = workspace.stages.iter().map(|stage| stage.method.name()).collect();
+            assert_eq!(stages, ["gauss_seidel"], "{k} {solver:?}");
+            assert!(report.iterations <= 8, "{k} {solver:?} {report:?}");
+            let normal = problem.contacts().iter().map(|rows| rows.offset);
+            for (i, row) in normal.enumerate() {
+                // What is open has no percussion but for what the coupling brings.
+                if memory.states[i].phase == Phase::Open {
+                    assert_eq!(memory.percussion[row], 0.0, "{k} {solver:?}");
+                }
+            }
+        }
+    }
+}
