@@ -487,8 +487,8 @@ fn jacobians_of_all_laws_are_slopes() {
                 continue;
             }
             compared += 1;
-            for i in 0..2 {
-                let off = (fine[i] - jacobian.column(i)).norm();
+            for (column, difference) in jacobian.column_iter().zip(fine) {
+                let off = (difference - column).norm();
                 assert!(off < 1e-3 * scale, "{name}: {off:e} of {scale:e} at {slip}");
             }
         }
