@@ -902,7 +902,8 @@ fn contacts_side_by_side_do_what_they_do_alone() {
     let (_, unstable) = laws().swap_remove(2);
     let sizes = vec![2; count];
     let lists: Vec<Vec<usize>> = (0..count).map(|i| vec![i]).collect();
-    let entry = |row: usize| if row / 2 % 16 == 0 { 1.0 } else { 1.0 + (row % 3) as f64 };
+    let entry =
+        |row: usize| if (row / 2).is_multiple_of(16) { 1.0 } else { 1.0 + (row % 3) as f64 };
     let blocks = {
         let (starts, indices) = ((0..=2 * count).collect(), (0..2 * count).collect());
         let values = (0..2 * count).map(entry).collect();
@@ -917,7 +918,7 @@ fn contacts_side_by_side_do_what_they_do_alone() {
     let mut free: Vec<f64> = (0..2 * count).map(|_| random.within(-0.7, 0.7)).collect();
     (0..count).step_by(48).for_each(|i| free[2 * i..][..2].copy_from_slice(ambiguous.as_slice()));
     let kinds = [Law::from(unstable), Law::from(FrictionLaw::<2>::isotropic(0.4).unwrap())];
-    let law = |i: usize| kinds[usize::from(i % 16 != 0)].clone();
+    let law = |i: usize| kinds[usize::from(!i.is_multiple_of(16))].clone();
     let contacts = (0..count).map(|i| (law(i), NormalForce::Prescribed(1.0)));
     let problem = ContactProblem::new(blocks, free.clone(), contacts).unwrap();
     let solve = |threads: usize| {
