@@ -115,11 +115,11 @@ impl Memory {
         velocity: &[f64],
         phases: impl IntoIterator<Item = Phase>,
     ) -> Self {
-        let states = problem.contacts.iter().zip(phases).map(|(rows, phase)| {
+        let states = problem.contacts().iter().zip(phases).map(|(rows, phase)| {
             let mut slip = [0.0; 3];
             if phase == Phase::Slip {
-                for (i, row) in (rows.tangent()..rows.offset + rows.len()).enumerate() {
-                    slip[i] = velocity[row] + problem.restitution[row];
+                for (i, row) in rows.tangential_rows().enumerate() {
+                    slip[i] = velocity[row] + problem.restitution()[row];
                 }
             }
             ContactState::new(phase, slip)

@@ -64,7 +64,7 @@ const NEARLY: f64 = 1e-10;
 
 /// What a contact is taken to do in a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum State {
+pub enum CaseState {
     /// Anything that friction can do, slipping or not.
     Any,
     /// No percussion.
@@ -82,7 +82,7 @@ pub enum State {
     },
 }
 
-impl State {
+impl CaseState {
     /// Name of the state.
     pub fn name(&self) -> &'static str {
         match self {
@@ -99,7 +99,7 @@ impl State {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
     /// What every contact does.
-    pub states: Vec<State>,
+    pub states: Vec<CaseState>,
     /// `z`, a component for each row.
     pub direction: Vec<f64>,
 }
@@ -113,11 +113,11 @@ pub(super) fn prove(
     let group = Group::new(problem, contact)?;
     let mut search =
         Search { group: &group, stop, left: MOST_CASES, found: Vec::new(), residual: 0.0 };
-    search.refute(&mut vec![State::Any; group.members.len()])?;
+    search.refute(&mut vec![CaseState::Any; group.members.len()])?;
     let Search { found, residual, .. } = search;
     let cases = found.into_iter().map(|(states, z)| group.widened(problem, &states, &z)).collect();
     let mut direction = vec![0.0; problem.rows()];
-    direction[problem.contacts[contact].offset] = 1.0;
+    direction[problem.contacts()[contact].offset] = 1.0;
     Some(Infeasibility {
         kind: InfeasibilityKind::Cases,
         contact,
@@ -165,16 +165,16 @@ struct Group<'a> {
 
 impl<'a> Group<'a> {
     fn new(problem: &'a ContactProblem, contact: usize) -> Option<Self> {
-        if problem.delassus.is_matrix_free() {
+        if problem.delassus().is_matrix_free() {
             return None;
         }
         // Those that appear in the rows of the group: their percussions are all that moves it.
         let mut contacts = vec![contact];
         let mut next = 0;
         while next < contacts.len() {
-            let rows = &problem.contacts[contacts[next]];
-            for row in rows.offset..rows.offset + rows.len() {
-                infeasible::each_entry(problem, contacts[next], row, |j, _, g| {
+            let rows = &problem.contacts()[contacts[next]];
+            for row in rows.rows() {
+                problem.each_entry(contacts[next], row, |j, _, g| {
                     if g != 0.0 && !contacts.contains(&j) && contacts.len() <= MOST_CONTACTS {
                         contacts.push(j);
                     }
@@ -197,15 +197,15 @@ impl<'a> Group<'a> {
         let mut load = DVector::zeros(first);
         let mut offsets = vec![0; first];
         for member in &members {
-            let offset = problem.contacts[member.contact].offset;
+            let offset = problem.contacts()[member.contact].offset;
             let loads = problem.load(member.contact);
             for (k, b) in loads.into_iter().enumerate().take(member.normal + member.tangential) {
                 let row = member.first + k;
                 offsets[row] = offset + k;
                 load[row] = b / member.scale(k);
-                infeasible::each_entry(problem, member.contact, offset + k, |j, column, g| {
+                problem.each_entry(member.contact, offset + k, |j, column, g| {
                     if let Some(other) = members.iter().find(|other| other.contact == j) {
-                        let l = column - problem.contacts[j].offset;
+                        let l = column - problem.contacts()[j].offset;
                         matrix[(row, other.first + l)] = g / (member.scale(k) * other.scale(l));
                     }
                 });
@@ -221,12 +221,12 @@ impl<'a> Group<'a> {
         for member in &mut members {
             member.prescribed = member.prescribed.map(|value| value / unit);
         }
-        Some(Self { members, matrix, load, delassus: &problem.delassus, offsets })
+        Some(Self { members, matrix, load, delassus: problem.delassus(), offsets })
     }
 
     /// States and vector of the group on all contacts and rows.
-    fn widened(&self, problem: &ContactProblem, states: &[State], z: &DVector<f64>) -> Case {
-        let mut all = vec![State::Any; problem.contacts.len()];
+    fn widened(&self, problem: &ContactProblem, states: &[CaseState], z: &DVector<f64>) -> Case {
+        let mut all = vec![CaseState::Any; problem.contacts().len()];
         for (member, state) in self.members.iter().zip(states) {
             all[member.contact] = *state;
         }
@@ -249,9 +249,9 @@ impl<'a> Group<'a> {
 
 impl Member {
     fn new(problem: &ContactProblem, contact: usize, first: usize) -> Option<Self> {
-        let rows = &problem.contacts[contact];
+        let rows = &problem.contacts()[contact];
         let (normal, tangential) = (rows.normal_rows(), rows.law.dimension());
-        let own = |k: usize| problem.delassus.own(contact, rows.offset, k, k);
+        let own = |k: usize| problem.delassus().own(contact, rows.offset, k, k);
         // One scale for all tangential rows, so that it does not matter how they are chosen.
         let tangent: f64 = (normal..normal + tangential).map(own).sum();
         let s_t = (tangent / tangential as f64).sqrt();
@@ -300,11 +300,11 @@ impl Member {
     }
 
     /// The pieces whose friction belongs to a state.
-    fn pieces(&self, state: State) -> impl Iterator<Item = &Piece> {
+    fn pieces(&self, state: CaseState) -> impl Iterator<Item = &Piece> {
         self.pieces.iter().filter(move |piece| match state {
-            State::Open => false,
-            State::Any | State::Closed | State::Stick => true,
-            State::Slip { from, to } => piece.is_in(from, to),
+            CaseState::Open => false,
+            CaseState::Any | CaseState::Closed | CaseState::Stick => true,
+            CaseState::Slip { from, to } => piece.is_in(from, to),
         })
     }
 
@@ -315,10 +315,10 @@ impl Member {
     }
 
     /// The most of `y_T·x` that friction of a state may reach, and the point where it does.
-    fn most(&self, state: State, y: &Vector<2>) -> (f64, Vector<2>) {
+    fn most(&self, state: CaseState, y: &Vector<2>) -> (f64, Vector<2>) {
         let rest = match state {
             // Star-shaped sets hold zero.
-            State::Any | State::Closed | State::Stick => 0.0,
+            CaseState::Any | CaseState::Closed | CaseState::Stick => 0.0,
             _ => f64::NEG_INFINITY,
         };
         let size = y.norm();
@@ -348,7 +348,7 @@ struct Search<'a, 'b> {
     group: &'a Group<'a>,
     stop: Stop<'b>,
     left: usize,
-    found: Vec<(Vec<State>, DVector<f64>)>,
+    found: Vec<(Vec<CaseState>, DVector<f64>)>,
     /// Largest part of `(Gᵀz)·P` that is left to rounding.
     residual: f64,
 }
@@ -363,7 +363,7 @@ enum Look {
 
 impl Search<'_, '_> {
     /// Refutes a case, in parts if need be; `None` if that does not succeed.
-    fn refute(&mut self, states: &mut Vec<State>) -> Option<()> {
+    fn refute(&mut self, states: &mut Vec<CaseState>) -> Option<()> {
         if self.left == 0 || self.stop.early() {
             return None;
         }
@@ -387,18 +387,20 @@ impl Search<'_, '_> {
     }
 
     /// The member whose state is split: the one whose percussion and velocity violate most of what was left out.
-    fn split(&self, states: &[State], p: &DVector<f64>, xi: &DVector<f64>) -> Option<usize> {
+    fn split(&self, states: &[CaseState], p: &DVector<f64>, xi: &DVector<f64>) -> Option<usize> {
         let members = &self.group.members;
         let best = (0..members.len()).map(|k| {
             let (member, state) = (&members[k], states[k]);
             let push = member.prescribed.unwrap_or(p[member.first]);
             // Ranks: contacts that separate and push, then closed ones, then sectors.
             let (rank, worth) = match state {
-                State::Any if member.prescribed.is_some() => (1, push),
-                State::Any if push.min(xi[member.first]) > EMPTY => (3, push.min(xi[member.first])),
-                State::Any => (1, push),
-                State::Closed => (2, push),
-                State::Slip { from, to } if to - from > FRAC_PI_2 * 0.5_f64.powi(HALVINGS) => {
+                CaseState::Any if member.prescribed.is_some() => (1, push),
+                CaseState::Any if push.min(xi[member.first]) > EMPTY => {
+                    (3, push.min(xi[member.first]))
+                }
+                CaseState::Any => (1, push),
+                CaseState::Closed => (2, push),
+                CaseState::Slip { from, to } if to - from > FRAC_PI_2 * 0.5_f64.powi(HALVINGS) => {
                     (0, push * (to - from))
                 }
                 _ => (0, 0.0),
@@ -409,33 +411,35 @@ impl Search<'_, '_> {
         worth.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))).map(|(_, _, k)| k)
     }
 
-    fn parts(&self, member: &Member, state: State) -> Vec<State> {
+    fn parts(&self, member: &Member, state: CaseState) -> Vec<CaseState> {
         match state {
-            State::Any if member.prescribed.is_none() => vec![State::Open, State::Closed],
-            State::Any | State::Closed => {
+            CaseState::Any if member.prescribed.is_none() => {
+                vec![CaseState::Open, CaseState::Closed]
+            }
+            CaseState::Any | CaseState::Closed => {
                 let quadrant = |k: usize| {
                     let from = FRAC_PI_2 * k as f64 - PI;
-                    State::Slip { from, to: from + FRAC_PI_2 }
+                    CaseState::Slip { from, to: from + FRAC_PI_2 }
                 };
-                let line = [0.0, PI].map(|angle| State::Slip { from: angle, to: angle });
+                let line = [0.0, PI].map(|angle| CaseState::Slip { from: angle, to: angle });
                 let slips = if member.tangential == 1 {
                     line.to_vec()
                 } else {
                     (0..4).map(quadrant).collect()
                 };
-                [vec![State::Stick], slips].concat()
+                [vec![CaseState::Stick], slips].concat()
             }
-            State::Slip { from, to } => {
+            CaseState::Slip { from, to } => {
                 let middle = 0.5 * (from + to);
-                vec![State::Slip { from, to: middle }, State::Slip { from: middle, to }]
+                vec![CaseState::Slip { from, to: middle }, CaseState::Slip { from: middle, to }]
             }
-            State::Open | State::Stick => Vec::new(),
+            CaseState::Open | CaseState::Stick => Vec::new(),
         }
     }
 
     /// Looks for a vector that refutes a case: the part of the loads that no percussions and velocities of its hull
     /// explain.
-    fn look(&mut self, states: &[State]) -> Option<Look> {
+    fn look(&mut self, states: &[CaseState]) -> Option<Look> {
         let group = self.group;
         let mut system = System::new(group, states);
         let mut hull = None;
@@ -462,7 +466,7 @@ impl Search<'_, '_> {
     }
 
     /// Whether a vector refutes a case; if not, friction that it does not hold for.
-    fn verdict(&self, states: &[State], z: &DVector<f64>) -> Verdict {
+    fn verdict(&self, states: &[CaseState], z: &DVector<f64>) -> Verdict {
         let Group { members, matrix, load, .. } = self.group;
         let (y, rounding) = (matrix.tr_mul(z), EXPLAINED * z.abs().sum());
         let largest = z.amax();
@@ -473,7 +477,7 @@ impl Search<'_, '_> {
             if !member.allows(state, z) {
                 holds = false;
             }
-            if state == State::Open {
+            if state == CaseState::Open {
                 continue;
             }
             let along = member.tangent(&y);
@@ -529,17 +533,17 @@ enum Verdict {
 
 impl Member {
     /// Whether `z·ξ ≤ 0` for all velocities of a state.
-    fn allows(&self, state: State, z: &DVector<f64>) -> bool {
+    fn allows(&self, state: CaseState, z: &DVector<f64>) -> bool {
         let along = self.tangent(z);
         let normal = match state {
-            State::Any | State::Open => self.normal == 0 || z[self.first] <= 0.0,
+            CaseState::Any | CaseState::Open => self.normal == 0 || z[self.first] <= 0.0,
             _ => true,
         };
         let tangential = match state {
-            State::Any | State::Open | State::Closed => along.amax() == 0.0,
-            State::Stick => true,
+            CaseState::Any | CaseState::Open | CaseState::Closed => along.amax() == 0.0,
+            CaseState::Stick => true,
             // A sector is at most a quadrant: its ends decide.
-            State::Slip { from, to } => {
+            CaseState::Slip { from, to } => {
                 [from, to].iter().all(|angle| along.dot(&direction(*angle, self.tangential)) <= 0.0)
             }
         };
@@ -559,7 +563,7 @@ fn direction(angle: f64, dimension: usize) -> Vector<2> {
 /// `G P − ξ = −(b + e γ_B)` with nonnegative combinations of percussions and velocities of a case.
 struct System<'a> {
     group: &'a Group<'a>,
-    states: &'a [State],
+    states: &'a [CaseState],
     /// Rows of the group that velocities of the case restrict; one more for each prescribed normal percussion,
     /// whose friction is a mean of the friction given.
     rows: Vec<usize>,
@@ -574,7 +578,7 @@ struct System<'a> {
 }
 
 impl<'a> System<'a> {
-    fn new(group: &'a Group<'a>, states: &'a [State]) -> Self {
+    fn new(group: &'a Group<'a>, states: &'a [CaseState]) -> Self {
         let size = group.load.len();
         let (mut rows, mut means, mut velocities) = (Vec::new(), Vec::new(), Vec::new());
         for (k, (member, &state)) in group.members.iter().zip(states).enumerate() {
@@ -583,16 +587,16 @@ impl<'a> System<'a> {
                 means.push(k);
             }
             let tangent = member.first + member.normal;
-            if matches!(state, State::Stick | State::Slip { .. }) {
+            if matches!(state, CaseState::Stick | CaseState::Slip { .. }) {
                 rows.extend(tangent..tangent + member.tangential);
             }
             let mut velocity = DVector::zeros(size);
             match state {
-                State::Any | State::Open if member.normal == 1 => {
+                CaseState::Any | CaseState::Open if member.normal == 1 => {
                     velocity[member.first] = 1.0;
                     velocities.push(velocity);
                 }
-                State::Slip { from, to } => {
+                CaseState::Slip { from, to } => {
                     for angle in [from - OPENING, to + OPENING] {
                         let along = direction(angle, member.tangential);
                         (0..member.tangential).for_each(|j| velocity[tangent + j] = along[j]);
@@ -691,7 +695,7 @@ impl<'a> System<'a> {
         for (k, member) in members.iter().enumerate() {
             let own = member.first..member.first + member.normal + member.tangential;
             let vanishes = own.clone().all(|row| y[row].abs() <= VANISHING);
-            if !vanishes || member.prescribed.is_some() || self.states[k] == State::Open {
+            if !vanishes || member.prescribed.is_some() || self.states[k] == CaseState::Open {
                 continue;
             }
             free.retain(|(owner, _)| *owner != Some(k));
@@ -707,7 +711,7 @@ impl<'a> System<'a> {
         let largest = z.amax();
         z.iter_mut().filter(|v| v.abs() < SMALLEST * largest).for_each(|v| *v = 0.0);
         for (member, state) in members.iter().zip(self.states) {
-            if member.normal == 1 && matches!(state, State::Any | State::Open) {
+            if member.normal == 1 && matches!(state, CaseState::Any | CaseState::Open) {
                 z[member.first] = z[member.first].min(0.0);
             }
         }

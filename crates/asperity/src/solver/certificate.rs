@@ -44,7 +44,7 @@ impl Certificate {
             worst_contact: residual.worst_contact,
             ..Self::default()
         };
-        let xi = ContactVelocity { velocity: &velocity, restitution: &problem.restitution };
+        let xi = ContactVelocity { velocity: &velocity, restitution: problem.restitution() };
         for (i, rows) in problem.contacts().iter().enumerate() {
             let normal = match rows.normal {
                 NormalForce::Prescribed(value) => value,
@@ -56,7 +56,7 @@ impl Certificate {
                     p
                 }
             };
-            let at = (normal, problem.rho[i], rows.tangent());
+            let at = (normal, problem.rho(i), rows.tangent());
             let (beyond, direction) = match &rows.law {
                 Law::One(law) => friction(law, at, percussion, &xi),
                 Law::Two(law) => friction(law, at, percussion, &xi),

@@ -66,11 +66,11 @@ pub(super) fn proves_no_solution(
     contact: usize,
     percussion: &[f64],
 ) -> bool {
-    if problem.delassus.is_matrix_free() {
+    if problem.delassus().is_matrix_free() {
         return false;
     }
     let block = Block::new(problem, contact);
-    match &problem.contacts[contact].law {
+    match &problem.contacts()[contact].law {
         Law::One(law) => {
             line::proves_no_solution(&Local::new(law, problem, contact, &block, percussion))
         }
@@ -105,11 +105,11 @@ pub(crate) fn settle(
     factor: &Rising<'_>,
     workspace: &mut Workspace,
 ) -> Option<Settled> {
-    if problem.delassus.is_matrix_free() {
+    if problem.delassus().is_matrix_free() {
         return None;
     }
     let block = Block::new(problem, contact);
-    match &problem.contacts[contact].law {
+    match &problem.contacts()[contact].law {
         Law::One(law) => {
             let local = Local::new(law, problem, contact, &block, percussion);
             let all = &mut workspace.linear;
@@ -160,12 +160,12 @@ pub(super) fn sweep(
 ) -> Option<usize> {
     let mut stuck = None;
     let Workspace { percussion, blocks, planar, ambiguous, states, efforts, .. } = &mut *workspace;
-    for (i, rows) in problem.contacts.iter().enumerate() {
+    for (i, rows) in problem.contacts().iter().enumerate() {
         let history = &memory.states[i];
         let slip = if first { history.ahead() } else { states[i].slip };
         let held = problem.contact_velocity(i, percussion, false);
         let own = Own {
-            percussion: &mut percussion[rows.offset..rows.offset + rows.len()],
+            percussion: &mut percussion[rows.rows()],
             state: &mut states[i],
             ambiguous: &mut ambiguous[i],
             effort: &mut efforts[i],
@@ -197,7 +197,7 @@ fn uncoupled(
 ) -> Result<Option<usize>, Interrupted> {
     let Workspace { percussion, blocks, planar, ambiguous, states, .. } = &mut *workspace;
     let mut rest = Part {
-        contacts: 0..problem.contacts.len(),
+        contacts: 0..problem.contacts().len(),
         percussion: &mut *percussion,
         states: &mut *states,
         ambiguous: &mut *ambiguous,
@@ -228,7 +228,7 @@ impl<'a> Part<'a> {
     fn split(self, problem: &ContactProblem, count: usize) -> (Self, Self) {
         let Self { contacts, percussion, states, ambiguous } = self;
         let middle = contacts.start + count;
-        let row = problem.contacts[middle].offset - problem.contacts[contacts.start].offset;
+        let row = problem.contacts()[middle].offset - problem.contacts()[contacts.start].offset;
         let (percussion, other_percussion) = percussion.split_at_mut(row);
         let (states, other_states) = states.split_at_mut(count);
         let (ambiguous, other_ambiguous) = ambiguous.split_at_mut(count);
@@ -290,7 +290,7 @@ impl<'a> Part<'a> {
             let history = &memory.states[i];
             let held = problem.load(i);
             let (own, rest) =
-                std::mem::take(&mut percussion).split_at_mut(problem.contacts[i].len());
+                std::mem::take(&mut percussion).split_at_mut(problem.contacts()[i].len());
             percussion = rest;
             let effort = &mut Effort::alone();
             let own = Own { percussion: own, state, ambiguous, effort };
@@ -321,7 +321,7 @@ fn one_contact(
     own: Own<'_>,
     planar: &mut Vec<LocalSolution<2>>,
 ) -> bool {
-    let rows = &problem.contacts[i];
+    let rows = &problem.contacts()[i];
     let Own { percussion, state, ambiguous, effort } = own;
     let found = match &rows.law {
         Law::One(law) => line::solve(&Local::from_held(law, rows, block, held), history, effort)
@@ -427,7 +427,7 @@ fn is_ambiguous(
     if size(held) <= ROUNDING * size(problem.load(i)) {
         return false;
     }
-    match &problem.contacts[i].law {
+    match &problem.contacts()[i].law {
         Law::One(law) => {
             let local = Local::new(law, problem, i, block, percussion);
             line::solve(&local, state, &mut Effort::none()).is_some_and(|s| s.ambiguous)
@@ -448,7 +448,7 @@ pub(super) fn all_solutions(
     contact: usize,
     percussion: &[f64],
 ) -> Vec<LocalSolution<2>> {
-    let rows = &problem.contacts[contact];
+    let rows = &problem.contacts()[contact];
     let block = Block::new(problem, contact);
     let mut out = Vec::new();
     match &rows.law {

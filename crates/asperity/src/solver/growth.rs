@@ -125,29 +125,23 @@ impl Groups {
 
     /// Joins contacts that influence each other.
     fn join(&mut self, problem: &ContactProblem) {
-        self.resize(problem.contacts.len());
+        self.resize(problem.contacts().len());
         self.first.iter_mut().enumerate().for_each(|(i, first)| *first = i);
         self.sums.fill(Powers::default());
-        for i in 0..problem.contacts.len() {
+        for i in 0..problem.contacts().len() {
             let mut joined = |j: usize| {
                 let (a, b) = (self.find(i), self.find(j));
                 self.first[a.max(b)] = a.min(b);
             };
-            match &problem.delassus {
-                Delassus::Dense(g) => {
-                    for (j, other) in problem.contacts.iter().enumerate() {
-                        let rows = range(&problem.contacts[i]);
-                        let meet = |row: usize| range(other).any(|column| g[(row, column)] != 0.0);
-                        if rows.clone().any(meet) {
-                            joined(j);
-                        }
+            if problem.delassus().is_matrix_free() {
+                joined(0);
+            }
+            for row in problem.contacts()[i].rows() {
+                problem.each_entry(i, row, |j, _, g| {
+                    if g != 0.0 {
+                        joined(j);
                     }
-                }
-                Delassus::MatrixFree(..) => joined(0),
-                other => {
-                    let blocks = other.blocks().into_iter();
-                    blocks.for_each(|g| g.neighbours(i).iter().for_each(|&j| joined(j)));
-                }
+                });
             }
         }
     }
@@ -161,10 +155,6 @@ impl Groups {
     }
 }
 
-fn range(contact: &ContactRows) -> std::ops::Range<usize> {
-    contact.offset..contact.offset + contact.len()
-}
-
 /// How percussions have grown, with velocities `γ_E` that belong to them.
 #[inline]
 pub(super) fn of(
@@ -173,15 +163,15 @@ pub(super) fn of(
     velocity: &[f64],
     groups: &mut Groups,
 ) -> Option<Growth> {
-    let xi = ContactVelocity { velocity, restitution: &problem.restitution };
+    let xi = ContactVelocity { velocity, restitution: problem.restitution() };
     // Most solutions end here: they are not large, and no contact that pushes moves against its own load.
     let moves = |rows: &ContactRows| {
         let row = rows.offset;
-        let load = problem.free_velocity[row] + problem.restitution[row];
+        let load = problem.free_velocity()[row] + problem.restitution()[row];
         xi.of(row).abs() > APPROACHING * load.abs()
     };
     let (mut any, mut moving) = (false, false);
-    for rows in problem.contacts.iter().filter(|rows| pushes(rows, percussion)) {
+    for rows in problem.contacts().iter().filter(|rows| pushes(rows, percussion)) {
         (any, moving) = (true, moving || moves(rows));
     }
     if any && (moving || is_large(problem, percussion)) {
@@ -207,9 +197,9 @@ fn of_groups(
 ) -> Option<Growth> {
     let pushing = |rows: &&ContactRows| pushes(rows, percussion);
     groups.join(problem);
-    let loads = problem.free_velocity.iter().zip(&problem.restitution);
+    let loads = problem.free_velocity().iter().zip(problem.restitution());
     let largest = loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));
-    for (i, rows) in problem.contacts.iter().enumerate().filter(|(_, rows)| pushing(rows)) {
+    for (i, rows) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let (push, xi) = (percussion[rows.offset], xi.of(rows.offset));
         let (load, brought) = velocities(problem, i, percussion);
         let group = groups.find(i);
@@ -223,7 +213,7 @@ fn of_groups(
         sums.brought += push * brought;
     }
     let mut worst: Option<(Kind, f64, usize)> = None;
-    for (i, rows) in problem.contacts.iter().enumerate().filter(|(_, rows)| pushing(rows)) {
+    for (i, rows) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let group = groups.find(i);
         let Some(kind) = groups.sums[group].kind() else { continue };
         let sign = if kind == Kind::Separating { 1.0 } else { -1.0 };
@@ -241,33 +231,21 @@ fn of_groups(
 /// `l` of the normal row of a contact, with what contacts of prescribed normal percussion bring, and
 /// `Σ_j |G_ij P_j|`.
 fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f64) {
-    let row = problem.contacts[i].offset;
-    let mut load = problem.free_velocity[row] + problem.restitution[row];
+    let row = problem.contacts()[i].offset;
+    let mut load = problem.free_velocity()[row] + problem.restitution()[row];
     let mut brought = 0.0;
-    let mut add = |contact: &ContactRows, g: f64, p: f64| {
-        brought += (g * p).abs();
-        if contact.normal != NormalForce::Unilateral {
-            load += g * p;
-        }
-    };
-    match &problem.delassus {
-        Delassus::Dense(g) => {
-            for contact in &problem.contacts {
-                range(contact).for_each(|j| add(contact, g[(row, j)], percussion[j]));
-            }
-        }
-        Delassus::MatrixFree(operator) => {
-            // Without entries only their size is known.
-            brought += operator.norm() * percussion.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
-        }
-        other => {
-            for (j, block) in other.blocks().into_iter().flat_map(|g| g.row(i)) {
-                let contact = &problem.contacts[j];
-                let terms = block.iter().zip(&percussion[range(contact)]);
-                terms.for_each(|(g, p)| add(contact, *g, *p));
-            }
-        }
+    if let Delassus::MatrixFree(operator) = problem.delassus() {
+        // Without entries only their size is known.
+        brought += operator.norm() * percussion.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
+        return (load, brought);
     }
+    problem.each_entry(i, row, |j, column, g| {
+        let term = g * percussion[column];
+        brought += term.abs();
+        if problem.contacts()[j].normal != NormalForce::Unilateral {
+            load += term;
+        }
+    });
     (load, brought)
 }
 

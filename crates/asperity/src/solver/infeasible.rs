@@ -81,8 +81,8 @@ pub struct Unsolvable {
 impl Unsolvable {
     /// Velocities `b + e γ_B` without percussions.
     pub fn load(&self) -> Vec<f64> {
-        let ContactProblem { free_velocity, restitution, .. } = &self.problem;
-        free_velocity.iter().zip(restitution).map(|(b, bounce)| b + bounce).collect()
+        let restitution = self.problem.restitution().iter();
+        self.problem.free_velocity().iter().zip(restitution).map(|(b, e)| b + e).collect()
     }
 }
 
@@ -113,13 +113,13 @@ const SMALLEST: f64 = 1e-9;
 /// A proof from percussions that have grown: from their direction, or, where friction has its part in that, from
 /// the weights that come nearest to a proof.
 pub(super) fn prove(problem: &ContactProblem, percussion: &[f64]) -> Option<Infeasibility> {
-    if problem.delassus.is_matrix_free() {
+    if problem.delassus().is_matrix_free() {
         return None;
     }
     // In the rows' own scale, s_i P_i, units and masses drop out.
-    let pushes = |i: usize| scale_of(problem, i) * percussion[problem.contacts[i].offset];
-    let all: Weights = (0..problem.contacts.len())
-        .filter(|&i| problem.contacts[i].normal == NormalForce::Unilateral)
+    let pushes = |i: usize| scale_of(problem, i) * percussion[problem.contacts()[i].offset];
+    let all: Weights = (0..problem.contacts().len())
+        .filter(|&i| problem.contacts()[i].normal == NormalForce::Unilateral)
         .map(|i| (i, pushes(i)))
         .collect();
     let mut support = all.clone();
@@ -186,10 +186,10 @@ pub(super) fn prove_alone(
     contact: usize,
     percussion: &[f64],
 ) -> Option<Infeasibility> {
-    let rows = &problem.contacts[contact];
+    let rows = &problem.contacts()[contact];
     let mut alone = true;
-    for row in rows.offset..rows.offset + rows.len() {
-        each_entry(problem, contact, row, |j, _, g| alone &= j == contact || g == 0.0);
+    for row in rows.rows() {
+        problem.each_entry(contact, row, |j, _, g| alone &= j == contact || g == 0.0);
     }
     if !alone || !exact::proves_no_solution(problem, contact, percussion) {
         return None;
@@ -213,41 +213,13 @@ pub(super) fn prove_alone(
 
 /// `√G_NN` of a unilateral contact.
 fn scale_of(problem: &ContactProblem, contact: usize) -> f64 {
-    problem.delassus.own(contact, problem.contacts[contact].offset, 0, 0).sqrt()
+    problem.delassus().own(contact, problem.contacts()[contact].offset, 0, 0).sqrt()
 }
 
 /// `√G_jj` of a row of a contact.
 fn row_scale(problem: &ContactProblem, contact: usize, row: usize) -> f64 {
-    let offset = problem.contacts[contact].offset;
-    problem.delassus.own(contact, offset, row - offset, row - offset).sqrt()
-}
-
-/// Calls `each` with contact, column and entry of the entries of a contact's row.
-pub(super) fn each_entry(
-    problem: &ContactProblem,
-    contact: usize,
-    row: usize,
-    mut each: impl FnMut(usize, usize, f64),
-) {
-    match &problem.delassus {
-        Delassus::Dense(g) => {
-            for (j, other) in problem.contacts.iter().enumerate() {
-                for column in other.offset..other.offset + other.len() {
-                    each(j, column, g[(row, column)]);
-                }
-            }
-        }
-        operator => {
-            let local = row - problem.contacts[contact].offset;
-            for (j, block) in operator.blocks().into_iter().flat_map(|g| g.row(contact)) {
-                let other = &problem.contacts[j];
-                let entries = block.chunks_exact(other.len()).nth(local).unwrap_or(&[]);
-                for (k, entry) in entries.iter().enumerate() {
-                    each(j, other.offset + k, *entry);
-                }
-            }
-        }
-    }
+    let offset = problem.contacts()[contact].offset;
+    problem.delassus().own(contact, offset, row - offset, row - offset).sqrt()
 }
 
 /// `G_ij/(s_i s_j)` of the normal rows `i` of contacts, one column for each, over the rows that they touch.
@@ -257,7 +229,7 @@ fn scaled(problem: &ContactProblem, support: &[(usize, f64)]) -> DMatrix<f64> {
     let mut entries = Vec::new();
     for (k, &(contact, _)) in support.iter().enumerate() {
         let own = scale_of(problem, contact);
-        each_entry(problem, contact, problem.contacts[contact].offset, |j, column, g| {
+        problem.each_entry(contact, problem.contacts()[contact].offset, |j, column, g| {
             if place[column] == usize::MAX {
                 place[column] = rows;
                 rows += 1;
@@ -286,7 +258,7 @@ fn project(problem: &ContactProblem, support: &mut [(usize, f64)]) -> Option<()>
 fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasibility> {
     let mut direction = vec![0.0; problem.rows()];
     for &(contact, d) in support {
-        direction[problem.contacts[contact].offset] = d / scale_of(problem, contact);
+        direction[problem.contacts()[contact].offset] = d / scale_of(problem, contact);
     }
     let sum: f64 = direction.iter().sum();
     direction.iter_mut().for_each(|d| *d /= sum);
@@ -294,12 +266,12 @@ fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasi
     let (mut closing, mut loads, mut called_for, mut terms) = (0.0, 0.0, 0.0_f64, 0.0);
     let (mut contact, mut largest) = (0, 0.0);
     for &(i, _) in support {
-        let rows = &problem.contacts[i];
+        let rows = &problem.contacts()[i];
         let (d, scale) = (direction[rows.offset], scale_of(problem, i));
-        each_entry(problem, i, rows.offset, |_, column, g| brought[column] += g * d);
+        problem.each_entry(i, rows.offset, |_, column, g| brought[column] += g * d);
         terms += d * scale;
         // Loads of all rows in the units of the normal one.
-        let own = (rows.offset..rows.offset + rows.len()).zip(problem.load(i));
+        let own = rows.rows().zip(problem.load(i));
         let load = own.map(|(row, b)| b.abs() / row_scale(problem, i, row)).fold(0.0, f64::max);
         let [normal, ..] = problem.load(i);
         closing -= d * normal;
@@ -310,13 +282,13 @@ fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasi
         }
     }
     let mut residual = 0.0_f64;
-    for (j, rows) in problem.contacts.iter().enumerate() {
+    for (j, rows) in problem.contacts().iter().enumerate() {
         let own = brought.iter().enumerate().skip(rows.offset).take(rows.len());
         for (row, velocity) in own {
             residual = residual.max(velocity.abs() / (row_scale(problem, j, row) * largest));
         }
     }
-    let moved = match &problem.delassus {
+    let moved = match problem.delassus() {
         Delassus::Factored(factored) => moved(factored, &direction) / largest,
         _ => 0.0,
     };

@@ -87,7 +87,7 @@ impl<'a, const P: usize> Local<'a, P> {
         block: &'a Block,
         percussion: &[f64],
     ) -> Self {
-        let rows = &problem.contacts[contact];
+        let rows = &problem.contacts()[contact];
         let held = problem.contact_velocity(contact, percussion, false);
         Self::from_held(law, rows, block, &held)
     }

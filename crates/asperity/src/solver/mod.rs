@@ -39,7 +39,7 @@ mod space;
 mod stop;
 mod threads;
 
-pub use cases::{Case, State};
+pub use cases::{Case, CaseState};
 pub use certificate::Certificate;
 pub(crate) use exact::settle;
 pub use infeasible::{Infeasibility, InfeasibilityKind, Unsolvable};
@@ -170,7 +170,7 @@ impl Solver {
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
-        let (rows, contacts) = (problem.rows(), problem.contacts.len());
+        let (rows, contacts) = (problem.rows(), problem.contacts().len());
         if !workspace.fits(problem) {
             workspace.prepare(problem);
         }
@@ -179,7 +179,7 @@ impl Solver {
         }
         workspace.infeasibility = None;
         workspace.stages.clear();
-        if problem.delassus.is_matrix_free() && !matches!(self, Self::ProxJacobi { .. }) {
+        if problem.delassus().is_matrix_free() && !matches!(self, Self::ProxJacobi { .. }) {
             return self.without_entries(problem, stop, memory, workspace);
         }
         let threads = match self {
@@ -262,7 +262,7 @@ impl Solver {
         // Who has cancelled does not wait for a search of all contacts.
         let left = residual.value > stop.tolerance && stop.early();
         // A sweep marks contacts before the last ones have moved.
-        if problem.delassus.is_matrix_free() || left {
+        if problem.delassus().is_matrix_free() || left {
             workspace.ambiguous.fill(false);
         } else if !exact || !problem.is_uncoupled() {
             exact::mark_ambiguous(problem, stop, threads, memory, workspace);
@@ -289,7 +289,7 @@ pub(crate) fn grade(
 /// Starts from zero where the percussions of before run away from this problem: they might look like a solution.
 fn forget_runaways(problem: &ContactProblem, memory: &mut Memory, workspace: &mut Workspace) {
     let start = &mut memory.percussion;
-    if problem.contacts.len() == 1 || !growth::is_large(problem, start) {
+    if problem.contacts().len() == 1 || !growth::is_large(problem, start) {
         return;
     }
     problem.velocity(start, &mut workspace.velocity);

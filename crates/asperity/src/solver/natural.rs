@@ -14,7 +14,7 @@ use crate::law::{FrictionLaw, Law};
 pub fn natural_map(problem: &ContactProblem, percussion: &[f64], velocity: &[f64]) -> f64 {
     let rho = problem.global_rho();
     let mut defect = 0.0;
-    for i in 0..problem.contacts.len() {
+    for i in 0..problem.contacts().len() {
         defect += contact_defect(problem, i, rho, percussion, velocity);
     }
     let squares = percussion.iter().map(|p| p * p).sum::<f64>();
@@ -30,8 +30,8 @@ pub(super) fn contact_defect(
     percussion: &[f64],
     velocity: &[f64],
 ) -> f64 {
-    let contact = &problem.contacts[i];
-    let xi = ContactVelocity { velocity, restitution: &problem.restitution };
+    let contact = &problem.contacts()[i];
+    let xi = ContactVelocity { velocity, restitution: problem.restitution() };
     let first = contact.tangent();
     let normal = match contact.normal {
         NormalForce::Prescribed(value) => value,

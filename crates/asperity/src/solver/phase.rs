@@ -23,15 +23,15 @@ pub(super) fn phase_of(
     percussion: &[f64],
     velocity: &[f64],
 ) -> (Phase, [f64; 3]) {
-    let rows = &problem.contacts[contact];
+    let rows = &problem.contacts()[contact];
     let normal = match rows.normal {
         NormalForce::Prescribed(value) => value,
         NormalForce::Unilateral => percussion[rows.offset],
     };
     let first = rows.tangent();
-    let (rho, mut slip) = (problem.rho[contact], [0.0; 3]);
+    let (rho, mut slip) = (problem.rho(contact), [0.0; 3]);
     for (component, row) in slip.iter_mut().zip(first..rows.offset + rows.len()) {
-        *component = velocity[row] + problem.restitution[row];
+        *component = velocity[row] + problem.restitution()[row];
     }
     let tangent = &percussion[first..];
     let slips = match &rows.law {
@@ -41,8 +41,8 @@ pub(super) fn phase_of(
     };
     // The switch of the natural map: an iteration leaves tiny percussions at contacts that open.
     let opens = rows.normal == NormalForce::Unilateral && {
-        let xi = velocity[rows.offset] + problem.restitution[rows.offset];
-        normal <= problem.rho[contact] * xi
+        let xi = velocity[rows.offset] + problem.restitution()[rows.offset];
+        normal <= problem.rho(contact) * xi
     };
     let phase = if normal <= 0.0 || opens {
         Phase::Open

@@ -39,10 +39,10 @@ pub(super) fn jacobi(
 ) -> (usize, Ended) {
     iterate(problem, stop, step, max_iterations, workspace, |workspace, factor| {
         problem.velocity(&workspace.percussion, &mut workspace.velocity);
-        for (i, rows) in problem.contacts.iter().enumerate() {
+        for (i, rows) in problem.contacts().iter().enumerate() {
             let rate = Rate::new(step, factor, problem.row_sum_bound(i, false));
             let Workspace { percussion, velocity, next, .. } = &mut *workspace;
-            let xi = |row: usize| velocity[row] + problem.restitution[row];
+            let xi = |row: usize| velocity[row] + problem.restitution()[row];
             update(rows, rate, xi, percussion, next);
         }
         std::mem::swap(&mut workspace.percussion, &mut workspace.next);
@@ -58,8 +58,8 @@ pub(super) fn gauss_seidel(
     workspace: &mut Workspace,
 ) -> (usize, Ended) {
     iterate(problem, stop, step, max_iterations, workspace, |workspace, factor| {
-        for (i, rows) in problem.contacts.iter().enumerate() {
-            let own = rows.offset..rows.offset + rows.len();
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            let own = rows.rows();
             let rate = Rate::new(step, factor, problem.row_sum_bound(i, true));
             let Workspace { percussion, next, .. } = &mut *workspace;
             let velocity = problem.contact_velocity(i, percussion, true);

@@ -21,11 +21,11 @@ pub(super) fn sweep(
 ) -> Option<usize> {
     let mut stuck = None;
     let Workspace { percussion, blocks, planar, states, efforts, .. } = &mut *workspace;
-    for (i, rows) in problem.contacts.iter().enumerate() {
+    for (i, rows) in problem.contacts().iter().enumerate() {
         let (block, state, effort) = (&blocks[i], &mut states[i], &mut efforts[i]);
         let held = problem.contact_velocity(i, percussion, false);
         if block.pressed && held[0] >= 0.0 {
-            percussion[rows.offset..rows.offset + rows.len()].fill(0.0);
+            percussion[rows.rows()].fill(0.0);
             state.phase = Phase::Open;
             continue;
         }
@@ -49,7 +49,7 @@ pub(super) fn sweep(
                 })
             }
             Law::Three(law) => {
-                let own = rows.offset..rows.offset + rows.len();
+                let own = rows.rows();
                 let start = (&held, &percussion[own.clone()]);
                 space::solve(problem, i, law, start, history, effort).map(|s| {
                     let len = own.len();
@@ -72,7 +72,7 @@ fn store<const P: usize>(
     (normal, tangent): (f64, &Vector<P>),
     percussion: &mut [f64],
 ) {
-    let own = &mut percussion[rows.offset..rows.offset + rows.len()];
+    let own = &mut percussion[rows.rows()];
     let first = rows.normal_rows();
     if first == 1 {
         own[0] = normal;

@@ -40,10 +40,10 @@ pub fn natural_residual(
     percussion: &[f64],
     velocity: &[f64],
 ) -> Residual {
-    let xi = ContactVelocity { velocity, restitution: &problem.restitution };
+    let xi = ContactVelocity { velocity, restitution: problem.restitution() };
     let (mut worst, mut worst_contact) = (-1.0, 0);
-    for (i, contact) in problem.contacts.iter().enumerate() {
-        let rho = problem.rho[i];
+    for (i, contact) in problem.contacts().iter().enumerate() {
+        let rho = problem.rho(i);
         let (normal_defect, normal) = match contact.normal {
             NormalForce::Prescribed(value) => (0.0, value),
             NormalForce::Unilateral => {
@@ -73,12 +73,12 @@ pub fn natural_residual(
 /// velocities that the other contacts bring, the latter times ρ.
 #[inline]
 fn scale(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64]) -> f64 {
-    let (contact, rho) = (&problem.contacts[i], problem.rho[i]);
+    let (contact, rho) = (&problem.contacts()[i], problem.rho(i));
     let loads = loads(problem, i, percussion, velocity);
     let (mut own, mut brought) = (0.0, 0.0);
-    for (row, load) in (contact.offset..contact.offset + contact.len()).zip(loads) {
+    for (row, load) in (contact.rows()).zip(loads) {
         own += percussion[row] * percussion[row];
-        let load = load + problem.free_velocity[row].abs() + problem.restitution[row].abs();
+        let load = load + problem.free_velocity()[row].abs() + problem.restitution()[row].abs();
         brought += load * load;
     }
     f64::max(own, rho * rho * brought)
@@ -87,13 +87,13 @@ fn scale(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64
 /// `Σ_j |G_ij P_j|` over the rows of contact `i`; with products only, `|Σ_j G_ij P_j|`.
 #[inline]
 fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64]) -> [f64; 4] {
-    let contact = &problem.contacts[i];
-    let own = contact.offset..contact.offset + contact.len();
+    let contact = &problem.contacts()[i];
+    let own = contact.rows();
     let mut loads = [0.0; 4];
-    if problem.contacts.len() == 1 {
+    if problem.contacts().len() == 1 {
         return loads;
     }
-    match &problem.delassus {
+    match problem.delassus() {
         Delassus::Dense(g) => {
             for (load, row) in loads.iter_mut().zip(own) {
                 for (j, p) in percussion.iter().enumerate() {
@@ -103,14 +103,14 @@ fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64
         }
         Delassus::MatrixFree(..) => {
             for (load, row) in loads.iter_mut().zip(own) {
-                *load = (velocity[row] - problem.free_velocity[row]).abs();
+                *load = (velocity[row] - problem.free_velocity()[row]).abs();
             }
         }
         other => {
             let Some(blocks) = other.blocks() else { return loads };
             for (j, block) in blocks.row(i) {
-                let first = problem.contacts[j].offset;
-                let columns = problem.contacts[j].len();
+                let first = problem.contacts()[j].offset;
+                let columns = problem.contacts()[j].len();
                 for (load, row) in loads.iter_mut().zip(block.chunks_exact(columns)) {
                     let terms = row.iter().zip(&percussion[first..]);
                     *load += terms.map(|(g, p)| (g * p).abs()).sum::<f64>();

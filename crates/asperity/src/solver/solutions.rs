@@ -33,18 +33,18 @@ pub fn solutions(
     if rows.law.dimension() > 2 {
         return structure("contact", "must have p = 1 or 2: solutions with p = 3 are not listed");
     }
-    if problem.delassus.is_matrix_free() {
+    if problem.delassus().is_matrix_free() {
         return structure("delassus", "must have entries: products alone do not list solutions");
     }
     if percussion.len() != problem.rows() {
         let (expected, got) = (problem.rows(), percussion.len());
         return Err(ProblemError::Length { argument: "percussion", expected, got });
     }
-    let own = rows.offset..rows.offset + rows.len();
+    let own = rows.rows();
     let mut all = percussion.to_vec();
     let velocity = |all: &[f64]| {
         let xi = problem.contact_velocity(contact, all, true);
-        own.clone().zip(xi).map(|(row, xi)| xi - problem.restitution[row]).collect()
+        own.clone().zip(xi).map(|(row, xi)| xi - problem.restitution()[row]).collect()
     };
     let mut complete = |local: &LocalSolution<2>| {
         if rows.normal_rows() == 1 {

@@ -164,7 +164,7 @@ impl Stepper<'_> {
 
     fn check_problem(&self) -> Result<(), StepError> {
         let problem = &self.closed.problem;
-        let Some(row) = problem.free_velocity.iter().position(|v| !v.is_finite()) else {
+        let Some(row) = problem.free_velocity().iter().position(|v| !v.is_finite()) else {
             return Ok(());
         };
         let place = problem.contacts().partition_point(|contact| contact.offset <= row);

@@ -72,13 +72,13 @@ impl Run<'_, '_> {
         problem.velocity(centre, velocity);
         let unit = problem.global_rho();
         admm.step.resize(problem.rows(), 0.0);
-        admm.a.resize(problem.contacts.len(), Small::zeros());
+        admm.a.resize(problem.contacts().len(), Small::zeros());
         admm.y.clear();
         admm.w.clear();
-        for (i, rows) in problem.contacts.iter().enumerate() {
+        for (i, rows) in problem.contacts().iter().enumerate() {
             let own = |values: &[f64]| own_rows(values, rows.offset, rows.len());
             let p = own(centre);
-            let xi = own(velocity) + own(&problem.restitution);
+            let xi = own(velocity) + own(problem.restitution());
             let mut v = cones.k[i] * xi;
             v[0] = v[0].max(0.0) + v.rows(1, 3).norm();
             admm.y.push(cones.t[i] * p);
@@ -98,17 +98,16 @@ impl Run<'_, '_> {
     fn iterate_admm(&mut self, penalty: f64) -> (f64, f64) {
         let Many { admm, cones, matrix, .. } = &mut *self.many;
         let problem = self.problem;
-        for (i, rows) in problem.contacts.iter().enumerate() {
+        for (i, rows) in problem.contacts().iter().enumerate() {
             let own = |values: &[f64]| own_rows(values, rows.offset, rows.len());
-            let b = own(&problem.free_velocity) + own(&problem.restitution);
+            let b = own(problem.free_velocity()) + own(problem.restitution());
             let mut right = (admm.y[i] - admm.w[i]) * penalty - cones.k[i] * b;
             right[0] -= penalty * admm.w[i].rows(1, 3).norm();
-            admm.step[rows.offset..rows.offset + rows.len()]
-                .copy_from_slice(&right.as_slice()[..rows.len()]);
+            admm.step[rows.rows()].copy_from_slice(&right.as_slice()[..rows.len()]);
         }
         matrix.solve(problem, &mut admm.step);
         let (mut primal, mut dual, mut size) = (0.0, 0.0, 0.0);
-        for (i, rows) in problem.contacts.iter().enumerate() {
+        for (i, rows) in problem.contacts().iter().enumerate() {
             let p = own_rows(&admm.step, rows.offset, rows.len());
             let x = cones.t[i] * p;
             let y = project(&(x + admm.w[i]));
@@ -125,10 +124,9 @@ impl Run<'_, '_> {
 
     fn grade_admm(&mut self) {
         let Many { admm, cones, trial, .. } = &mut *self.many;
-        for (i, rows) in self.problem.contacts.iter().enumerate() {
+        for (i, rows) in self.problem.contacts().iter().enumerate() {
             let p = cones.t_inverse[i] * admm.y[i];
-            trial[rows.offset..rows.offset + rows.len()]
-                .copy_from_slice(&p.as_slice()[..rows.len()]);
+            trial[rows.rows()].copy_from_slice(&p.as_slice()[..rows.len()]);
         }
         self.grade_trial();
     }

@@ -61,9 +61,9 @@ impl BodySpace {
             return None;
         }
         let mut neighbours: Vec<Vec<usize>> = (0..count).map(|group| vec![group]).collect();
-        let mut touched: Vec<Vec<usize>> = Vec::with_capacity(problem.contacts.len());
-        for contact in &problem.contacts {
-            let mut list: Vec<usize> = (contact.offset..contact.offset + contact.len())
+        let mut touched: Vec<Vec<usize>> = Vec::with_capacity(problem.contacts().len());
+        for contact in problem.contacts() {
+            let mut list: Vec<usize> = (contact.rows())
                 .flat_map(|row| factored.directions().row(row).0.iter().map(|&dof| group_of[dof]))
                 .collect();
             list.sort_unstable();
@@ -94,7 +94,7 @@ impl BodySpace {
                 space.mass_places.push((i, block(i, j), within[dof] * sizes[j] + within[other]));
             }
         }
-        for (contact, groups) in problem.contacts.iter().zip(touched) {
+        for (contact, groups) in problem.contacts().iter().zip(touched) {
             let mut touch =
                 Touch { first_row: contact.offset, rows: contact.len(), ..Touch::default() };
             touch.starts.push(0);
@@ -165,7 +165,7 @@ impl BodySpace {
             }
         }
         self.numeric.solve(&self.symbolic, &mut self.velocity);
-        for (i, touch) in self.touches.iter().enumerate().take(problem.contacts.len()) {
+        for (i, touch) in self.touches.iter().enumerate().take(problem.contacts().len()) {
             let len = touch.velocities.len().max(1);
             let mut brought = [0.0; 4];
             for (sum, row) in brought.iter_mut().zip(touch.directions.chunks_exact(len)) {
@@ -230,8 +230,8 @@ fn groups(problem: &ContactProblem, factored: &Factored) -> Vec<usize> {
     let mass = factored.mass();
     let n = mass.rows();
     let mut contacts: Vec<Vec<usize>> = vec![Vec::new(); n];
-    for (i, contact) in problem.contacts.iter().enumerate() {
-        for row in contact.offset..contact.offset + contact.len() {
+    for (i, contact) in problem.contacts().iter().enumerate() {
+        for row in contact.rows() {
             for &dof in factored.directions().row(row).0 {
                 if contacts[dof].last() != Some(&i) {
                     contacts[dof].push(i);

@@ -25,7 +25,7 @@ impl Cones {
         self.t.clear();
         self.k.clear();
         self.t_inverse.clear();
-        for contact in &problem.contacts {
+        for contact in problem.contacts() {
             if contact.normal != NormalForce::Unilateral {
                 return false;
             }

@@ -68,7 +68,7 @@ impl Run<'_, '_> {
     /// these are what ended it.
     pub(super) fn interior_point(&mut self, max_iterations: usize, goal: f64) -> bool {
         let problem = self.problem;
-        let size = problem.load_norm() / (problem.contacts.len() as f64).sqrt();
+        let size = problem.load_norm() / (problem.contacts().len() as f64).sqrt();
         let units =
             Units { rho: problem.global_rho(), velocity: if size > 0.0 { size } else { 1.0 } };
         self.many.interior.start(problem);
@@ -97,7 +97,7 @@ impl Run<'_, '_> {
 
 impl Interior {
     fn start(&mut self, problem: &ContactProblem) {
-        let (rows, contacts) = (problem.rows(), problem.contacts.len());
+        let (rows, contacts) = (problem.rows(), problem.contacts().len());
         self.percussion.resize(rows, 0.0);
         self.velocity.resize(rows, 0.0);
         self.step.resize(rows, 0.0);
@@ -110,17 +110,17 @@ impl Interior {
 
     /// `P = T⁻¹ x`, `ξ`, `Γ(Kξ)` and its defect.
     fn evaluate(&mut self, problem: &ContactProblem, cones: &Cones, units: Units) {
-        for (i, rows) in problem.contacts.iter().enumerate() {
+        for (i, rows) in problem.contacts().iter().enumerate() {
             let p = cones.t_inverse[i] * self.points[i].x;
-            let own = &mut self.percussion[rows.offset..rows.offset + rows.len()];
+            let own = &mut self.percussion[rows.rows()];
             own.copy_from_slice(&p.as_slice()[..rows.len()]);
         }
-        problem.delassus.apply(&self.percussion, &mut self.velocity);
+        problem.delassus().apply(&self.percussion, &mut self.velocity);
         for (row, xi) in self.velocity.iter_mut().enumerate() {
-            let load = problem.free_velocity[row] + problem.restitution[row];
+            let load = problem.free_velocity()[row] + problem.restitution()[row];
             *xi = units.rho * *xi + load / units.velocity;
         }
-        for (i, rows) in problem.contacts.iter().enumerate() {
+        for (i, rows) in problem.contacts().iter().enumerate() {
             let v = cones.k[i] * own_rows(&self.velocity, rows.offset, rows.len());
             let point = &mut self.points[i];
             let speed = tangent(&v).norm();
@@ -175,14 +175,14 @@ impl Interior {
     }
 
     fn right_hand_side(&mut self, problem: &ContactProblem, centre: f64, corrected: bool) {
-        for (rows, point) in problem.contacts.iter().zip(&self.points) {
+        for (rows, point) in problem.contacts().iter().zip(&self.points) {
             let mut d = -product(&point.lambda, &point.lambda);
             d[0] += centre;
             if corrected {
                 d -= product(&(point.w_inverse * point.dx), &(point.w * point.dz));
             }
             let h = point.w * quotient(&point.lambda, &d) - point.theta * point.defect;
-            let own = &mut self.step[rows.offset..rows.offset + rows.len()];
+            let own = &mut self.step[rows.rows()];
             for (value, h) in own.iter_mut().zip(h.iter()) {
                 *value = h * point.weight;
             }
@@ -191,8 +191,8 @@ impl Interior {
 
     /// `dx = T dP`, `dz = Γ' K dξ + Γ(Kξ) − z`.
     fn directions(&mut self, problem: &ContactProblem, cones: &Cones, units: Units) {
-        problem.delassus.apply(&self.step, &mut self.velocity);
-        for (i, rows) in problem.contacts.iter().enumerate() {
+        problem.delassus().apply(&self.step, &mut self.velocity);
+        for (i, rows) in problem.contacts().iter().enumerate() {
             let point = &mut self.points[i];
             point.dx = cones.t[i] * own_rows(&self.step, rows.offset, rows.len());
             let change = own_rows(&self.velocity, rows.offset, rows.len()) * units.rho;

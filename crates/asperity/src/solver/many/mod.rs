@@ -105,7 +105,7 @@ impl<'a, 'b> Run<'a, 'b> {
         };
         let rows = problem.rows();
         let Many { best, centre, trial, velocity, astray, groups, .. } = &mut *run.many;
-        groups.resize(problem.contacts.len());
+        groups.resize(problem.contacts().len());
         for list in [best, centre, trial, velocity, astray] {
             list.clear();
             list.resize(rows, 0.0);
@@ -195,7 +195,7 @@ impl<'a, 'b> Run<'a, 'b> {
             Measure::Global => grade <= goal,
             // The measure of contacts is the dearer one; it is not looked at where the other is far off.
             Measure::Contact => {
-                grade <= 1e3 * goal * (self.problem.contacts.len() as f64).sqrt()
+                grade <= 1e3 * goal * (self.problem.contacts().len() as f64).sqrt()
                     && natural_residual(self.problem, percussion, velocity).value <= goal
             }
         };

@@ -57,7 +57,7 @@ pub(super) struct Newton {
 impl Newton {
     /// Buffers for this problem.
     pub(super) fn prepare(&mut self, problem: &ContactProblem) {
-        let (rows, contacts) = (problem.rows(), problem.contacts.len());
+        let (rows, contacts) = (problem.rows(), problem.contacts().len());
         for list in [
             &mut self.f,
             &mut self.xi,
@@ -79,8 +79,8 @@ impl Newton {
     /// Sets the prox parameters; large ones help where percussions are large against loads.
     pub(super) fn scale_rho(&mut self, problem: &ContactProblem, factor: f64) {
         self.rho.clear();
-        self.rho.extend(problem.contacts.iter().enumerate().map(|(i, rows)| {
-            let diagonal = |k: usize| problem.delassus.own(i, rows.offset, k, k);
+        self.rho.extend(problem.contacts().iter().enumerate().map(|(i, rows)| {
+            let diagonal = |k: usize| problem.delassus().own(i, rows.offset, k, k);
             let first = rows.normal_rows();
             let tangent: f64 = (first..rows.len()).map(diagonal).sum();
             let normal = if first == 1 { factor / diagonal(0) } else { 0.0 };
@@ -129,7 +129,7 @@ impl Newton {
     fn start(&mut self, problem: &ContactProblem, percussion: &[f64], centre: &[f64], eps: f64) {
         problem.velocity(percussion, &mut self.xi);
         for (row, xi) in self.xi.iter_mut().enumerate() {
-            *xi += problem.restitution[row] + eps * (percussion[row] - centre[row]);
+            *xi += problem.restitution()[row] + eps * (percussion[row] - centre[row]);
         }
     }
 
@@ -138,11 +138,11 @@ impl Newton {
         let Self { rho, a, b, own, xi, threads, .. } = self;
         let (rho, xi) = (&rho[..], &xi[..]);
         let jet = |i: usize, f: &mut [f64; 4], a: &mut Small, b: &mut Small| {
-            let rows = &problem.contacts[i];
-            let range = rows.offset..rows.offset + rows.len();
+            let rows = &problem.contacts()[i];
+            let range = rows.rows();
             let at = (&percussion[range.clone()], &xi[range]);
             natural_map::jet(rows, rho[i], at, &mut f[..rows.len()], (&mut *a, &mut *b));
-            *a += *b * (goal.epsilon + goal.shift / problem.rho[i]);
+            *a += *b * (goal.epsilon + goal.shift / problem.rho(i));
         };
         if threads.serve(own.len()) {
             threads.run(|| {
@@ -154,8 +154,8 @@ impl Newton {
             let parts = own.iter_mut().zip(a).zip(b).enumerate();
             parts.for_each(|(i, ((f, a), b))| jet(i, f, a, b));
         }
-        for (rows, own) in problem.contacts.iter().zip(&self.own) {
-            self.f[rows.offset..rows.offset + rows.len()].copy_from_slice(&own[..rows.len()]);
+        for (rows, own) in problem.contacts().iter().zip(&self.own) {
+            self.f[rows.rows()].copy_from_slice(&own[..rows.len()]);
         }
         norm(&self.f)
     }
@@ -178,7 +178,7 @@ impl Newton {
         if self.step.iter().any(|d| !d.is_finite()) {
             return false;
         }
-        problem.delassus.apply(&self.step, &mut self.change);
+        problem.delassus().apply(&self.step, &mut self.change);
         for (change, d) in self.change.iter_mut().zip(&self.step) {
             *change += epsilon * d;
         }
@@ -215,8 +215,8 @@ impl Newton {
             *trial = percussion[row] + length * self.step[row];
             self.trial_xi[row] = self.xi[row] + length * self.change[row];
         }
-        for (i, rows) in problem.contacts.iter().enumerate() {
-            let own = rows.offset..rows.offset + rows.len();
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            let own = rows.rows();
             let (p, xi) = (&self.trial[own.clone()], &self.trial_xi[own.clone()]);
             natural_map::value(rows, self.rho[i], p, xi, &mut self.f[own]);
         }

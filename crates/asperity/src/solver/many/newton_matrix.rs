@@ -33,7 +33,7 @@ impl NewtonMatrix {
         self.pattern.extend(pattern(problem));
         self.contact.prepare(problem);
         self.body = None;
-        if let Delassus::Factored(factored) = &problem.delassus {
+        if let Delassus::Factored(factored) = problem.delassus() {
             self.body = BodySpace::new(problem, factored);
         }
         let cost = |body: &BodySpace| body.symbolic.operations;
@@ -51,7 +51,7 @@ impl NewtonMatrix {
 
     /// Factors `A + B G`; false if that failed.
     pub(super) fn factor(&mut self, problem: &ContactProblem, a: &[Small], b: &[Small]) -> bool {
-        match (self.in_body_space, &mut self.body, &problem.delassus) {
+        match (self.in_body_space, &mut self.body, problem.delassus()) {
             (true, Some(body), Delassus::Factored(factored)) => body.factor(factored, a, b),
             _ => self.contact.factor(problem, a, b),
         }
@@ -59,7 +59,7 @@ impl NewtonMatrix {
 
     /// `g ← (A + B G)⁻¹ g`.
     pub(super) fn solve(&mut self, problem: &ContactProblem, g: &mut [f64]) {
-        match (self.in_body_space, &mut self.body, &problem.delassus) {
+        match (self.in_body_space, &mut self.body, problem.delassus()) {
             (true, Some(body), Delassus::Factored(_)) => body.solve(problem, g),
             _ => self.contact.numeric.solve(&self.contact.symbolic, g),
         }
@@ -68,12 +68,12 @@ impl NewtonMatrix {
 
 /// Sizes and places of all entries that may be there.
 fn pattern(problem: &ContactProblem) -> impl Iterator<Item = usize> + '_ {
-    let sizes = problem.contacts.iter().map(|contact| contact.len());
-    let blocks = problem.delassus.blocks().into_iter().flat_map(|blocks| {
+    let sizes = problem.contacts().iter().map(|contact| contact.len());
+    let blocks = problem.delassus().blocks().into_iter().flat_map(|blocks| {
         let (starts, columns) = blocks.pattern();
         starts.iter().chain(columns).copied()
     });
-    let factors = match &problem.delassus {
+    let factors = match problem.delassus() {
         Delassus::Factored(factored) => Some([factored.mass(), factored.directions()]),
         _ => None,
     };
@@ -96,11 +96,11 @@ struct ContactSpace {
 
 impl ContactSpace {
     fn prepare(&mut self, problem: &ContactProblem) {
-        self.sparse = match &problem.delassus {
+        self.sparse = match problem.delassus() {
             Delassus::Dense(_) => Some(problem.blocks()),
             _ => None,
         };
-        let Some(g) = self.sparse.as_ref().or(problem.delassus.blocks()) else { return };
+        let Some(g) = self.sparse.as_ref().or(problem.delassus().blocks()) else { return };
         let n = g.contacts();
         let mut neighbours: Vec<Vec<usize>> = (0..n).map(|i| g.neighbours(i).to_vec()).collect();
         for i in 0..n {
@@ -124,10 +124,10 @@ impl ContactSpace {
     }
 
     fn factor(&mut self, problem: &ContactProblem, a: &[Small], b: &[Small]) -> bool {
-        if let (Delassus::Dense(_), Some(sparse)) = (&problem.delassus, &mut self.sparse) {
-            problem.refill(sparse);
+        if let (Delassus::Dense(_), Some(sparse)) = (problem.delassus(), &mut self.sparse) {
+            problem.copy_into(sparse);
         }
-        let Some(g) = self.sparse.as_ref().or(problem.delassus.blocks()) else { return false };
+        let Some(g) = self.sparse.as_ref().or(problem.delassus().blocks()) else { return false };
         self.matrix.values_mut().fill(0.0);
         let mut block = 0;
         for (i, (a, b)) in a.iter().zip(b).enumerate() {
