@@ -96,14 +96,33 @@ impl Memory {
         Self { percussion: vec![0.0; rows], states: vec![ContactState::default(); contacts] }
     }
 
-    /// Takes over what another one remembers, in the buffers that are there.
+    /// Whether there is a percussion per row of a problem and a state per contact.
     #[inline]
-    pub(crate) fn copy_from(&mut self, other: &Self) {
+    pub(crate) fn fits(&self, problem: &ContactProblem) -> bool {
+        self.percussion.len() == problem.rows() && self.states.len() == problem.contacts().len()
+    }
+
+    /// Takes over the percussions that another one remembers; states are those of nothing in particular.
+    #[inline]
+    pub(crate) fn start_from(&mut self, other: &Self) {
+        self.resize(other);
+        self.percussion.copy_from_slice(&other.percussion);
+    }
+
+    /// Takes over the sizes of another one.
+    #[inline]
+    fn resize(&mut self, other: &Self) {
         let (rows, contacts) = (other.percussion.len(), other.states.len());
         if self.percussion.len() != rows || self.states.len() != contacts {
             self.percussion.resize(rows, 0.0);
             self.states.resize(contacts, ContactState::default());
         }
+    }
+
+    /// Takes over what another one remembers, in the buffers that are there.
+    #[inline]
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.resize(other);
         self.percussion.copy_from_slice(&other.percussion);
         self.states.copy_from_slice(&other.states);
     }

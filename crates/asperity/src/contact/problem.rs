@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::{BlockMatrix, Delassus, ProblemError};
+use super::error::{ProblemError, check_finite, check_length};
+use super::{BlockMatrix, Delassus};
 use crate::law::Law;
 
 /// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
@@ -16,6 +17,17 @@ pub enum NormalForce {
     Prescribed(f64),
     /// `0 ≤ P_N ⊥ ξ_N ≥ 0`; the normal row comes first.
     Unilateral,
+}
+
+impl NormalForce {
+    /// The normal percussion, if it is given.
+    #[inline]
+    pub fn prescribed(self) -> Option<f64> {
+        match self {
+            Self::Prescribed(value) => Some(value),
+            Self::Unilateral => None,
+        }
+    }
 }
 
 /// One contact of a problem.
@@ -54,6 +66,15 @@ impl ContactRows {
     #[inline]
     pub fn rows(&self) -> Range<usize> {
         self.offset..self.offset + self.len()
+    }
+
+    /// Normal percussion: the prescribed one, or that of the normal row.
+    #[inline]
+    pub fn normal_percussion(&self, percussion: &[f64]) -> f64 {
+        match self.normal {
+            NormalForce::Prescribed(value) => value,
+            NormalForce::Unilateral => percussion[self.offset],
+        }
     }
 
     /// Tangential rows.
@@ -409,13 +430,6 @@ impl ContactProblem {
     }
 }
 
-fn check_length(argument: &'static str, expected: usize, got: usize) -> Result<(), ProblemError> {
-    if expected == got {
-        return Ok(());
-    }
-    Err(ProblemError::Length { argument, expected, got })
-}
-
 /// Refuses velocities and normal percussions whose squares, or those of what follows from them, would overflow.
 fn check_sizes(
     delassus: &Delassus,
@@ -441,11 +455,4 @@ fn check_sizes(
         }
     }
     Ok(())
-}
-
-pub(super) fn check_finite(argument: &'static str, values: &[f64]) -> Result<(), ProblemError> {
-    match values.iter().find(|v| !v.is_finite()) {
-        Some(&value) => Err(ProblemError::Value { argument, allowed: "finite", value }),
-        None => Ok(()),
-    }
 }

@@ -43,7 +43,7 @@ use super::linear_solve::LinearSolver;
 use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
-use crate::law::{FrictionLaw, Law, Stribeck};
+use crate::law::Stribeck;
 use crate::solver::{Rising, Stop, Workspace, settle};
 
 /// Factors below this one count as it.
@@ -423,28 +423,14 @@ fn jacobian(
         NormalForce::Prescribed(value) => value,
         NormalForce::Unilateral => first,
     };
-    match &contact.law {
-        Law::One(law) => jacobian_in(law, slip, force, normal),
-        Law::Two(law) => jacobian_in(law, slip, force, normal),
-        Law::Three(law) => jacobian_in(law, slip, force, normal),
-    }
-}
-
-/// The law's own derivative is that of `f P̃`: `f J + f′ P̃ eᵀ`.
-fn jacobian_in<const P: usize>(
-    law: &FrictionLaw<P>,
-    slip: &Vector<3>,
-    force: &Vector<3>,
-    normal: f64,
-) -> [[f64; 3]; 3] {
+    // The law's own derivative is that of `f P̃`: `f J + f′ P̃ eᵀ`.
     let (speed, mut out) = (slip.norm(), [[0.0; 3]; 3]);
-    let Ok(matrix) = law.jacobian(&Vector::<P>::from_fn(|i, _| slip[i]), normal) else {
-        return out;
-    };
-    let (factor, slope) = law.rate().map_or((1.0, 0.0), |r| (r.factor(speed), r.slope(speed)));
-    for i in 0..P {
-        for j in 0..P {
-            let entry = (matrix[(i, j)] - slope * force[i] * slip[j] / speed) / factor;
+    let Some(matrix) = contact.law.jacobian(slip.as_slice(), normal) else { return out };
+    let rate = contact.law.rate();
+    let (factor, slope) = rate.map_or((1.0, 0.0), |r| (r.factor(speed), r.slope(speed)));
+    for i in 0..contact.law.dimension() {
+        for j in 0..contact.law.dimension() {
+            let entry = (matrix[i][j] - slope * force[i] * slip[j] / speed) / factor;
             out[i][j] = if entry.is_finite() { entry } else { 0.0 };
         }
     }
