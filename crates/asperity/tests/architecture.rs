@@ -88,8 +88,12 @@ fn used(file: &Path) -> Vec<Vec<String>> {
                 name => place.push(name.to_owned()),
             }
         }
-        // Of a group every member counts that is a module.
         let rest = &code[at + path.len()..];
+        // What a test within a file takes from it.
+        if rest.starts_with('*') {
+            continue;
+        }
+        // Of a group every member counts that is a module.
         match path.ends_with("::").then(|| rest.strip_prefix('{')).flatten() {
             Some(group) => {
                 let names = group.split('}').next().unwrap_or("").split(',');

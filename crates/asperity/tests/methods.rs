@@ -142,7 +142,6 @@ fn solve(solver: Solver, problem: &ContactProblem) -> Solved {
 
 /// Methods, and whether each must solve a problem of this kind.
 fn methods(situation: Situation) -> Vec<(Solver, bool)> {
-    let full_rank = situation != Situation::Redundant;
     let of_one_weight = matches!(situation, Situation::Regular | Situation::Grazing);
     let (step, max_iterations) = (ProxStep::Adaptive, 200_000);
     vec![
@@ -151,7 +150,7 @@ fn methods(situation: Situation) -> Vec<(Solver, bool)> {
         (Solver::Exact { max_sweeps: 100_000 }, of_one_weight),
         (Solver::Newton { max_iterations: 300 }, false),
         (Solver::ProximalPoint { max_iterations: 3000 }, true),
-        (Solver::InteriorPoint { max_iterations: 200 }, full_rank),
+        (Solver::InteriorPoint { max_iterations: 200 }, of_one_weight),
         (Solver::Admm { max_iterations: 100_000 }, of_one_weight),
         (Solver::ProxJacobi { step, max_iterations }, of_one_weight),
         (Solver::ProxGaussSeidel { step, max_iterations }, of_one_weight),

@@ -75,12 +75,19 @@ fn solves_as_a_dense_factorisation_does() {
         let n = problems[0].rows();
         let mut matrices = vec![NewtonMatrix::default(); problems.len()];
         for _ in 0..2 {
-            let unit = |seed: &mut u64, size: f64| {
-                let noise = ContactMatrix::from_fn(|_, _| 0.2 * random(seed));
-                (ContactMatrix::identity() + noise) * size
+            // Unused rows and columns are those of the unit matrix.
+            let mut near_unit = |size: f64| -> Vec<ContactMatrix> {
+                let rows = problems[0].contacts().iter().map(|rows| rows.len());
+                let block = |len: usize| {
+                    let noise = ContactMatrix::from_fn(|i, j| match i.max(j) < len {
+                        true => 0.2 * random(&mut seed),
+                        false => 0.0,
+                    });
+                    (ContactMatrix::identity() + noise) * size
+                };
+                rows.map(block).collect()
             };
-            let a: Vec<ContactMatrix> = (0..contacts).map(|_| unit(&mut seed, 1.0)).collect();
-            let b: Vec<ContactMatrix> = (0..contacts).map(|_| unit(&mut seed, 0.7)).collect();
+            let (a, b) = (near_unit(1.0), near_unit(0.7));
             let wide = |blocks: &[ContactMatrix]| {
                 let mut out = DMatrix::zeros(n, n);
                 for (rows, block) in problems[0].contacts().iter().zip(blocks) {
