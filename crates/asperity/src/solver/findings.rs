@@ -1,7 +1,7 @@
 //! What is found out about the percussions in which a method ended.
 
 use super::infeasibility::{prove_by_cases, prove_closing, prove_one_contact};
-use super::measure::growth::{self, Groups, Kind};
+use super::measure::growth::{self, Groups, GrowthKind};
 use super::measure::natural_residual::{ROUNDED, Residual};
 use super::method::{Iterate, Task};
 use super::report::{Ended, Findings};
@@ -26,7 +26,7 @@ pub(crate) fn judge(
     let running = growth.and_then(|growth| growth.running());
     // Velocities are as far off as the residual, relative to what percussions bring.
     let hidden = growth.is_some_and(|growth| growth.factor * residual.value > HIDDEN);
-    let suspicious = hidden || growth.is_some_and(|growth| growth.kind >= Kind::Suspicious);
+    let suspicious = hidden || growth.is_some_and(|growth| growth.kind >= GrowthKind::Suspicious);
     let small = residual.value <= stop.tolerance;
     if small && !suspicious {
         **infeasibility = None;

@@ -179,11 +179,15 @@ impl Solver {
         memory.start_from(before);
         workspace.infeasibility = None;
         workspace.stages.clear();
+        let own_threads;
         let threads = match self {
-            Self::Auto { threads, .. } => Threads::new(*threads, problem.contacts().len()),
-            _ => Threads::default(),
+            Self::Auto { threads, .. } => {
+                own_threads = Threads::new(*threads, problem.contacts().len());
+                &own_threads
+            }
+            _ => Threads::NONE,
         };
-        let task = Task { problem, stop, history: &before.states, threads: &threads };
+        let task = Task { problem, stop, history: &before.states, threads };
         let Memory { percussion, states } = memory;
         let Workspace { velocity, ambiguous, infeasibility, stages, .. } = workspace;
         let Workspace { sweeper, groups, next, methods, .. } = workspace;

@@ -41,7 +41,7 @@ pub(crate) const BOUNDLESS: f64 = APPROACHING / ROUNDING;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Growth {
     /// What the group with the largest growth does.
-    pub(crate) kind: Kind,
+    pub(crate) kind: GrowthKind,
     /// The contact with the largest power there.
     pub(crate) contact: usize,
     /// `A/L` of the group.
@@ -50,7 +50,7 @@ pub(crate) struct Growth {
 
 /// What contacts do whose percussions have grown; the later, the worse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Kind {
+pub(crate) enum GrowthKind {
     /// They separate with percussions: an iteration has passed the solution.
     Separating,
     /// They approach a little, or may do so within rounding: their percussions are those of a solution, or grow
@@ -65,7 +65,7 @@ pub(crate) enum Kind {
 impl Growth {
     /// The contact that percussions run away from.
     pub(crate) fn running(&self) -> Option<usize> {
-        (self.kind >= Kind::Boundless).then_some(self.contact)
+        (self.kind >= GrowthKind::Boundless).then_some(self.contact)
     }
 }
 
@@ -91,7 +91,7 @@ struct Powers {
 
 impl Powers {
     /// What the contacts of the group do, if their percussions have grown.
-    fn kind(&self) -> Option<Kind> {
+    fn kind(&self) -> Option<GrowthKind> {
         let Self { contacts, approach, separation, load, net, largest, brought } = *self;
         // One contact alone is not squeezed: in Painlevé's paradox friction calls for percussions that are large beside a
         // vanishing normal load.
@@ -102,16 +102,16 @@ impl Powers {
         if !(brought > GROWN * load) {
             None
         } else if counts(approach, f64::min(little, closing)) {
-            Some(Kind::Approaching)
+            Some(GrowthKind::Approaching)
         } else if boundless {
-            Some(Kind::Boundless)
+            Some(GrowthKind::Boundless)
         } else if counts(separation, little) {
-            Some(Kind::Separating)
+            Some(GrowthKind::Separating)
         } else {
             let hidden = brought > UNRESOLVED * load && load > NO_LOAD * largest;
             // What rounding explains may be an approach nevertheless.
             let approaches = counts(approach, 0.0) || approach > f64::min(little, closing);
-            (brought > SUSPICIOUS * load && approaches || hidden).then_some(Kind::Suspicious)
+            (brought > SUSPICIOUS * load && approaches || hidden).then_some(GrowthKind::Suspicious)
         }
     }
 }
@@ -208,11 +208,11 @@ fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
         sums.largest += push * largest;
         sums.brought += push * brought;
     }
-    let mut worst: Option<(Kind, f64, usize)> = None;
+    let mut worst: Option<(GrowthKind, f64, usize)> = None;
     for (i, rows) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let group = groups.find(i);
         let Some(kind) = groups.sums[group].kind() else { continue };
-        let sign = if kind == Kind::Separating { 1.0 } else { -1.0 };
+        let sign = if kind == GrowthKind::Separating { 1.0 } else { -1.0 };
         let power = sign * percussion[rows.offset] * measured.xi(rows.offset);
         if worst.is_none_or(|(k, largest, _)| kind > k || kind == k && power > largest) {
             worst = Some((kind, power, i));

@@ -32,17 +32,21 @@ impl<'a> Measured<'a> {
     }
 
     /// The friction of a contact.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn friction(&self, contact: &ContactRows) -> Friction<'a> {
-        let (normal, mut slip) = (contact.normal_percussion(self.percussion), [0.0; 3]);
-        for (component, row) in slip.iter_mut().zip(contact.tangential_rows()) {
-            *component = self.xi(row);
+        let (normal, rows) =
+            (contact.normal_percussion(self.percussion), contact.tangential_rows());
+        let velocity = &self.velocity[rows.clone()];
+        let restitution = &self.problem.restitution()[rows.clone()];
+        let mut slip = [0.0; 3];
+        for ((component, velocity), before) in slip.iter_mut().zip(velocity).zip(restitution) {
+            *component = velocity + before;
         }
-        Friction { normal, tangent: &self.percussion[contact.tangential_rows()], slip }
+        Friction { normal, tangent: &self.percussion[rows], slip }
     }
 
     /// Square of the defect of both inclusions of a contact with the prox parameter `rho`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn defect(&self, contact: &ContactRows, rho: f64) -> f64 {
         let normal_defect = match contact.normal {
             NormalForce::Prescribed(_) => 0.0,
@@ -102,12 +106,11 @@ fn scale(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64
 /// `Σ_j |G_ij P_j|` over the rows of contact `i`; with products only, `|Σ_j G_ij P_j|`.
 #[inline]
 fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64]) -> [f64; 4] {
-    let contact = &problem.contacts()[i];
-    let own = contact.rows();
     let mut loads = [0.0; 4];
     if problem.contacts().len() == 1 {
         return loads;
     }
+    let own = problem.contacts()[i].rows();
     match problem.delassus() {
         Delassus::Dense(g) => {
             for (load, row) in loads.iter_mut().zip(own) {

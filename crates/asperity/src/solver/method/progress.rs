@@ -7,7 +7,7 @@ use super::newton::norm;
 use super::sweep::Sweeper;
 use super::task::{Iterate, Task};
 use crate::solver::infeasibility::prove_closing;
-use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, Kind};
+use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
 use crate::solver::measure::natural_map::natural_map;
 use crate::solver::measure::natural_residual::natural_residual;
 use crate::solver::measure::stop::Measure;
@@ -214,15 +214,15 @@ impl<'a> Progress<'a> {
         let Buffers { astray, velocity, groups, .. } = &mut *self.buffers;
         self.growth = growth::of(self.task.problem, percussion, velocity, groups);
         let kind = self.growth.map(|growth| growth.kind);
-        if kind >= Some(Kind::Suspicious) {
+        if kind >= Some(GrowthKind::Suspicious) {
             astray.copy_from_slice(percussion);
         }
-        if kind >= Some(Kind::Boundless)
-            || kind == Some(Kind::Suspicious) && small && self.is_infeasible()
+        if kind >= Some(GrowthKind::Boundless)
+            || kind == Some(GrowthKind::Suspicious) && small && self.is_infeasible()
         {
             return;
         }
-        let solved = small && kind != Some(Kind::Separating);
+        let solved = small && kind != Some(GrowthKind::Separating);
         if solved || !self.solved {
             (self.grade, self.solved, self.growth) = (grade, solved, None);
             self.buffers.best.copy_from_slice(percussion);

@@ -96,7 +96,7 @@ impl Sweeper {
                 state.phase = Phase::Open;
                 continue;
             }
-            let slip = if first { history.ahead() } else { state.slip };
+            let slip = (!first).then_some(state.slip);
             let contact = OneContact { problem, contact: i, block, held };
             let (candidates, effort) = (&mut self.candidates, &mut self.efforts[i]);
             let start = Start { history, slip };
@@ -121,6 +121,16 @@ impl Sweeper {
     #[inline]
     pub(crate) fn solve_uncoupled(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>) -> Ended {
         let Self { blocks, candidates, .. } = self;
+        // The belt and the disk of many a model: one contact needs no batches.
+        if let ([_], [state], [ambiguous]) =
+            (task.problem.contacts(), &mut *iterate.states, &mut *iterate.ambiguous)
+        {
+            let history = &task.history[0];
+            let contact = OneContact::alone(task.problem, 0, &blocks[0]);
+            let solved =
+                solve_alone(contact, history, iterate.percussion, state, ambiguous, candidates);
+            return if solved { Ended::Done } else { Ended::Stuck(0) };
+        }
         let mut rest = Uncoupled {
             contacts: 0..task.problem.contacts().len(),
             percussion: &mut *iterate.percussion,
@@ -149,8 +159,27 @@ fn record(
     state: &mut ContactState,
     ambiguous: &mut bool,
 ) {
-    *state = found.map_or(*history, |found| history.after(found.phase, found.slip));
+    match found {
+        Some(found) => state.follow(history, found.phase, found.slip),
+        None => *state = *history,
+    }
     *ambiguous = found.is_some_and(|found| found.ambiguous);
+}
+
+/// Solves a contact that no other influences; whether there is a solution.
+#[inline(always)]
+fn solve_alone(
+    contact: OneContact<'_>,
+    history: &ContactState,
+    percussion: &mut [f64],
+    state: &mut ContactState,
+    ambiguous: &mut bool,
+    candidates: &mut Candidates,
+) -> bool {
+    let (start, effort) = (Start { history, slip: None }, &mut Effort::alone());
+    let found = contact.solve(Policy::Prove, start, percussion, candidates, effort);
+    record(found, history, state, ambiguous);
+    found.is_some()
 }
 
 /// Contacts that do not influence each other, in a row, with what belongs to them.
@@ -222,15 +251,10 @@ impl<'a> Uncoupled<'a> {
             let (own, rest) =
                 std::mem::take(&mut percussion).split_at_mut(problem.contacts()[i].len());
             percussion = rest;
-            let (history, held) = (&history[i], problem.load(i));
-            let contact = OneContact { problem, contact: i, block: &blocks[i], held };
-            let start = Start { history, slip: history.ahead() };
-            let effort = &mut Effort::alone();
-            let found = contact.solve(Policy::Prove, start, own, candidates, effort);
-            if found.is_none() {
+            let contact = OneContact::alone(problem, i, &blocks[i]);
+            if !solve_alone(contact, &history[i], own, state, ambiguous, candidates) {
                 stuck = Some(i);
             }
-            record(found, history, state, ambiguous);
         }
         stuck
     }

@@ -18,6 +18,9 @@ static POOLS: Mutex<Vec<(u32, usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new())
 pub(crate) struct Threads(Option<Arc<ThreadPool>>);
 
 impl Threads {
+    /// No other threads.
+    pub(crate) const NONE: &'static Self = &Self(None);
+
     /// At most `count` threads for so many contacts, not more than the machine has.
     pub(crate) fn new(count: usize, contacts: usize) -> Self {
         if count <= 1 || contacts <= LEAF {

@@ -51,8 +51,8 @@ pub(crate) struct OneContact<'a> {
 pub(crate) struct Start<'a> {
     /// The state before the step, which decides between several solutions.
     pub(crate) history: &'a ContactState,
-    /// A slip velocity from which Newton's method starts.
-    pub(crate) slip: [f64; 3],
+    /// The slip velocity from which Newton's method starts, if not from that of before, extrapolated.
+    pub(crate) slip: Option<[f64; 3]>,
 }
 
 /// The same with the method for its dimension.
@@ -72,6 +72,12 @@ impl<'a> OneContact<'a> {
     ) -> Self {
         let held = problem.contact_velocity(contact, percussion, false);
         Self { problem, contact, block, held }
+    }
+
+    /// Contact `contact` that no other influences.
+    #[inline(always)]
+    pub(crate) fn alone(problem: &'a ContactProblem, contact: usize, block: &'a Block) -> Self {
+        Self { problem, contact, block, held: problem.load(contact) }
     }
 
     #[inline(always)]
@@ -102,12 +108,14 @@ impl<'a> OneContact<'a> {
                 line::solve(&local, history, effort).map(|found| keep(&found, percussion))
             }
             ByDimension::Plane(local) => {
-                let guess = || guess(&local, start.slip);
-                let buffers = (&mut candidates.planar, effort);
+                let guess = || guess(&local, start.slip.unwrap_or_else(|| history.ahead()));
+                let buffer = &mut candidates.planar;
                 match policy {
-                    Policy::Prove => plane::solve(&local, history, guess, buffers),
-                    Policy::FirstFound => plane::first_found(&local, history, guess, buffers)
-                        .map(|solution| Selection { solution, ambiguous: false }),
+                    Policy::Prove => plane::solve(&local, history, guess, buffer, effort),
+                    Policy::FirstFound => {
+                        plane::first_found(&local, history, guess, buffer, effort)
+                            .map(|solution| Selection { solution, ambiguous: false })
+                    }
                 }
                 .map(|found| keep(&found, percussion))
             }
@@ -131,7 +139,7 @@ impl<'a> OneContact<'a> {
             }
             ByDimension::Plane(local) => {
                 let guess = || guess(&local, state.ahead());
-                plane::solve(&local, state, guess, (&mut candidates.planar, effort))
+                plane::solve(&local, state, guess, &mut candidates.planar, effort)
                     .is_some_and(|s| s.ambiguous)
             }
             ByDimension::Space(_) => false,

@@ -34,7 +34,8 @@ pub(crate) fn solve(
     local: &Local<'_, 2>,
     state: &ContactState,
     guess: impl Fn() -> V,
-    (buffer, effort): (&mut Vec<LocalSolution<2>>, &mut Effort),
+    buffer: &mut Vec<LocalSolution<2>>,
+    effort: &mut Effort,
 ) -> Option<Selection<2>> {
     match fast(local, guess) {
         Some(solution) => Some(Selection { solution, ambiguous: false }),
@@ -49,7 +50,8 @@ pub(crate) fn first_found(
     local: &Local<'_, 2>,
     state: &ContactState,
     guess: impl Fn() -> V,
-    (buffer, effort): (&mut Vec<LocalSolution<2>>, &mut Effort),
+    buffer: &mut Vec<LocalSolution<2>>,
+    effort: &mut Effort,
 ) -> Option<LocalSolution<2>> {
     match opens(local) {
         Some(None) if local.block.sound => {}
