@@ -414,17 +414,18 @@ impl ContactProblem {
     pub fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
         if let Delassus::Dense(g) = &self.delassus {
             let (entries, rows) = (g.as_slice(), self.rows());
-            // The rows of one contact fit into registers; larger operators are gone through as they are stored. Sums are
-            // the same to the bit.
-            if rows <= 4 {
-                for (i, (value, free)) in velocity.iter_mut().zip(&self.free_velocity).enumerate() {
-                    let row = entries.iter().skip(i).step_by(rows);
-                    *value = row.zip(percussion).fold(*free, |sum, (g, p)| sum + g * p);
-                }
-                return;
+            let free = &self.free_velocity;
+            // The rows of one contact stay in registers.
+            match rows {
+                1 => return velocity_of::<1>(entries, percussion, free, velocity),
+                2 => return velocity_of::<2>(entries, percussion, free, velocity),
+                3 => return velocity_of::<3>(entries, percussion, free, velocity),
+                4 => return velocity_of::<4>(entries, percussion, free, velocity),
+                _ => {}
             }
             velocity.copy_from_slice(&self.free_velocity);
-            for (column, p) in entries.chunks_exact(rows).zip(percussion) {
+            // There is nothing to add where there is no contact.
+            for (column, p) in entries.chunks_exact(rows.max(1)).zip(percussion) {
                 for (value, g) in velocity.iter_mut().zip(column) {
                     *value += g * p;
                 }
@@ -436,6 +437,23 @@ impl ContactProblem {
             *value += free;
         }
     }
+}
+
+/// `γ_E = G P + b` of `N` rows.
+#[inline(always)]
+fn velocity_of<const N: usize>(
+    columns: &[f64],
+    percussion: &[f64],
+    free: &[f64],
+    velocity: &mut [f64],
+) {
+    let mut sums: [f64; N] = std::array::from_fn(|i| free[i]);
+    for (column, p) in columns.chunks_exact(N).zip(percussion) {
+        for i in 0..N {
+            sums[i] += column[i] * p;
+        }
+    }
+    velocity.copy_from_slice(&sums);
 }
 
 /// Refuses velocities and normal percussions whose squares, or those of what follows from them, would overflow.

@@ -44,11 +44,18 @@ pub(crate) struct Friction<'a> {
     pub(crate) normal: f64,
     /// Tangential percussion.
     pub(crate) tangent: &'a [f64],
-    /// Tangential velocity.
-    pub(crate) slip: Components,
+    /// Tangential velocity `ξ_T`: the sum of what the problem calls `γ_E` and `e γ_B`.
+    pub(crate) velocity: &'a [f64],
+    pub(crate) restitution: &'a [f64],
 }
 
 impl Friction<'_> {
+    /// `ξ_T`.
+    #[inline(always)]
+    fn slip<const P: usize>(&self) -> Vector<P> {
+        Vector::from_fn(|i, _| self.velocity[i] + self.restitution[i])
+    }
+
     /// `−P_T/P_N`.
     #[inline(always)]
     fn reduced<const P: usize>(&self) -> Vector<P> {
@@ -273,13 +280,13 @@ pub(crate) fn inclusion_defect<const P: usize>(
     if normal <= 0.0 {
         return vector::<P>(friction.tangent).norm_squared();
     }
-    let moved = vector::<P>(&friction.slip) * (rho * (1.0 / normal));
+    let moved = friction.slip::<P>() * (rho * (1.0 / normal));
     let step = law.prox_step(&friction.reduced(), |_| moved);
     (step.start - step.end(law)).norm_squared() * normal * normal
 }
 
 fn is_projected<const P: usize>(law: &FrictionLaw<P>, friction: Friction<'_>, rho: f64) -> bool {
-    let moved = vector::<P>(&friction.slip) * (rho / friction.normal);
+    let moved = friction.slip::<P>() * (rho / friction.normal);
     let step = law.prox_step(&friction.reduced(), |alpha| moved * alpha);
     law.direction().gauge(&step.target) > 1.0 + 1e-12
 }
@@ -298,7 +305,7 @@ fn prox_iteration<const P: usize>(
     let x = if gauge > 1.0 { x / gauge } else { x };
     let step = law.prox_step(&x, |alpha| {
         let r = if parameter.by_alpha { parameter.r * alpha } else { parameter.r };
-        vector::<P>(&friction.slip) * (r / friction.normal)
+        friction.slip::<P>() * (r / friction.normal)
     });
     step.end(law) * (-friction.normal / step.alpha)
 }

@@ -15,9 +15,9 @@ use crate::solver::report::{Ended, Method};
 /// Sweeps before the first judgement of their rate, and most sweeps at all.
 const TRIAL_SWEEPS: usize = 20;
 const MOST_SWEEPS: usize = 400;
-/// Further sweeps that are worth waiting for.
+/// Further sweeps that are worth waiting for: they cost as much as some ten factorisations.
 const WORTHWHILE: f64 = 250.0;
-/// Newton iterations of a step of the first attempt.
+/// Newton iterations of a step of the first attempt: enough where `G` has full rank, and soon over where it has not.
 const ATTEMPT: usize = 6;
 const INTERIOR: usize = 40;
 /// Outer steps of the last phase.

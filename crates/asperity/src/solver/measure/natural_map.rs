@@ -32,11 +32,11 @@ fn contact_defect(measured: &Measured<'_>, contact: &ContactRows, rho: f64) -> f
 /// `‖r − P_K(r − ρξ̃)‖²` with `ξ̃_N = ξ_N + μ‖ξ_T‖` and the friction cone `K`, for isotropic friction.
 fn cone_defect(measured: &Measured<'_>, contact: &ContactRows, mu: f64, rho: f64) -> f64 {
     let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let friction = measured.friction(contact);
-    let (normal, tangent) = (friction.normal, friction.tangent);
-    let z_n = normal - rho * (measured.xi(contact.offset) + mu * size(&friction.slip));
+    let (normal, slip) = (measured.percussion[contact.offset], measured.slip(contact));
+    let tangent = &measured.percussion[contact.tangential_rows()];
+    let z_n = normal - rho * (measured.xi(contact.offset) + mu * size(&slip));
     let mut z_t = [0.0; 3];
-    for ((z, p), xi) in z_t.iter_mut().zip(tangent).zip(&friction.slip) {
+    for ((z, p), xi) in z_t.iter_mut().zip(tangent).zip(&slip) {
         *z = p - xi * rho;
     }
     let z_size = size(&z_t);

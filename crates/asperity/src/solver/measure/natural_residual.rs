@@ -34,15 +34,20 @@ impl<'a> Measured<'a> {
     /// The friction of a contact.
     #[inline(always)]
     pub(crate) fn friction(&self, contact: &ContactRows) -> Friction<'a> {
-        let (normal, rows) =
-            (contact.normal_percussion(self.percussion), contact.tangential_rows());
-        let velocity = &self.velocity[rows.clone()];
-        let restitution = &self.problem.restitution()[rows.clone()];
-        let mut slip = [0.0; 3];
-        for ((component, velocity), before) in slip.iter_mut().zip(velocity).zip(restitution) {
-            *component = velocity + before;
+        let rows = contact.tangential_rows();
+        Friction {
+            normal: contact.normal_percussion(self.percussion),
+            tangent: &self.percussion[rows.clone()],
+            velocity: &self.velocity[rows.clone()],
+            restitution: &self.problem.restitution()[rows],
         }
-        Friction { normal, tangent: &self.percussion[rows], slip }
+    }
+
+    /// `ξ_T` of a contact, unused components zero.
+    pub(crate) fn slip(&self, contact: &ContactRows) -> [f64; 3] {
+        let mut slip = [0.0; 3];
+        slip.iter_mut().zip(contact.tangential_rows()).for_each(|(xi, row)| *xi = self.xi(row));
+        slip
     }
 
     /// Square of the defect of both inclusions of a contact with the prox parameter `rho`.

@@ -27,5 +27,5 @@ pub(crate) fn phase_of(measured: &Measured<'_>, contact: usize) -> (Phase, [f64;
     } else {
         Phase::Stick
     };
-    (phase, friction.slip)
+    (phase, measured.slip(rows))
 }

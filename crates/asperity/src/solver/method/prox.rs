@@ -8,7 +8,7 @@
 //! `r` is one number per contact: one per component would change the law.
 
 use super::task::{Iterate, Task};
-use crate::contact::{ContactProblem, ContactRows, NormalForce};
+use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{Friction, ProxParameter};
 use crate::solver::report::Ended;
 
@@ -97,8 +97,9 @@ fn jacobi(
     problem.velocity(percussion, velocity);
     for (i, rows) in problem.contacts().iter().enumerate() {
         let parameter = step.parameter(factor, problem.row_sum_bound(i, false));
-        let xi = |row: usize| velocity[row] + problem.restitution()[row];
-        update(rows, parameter, xi, percussion, next);
+        let own = rows.rows();
+        let (velocity, restitution) = (&velocity[own.clone()], &problem.restitution()[own]);
+        update(rows, parameter, velocity, restitution, percussion, next);
     }
     percussion.copy_from_slice(next);
 }
@@ -114,8 +115,8 @@ fn gauss_seidel(
     for (i, rows) in problem.contacts().iter().enumerate() {
         let parameter = step.parameter(factor, problem.row_sum_bound(i, true));
         let velocity = problem.contact_velocity(i, percussion, true);
-        let xi = |row: usize| velocity[row - rows.offset];
-        update(rows, parameter, xi, percussion, next);
+        // Restitution is in it.
+        update(rows, parameter, &velocity, &[0.0; 4], percussion, next);
         percussion[rows.rows()].copy_from_slice(&next[rows.rows()]);
     }
 }
@@ -130,21 +131,25 @@ impl ProxStep {
     }
 }
 
-/// (21), then (69), (70) for one contact, from `percussion` to `next`.
+/// (21), then (69), (70) for one contact, from `percussion` to `next`; velocities and restitution in its own rows.
 fn update(
     rows: &ContactRows,
     parameter: ProxParameter,
-    xi: impl Fn(usize) -> f64,
+    velocity: &[f64],
+    restitution: &[f64],
     percussion: &[f64],
     next: &mut [f64],
 ) {
-    if rows.normal == NormalForce::Unilateral {
-        let row = rows.offset;
-        next[row] = f64::max(0.0, percussion[row] - parameter.r * xi(row));
+    let first = rows.normal_rows();
+    if first == 1 {
+        let xi = velocity[0] + restitution[0];
+        next[rows.offset] = f64::max(0.0, percussion[rows.offset] - parameter.r * xi);
     }
-    let (normal, tangent, mut slip) =
-        (rows.normal_percussion(next), &percussion[rows.tangential_rows()], [0.0; 3]);
-    slip.iter_mut().zip(rows.tangential_rows()).for_each(|(slip, row)| *slip = xi(row));
-    let friction = Friction { normal, tangent, slip };
+    let friction = Friction {
+        normal: rows.normal_percussion(next),
+        tangent: &percussion[rows.tangential_rows()],
+        velocity: &velocity[first..],
+        restitution: &restitution[first..],
+    };
     rows.law.prox_iteration(friction, parameter, &mut next[rows.tangential_rows()]);
 }

@@ -10,10 +10,12 @@ use crate::contact::ContactProblem;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 
-/// Factors of the prox parameters. Hyperstatic problems have percussions a hundred times their loads; larger
-/// parameters cut the factorisations there by up to ten, and taking turns makes the choice insensitive.
+/// Factors of the prox parameters. Hyperstatic problems have percussions a hundred times their loads, and larger
+/// parameters make up to ten times fewer factorisations there; others need small ones. As they follow each other in
+/// turn where inner solves fail, none of them has to suit every problem.
 const FACTORS: [f64; 4] = [10.0, 1.0, 30.0, 3.0];
-/// Newton iterations of an inner solve, and how many count as few and very few.
+/// Newton iterations of an inner solve, and how many count as few and very few: after few `ε` falls, after very few it
+/// falls faster. More of either trades fewer outer steps against inner solves that fail.
 const INNER: usize = 20;
 const FEW: usize = 12;
 const VERY_FEW: usize = 4;

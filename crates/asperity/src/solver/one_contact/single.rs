@@ -201,10 +201,9 @@ impl<'a, const P: usize> Single<'a, P> {
             NormalForce::Prescribed(_) => 0.0,
             NormalForce::Unilateral => normal - f64::max(0.0, normal - self.own_rho * xi[0]),
         };
-        let mut slip = [0.0; 3];
-        slip[..P].copy_from_slice(self.tangent(&xi).as_slice());
-        let tangent = &p.as_slice()[self.first()..len];
-        let friction = Friction { normal, tangent, slip };
+        let own = self.first()..len;
+        let (tangent, velocity) = (&p.as_slice()[own.clone()], &xi.as_slice()[own]);
+        let friction = Friction { normal, tangent, velocity, restitution: &[0.0; P] };
         let sliding = law::inclusion_defect(self.law, friction, self.own_rho);
         let square = closing * closing + sliding;
         let scale = f64::max(p.norm_squared(), self.loads * self.loads);

@@ -212,7 +212,8 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
         let dx = (dz - x * gradient.dot(&dz)) * reciprocal;
         let dv = slip.a * dx;
         let step = value / (n.dot(&v) + cross(&n, &dv));
-        // What is left after the last step is its square, unless the boundary is nearly flat here.
+        // Newton's method converges quadratically: what is left after a step below 1e-8 is rounding, unless the
+        // boundary is nearly flat here.
         if step.abs() < 1e-8 && dx.norm_squared() < slip.mild_bend {
             return slip.admit_root(&n, &(x + dx * step), &(v - dv * step));
         }
