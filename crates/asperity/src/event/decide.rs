@@ -12,9 +12,7 @@ use super::part::{Part, constrained};
 use super::poll::Poll;
 use super::touch::{FieldError, ROWS, State, Touch};
 use super::{Cause, Outcome};
-use crate::contact::{
-    ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
-};
+use crate::contact::{ContactProblem, ContactState, Memory, NormalForce, Phase};
 use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
 
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over.
@@ -103,29 +101,15 @@ fn problem(
     let delassus = DMatrix::from_fn(size, size, |i, j| {
         dot(field.row(part.rows[i]), &part.responses[j * n..(j + 1) * n])
     });
-    let mut offset = 0;
-    let contacts: Vec<ContactRows> = part
-        .contacts
-        .iter()
-        .map(|&i| {
-            let normal = match normal_force(&field.touches[i]) {
-                Some(force) => NormalForce::Prescribed(force),
-                None => NormalForce::Unilateral,
-            };
-            let rows = ContactRows { law: field.law(i).clone(), normal, offset };
-            offset += rows.len();
-            rows
-        })
-        .collect();
-    let rho = vec![0.0; contacts.len()];
-    let mut problem = ContactProblem {
-        delassus: Delassus::Dense(delassus),
-        restitution: vec![0.0; size],
-        free_velocity: load,
-        contacts,
-        rho,
-    };
-    problem.update_rho();
+    let contacts = part.contacts.iter().map(|&i| {
+        let normal = match normal_force(&field.touches[i]) {
+            Some(force) => NormalForce::Prescribed(force),
+            None => NormalForce::Unilateral,
+        };
+        (field.law(i).clone(), normal)
+    });
+    let mut problem = ContactProblem::assemble(contacts, |_| delassus.into());
+    problem.free_velocity_mut().copy_from_slice(&load);
     Ok(problem)
 }
 
@@ -181,7 +165,7 @@ fn keep(
     found: &Memory,
     velocity: &[f64],
 ) {
-    for (k, (&i, rows)) in part.contacts.iter().zip(&problem.contacts).enumerate() {
+    for (k, (&i, rows)) in part.contacts.iter().zip(problem.contacts()).enumerate() {
         let touch = &mut field.touches[i];
         (touch.mode, touch.resting) = (found.states[k].phase, false);
         touch.tolerated = 0.0;
@@ -208,8 +192,8 @@ fn hold_at_limit(
     problem: &ContactProblem,
     accelerations: &[f64],
 ) {
-    let load = problem.free_velocity.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
-    for (&i, rows) in part.contacts.iter().zip(&problem.contacts) {
+    let load = problem.free_velocity().iter().fold(0.0, |m: f64, b| m.max(b.abs()));
+    for (&i, rows) in part.contacts.iter().zip(problem.contacts()) {
         let touch = &mut field.touches[i];
         let own = &accelerations[rows.offset..rows.offset + rows.len()];
         let rests = own.iter().map(|x| x * x).sum::<f64>().sqrt() <= AT_REST * load;
@@ -248,15 +232,16 @@ pub(super) fn strike(
         part.rows.iter().map(|&row| dot(field.row(row), &state.u) + field.chi[row]).collect();
     let mut problem = problem(field, &part, before.clone(), |_| None)?;
     let laws = field.system.contacts();
-    for (rows, &i) in problem.contacts.iter().zip(&part.contacts) {
-        let own = rows.offset..rows.offset + rows.len();
-        if blow == Blow::Dead {
-            continue;
-        }
-        let coefficients = std::iter::once(laws[i].normal_restitution)
-            .chain(std::iter::repeat(laws[i].tangential_restitution));
-        for (row, e) in own.zip(coefficients) {
-            problem.restitution[row] = e * before[row];
+    if blow != Blow::Dead {
+        let contacts = part.contacts.iter().map(|&i| (&laws[i], field.law(i).dimension()));
+        let coefficients = contacts.flat_map(|(law, p)| {
+            let tangential = std::iter::repeat_n(law.tangential_restitution, p);
+            std::iter::once(law.normal_restitution).chain(tangential)
+        });
+        for ((term, e), before) in
+            problem.restitution_mut().iter_mut().zip(coefficients).zip(&before)
+        {
+            *term = e * before;
         }
     }
     let (decision, found, velocity) = solve(&part, &problem, memory, (poll, state.t));
@@ -265,7 +250,7 @@ pub(super) fn strike(
         add(&mut state.u, *percussion, response);
     }
     after.clear();
-    after.extend(problem.contacts.iter().map(|rows| velocity[rows.offset]));
+    after.extend(problem.contacts().iter().map(|rows| velocity[rows.offset]));
     Ok(decision)
 }
 

@@ -44,13 +44,11 @@ mod watch;
 
 use std::ops::ControlFlow;
 
-use asperity_set::{Star, strict_convexity};
 use thiserror::Error;
 
 pub use motion::{Event, Kind, Motion};
 pub use touch::FieldError;
 
-use crate::law::{FrictionLaw, Law};
 use crate::solver::Unsolvable;
 use crate::system::System;
 
@@ -180,7 +178,7 @@ fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
         return refuse("system", message);
     }
     for (i, contact) in system.contacts().iter().enumerate() {
-        if !has_strictly_convex_direction(&contact.law) {
+        if !contact.law.has_strictly_convex_direction() {
             let message = format!(
                 "the direction set of contact {i} must be strictly convex: on a flat side one direction of the slip vanishes by itself"
             );
@@ -245,16 +243,4 @@ fn check(system: &dyn System, options: &Options) -> Result<(), OptionsError> {
         return refuse("section", "must have a finite level and time".into());
     }
     Ok(())
-}
-
-fn has_strictly_convex_direction(law: &Law) -> bool {
-    fn strictly<const P: usize>(law: &FrictionLaw<P>) -> bool {
-        law.isotropic_coefficient().is_some()
-            || strict_convexity(&Star::Convex(law.direction().clone())).holds
-    }
-    match law {
-        Law::One(_) => true,
-        Law::Two(law) => strictly(law),
-        Law::Three(law) => strictly(law),
-    }
 }

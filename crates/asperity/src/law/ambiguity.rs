@@ -2,7 +2,7 @@
 
 use asperity_set::{Convex, ConvexSet, Star, StarSet, Vector};
 
-use super::table::{Node, angle};
+use super::node::{Node, angle};
 
 /// Number of sectors that loads are sorted into.
 const SECTORS: usize = 128;
@@ -47,8 +47,8 @@ impl AmbiguousLoads {
 
 /// The intervals of all sectors.
 ///
-/// The load `y` has the slip solutions `y = x + s n`, `s > 0`: rays from bdry *C*. A ray is met by its
-/// neighbours at `s_c = −n × dx/dφ`, and its points nearer than that are the solutions with index −1.
+/// The load `y` has the slip solutions `y = x + s n`, `s > 0`: rays from bdry *C*. Neighbouring rays intersect at
+/// `s_c = −n × dx/dφ`, and the points of a ray before that one are the solutions with index −1.
 /// The indices of all solutions add up to one, so that there are several only if one of them is −1: if
 /// `y` lies on a piece `0 < s < s_c` of some ray. The pieces of neighbouring nodes are joined to strips,
 /// with `s_c` the largest that the nodes or their chord give and half as much again.

@@ -29,7 +29,7 @@ pub trait DelassusOperator: Debug + Send + Sync {
 #[derive(Debug, Clone)]
 pub struct MatrixFree {
     operator: Arc<dyn DelassusOperator>,
-    /// Found by products.
+    /// The diagonal blocks, from products with unit vectors.
     diagonal: BlockMatrix,
     /// Estimate of its norm.
     norm: f64,

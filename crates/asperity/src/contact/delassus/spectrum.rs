@@ -35,7 +35,7 @@ impl Delassus {
             let mut image = self.symmetric_product(&next, unit);
             diagonal.push(next.dot(&image));
             basis.push(next);
-            // Twice is enough.
+            // Orthogonalised twice, vectors are orthogonal to rounding.
             for _ in 0..2 {
                 for q in &basis {
                     image -= q * q.dot(&image);

@@ -306,7 +306,7 @@ impl Assembly {
         for k in 0..rows.len {
             let row = rows.first + k;
             let chi = if k == 0 { self.chi[row] + closing } else { self.chi[row] };
-            closed.problem.free_velocity[row] = self.velocity(rows, k, &self.free) + chi;
+            closed.problem.free_velocity_mut()[row] = self.velocity(rows, k, &self.free) + chi;
             if before {
                 self.slip[row] = self.velocity(rows, k, &self.midpoint.before) + chi;
             }
@@ -342,7 +342,7 @@ impl Assembly {
         self.contacts.clear();
         self.sides.clear();
         let mut place = 0;
-        for (rows, &contact) in closed.problem.contacts.iter().zip(&closed.active) {
+        for (rows, &contact) in closed.problem.contacts().iter().zip(&closed.active) {
             let (first_side, mut width) = (self.sides.len(), 0);
             for &block in system.touched(contact) {
                 let range = blocks.range(block);
@@ -391,7 +391,7 @@ impl Assembly {
                 }
             }
         }
-        match &mut closed.problem.delassus {
+        closed.problem.refill(|delassus| match delassus {
             Delassus::Blocks(blocks) => self.fill_blocks(blocks),
             Delassus::Factored(factored) => {
                 let (_, directions, blocks) = factored.parts_mut();
@@ -399,8 +399,7 @@ impl Assembly {
                 self.fill_blocks(blocks);
             }
             _ => {}
-        }
-        closed.problem.update_rho();
+        });
         closed.check_directions()
     }
 

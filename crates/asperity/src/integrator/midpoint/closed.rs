@@ -52,10 +52,9 @@ impl Closed {
     pub(super) fn new(system: &dyn System, known: &[ContactMemory]) -> Self {
         let contacts = system.contacts().len();
         let mut closed = Self {
-            problem: ContactProblem::blank(
-                std::iter::empty(),
-                Delassus::Blocks(Default::default()),
-            ),
+            problem: ContactProblem::assemble(std::iter::empty(), |_| {
+                Delassus::Blocks(Default::default())
+            }),
             active: Vec::with_capacity(contacts),
             found: Vec::with_capacity(contacts),
             gaps: Vec::with_capacity(contacts),
@@ -86,7 +85,7 @@ impl Closed {
         };
         let mut known: Vec<_> = (0..self.states.len()).map(before).collect();
         for ((&contact, rows), state) in
-            self.active.iter().zip(&self.problem.contacts).zip(&memory.states)
+            self.active.iter().zip(self.problem.contacts()).zip(&memory.states)
         {
             known[contact].state = *state;
             let own = &memory.percussion[rows.offset..rows.offset + rows.len()];
@@ -111,14 +110,14 @@ impl Closed {
             };
             (laws[c].law.clone(), normal)
         };
-        let problem = ContactProblem::blank(self.active.iter().map(contact), delassus);
+        let problem = ContactProblem::assemble(self.active.iter().map(contact), |_| delassus);
         let old = std::mem::replace(&mut self.problem, problem);
         self.before.clear();
-        self.before.extend(self.found.iter().copied().zip(old.contacts));
+        self.before.extend(self.found.iter().copied().zip(old.into_contacts()));
         self.is_active.fill(false);
         self.closed_before.fill(false);
         self.restitution.clear();
-        for (contact, &c) in self.problem.contacts.iter().zip(&self.active) {
+        for (contact, &c) in self.problem.contacts().iter().zip(&self.active) {
             self.is_active[c] = true;
             let normal = std::iter::repeat_n(laws[c].normal_restitution, contact.normal_rows());
             let p = contact.law.dimension();
@@ -147,7 +146,7 @@ impl Closed {
         }
         memory.states.clear();
         memory.percussion.clear();
-        for (&contact, rows) in self.active.iter().zip(&self.problem.contacts) {
+        for (&contact, rows) in self.active.iter().zip(self.problem.contacts()) {
             memory.states.push(self.states[contact]);
             memory.percussion.extend_from_slice(&self.percussions[contact][..rows.len()]);
         }
@@ -155,8 +154,8 @@ impl Closed {
 
     /// Refuses directions that move nothing: they would make the friction force meaningless.
     pub(super) fn check_directions(&self) -> Result<(), SystemError> {
-        for (i, (contact, c)) in self.problem.contacts.iter().zip(&self.active).enumerate() {
-            let diagonal = |a| self.problem.delassus.own(i, contact.offset, a, a);
+        for (i, (contact, c)) in self.problem.contacts().iter().zip(&self.active).enumerate() {
+            let diagonal = |a| self.problem.delassus().own(i, contact.offset, a, a);
             if (0..contact.len()).any(|a| diagonal(a) <= 0.0) {
                 return Err(SystemError::direction(*c));
             }
@@ -173,34 +172,9 @@ impl Closed {
     /// Restitution terms `e γ_B`; `before(row)` is `γ_B`.
     #[inline]
     pub(super) fn bounce(&mut self, before: impl Fn(usize) -> f64) {
-        let terms = self.problem.restitution.iter_mut().zip(&self.restitution);
+        let terms = self.problem.restitution_mut().iter_mut().zip(&self.restitution);
         for (row, (term, e)) in terms.enumerate() {
             *term = e * before(row);
-        }
-    }
-}
-
-impl ContactProblem {
-    /// A problem of zeros to be filled in.
-    fn blank(
-        contacts: impl Iterator<Item = (crate::law::Law, NormalForce)>,
-        delassus: Delassus,
-    ) -> Self {
-        let mut rows = 0;
-        let contacts: Vec<ContactRows> = contacts
-            .map(|(law, normal)| {
-                let contact = ContactRows { law, normal, offset: rows };
-                rows += contact.len();
-                contact
-            })
-            .collect();
-        let count = contacts.len();
-        Self {
-            delassus,
-            free_velocity: vec![0.0; rows],
-            restitution: vec![0.0; rows],
-            contacts,
-            rho: vec![0.0; count],
         }
     }
 }

@@ -47,7 +47,7 @@ impl Stepper<'_> {
             self.workspace.prepare(&self.closed.problem);
         }
         self.check_problem()?;
-        self.before.copy_from(&self.memory);
+        std::mem::swap(&mut self.before, &mut self.memory);
         let was_cancelled = Cell::new(false);
         let ask = || {
             was_cancelled.set(was_cancelled.get() || cancelled());
@@ -79,8 +79,9 @@ impl Stepper<'_> {
     fn solve(&mut self, stop: Stop<'_>) -> Result<SolveReport, SystemError> {
         let Self { system, solver, closed, assembly, memory, before, workspace, .. } = self;
         if !assembly.factors().rises() {
-            return Ok(solver.solve(&closed.problem, stop, memory, workspace));
+            return Ok(solver.solve_from(&closed.problem, stop, before, memory, workspace));
         }
+        memory.copy_from(before);
         let (mut iterations, mut correction) = (0, 0);
         let (mut settled, mut following) = (false, false);
         loop {
@@ -158,7 +159,7 @@ impl Stepper<'_> {
 
     fn check_problem(&self) -> Result<(), StepError> {
         let problem = &self.closed.problem;
-        let Some(row) = problem.free_velocity.iter().position(|v| !v.is_finite()) else {
+        let Some(row) = problem.free_velocity().iter().position(|v| !v.is_finite()) else {
             return Ok(());
         };
         let place = problem.contacts().partition_point(|contact| contact.offset <= row);
