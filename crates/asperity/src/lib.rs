@@ -21,8 +21,10 @@
 
 pub use asperity_set as set;
 
+pub use integrator::event;
+
 pub mod contact;
-pub mod event;
+pub mod integrator;
 pub mod law;
 mod linear;
 pub mod simulate;

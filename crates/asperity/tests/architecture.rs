@@ -11,7 +11,7 @@ const ALLOWED: [(&str, &[&str]); 9] = [
     ("solver", &["law", "contact", "linear"]),
     ("system", &["law", "contact"]),
     ("stepper", &["law", "contact", "solver", "system"]),
-    ("event", &["law", "contact", "linear", "solver", "system", "stepper"]),
+    ("integrator", &["law", "contact", "linear", "solver", "system", "stepper"]),
     ("trajectory", &["contact", "stepper"]),
     ("simulate", &["solver", "stepper", "system", "trajectory"]),
 ];

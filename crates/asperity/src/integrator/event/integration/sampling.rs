@@ -1,23 +1,23 @@
 //! What is kept of the motion.
 
-use super::dense::PLACES;
-use super::run::Runner;
-use super::touch::FieldError;
-use super::watch::Lost;
+use crate::integrator::event::collocation::dense_output::PLACES;
+use crate::integrator::event::dynamics::contact_variables::FieldError;
+use crate::integrator::event::integration::detection::Lost;
+use crate::integrator::event::integration::time_loop::Runner;
 
 /// Samples between two looks at the clock.
 const RARELY: usize = 256;
 
 impl Runner<'_> {
     /// Keeps the present state.
-    pub(super) fn record(&mut self) -> Result<(), FieldError> {
+    pub(crate) fn record(&mut self) -> Result<(), FieldError> {
         self.motion.record(&self.field, &self.state);
         Ok(())
     }
 
     /// Samples from the present state up to `t`, the end of the attempt or a time inside; whether there were
     /// any.
-    pub(super) fn sample(&mut self, t: f64, attempt: bool) -> Result<bool, FieldError> {
+    pub(crate) fn sample(&mut self, t: f64, attempt: bool) -> Result<bool, FieldError> {
         let Some(dt) = self.options.sample else { return Ok(false) };
         // The end of the run is a sample of its own.
         let due = |k: usize| k as f64 * dt < t || (k as f64 * dt == t && attempt);

@@ -2,18 +2,18 @@
 
 use std::ops::ControlFlow;
 
-use super::between::NODES;
-use super::collocation::{Scale, Step};
-use super::control::Control;
-use super::dense::Dense;
-use super::field::{Field, add, largest};
-use super::force::norm;
-use super::poll::Poll;
-use super::start::first_step;
-use super::touch::{FieldError, ROUNDING, State, instant};
-use super::watch::{Lost, Watch};
-use super::{Cause, Motion, Options, OptionsError, Outcome, Run};
 use crate::contact::{ContactState, Phase};
+use crate::integrator::event::collocation::dense_output::Dense;
+use crate::integrator::event::collocation::initial_step::first_step;
+use crate::integrator::event::collocation::step::{Scale, Step};
+use crate::integrator::event::collocation::step_size::Control;
+use crate::integrator::event::dynamics::contact_variables::{FieldError, ROUNDING, State, instant};
+use crate::integrator::event::dynamics::sliding_force::norm;
+use crate::integrator::event::dynamics::{Field, add, largest};
+use crate::integrator::event::event_function::between_stages::NODES;
+use crate::integrator::event::integration::detection::{Lost, Watch};
+use crate::integrator::event::observer::Poll;
+use crate::integrator::event::{Cause, Motion, Options, OptionsError, Outcome, Run};
 use crate::system::System;
 
 /// Attempts among which the rejected ones are counted, and how many of them are too many.
@@ -35,47 +35,47 @@ const SOON: f64 = 4.0;
 const LONGER: f64 = 4.0;
 
 /// Everything that changes during a run.
-pub(super) struct Runner<'a> {
-    pub(super) options: &'a Options,
-    pub(super) field: Field<'a>,
-    pub(super) state: State,
+pub(crate) struct Runner<'a> {
+    pub(crate) options: &'a Options,
+    pub(crate) field: Field<'a>,
+    pub(crate) state: State,
     /// What the contacts did last.
-    pub(super) memory: Vec<ContactState>,
-    pub(super) control: Control,
-    pub(super) motion: Motion,
+    pub(crate) memory: Vec<ContactState>,
+    pub(crate) control: Control,
+    pub(crate) motion: Motion,
     /// Accelerations at the present state, and at the beginning of a slip their rate.
-    pub(super) a0: Vec<f64>,
-    pub(super) slope: Option<Vec<f64>>,
+    pub(crate) a0: Vec<f64>,
+    pub(crate) slope: Option<Vec<f64>>,
     /// Forces of sliding contacts per unit normal force at the present state.
-    pub(super) sliding: Vec<[f64; 3]>,
+    pub(crate) sliding: Vec<[f64; 3]>,
     /// The present attempt, the step before, and steps from the same start to other times.
-    pub(super) step: Step,
-    pub(super) last: Step,
-    pub(super) probe: Step,
+    pub(crate) step: Step,
+    pub(crate) last: Step,
+    pub(crate) probe: Step,
     /// Whether a slip begins at the present state.
-    pub(super) starting: bool,
+    pub(crate) starting: bool,
     /// How often the first step has been shortened for an event far too early in it.
-    pub(super) shortened: u8,
+    pub(crate) shortened: u8,
     /// Whether the step before was of the same mode, and whether its Jacobian can be used again.
-    pub(super) smooth: bool,
-    pub(super) linear: bool,
+    pub(crate) smooth: bool,
+    pub(crate) linear: bool,
     /// The length of the step for which it was computed.
     linearised: f64,
     /// Whether the field is where a rejected attempt has left it.
     stale: bool,
     /// Alarms at the present state, contacts first, then the section; those along the attempt.
-    pub(super) alarms: Vec<f64>,
-    pub(super) seen: Vec<[f64; NODES]>,
+    pub(crate) alarms: Vec<f64>,
+    pub(crate) seen: Vec<[f64; NODES]>,
     /// Steps made and rejected when they were looked at last.
     counted: (usize, usize, f64),
     /// Number of the next sample, what samples are read from, and the last one.
-    pub(super) samples: usize,
-    pub(super) dense: Dense,
-    pub(super) sampled: State,
-    pub(super) poll: Poll<'a>,
+    pub(crate) samples: usize,
+    pub(crate) dense: Dense,
+    pub(crate) sampled: State,
+    pub(crate) poll: Poll<'a>,
 }
 
-pub(super) fn run(
+pub(crate) fn run(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
@@ -256,7 +256,7 @@ impl<'a> Runner<'a> {
     }
 
     /// Tries again with a shorter step.
-    pub(super) fn shorten(&mut self, h: f64) -> Option<Outcome> {
+    pub(crate) fn shorten(&mut self, h: f64) -> Option<Outcome> {
         self.control.h = h;
         (self.linear, self.stale) = (false, true);
         self.motion.rejected_steps += 1;
@@ -270,7 +270,7 @@ impl<'a> Runner<'a> {
     }
 
     /// A relative error that is aimed at, with what decides whether rounding allows it.
-    pub(super) fn rounding(&self, goal: f64) -> (f64, f64) {
+    pub(crate) fn rounding(&self, goal: f64) -> (f64, f64) {
         (goal, self.field.load)
     }
 

@@ -5,8 +5,10 @@
 //! that is short beside the time in which that happens shows how far a motion from rest goes, which its error is
 //! compared with. The end of the motion is an upper limit only.
 
-use super::field::{Field, add, largest};
-use super::touch::{FieldError, ROUNDING, ROWS, State, Touch};
+use crate::integrator::event::dynamics::contact_variables::{
+    FieldError, ROUNDING, ROWS, State, Touch,
+};
+use crate::integrator::event::dynamics::{Field, add, largest};
 
 /// Number of trials, and how much longer each is than the one before.
 const TRIALS: i32 = 32;
@@ -17,7 +19,7 @@ const BEND: f64 = 0.01;
 
 /// The longest trial step, at most `longest`, along which accelerations and contact forces from `state` on, where
 /// the accelerations are `a0`, change as a straight line does. The field is left at its end.
-pub(super) fn first_step(
+pub(crate) fn first_step(
     field: &mut Field<'_>,
     state: &State,
     a0: &[f64],

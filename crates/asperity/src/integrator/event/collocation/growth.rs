@@ -8,9 +8,9 @@
 
 use nalgebra::DMatrix;
 
-use super::collocation::{STAGES, Step, Tableau};
-use super::control::GROWTH;
-use super::touch::ROUNDING;
+use crate::integrator::event::collocation::step::{STAGES, Step, Tableau};
+use crate::integrator::event::collocation::step_size::GROWTH;
+use crate::integrator::event::dynamics::contact_variables::ROUNDING;
 
 /// Iterations per eigenvalue.
 const SWEEPS: usize = 50;
@@ -25,7 +25,7 @@ impl Step {
     /// When a slip begins from rest its rates fall with the time since then, and with the length of the step the
     /// number stays what it is: below one, because directions that attract are those for which the slip grows
     /// faster than they turn.
-    pub(super) fn growth(&mut self) -> f64 {
+    pub(crate) fn growth(&mut self) -> f64 {
         self.unstable = 0.0;
         // What rests exactly deviates from nothing.
         if self.a.iter().all(|a| *a == 0.0) {

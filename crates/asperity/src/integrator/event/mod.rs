@@ -16,39 +16,21 @@
 //! | `happen.rs`, `impact.rs` | what is done at events |
 //! | `motion.rs` | what is returned |
 
-mod between;
 mod collocation;
-mod control;
-mod decide;
-mod dense;
-mod derivatives;
-mod field;
-mod force;
-mod growth;
-mod happen;
-mod impact;
-mod inverse;
-mod locate;
-mod lu;
-mod mobility;
+mod contact_problem;
+mod dynamics;
+mod event_function;
+mod integration;
 mod motion;
-mod part;
-mod points;
-mod poll;
-mod run;
-mod sample;
-mod share;
-mod start;
-mod touch;
-mod watch;
+mod observer;
 
 use std::ops::ControlFlow;
 
 use asperity_set::{Star, strict_convexity};
 use thiserror::Error;
 
+pub use dynamics::contact_variables::FieldError;
 pub use motion::{Event, Kind, Motion};
-pub use touch::FieldError;
 
 use crate::law::{FrictionLaw, Law};
 use crate::solver::Unsolvable;
@@ -161,7 +143,7 @@ pub fn integrate(
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, OptionsError> {
     check(system, options)?;
-    run::run(system, options, observer)
+    integration::time_loop::run(system, options, observer)
 }
 
 /// Latest end, so that no power of a time overflows.

@@ -1,13 +1,16 @@
 //! When something happens: functions of the state whose zeros are events, and where these zeros are.
 
-use super::field::Field;
-use super::touch::SLACK;
-use super::{Section, force};
+pub(crate) mod between_stages;
+
 use crate::contact::Phase;
+use crate::integrator::event::Section;
+use crate::integrator::event::dynamics::Field;
+use crate::integrator::event::dynamics::contact_variables::SLACK;
+use crate::integrator::event::dynamics::sliding_force;
 
 /// A function that is not positive while a contact goes on doing what it does: the gap closes, the force
 /// leaves the reservoir or the normal force vanishes.
-pub(super) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
+pub(crate) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
     let touch = &field.touches[contact];
     match (touch.mode, touch.prescribed) {
         (Phase::Open, None) => -touch.gap - (SLACK * touch.reach).max(field.creep),
@@ -19,20 +22,20 @@ pub(super) fn alarm(field: &Field<'_>, contact: usize) -> f64 {
 }
 
 /// How far the friction force of a sticking contact lies outside the reservoir.
-pub(super) fn excess(field: &Field<'_>, contact: usize) -> f64 {
+pub(crate) fn excess(field: &Field<'_>, contact: usize) -> f64 {
     let touch = &field.touches[contact];
-    force::gauge(field.law(contact), &touch.force) - touch.normal_force - touch.tolerated
+    sliding_force::gauge(field.law(contact), &touch.force) - touch.normal_force - touch.tolerated
 }
 
 impl Section {
     /// Height above the hyperplane.
-    pub(super) fn height(&self, q: &[f64], u: &[f64]) -> f64 {
+    pub(crate) fn height(&self, q: &[f64], u: &[f64]) -> f64 {
         let point = q.iter().chain(u);
         self.normal.iter().zip(point).map(|(n, x)| n * x).sum::<f64>() - self.level
     }
 
     /// What heights are compared with.
-    pub(super) fn size(&self, q: &[f64], u: &[f64]) -> f64 {
+    pub(crate) fn size(&self, q: &[f64], u: &[f64]) -> f64 {
         let point = q.iter().chain(u);
         self.normal.iter().zip(point).map(|(n, x)| (n * x).abs()).sum::<f64>() + self.level.abs()
     }
@@ -41,7 +44,7 @@ impl Section {
 /// The zero of `f` between `low`, where it is not positive, and `high`, where it is, by Illinois' method with
 /// bisections; the last argument was the one of the result. Arguments whose bracket is `width` wide count as
 /// found.
-pub(super) fn zero<E>(
+pub(crate) fn zero<E>(
     (mut low, mut f_low): (f64, f64),
     (mut high, mut f_high): (f64, f64),
     width: f64,

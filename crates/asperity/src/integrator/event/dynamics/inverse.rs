@@ -9,10 +9,10 @@ const SINGULAR: f64 = 1e-11;
 
 /// The inverse, row by row.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Inverse {
+pub(crate) struct Inverse {
     size: usize,
     /// Whether it is a pseudo-inverse.
-    pub(super) singular: bool,
+    pub(crate) singular: bool,
     entries: Vec<f64>,
     work: Vec<f64>,
     product: Vec<f64>,
@@ -21,7 +21,7 @@ pub(super) struct Inverse {
 impl Inverse {
     /// Of the matrix with these entries. Statically indeterminate contacts make it singular: they share the
     /// forces so that the sum of squares is smallest.
-    pub(super) fn of(&mut self, size: usize, entry: impl Fn(usize, usize) -> f64) {
+    pub(crate) fn of(&mut self, size: usize, entry: impl Fn(usize, usize) -> f64) {
         (self.size, self.singular) = (size, false);
         if size == 1 {
             self.entries.clear();
@@ -84,7 +84,7 @@ impl Inverse {
     }
 
     /// `values ← inverse values`.
-    pub(super) fn apply(&mut self, values: &mut [f64]) {
+    pub(crate) fn apply(&mut self, values: &mut [f64]) {
         self.product.clear();
         self.product.extend_from_slice(values);
         if values.is_empty() {

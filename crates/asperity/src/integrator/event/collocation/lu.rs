@@ -2,7 +2,7 @@
 
 /// Gaussian elimination with row exchanges: `right ← matrix⁻¹ right`, the matrix row by row; false if it is
 /// singular.
-pub(super) fn solve(matrix: &mut [f64], right: &mut [f64]) -> bool {
+pub(crate) fn solve(matrix: &mut [f64], right: &mut [f64]) -> bool {
     let n = right.len();
     for k in 0..n {
         let size = |i: &usize| matrix[i * n + k].abs();

@@ -1,17 +1,17 @@
 //! Forces of contacts that share them in many ways.
 
-use super::decide::{self, Decision};
-use super::field::Field;
-use super::locate::alarm;
-use super::poll::Poll;
-use super::run::Runner;
-use super::touch::{FieldError, State, Touch};
 use crate::contact::{ContactState, Phase};
+use crate::integrator::event::contact_problem::accelerations::{self, Decision};
+use crate::integrator::event::dynamics::Field;
+use crate::integrator::event::dynamics::contact_variables::{FieldError, State, Touch};
+use crate::integrator::event::event_function::alarm;
+use crate::integrator::event::integration::time_loop::Runner;
+use crate::integrator::event::observer::Poll;
 
 impl Runner<'_> {
     /// Evaluates the field. Closed contacts that share their forces so that one could not carry its part or would
     /// have to pull, though together they can, are given parts that they can carry: the accelerations stay the same.
-    pub(super) fn evaluate(
+    pub(crate) fn evaluate(
         &mut self,
         (t, q, u): (f64, &[f64], &[f64]),
         frozen: bool,
@@ -41,7 +41,7 @@ fn share(
     for touch in &mut field.touches {
         touch.resting = touch.mode == Phase::Stick;
     }
-    let decision = decide::decide(field, state, memory, poll)?;
+    let decision = accelerations::decide(field, state, memory, poll)?;
     let goes_on = |(touch, kept): (&Touch, &Touch)| touch.mode == kept.mode;
     let sticks =
         matches!(decision, Decision::Made { .. }) && field.touches.iter().zip(&kept).all(goes_on);

@@ -9,12 +9,12 @@
 //!
 //! whose derivatives are bounded whatever the curvature: `prox_D` is a contraction.
 
-use super::collocation::{ITERATIONS, STAGES, Scale, Step, Tableau};
-use super::field::{Field, add};
-use super::force;
-use super::lu;
-use super::touch::{FieldError, ROWS, State};
 use crate::contact::Phase;
+use crate::integrator::event::collocation::lu;
+use crate::integrator::event::collocation::step::{ITERATIONS, STAGES, Scale, Step, Tableau};
+use crate::integrator::event::dynamics::contact_variables::{FieldError, ROWS, State};
+use crate::integrator::event::dynamics::sliding_force;
+use crate::integrator::event::dynamics::{Field, add};
 
 /// Newton's method passes flat points by steps that do not shrink at first.
 const MORE_ITERATIONS: usize = 3 * ITERATIONS;
@@ -26,9 +26,9 @@ const FLAT: f64 = 1e-8;
 
 /// The points of a step and what belongs to them.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Points {
+pub(crate) struct Points {
     /// Whether the stages have been found with points as unknowns.
-    pub(super) used: bool,
+    pub(crate) used: bool,
     /// The contacts, in their order.
     contacts: Vec<usize>,
     /// The first unknown of each contact, and their number last.
@@ -55,9 +55,10 @@ impl Points {
         self.contacts.clear();
         let mut start = Vec::new();
         for (i, touch) in field.touches.iter().enumerate() {
-            if touch.mode == Phase::Slip && !force::is_smooth(field.law(i)) {
+            if touch.mode == Phase::Slip && !sliding_force::is_smooth(field.law(i)) {
                 self.contacts.push(i);
-                start.extend_from_slice(&force::point(field.law(i), &sliding[i])[..touch.p]);
+                start
+                    .extend_from_slice(&sliding_force::point(field.law(i), &sliding[i])[..touch.p]);
                 self.first.push(start.len());
             }
         }
@@ -76,7 +77,7 @@ impl Points {
     }
 
     /// Lets the field take the forces of a stage from its points, until it is told not to.
-    pub(super) fn hold(&self, field: &mut Field<'_>, stage: usize) {
+    pub(crate) fn hold(&self, field: &mut Field<'_>, stage: usize) {
         field.held.clear();
         if self.used {
             self.give(field, stage);
@@ -94,7 +95,7 @@ impl Step {
     /// Newton's method for accelerations, or for accelerations and points: the first that converges from the guess
     /// in `a`. `sliding` are the forces per unit normal force at the start, `points_first` says what the step
     /// before needed.
-    pub(super) fn solve_by_any(
+    pub(crate) fn solve_by_any(
         &mut self,
         field: &mut Field<'_>,
         start: &State,
@@ -119,7 +120,7 @@ impl Step {
 
     /// Newton's method for accelerations and points, as [`Step::solve`]; `sliding` are the forces per unit normal
     /// force at the start.
-    pub(super) fn solve_with_points(
+    pub(crate) fn solve_with_points(
         &mut self,
         field: &mut Field<'_>,
         start: &State,
@@ -247,7 +248,7 @@ impl Step {
 
     /// `values ← (I − γhJ)⁻¹ values` with the Jacobian at the first stage, which the points make; false if it is
     /// singular.
-    pub(super) fn filter_with_points(&mut self, step: f64, values: &mut [f64]) -> bool {
+    pub(crate) fn filter_with_points(&mut self, step: f64, values: &mut [f64]) -> bool {
         let (n, m) = (values.len(), self.points.count());
         let size = n + m;
         let Points { matrix, right, by_point, own, by_u, by_q, .. } = &mut self.points;
@@ -279,7 +280,7 @@ impl Step {
 impl Step {
     /// The derivatives of the accelerations by the velocities at a stage, with points as they follow from slips;
     /// none where they do not.
-    pub(super) fn by_velocity(&self, stage: usize) -> Option<Vec<f64>> {
+    pub(crate) fn by_velocity(&self, stage: usize) -> Option<Vec<f64>> {
         let (n, m) = (self.n, self.points.count());
         let Points { by_point, own, by_u, .. } = &self.points;
         let block = stage * n * n..(stage + 1) * n * n;
@@ -312,7 +313,9 @@ impl Points {
         for k in 0..self.contacts.len() {
             let (i, z) = (self.contacts[k], self.of(stage, k));
             let (touch, first) = (field.touches[i], self.first[k]);
-            let Some(at) = force::at_point(field.law(i), &z, &touch.slip) else { return false };
+            let Some(at) = sliding_force::at_point(field.law(i), &z, &touch.slip) else {
+                return false;
+            };
             for r in 0..touch.p {
                 defects[first + r] = at.defect[r];
                 let target = rows + (first + r) * n;

@@ -1,22 +1,22 @@
 //! Contacts and rows that take part in a contact problem.
 
-use super::field::{Field, dot};
-use super::touch::ROWS;
+use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::dynamics::{Field, dot};
 
 /// Mobility of a row over that without other contacts that counts as none.
 const HELD: f64 = 1e-12;
 
 /// Rows that take part in a contact problem, with `M⁻¹` of them.
-pub(super) struct Part {
-    pub(super) contacts: Vec<usize>,
-    pub(super) rows: Vec<usize>,
-    pub(super) responses: Vec<f64>,
+pub(crate) struct Part {
+    pub(crate) contacts: Vec<usize>,
+    pub(crate) rows: Vec<usize>,
+    pub(crate) responses: Vec<f64>,
 }
 
 impl Part {
     /// Contacts that the slipping ones hold in all their directions already. The mobility that is left of them
     /// is rounding, and must not ask for a force.
-    pub(super) fn held(&self, field: &Field<'_>) -> Vec<usize> {
+    pub(crate) fn held(&self, field: &Field<'_>) -> Vec<usize> {
         let n = field.n;
         let moves = |k: usize| {
             let row = self.rows[k];
@@ -31,7 +31,7 @@ impl Part {
 
 /// Rows of these contacts, answered by the slipping contacts that stay closed: responses, and the normal
 /// forces there.
-pub(super) fn constrained(field: &mut Field<'_>, contacts: Vec<usize>) -> (Part, Vec<f64>) {
+pub(crate) fn constrained(field: &mut Field<'_>, contacts: Vec<usize>) -> (Part, Vec<f64>) {
     let rows: Vec<usize> = contacts.iter().flat_map(|&i| field.rows_of(i)).collect();
     let n = field.n;
     let (mut responses, mut answers) = (Vec::with_capacity(rows.len() * n), Vec::new());

@@ -1,15 +1,15 @@
 //! States inside a step: the polynomial of degree eleven through coordinates, velocities and accelerations at
 //! four times, so that many samples cost two steps more, not one each.
 
-use super::touch::State;
+use crate::integrator::event::dynamics::contact_variables::State;
 
 /// Times of a step at which states are found, and the conditions there.
-pub(super) const PLACES: usize = 4;
+pub(crate) const PLACES: usize = 4;
 const CONDITIONS: usize = 3 * PLACES;
 
 /// The polynomial, by Newton's divided differences.
 #[derive(Debug)]
-pub(super) struct Dense {
+pub(crate) struct Dense {
     n: usize,
     start: f64,
     h: f64,
@@ -26,7 +26,7 @@ fn place(i: usize) -> f64 {
 }
 
 impl Dense {
-    pub(super) fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         Self {
             n,
             start: 0.0,
@@ -37,7 +37,7 @@ impl Dense {
     }
 
     /// A step of length `h` from `start`, with accelerations `a` there.
-    pub(super) fn begin(&mut self, start: &State, h: f64, a: &[f64]) {
+    pub(crate) fn begin(&mut self, start: &State, h: f64, a: &[f64]) {
         (self.start, self.h) = (start.t, h);
         self.origin.copy_from_slice(&start.q);
         for (i, own) in self.differences.iter_mut().enumerate() {
@@ -46,14 +46,14 @@ impl Dense {
     }
 
     /// What holds at one of the later places: ways from the start, velocities and accelerations.
-    pub(super) fn set(&mut self, k: usize, way: impl Fn(usize) -> f64, u: &[f64], a: &[f64]) {
+    pub(crate) fn set(&mut self, k: usize, way: impl Fn(usize) -> f64, u: &[f64], a: &[f64]) {
         for (i, own) in self.differences.iter_mut().enumerate() {
             own[3 * k..3 * k + 3].copy_from_slice(&[way(i), u[i], a[i]]);
         }
     }
 
     /// Divided differences of what has been set.
-    pub(super) fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         let h = self.h;
         for own in &mut self.differences {
             let given = *own;
@@ -79,7 +79,7 @@ impl Dense {
     }
 
     /// The state at a time.
-    pub(super) fn at(&self, t: f64, state: &mut State) {
+    pub(crate) fn at(&self, t: f64, state: &mut State) {
         let x = (t - self.start) / self.h;
         state.t = t;
         for (i, own) in self.differences.iter().enumerate().take(self.n) {

@@ -1,11 +1,13 @@
 //! Impacts, and what contacts do after velocities have jumped.
 
-use super::decide::{self, Blow, Decision};
-use super::happen::Next;
-use super::run::Runner;
-use super::touch::{FieldError, ROWS, STILL, State, TOUCHING, instant};
-use super::{Cause, Kind, Outcome};
 use crate::contact::{ContactState, Phase};
+use crate::integrator::event::contact_problem::accelerations::{self, Blow, Decision};
+use crate::integrator::event::dynamics::contact_variables::{
+    FieldError, ROWS, STILL, State, TOUCHING, instant,
+};
+use crate::integrator::event::integration::time_loop::Runner;
+use crate::integrator::event::integration::transition::Next;
+use crate::integrator::event::{Cause, Kind, Outcome};
 
 /// Height of a bounce over the reach of the contact below which it rests: the end of a sequence of impacts,
 /// whose rest takes the time of about two such bounces.
@@ -15,7 +17,7 @@ const RESISTANCE: f64 = 1e-12;
 
 impl Runner<'_> {
     /// A gap has closed.
-    pub(super) fn collide(&mut self, contact: usize) -> Next {
+    pub(crate) fn collide(&mut self, contact: usize) -> Next {
         let mut before = self.phases();
         let still = STILL * self.control.speed();
         let involved: Vec<usize> = (0..self.memory.len())
@@ -34,7 +36,8 @@ impl Runner<'_> {
                 let meeting = (involved.clone(), blow);
                 let (field, state) = (&mut self.field, &mut self.state);
                 let poll = &self.poll;
-                match decide::strike(field, state, meeting, &self.memory, &mut after, poll)? {
+                match accelerations::strike(field, state, meeting, &self.memory, &mut after, poll)?
+                {
                     Decision::Made { ambiguous: several } => ambiguous = several,
                     Decision::Ended(outcome) => return Ok(Some(outcome)),
                 }
@@ -106,7 +109,7 @@ impl Runner<'_> {
     }
 
     /// A slipping contact that no longer resists to normal motions.
-    pub(super) fn singular(&self) -> Option<usize> {
+    pub(crate) fn singular(&self) -> Option<usize> {
         let touches = self.field.touches.iter().zip(self.control.resistances());
         let mut slipping = touches.map(|(touch, resistance)| (touch.mode, *resistance));
         slipping.position(|(mode, resistance)| mode == Phase::Slip && resistance < RESISTANCE)
@@ -124,7 +127,7 @@ impl Runner<'_> {
     }
 
     /// Painlevé's paradox: a contact that can open, opens; if none can, an impact without collision stops the slip.
-    pub(super) fn leave_singular(&mut self, contact: usize) -> Next {
+    pub(crate) fn leave_singular(&mut self, contact: usize) -> Next {
         let mut before = self.phases();
         if self.opens(contact)? {
             self.field.touches[contact].mode = Phase::Open;
@@ -138,7 +141,7 @@ impl Runner<'_> {
             touch.prescribed.is_none() && touch.mode != Phase::Open
         };
         let involved: Vec<usize> = (0..self.memory.len()).filter(closed).collect();
-        if !decide::stop(&mut self.field, &mut self.state, &involved)? {
+        if !accelerations::stop(&mut self.field, &mut self.state, &involved)? {
             let cause = Cause::NoImpact;
             return Ok(Some(Outcome::Stuck { cause, contact: Some(contact) }));
         }

@@ -1,10 +1,10 @@
 //! How long a step may be.
 
-use super::collocation::Scale;
-use super::field::{Field, dot, largest};
-use super::force::norm;
-use super::touch::{ROUNDING, ROWS, STILL};
 use crate::contact::Phase;
+use crate::integrator::event::collocation::step::Scale;
+use crate::integrator::event::dynamics::contact_variables::{ROUNDING, ROWS, STILL};
+use crate::integrator::event::dynamics::sliding_force::norm;
+use crate::integrator::event::dynamics::{Field, dot, largest};
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
 /// (\[HairerWanner1996\] IV.8).
@@ -16,21 +16,21 @@ const APPROACH: f64 = 0.75;
 const BEYOND: f64 = 1.2;
 /// Powers of e by which deviations may grow within a step. The method is exact to 1e-8 there, and to 1e-3 at 3; from
 /// 6 on, beyond its pole, it damps.
-pub(super) const GROWTH: f64 = 1.0;
+pub(crate) const GROWTH: f64 = 1.0;
 /// Relative change of the growth, between attempts one of which is at most 0.8 times as long, that counts as none.
 const SAME: f64 = 0.05;
 
 /// Tolerances, scales and the length of the next step.
 #[derive(Debug)]
-pub(super) struct Control {
+pub(crate) struct Control {
     /// Of the error estimate.
-    pub(super) estimate: f64,
+    pub(crate) estimate: f64,
     /// Of Newton's method.
-    pub(super) newton: f64,
+    pub(crate) newton: f64,
     scale: Scale,
     /// The velocity of which the share [`STILL`] is what rounding may make of forces that balance.
     creep: f64,
-    pub(super) h: f64,
+    pub(crate) h: f64,
     last_error: f64,
     /// Rates at which the resistances of unilateral contacts change.
     rates: Vec<f64>,
@@ -42,7 +42,7 @@ pub(super) struct Control {
 }
 
 impl Control {
-    pub(super) fn new(tolerance: f64, contacts: usize) -> Self {
+    pub(crate) fn new(tolerance: f64, contacts: usize) -> Self {
         Self {
             estimate: 0.01 * tolerance.powf(0.6),
             newton: 0.01 * tolerance,
@@ -58,7 +58,7 @@ impl Control {
     }
 
     /// Takes a state into account, to which a step of length `h` has led.
-    pub(super) fn see(&mut self, field: &mut Field<'_>, q: &[f64], u: &[f64], h: f64) {
+    pub(crate) fn see(&mut self, field: &mut Field<'_>, q: &[f64], u: &[f64], h: f64) {
         self.scale.q = self.scale.q.max(largest(q));
         self.scale.u = self.scale.u.max(largest(u));
         // Forces that balance let what rests creep by what rounding leaves of them.
@@ -84,20 +84,20 @@ impl Control {
     /// What errors of a step are compared with: the largest values so far, at least what this
     /// acceleration changes. `goal` is the relative error that counts: it must not be asked for below what
     /// rounding leaves of the forces, of which `load` is the largest, where these balance.
-    pub(super) fn scale(&self, h: f64, acceleration: f64, (goal, load): (f64, f64)) -> Scale {
+    pub(crate) fn scale(&self, h: f64, acceleration: f64, (goal, load): (f64, f64)) -> Scale {
         let rounding = ROUNDING / goal * load;
         let u = self.scale.u.max(h * acceleration.max(rounding)).max(1e-100);
         Scale { q: self.scale.q.max(h * u), u }
     }
 
     /// What velocities are compared with to tell whether they vanish: the largest one so far.
-    pub(super) fn speed(&self) -> f64 {
+    pub(crate) fn speed(&self) -> f64 {
         self.scale.u.max(self.creep)
     }
 
     /// The longest first step: a share of the times in which velocities and coordinates change by themselves, as
     /// far as there are any, and of all the time.
-    pub(super) fn first(&self, t_end: f64, a0: &[f64]) -> f64 {
+    pub(crate) fn first(&self, t_end: f64, a0: &[f64]) -> f64 {
         let Scale { q, u } = self.scale;
         let times = [0.01 * u / largest(a0), 0.01 * q / u];
         let usable = times.into_iter().filter(|t| t.is_finite() && *t > 0.0);
@@ -106,7 +106,7 @@ impl Control {
 
     /// The estimate relative to the tolerance decides whether a step is kept, and on the length of the next;
     /// false if it is not.
-    pub(super) fn judge(&mut self, h: f64, error: f64) -> bool {
+    pub(crate) fn judge(&mut self, h: f64, error: f64) -> bool {
         let error = (error / self.estimate).max(1e-12);
         // The comparison also turns away NaN.
         if !(error <= 1.0) {
@@ -124,7 +124,7 @@ impl Control {
 
     /// Whether deviations grow so much within a step of length `h` that the method would damp them; then the length
     /// of the next attempt. Where a shorter step would be the same, as at the beginning of slips from rest, it is kept.
-    pub(super) fn repels(&mut self, h: f64, growth: f64) -> bool {
+    pub(crate) fn repels(&mut self, h: f64, growth: f64) -> bool {
         let repels = growth > GROWTH && !((growth / self.refused - 1.0).abs() < SAME);
         if repels {
             self.h = h * (0.9 * GROWTH / growth).clamp(0.1, 0.8);
@@ -134,7 +134,7 @@ impl Control {
     }
 
     /// A step of length `h` has been made, at whose end deviations grow at the rate `unstable`.
-    pub(super) fn made(&mut self, field: &Field<'_>, h: f64, unstable: f64) {
+    pub(crate) fn made(&mut self, field: &Field<'_>, h: f64, unstable: f64) {
         (self.unstable, self.refused) = (unstable, f64::INFINITY);
         for ((rate, last), touch) in
             self.rates.iter_mut().zip(&mut self.resistances).zip(&field.touches)
@@ -145,12 +145,12 @@ impl Control {
     }
 
     /// The resistances at the present state, whatever an attempt has met since.
-    pub(super) fn resistances(&self) -> &[f64] {
+    pub(crate) fn resistances(&self) -> &[f64] {
         &self.resistances
     }
 
     /// Forgets how fast resistances change: contacts do something else.
-    pub(super) fn forget(&mut self, field: &Field<'_>) {
+    pub(crate) fn forget(&mut self, field: &Field<'_>) {
         (self.unstable, self.refused) = (0.0, f64::INFINITY);
         self.rates.fill(0.0);
         for (last, touch) in self.resistances.iter_mut().zip(&field.touches) {
@@ -160,7 +160,7 @@ impl Control {
 
     /// A step must not go beyond half the flight of contacts that have just bounced or opened, nor far beyond
     /// the closing of gaps that are no polynomials of the motion.
-    pub(super) fn flight(&self, field: &Field<'_>, u: &[f64], a0: &[f64]) -> f64 {
+    pub(crate) fn flight(&self, field: &Field<'_>, u: &[f64], a0: &[f64]) -> f64 {
         let mut limit = f64::INFINITY;
         for (i, touch) in field.touches.iter().enumerate() {
             if touch.is_free() {
@@ -180,7 +180,7 @@ impl Control {
 
     /// The longest step that reaches neither the end of a slip, where the direction is not defined, nor the end
     /// of a resistance.
-    pub(super) fn limit(&self, field: &Field<'_>, a0: &[f64]) -> f64 {
+    pub(crate) fn limit(&self, field: &Field<'_>, a0: &[f64]) -> f64 {
         let mut limit = GROWTH / self.unstable;
         for (i, touch) in field.touches.iter().enumerate() {
             if touch.mode != Phase::Slip {
@@ -199,7 +199,7 @@ impl Control {
 }
 
 /// `d‖γ‖/dt` of a slipping contact.
-pub(super) fn slip_rate(field: &Field<'_>, contact: usize, acceleration: &[f64]) -> f64 {
+pub(crate) fn slip_rate(field: &Field<'_>, contact: usize, acceleration: &[f64]) -> f64 {
     let touch = &field.touches[contact];
     let rows = ROWS * contact + 1..;
     let terms = rows.zip(&touch.slip[..touch.p]);

@@ -1,8 +1,8 @@
 //! What an event-driven integration returns.
 
-use super::field::Field;
-use super::touch::State;
 use crate::contact::Phase;
+use crate::integrator::event::dynamics::Field;
+use crate::integrator::event::dynamics::contact_variables::State;
 
 /// What happens at an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,13 +83,13 @@ pub struct Motion {
 }
 
 impl Motion {
-    pub(super) fn new(field: &Field<'_>) -> Self {
+    pub(crate) fn new(field: &Field<'_>) -> Self {
         let p = field.touches.iter().map(|touch| touch.p).max().unwrap_or(0);
         Self { dof: field.n, contacts: field.touches.len(), p, ..Self::default() }
     }
 
     /// Appends a state, at which the field has been evaluated.
-    pub(super) fn record(&mut self, field: &Field<'_>, state: &State) {
+    pub(crate) fn record(&mut self, field: &Field<'_>, state: &State) {
         self.t.push(state.t);
         self.q.extend_from_slice(&state.q);
         self.u.extend_from_slice(&state.u);
@@ -109,7 +109,7 @@ impl Motion {
     }
 
     /// Keeps the first samples.
-    pub(super) fn truncate(&mut self, samples: usize) {
+    pub(crate) fn truncate(&mut self, samples: usize) {
         let (n, m) = (self.dof, self.contacts);
         self.t.truncate(samples);
         self.q.truncate(samples * n);

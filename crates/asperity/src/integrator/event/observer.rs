@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 const POLL_EVERY: Duration = Duration::from_millis(50);
 
 /// The observer, when it was asked last and whether it has asked to stop.
-pub(super) struct Poll<'a> {
+pub(crate) struct Poll<'a> {
     observer: RefCell<&'a mut dyn FnMut(f64) -> ControlFlow<()>>,
     asked: Cell<Instant>,
     interrupted: Cell<bool>,
 }
 
 impl<'a> Poll<'a> {
-    pub(super) fn new(observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>) -> Self {
+    pub(crate) fn new(observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>) -> Self {
         Self {
             observer: RefCell::new(observer),
             asked: Cell::new(Instant::now()),
@@ -23,7 +23,7 @@ impl<'a> Poll<'a> {
     }
 
     /// Whether the observer wants to stop; it is asked if the last time is some while ago.
-    pub(super) fn stops(&self, t: f64) -> bool {
+    pub(crate) fn stops(&self, t: f64) -> bool {
         if !self.interrupted.get()
             && self.asked.get().elapsed() >= POLL_EVERY
             // An observer that asks for a solution itself is not asked again meanwhile.
@@ -36,7 +36,7 @@ impl<'a> Poll<'a> {
     }
 
     /// Whether the observer has asked to stop.
-    pub(super) fn stopped(&self) -> bool {
+    pub(crate) fn stopped(&self) -> bool {
         self.interrupted.get()
     }
 }

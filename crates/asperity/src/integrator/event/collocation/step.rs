@@ -8,25 +8,25 @@ use std::sync::OnceLock;
 
 use nalgebra::SMatrix;
 
-use super::field::Field;
-use super::lu;
-use super::points::Points;
-use super::touch::{FieldError, State};
+use crate::integrator::event::collocation::direction_points::Points;
+use crate::integrator::event::collocation::lu;
+use crate::integrator::event::dynamics::Field;
+use crate::integrator::event::dynamics::contact_variables::{FieldError, State};
 
 /// Number of stages.
-pub(super) const STAGES: usize = 5;
+pub(crate) const STAGES: usize = 5;
 /// Iterations of Newton's method.
-pub(super) const ITERATIONS: usize = 12;
+pub(crate) const ITERATIONS: usize = 12;
 
 type Square = SMatrix<f64, STAGES, STAGES>;
 
 /// The coefficients of the method.
 #[derive(Debug)]
-pub(super) struct Tableau {
+pub(crate) struct Tableau {
     /// Nodes, the last one is 1.
-    pub(super) c: [f64; STAGES],
-    pub(super) a: Square,
-    pub(super) a_squared: Square,
+    pub(crate) c: [f64; STAGES],
+    pub(crate) a: Square,
+    pub(crate) a_squared: Square,
     /// The real eigenvalue of `A`.
     gamma: f64,
     /// Lagrange polynomials at zero.
@@ -35,7 +35,7 @@ pub(super) struct Tableau {
 
 impl Tableau {
     /// The coefficients, computed once.
-    pub(super) fn radau() -> &'static Self {
+    pub(crate) fn radau() -> &'static Self {
         static RADAU: OnceLock<Tableau> = OnceLock::new();
         RADAU.get_or_init(Self::new)
     }
@@ -88,42 +88,42 @@ fn lagrange(c: &[f64; STAGES], x: f64) -> [f64; STAGES] {
 }
 
 /// The polynomial that is one at the `j`-th node and zero at the others.
-pub(super) fn lagrange_at(nodes: &[f64], j: usize, x: f64) -> f64 {
+pub(crate) fn lagrange_at(nodes: &[f64], j: usize, x: f64) -> f64 {
     let others = (0..nodes.len()).filter(|&k| k != j);
     others.map(|k| (x - nodes[k]) / (nodes[j] - nodes[k])).product()
 }
 
 /// What velocities and coordinates are compared with.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scale {
-    pub(super) q: f64,
-    pub(super) u: f64,
+pub(crate) struct Scale {
+    pub(crate) q: f64,
+    pub(crate) u: f64,
 }
 
 /// One step with its stages.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Step {
-    pub(super) n: usize,
+pub(crate) struct Step {
+    pub(crate) n: usize,
     /// Length.
-    pub(super) h: f64,
+    pub(crate) h: f64,
     /// Accelerations, velocities and coordinates, stage after stage.
-    pub(super) a: Vec<f64>,
-    pub(super) u: Vec<f64>,
-    pub(super) q: Vec<f64>,
+    pub(crate) a: Vec<f64>,
+    pub(crate) u: Vec<f64>,
+    pub(crate) q: Vec<f64>,
     /// Jacobians of the accelerations in `u` and `q` at the stages.
-    pub(super) ku: Vec<f64>,
-    pub(super) kq: Vec<f64>,
+    pub(crate) ku: Vec<f64>,
+    pub(crate) kq: Vec<f64>,
     matrix: Vec<f64>,
     residual: Vec<f64>,
     small: Vec<f64>,
     /// Rate at which deviations grow at the end, zero if they do not.
-    pub(super) unstable: f64,
+    pub(crate) unstable: f64,
     /// Points of direction sets, where they are unknowns of their own.
-    pub(super) points: Points,
+    pub(crate) points: Points,
 }
 
 impl Step {
-    pub(super) fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         let (row, block) = (vec![0.0; STAGES * n], vec![0.0; STAGES * n * n]);
         Self {
             n,
@@ -142,7 +142,7 @@ impl Step {
     }
 
     /// Accelerations `a₀ + slope t` as the first guess.
-    pub(super) fn guess_line(&mut self, h: f64, a0: &[f64], slope: Option<&[f64]>) {
+    pub(crate) fn guess_line(&mut self, h: f64, a0: &[f64], slope: Option<&[f64]>) {
         for (c, a) in Tableau::radau().c.iter().zip(self.a.chunks_exact_mut(self.n)) {
             for (k, a) in a.iter_mut().enumerate() {
                 *a = a0[k] + slope.map_or(0.0, |slope| slope[k] * c * h);
@@ -151,7 +151,7 @@ impl Step {
     }
 
     /// The polynomial of `other`, whose start lies `ahead` before this one's.
-    pub(super) fn guess_from(&mut self, h: f64, other: &Self, ahead: f64) {
+    pub(crate) fn guess_from(&mut self, h: f64, other: &Self, ahead: f64) {
         let c = &Tableau::radau().c;
         for (ci, a) in c.iter().zip(self.a.chunks_exact_mut(self.n)) {
             let weights = lagrange(c, (ahead + ci * h) / other.h);
@@ -164,7 +164,7 @@ impl Step {
     /// Newton's method for the stages of a step of length `h`; whether it has converged.
     ///
     /// The guess is in `a`; the field holds the smooth part of the Jacobian.
-    pub(super) fn solve(
+    pub(crate) fn solve(
         &mut self,
         field: &mut Field<'_>,
         start: &State,
@@ -204,7 +204,7 @@ impl Step {
     }
 
     /// The states at the stages that follow from the accelerations there.
-    pub(super) fn stages(&mut self, start: &State) {
+    pub(crate) fn stages(&mut self, start: &State) {
         let (n, h, table) = (self.n, self.h, Tableau::radau());
         for i in 0..STAGES {
             for k in 0..n {
@@ -260,7 +260,7 @@ impl Step {
 
     /// Estimate of the error of order six, filtered by `(I − hγJ)⁻¹`; `a0` is the acceleration at the
     /// start. The larger of the errors in `q` and `u`, relative to the scales.
-    pub(super) fn error(&mut self, start: &State, a0: &[f64], scale: Scale) -> f64 {
+    pub(crate) fn error(&mut self, start: &State, a0: &[f64], scale: Scale) -> f64 {
         let (n, table) = (self.n, Tableau::radau());
         let step = self.h * table.gamma;
         let at_zero = |values: &[f64], k: usize| -> f64 {
@@ -300,14 +300,14 @@ impl Step {
     }
 
     /// The way of a coordinate from the start to the end, without the rounding of the coordinate.
-    pub(super) fn way(&self, start: &State, k: usize) -> f64 {
+    pub(crate) fn way(&self, start: &State, k: usize) -> f64 {
         let weights = Tableau::radau().a_squared.row(STAGES - 1);
         let second: f64 = (0..STAGES).map(|j| weights[j] * self.a[j * self.n + k]).sum();
         self.h * (start.u[k] + self.h * second)
     }
 
     /// The last stage, which is the end of the step.
-    pub(super) fn end<'a>(&self, values: &'a [f64]) -> &'a [f64] {
+    pub(crate) fn end<'a>(&self, values: &'a [f64]) -> &'a [f64] {
         &values[(STAGES - 1) * self.n..]
     }
 }

@@ -3,66 +3,71 @@
 //! `M a = h + Σ (w_N λ_N + W λ)`, with `λ = λ_N f(γ)` in slip, `γ̇ = 0` in stick and `γ̇_N = 0` at closed
 //! unilateral contacts: one small linear system for the forces that are not given.
 
+pub(crate) mod contact_variables;
+pub(crate) mod inverse;
+pub(crate) mod jacobian;
+pub(crate) mod mobility;
+pub(crate) mod sliding_force;
+
 use nalgebra::DMatrix;
 
-use super::force;
-use super::inverse::Inverse;
-use super::touch::{FieldError, ROWS, Touch};
 use crate::contact::Phase;
+use crate::integrator::event::dynamics::contact_variables::{FieldError, ROWS, Touch};
+use crate::integrator::event::dynamics::inverse::Inverse;
 use crate::law::Law;
 use crate::stepper::mass::MassFactor;
 use crate::system::System;
 
 /// The system in a mode.
 #[derive(Debug)]
-pub(super) struct Field<'a> {
-    pub(super) system: &'a dyn System,
-    pub(super) n: usize,
-    pub(super) touches: Vec<Touch>,
-    pub(super) acceleration: Vec<f64>,
+pub(crate) struct Field<'a> {
+    pub(crate) system: &'a dyn System,
+    pub(crate) n: usize,
+    pub(crate) touches: Vec<Touch>,
+    pub(crate) acceleration: Vec<f64>,
     /// The largest component of the accelerations that the forces would give one by one. The acceleration may
     /// be their difference, as small as rounding makes it: what it is compared with is this.
-    pub(super) load: f64,
+    pub(crate) load: f64,
     /// The way that rounding may make a contact go in the present step while the forces there balance.
-    pub(super) creep: f64,
+    pub(crate) creep: f64,
     /// The last time at which the system is asked. Its forces may jump at the end of the motion, to which only
     /// their limit from the left belongs.
     latest: f64,
     /// Contacts whose force is given by a point of *D* instead of the sliding direction, and these points.
-    pub(super) held: Vec<(usize, [f64; 3])>,
+    pub(crate) held: Vec<(usize, [f64; 3])>,
     /// `Wᵀ` and `W_Nᵀ`, [`ROWS`] per contact, χ and `Ẇᵀu + χ̇` likewise.
-    pub(super) rows: Vec<f64>,
-    pub(super) chi: Vec<f64>,
-    pub(super) drift: Vec<f64>,
+    pub(crate) rows: Vec<f64>,
+    pub(crate) chi: Vec<f64>,
+    pub(crate) drift: Vec<f64>,
     /// `M⁻¹` times the rows.
-    pub(super) response: Vec<f64>,
-    pub(super) factor: Option<MassFactor>,
+    pub(crate) response: Vec<f64>,
+    pub(crate) factor: Option<MassFactor>,
     mass: DMatrix<f64>,
     /// Whether rows and mass never change.
-    pub(super) constant: bool,
+    pub(crate) constant: bool,
     ready: bool,
     /// Time between the points of differences along the motion, and the rows' velocities there.
-    pub(super) stencil: f64,
-    pub(super) widest: f64,
-    pub(super) along: Vec<[f64; 4]>,
+    pub(crate) stencil: f64,
+    pub(crate) widest: f64,
+    pub(crate) along: Vec<[f64; 4]>,
     /// Rows of the equations for unknown forces, their columns `M⁻¹(…)`, solutions.
     unknown: Vec<usize>,
     columns: Vec<f64>,
     inverse: Inverse,
-    pub(super) solution: Vec<f64>,
+    pub(crate) solution: Vec<f64>,
     defects: Vec<f64>,
     /// Smooth part of the Jacobian.
-    pub(super) smooth_u: Vec<f64>,
-    pub(super) smooth_q: Vec<f64>,
+    pub(crate) smooth_u: Vec<f64>,
+    pub(crate) smooth_q: Vec<f64>,
     /// `∂γ/∂q`, row by row.
-    pub(super) slip_gradient: Vec<f64>,
-    pub(super) scratch: Vec<f64>,
-    pub(super) scratch_q: Vec<f64>,
+    pub(crate) slip_gradient: Vec<f64>,
+    pub(crate) scratch: Vec<f64>,
+    pub(crate) scratch_q: Vec<f64>,
 }
 
 impl<'a> Field<'a> {
     /// The system up to the time `t_end`, all contacts open.
-    pub(super) fn new(system: &'a dyn System, t_end: f64) -> Self {
+    pub(crate) fn new(system: &'a dyn System, t_end: f64) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
         let touch = |contact: &crate::system::ContactLaw| Touch {
             mode: Phase::Open,
@@ -118,28 +123,28 @@ impl<'a> Field<'a> {
         }
     }
 
-    pub(super) fn law(&self, contact: usize) -> &'a Law {
+    pub(crate) fn law(&self, contact: usize) -> &'a Law {
         &self.system.contacts()[contact].law
     }
 
-    pub(super) fn row(&self, row: usize) -> &[f64] {
+    pub(crate) fn row(&self, row: usize) -> &[f64] {
         &self.rows[row * self.n..(row + 1) * self.n]
     }
 
     /// `γ̈_N` or a component of `γ̇` with these accelerations.
-    pub(super) fn rate(&self, row: usize, acceleration: &[f64]) -> f64 {
+    pub(crate) fn rate(&self, row: usize, acceleration: &[f64]) -> f64 {
         dot(self.row(row), acceleration) + self.drift[row]
     }
 
     /// Rows of a contact that say `γ̇_N = 0` and `γ̇ = 0`.
-    pub(super) fn rows_of(&self, contact: usize) -> std::ops::Range<usize> {
+    pub(crate) fn rows_of(&self, contact: usize) -> std::ops::Range<usize> {
         let touch = &self.touches[contact];
         let first = ROWS * contact + usize::from(touch.prescribed.is_some());
         first..ROWS * contact + 1 + touch.p
     }
 
     /// Rows, gaps and relative velocities of all contacts.
-    pub(super) fn kinematics(&mut self, t: f64, q: &[f64], u: &[f64]) -> Result<(), FieldError> {
+    pub(crate) fn kinematics(&mut self, t: f64, q: &[f64], u: &[f64]) -> Result<(), FieldError> {
         let (n, fresh) = (self.n, !self.constant || !self.ready);
         for (i, touch) in self.touches.iter_mut().enumerate() {
             let own = &mut self.rows[ROWS * i * n..ROWS * (i + 1) * n];
@@ -176,7 +181,7 @@ impl<'a> Field<'a> {
     }
 
     /// Accelerations and contact forces; `frozen` leaves the sliding forces per unit normal force as they are.
-    pub(super) fn evaluate(
+    pub(crate) fn evaluate(
         &mut self,
         t: f64,
         q: &[f64],
@@ -196,14 +201,14 @@ impl<'a> Field<'a> {
         for i in 0..self.touches.len() {
             if self.touches[i].mode == Phase::Slip && !frozen {
                 let slip = self.touches[i].slip;
-                if let Some(sliding) = force::sliding(self.law(i), &slip) {
+                if let Some(sliding) = sliding_force::sliding(self.law(i), &slip) {
                     self.touches[i].sliding = sliding;
                 }
             }
         }
         for &(i, z) in &self.held {
             let slip = self.touches[i].slip;
-            if let Some(at) = force::at_point(self.law(i), &z, &slip) {
+            if let Some(at) = sliding_force::at_point(self.law(i), &z, &slip) {
                 self.touches[i].sliding = at.sliding;
             }
         }
@@ -301,7 +306,7 @@ impl<'a> Field<'a> {
 
     /// `M⁻¹` times a vector given as `M⁻¹` of it already, less what the unknown forces answer; their change
     /// is left in `solution`.
-    pub(super) fn constrain(&mut self, response: &mut [f64]) {
+    pub(crate) fn constrain(&mut self, response: &mut [f64]) {
         let n = self.n;
         self.solution.clear();
         for &row in &self.unknown {
@@ -314,30 +319,30 @@ impl<'a> Field<'a> {
     }
 
     /// Whether the contacts can share the last unknown forces in many ways, of which the smallest was taken.
-    pub(super) fn indeterminate(&self) -> bool {
+    pub(crate) fn indeterminate(&self) -> bool {
         !self.unknown.is_empty() && self.inverse.singular
     }
 
     /// The contacts' rows of the last unknown forces.
-    pub(super) fn unknown(&self) -> &[usize] {
+    pub(crate) fn unknown(&self) -> &[usize] {
         &self.unknown
     }
 }
 
 /// The largest size of a component.
-pub(super) fn largest(values: &[f64]) -> f64 {
+pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }
 
 /// `target += factor values`.
 #[inline]
-pub(super) fn add(target: &mut [f64], factor: f64, values: &[f64]) {
+pub(crate) fn add(target: &mut [f64], factor: f64, values: &[f64]) {
     for (t, v) in target.iter_mut().zip(values) {
         *t += factor * v;
     }
 }
 
 #[inline]
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

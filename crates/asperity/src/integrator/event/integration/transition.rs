@@ -1,14 +1,16 @@
 //! What is done at events.
 
-use super::control;
-use super::decide::{self, Decision};
-use super::field::{add, dot, largest};
-use super::force::{self, norm};
-use super::locate;
-use super::run::Runner;
-use super::touch::{FieldError, ROWS, STILL, State, TOUCHING, Touch, instant};
-use super::{Event, Kind, OptionsError, Outcome};
 use crate::contact::{ContactState, Phase};
+use crate::integrator::event::collocation::step_size;
+use crate::integrator::event::contact_problem::accelerations::{self, Decision};
+use crate::integrator::event::dynamics::contact_variables::{
+    FieldError, ROWS, STILL, State, TOUCHING, Touch, instant,
+};
+use crate::integrator::event::dynamics::sliding_force::{self, norm};
+use crate::integrator::event::dynamics::{add, dot, largest};
+use crate::integrator::event::event_function;
+use crate::integrator::event::integration::time_loop::Runner;
+use crate::integrator::event::{Event, Kind, OptionsError, Outcome};
 
 /// Difference of the sliding forces per normal force below which stick goes over to slip without a jump.
 const CONTINUOUS: f64 = 1e-3;
@@ -22,11 +24,11 @@ const AT_LIMIT: f64 = 1e-9;
 /// rounding, such as of a body at rest at the origin: states of a size of one are no finer.
 const LEAST: f64 = f64::EPSILON;
 
-pub(super) type Next = Result<Option<Outcome>, FieldError>;
+pub(crate) type Next = Result<Option<Outcome>, FieldError>;
 
 impl Runner<'_> {
     /// Contacts that overlap at the beginning.
-    pub(super) fn penetration(&mut self) -> Result<Option<OptionsError>, FieldError> {
+    pub(crate) fn penetration(&mut self) -> Result<Option<OptionsError>, FieldError> {
         let State { t, q, u } = &self.state;
         self.field.kinematics(*t, q, u)?;
         self.control.see(&mut self.field, q, u, 0.0);
@@ -43,7 +45,7 @@ impl Runner<'_> {
     }
 
     /// Decides what the contacts do at the beginning.
-    pub(super) fn begin(&mut self) -> Next {
+    pub(crate) fn begin(&mut self) -> Next {
         self.field.begin(&self.state, self.options.t_end)?;
         let mut hit = None;
         let still = (STILL * self.control.speed()).max(LEAST);
@@ -73,17 +75,17 @@ impl Runner<'_> {
         self.settle(&phases.iter().map(|_| None).collect::<Vec<_>>())
     }
 
-    pub(super) fn phases(&self) -> Vec<Option<Phase>> {
+    pub(crate) fn phases(&self) -> Vec<Option<Phase>> {
         self.field.touches.iter().map(|touch| Some(touch.mode)).collect()
     }
 
     /// `γ_N`.
-    pub(super) fn approach(&self, contact: usize) -> f64 {
+    pub(crate) fn approach(&self, contact: usize) -> f64 {
         dot(self.field.row(ROWS * contact), &self.state.u)
     }
 
     /// A contact without approach slips, or rests.
-    pub(super) fn close(&mut self, contact: usize) {
+    pub(crate) fn close(&mut self, contact: usize) {
         let touch = &mut self.field.touches[contact];
         if norm(&touch.slip) > STILL * touch.reference() {
             touch.mode = Phase::Slip;
@@ -95,14 +97,14 @@ impl Runner<'_> {
         }
     }
 
-    pub(super) fn event(&mut self, contact: Option<usize>, kind: Kind, ambiguous: bool) {
+    pub(crate) fn event(&mut self, contact: Option<usize>, kind: Kind, ambiguous: bool) {
         let time = self.state.t;
         self.motion.events.push(Event { time, contact, kind, phase: None, ambiguous });
     }
 
     /// Contacts without slip are decided on, all others go on. `before` are the phases that changes are told
     /// from; none are told of the others.
-    pub(super) fn settle(&mut self, before: &[Option<Phase>]) -> Next {
+    pub(crate) fn settle(&mut self, before: &[Option<Phase>]) -> Next {
         self.field.project(&mut self.state)?;
         for touch in &mut self.field.touches {
             let still = norm(&touch.slip) <= STILL * touch.reference();
@@ -120,7 +122,8 @@ impl Runner<'_> {
 
     fn decide(&mut self, at: &State, before: &[Option<Phase>]) -> Next {
         let resting: Vec<bool> = self.field.touches.iter().map(|touch| touch.resting).collect();
-        let ambiguous = match decide::decide(&mut self.field, at, &self.memory, &self.poll)? {
+        let ambiguous = match accelerations::decide(&mut self.field, at, &self.memory, &self.poll)?
+        {
             Decision::Made { ambiguous } => ambiguous,
             Decision::Ended(outcome) => return Ok(Some(outcome)),
         };
@@ -176,7 +179,7 @@ impl Runner<'_> {
     }
 
     /// An alarm went off at the present state.
-    pub(super) fn happen(&mut self, which: usize) -> Next {
+    pub(crate) fn happen(&mut self, which: usize) -> Next {
         if which == self.memory.len() {
             let counts = self.options.section.as_ref().is_some_and(|s| self.state.t > s.after);
             self.alarms[which] = 0.0;
@@ -211,12 +214,12 @@ impl Runner<'_> {
         let before = self.phases();
         let touch = self.field.touches[contact];
         let stuck = self.a0.clone();
-        let excess = locate::excess(&self.field, contact);
+        let excess = event_function::excess(&self.field, contact);
         let pressing = self.field.touches.iter().map(|touch| touch.normal_force);
         let rounding = AT_LIMIT * pressing.fold(f64::MIN_POSITIVE, f64::max);
         let length = self.control.h;
         let sliding = touch.force.map(|f| f / touch.normal_force);
-        let direction = force::direction(self.field.law(contact), &touch.force);
+        let direction = sliding_force::direction(self.field.law(contact), &touch.force);
         let kept = self.memory.clone();
         let mut later = 1e-7 * self.step.h;
         loop {
@@ -268,7 +271,7 @@ impl Runner<'_> {
     }
 
     /// Slips that come to an end with a step.
-    pub(super) fn arrivals(&mut self) -> Next {
+    pub(crate) fn arrivals(&mut self) -> Next {
         let arrived = self.arrived();
         if arrived.is_empty() {
             return Ok(None);
@@ -277,7 +280,7 @@ impl Runner<'_> {
         let mut left = 0.0;
         for &i in &arrived {
             let slip = self.field.touches[i].slip;
-            let rate = control::slip_rate(&self.field, i, &self.a0);
+            let rate = step_size::slip_rate(&self.field, i, &self.a0);
             if rate < 0.0 {
                 left = f64::max(left, -norm(&slip) / rate);
             }
@@ -293,6 +296,6 @@ impl Runner<'_> {
 }
 
 /// The gap at which a contact counts as closed at the beginning.
-pub(super) fn closed(touch: &Touch) -> f64 {
+pub(crate) fn closed(touch: &Touch) -> f64 {
     (TOUCHING * touch.reach).max(LEAST)
 }

@@ -5,16 +5,16 @@
 
 use nalgebra::DMatrix;
 
-use super::field::{Field, add, dot};
-use super::force;
-use super::inverse::Inverse;
-use super::part::{Part, constrained};
-use super::poll::Poll;
-use super::touch::{FieldError, ROWS, State, Touch};
-use super::{Cause, Outcome};
 use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
+use crate::integrator::event::contact_problem::participants::{Part, constrained};
+use crate::integrator::event::dynamics::contact_variables::{FieldError, ROWS, State, Touch};
+use crate::integrator::event::dynamics::inverse::Inverse;
+use crate::integrator::event::dynamics::sliding_force;
+use crate::integrator::event::dynamics::{Field, add, dot};
+use crate::integrator::event::observer::Poll;
+use crate::integrator::event::{Cause, Outcome};
 use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
 
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over.
@@ -30,7 +30,7 @@ const AT_REST: f64 = 1e-11;
 
 /// The outcome of a contact problem.
 #[derive(Debug)]
-pub(super) enum Decision {
+pub(crate) enum Decision {
     /// Solved; whether some contact had several solutions.
     Made {
         /// Whether it was a choice.
@@ -42,7 +42,7 @@ pub(super) enum Decision {
 
 /// Decides on the contacts that rest, `memory` being what all did before. Afterwards the field holds the
 /// accelerations, the modes and for contacts that begin to slip γ̇ in place of γ.
-pub(super) fn decide(
+pub(crate) fn decide(
     field: &mut Field<'_>,
     state: &State,
     memory: &[ContactState],
@@ -223,7 +223,7 @@ fn hold_at_limit(
 
 /// What an impact is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Blow {
+pub(crate) enum Blow {
     /// Newton's law with the contacts' restitution.
     Restitution,
     /// Without restitution, where a bounce would be too small to be followed.
@@ -231,7 +231,7 @@ pub(super) enum Blow {
 }
 
 /// The impact of unilateral contacts: velocities jump. The contacts' new normal velocities are in `after`.
-pub(super) fn strike(
+pub(crate) fn strike(
     field: &mut Field<'_>,
     state: &mut State,
     (contacts, blow): (Vec<usize>, Blow),
@@ -271,7 +271,7 @@ pub(super) fn strike(
 
 /// Painlevé's impact without collision: the percussions that stop the slip of closed contacts without a normal
 /// motion; false if the laws do not allow them.
-pub(super) fn stop(
+pub(crate) fn stop(
     field: &mut Field<'_>,
     state: &mut State,
     contacts: &[usize],
@@ -293,7 +293,7 @@ pub(super) fn stop(
         let mut tangent = [0.0; 3];
         tangent[..own.len() - 1].copy_from_slice(&own[1..]);
         // With the resistance at zero the percussion lies on the boundary of the reservoir.
-        if force::gauge(field.law(i), &tangent) > (1.0 + BOUNDARY) * own[0] {
+        if sliding_force::gauge(field.law(i), &tangent) > (1.0 + BOUNDARY) * own[0] {
             return Ok(false);
         }
         first += own.len();
@@ -306,7 +306,7 @@ pub(super) fn stop(
 
 impl Field<'_> {
     /// Takes slip and approach out of contacts that have none, which rounding and differences bring in.
-    pub(super) fn project(&mut self, state: &mut State) -> Result<(), FieldError> {
+    pub(crate) fn project(&mut self, state: &mut State) -> Result<(), FieldError> {
         self.kinematics(state.t, &state.q, &state.u)?;
         let n = self.n;
         let mut rows: Vec<usize> = Vec::new();

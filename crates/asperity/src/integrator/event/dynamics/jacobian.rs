@@ -1,10 +1,12 @@
 //! Derivatives: of the sliding forces by the laws, of what systems do not give by differences.
 
-use super::collocation::Scale;
-use super::field::{Field, add, dot};
-use super::force;
-use super::touch::{FieldError, ROUNDING, ROWS, State, Touch};
 use crate::contact::Phase;
+use crate::integrator::event::collocation::step::Scale;
+use crate::integrator::event::dynamics::contact_variables::{
+    FieldError, ROUNDING, ROWS, State, Touch,
+};
+use crate::integrator::event::dynamics::sliding_force;
+use crate::integrator::event::dynamics::{Field, add, dot};
 
 /// Width of differences along the motion over the time scale of the rows: truncation and rounding are of one size.
 const CHANGE: f64 = 1e-3;
@@ -16,7 +18,7 @@ const TRIALS: usize = 30;
 impl Field<'_> {
     /// `Ẇᵀu + χ̇` and `ẇ_Nᵀu` of these contacts, zero of the others, by central differences of fourth order
     /// along the motion.
-    pub(super) fn update_drift(
+    pub(crate) fn update_drift(
         &mut self,
         t: f64,
         q: &[f64],
@@ -52,7 +54,7 @@ impl Field<'_> {
     }
 
     /// The drift of all contacts, open ones too, at a state where the field has been evaluated.
-    pub(super) fn drift_of_all(&mut self, State { t, q, u }: &State) -> Result<(), FieldError> {
+    pub(crate) fn drift_of_all(&mut self, State { t, q, u }: &State) -> Result<(), FieldError> {
         if !self.constant && self.touches.iter().any(Touch::is_free) {
             self.update_drift(*t, q, u, |_| true)?;
         }
@@ -60,7 +62,7 @@ impl Field<'_> {
     }
 
     /// The drift of all contacts at a new state; the stencil widens where rows hardly change.
-    pub(super) fn survey(&mut self, state: &State) -> Result<(), FieldError> {
+    pub(crate) fn survey(&mut self, state: &State) -> Result<(), FieldError> {
         self.drift_of_all(state)?;
         if self.constant {
             return Ok(());
@@ -97,7 +99,7 @@ impl Field<'_> {
     }
 
     /// Narrows a stencil over which the rows have changed too much; whether it has.
-    pub(super) fn narrow(&mut self, u: &[f64]) -> bool {
+    pub(crate) fn narrow(&mut self, u: &[f64]) -> bool {
         if self.constant {
             return false;
         }
@@ -110,7 +112,7 @@ impl Field<'_> {
     }
 
     /// Finds a stencil at the beginning, from a narrow one.
-    pub(super) fn begin(
+    pub(crate) fn begin(
         &mut self,
         State { t, q, u }: &State,
         t_end: f64,
@@ -137,7 +139,7 @@ impl Field<'_> {
     ///
     /// Where forces balance, what is left of their change by rounding must not look like a Jacobian: its product
     /// with `h`, or `h²`, has to be small beside one. Their `load` gives the least widths.
-    pub(super) fn linearise(
+    pub(crate) fn linearise(
         &mut self,
         state: &State,
         h: f64,
@@ -184,7 +186,7 @@ impl Field<'_> {
 
     /// Jacobian of the acceleration where it was evaluated last: the smooth part, which is kept, and that of
     /// the sliding directions.
-    pub(super) fn jacobian(&mut self, ku: &mut [f64], kq: &mut [f64]) {
+    pub(crate) fn jacobian(&mut self, ku: &mut [f64], kq: &mut [f64]) {
         let n = self.n;
         ku.copy_from_slice(&self.smooth_u);
         kq.copy_from_slice(&self.smooth_q);
@@ -196,8 +198,8 @@ impl Field<'_> {
             }
             let held = self.held.iter().find(|held| held.0 == i).map(|held| held.1);
             let slope = match held {
-                None => force::jacobian(self.law(i), &touch.slip),
-                Some(z) => force::at_point(self.law(i), &z, &touch.slip)
+                None => sliding_force::jacobian(self.law(i), &touch.slip),
+                Some(z) => sliding_force::at_point(self.law(i), &z, &touch.slip)
                     .map_or([[0.0; 3]; 3], |at| at.by_slip),
             };
             for (r, slope) in slope[..touch.p].iter().enumerate() {

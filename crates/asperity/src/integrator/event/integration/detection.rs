@@ -1,14 +1,14 @@
 //! What happens along a step: alarms at its stages, the time of the first one, samples.
 
-use super::between;
-use super::collocation::{STAGES, Tableau};
-use super::control;
-use super::field::largest;
-use super::happen::closed;
-use super::locate::{self, alarm};
-use super::run::Runner;
-use super::touch::{FieldError, STILL, Touch, instant};
 use crate::contact::Phase;
+use crate::integrator::event::collocation::step::{STAGES, Tableau};
+use crate::integrator::event::collocation::step_size;
+use crate::integrator::event::dynamics::contact_variables::{FieldError, STILL, Touch, instant};
+use crate::integrator::event::dynamics::largest;
+use crate::integrator::event::event_function::between_stages;
+use crate::integrator::event::event_function::{self, alarm};
+use crate::integrator::event::integration::time_loop::Runner;
+use crate::integrator::event::integration::transition::closed;
 
 /// Share of the first step in which events are not located: to rounding of its length is not to rounding of their
 /// time. Later steps are not so much longer than those before.
@@ -17,7 +17,7 @@ const EARLY: f64 = 1e-2;
 const MOST_SHORTENED: u8 = 5;
 
 /// What the stages of a step show.
-pub(super) enum Watch {
+pub(crate) enum Watch {
     Quiet,
     /// A resistance has passed through zero.
     Singular,
@@ -26,7 +26,7 @@ pub(super) enum Watch {
 }
 
 /// Alarms that go off between two times from the start of a step.
-pub(super) struct Alarms {
+pub(crate) struct Alarms {
     low: f64,
     high: f64,
     /// Numbers of contacts, or the number of contacts for the section, and the values at both times.
@@ -34,7 +34,7 @@ pub(super) struct Alarms {
 }
 
 /// A step to another time that has not been found, or an error.
-pub(super) enum Lost {
+pub(crate) enum Lost {
     Diverged,
     /// An event so early in the step, at this time from its start, that the step does not tell the time well.
     Early(f64),
@@ -59,7 +59,7 @@ impl Runner<'_> {
 
     /// Alarms at the present state, at which the field has been evaluated. What has just been decided on is
     /// quiet. `jumped` says whether velocities may have jumped, over the section too.
-    pub(super) fn quiet(&mut self, jumped: bool) {
+    pub(crate) fn quiet(&mut self, jumped: bool) {
         for which in 0..self.memory.len() {
             self.alarms[which] = self.value(which, &self.state.q, &self.state.u).min(0.0);
         }
@@ -81,7 +81,7 @@ impl Runner<'_> {
     }
 
     /// Alarms at the stages and between them; without one the field is left at the end of the step.
-    pub(super) fn watch(&mut self) -> Result<Watch, FieldError> {
+    pub(crate) fn watch(&mut self) -> Result<Watch, FieldError> {
         let n = self.field.n;
         for (seen, alarm) in self.seen.iter_mut().zip(&self.alarms) {
             seen[0] = *alarm;
@@ -143,7 +143,7 @@ impl Runner<'_> {
     fn between(&mut self, stages: usize) -> Result<Option<Alarms>, FieldError> {
         let mut first: Option<(f64, usize)> = None;
         for seen in &self.seen {
-            if let Some((node, x)) = between::hidden(&seen[..=stages])
+            if let Some((node, x)) = between_stages::hidden(&seen[..=stages])
                 && first.is_none_or(|(earliest, ..)| x < earliest)
             {
                 first = Some((x, node));
@@ -174,16 +174,20 @@ impl Runner<'_> {
     }
 
     /// Goes to the first of the alarms; its number.
-    pub(super) fn locate(&mut self, alarms: &Alarms) -> Result<usize, Lost> {
+    pub(crate) fn locate(&mut self, alarms: &Alarms) -> Result<usize, Lost> {
         let width = (1e-14 * alarms.high).max(2.0 * f64::EPSILON * self.state.t);
         let mut first = (alarms.high, alarms.fired[0].0);
         for (k, &(which, f_low, f_high)) in alarms.fired.iter().enumerate() {
-            let at =
-                locate::zero((alarms.low, f_low.min(0.0)), (alarms.high, f_high), width, |h| {
+            let at = event_function::zero(
+                (alarms.low, f_low.min(0.0)),
+                (alarms.high, f_high),
+                width,
+                |h| {
                     self.look(h)?;
                     let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
                     Ok::<f64, Lost>(self.value(which, q, u))
-                })?;
+                },
+            )?;
             if k == 0 || at < first.0 {
                 first = (at, which);
             }
@@ -217,7 +221,7 @@ impl Runner<'_> {
 
     /// The step from the present state to another time of the present attempt, with the full order; the field
     /// is evaluated there.
-    pub(super) fn look(&mut self, h: f64) -> Result<(), Lost> {
+    pub(crate) fn look(&mut self, h: f64) -> Result<(), Lost> {
         let newton = self.control.newton;
         let push = largest(&self.step.a);
         let goal = (newton, self.control.scale(self.step.h, push, self.rounding(newton)));
@@ -254,14 +258,14 @@ impl Runner<'_> {
     }
 
     /// Keeps the sliding forces of the present state, at which the field has been evaluated.
-    pub(super) fn keep_sliding(&mut self) {
+    pub(crate) fn keep_sliding(&mut self) {
         for (kept, touch) in self.sliding.iter_mut().zip(&self.field.touches) {
             *kept = touch.sliding;
         }
     }
 
     /// Takes the attempt, which ends at `t`.
-    pub(super) fn accept(&mut self, t: f64) -> Result<(), FieldError> {
+    pub(crate) fn accept(&mut self, t: f64) -> Result<(), FieldError> {
         if self.sample(t, true)? {
             self.evaluate_stage(STAGES - 1)?;
         }
@@ -278,14 +282,14 @@ impl Runner<'_> {
     }
 
     /// Contacts whose slip has come to an end.
-    pub(super) fn arrived(&self) -> Vec<usize> {
+    pub(crate) fn arrived(&self) -> Vec<usize> {
         let ends = |&i: &usize| {
             let touch = &self.field.touches[i];
-            let speed = super::force::norm(&touch.slip);
+            let speed = crate::integrator::event::dynamics::sliding_force::norm(&touch.slip);
             if touch.mode != Phase::Slip || speed == 0.0 {
                 return touch.mode == Phase::Slip;
             }
-            let rate = control::slip_rate(&self.field, i, &self.a0);
+            let rate = step_size::slip_rate(&self.field, i, &self.a0);
             rate < 0.0
                 && speed <= f64::max(STILL * touch.reference(), -rate * instant(self.state.t))
         };

@@ -7,7 +7,7 @@ use crate::law::{FrictionLaw, Law};
 type Components = [f64; 3];
 
 /// λ while sliding with `slip` and unit normal force; none at rest.
-pub(super) fn sliding(law: &Law, slip: &Components) -> Option<Components> {
+pub(crate) fn sliding(law: &Law, slip: &Components) -> Option<Components> {
     match law {
         Law::One(law) => sliding_in(law, slip),
         Law::Two(law) => sliding_in(law, slip),
@@ -20,7 +20,7 @@ fn sliding_in<const P: usize>(law: &FrictionLaw<P>, slip: &Components) -> Option
 }
 
 /// ∂λ/∂γ for unit normal force, row by row; zero where it does not exist.
-pub(super) fn jacobian(law: &Law, slip: &Components) -> [Components; 3] {
+pub(crate) fn jacobian(law: &Law, slip: &Components) -> [Components; 3] {
     match law {
         Law::One(law) => jacobian_in(law, slip),
         Law::Two(law) => jacobian_in(law, slip),
@@ -41,7 +41,7 @@ fn jacobian_in<const P: usize>(law: &FrictionLaw<P>, slip: &Components) -> [Comp
 }
 
 /// `k_C(−λ)`.
-pub(super) fn gauge(law: &Law, force: &Components) -> f64 {
+pub(crate) fn gauge(law: &Law, force: &Components) -> f64 {
     fn of<const P: usize>(reservoir: &Star<P>, force: &Components) -> f64 {
         reservoir.gauge(&-cut::<P>(force))
     }
@@ -53,7 +53,7 @@ pub(super) fn gauge(law: &Law, force: &Components) -> f64 {
 }
 
 /// The sliding direction that goes with a force on the boundary of the reservoir: the normal of *D*.
-pub(super) fn direction(law: &Law, force: &Components) -> Components {
+pub(crate) fn direction(law: &Law, force: &Components) -> Components {
     fn of<const P: usize>(direction: &Convex<P>, force: &Components) -> Components {
         let normal = direction.gauge_jet(&-cut::<P>(force)).1;
         padded(&normal.try_normalize(0.0).unwrap_or_else(Vector::zeros))
@@ -66,7 +66,7 @@ pub(super) fn direction(law: &Law, force: &Components) -> Components {
 }
 
 /// Whether the force is a smooth function of the sliding direction, with slopes of one size in all directions.
-pub(super) fn is_smooth(law: &Law) -> bool {
+pub(crate) fn is_smooth(law: &Law) -> bool {
     fn of<const P: usize>(direction: &Convex<P>) -> bool {
         matches!(direction, Convex::Ball(_) | Convex::Ellipsoid(_))
     }
@@ -78,7 +78,7 @@ pub(super) fn is_smooth(law: &Law) -> bool {
 }
 
 /// The point `z` of the boundary of *D* that goes with a sliding force λ.
-pub(super) fn point(law: &Law, sliding: &Components) -> Components {
+pub(crate) fn point(law: &Law, sliding: &Components) -> Components {
     fn of<const P: usize>(direction: &Convex<P>, sliding: &Components) -> Components {
         let x = -cut::<P>(sliding);
         let gauge = direction.gauge(&x);
@@ -92,23 +92,23 @@ pub(super) fn point(law: &Law, sliding: &Components) -> Components {
 }
 
 /// λ for unit normal force from the point `z` of *D* in place of the sliding direction, with its derivatives.
-pub(super) struct AtPoint {
+pub(crate) struct AtPoint {
     /// `−f z/k_C(z)` with the factor `f` of the speed.
-    pub(super) sliding: Components,
+    pub(crate) sliding: Components,
     /// `∂λ/∂z`.
-    pub(super) by_point: [Components; 3],
+    pub(crate) by_point: [Components; 3],
     /// `∂λ/∂γ` by the factor of the speed.
-    pub(super) by_slip: [Components; 3],
+    pub(crate) by_slip: [Components; 3],
     /// `prox_D(z + rγ) − z`, which vanishes where γ is normal to *D* at `z`.
-    pub(super) defect: Components,
+    pub(crate) defect: Components,
     /// The derivative of `prox_D`.
-    pub(super) slope: [Components; 3],
+    pub(crate) slope: [Components; 3],
     /// `r = ‖z‖/‖γ‖`: where the boundary is flat the slope is one, where it has a corner it vanishes.
-    pub(super) r: f64,
+    pub(crate) r: f64,
 }
 
 /// What the law says with `z` and γ as unknowns of their own; none at rest.
-pub(super) fn at_point(law: &Law, z: &Components, slip: &Components) -> Option<AtPoint> {
+pub(crate) fn at_point(law: &Law, z: &Components, slip: &Components) -> Option<AtPoint> {
     match law {
         Law::One(law) => at_point_in(law, z, slip),
         Law::Two(law) => at_point_in(law, z, slip),
@@ -149,7 +149,7 @@ fn square<const P: usize>(matrix: &Matrix<P>) -> [Components; 3] {
 }
 
 /// The length of a vector.
-pub(super) fn norm(v: &Components) -> f64 {
+pub(crate) fn norm(v: &Components) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 

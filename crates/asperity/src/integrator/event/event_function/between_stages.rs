@@ -1,9 +1,9 @@
 //! Events between the stages of a step: alarms as polynomials through the stages.
 
-use super::collocation::{STAGES, Tableau, lagrange_at};
+use crate::integrator::event::collocation::step::{STAGES, Tableau, lagrange_at};
 
 /// Start and stages.
-pub(super) const NODES: usize = STAGES + 1;
+pub(crate) const NODES: usize = STAGES + 1;
 /// Points of an interval at which the polynomial is looked at.
 const POINTS: usize = 8;
 /// How far polynomials may leave the range of their values at the nodes, in ranges.
@@ -13,7 +13,7 @@ const MARGIN: f64 = 1e-10;
 
 /// Where an alarm that is quiet at the nodes may go off between them: the number of the node before, and the
 /// place in parts of the step. `values` are those of the start and of the first stages.
-pub(super) fn hidden(values: &[f64]) -> Option<(usize, f64)> {
+pub(crate) fn hidden(values: &[f64]) -> Option<(usize, f64)> {
     if values.len() < 3 {
         return None;
     }

@@ -1,0 +1,5 @@
+//! Contact problems at events.
+
+pub(crate) mod accelerations;
+pub(crate) mod participants;
+pub(crate) mod redundancy;

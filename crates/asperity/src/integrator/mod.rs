@@ -1,0 +1,3 @@
+//! How motions are computed from equations of motion and contact laws.
+
+pub mod event;
