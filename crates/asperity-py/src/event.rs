@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use asperity::event::{Cause, Motion, Options, Outcome, Run, Section, integrate as run_core};
+use asperity::event::{Motion, Options, Outcome, Run, Section, Stagnation, integrate as run_core};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
@@ -63,13 +63,13 @@ pub fn integrate<'py>(
             out.set_item("unsolvable", proven)?;
             ("no_solution", Some(contact), None)
         }
-        Outcome::Stuck { cause, contact } => {
+        Outcome::Stagnated { cause, contact } => {
             let name = match cause {
-                Cause::Step => "step",
-                Cause::Rejections => "rejections",
-                Cause::Events => "events",
-                Cause::NoImpact => "no_impact",
-                Cause::Unsolved => "unsolved",
+                Stagnation::Step => "step",
+                Stagnation::Rejections => "rejections",
+                Stagnation::Events => "events",
+                Stagnation::NoImpact => "no_impact",
+                Stagnation::Unsolved => "unsolved",
             };
             (name, contact, None)
         }

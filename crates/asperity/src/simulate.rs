@@ -4,8 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use thiserror::Error;
-
+pub use crate::integrator::OptionsError;
 use crate::solver::{SolveReport, Solver, Status, Unsolvable};
 use crate::stepper::{Attempt, State, StepError, Stepper};
 use crate::system::{System, SystemError};
@@ -36,6 +35,7 @@ pub struct Options {
 
 /// Why the loop ended.
 #[derive(Debug)]
+#[must_use = "a simulation may end before its time"]
 pub enum Outcome {
     /// All steps were made.
     Finished,
@@ -66,18 +66,9 @@ pub struct Failure {
     pub unsolvable: Option<Box<Unsolvable>>,
 }
 
-/// Bad options.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{argument}: {message}")]
-pub struct OptionsError {
-    /// Name of the argument.
-    pub argument: &'static str,
-    /// What is allowed, and what was given.
-    pub message: String,
-}
-
 /// The part computed so far, and why the loop ended; the first is there whatever the second says.
 #[derive(Debug)]
+#[must_use = "a simulation may end before its time"]
 pub struct Run {
     /// The samples; the last one is the state of the last step that was made.
     pub trajectory: Trajectory,

@@ -13,7 +13,37 @@ const ALLOWED: [(&str, &[&str]); 9] = [
     ("stepper", &["law", "contact", "solver", "system"]),
     ("integrator", &["law", "contact", "linear", "solver", "system", "stepper"]),
     ("trajectory", &["contact", "stepper"]),
-    ("simulate", &["solver", "stepper", "system", "trajectory"]),
+    ("simulate", &["integrator", "solver", "stepper", "system", "trajectory"]),
+];
+
+/// Rooms of the event-driven integrator; each may use itself and those before it.
+const EVENT_ROOMS: [&str; 11] = [
+    "vectors",
+    "state",
+    "outcome",
+    "observer",
+    "options",
+    "dynamics",
+    "motion",
+    "collocation",
+    "event_function",
+    "contact_problem",
+    "integration",
+];
+
+/// Files of `integrator/event/integration`, likewise.
+const INTEGRATION_FILES: [&str; 11] = [
+    "variables",
+    "attempt",
+    "sampling",
+    "detection",
+    "location",
+    "decision",
+    "release",
+    "impact",
+    "transition",
+    "start",
+    "time_loop",
 ];
 
 fn sources(path: &Path) -> Vec<PathBuf> {
@@ -39,4 +69,29 @@ fn modules_depend_in_one_direction() {
             }
         }
     }
+}
+
+/// Every room of a folder uses only itself and the rooms before it.
+fn check_order(folder: &str, rooms: &[&str]) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder);
+    let prefix = format!("crate::{}::", folder.replace('/', "::"));
+    for (number, room) in rooms.iter().enumerate() {
+        let inside = root.join(room);
+        let place = if inside.is_dir() { inside } else { root.join(room).with_extension("rs") };
+        for file in sources(&place) {
+            let text = fs::read_to_string(&file).unwrap();
+            for used in text.split(&prefix).skip(1) {
+                let name: String =
+                    used.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+                let before = rooms[..=number].contains(&name.as_str());
+                assert!(before, "{} uses {prefix}{name}", file.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn rooms_depend_in_one_direction() {
+    check_order("integrator/event", &EVENT_ROOMS);
+    check_order("integrator/event/integration", &INTEGRATION_FILES);
 }

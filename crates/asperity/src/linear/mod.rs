@@ -6,6 +6,7 @@
 //! allocation ([`Numeric`]). Rows are exchanged within the pivots of a front only.
 
 mod dense;
+mod dense_lu;
 mod least_norm;
 mod numeric;
 mod order;
@@ -13,6 +14,7 @@ mod symbolic;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use dense_lu::DenseLu;
 pub(crate) use least_norm::LeastNorm;
 pub(crate) use numeric::Numeric;
 pub(crate) use symbolic::Symbolic;

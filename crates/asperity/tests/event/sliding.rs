@@ -1,6 +1,6 @@
 //! Motions of one phase: the order of the method, blocks that come to rest, paths that bend.
 
-use asperity::event::{Kind, Options};
+use asperity::event::{EventKind, Options};
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Ball, Convex, Ellipse, Star, Superellipse, Vector};
 use asperity::system::{Contact, LinearSystem, sliding_point};
@@ -37,7 +37,7 @@ fn blocks_stop_in_time_and_place() {
         let u0 = &[1.2, -0.5, 0.3][..p];
         let v0 = u0.iter().map(|v| v * v).sum::<f64>().sqrt();
         let motion = run(&system, &options(&vec![0.0; p], u0, 2.0));
-        let stop = first(&motion, Kind::Stick);
+        let stop = first(&motion, EventKind::Stick);
         close(stop.time, v0 / (mu * g), 1e-12);
         for (q, u) in last_q(&motion).iter().zip(u0) {
             close(*q, u / v0 * v0 * v0 / (2.0 * mu * g), 1e-12);

@@ -1,12 +1,12 @@
 //! What an event-driven integration returns.
 
 use crate::contact::Phase;
-use crate::integrator::event::dynamics::Field;
-use crate::integrator::event::dynamics::contact_variables::State;
+use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::state::State;
 
 /// What happens at an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum EventKind {
     /// A contact begins to stick.
     Stick,
     /// A contact begins to slip, or its slip passes through zero.
@@ -21,7 +21,7 @@ pub enum Kind {
     Section,
 }
 
-impl Kind {
+impl EventKind {
     /// Name of the kind.
     pub fn name(self) -> &'static str {
         match self {
@@ -43,7 +43,7 @@ pub struct Event {
     /// The contact; none of a section.
     pub contact: Option<usize>,
     /// What happened.
-    pub kind: Kind,
+    pub kind: EventKind,
     /// What the contact does afterwards.
     pub phase: Option<Phase>,
     /// Whether the contacts might have done something else.
@@ -83,23 +83,23 @@ pub struct Motion {
 }
 
 impl Motion {
-    pub(crate) fn new(field: &Field<'_>) -> Self {
-        let p = field.touches.iter().map(|touch| touch.p).max().unwrap_or(0);
-        Self { dof: field.n, contacts: field.touches.len(), p, ..Self::default() }
+    pub(crate) fn new(dynamics: &Dynamics<'_>) -> Self {
+        let p = dynamics.contacts.iter().map(|contact| contact.p).max().unwrap_or(0);
+        Self { dof: dynamics.n, contacts: dynamics.contacts.len(), p, ..Self::default() }
     }
 
-    /// Appends a state, at which the field has been evaluated.
-    pub(crate) fn record(&mut self, field: &Field<'_>, state: &State) {
+    /// Appends a state, at which the dynamics has been evaluated.
+    pub(crate) fn record(&mut self, dynamics: &Dynamics<'_>, state: &State) {
         self.t.push(state.t);
         self.q.extend_from_slice(&state.q);
         self.u.extend_from_slice(&state.u);
-        for touch in &field.touches {
+        for contact in &dynamics.contacts {
             let padded =
-                |v: [f64; 3]| (0..self.p).map(move |i| if i < touch.p { v[i] } else { f64::NAN });
-            self.slip.extend(padded(touch.slip));
-            self.force.extend(padded(touch.force));
-            self.normal_force.push(touch.normal_force);
-            self.phase.push(touch.mode as i8);
+                |v: [f64; 3]| (0..self.p).map(move |i| if i < contact.p { v[i] } else { f64::NAN });
+            self.slip.extend(padded(contact.slip));
+            self.force.extend(padded(contact.force));
+            self.normal_force.push(contact.normal_force);
+            self.phase.push(contact.mode as i8);
         }
     }
 

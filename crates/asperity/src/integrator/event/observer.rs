@@ -4,39 +4,40 @@ use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-const POLL_EVERY: Duration = Duration::from_millis(50);
+/// How often the observer is asked: a person who interrupts a run does not notice the delay.
+const ASK_EVERY: Duration = Duration::from_millis(50);
 
 /// The observer, when it was asked last and whether it has asked to stop.
-pub(crate) struct Poll<'a> {
-    observer: RefCell<&'a mut dyn FnMut(f64) -> ControlFlow<()>>,
+pub(crate) struct Observer<'a> {
+    function: RefCell<&'a mut dyn FnMut(f64) -> ControlFlow<()>>,
     asked: Cell<Instant>,
     interrupted: Cell<bool>,
 }
 
-impl<'a> Poll<'a> {
-    pub(crate) fn new(observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>) -> Self {
+impl<'a> Observer<'a> {
+    pub(crate) fn new(function: &'a mut dyn FnMut(f64) -> ControlFlow<()>) -> Self {
         Self {
-            observer: RefCell::new(observer),
+            function: RefCell::new(function),
             asked: Cell::new(Instant::now()),
             interrupted: Cell::new(false),
         }
     }
 
     /// Whether the observer wants to stop; it is asked if the last time is some while ago.
-    pub(crate) fn stops(&self, t: f64) -> bool {
+    pub(crate) fn asks_to_stop(&self, t: f64) -> bool {
         if !self.interrupted.get()
-            && self.asked.get().elapsed() >= POLL_EVERY
+            && self.asked.get().elapsed() >= ASK_EVERY
             // An observer that asks for a solution itself is not asked again meanwhile.
-            && let Ok(mut observer) = self.observer.try_borrow_mut()
+            && let Ok(mut function) = self.function.try_borrow_mut()
         {
-            self.interrupted.set(observer(t).is_break());
+            self.interrupted.set(function(t).is_break());
             self.asked.set(Instant::now());
         }
         self.interrupted.get()
     }
 
     /// Whether the observer has asked to stop.
-    pub(crate) fn stopped(&self) -> bool {
+    pub(crate) fn has_asked_to_stop(&self) -> bool {
         self.interrupted.get()
     }
 }

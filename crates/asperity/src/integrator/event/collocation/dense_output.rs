@@ -1,7 +1,8 @@
 //! States inside a step: the polynomial of degree eleven through coordinates, velocities and accelerations at
 //! four times, so that many samples cost two steps more, not one each.
 
-use crate::integrator::event::dynamics::contact_variables::State;
+use crate::integrator::event::collocation::step::Step;
+use crate::integrator::event::state::State;
 
 /// Times of a step at which states are found, and the conditions there.
 pub(crate) const PLACES: usize = 4;
@@ -9,7 +10,7 @@ const CONDITIONS: usize = 3 * PLACES;
 
 /// The polynomial, by Newton's divided differences.
 #[derive(Debug)]
-pub(crate) struct Dense {
+pub(crate) struct DenseOutput {
     n: usize,
     start: f64,
     h: f64,
@@ -25,7 +26,7 @@ fn place(i: usize) -> f64 {
     (i / 3) as f64 / (PLACES - 1) as f64
 }
 
-impl Dense {
+impl DenseOutput {
     pub(crate) fn new(n: usize) -> Self {
         Self {
             n,
@@ -45,8 +46,13 @@ impl Dense {
         }
     }
 
-    /// What holds at one of the later places: ways from the start, velocities and accelerations.
-    pub(crate) fn set(&mut self, k: usize, way: impl Fn(usize) -> f64, u: &[f64], a: &[f64]) {
+    /// What holds at one of the later places, where a step ends: its way from the start, velocities and accelerations.
+    pub(crate) fn set(&mut self, k: usize, start: &State, step: &Step) {
+        let (u, a) = (step.end(&step.u), step.end(&step.a));
+        self.set_conditions(k, |i| step.way(start, i), u, a);
+    }
+
+    fn set_conditions(&mut self, k: usize, way: impl Fn(usize) -> f64, u: &[f64], a: &[f64]) {
         for (i, own) in self.differences.iter_mut().enumerate() {
             own[3 * k..3 * k + 3].copy_from_slice(&[way(i), u[i], a[i]]);
         }
@@ -103,13 +109,13 @@ mod tests {
             [t.powi(k), f64::from(k) * t.powi(k - 1), f64::from(k * (k - 1)) * t.powi(k - 2)]
         };
         for k in 2..=11 {
-            let mut dense = Dense::new(1);
+            let mut dense = DenseOutput::new(1);
             let [q0, u0, a0] = p(0.5, k).map(|v| [v]);
             let start = State { t: 0.5, q: q0.to_vec(), u: u0.to_vec() };
             dense.begin(&start, 0.75, &a0);
             for i in 1..PLACES {
                 let [q, u, a] = p(0.5 + 0.75 * place(3 * i), k).map(|v| [v]);
-                dense.set(i, |_| q[0] - q0[0], &u, &a);
+                dense.set_conditions(i, |_| q[0] - q0[0], &u, &a);
             }
             dense.finish();
             let mut state = State { t: 0.0, q: vec![0.0], u: vec![0.0] };

@@ -1,43 +1,44 @@
 //! How long the first step may be.
 //!
-//! As the starting step of \[HairerNorsettWanner1993\] II.4 it follows from trial steps: these become longer and
-//! longer until forces, stiffness, damping or the time in the forces bend the accelerations along them. Only a step
-//! that is short beside the time in which that happens shows how far a motion from rest goes, which its error is
-//! compared with. The end of the motion is an upper limit only.
+//! As the starting step of \[HairerNorsettWanner1993\] II.4 it follows from trial steps. These become longer and longer
+//! until forces, stiffness, damping or the time in the forces bend the accelerations along them. Only a step that is
+//! short beside the time in which that happens shows how far a motion from rest goes, which its error is compared
+//! with. The end of the motion is an upper limit only.
 
-use crate::integrator::event::dynamics::contact_variables::{
-    FieldError, ROUNDING, ROWS, State, Touch,
-};
-use crate::integrator::event::dynamics::{Field, add, largest};
+use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
+use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
+use crate::integrator::event::vectors::largest;
 
 /// Number of trials, and how much longer each is than the one before.
 const TRIALS: i32 = 32;
-const LONGER: f64 = 10.0;
+const LENGTHENING: f64 = 10.0;
 /// How far accelerations may bend along a step, relative to the largest of them: an oscillation from rest does so
 /// within a fifth of a radian, which the method follows to all digits.
 const BEND: f64 = 0.01;
 
 /// The longest trial step, at most `longest`, along which accelerations and contact forces from `state` on, where
-/// the accelerations are `a0`, change as a straight line does. The field is left at its end.
-pub(crate) fn first_step(
-    field: &mut Field<'_>,
+/// the accelerations are `a0`, change as a straight line does. The dynamics are left at its end.
+pub(crate) fn initial_step(
+    dynamics: &mut Dynamics<'_>,
     state: &State,
     a0: &[f64],
     longest: f64,
-) -> Result<f64, FieldError> {
+) -> Result<f64, EvaluationError> {
     let mut ahead = state.clone();
-    field.evaluate(state.t, &state.q, &state.u, true)?;
-    let start = Shape::of(field);
-    let mut h = longest * LONGER.powi(-TRIALS);
+    let kept = SlidingForces::Kept;
+    dynamics.evaluate(state.t, &state.q, &state.u, kept)?;
+    let start = Loads::of(dynamics);
+    let mut h = longest * LENGTHENING.powi(-TRIALS);
     for _ in 0..TRIALS {
-        let next = (LONGER * h).min(longest);
+        let next = (LENGTHENING * h).min(longest);
         // With the accelerations at the start to the middle, with those in the middle to the end.
-        go(&mut ahead, state, a0, 0.5 * next);
-        field.evaluate(ahead.t, &ahead.q, &ahead.u, true)?;
-        let middle = Shape::of(field);
-        go(&mut ahead, state, &middle.accelerations, next);
-        field.evaluate(ahead.t, &ahead.q, &ahead.u, true)?;
-        if !start.is_straight(&middle, &Shape::of(field)) {
+        ahead.extrapolate(state, a0, 0.5 * next);
+        dynamics.evaluate(ahead.t, &ahead.q, &ahead.u, kept)?;
+        let middle = Loads::of(dynamics);
+        ahead.extrapolate(state, &middle.accelerations, next);
+        dynamics.evaluate(ahead.t, &ahead.q, &ahead.u, kept)?;
+        if !start.is_straight(&middle, &Loads::of(dynamics)) {
             break;
         }
         h = next;
@@ -45,23 +46,23 @@ pub(crate) fn first_step(
     Ok(h)
 }
 
-/// What a trial looks at: what contacts hold shows in their forces only.
-struct Shape {
+/// Accelerations, and the contact forces, in which alone the load of what sticks shows.
+struct Loads {
     accelerations: Vec<f64>,
     load: f64,
     forces: Vec<[f64; ROWS]>,
 }
 
-impl Shape {
-    fn of(field: &Field<'_>) -> Self {
-        let force = |touch: &Touch| {
-            let [x, y, z] = touch.force;
-            [touch.normal_force, x, y, z]
+impl Loads {
+    fn of(dynamics: &Dynamics<'_>) -> Self {
+        let force = |contact: &ContactVariables| {
+            let [x, y, z] = contact.force;
+            [contact.normal_force, x, y, z]
         };
         Self {
-            accelerations: field.acceleration.clone(),
-            load: field.load,
-            forces: field.touches.iter().map(force).collect(),
+            accelerations: dynamics.acceleration.clone(),
+            load: dynamics.load,
+            forces: dynamics.contacts.iter().map(force).collect(),
         }
     }
 
@@ -83,14 +84,4 @@ fn straight([start, middle, end]: [&[f64]; 3], rounding: f64) -> bool {
     let mut bends = start.iter().zip(middle).zip(end).map(|((a, b), c)| (a - 2.0 * b + c).abs());
     // The comparison also turns away NaN.
     bends.all(|bend| bend <= BEND * size + rounding)
-}
-
-/// The state after a time with constant accelerations.
-fn go(ahead: &mut State, start: &State, accelerations: &[f64], time: f64) {
-    ahead.t = start.t + time;
-    ahead.q.copy_from_slice(&start.q);
-    ahead.u.copy_from_slice(&start.u);
-    add(&mut ahead.q, time, &start.u);
-    add(&mut ahead.q, 0.5 * time * time, accelerations);
-    add(&mut ahead.u, time, accelerations);
 }

@@ -1,9 +1,11 @@
-//! Collocation steps.
+//! Steps by collocation, of order nine: their stages, their errors and their lengths.
 
 pub(crate) mod dense_output;
 pub(crate) mod direction_points;
+pub(crate) mod error_estimate;
 pub(crate) mod growth;
 pub(crate) mod initial_step;
-pub(crate) mod lu;
+pub(crate) mod newton;
+pub(crate) mod radau;
 pub(crate) mod step;
 pub(crate) mod step_size;

@@ -1,10 +1,11 @@
 //! How long a step may be.
 
 use crate::contact::Phase;
-use crate::integrator::event::collocation::step::Scale;
-use crate::integrator::event::dynamics::contact_variables::{ROUNDING, ROWS, STILL};
-use crate::integrator::event::dynamics::sliding_force::norm;
-use crate::integrator::event::dynamics::{Field, dot, largest};
+use crate::integrator::event::collocation::growth::GROWTH;
+use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::state::{ROUNDING, Scale, State, ZERO_VELOCITY};
+use crate::integrator::event::vectors::{dot, largest, norm};
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
 /// (\[HairerWanner1996\] IV.8).
@@ -14,34 +15,42 @@ const ESTIMATE: f64 = 6.0;
 const APPROACH: f64 = 0.75;
 /// Share of the time in which a gap closes at its present velocity that a step may take.
 const BEYOND: f64 = 1.2;
-/// Powers of e by which deviations may grow within a step. The method is exact to 1e-8 there, and to 1e-3 at 3; from
-/// 6 on, beyond its pole, it damps.
-pub(crate) const GROWTH: f64 = 1.0;
 /// Relative change of the growth, between attempts one of which is at most 0.8 times as long, that counts as none.
-const SAME: f64 = 0.05;
+const SAME_GROWTH: f64 = 0.05;
 
 /// Tolerances, scales and the length of the next step.
 #[derive(Debug)]
-pub(crate) struct Control {
-    /// Of the error estimate.
-    pub(crate) estimate: f64,
-    /// Of Newton's method.
-    pub(crate) newton: f64,
-    scale: Scale,
-    /// The velocity of which the share [`STILL`] is what rounding may make of forces that balance.
-    creep: f64,
+pub(crate) struct StepSize {
+    /// The length of the next attempt.
     pub(crate) h: f64,
+    /// Tolerance of the error estimate.
+    pub(crate) estimate: f64,
+    /// Tolerance of Newton's method.
+    pub(crate) newton: f64,
+    /// The largest coordinate and the largest velocity so far.
+    scale: Scale,
+    /// The velocity of which the share [`ZERO_VELOCITY`] is what rounding may make of forces that balance.
+    creep: f64,
+    /// The error of the last step over its tolerance.
     last_error: f64,
-    /// Rates at which the resistances of unilateral contacts change.
-    rates: Vec<f64>,
+    /// The resistances of unilateral contacts at the present state, and the rates at which they change.
     resistances: Vec<f64>,
-    /// Rate at which deviations grow.
-    unstable: f64,
+    rates: Vec<f64>,
+    /// Rate at which deviations grow at the present state.
+    growth_rate: f64,
     /// Growth within the last attempt from the present state that was too long for it.
-    refused: f64,
+    refused_growth: f64,
 }
 
-impl Control {
+/// A relative error that counts, and the largest of the forces that balance, as accelerations. Below what rounding
+/// leaves of these no error can be asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Accuracy {
+    pub(crate) goal: f64,
+    pub(crate) load: f64,
+}
+
+impl StepSize {
     pub(crate) fn new(tolerance: f64, contacts: usize) -> Self {
         Self {
             estimate: 0.01 * tolerance.powf(0.6),
@@ -52,39 +61,45 @@ impl Control {
             last_error: 1.0,
             rates: vec![0.0; contacts],
             resistances: vec![1.0; contacts],
-            unstable: 0.0,
-            refused: f64::INFINITY,
+            growth_rate: 0.0,
+            refused_growth: f64::INFINITY,
         }
     }
 
     /// Takes a state into account, to which a step of length `h` has led.
-    pub(crate) fn see(&mut self, field: &mut Field<'_>, q: &[f64], u: &[f64], h: f64) {
+    pub(crate) fn account_for(&mut self, dynamics: &mut Dynamics<'_>, state: &State, h: f64) {
+        let (q, u) = (&state.q, &state.u);
         self.scale.q = self.scale.q.max(largest(q));
         self.scale.u = self.scale.u.max(largest(u));
         // Forces that balance let what rests creep by what rounding leaves of them.
-        let creep = field.load * h * (ROUNDING / STILL);
+        let creep = dynamics.load * h * (ROUNDING / ZERO_VELOCITY);
         self.creep = self.creep.max(creep);
-        for i in 0..field.touches.len() {
-            let normal = field.row(ROWS * i).iter().zip(q);
+        for i in 0..dynamics.contacts.len() {
+            let normal = dynamics.row(ROWS * i).iter().zip(q);
             let (sum, sizes) =
                 normal.fold((0.0, 0.0), |(s, a), (w, q)| (s + w * q, a + (w * q).abs()));
-            let rows = (1..=field.touches[i].p).map(|r| largest(field.row(ROWS * i + r)));
+            let rows = (1..=dynamics.contacts[i].p).map(|r| largest(dynamics.row(ROWS * i + r)));
             let creep = rows.fold(0.0, f64::max) * creep;
-            let touch = &mut field.touches[i];
-            touch.speed = touch.speed.max(touch.size);
+            let contact = &mut dynamics.contacts[i];
+            contact.speed = contact.speed.max(contact.size);
             // The slip of what sticks is taken out again after every step, however long.
-            touch.creep = if touch.mode == Phase::Stick { 0.0 } else { touch.creep.max(creep) };
-            if touch.prescribed.is_none() {
-                touch.reach = touch.reach.max(sizes).max((touch.gap - sum).abs());
+            contact.creep =
+                if contact.mode == Phase::Stick { 0.0 } else { contact.creep.max(creep) };
+            if contact.prescribed.is_none() {
+                contact.reach = contact.reach.max(sizes).max((contact.gap - sum).abs());
             }
-            self.scale.u = self.scale.u.max(touch.size);
+            self.scale.u = self.scale.u.max(contact.size);
         }
     }
 
-    /// What errors of a step are compared with: the largest values so far, at least what this
-    /// acceleration changes. `goal` is the relative error that counts: it must not be asked for below what
-    /// rounding leaves of the forces, of which `load` is the largest, where these balance.
-    pub(crate) fn scale(&self, h: f64, acceleration: f64, (goal, load): (f64, f64)) -> Scale {
+    /// What errors of a step are compared with: the largest values so far, at least what this acceleration changes
+    /// in a step of length `h`.
+    pub(crate) fn scale(
+        &self,
+        h: f64,
+        acceleration: f64,
+        Accuracy { goal, load }: Accuracy,
+    ) -> Scale {
         let rounding = ROUNDING / goal * load;
         let u = self.scale.u.max(h * acceleration.max(rounding)).max(1e-100);
         Scale { q: self.scale.q.max(h * u), u }
@@ -97,7 +112,7 @@ impl Control {
 
     /// The longest first step: a share of the times in which velocities and coordinates change by themselves, as
     /// far as there are any, and of all the time.
-    pub(crate) fn first(&self, t_end: f64, a0: &[f64]) -> f64 {
+    pub(crate) fn first_step_limit(&self, t_end: f64, a0: &[f64]) -> f64 {
         let Scale { q, u } = self.scale;
         let times = [0.01 * u / largest(a0), 0.01 * q / u];
         let usable = times.into_iter().filter(|t| t.is_finite() && *t > 0.0);
@@ -106,7 +121,7 @@ impl Control {
 
     /// The estimate relative to the tolerance decides whether a step is kept, and on the length of the next;
     /// false if it is not.
-    pub(crate) fn judge(&mut self, h: f64, error: f64) -> bool {
+    pub(crate) fn accepts(&mut self, h: f64, error: f64) -> bool {
         let error = (error / self.estimate).max(1e-12);
         // The comparison also turns away NaN.
         if !(error <= 1.0) {
@@ -124,23 +139,23 @@ impl Control {
 
     /// Whether deviations grow so much within a step of length `h` that the method would damp them; then the length
     /// of the next attempt. Where a shorter step would be the same, as at the beginning of slips from rest, it is kept.
-    pub(crate) fn repels(&mut self, h: f64, growth: f64) -> bool {
-        let repels = growth > GROWTH && !((growth / self.refused - 1.0).abs() < SAME);
+    pub(crate) fn is_unstable(&mut self, h: f64, growth: f64) -> bool {
+        let repels = growth > GROWTH && !((growth / self.refused_growth - 1.0).abs() < SAME_GROWTH);
         if repels {
             self.h = h * (0.9 * GROWTH / growth).clamp(0.1, 0.8);
-            self.refused = growth;
+            self.refused_growth = growth;
         }
         repels
     }
 
-    /// A step of length `h` has been made, at whose end deviations grow at the rate `unstable`.
-    pub(crate) fn made(&mut self, field: &Field<'_>, h: f64, unstable: f64) {
-        (self.unstable, self.refused) = (unstable, f64::INFINITY);
-        for ((rate, last), touch) in
-            self.rates.iter_mut().zip(&mut self.resistances).zip(&field.touches)
+    /// A step of length `h` has been made, at whose end deviations grow at this rate.
+    pub(crate) fn step_taken(&mut self, dynamics: &Dynamics<'_>, h: f64, growth_rate: f64) {
+        (self.growth_rate, self.refused_growth) = (growth_rate, f64::INFINITY);
+        for ((rate, last), contact) in
+            self.rates.iter_mut().zip(&mut self.resistances).zip(&dynamics.contacts)
         {
-            *rate = (touch.resistance - *last) / h;
-            *last = touch.resistance;
+            *rate = (contact.resistance - *last) / h;
+            *last = contact.resistance;
         }
     }
 
@@ -150,28 +165,29 @@ impl Control {
     }
 
     /// Forgets how fast resistances change: contacts do something else.
-    pub(crate) fn forget(&mut self, field: &Field<'_>) {
-        (self.unstable, self.refused) = (0.0, f64::INFINITY);
+    pub(crate) fn forget_rates(&mut self, dynamics: &Dynamics<'_>) {
+        (self.growth_rate, self.refused_growth) = (0.0, f64::INFINITY);
         self.rates.fill(0.0);
-        for (last, touch) in self.resistances.iter_mut().zip(&field.touches) {
-            *last = touch.resistance;
+        for (last, contact) in self.resistances.iter_mut().zip(&dynamics.contacts) {
+            *last = contact.resistance;
         }
     }
 
     /// A step must not go beyond half the flight of contacts that have just bounced or opened, nor far beyond
     /// the closing of gaps that are no polynomials of the motion.
-    pub(crate) fn flight(&self, field: &Field<'_>, u: &[f64], a0: &[f64]) -> f64 {
+    pub(crate) fn gap_limit(&self, dynamics: &Dynamics<'_>, u: &[f64], a0: &[f64]) -> f64 {
         let mut limit = f64::INFINITY;
-        for (i, touch) in field.touches.iter().enumerate() {
-            if touch.is_free() {
-                let (velocity, rate) = (dot(field.row(ROWS * i), u), field.rate(ROWS * i, a0));
+        for (i, contact) in dynamics.contacts.iter().enumerate() {
+            if contact.is_free() {
+                let (velocity, rate) =
+                    (dot(dynamics.row(ROWS * i), u), dynamics.rate(ROWS * i, a0));
                 // From there on the gap is not smaller than it was.
-                let near = touch.gap < velocity * velocity / rate.abs();
-                if velocity > STILL * self.speed() && rate < 0.0 && near {
+                let near = contact.gap < velocity * velocity / rate.abs();
+                if velocity > ZERO_VELOCITY * self.speed() && rate < 0.0 && near {
                     limit = limit.min(-velocity / rate);
                 }
-                if velocity < -STILL * self.speed() && !field.constant {
-                    limit = limit.min(BEYOND * touch.gap.max(0.0) / -velocity);
+                if velocity < -ZERO_VELOCITY * self.speed() && !dynamics.constant {
+                    limit = limit.min(BEYOND * contact.gap.max(0.0) / -velocity);
                 }
             }
         }
@@ -180,13 +196,13 @@ impl Control {
 
     /// The longest step that reaches neither the end of a slip, where the direction is not defined, nor the end
     /// of a resistance.
-    pub(crate) fn limit(&self, field: &Field<'_>, a0: &[f64]) -> f64 {
-        let mut limit = GROWTH / self.unstable;
-        for (i, touch) in field.touches.iter().enumerate() {
-            if touch.mode != Phase::Slip {
+    pub(crate) fn slip_limit(&self, dynamics: &Dynamics<'_>, a0: &[f64]) -> f64 {
+        let mut limit = GROWTH / self.growth_rate;
+        for (i, contact) in dynamics.contacts.iter().enumerate() {
+            if contact.mode != Phase::Slip {
                 continue;
             }
-            let (speed, rate) = (norm(&touch.slip), slip_rate(field, i, a0));
+            let (speed, rate) = (norm(&contact.slip), slip_rate(dynamics, i, a0));
             if rate < 0.0 {
                 limit = limit.min(-APPROACH * speed / rate);
             }
@@ -199,10 +215,10 @@ impl Control {
 }
 
 /// `d‖γ‖/dt` of a slipping contact.
-pub(crate) fn slip_rate(field: &Field<'_>, contact: usize, acceleration: &[f64]) -> f64 {
-    let touch = &field.touches[contact];
-    let rows = ROWS * contact + 1..;
-    let terms = rows.zip(&touch.slip[..touch.p]);
-    let along = |(row, slip): (usize, &f64)| slip * field.rate(row, acceleration);
-    terms.map(along).sum::<f64>() / norm(&touch.slip)
+pub(crate) fn slip_rate(dynamics: &Dynamics<'_>, i: usize, acceleration: &[f64]) -> f64 {
+    let contact = &dynamics.contacts[i];
+    let rows = ROWS * i + 1..;
+    let terms = rows.zip(&contact.slip[..contact.p]);
+    let along = |(row, slip): (usize, &f64)| slip * dynamics.rate(row, acceleration);
+    terms.map(along).sum::<f64>() / norm(&contact.slip)
 }

@@ -148,11 +148,6 @@ fn square<const P: usize>(matrix: &Matrix<P>) -> [Components; 3] {
     })
 }
 
-/// The length of a vector.
-pub(crate) fn norm(v: &Components) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
 fn cut<const P: usize>(v: &Components) -> Vector<P> {
     Vector::from_fn(|i, _| v[i])
 }

@@ -1,19 +1,19 @@
-//! Events between the stages of a step: alarms as polynomials through the stages.
+//! Events between the stages of a step: event functions as polynomials through the stages.
 
-use crate::integrator::event::collocation::step::{STAGES, Tableau, lagrange_at};
+use crate::integrator::event::collocation::radau::{STAGES, Tableau, lagrange_at};
 
 /// Start and stages.
 pub(crate) const NODES: usize = STAGES + 1;
-/// Points of an interval at which the polynomial is looked at.
+/// Points of an interval at which the polynomial is evaluated.
 const POINTS: usize = 8;
 /// How far polynomials may leave the range of their values at the nodes, in ranges.
 const LEBESGUE: f64 = 2.0;
-/// Height over the largest value of an alarm that is not to be trusted.
+/// Height over the largest value of an event function that may be the error of the polynomial.
 const MARGIN: f64 = 1e-10;
 
-/// Where an alarm that is quiet at the nodes may go off between them: the number of the node before, and the
-/// place in parts of the step. `values` are those of the start and of the first stages.
-pub(crate) fn hidden(values: &[f64]) -> Option<(usize, f64)> {
+/// Where an event function that is not positive at the nodes may be so between them: the number of the node before,
+/// and the place in parts of the step. `values` are those of the start and of the first stages.
+pub(crate) fn hidden_maximum(values: &[f64]) -> Option<(usize, f64)> {
     if values.len() < 3 {
         return None;
     }
@@ -60,13 +60,13 @@ mod tests {
 
     #[test]
     fn a_short_excursion_is_found() {
-        let alarm = |x: f64| 1e-3 - (x - 0.4) * (x - 0.4);
+        let function = |x: f64| 1e-3 - (x - 0.4) * (x - 0.4);
         let c = Tableau::radau().c;
-        let values: Vec<f64> = [0.0].iter().chain(&c).map(|&x| alarm(x)).collect();
+        let values: Vec<f64> = [0.0].iter().chain(&c).map(|&x| function(x)).collect();
         assert!(values.iter().all(|v| *v < 0.0));
-        let (_, x) = hidden(&values).unwrap();
+        let (_, x) = hidden_maximum(&values).unwrap();
         assert!((x - 0.4).abs() < 1e-6);
         let low: Vec<f64> = values.iter().map(|v| v - 2e-3).collect();
-        assert_eq!(hidden(&low), None);
+        assert_eq!(hidden_maximum(&low), None);
     }
 }

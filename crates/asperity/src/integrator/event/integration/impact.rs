@@ -1,153 +1,151 @@
-//! Impacts, and what contacts do after velocities have jumped.
+//! Impacts, with and without collision, and what contacts do after velocities have jumped.
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::contact_problem::accelerations::{self, Blow, Decision};
-use crate::integrator::event::dynamics::contact_variables::{
-    FieldError, ROWS, STILL, State, TOUCHING, instant,
-};
-use crate::integrator::event::integration::time_loop::Runner;
-use crate::integrator::event::integration::transition::Next;
-use crate::integrator::event::{Cause, Kind, Outcome};
+use crate::integrator::event::contact_problem::impacts::{self, ImpactLaw};
+use crate::integrator::event::contact_problem::problem::Decision;
+use crate::integrator::event::dynamics::SlidingForces;
+use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::integration::variables::{Ending, Integration};
+use crate::integrator::event::motion::EventKind;
+use crate::integrator::event::outcome::{Outcome, Stagnation};
+use crate::integrator::event::state::{CLOSED_GAP, EvaluationError, State, shortest_step};
 
-/// Height of a bounce over the reach of the contact below which it rests: the end of a sequence of impacts,
-/// whose rest takes the time of about two such bounces.
+/// Height of a bounce over the reach of the contact below which it rests: the end of a sequence of impacts, whose rest
+/// takes the time of about two such bounces.
 const LOWEST: f64 = 1e-13;
 /// `w_NᵀM⁻¹(w_N + Wf)` over `w_NᵀM⁻¹w_N` that counts as none.
-const RESISTANCE: f64 = 1e-12;
+const NO_RESISTANCE: f64 = 1e-12;
 
-impl Runner<'_> {
+/// Whether a unilateral contact touches without being closed, or with it.
+fn touches(contact: &ContactVariables) -> bool {
+    contact.prescribed.is_none() && contact.gap <= CLOSED_GAP * contact.reach
+}
+
+impl Integration<'_> {
     /// A gap has closed.
-    pub(crate) fn collide(&mut self, contact: usize) -> Next {
-        let mut before = self.phases();
-        let still = STILL * self.control.speed();
+    pub(crate) fn collide(&mut self, contact: usize) -> Ending {
+        let mut before = self.modes();
+        let still = self.zero_velocity();
         let involved: Vec<usize> = (0..self.memory.len())
             .filter(|&i| {
-                let touch = &self.field.touches[i];
-                let closed = touch.mode != Phase::Open;
-                let meets = touch.gap <= TOUCHING * touch.reach && self.approach(i) <= still;
-                touch.prescribed.is_none() && (closed || meets || i == contact)
+                let variables = &self.dynamics.contacts[i];
+                let meets = touches(variables) && self.approach(i) <= still;
+                variables.is_closed_unilateral() || meets || i == contact
             })
             .collect();
         let (start, mut after) = (self.state.clone(), vec![0.0; involved.len()]);
         let mut ambiguous = false;
         if involved.iter().any(|&i| self.approach(i) < -still) {
-            for blow in [Blow::Restitution, Blow::Dead] {
+            for law in [ImpactLaw::Newton, ImpactLaw::Plastic] {
                 self.state.clone_from(&start);
-                let meeting = (involved.clone(), blow);
-                let (field, state) = (&mut self.field, &mut self.state);
-                let poll = &self.poll;
-                match accelerations::strike(field, state, meeting, &self.memory, &mut after, poll)?
-                {
+                let solving = Self::solving(&self.memory, &self.observer, start.t);
+                let (dynamics, state) = (&mut self.dynamics, &mut self.state);
+                let impact =
+                    impacts::collide(dynamics, state, &involved, law, &mut after, &solving)?;
+                match impact {
                     Decision::Made { ambiguous: several } => ambiguous = several,
                     Decision::Ended(outcome) => return Ok(Some(outcome)),
                 }
-                if !self.too_low(&involved, &after) {
+                if !self.bounces_negligibly(&involved, &after) {
                     break;
                 }
             }
             ambiguous |= self.drives_back(&involved)?;
         }
-        let opened = |i: usize| self.field.touches[i].mode == Phase::Open;
-        let meeting: Vec<usize> = involved.iter().copied().filter(|&i| opened(i)).collect();
-        for i in meeting {
-            self.event(Some(i), Kind::Impact, ambiguous);
-            before[i] = None;
+        for &i in &involved {
+            if before[i] == Some(Phase::Open) {
+                self.record_event(Some(i), EventKind::Impact, ambiguous);
+                before[i] = None;
+            }
         }
-        self.after_blow(&involved, &after, before)
+        self.after_impact(&involved, &after, &before)
     }
 
     /// Whether an impact drives a contact back that touched and was about to leave. It collides next, and so on:
     /// one impact of both at a time is another law of the corner, to which time steps may converge.
-    fn drives_back(&mut self, involved: &[usize]) -> Result<bool, FieldError> {
+    fn drives_back(&mut self, involved: &[usize]) -> Result<bool, EvaluationError> {
         let State { t, q, u } = &self.state;
-        self.field.kinematics(*t, q, u)?;
-        let still = STILL * self.control.speed();
+        self.dynamics.kinematics(*t, q, u)?;
+        let still = self.zero_velocity();
         let mut others = (0..self.memory.len()).filter(|i| !involved.contains(i));
-        Ok(others.any(|i| {
-            let touch = &self.field.touches[i];
-            let touches = touch.prescribed.is_none() && touch.gap <= TOUCHING * touch.reach;
-            touches && self.approach(i) < -still
-        }))
+        Ok(others.any(|i| touches(&self.dynamics.contacts[i]) && self.approach(i) < -still))
     }
 
     /// Whether contacts bounce, all of them lower than can be followed.
-    fn too_low(&self, involved: &[usize], after: &[f64]) -> bool {
-        let still = STILL * self.control.speed();
+    fn bounces_negligibly(&self, involved: &[usize], after: &[f64]) -> bool {
+        let still = self.zero_velocity();
         let mut bounces = involved.iter().zip(after).filter(|(_, v)| **v > still).peekable();
         bounces.peek().is_some()
             && bounces.all(|(&i, &v)| {
-                let fall = -self.field.rate(ROWS * i, &self.a0);
-                let low = v * v < 2.0 * fall * LOWEST * self.field.touches[i].reach;
-                fall > 0.0 && (low || v < fall * instant(self.state.t))
+                let fall = -self.dynamics.rate(ROWS * i, &self.a0);
+                let low = v * v < 2.0 * fall * LOWEST * self.dynamics.contacts[i].reach;
+                fall > 0.0 && (low || v < fall * shortest_step(self.state.t))
             })
     }
 
-    /// Modes after velocities have jumped.
-    fn after_blow(
+    /// Contacts that leave open, the others are decided on. `after` are the normal velocities of those involved.
+    fn after_impact(
         &mut self,
         involved: &[usize],
         after: &[f64],
-        before: Vec<Option<Phase>>,
-    ) -> Next {
+        before: &[Option<Phase>],
+    ) -> Ending {
         let State { t, q, u } = &self.state;
-        self.field.kinematics(*t, q, u)?;
-        let still = STILL * self.control.speed();
+        self.dynamics.kinematics(*t, q, u)?;
+        let still = self.zero_velocity();
         for i in 0..self.memory.len() {
             let place = involved.iter().position(|&k| k == i);
-            let closed = self.field.touches[i].mode != Phase::Open;
+            let closed = self.dynamics.contacts[i].mode != Phase::Open;
             match place {
                 Some(k) if after[k] > still => {
-                    self.field.touches[i].mode = Phase::Open;
+                    self.dynamics.contacts[i].mode = Phase::Open;
                     self.memory[i] = ContactState::new(Phase::Open, self.memory[i].slip);
                 }
-                Some(_) => self.close(i),
-                None if closed => self.close(i),
+                Some(_) => self.close_contact(i),
+                None if closed => self.close_contact(i),
                 None => {}
             }
         }
-        self.settle(&before)
+        self.decide_modes(before)
     }
 
-    /// A slipping contact that no longer resists to normal motions.
-    pub(crate) fn singular(&self) -> Option<usize> {
-        let touches = self.field.touches.iter().zip(self.control.resistances());
-        let mut slipping = touches.map(|(touch, resistance)| (touch.mode, *resistance));
-        slipping.position(|(mode, resistance)| mode == Phase::Slip && resistance < RESISTANCE)
+    /// A slipping contact that no longer resists normal motions.
+    pub(crate) fn singular_contact(&self) -> Option<usize> {
+        let contacts = self.dynamics.contacts.iter().zip(self.step_size.resistances());
+        let mut slipping = contacts.map(|(contact, resistance)| (contact.mode, *resistance));
+        slipping.position(|(mode, resistance)| mode == Phase::Slip && resistance < NO_RESISTANCE)
     }
 
     /// Whether a slipping contact that no longer resists opens without its own force. With a negative resistance it
     /// could go on slipping as well, under a force that keeps itself up.
-    fn opens(&mut self, contact: usize) -> Result<bool, FieldError> {
+    fn can_open(&mut self, i: usize) -> Result<bool, EvaluationError> {
         let State { t, q, u } = &self.state;
-        self.field.touches[contact].mode = Phase::Open;
-        self.field.evaluate(*t, q, u, false)?;
-        self.field.drift_of_all(&self.state)?;
-        self.field.touches[contact].mode = Phase::Slip;
-        Ok(self.field.rate(ROWS * contact, &self.field.acceleration) >= 0.0)
+        self.dynamics.contacts[i].mode = Phase::Open;
+        self.dynamics.evaluate(*t, q, u, SlidingForces::Updated)?;
+        self.dynamics.drift_of_all(&self.state)?;
+        self.dynamics.contacts[i].mode = Phase::Slip;
+        Ok(self.dynamics.rate(ROWS * i, &self.dynamics.acceleration) >= 0.0)
     }
 
     /// Painlevé's paradox: a contact that can open, opens; if none can, an impact without collision stops the slip.
-    pub(crate) fn leave_singular(&mut self, contact: usize) -> Next {
-        let mut before = self.phases();
-        if self.opens(contact)? {
-            self.field.touches[contact].mode = Phase::Open;
-            self.memory[contact] = ContactState::new(Phase::Open, self.memory[contact].slip);
-            self.event(Some(contact), Kind::Open, true);
-            before[contact] = None;
-            return self.settle(&before);
+    pub(crate) fn resolve_paradox(&mut self, i: usize) -> Ending {
+        let mut before = self.modes();
+        if self.can_open(i)? {
+            self.dynamics.contacts[i].mode = Phase::Open;
+            self.memory[i] = ContactState::new(Phase::Open, self.memory[i].slip);
+            self.record_event(Some(i), EventKind::Open, true);
+            before[i] = None;
+            return self.decide_modes(&before);
         }
-        let closed = |&i: &usize| {
-            let touch = &self.field.touches[i];
-            touch.prescribed.is_none() && touch.mode != Phase::Open
-        };
+        let closed = |&k: &usize| self.dynamics.contacts[k].is_closed_unilateral();
         let involved: Vec<usize> = (0..self.memory.len()).filter(closed).collect();
-        if !accelerations::stop(&mut self.field, &mut self.state, &involved)? {
-            let cause = Cause::NoImpact;
-            return Ok(Some(Outcome::Stuck { cause, contact: Some(contact) }));
+        if !impacts::stop_slip(&mut self.dynamics, &mut self.state, &involved)? {
+            let cause = Stagnation::NoImpact;
+            return Ok(Some(Outcome::Stagnated { cause, contact: Some(i) }));
         }
-        self.event(Some(contact), Kind::ImpactWithoutCollision, false);
-        before[contact] = None;
+        self.record_event(Some(i), EventKind::ImpactWithoutCollision, false);
+        before[i] = None;
         let after = vec![0.0; involved.len()];
-        self.after_blow(&involved, &after, before)
+        self.after_impact(&involved, &after, &before)
     }
 }

@@ -1,67 +1,69 @@
 //! What is kept of the motion.
 
 use crate::integrator::event::collocation::dense_output::PLACES;
-use crate::integrator::event::dynamics::contact_variables::FieldError;
-use crate::integrator::event::integration::detection::Lost;
-use crate::integrator::event::integration::time_loop::Runner;
+use crate::integrator::event::contact_problem::redundancy;
+use crate::integrator::event::dynamics::SlidingForces;
+use crate::integrator::event::integration::attempt::StateError;
+use crate::integrator::event::integration::variables::Integration;
+use crate::integrator::event::state::EvaluationError;
 
-/// Samples between two looks at the clock.
+/// Samples between two readings of the clock.
 const RARELY: usize = 256;
 
-impl Runner<'_> {
-    /// Keeps the present state.
-    pub(crate) fn record(&mut self) -> Result<(), FieldError> {
-        self.motion.record(&self.field, &self.state);
-        Ok(())
+impl Integration<'_> {
+    /// Samples from the present state up to `t`, a time inside the attempt.
+    pub(crate) fn sample_before(&mut self, t: f64) -> Result<(), EvaluationError> {
+        self.sample(t, t - self.state.t, false).map(|_| ())
     }
 
-    /// Samples from the present state up to `t`, the end of the attempt or a time inside; whether there were
-    /// any.
-    pub(crate) fn sample(&mut self, t: f64, attempt: bool) -> Result<bool, FieldError> {
+    /// Samples from the present state up to `t`, the end of the attempt; whether there were any.
+    pub(crate) fn sample_attempt(&mut self, t: f64) -> Result<bool, EvaluationError> {
+        self.sample(t, self.step.h, true)
+    }
+
+    fn sample(&mut self, t: f64, h: f64, whole: bool) -> Result<bool, EvaluationError> {
         let Some(dt) = self.options.sample else { return Ok(false) };
         // The end of the run is a sample of its own.
-        let due = |k: usize| k as f64 * dt < t || (k as f64 * dt == t && attempt);
+        let due = |k: usize| k as f64 * dt < t || (k as f64 * dt == t && whole);
         if !due(self.samples) {
             return Ok(false);
         }
-        let h = if attempt { self.step.h } else { t - self.state.t };
-        self.interpolate(h, attempt)?;
-        while due(self.samples) && !self.poll.stopped() {
-            self.dense.at(self.samples as f64 * dt, &mut self.sampled);
-            let sampled = std::mem::take(&mut self.sampled);
-            self.evaluate((sampled.t, &sampled.q, &sampled.u), false)?;
-            self.motion.record(&self.field, &sampled);
-            self.sampled = sampled;
+        self.interpolate(h, whole)?;
+        while due(self.samples) && !self.observer.has_asked_to_stop() {
+            self.dense_output.at(self.samples as f64 * dt, &mut self.sampled);
+            let at = (self.sampled.t, &self.sampled.q[..], &self.sampled.u[..]);
+            let solving = Self::solving(&self.memory, &self.observer, at.0);
+            redundancy::evaluate(&mut self.dynamics, at, SlidingForces::Updated, &solving)?;
+            self.motion.record(&self.dynamics, &self.sampled);
             self.samples += 1;
             if self.samples.is_multiple_of(RARELY) {
-                self.poll.stops(self.state.t);
+                self.observer.asks_to_stop(self.state.t);
             }
         }
         Ok(true)
     }
 
-    /// The motion over the first `h` of the attempt, its end included.
-    fn interpolate(&mut self, h: f64, attempt: bool) -> Result<(), FieldError> {
-        self.dense.begin(&self.state, h, &self.a0);
+    /// The motion over the first `h` of the attempt, or over the `whole` of it.
+    fn interpolate(&mut self, h: f64, whole: bool) -> Result<(), EvaluationError> {
+        self.dense_output.begin(&self.state, h, &self.a0);
         for k in 1..PLACES {
-            if attempt && k + 1 == PLACES {
-                let (state, step) = (&self.state, &self.step);
-                self.dense.set(k, |i| step.way(state, i), step.end(&step.u), step.end(&step.a));
+            if whole && k + 1 == PLACES {
+                self.dense_output.set(k, &self.state, &self.step);
                 break;
             }
-            match self.look(h * k as f64 / (PLACES - 1) as f64) {
+            let part = h * k as f64 / (PLACES - 1) as f64;
+            match self.solve_to(part) {
                 Ok(()) => {}
                 // The polynomial of the attempt is what is left.
-                Err(Lost::Diverged | Lost::Early(_)) => {
-                    self.probe.guess_from(h * k as f64 / (PLACES - 1) as f64, &self.step, 0.0);
+                Err(StateError::Diverged) => {
+                    self.probe.guess_from(part, &self.step, 0.0);
                     self.probe.stages(&self.state);
                 }
-                Err(Lost::Error(error)) => return Err(error),
+                Err(StateError::Evaluation(error)) => return Err(error),
             }
-            let (state, probe) = (&self.state, &self.probe);
-            self.dense.set(k, |i| probe.way(state, i), probe.end(&probe.u), probe.end(&probe.a));
+            self.dense_output.set(k, &self.state, &self.probe);
         }
-        self.dense.finish();
+        self.dense_output.finish();
         Ok(())
     }
 }

@@ -1,0 +1,88 @@
+//! Impacts: velocities jump by percussions.
+
+use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solving};
+use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::dynamics::{Dynamics, sliding_force};
+use crate::integrator::event::state::{EvaluationError, State};
+use crate::integrator::event::vectors::add;
+
+/// Relative distance from the boundary of a reservoir that counts as none.
+const BOUNDARY: f64 = 1e-6;
+
+/// What happens to relative velocities in an impact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ImpactLaw {
+    /// Newton's law with the contacts' restitution.
+    Newton,
+    /// Without restitution, where a bounce would be too small to be followed.
+    Plastic,
+}
+
+/// Solves the impact of unilateral contacts: the velocities of the state jump, and the contacts' new normal
+/// velocities are left in `after`.
+pub(crate) fn collide(
+    dynamics: &mut Dynamics<'_>,
+    state: &mut State,
+    contacts: &[usize],
+    law: ImpactLaw,
+    after: &mut Vec<f64>,
+    solving: &Solving<'_, '_>,
+) -> Result<Decision, EvaluationError> {
+    dynamics.kinematics(state.t, &state.q, &state.u)?;
+    let participants = Participants::alone(dynamics, contacts.to_vec());
+    let before: Vec<f64> =
+        participants.rows.iter().map(|&row| dynamics.velocity(row, &state.u)).collect();
+    let mut problem = participants.problem(dynamics, before.clone(), |_| None)?;
+    let laws = dynamics.system.contacts();
+    if law == ImpactLaw::Newton {
+        for (rows, &i) in problem.contacts.iter().zip(contacts) {
+            let own = rows.offset..rows.offset + rows.len();
+            let coefficients = std::iter::once(laws[i].normal_restitution)
+                .chain(std::iter::repeat(laws[i].tangential_restitution));
+            for (row, e) in own.zip(coefficients) {
+                problem.restitution[row] = e * before[row];
+            }
+        }
+    }
+    let solved = match participants.solve(&problem, solving) {
+        Ok(solved) => solved,
+        Err(outcome) => return Ok(Decision::Ended(outcome)),
+    };
+    let responses = participants.responses.chunks_exact(dynamics.n);
+    for (percussion, response) in solved.found.percussion.iter().zip(responses) {
+        add(&mut state.u, *percussion, response);
+    }
+    after.clear();
+    after.extend(problem.contacts.iter().map(|rows| solved.velocity[rows.offset]));
+    Ok(Decision::Made { ambiguous: solved.ambiguous })
+}
+
+/// Painlevé's impact without collision: the percussions that stop the slip of closed contacts without a normal
+/// motion; false if the laws do not allow them.
+pub(crate) fn stop_slip(
+    dynamics: &mut Dynamics<'_>,
+    state: &mut State,
+    contacts: &[usize],
+) -> Result<bool, EvaluationError> {
+    dynamics.kinematics(state.t, &state.q, &state.u)?;
+    let rows: Vec<usize> = contacts.iter().flat_map(|&i| dynamics.rows_of(i)).collect();
+    let mut inverse = dynamics.mobility_inverse(&rows);
+    let slip = |&row: &usize| if row % ROWS == 0 { 0.0 } else { -dynamics.velocity(row, &state.u) };
+    let mut percussion: Vec<f64> = rows.iter().map(slip).collect();
+    inverse.apply(&mut percussion);
+    let mut first = 0;
+    for &i in contacts {
+        let own = &percussion[first..first + 1 + dynamics.contacts[i].p];
+        let mut tangent = [0.0; 3];
+        tangent[..own.len() - 1].copy_from_slice(&own[1..]);
+        // With the resistance at zero the percussion lies on the boundary of the reservoir.
+        if sliding_force::gauge(dynamics.law(i), &tangent) > (1.0 + BOUNDARY) * own[0] {
+            return Ok(false);
+        }
+        first += own.len();
+    }
+    for (percussion, &row) in percussion.iter().zip(&rows) {
+        add(&mut state.u, *percussion, dynamics.response(row));
+    }
+    Ok(true)
+}
