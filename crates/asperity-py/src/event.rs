@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use asperity::event::{Motion, Options, Outcome, Run, Section, Stagnation, integrate as run_core};
-use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,6 +11,7 @@ use crate::convert::{Numbers, numbers};
 use crate::errors::Failure;
 use crate::outcome::without_solution;
 use crate::rigid::RigidBodies;
+use crate::samples::sample_arrays;
 use crate::system::with_system;
 
 /// The motion so far as a dictionary, and the exception that ended it, if one did.
@@ -84,16 +84,7 @@ pub fn integrate<'py>(
 }
 
 fn dictionary(py: Python<'_>, motion: Motion) -> PyResult<Bound<'_, PyDict>> {
-    let (n, n_c, p, n_t) = (motion.dof, motion.contacts, motion.p, motion.t.len());
-    let out = PyDict::new(py);
-    out.set_item("t", PyArray1::from_vec(py, motion.t))?;
-    out.set_item("q", PyArray1::from_vec(py, motion.q).reshape([n_t, n])?)?;
-    out.set_item("u", PyArray1::from_vec(py, motion.u).reshape([n_t, n])?)?;
-    out.set_item("slip", PyArray1::from_vec(py, motion.slip).reshape([n_t, n_c, p])?)?;
-    out.set_item("force", PyArray1::from_vec(py, motion.force).reshape([n_t, n_c, p])?)?;
-    let normal_force = PyArray1::from_vec(py, motion.normal_force).reshape([n_t, n_c])?;
-    out.set_item("normal_force", normal_force)?;
-    out.set_item("phase", PyArray1::from_vec(py, motion.phase).reshape([n_t, n_c])?)?;
+    let out = sample_arrays(py, motion.samples)?;
     let events = motion.events.iter().map(|event| {
         let phase = event.phase.map(|phase| phase as i8);
         (event.time, event.contact, event.kind.name(), phase, event.ambiguous)

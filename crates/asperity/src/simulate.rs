@@ -133,8 +133,7 @@ fn run(
     watch: &Watch<'_, '_>,
 ) -> Result<Outcome, StepError> {
     let contacts = system.contacts().len();
-    let p = system.contacts().iter().map(|c| c.law.dimension()).max().unwrap_or(0);
-    *trajectory = Trajectory::new(stepper, p, contacts)?;
+    *trajectory = Trajectory::new(stepper, contacts)?;
     let mut last = None;
     let outcome = steps(options, stepper, trajectory, watch, &mut last);
     let recorded = match (&outcome, last) {

@@ -12,7 +12,7 @@ const ALLOWED: [(&str, &[&str]); 9] = [
     ("system", &["law", "contact"]),
     ("stepper", &["law", "contact", "solver", "system"]),
     ("integrator", &["law", "contact", "linear", "solver", "system", "stepper"]),
-    ("trajectory", &["contact", "stepper"]),
+    ("trajectory", &["contact", "integrator", "stepper"]),
     ("simulate", &["integrator", "solver", "stepper", "system", "trajectory"]),
 ];
 

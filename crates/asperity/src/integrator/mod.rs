@@ -3,9 +3,12 @@
 //! | file | concept |
 //! |---|---|
 //! | `event/` | from event to event, to the accuracy that is asked for |
+//! | `samples.rs` | what both integrators return: states, slips and forces over time |
 //! | `options.rs` | what options of integrators are checked for |
 
 pub mod event;
 mod options;
+pub(crate) mod samples;
 
 pub use options::OptionsError;
+pub use samples::Samples;

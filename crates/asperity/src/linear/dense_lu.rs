@@ -1,71 +1,93 @@
-//! LU factorisation of small dense matrices with scratch that is kept.
+//! LU factorisation of small dense matrices, with room that is kept for the next one.
 
-/// A factored matrix, row by row: `L` with unit diagonal below, `U` on and above the diagonal.
+use super::dense::{Packed, eliminate};
+
+/// A factored matrix.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DenseLu {
     size: usize,
-    entries: Vec<f64>,
+    /// The matrix, row by row.
+    rows: Vec<f64>,
+    /// `L` with unit diagonal below, `U` on and above the diagonal, column by column.
+    factors: Vec<f64>,
     swaps: Vec<usize>,
+    packed: Packed,
 }
 
 impl DenseLu {
-    /// Room for a matrix of this size, row by row, filled with zeros, to be filled in before
-    /// [`factor`](Self::factor).
+    /// A matrix of zeros, row by row, to be filled before [`factor`](Self::factor) is called.
     pub(crate) fn begin(&mut self, size: usize) -> &mut [f64] {
         self.size = size;
-        self.entries.clear();
-        self.entries.resize(size * size, 0.0);
-        &mut self.entries
+        self.rows.clear();
+        self.rows.resize(size * size, 0.0);
+        &mut self.rows
     }
 
-    /// Gaussian elimination with row exchanges; false if the matrix is singular.
-    pub(crate) fn factor(&mut self) -> bool {
-        let (n, matrix) = (self.size, &mut self.entries);
-        self.swaps.clear();
-        for k in 0..n {
-            let size = |i: &usize| matrix[i * n + k].abs();
-            let pivot = (k..n).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(k);
-            self.swaps.push(pivot);
-            if pivot != k {
-                let (upper, lower) = matrix.split_at_mut(pivot * n);
-                upper[k * n..(k + 1) * n].swap_with_slice(&mut lower[..n]);
-            }
-            let (upper, lower) = matrix.split_at_mut((k + 1) * n);
-            let top = &upper[k * n + k..];
-            let reciprocal = 1.0 / top[0];
-            if !reciprocal.is_finite() {
-                return false;
-            }
-            for row in lower.chunks_exact_mut(n) {
-                let factor = row[k] * reciprocal;
-                row[k] = factor;
-                if factor != 0.0 {
-                    for (entry, top) in row[k + 1..].iter_mut().zip(&top[1..]) {
-                        *entry -= factor * top;
-                    }
-                }
-            }
-        }
-        true
+    /// Gaussian elimination with row exchanges; false if a pivot is not larger than `threshold` times the largest
+    /// entry.
+    pub(crate) fn factor(&mut self, threshold: f64) -> bool {
+        let (n, rows) = (self.size, &self.rows);
+        self.factors.clear();
+        self.factors.extend((0..n * n).map(|k| rows[k % n * n + k / n]));
+        self.swaps.resize(n, 0);
+        self.packed.reserve(n);
+        let largest = rows.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        eliminate(&mut self.factors, n, n, &mut self.swaps, &mut self.packed)
+            && (0..n).all(|k| self.factors[k * n + k].abs() > threshold * largest)
     }
 
     /// `values ← matrix⁻¹ values`; false if the result is not finite.
     pub(crate) fn solve(&self, values: &mut [f64]) -> bool {
-        let n = self.size;
-        for (k, &pivot) in self.swaps.iter().enumerate() {
-            values.swap(k, pivot);
+        for (k, &swap) in self.swaps.iter().enumerate() {
+            values.swap(k, swap);
         }
-        for k in 0..n {
-            let row = &self.entries[k * n..];
-            for j in 0..k {
-                values[k] -= row[j] * values[j];
+        let columns = self.factors.chunks_exact(self.size.max(1)).enumerate();
+        for (k, column) in columns.clone() {
+            let y = values[k];
+            for (value, l) in values[k + 1..].iter_mut().zip(&column[k + 1..]) {
+                *value -= l * y;
             }
         }
-        for k in (0..n).rev() {
-            let row = &self.entries[k * n..(k + 1) * n];
-            let sum: f64 = row[k + 1..].iter().zip(&values[k + 1..]).map(|(m, x)| m * x).sum();
-            values[k] = (values[k] - sum) / row[k];
+        for (k, column) in columns.rev() {
+            values[k] /= column[k];
+            let y = values[k];
+            for (value, u) in values[..k].iter_mut().zip(column) {
+                *value -= u * y;
+            }
         }
         values.iter().all(|x| x.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn systems_of_all_sizes_are_solved() {
+        let mut lu = DenseLu::default();
+        for n in (0..20).chain([37, 64]) {
+            // Large entries away from the diagonal ask for exchanges of rows.
+            let large = |i: usize, j: usize| if (i + 3) % n.max(1) == j { n as f64 } else { 0.0 };
+            let entry = |i: usize, j: usize| large(i, j) + ((3 * i + 5 * i * j) as f64).sin();
+            for (k, value) in lu.begin(n).iter_mut().enumerate() {
+                *value = entry(k / n, k % n);
+            }
+            let mut x: Vec<f64> =
+                (0..n).map(|i| (0..n).map(|j| entry(i, j) * (j as f64 - 2.0)).sum()).collect();
+            assert!(lu.factor(1e-13) && lu.solve(&mut x), "{n}");
+            assert!(x.iter().enumerate().all(|(j, x)| (x - (j as f64 - 2.0)).abs() < 1e-11), "{n}");
+        }
+    }
+
+    #[test]
+    fn small_pivots_count_as_none() {
+        let mut lu = DenseLu::default();
+        for (last, regular) in [(4.0, false), (4.0 + 1e-12, false), (4.0 + 1e-9, true)] {
+            lu.begin(2).copy_from_slice(&[1.0, 2.0, 2.0, last]);
+            assert_eq!(lu.factor(1e-11), regular);
+        }
+        lu.begin(1)[0] = f64::NAN;
+        assert!(!lu.factor(0.0));
     }
 }

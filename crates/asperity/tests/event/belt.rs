@@ -53,9 +53,9 @@ fn the_mass_on_the_belt_finds_its_cycle() {
     close(period, 28.703, 1e-3);
     let stick = times(&motion, EventKind::Stick).into_iter().find(|&t| t > slips[slips.len() - 2]);
     close((slips[slips.len() - 1] - stick.unwrap()) / period, 0.689, 1e-3);
-    let late = motion.t.iter().position(|&t| t > 550.0).unwrap();
+    let late = motion.samples.t.iter().position(|&t| t > 550.0).unwrap();
     for (k, (low, high)) in [(13.093, 26.918), (-4.148, 15.565)].into_iter().enumerate() {
-        let x = motion.q[2 * late..].iter().skip(k).step_by(2);
+        let x = motion.samples.q[2 * late..].iter().skip(k).step_by(2);
         let (least, most) = x.fold((f64::MAX, f64::MIN), |(a, b), &x| (a.min(x), b.max(x)));
         assert!(least > low - 2e-3 && most < high + 2e-3 && most - least > 0.9 * (high - low));
     }

@@ -53,9 +53,14 @@ fn a_spinning_ball_slides_and_rolls() {
     close(first(&motion, EventKind::Impact).time, 0.428_352_9, 1e-7);
     close(first(&motion, EventKind::Stick).time, 0.728_120, 1e-6);
     close(last_u(&motion)[0], -10.0 / 7.0, 1e-11);
-    let at = motion.t.iter().rposition(|&t| t == first(&motion, EventKind::Impact).time).unwrap();
-    close(motion.u[3 * at], -0.840_428, 1e-6);
-    close(motion.u[3 * at + 2], 28.989_288, 1e-5);
+    let at = motion
+        .samples
+        .t
+        .iter()
+        .rposition(|&t| t == first(&motion, EventKind::Impact).time)
+        .unwrap();
+    close(motion.samples.u[3 * at], -0.840_428, 1e-6);
+    close(motion.samples.u[3 * at + 2], 28.989_288, 1e-5);
     let slow = ball(10.0, 0.0);
     let motion = run(&slow, &from_start(&slow, 1.0));
     assert_eq!(motion.events.len(), 1);
@@ -76,10 +81,10 @@ fn a_block_rocks_as_housner_says() {
     close(impacts[0], 0.124_652_3, 1e-7);
     let ratio = |time: f64| {
         let [before, after] = [
-            motion.t.iter().position(|&t| t == time).unwrap(),
-            motion.t.iter().rposition(|&t| t == time).unwrap(),
+            motion.samples.t.iter().position(|&t| t == time).unwrap(),
+            motion.samples.t.iter().rposition(|&t| t == time).unwrap(),
         ];
-        motion.u[3 * after + 2] / motion.u[3 * before + 2]
+        motion.samples.u[3 * after + 2] / motion.samples.u[3 * before + 2]
     };
     assert!(impacts.len() > 2);
     for time in impacts {
@@ -114,13 +119,13 @@ fn painleves_rod_is_stopped_without_collision() {
     let motion = run(&rod, &from_start(&rod, 0.9));
     let stop = first(&motion, EventKind::ImpactWithoutCollision);
     close(stop.time, 0.814_549_7, 1e-7);
-    let before = motion.t.iter().position(|&t| t == stop.time).unwrap();
-    close(-motion.q[3 * before + 2], 45f64.to_radians(), 1e-11);
-    close(-motion.u[3 * before + 2], 3.760_599, 1e-5);
-    close(motion.u[3 * before], 11.992_264, 1e-5);
+    let before = motion.samples.t.iter().position(|&t| t == stop.time).unwrap();
+    close(-motion.samples.q[3 * before + 2], 45f64.to_radians(), 1e-11);
+    close(-motion.samples.u[3 * before + 2], 3.760_599, 1e-5);
+    close(motion.samples.u[3 * before], 11.992_264, 1e-5);
     // The tip stands still afterwards.
-    let after = motion.t.iter().rposition(|&t| t == stop.time).unwrap();
-    let (u, angle) = (&motion.u[3 * after..], motion.q[3 * after + 2]);
+    let after = motion.samples.t.iter().rposition(|&t| t == stop.time).unwrap();
+    let (u, angle) = (&motion.samples.u[3 * after..], motion.samples.q[3 * after + 2]);
     close(u[0] - u[2] * angle.sin(), 0.0, 1e-9);
     close(u[1] + u[2] * angle.cos(), 0.0, 1e-9);
 }

@@ -59,7 +59,7 @@ fn bent_paths_keep_their_invariants() {
         let motion = run(&system, &options(&[0.0; 2], &u0, 1.0));
         let exponent = (1.0_f64 / 0.7).powi(2);
         let mut seen = 0;
-        for u in motion.u.chunks(2).filter(|u| u[0].hypot(u[1]) > 1e-9) {
+        for u in motion.samples.u.chunks(2).filter(|u| u[0].hypot(u[1]) > 1e-9) {
             let (first, second) = (u[0] / u0[0], u[1] / u0[1]);
             close(first, second.powf(exponent), 1e-10);
             seen += usize::from(u[0] < 0.9);
@@ -75,9 +75,9 @@ fn samples_lie_on_the_motion() {
     let system = sliding_point(1.0, law, 10.0).unwrap();
     let grid = Options { sample: Some(0.07), ..options(&[0.0; 2], &[2.0, 0.0], 0.5) };
     let motion = run(&system, &grid);
-    assert_eq!(motion.t.len(), 9);
-    assert_eq!(*motion.t.last().unwrap(), 0.5);
-    for (t, q) in motion.t.iter().zip(motion.q.chunks(2)) {
+    assert_eq!(motion.samples.t.len(), 9);
+    assert_eq!(*motion.samples.t.last().unwrap(), 0.5);
+    for (t, q) in motion.samples.t.iter().zip(motion.samples.q.chunks(2)) {
         let t = t.min(0.4);
         close(q[0], 2.0 * t - 2.5 * t * t, 1e-12);
     }

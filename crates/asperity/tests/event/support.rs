@@ -33,15 +33,15 @@ pub fn cross(system: &dyn System, from: &Options, normal: &[f64], level: f64) ->
     let motion = run(system, &Options { section, ..from.clone() });
     assert_eq!(motion.events.last().unwrap().kind, EventKind::Section);
     let state = [last_q(&motion), last_u(&motion)].concat();
-    (*motion.t.last().unwrap(), state)
+    (*motion.samples.t.last().unwrap(), state)
 }
 
 pub fn last_q(motion: &Motion) -> &[f64] {
-    &motion.q[motion.q.len() - motion.dof..]
+    &motion.samples.q[motion.samples.q.len() - motion.samples.dof..]
 }
 
 pub fn last_u(motion: &Motion) -> &[f64] {
-    &motion.u[motion.u.len() - motion.dof..]
+    &motion.samples.u[motion.samples.u.len() - motion.samples.dof..]
 }
 
 pub fn times(motion: &Motion, kind: EventKind) -> Vec<f64> {

@@ -3,6 +3,7 @@
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::state::State;
+use crate::integrator::samples::{ContactSample, Samples};
 
 /// What happens at an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,30 +51,11 @@ pub struct Event {
     pub ambiguous: bool,
 }
 
-/// Samples of a motion, time first; `p` is the largest dimension of the laws, shorter forces are padded with
-/// NaN. An event gives two samples where all steps are kept, before and after it.
+/// Samples of a motion, and its events. An event gives two samples where all steps are kept, before and after it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Motion {
-    /// Number of coordinates and of velocities.
-    pub dof: usize,
-    /// Number of contacts.
-    pub contacts: usize,
-    /// Largest dimension of the laws.
-    pub p: usize,
-    /// Times in s.
-    pub t: Vec<f64>,
-    /// Coordinates `(n_t, n)`.
-    pub q: Vec<f64>,
-    /// Velocities `(n_t, n)`.
-    pub u: Vec<f64>,
-    /// Slip velocities γ `(n_t, n_c, p)`.
-    pub slip: Vec<f64>,
-    /// Friction forces λ `(n_t, n_c, p)`.
-    pub force: Vec<f64>,
-    /// Normal forces λ_N `(n_t, n_c)`.
-    pub normal_force: Vec<f64>,
-    /// Phases `(n_t, n_c)`.
-    pub phase: Vec<i8>,
+    /// States, slips and forces.
+    pub samples: Samples,
     /// The events in their order.
     pub events: Vec<Event>,
     /// Steps made.
@@ -84,39 +66,27 @@ pub struct Motion {
 
 impl Motion {
     pub(crate) fn new(dynamics: &Dynamics<'_>) -> Self {
-        let p = dynamics.contacts.iter().map(|contact| contact.p).max().unwrap_or(0);
-        Self { dof: dynamics.n, contacts: dynamics.contacts.len(), p, ..Self::default() }
+        let dimensions: Vec<usize> = dynamics.contacts.iter().map(|contact| contact.p).collect();
+        let samples = Samples::new(dynamics.n, dynamics.n, &dimensions);
+        Self { samples, ..Self::default() }
     }
 
-    /// Appends a state, at which the dynamics has been evaluated.
+    /// Appends a state, at which the dynamics have been evaluated.
     pub(crate) fn record(&mut self, dynamics: &Dynamics<'_>, state: &State) {
-        self.t.push(state.t);
-        self.q.extend_from_slice(&state.q);
-        self.u.extend_from_slice(&state.u);
         for contact in &dynamics.contacts {
-            let padded =
-                |v: [f64; 3]| (0..self.p).map(move |i| if i < contact.p { v[i] } else { f64::NAN });
-            self.slip.extend(padded(contact.slip));
-            self.force.extend(padded(contact.force));
-            self.normal_force.push(contact.normal_force);
-            self.phase.push(contact.mode as i8);
+            self.samples.push_contact(&ContactSample {
+                dimension: contact.p,
+                slip: contact.slip,
+                force: contact.force,
+                normal_force: contact.normal_force,
+                phase: contact.mode,
+            });
         }
+        self.samples.push_state(state.t, &state.q, &state.u);
     }
 
     /// Number of events at which the contacts might have done something else.
     pub fn ambiguous_events(&self) -> usize {
         self.events.iter().filter(|event| event.ambiguous).count()
-    }
-
-    /// Keeps the first samples.
-    pub(crate) fn truncate(&mut self, samples: usize) {
-        let (n, m) = (self.dof, self.contacts);
-        self.t.truncate(samples);
-        self.q.truncate(samples * n);
-        self.u.truncate(samples * n);
-        self.slip.truncate(samples * m * self.p);
-        self.force.truncate(samples * m * self.p);
-        self.normal_force.truncate(samples * m);
-        self.phase.truncate(samples * m);
     }
 }

@@ -54,6 +54,6 @@ impl Step {
                 add(z, 1.0, self.points.defect_by_points(0, r - n));
             }
         }
-        self.matrix.factor() && self.matrix.solve(&mut self.residual[n..])
+        self.matrix.factor(0.0) && self.matrix.solve(&mut self.residual[n..])
     }
 }

@@ -68,7 +68,7 @@ impl Step {
             row.copy_from_slice(self.points.defect_by_points(stage, r));
             row[r] += FLAT;
         }
-        if !self.matrix.factor() {
+        if !self.matrix.factor(0.0) {
             return false;
         }
         let turn = &mut self.residual;

@@ -76,7 +76,7 @@ impl Step {
                 return Ok(false);
             }
             self.assemble();
-            if !(self.matrix.factor() && self.matrix.solve(&mut self.residual)) {
+            if !(self.matrix.factor(0.0) && self.matrix.solve(&mut self.residual)) {
                 return Ok(false);
             }
             let (mut largest, mut turn) = (0.0_f64, 0.0_f64);

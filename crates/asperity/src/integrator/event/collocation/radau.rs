@@ -7,6 +7,17 @@ use nalgebra::SMatrix;
 /// Number of stages.
 pub(crate) const STAGES: usize = 5;
 
+/// Zeros of `P₅ − P₄` on `[0, 1]`, Legendre's polynomials: the nodes of Radau's quadrature.
+const NODES: [f64; STAGES] = [
+    0.057_104_196_114_517_68,
+    0.276_843_013_638_123_8,
+    0.583_590_432_368_916_8,
+    0.860_240_135_656_219_5,
+    1.0,
+];
+/// The real eigenvalue of `A`.
+const GAMMA: f64 = 1.0 / 6.286_704_751_729_277;
+
 type Square = SMatrix<f64, STAGES, STAGES>;
 
 /// The coefficients of the method.
@@ -30,46 +41,15 @@ impl Tableau {
     }
 
     fn new() -> Self {
-        let c = nodes();
+        let c = NODES;
         // `A V = C` with the powers of the nodes and their integrals, refined once.
         let powers = Square::from_fn(|j, k| c[j].powi(k as i32));
         let integrals = Square::from_fn(|i, k| c[i].powi(k as i32 + 1) / (k as f64 + 1.0));
         let inverse = powers.try_inverse().unwrap_or_else(Square::zeros);
         let mut a = integrals * inverse;
         a += (integrals - a * powers) * inverse;
-        let gamma = bisect(0.0, 1.0, |x| (a - Square::identity() * x).determinant());
-        Self { c, a, a_squared: a * a, gamma, at_start: lagrange(&c, 0.0) }
+        Self { c, a, a_squared: a * a, gamma: GAMMA, at_start: lagrange(&c, 0.0) }
     }
-}
-
-/// Zeros of `P₅ − P₄` on `[0, 1]`, Legendre's polynomials: the nodes of Radau's quadrature.
-fn nodes() -> [f64; STAGES] {
-    let difference = |x: f64| {
-        let (mut last, mut next) = (1.0, x);
-        for k in 1..STAGES {
-            let k = k as f64;
-            (last, next) = (next, ((2.0 * k + 1.0) * x * next - k * last) / (k + 1.0));
-        }
-        next - last
-    };
-    const CELLS: usize = 64;
-    let at = |k: usize| -1.0 + 2.0 * k as f64 / CELLS as f64;
-    let mut c = [1.0; STAGES];
-    let changes =
-        (0..CELLS - 1).filter(|&k| (difference(at(k)) > 0.0) != (difference(at(k + 1)) > 0.0));
-    for (node, k) in c.iter_mut().zip(changes) {
-        *node = 0.5 * (1.0 + bisect(at(k), at(k + 1), difference));
-    }
-    c
-}
-
-fn bisect(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let rising = f(high) > 0.0;
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if (f(middle) > 0.0) == rising { high = middle } else { low = middle }
-    }
-    0.5 * (low + high)
 }
 
 /// The Lagrange polynomials of the nodes at `x`.
@@ -97,5 +77,7 @@ mod tests {
         }
         let sum: f64 = (0..STAGES).map(|j| table.a[(STAGES - 1, j)] * table.c[j].powi(9)).sum();
         assert!((sum - 0.1).abs() > 1e-6);
+        let characteristic = (table.a - Square::identity() * table.gamma).determinant();
+        assert!(characteristic.abs() < 1e-17, "{characteristic}");
     }
 }

@@ -1,6 +1,7 @@
 //! Impacts: velocities jump by percussions.
 
 use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solving};
+use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::dynamics::{Dynamics, sliding_force};
 use crate::integrator::event::state::{EvaluationError, State};
@@ -66,10 +67,11 @@ pub(crate) fn stop_slip(
 ) -> Result<bool, EvaluationError> {
     dynamics.kinematics(state.t, &state.q, &state.u)?;
     let rows: Vec<usize> = contacts.iter().flat_map(|&i| dynamics.rows_of(i)).collect();
-    let mut inverse = dynamics.mobility_inverse(&rows);
+    let mut matrix = ConstraintMatrix::default();
+    dynamics.factor_mobility(&rows, &mut matrix);
     let slip = |&row: &usize| if row % ROWS == 0 { 0.0 } else { -dynamics.velocity(row, &state.u) };
     let mut percussion: Vec<f64> = rows.iter().map(slip).collect();
-    inverse.apply(&mut percussion);
+    matrix.solve(&mut percussion);
     let mut first = 0;
     for &i in contacts {
         let own = &percussion[first..first + 1 + dynamics.contacts[i].p];

@@ -2,8 +2,8 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::inverse::Inverse;
 use crate::integrator::event::vectors::{add, dot, largest};
 
 /// The linear system for the forces.
@@ -13,7 +13,7 @@ pub(crate) struct Constraints {
     pub(crate) rows: Vec<usize>,
     /// The accelerations that one unit of each force gives, friction included.
     columns: Vec<f64>,
-    inverse: Inverse,
+    matrix: ConstraintMatrix,
     /// The forces, or their change by the last call of [`Dynamics::constrain`].
     pub(crate) forces: Vec<f64>,
     defects: Vec<f64>,
@@ -58,18 +58,18 @@ impl Dynamics<'_> {
 
     fn solve_constraints(&mut self, system: &mut Constraints) {
         let n = self.n;
-        let Constraints { rows, columns, inverse, forces, defects } = system;
+        let Constraints { rows, columns, matrix, forces, defects } = system;
         let count = rows.len();
-        inverse.of(count, |k, l| dot(self.row(rows[k]), &columns[l * n..(l + 1) * n]));
+        matrix.factor(count, |k, l| dot(self.row(rows[k]), &columns[l * n..(l + 1) * n]));
         forces.clear();
         forces.resize(count, 0.0);
-        // An inverse leaves residuals that grow with the condition of the matrix, such as where light and heavy
+        // A solution leaves residuals that grow with the condition of the matrix, such as where light and heavy
         // degrees of freedom meet. Where forces balance, these residuals would act as accelerations: solving once
         // more for what is left reduces them to rounding.
         for _ in 0..2 {
             defects.clear();
             defects.extend(rows.iter().map(|&row| -self.rate(row, &self.acceleration)));
-            inverse.apply(defects);
+            matrix.solve(defects);
             for ((column, x), force) in columns.chunks_exact(n).zip(&*defects).zip(&mut *forces) {
                 add(&mut self.acceleration, *x, column);
                 self.load = self.load.max(x.abs() * largest(column));
@@ -95,11 +95,14 @@ impl Dynamics<'_> {
     /// Adds to an acceleration what the constraint forces answer to it, so that it satisfies the constraints. The
     /// change of the forces is left in [`constraint_forces`](Self::constraint_forces).
     pub(crate) fn constrain(&mut self, acceleration: &mut [f64]) {
-        let Constraints { rows, columns, inverse, forces, .. } = &mut self.constraints;
+        let Constraints { rows, columns, matrix, forces, .. } = &mut self.constraints;
         let row = |row: usize| &self.rows[row * self.n..(row + 1) * self.n];
         forces.clear();
+        if rows.is_empty() {
+            return;
+        }
         forces.extend(rows.iter().map(|&k| -dot(row(k), acceleration)));
-        inverse.apply(forces);
+        matrix.solve(forces);
         for (column, x) in columns.chunks_exact(self.n).zip(&*forces) {
             add(acceleration, *x, column);
         }
@@ -107,7 +110,7 @@ impl Dynamics<'_> {
 
     /// Whether the contacts can share the constraint forces in many ways, of which the smallest was taken.
     pub(crate) fn is_indeterminate(&self) -> bool {
-        !self.constraints.rows.is_empty() && self.constraints.inverse.singular
+        !self.constraints.rows.is_empty() && self.constraints.matrix.singular
     }
 
     /// The contacts' rows that have constraint forces.

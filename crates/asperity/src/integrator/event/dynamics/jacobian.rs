@@ -21,6 +21,8 @@ pub(crate) struct SmoothJacobian {
     /// Accelerations and slips at the state of the differences.
     acceleration: Vec<f64>,
     slips: Vec<[f64; 3]>,
+    /// The coordinates and velocities of the differences.
+    shifted: (Vec<f64>, Vec<f64>),
 }
 
 impl SmoothJacobian {
@@ -31,6 +33,7 @@ impl SmoothJacobian {
             slip_by_q: vec![0.0; rows * n],
             acceleration: vec![0.0; n],
             slips: Vec::new(),
+            shifted: Default::default(),
         }
     }
 }
@@ -48,8 +51,11 @@ impl Dynamics<'_> {
     ) -> Result<(), EvaluationError> {
         let n = self.n;
         let State { t, q, u } = state;
-        let (mut q, mut u) = (q.clone(), u.clone());
-        self.evaluate(*t, &q, &u, SlidingForces::Kept)?;
+        let (mut shifted_q, mut shifted_u) = std::mem::take(&mut self.smooth.shifted);
+        shifted_q.clone_from(q);
+        shifted_u.clone_from(u);
+        let (q, u) = (&mut shifted_q, &mut shifted_u);
+        self.evaluate(*t, q, u, SlidingForces::Kept)?;
         let least = ROUNDING / NOISE * self.load * h;
         self.smooth.acceleration.copy_from_slice(&self.acceleration);
         self.smooth.slips.clear();
@@ -59,7 +65,7 @@ impl Dynamics<'_> {
             let (kept, width) = (u[j], (root * u[j].abs().max(1e-3 * scale.u)).max(least));
             u[j] += width;
             let width = u[j] - kept;
-            self.evaluate(*t, &q, &u, SlidingForces::Kept)?;
+            self.evaluate(*t, q, u, SlidingForces::Kept)?;
             u[j] = kept;
             let SmoothJacobian { by_u, acceleration, .. } = &mut self.smooth;
             for (k, (there, here)) in self.acceleration.iter().zip(acceleration).enumerate() {
@@ -70,7 +76,7 @@ impl Dynamics<'_> {
             let (kept, width) = (q[j], (root * q[j].abs().max(1e-3 * scale.q)).max(least * h));
             q[j] += width;
             let width = q[j] - kept;
-            self.evaluate(*t, &q, &u, SlidingForces::Kept)?;
+            self.evaluate(*t, q, u, SlidingForces::Kept)?;
             q[j] = kept;
             let SmoothJacobian { by_q, slip_by_q, acceleration, slips, .. } = &mut self.smooth;
             for (k, (there, here)) in self.acceleration.iter().zip(acceleration).enumerate() {
@@ -82,6 +88,7 @@ impl Dynamics<'_> {
                 }
             }
         }
+        self.smooth.shifted = (shifted_q, shifted_u);
         Ok(())
     }
 

@@ -3,10 +3,10 @@
 //! `M a = h + Σ (w_N λ_N + W λ)`, with `λ = λ_N f(γ)` in slip, `γ̇ = 0` in stick and `γ̇_N = 0` at closed unilateral
 //! contacts. Forces that are not given follow from one small linear system ([`constraints`]).
 
+pub(crate) mod constraint_matrix;
 pub(crate) mod constraints;
 pub(crate) mod contact_variables;
 pub(crate) mod drift;
-pub(crate) mod inverse;
 pub(crate) mod jacobian;
 pub(crate) mod projection;
 pub(crate) mod sliding_force;
@@ -20,6 +20,7 @@ use crate::integrator::event::dynamics::constraints::Constraints;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::dynamics::drift::Stencil;
 use crate::integrator::event::dynamics::jacobian::SmoothJacobian;
+use crate::integrator::event::dynamics::projection::Projection;
 use crate::integrator::event::state::EvaluationError;
 use crate::integrator::event::vectors::{add, dot, largest};
 use crate::law::Law;
@@ -61,6 +62,7 @@ pub(crate) struct Dynamics<'a> {
     stencil: Stencil,
     constraints: Constraints,
     pub(crate) smooth: SmoothJacobian,
+    projection: Projection,
     scratch_rows: Vec<f64>,
     scratch: Vec<f64>,
 }
@@ -99,6 +101,7 @@ impl<'a> Dynamics<'a> {
             stencil: Stencil::new(rows),
             constraints: Constraints::default(),
             smooth: SmoothJacobian::new(n, rows),
+            projection: Projection::default(),
             scratch_rows: vec![0.0; ROWS * n],
             scratch: vec![0.0; n],
         }

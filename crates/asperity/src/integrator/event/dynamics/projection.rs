@@ -2,16 +2,27 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::inverse::Inverse;
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::integrator::event::vectors::{add, dot};
+
+/// What projections work in.
+#[derive(Debug, Default)]
+pub(crate) struct Projection {
+    rows: Vec<usize>,
+    matrix: ConstraintMatrix,
+    percussions: Vec<f64>,
+    shifts: Vec<f64>,
+}
 
 impl Dynamics<'_> {
     /// Takes gaps, approach and slip, which rounding and differences bring in, out of contacts that have none.
     pub(crate) fn project(&mut self, state: &mut State) -> Result<(), EvaluationError> {
         self.kinematics(state.t, &state.q, &state.u)?;
-        let mut rows: Vec<usize> = Vec::new();
+        let mut projection = std::mem::take(&mut self.projection);
+        let Projection { rows, matrix, percussions, shifts } = &mut projection;
+        rows.clear();
         for (i, contact) in self.contacts.iter().enumerate() {
             match (contact.mode, contact.prescribed) {
                 (Phase::Stick, _) => rows.extend(self.rows_of(i)),
@@ -19,27 +30,28 @@ impl Dynamics<'_> {
                 _ => {}
             }
         }
-        if rows.is_empty() {
-            return Ok(());
+        if !rows.is_empty() {
+            self.factor_mobility(rows, matrix);
+            percussions.clear();
+            percussions.extend(rows.iter().map(|&row| -self.velocity(row, &state.u)));
+            matrix.solve(percussions);
+            let gap = |&row: &usize| {
+                if row % ROWS == 0 { -self.contacts[row / ROWS].gap } else { 0.0 }
+            };
+            shifts.clear();
+            shifts.extend(rows.iter().map(gap));
+            matrix.solve(shifts);
+            for ((&row, percussion), shift) in rows.iter().zip(&*percussions).zip(&*shifts) {
+                add(&mut state.u, *percussion, self.response(row));
+                add(&mut state.q, *shift, self.response(row));
+            }
         }
-        let mut inverse = self.mobility_inverse(&rows);
-        let velocity = |&row: &usize| -self.velocity(row, &state.u);
-        let gap = |&row: &usize| if row % ROWS == 0 { -self.contacts[row / ROWS].gap } else { 0.0 };
-        let mut percussions: Vec<f64> = rows.iter().map(velocity).collect();
-        let mut shifts: Vec<f64> = rows.iter().map(gap).collect();
-        inverse.apply(&mut percussions);
-        inverse.apply(&mut shifts);
-        for ((&row, percussion), shift) in rows.iter().zip(&percussions).zip(&shifts) {
-            add(&mut state.u, *percussion, self.response(row));
-            add(&mut state.q, *shift, self.response(row));
-        }
+        self.projection = projection;
         Ok(())
     }
 
-    /// The inverse of `WᵀM⁻¹W` for some rows.
-    pub(crate) fn mobility_inverse(&self, rows: &[usize]) -> Inverse {
-        let mut inverse = Inverse::default();
-        inverse.of(rows.len(), |i, j| dot(self.row(rows[i]), self.response(rows[j])));
-        inverse
+    /// Factors `WᵀM⁻¹W` of some rows.
+    pub(crate) fn factor_mobility(&self, rows: &[usize], matrix: &mut ConstraintMatrix) {
+        matrix.factor(rows.len(), |i, j| dot(self.row(rows[i]), self.response(rows[j])));
     }
 }

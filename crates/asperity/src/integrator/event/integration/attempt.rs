@@ -97,21 +97,4 @@ impl Integration<'_> {
         }
         self.dynamics.widen_stencil(&self.state)
     }
-
-    /// Takes the attempt, which ends at `t`.
-    pub(crate) fn accept_step(&mut self, t: f64) -> Result<(), EvaluationError> {
-        if self.sample_attempt(t)? {
-            self.evaluate_stage(STAGES - 1)?;
-        }
-        self.take_end(t, true)?;
-        self.dynamics.project(&mut self.state)?;
-        std::mem::swap(&mut self.step, &mut self.last);
-        (self.smooth, self.starting) = (true, false);
-        self.linearised = self.linearised.filter(|_| self.dynamics.constant);
-        self.reset_event_functions(false);
-        if self.options.sample.is_none() {
-            self.record();
-        }
-        Ok(())
-    }
 }

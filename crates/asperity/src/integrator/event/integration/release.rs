@@ -41,7 +41,7 @@ impl Integration<'_> {
                 contact.mode = mode.unwrap_or_default();
                 contact.undecided = contact.mode == Phase::Stick;
             }
-            let (events, samples) = (self.motion.events.len(), self.motion.t.len());
+            let (events, samples) = (self.motion.events.len(), self.motion.samples.len());
             self.step_size.h = length;
             let outcome = self.decide_modes_at(&ahead, &before)?;
             if outcome.is_some() {
@@ -51,7 +51,7 @@ impl Integration<'_> {
                 break;
             }
             // The load is not yet outside of the reservoir by more than rounding.
-            self.motion.truncate(samples);
+            self.motion.samples.truncate(samples);
             later *= 10.0;
             if later > LAST_TRIAL * self.step.h {
                 // The contact can go on sticking: its force has been outside of the reservoir by rounding only.

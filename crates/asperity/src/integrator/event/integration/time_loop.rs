@@ -72,7 +72,7 @@ impl Integration<'_> {
         let mut progress = Progress::default();
         loop {
             if let Some(outcome) = outcome {
-                if self.motion.t.last() != Some(&self.state.t) {
+                if self.motion.samples.t.last() != Some(&self.state.t) {
                     self.record();
                 }
                 return Ok(outcome);

@@ -1,14 +1,32 @@
-//! What is done at events, and where slips come to an end.
+//! What is done at the end of steps, at events, and where slips come to an end.
 
 use crate::contact::{ContactState, Phase};
+use crate::integrator::event::collocation::radau::STAGES;
 use crate::integrator::event::collocation::step_size::slip_rate;
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::Outcome;
-use crate::integrator::event::state::{ZERO_VELOCITY, shortest_step};
+use crate::integrator::event::state::{EvaluationError, ZERO_VELOCITY, shortest_step};
 use crate::integrator::event::vectors::{add, norm};
 
 impl Integration<'_> {
+    /// Takes the attempt, which ends at `t`.
+    pub(crate) fn accept_step(&mut self, t: f64) -> Result<(), EvaluationError> {
+        if self.sample_attempt(t)? {
+            self.evaluate_stage(STAGES - 1)?;
+        }
+        self.take_end(t, true)?;
+        self.dynamics.project(&mut self.state)?;
+        std::mem::swap(&mut self.step, &mut self.last);
+        (self.smooth, self.starting) = (true, false);
+        self.linearised = self.linearised.filter(|_| self.dynamics.constant);
+        self.reset_event_functions(false);
+        if self.options.sample.is_none() {
+            self.record();
+        }
+        Ok(())
+    }
+
     /// The event of a contact, or of the section, at the present state.
     pub(crate) fn handle_event(&mut self, number: usize) -> Ending {
         if number == self.memory.len() {
