@@ -113,9 +113,7 @@ pub fn resume(
     let mut trajectory = Trajectory::default();
     let mut stepper = match Stepper::from_state(system, solver, tolerance, dt, start) {
         Ok(stepper) => stepper,
-        Err(StepError::System(SystemError::Argument { argument, message })) => {
-            return Err(OptionsError { argument, message });
-        }
+        Err(StepError::System(error @ SystemError::Argument { .. })) => return Err(error.into()),
         Err(error) => return Ok(Run { trajectory, end: None, outcome: Outcome::Error(error) }),
     };
     let watch = Watch { clock: RefCell::new(Clock::new()), observer: RefCell::new(observer) };

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::system::SystemError;
+
 /// Bad options.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{argument}: {message}")]
@@ -10,6 +12,17 @@ pub struct OptionsError {
     pub argument: &'static str,
     /// What is allowed, and what was given.
     pub message: String,
+}
+
+impl From<SystemError> for OptionsError {
+    fn from(error: SystemError) -> Self {
+        match error {
+            SystemError::Argument { argument, message } => Self { argument, message },
+            foreign @ SystemError::Foreign(_) => {
+                Self { argument: "system", message: foreign.to_string() }
+            }
+        }
+    }
 }
 
 /// Refuses an argument.

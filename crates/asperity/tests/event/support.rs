@@ -37,7 +37,7 @@ pub fn cross(system: &dyn System, from: &Options, normal: &[f64], level: f64) ->
 }
 
 pub fn last_q(motion: &Motion) -> &[f64] {
-    &motion.samples.q[motion.samples.q.len() - motion.samples.dof..]
+    &motion.samples.q[motion.samples.q.len() - motion.samples.coordinates..]
 }
 
 pub fn last_u(motion: &Motion) -> &[f64] {

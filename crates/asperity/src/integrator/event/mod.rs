@@ -50,6 +50,9 @@ pub struct Run {
 
 /// Integrates `system` from event to event.
 ///
+/// Bodies that turn in space are integrated with rotation vectors in place of their quaternions, see
+/// [`System::rotations`].
+///
 /// `observer(t)` is called about every 50 ms and may stop the run.
 ///
 /// # Errors
@@ -62,6 +65,8 @@ pub fn integrate(
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, OptionsError> {
     options.check(system)?;
-    let (motion, outcome) = integration::run(system, options, observer)?;
+    let mut options = options.clone();
+    system.normalise(&mut options.q0)?;
+    let (motion, outcome) = integration::run(system, &options, observer)?;
     Ok(Run { motion, outcome })
 }

@@ -67,12 +67,12 @@ pub struct Motion {
 impl Motion {
     pub(crate) fn new(dynamics: &Dynamics<'_>) -> Self {
         let dimensions: Vec<usize> = dynamics.contacts.iter().map(|contact| contact.p).collect();
-        let samples = Samples::new(dynamics.n, dynamics.n, &dimensions);
+        let samples = Samples::new(dynamics.system.coordinates(), dynamics.n, &dimensions);
         Self { samples, ..Self::default() }
     }
 
     /// Appends a state, at which the dynamics have been evaluated.
-    pub(crate) fn record(&mut self, dynamics: &Dynamics<'_>, state: &State) {
+    pub(crate) fn record(&mut self, dynamics: &mut Dynamics<'_>, state: &State) {
         for contact in &dynamics.contacts {
             self.samples.push_contact(&ContactSample {
                 dimension: contact.p,
@@ -82,7 +82,8 @@ impl Motion {
                 phase: contact.mode,
             });
         }
-        self.samples.push_state(state.t, &state.q, &state.u);
+        let (q, u) = dynamics.chart.system_state(state);
+        self.samples.push_state(state.t, q, u);
     }
 
     /// Number of events at which the contacts might have done something else.

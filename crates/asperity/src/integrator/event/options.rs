@@ -64,9 +64,11 @@ impl Options {
     /// Refuses options, and systems that cannot be integrated from event to event.
     pub(crate) fn check(&self, system: &dyn System) -> Result<(), OptionsError> {
         let (n, coordinates) = (system.dof(), system.coordinates());
-        if coordinates != n {
-            let message =
-                format!("must have as many coordinates as velocities, has {coordinates} and {n}");
+        // A rotation of space has four coordinates and three velocities.
+        if coordinates != n + system.rotations().len() {
+            let message = format!(
+                "must have as many coordinates as velocities but for rotations of space, has {coordinates} and {n}"
+            );
             return refuse("system", message);
         }
         for (i, contact) in system.contacts().iter().enumerate() {
@@ -102,10 +104,10 @@ impl Options {
         if self.max_events == 0 {
             return refuse("max_events", "must be at least 1, got 0");
         }
-        check_entries("q0", &self.q0, n)?;
+        check_entries("q0", &self.q0, coordinates)?;
         check_entries("u0", &self.u0, n)?;
         let Some(section) = &self.section else { return Ok(()) };
-        check_entries("section", &section.normal, 2 * n)?;
+        check_entries("section", &section.normal, coordinates + n)?;
         if !(section.level.is_finite() && section.after.is_finite()) {
             return refuse("section", "must have a finite level and time");
         }

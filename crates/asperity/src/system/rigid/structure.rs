@@ -6,7 +6,7 @@ use super::contact::Contact;
 use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
 use crate::contact::Csr;
-use crate::system::{Constancy, ContactLaw, System, SystemError};
+use crate::system::{Constancy, ContactLaw, Rotation, System, SystemError};
 
 impl RigidBodies {
     /// Number of velocities of a body.
@@ -107,6 +107,11 @@ impl System for RigidBodies {
         for body in 0..self.bodies() {
             self.advance_body(q, u, body, dt, out);
         }
+    }
+
+    fn rotations(&self) -> Vec<Rotation> {
+        let bodies = if self.planar { 0 } else { self.bodies() };
+        (0..bodies).map(|k| Rotation { coordinate: 7 * k + 3, velocity: 6 * k + 3 }).collect()
     }
 
     fn normalise(&self, q0: &mut [f64]) -> Result<(), SystemError> {

@@ -47,19 +47,19 @@ impl Dynamics<'_> {
         velocities.fill([0.0; 4]);
         for (k, place) in PLACES.into_iter().enumerate() {
             let time = t + place * *width;
-            self.system.advance(q, u, place * *width, &mut self.scratch);
+            self.chart.place_along(q, u, place * *width);
             for (i, contact) in self.contacts.iter().enumerate().filter(|(_, c)| wanted(c)) {
                 let rows = &mut self.scratch_rows;
                 let mut chi = [0.0; ROWS];
                 if contact.prescribed.is_none() {
-                    self.system.gap(time, &self.scratch, i, &mut rows[..n])?;
+                    self.chart.gap(time, i, &mut rows[..n])?;
                     velocities[ROWS * i][k] = dot(&rows[..n], u);
                 }
                 if contact.is_free() {
                     continue;
                 }
                 let (tangent, chi) = (&mut rows[n..(1 + contact.p) * n], &mut chi[..contact.p]);
-                self.system.tangent(time, &self.scratch, i, tangent, chi)?;
+                self.chart.tangent(time, i, tangent, chi)?;
                 for (r, row) in tangent.chunks_exact(n).enumerate() {
                     velocities[ROWS * i + 1 + r][k] = chi[r] + dot(row, u);
                 }

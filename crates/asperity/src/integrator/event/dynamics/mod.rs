@@ -3,6 +3,7 @@
 //! `M a = h + Σ (w_N λ_N + W λ)`, with `λ = λ_N f(γ)` in slip, `γ̇ = 0` in stick and `γ̇_N = 0` at closed unilateral
 //! contacts. Forces that are not given follow from one small linear system ([`constraints`]).
 
+pub(crate) mod chart;
 pub(crate) mod constraint_matrix;
 pub(crate) mod constraints;
 pub(crate) mod contact_variables;
@@ -16,6 +17,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 
 use crate::contact::Phase;
+use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::constraints::Constraints;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::dynamics::drift::Stencil;
@@ -31,6 +33,8 @@ use crate::system::{System, SystemError};
 #[derive(Debug)]
 pub(crate) struct Dynamics<'a> {
     pub(crate) system: &'a dyn System,
+    /// The coordinates of the integration, through which alone the system is evaluated.
+    pub(crate) chart: Chart<'a>,
     /// Number of degrees of freedom.
     pub(crate) n: usize,
     pub(crate) contacts: Vec<ContactVariables>,
@@ -78,11 +82,12 @@ pub(crate) enum SlidingForces {
 
 impl<'a> Dynamics<'a> {
     /// The system up to the time `t_end`, all contacts open.
-    pub(crate) fn new(system: &'a dyn System, t_end: f64) -> Self {
+    pub(crate) fn new(system: &'a dyn System, chart: Chart<'a>, t_end: f64) -> Self {
         let (n, rows) = (system.dof(), ROWS * system.contacts().len());
-        let constancy = system.constancy();
+        let constancy = chart.constancy();
         Self {
             system,
+            chart,
             n,
             contacts: system.contacts().iter().map(ContactVariables::new).collect(),
             acceleration: vec![0.0; n],
@@ -145,15 +150,16 @@ impl<'a> Dynamics<'a> {
         u: &[f64],
     ) -> Result<(), EvaluationError> {
         let (n, fresh) = (self.n, !self.constant || !self.ready);
+        self.chart.place(q);
         for (i, contact) in self.contacts.iter_mut().enumerate() {
             let own = &mut self.rows[ROWS * i * n..ROWS * (i + 1) * n];
             if contact.prescribed.is_none() {
-                contact.gap = self.system.gap(t, q, i, &mut own[..n])?;
+                contact.gap = self.chart.gap(t, i, &mut own[..n])?;
             }
             let chi = &mut self.chi[ROWS * i + 1..ROWS * i + 1 + contact.p];
             let tangent = &mut own[n..(1 + contact.p) * n];
             if fresh {
-                self.system.tangent(t, q, i, tangent, chi)?;
+                self.chart.tangent(t, i, tangent, chi)?;
             }
             let mut size = 0.0;
             for ((slip, chi), row) in contact.slip.iter_mut().zip(chi).zip(tangent.chunks_exact(n))
@@ -167,8 +173,8 @@ impl<'a> Dynamics<'a> {
         if !fresh {
             return Ok(());
         }
-        if self.factor.is_none() || !self.system.constancy().mass {
-            self.system.mass(q, &mut self.mass)?;
+        if self.factor.is_none() || !self.chart.constancy().mass {
+            self.chart.mass(&mut self.mass)?;
             self.factor = MassFactor::new(&self.mass);
         }
         let Some(factor) = &self.factor else {
@@ -192,13 +198,15 @@ impl<'a> Dynamics<'a> {
         Ok(())
     }
 
-    /// The accelerations that the system would have without contacts, into `out`.
+    /// The accelerations that the system would have without contacts, into `out`, at the coordinates whose kinematics
+    /// have been evaluated.
     pub(crate) fn free_acceleration(
-        &self,
-        (t, q, u): (f64, &[f64], &[f64]),
+        &mut self,
+        t: f64,
+        u: &[f64],
         out: &mut [f64],
     ) -> Result<(), EvaluationError> {
-        self.system.forces(t, q, u, out)?;
+        self.chart.forces(t, u, out)?;
         if let Some(factor) = &self.factor {
             factor.solve(out);
         }
@@ -215,10 +223,11 @@ impl<'a> Dynamics<'a> {
     ) -> Result<(), EvaluationError> {
         let t = t.min(self.latest);
         self.kinematics(t, q, u)?;
+        // Before the drift, for which the chart is placed elsewhere.
+        self.chart.forces(t, u, &mut self.acceleration)?;
         if !self.constant {
             self.update_drift(t, q, u, |contact| !contact.is_free())?;
         }
-        self.system.forces(t, q, u, &mut self.acceleration)?;
         if let Some(factor) = &self.factor {
             factor.solve(&mut self.acceleration);
         }

@@ -34,7 +34,7 @@ impl Integration<'_> {
             let at = (self.sampled.t, &self.sampled.q[..], &self.sampled.u[..]);
             let solving = Self::solving(&self.memory, &self.observer, at.0);
             redundancy::evaluate(&mut self.dynamics, at, SlidingForces::Updated, &solving)?;
-            self.motion.record(&self.dynamics, &self.sampled);
+            self.motion.record(&mut self.dynamics, &self.sampled);
             self.samples += 1;
             if self.samples.is_multiple_of(RARELY) {
                 self.observer.asks_to_stop(self.state.t);

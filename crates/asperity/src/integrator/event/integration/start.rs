@@ -14,7 +14,7 @@ impl Integration<'_> {
         self.dynamics.kinematics(*t, q, u)?;
         self.step_size.account_for(&mut self.dynamics, &self.state, 0.0);
         // An impact at the beginning is told from rest by the accelerations without contacts.
-        self.dynamics.free_acceleration((*t, q, u), &mut self.a0)?;
+        self.dynamics.free_acceleration(*t, u, &mut self.a0)?;
         let overlaps = |c: &ContactVariables| c.prescribed.is_none() && c.gap < -closed_gap(c);
         let contacts = &self.dynamics.contacts;
         Ok(contacts.iter().position(overlaps).map_or(Ok(()), |contact| {

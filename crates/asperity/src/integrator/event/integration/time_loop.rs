@@ -65,6 +65,7 @@ impl Integration<'_> {
         self.record();
         if outcome.is_none() {
             let longest = self.step_size.first_step_limit(self.options.t_end, &self.a0);
+            let longest = longest.min(self.dynamics.chart.turn_limit(&self.state, &self.a0));
             let dynamics = &mut self.dynamics;
             self.step_size.h = initial_step(dynamics, &self.state, &self.a0, longest)?;
             self.stale = true;
@@ -89,6 +90,10 @@ impl Integration<'_> {
         let left = self.options.t_end - self.state.t;
         if left <= UNRESOLVED_END * self.options.t_end {
             return Ok(Some(self.extrapolate_to_end(left)));
+        }
+        // Where a slip begins, its first step is made in the chart in which its direction is known.
+        if !self.starting && self.dynamics.chart.recentre(&mut self.state, &mut self.a0) {
+            (self.smooth, self.linearised, self.stale) = (false, None, true);
         }
         if self.stale {
             let sliding_forces =
@@ -142,6 +147,7 @@ impl Integration<'_> {
         if !self.starting {
             limit = limit.min(self.step_size.slip_limit(&self.dynamics, &self.a0));
         }
+        limit = limit.min(self.dynamics.chart.turn_limit(&self.state, &self.a0));
         // What ends within less than time resolves is over when the step has been made.
         limit = limit.max(shortest_step(self.state.t));
         let longest = self.options.max_step.unwrap_or(f64::INFINITY);

@@ -9,6 +9,7 @@ use crate::integrator::event::collocation::step::Step;
 use crate::integrator::event::collocation::step_size::{Accuracy, StepSize};
 use crate::integrator::event::contact_problem::problem::Solving;
 use crate::integrator::event::contact_problem::redundancy;
+use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
 use crate::integrator::event::event_function::between_stages::NODES;
@@ -69,10 +70,11 @@ impl<'a> Integration<'a> {
         observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
-        let dynamics = Dynamics::new(system, options.t_end);
+        let (chart, state) = Chart::new(system, &options.q0, &options.u0);
+        let dynamics = Dynamics::new(system, chart, options.t_end);
         Self {
             options,
-            state: State { t: 0.0, q: options.q0.clone(), u: options.u0.clone() },
+            state,
             memory: vec![ContactState::default(); contacts],
             step_size: StepSize::new(options.tolerance, contacts),
             motion: Motion::new(&dynamics),
@@ -165,7 +167,7 @@ impl<'a> Integration<'a> {
 
     /// Keeps the present state.
     pub(crate) fn record(&mut self) {
-        self.motion.record(&self.dynamics, &self.state);
+        self.motion.record(&mut self.dynamics, &self.state);
     }
 
     pub(crate) fn record_event(
@@ -182,7 +184,10 @@ impl<'a> Integration<'a> {
     /// that of the contacts.
     pub(crate) fn event_function(&self, number: usize, q: &[f64], u: &[f64]) -> f64 {
         match &self.options.section {
-            Some(section) if number == self.memory.len() => section.height(q, u),
+            Some(section) if number == self.memory.len() => {
+                let (q, u) = self.dynamics.chart.to_system(q, u);
+                section.height(&q, &u)
+            }
             _ if number == self.memory.len() => -1.0,
             _ => contact_event_function(&self.dynamics, number),
         }
@@ -195,9 +200,9 @@ impl<'a> Integration<'a> {
             self.event_values[contact] = contact_event_function(&self.dynamics, contact).min(0.0);
         }
         if let Some(section) = &self.options.section {
-            let (q, u) = (&self.state.q, &self.state.u);
-            let height = section.height(q, u);
-            let on = height.abs() <= ZERO_VELOCITY * section.size(q, u);
+            let (q, u) = self.dynamics.chart.to_system(&self.state.q, &self.state.u);
+            let height = section.height(&q, &u);
+            let on = height.abs() <= ZERO_VELOCITY * section.size(&q, &u);
             let last = &mut self.event_values[self.memory.len()];
             *last = match *last < 0.0 {
                 // Arrives from below, or has got above: the next step crosses it at its start.

@@ -1,0 +1,344 @@
+//! Coordinates in which the velocities are the rates, for bodies that turn in space too.
+//!
+//! Collocation asks for `q̇ = u`. Attitudes of bodies in space have no such coordinates for the angular velocity, so
+//! the integration uses rotation vectors: the attitude is `R₀ exp θ` with an attitude `R₀` that is kept for some steps,
+//! the centre of the chart, and in place of Ω the velocity is `w = θ̇`. With
+//!
+//! `Ω = D(θ) θ̇`, `D = 1 − (1 − cos φ)/φ² θ× + (φ − sin φ)/φ³ θ× θ×`, `φ = ‖θ‖`,
+//!
+//! the equations `M u̇ = h + W λ` become `DᵀMD ẇ = Dᵀ(h − M Ḋ w) + DᵀW λ`. They are the same motion to rounding, and of
+//! the form that everything else here knows. At the centre `D` is one; before θ comes near a full turn, where `D` is
+//! singular, the chart moves on to the present attitude.
+
+use std::borrow::Cow;
+
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+use crate::integrator::event::state::State;
+use crate::system::{Constancy, Rotation, System, SystemError};
+
+/// Angle in rad from which on the chart moves to the present attitude, and how far a step may turn it: θ stays far from
+/// a full turn, and most steps follow each other in one chart.
+const RECENTRED: f64 = 0.5;
+const FURTHEST: f64 = 2.0;
+/// Terms of the series of `D`: the next one is below rounding up to a full turn.
+const TERMS: i32 = 18;
+
+/// A system in these coordinates.
+#[derive(Debug)]
+pub(crate) struct Chart<'a> {
+    system: &'a dyn System,
+    rotations: Vec<Turn>,
+    /// The attitudes `R₀`; zero for all other coordinates.
+    centre: Vec<f64>,
+    /// The coordinates of the system where the chart was placed last.
+    q: Vec<f64>,
+    /// The mass matrix of the system there, and vectors of its size.
+    mass: DMatrix<f64>,
+    weighed: bool,
+    u: Vec<f64>,
+    rate: Vec<f64>,
+}
+
+/// A rotation of space where the chart was placed last.
+#[derive(Debug)]
+struct Turn {
+    at: Rotation,
+    angle: Vector3<f64>,
+    /// `D`.
+    differential: Matrix3<f64>,
+}
+
+impl<'a> Chart<'a> {
+    /// The chart about the attitudes of a state of the system, and this state in it.
+    pub(crate) fn new(system: &'a dyn System, q0: &[f64], u0: &[f64]) -> (Self, State) {
+        let turn =
+            |at: Rotation| Turn { at, angle: Vector3::zeros(), differential: Matrix3::identity() };
+        let rotations: Vec<Turn> = system.rotations().into_iter().map(turn).collect();
+        let n = system.dof();
+        let mut chart = Self {
+            system,
+            centre: vec![0.0; q0.len()],
+            q: q0.to_vec(),
+            mass: DMatrix::zeros(if rotations.is_empty() { 0 } else { n }, n),
+            weighed: false,
+            u: vec![0.0; n],
+            rate: vec![0.0; n],
+            rotations,
+        };
+        let mut state = State { t: 0.0, q: vec![0.0; n], u: u0.to_vec() };
+        chart.centre_at(q0, &mut state.q);
+        (chart, state)
+    }
+
+    /// Whether its coordinates are those of the system.
+    fn is_trivial(&self) -> bool {
+        self.rotations.is_empty()
+    }
+
+    /// What never changes.
+    pub(crate) fn constancy(&self) -> Constancy {
+        if self.is_trivial() { self.system.constancy() } else { Constancy::default() }
+    }
+
+    /// Moves the centre to the coordinates `q` of the system, which are left in `x`.
+    fn centre_at(&mut self, q: &[f64], x: &mut [f64]) {
+        if self.is_trivial() {
+            x.copy_from_slice(q);
+            return;
+        }
+        let (mut from, mut to) = (0, 0);
+        for turn in &self.rotations {
+            let Rotation { coordinate, velocity } = turn.at;
+            x[to..velocity].copy_from_slice(&q[from..coordinate]);
+            x[velocity..velocity + 3].fill(0.0);
+            self.centre[coordinate..coordinate + 4].copy_from_slice(&q[coordinate..coordinate + 4]);
+            (from, to) = (coordinate + 4, velocity + 3);
+        }
+        x[to..].copy_from_slice(&q[from..]);
+    }
+
+    /// Goes to the coordinates `x`, for all that is asked for next.
+    pub(crate) fn place(&mut self, x: &[f64]) {
+        if self.is_trivial() {
+            self.q.copy_from_slice(x);
+            return;
+        }
+        self.system.advance(&self.centre, x, 1.0, &mut self.q);
+        for turn in &mut self.rotations {
+            let first = turn.at.velocity;
+            turn.angle = Vector3::from_column_slice(&x[first..first + 3]);
+            turn.differential = differential(&turn.angle);
+        }
+    }
+
+    /// Goes to where the velocities `w` lead from `x` in the time `dt`.
+    pub(crate) fn place_along(&mut self, x: &[f64], w: &[f64], dt: f64) {
+        if self.is_trivial() {
+            self.system.advance(x, w, dt, &mut self.q);
+            return;
+        }
+        let mut along = std::mem::take(&mut self.u);
+        for (along, (x, w)) in along.iter_mut().zip(x.iter().zip(w)) {
+            *along = x + dt * w;
+        }
+        self.place(&along);
+        self.u = along;
+    }
+
+    /// Takes rows or forces of the system to those of the chart.
+    fn pull_back(&self, rows: &mut [f64]) {
+        if self.is_trivial() {
+            return;
+        }
+        for row in rows.chunks_exact_mut(self.u.len()) {
+            for turn in &self.rotations {
+                let own = &mut row[turn.at.velocity..turn.at.velocity + 3];
+                let pulled = turn.differential.tr_mul(&Vector3::from_column_slice(own));
+                own.copy_from_slice(pulled.as_slice());
+            }
+        }
+    }
+
+    /// Gap of a unilateral contact, with its row.
+    pub(crate) fn gap(&self, t: f64, contact: usize, row: &mut [f64]) -> Result<f64, SystemError> {
+        let gap = self.system.gap(t, &self.q, contact, row)?;
+        self.pull_back(row);
+        Ok(gap)
+    }
+
+    /// Tangential rows and χ of a contact.
+    pub(crate) fn tangent(
+        &self,
+        t: f64,
+        contact: usize,
+        rows: &mut [f64],
+        chi: &mut [f64],
+    ) -> Result<(), SystemError> {
+        self.system.tangent(t, &self.q, contact, rows, chi)?;
+        self.pull_back(rows);
+        Ok(())
+    }
+
+    /// The mass matrix.
+    pub(crate) fn mass(&mut self, out: &mut DMatrix<f64>) -> Result<(), SystemError> {
+        if self.is_trivial() {
+            return self.system.mass(&self.q, out);
+        }
+        if !(self.weighed && self.system.constancy().mass) {
+            self.system.mass(&self.q, &mut self.mass)?;
+            self.weighed = true;
+        }
+        out.copy_from(&self.mass);
+        for Turn { at, differential, .. } in &self.rotations {
+            for row in 0..self.u.len() {
+                let mut entries = out.fixed_view_mut::<1, 3>(row, at.velocity);
+                let turned = &entries * differential;
+                entries.copy_from(&turned);
+            }
+            for column in 0..self.u.len() {
+                let mut entries = out.fixed_view_mut::<3, 1>(at.velocity, column);
+                let turned = differential.tr_mul(&entries);
+                entries.copy_from(&turned);
+            }
+        }
+        // Rounding must not make it unsymmetric.
+        out.fill_upper_triangle_with_lower_triangle();
+        Ok(())
+    }
+
+    /// The forces at the velocities `w`; the mass matrix must have been asked for at the same place.
+    pub(crate) fn forces(&mut self, t: f64, w: &[f64], out: &mut [f64]) -> Result<(), SystemError> {
+        if self.is_trivial() {
+            return self.system.forces(t, &self.q, w, out);
+        }
+        self.push_forward(w);
+        self.system.forces(t, &self.q, &self.u, out)?;
+        for (column, rate) in self.mass.column_iter().zip(&self.rate) {
+            for (force, m) in out.iter_mut().zip(column.iter()) {
+                *force -= m * rate;
+            }
+        }
+        self.pull_back(out);
+        Ok(())
+    }
+
+    /// The velocities `u = D w` of the system, and their part `Ḋ w` of the accelerations, in `u` and `rate`.
+    fn push_forward(&mut self, w: &[f64]) {
+        self.u.copy_from_slice(w);
+        self.rate.fill(0.0);
+        for Turn { at, angle, differential } in &self.rotations {
+            let own = at.velocity..at.velocity + 3;
+            let rate = Vector3::from_column_slice(&w[own.clone()]);
+            self.u[own.clone()].copy_from_slice((differential * rate).as_slice());
+            self.rate[own].copy_from_slice(differential_rate(angle, &rate).as_slice());
+        }
+    }
+
+    /// Coordinates and velocities of the system at a state of the chart.
+    pub(crate) fn system_state<'s>(&'s mut self, state: &'s State) -> (&'s [f64], &'s [f64]) {
+        if self.is_trivial() {
+            return (&state.q, &state.u);
+        }
+        self.place(&state.q);
+        self.push_forward(&state.u);
+        (&self.q, &self.u)
+    }
+
+    /// As [`system_state`](Self::system_state), wherever the chart is placed.
+    pub(crate) fn to_system<'s>(
+        &self,
+        x: &'s [f64],
+        w: &'s [f64],
+    ) -> (Cow<'s, [f64]>, Cow<'s, [f64]>) {
+        if self.is_trivial() {
+            return (x.into(), w.into());
+        }
+        let (mut q, mut u) = (vec![0.0; self.q.len()], w.to_vec());
+        self.system.advance(&self.centre, x, 1.0, &mut q);
+        for Turn { at, .. } in &self.rotations {
+            let own = at.velocity..at.velocity + 3;
+            let angle = Vector3::from_column_slice(&x[own.clone()]);
+            let rate = Vector3::from_column_slice(&w[own.clone()]);
+            u[own].copy_from_slice((differential(&angle) * rate).as_slice());
+        }
+        (q.into(), u.into())
+    }
+
+    /// Moves the centre to the attitudes of a state where these have turned too far from it; whether it has. State and
+    /// accelerations become those of the new chart.
+    pub(crate) fn recentre(&mut self, state: &mut State, acceleration: &mut [f64]) -> bool {
+        let far = |turn: &Turn| {
+            let first = turn.at.velocity;
+            Vector3::from_column_slice(&state.q[first..first + 3]).norm() > RECENTRED
+        };
+        if !self.rotations.iter().any(far) {
+            return false;
+        }
+        self.place(&state.q);
+        self.push_forward(&state.u);
+        for Turn { at, differential, .. } in &self.rotations {
+            let own = at.velocity..at.velocity + 3;
+            let turned = differential * Vector3::from_column_slice(&acceleration[own.clone()])
+                + Vector3::from_column_slice(&self.rate[own.clone()]);
+            acceleration[own].copy_from_slice(turned.as_slice());
+        }
+        state.u.copy_from_slice(&self.u);
+        let q = std::mem::take(&mut self.q);
+        self.centre_at(&q, &mut state.q);
+        self.q = q;
+        true
+    }
+
+    /// The longest step along which no attitude turns too far from the centre.
+    pub(crate) fn turn_limit(&self, state: &State, acceleration: &[f64]) -> f64 {
+        let limit = |turn: &Turn| {
+            let own = turn.at.velocity..turn.at.velocity + 3;
+            let norm = |v: &[f64]| Vector3::from_column_slice(&v[own.clone()]).norm();
+            let left = FURTHEST - norm(&state.q).min(RECENTRED);
+            // Half of the turn by the present velocity, half by the present acceleration.
+            (0.5 * left / norm(&state.u)).min((left / norm(acceleration)).sqrt())
+        };
+        self.rotations.iter().map(limit).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The coefficients of `D`, `a = (1 − cos φ)/φ²` and `b = (φ − sin φ)/φ³`, and their derivatives by φ over φ, by their
+/// series in φ², which know no cancellation.
+fn coefficients(square: f64) -> [f64; 4] {
+    let [mut a, mut b, mut a_rate, mut b_rate] = [0.0; 4];
+    // Σ (−1)ᵏ φ²ᵏ/(2k + 2)! and Σ (−1)ᵏ φ²ᵏ/(2k + 3)!.
+    let (mut power, mut before, mut factorial) = (1.0, 0.0, 2.0);
+    for k in 0..TERMS {
+        let even = f64::from(2 * k);
+        a += power / factorial;
+        b += power / (factorial * (even + 3.0));
+        a_rate += even * before / factorial;
+        b_rate += even * before / (factorial * (even + 3.0));
+        before = -power;
+        power *= -square;
+        factorial *= (even + 3.0) * (even + 4.0);
+    }
+    [a, b, a_rate, b_rate]
+}
+
+/// `D`.
+fn differential(angle: &Vector3<f64>) -> Matrix3<f64> {
+    let [a, b, ..] = coefficients(angle.norm_squared());
+    let cross = angle.cross_matrix();
+    Matrix3::identity() - cross * a + cross * cross * b
+}
+
+/// `Ḋ w` for `θ̇ = w`.
+fn differential_rate(angle: &Vector3<f64>, rate: &Vector3<f64>) -> Vector3<f64> {
+    let [_, b, a_rate, b_rate] = coefficients(angle.norm_squared());
+    let along = angle.dot(rate);
+    let turned = angle.cross(rate);
+    turned * (-a_rate * along) + angle.cross(&turned) * (b_rate * along) + rate.cross(&turned) * b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Rotation3;
+
+    #[test]
+    fn the_differential_is_that_of_the_exponential() {
+        let axis = Vector3::new(0.6, -0.64, 0.48);
+        let rate = Vector3::new(0.3, 1.2, -0.7);
+        for scale in [0.0, 1e-6, 0.3, 2.0, 4.0] {
+            let at = |s: f64| axis * scale + rate * s;
+            let (turned, h) = (|s: f64| Rotation3::new(at(s)), 1e-3);
+            // Central differences of fourth order.
+            let slope = |f: &dyn Fn(f64) -> Matrix3<f64>| {
+                (f(-2.0 * h) - f(2.0 * h) + (f(h) - f(-h)) * 8.0) / (12.0 * h)
+            };
+            let spin = turned(0.0).matrix().tr_mul(&slope(&|s| *turned(s).matrix()));
+            let omega = differential(&at(0.0)) * rate;
+            assert!((spin - omega.cross_matrix()).amax() < 1e-10, "{scale}");
+            let change = slope(&|s| differential(&at(s))) * rate;
+            let rate = differential_rate(&at(0.0), &rate);
+            assert!((change - rate).amax() < 1e-10, "{scale}: {change} {rate}");
+        }
+    }
+}
