@@ -11,8 +11,7 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::collocation::radau::STAGES;
-use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::{Dynamics, sliding_force};
+use crate::integrator::event::dynamics::{Dynamics, ROWS, sliding_force};
 use crate::integrator::event::vectors::add;
 
 /// The points of a step and what belongs to them.

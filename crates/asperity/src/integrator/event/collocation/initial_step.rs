@@ -5,8 +5,7 @@
 //! short beside the time in which that happens shows how far a motion from rest goes, which its error is compared
 //! with. The end of the motion is an upper limit only.
 
-use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
-use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
+use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
 use crate::integrator::event::vectors::largest;
 

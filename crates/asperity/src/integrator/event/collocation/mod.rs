@@ -9,3 +9,10 @@ pub(crate) mod newton;
 pub(crate) mod radau;
 pub(crate) mod step;
 pub(crate) mod step_size;
+
+pub(crate) use dense_output::{DenseOutput, PLACES};
+pub(crate) use initial_step::initial_step;
+pub(crate) use newton::{NewtonGoal, SlidingStart};
+pub(crate) use radau::{STAGES, Tableau, lagrange_at};
+pub(crate) use step::Step;
+pub(crate) use step_size::{Accuracy, StepSize, slip_rate};

@@ -2,8 +2,7 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::collocation::growth::GROWTH;
-use crate::integrator::event::dynamics::Dynamics;
-use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::dynamics::{Dynamics, ROWS};
 use crate::integrator::event::state::{ROUNDING, Scale, State, ZERO_VELOCITY};
 use crate::integrator::event::vectors::{dot, largest, norm};
 

@@ -2,8 +2,7 @@
 
 use crate::contact::{ContactProblem, NormalForce, Phase};
 use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solved, Solving};
-use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
+use crate::integrator::event::dynamics::{Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::integrator::event::vectors::{add, largest};
 

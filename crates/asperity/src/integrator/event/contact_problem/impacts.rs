@@ -1,9 +1,7 @@
 //! Impacts: velocities jump by percussions.
 
 use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solving};
-use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
-use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::{Dynamics, sliding_force};
+use crate::integrator::event::dynamics::{ConstraintMatrix, Dynamics, ROWS, sliding_force};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::integrator::event::vectors::add;
 

@@ -7,3 +7,6 @@ pub(crate) mod accelerations;
 pub(crate) mod impacts;
 pub(crate) mod problem;
 pub(crate) mod redundancy;
+
+pub(crate) use impacts::ImpactLaw;
+pub(crate) use problem::{Decision, Solving};

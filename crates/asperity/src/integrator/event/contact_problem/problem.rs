@@ -3,8 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::contact::{ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce};
-use crate::integrator::event::dynamics::Dynamics;
-use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
 use crate::integrator::event::observer::Observer;
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::EvaluationError;

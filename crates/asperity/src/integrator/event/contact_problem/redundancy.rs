@@ -3,8 +3,7 @@
 use crate::contact::Phase;
 use crate::integrator::event::contact_problem::accelerations::decide;
 use crate::integrator::event::contact_problem::problem::{Decision, Solving};
-use crate::integrator::event::dynamics::contact_variables::ContactVariables;
-use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
+use crate::integrator::event::dynamics::{ContactVariables, Dynamics, SlidingForces};
 use crate::integrator::event::event_function::contact_event_function;
 use crate::integrator::event::state::{EvaluationError, State};
 

@@ -6,16 +6,16 @@
 //!
 //! `Ω = D(θ) θ̇`, `D = 1 − (1 − cos φ)/φ² θ× + (φ − sin φ)/φ³ θ× θ×`, `φ = ‖θ‖`,
 //!
-//! the equations `M u̇ = h + W λ` become `DᵀMD ẇ = Dᵀ(h − M Ḋ w) + DᵀW λ`. They are the same motion to rounding, and of
-//! the form that everything else here knows. At the centre `D` is one; before θ comes near a full turn, where `D` is
-//! singular, the chart moves on to the present attitude.
+//! the equations `M u̇ = h + W λ`, `γ = Wᵀu + χ` become `ẇ = D⁻¹(M⁻¹h − Ḋ w) + D⁻¹M⁻¹W λ`, `γ = (DᵀW)ᵀw + χ`. They are
+//! the same motion to rounding, and of the form that everything else here knows. At the centre `D` is one; before θ comes
+//! near a full turn, where `D` is singular, the chart moves on to the present attitude.
 
 use std::borrow::Cow;
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::integrator::event::state::State;
-use crate::system::{Constancy, Rotation, System, SystemError};
+use crate::system::{Rotation, System, SystemError};
 
 /// Angle in rad from which on the chart moves to the present attitude, and how far a step may turn it: θ stays far from
 /// a full turn, and most steps follow each other in one chart.
@@ -33,9 +33,7 @@ pub(crate) struct Chart<'a> {
     centre: Vec<f64>,
     /// The coordinates of the system where the chart was placed last.
     q: Vec<f64>,
-    /// The mass matrix of the system there, and vectors of its size.
-    mass: DMatrix<f64>,
-    weighed: bool,
+    /// The velocities `D w` of the system, and their part `Ḋ w` of the accelerations.
     u: Vec<f64>,
     rate: Vec<f64>,
 }
@@ -45,26 +43,35 @@ pub(crate) struct Chart<'a> {
 struct Turn {
     at: Rotation,
     angle: Vector3<f64>,
-    /// `D`.
+    /// `D`, and its inverse.
     differential: Matrix3<f64>,
+    inverse: Matrix3<f64>,
+}
+
+impl Turn {
+    /// Its part of velocities, or of what is dual to them.
+    fn part(&self, values: &[f64]) -> Vector3<f64> {
+        Vector3::from_column_slice(&values[self.at.velocity..self.at.velocity + 3])
+    }
+
+    fn set_part(&self, values: &mut [f64], part: &Vector3<f64>) {
+        values[self.at.velocity..self.at.velocity + 3].copy_from_slice(part.as_slice());
+    }
 }
 
 impl<'a> Chart<'a> {
     /// The chart about the attitudes of a state of the system, and this state in it.
     pub(crate) fn new(system: &'a dyn System, q0: &[f64], u0: &[f64]) -> (Self, State) {
-        let turn =
-            |at: Rotation| Turn { at, angle: Vector3::zeros(), differential: Matrix3::identity() };
-        let rotations: Vec<Turn> = system.rotations().into_iter().map(turn).collect();
+        let one = Matrix3::identity();
+        let turn = |at| Turn { at, angle: Vector3::zeros(), differential: one, inverse: one };
         let n = system.dof();
         let mut chart = Self {
             system,
+            rotations: system.rotations().into_iter().map(turn).collect(),
             centre: vec![0.0; q0.len()],
             q: q0.to_vec(),
-            mass: DMatrix::zeros(if rotations.is_empty() { 0 } else { n }, n),
-            weighed: false,
             u: vec![0.0; n],
             rate: vec![0.0; n],
-            rotations,
         };
         let mut state = State { t: 0.0, q: vec![0.0; n], u: u0.to_vec() };
         chart.centre_at(q0, &mut state.q);
@@ -76,9 +83,10 @@ impl<'a> Chart<'a> {
         self.rotations.is_empty()
     }
 
-    /// What never changes.
-    pub(crate) fn constancy(&self) -> Constancy {
-        if self.is_trivial() { self.system.constancy() } else { Constancy::default() }
+    /// Whether rows and mass never change.
+    pub(crate) fn is_constant(&self) -> bool {
+        let constancy = self.system.constancy();
+        self.is_trivial() && constancy.mass && constancy.contacts
     }
 
     /// Moves the centre to the coordinates `q` of the system, which are left in `x`.
@@ -106,48 +114,35 @@ impl<'a> Chart<'a> {
         }
         self.system.advance(&self.centre, x, 1.0, &mut self.q);
         for turn in &mut self.rotations {
-            let first = turn.at.velocity;
-            turn.angle = Vector3::from_column_slice(&x[first..first + 3]);
+            turn.angle = turn.part(x);
             turn.differential = differential(&turn.angle);
+            // Where there is none, nothing is a number, and the step is rejected.
+            let inverse = turn.differential.try_inverse();
+            turn.inverse = inverse.unwrap_or_else(|| Matrix3::from_element(f64::NAN));
         }
     }
 
-    /// Goes to where the velocities `w` lead from `x` in the time `dt`.
-    pub(crate) fn place_along(&mut self, x: &[f64], w: &[f64], dt: f64) {
+    /// Goes to where the velocities `w` lead from `x` in the time `dt`, with the velocities of the system there in `u`.
+    pub(crate) fn place_along(&mut self, x: &[f64], w: &[f64], dt: f64, u: &mut [f64]) {
         if self.is_trivial() {
             self.system.advance(x, w, dt, &mut self.q);
+            u.copy_from_slice(w);
             return;
         }
-        let mut along = std::mem::take(&mut self.u);
-        for (along, (x, w)) in along.iter_mut().zip(x.iter().zip(w)) {
+        for (along, (x, w)) in u.iter_mut().zip(x.iter().zip(w)) {
             *along = x + dt * w;
         }
-        self.place(&along);
-        self.u = along;
+        self.place(u);
+        self.push_forward(w);
+        u.copy_from_slice(&self.u);
     }
 
-    /// Takes rows or forces of the system to those of the chart.
-    fn pull_back(&self, rows: &mut [f64]) {
-        if self.is_trivial() {
-            return;
-        }
-        for row in rows.chunks_exact_mut(self.u.len()) {
-            for turn in &self.rotations {
-                let own = &mut row[turn.at.velocity..turn.at.velocity + 3];
-                let pulled = turn.differential.tr_mul(&Vector3::from_column_slice(own));
-                own.copy_from_slice(pulled.as_slice());
-            }
-        }
-    }
-
-    /// Gap of a unilateral contact, with its row.
+    /// Gap of a unilateral contact, with its row for the velocities of the system.
     pub(crate) fn gap(&self, t: f64, contact: usize, row: &mut [f64]) -> Result<f64, SystemError> {
-        let gap = self.system.gap(t, &self.q, contact, row)?;
-        self.pull_back(row);
-        Ok(gap)
+        self.system.gap(t, &self.q, contact, row)
     }
 
-    /// Tangential rows and χ of a contact.
+    /// Tangential rows of a contact for the velocities of the system, and χ.
     pub(crate) fn tangent(
         &self,
         t: f64,
@@ -155,63 +150,62 @@ impl<'a> Chart<'a> {
         rows: &mut [f64],
         chi: &mut [f64],
     ) -> Result<(), SystemError> {
-        self.system.tangent(t, &self.q, contact, rows, chi)?;
-        self.pull_back(rows);
-        Ok(())
+        self.system.tangent(t, &self.q, contact, rows, chi)
     }
 
-    /// The mass matrix.
-    pub(crate) fn mass(&mut self, out: &mut DMatrix<f64>) -> Result<(), SystemError> {
-        if self.is_trivial() {
-            return self.system.mass(&self.q, out);
-        }
-        if !(self.weighed && self.system.constancy().mass) {
-            self.system.mass(&self.q, &mut self.mass)?;
-            self.weighed = true;
-        }
-        out.copy_from(&self.mass);
-        for Turn { at, differential, .. } in &self.rotations {
-            for row in 0..self.u.len() {
-                let mut entries = out.fixed_view_mut::<1, 3>(row, at.velocity);
-                let turned = &entries * differential;
-                entries.copy_from(&turned);
-            }
-            for column in 0..self.u.len() {
-                let mut entries = out.fixed_view_mut::<3, 1>(at.velocity, column);
-                let turned = differential.tr_mul(&entries);
-                entries.copy_from(&turned);
-            }
-        }
-        // Rounding must not make it unsymmetric.
-        out.fill_upper_triangle_with_lower_triangle();
-        Ok(())
+    /// The mass matrix for the velocities of the system.
+    pub(crate) fn mass(&self, mass: &mut DMatrix<f64>) -> Result<(), SystemError> {
+        self.system.mass(&self.q, mass)
     }
 
-    /// The forces at the velocities `w`; the mass matrix must have been asked for at the same place.
-    pub(crate) fn forces(&mut self, t: f64, w: &[f64], out: &mut [f64]) -> Result<(), SystemError> {
+    /// The forces of the system at the velocities `w`.
+    pub(crate) fn forces(
+        &mut self,
+        t: f64,
+        w: &[f64],
+        forces: &mut [f64],
+    ) -> Result<(), SystemError> {
         if self.is_trivial() {
-            return self.system.forces(t, &self.q, w, out);
+            return self.system.forces(t, &self.q, w, forces);
         }
         self.push_forward(w);
-        self.system.forces(t, &self.q, &self.u, out)?;
-        for (column, rate) in self.mass.column_iter().zip(&self.rate) {
-            for (force, m) in out.iter_mut().zip(column.iter()) {
-                *force -= m * rate;
-            }
-        }
-        self.pull_back(out);
-        Ok(())
+        self.system.forces(t, &self.q, &self.u, forces)
     }
 
-    /// The velocities `u = D w` of the system, and their part `Ḋ w` of the accelerations, in `u` and `rate`.
+    /// Makes rows of the system those for the velocities `w`: `Dᵀ` times each.
+    pub(crate) fn pull_back(&self, rows: &mut [f64]) {
+        self.transform(rows, |turn, row| turn.differential.tr_mul(&row));
+    }
+
+    /// Makes accelerations `M⁻¹W` of the system those of `w`: `D⁻¹` times each.
+    pub(crate) fn pull_responses(&self, responses: &mut [f64]) {
+        self.transform(responses, |turn, response| turn.inverse * response);
+    }
+
+    /// Makes the accelerations `M⁻¹h` of the system at the velocities `w`, at which its forces have been asked for,
+    /// those of `w`: `D⁻¹(M⁻¹h − Ḋ w)`.
+    pub(crate) fn pull_acceleration(&self, acceleration: &mut [f64]) {
+        self.transform(acceleration, |turn, own| turn.inverse * (own - turn.part(&self.rate)));
+    }
+
+    fn transform(&self, rows: &mut [f64], to: impl Fn(&Turn, Vector3<f64>) -> Vector3<f64>) {
+        if self.is_trivial() {
+            return;
+        }
+        for row in rows.chunks_exact_mut(self.u.len()) {
+            for turn in &self.rotations {
+                turn.set_part(row, &to(turn, turn.part(row)));
+            }
+        }
+    }
+
+    /// The velocities `D w` of the system, and `Ḋ w`.
     fn push_forward(&mut self, w: &[f64]) {
         self.u.copy_from_slice(w);
-        self.rate.fill(0.0);
-        for Turn { at, angle, differential } in &self.rotations {
-            let own = at.velocity..at.velocity + 3;
-            let rate = Vector3::from_column_slice(&w[own.clone()]);
-            self.u[own.clone()].copy_from_slice((differential * rate).as_slice());
-            self.rate[own].copy_from_slice(differential_rate(angle, &rate).as_slice());
+        for turn in &self.rotations {
+            let own = turn.part(w);
+            turn.set_part(&mut self.u, &(turn.differential * own));
+            turn.set_part(&mut self.rate, &differential_rate(&turn.angle, &own));
         }
     }
 
@@ -236,11 +230,8 @@ impl<'a> Chart<'a> {
         }
         let (mut q, mut u) = (vec![0.0; self.q.len()], w.to_vec());
         self.system.advance(&self.centre, x, 1.0, &mut q);
-        for Turn { at, .. } in &self.rotations {
-            let own = at.velocity..at.velocity + 3;
-            let angle = Vector3::from_column_slice(&x[own.clone()]);
-            let rate = Vector3::from_column_slice(&w[own.clone()]);
-            u[own].copy_from_slice((differential(&angle) * rate).as_slice());
+        for turn in &self.rotations {
+            turn.set_part(&mut u, &(differential(&turn.part(x)) * turn.part(w)));
         }
         (q.into(), u.into())
     }
@@ -248,20 +239,14 @@ impl<'a> Chart<'a> {
     /// Moves the centre to the attitudes of a state where these have turned too far from it; whether it has. State and
     /// accelerations become those of the new chart.
     pub(crate) fn recentre(&mut self, state: &mut State, acceleration: &mut [f64]) -> bool {
-        let far = |turn: &Turn| {
-            let first = turn.at.velocity;
-            Vector3::from_column_slice(&state.q[first..first + 3]).norm() > RECENTRED
-        };
-        if !self.rotations.iter().any(far) {
+        if !self.rotations.iter().any(|turn| turn.part(&state.q).norm() > RECENTRED) {
             return false;
         }
         self.place(&state.q);
         self.push_forward(&state.u);
-        for Turn { at, differential, .. } in &self.rotations {
-            let own = at.velocity..at.velocity + 3;
-            let turned = differential * Vector3::from_column_slice(&acceleration[own.clone()])
-                + Vector3::from_column_slice(&self.rate[own.clone()]);
-            acceleration[own].copy_from_slice(turned.as_slice());
+        for turn in &self.rotations {
+            let own = turn.differential * turn.part(acceleration) + turn.part(&self.rate);
+            turn.set_part(acceleration, &own);
         }
         state.u.copy_from_slice(&self.u);
         let q = std::mem::take(&mut self.q);
@@ -273,11 +258,10 @@ impl<'a> Chart<'a> {
     /// The longest step along which no attitude turns too far from the centre.
     pub(crate) fn turn_limit(&self, state: &State, acceleration: &[f64]) -> f64 {
         let limit = |turn: &Turn| {
-            let own = turn.at.velocity..turn.at.velocity + 3;
-            let norm = |v: &[f64]| Vector3::from_column_slice(&v[own.clone()]).norm();
-            let left = FURTHEST - norm(&state.q).min(RECENTRED);
+            let left = FURTHEST - turn.part(&state.q).norm().min(RECENTRED);
             // Half of the turn by the present velocity, half by the present acceleration.
-            (0.5 * left / norm(&state.u)).min((left / norm(acceleration)).sqrt())
+            let by_velocity = 0.5 * left / turn.part(&state.u).norm();
+            by_velocity.min((left / turn.part(acceleration).norm()).sqrt())
         };
         self.rotations.iter().map(limit).fold(f64::INFINITY, f64::min)
     }

@@ -47,7 +47,8 @@ impl Dynamics<'_> {
         velocities.fill([0.0; 4]);
         for (k, place) in PLACES.into_iter().enumerate() {
             let time = t + place * *width;
-            self.chart.place_along(q, u, place * *width);
+            self.chart.place_along(q, u, place * *width, &mut self.scratch);
+            let u = &self.scratch[..];
             for (i, contact) in self.contacts.iter().enumerate().filter(|(_, c)| wanted(c)) {
                 let rows = &mut self.scratch_rows;
                 let mut chi = [0.0; ROWS];

@@ -12,14 +12,16 @@ pub(crate) mod jacobian;
 pub(crate) mod projection;
 pub(crate) mod sliding_force;
 
+pub(crate) use chart::Chart;
+pub(crate) use constraint_matrix::ConstraintMatrix;
+pub(crate) use contact_variables::{ContactVariables, ROWS};
+
 use std::ops::Range;
 
 use nalgebra::DMatrix;
 
 use crate::contact::Phase;
-use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::constraints::Constraints;
-use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::dynamics::drift::Stencil;
 use crate::integrator::event::dynamics::jacobian::SmoothJacobian;
 use crate::integrator::event::dynamics::projection::Projection;
@@ -84,7 +86,7 @@ impl<'a> Dynamics<'a> {
     /// The system up to the time `t_end`, all contacts open.
     pub(crate) fn new(system: &'a dyn System, chart: Chart<'a>, t_end: f64) -> Self {
         let (n, rows) = (system.dof(), ROWS * system.contacts().len());
-        let constancy = chart.constancy();
+        let constant = chart.is_constant();
         Self {
             system,
             chart,
@@ -101,7 +103,7 @@ impl<'a> Dynamics<'a> {
             response: vec![0.0; rows * n],
             mass: DMatrix::zeros(n, n),
             factor: None,
-            constant: constancy.mass && constancy.contacts,
+            constant,
             ready: false,
             stencil: Stencil::new(rows),
             constraints: Constraints::default(),
@@ -156,14 +158,20 @@ impl<'a> Dynamics<'a> {
             if contact.prescribed.is_none() {
                 contact.gap = self.chart.gap(t, i, &mut own[..n])?;
             }
-            let chi = &mut self.chi[ROWS * i + 1..ROWS * i + 1 + contact.p];
-            let tangent = &mut own[n..(1 + contact.p) * n];
             if fresh {
-                self.chart.tangent(t, i, tangent, chi)?;
+                let chi = &mut self.chi[ROWS * i + 1..ROWS * i + 1 + contact.p];
+                self.chart.tangent(t, i, &mut own[n..(1 + contact.p) * n], chi)?;
             }
+        }
+        if fresh {
+            self.response.copy_from_slice(&self.rows);
+            self.chart.pull_back(&mut self.rows);
+        }
+        for (i, contact) in self.contacts.iter_mut().enumerate() {
+            let rows = self.rows[(ROWS * i + 1) * n..].chunks_exact(n);
+            let chi = &self.chi[ROWS * i + 1..ROWS * i + 1 + contact.p];
             let mut size = 0.0;
-            for ((slip, chi), row) in contact.slip.iter_mut().zip(chi).zip(tangent.chunks_exact(n))
-            {
+            for ((slip, chi), row) in contact.slip.iter_mut().zip(chi).zip(rows) {
                 *slip = *chi + dot(row, u);
                 let parts: f64 = row.iter().zip(u).map(|(w, u)| (w * u).abs()).sum();
                 size += (chi.abs() + parts) * (chi.abs() + parts);
@@ -173,15 +181,15 @@ impl<'a> Dynamics<'a> {
         if !fresh {
             return Ok(());
         }
-        if self.factor.is_none() || !self.chart.constancy().mass {
+        if self.factor.is_none() || !self.system.constancy().mass {
             self.chart.mass(&mut self.mass)?;
             self.factor = MassFactor::new(&self.mass);
         }
         let Some(factor) = &self.factor else {
             return Err(EvaluationError::SingularMass { time: t });
         };
-        self.response.copy_from_slice(&self.rows);
         self.response.chunks_exact_mut(n).for_each(|row| factor.solve(row));
+        self.chart.pull_responses(&mut self.response);
         self.ready = true;
         (0..self.contacts.len())
             .filter(|&i| !self.contacts[i].is_free())
@@ -210,6 +218,7 @@ impl<'a> Dynamics<'a> {
         if let Some(factor) = &self.factor {
             factor.solve(out);
         }
+        self.chart.pull_acceleration(out);
         Ok(())
     }
 
@@ -224,12 +233,12 @@ impl<'a> Dynamics<'a> {
         let t = t.min(self.latest);
         self.kinematics(t, q, u)?;
         // Before the drift, for which the chart is placed elsewhere.
-        self.chart.forces(t, u, &mut self.acceleration)?;
+        let mut acceleration = std::mem::take(&mut self.acceleration);
+        let evaluated = self.free_acceleration(t, u, &mut acceleration);
+        self.acceleration = acceleration;
+        evaluated?;
         if !self.constant {
             self.update_drift(t, q, u, |contact| !contact.is_free())?;
-        }
-        if let Some(factor) = &self.factor {
-            factor.solve(&mut self.acceleration);
         }
         self.load = largest(&self.acceleration);
         if sliding_forces == SlidingForces::Updated {

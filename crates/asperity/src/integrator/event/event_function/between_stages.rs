@@ -1,6 +1,6 @@
 //! Events between the stages of a step: event functions as polynomials through the stages.
 
-use crate::integrator::event::collocation::radau::{STAGES, Tableau, lagrange_at};
+use crate::integrator::event::collocation::{STAGES, Tableau, lagrange_at};
 
 /// Start and stages.
 pub(crate) const NODES: usize = STAGES + 1;

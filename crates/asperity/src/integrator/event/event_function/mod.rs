@@ -3,6 +3,8 @@
 pub(crate) mod between_stages;
 pub(crate) mod root;
 
+pub(crate) use between_stages::NODES;
+
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::{Dynamics, sliding_force};
 use crate::integrator::event::state::ROUNDED_OVERLAP;

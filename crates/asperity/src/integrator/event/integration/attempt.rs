@@ -1,7 +1,6 @@
 //! Attempts of steps, and states inside them.
 
-use crate::integrator::event::collocation::newton::{NewtonGoal, SlidingStart};
-use crate::integrator::event::collocation::radau::{STAGES, Tableau};
+use crate::integrator::event::collocation::{NewtonGoal, STAGES, SlidingStart, Tableau};
 use crate::integrator::event::contact_problem::redundancy;
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::variables::Integration;

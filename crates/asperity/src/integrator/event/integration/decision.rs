@@ -1,8 +1,7 @@
 //! The modes of the contacts after an event, and the phase of the motion that begins with them.
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::contact_problem::accelerations;
-use crate::integrator::event::contact_problem::problem::Decision;
+use crate::integrator::event::contact_problem::{Decision, accelerations};
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;

@@ -1,8 +1,8 @@
 //! Detection of events along a step: event functions that become positive.
 
 use crate::contact::Phase;
-use crate::integrator::event::collocation::radau::{STAGES, Tableau};
-use crate::integrator::event::dynamics::contact_variables::ContactVariables;
+use crate::integrator::event::collocation::{STAGES, Tableau};
+use crate::integrator::event::dynamics::ContactVariables;
 use crate::integrator::event::event_function::between_stages;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::variables::Integration;

@@ -1,10 +1,9 @@
 //! Impacts, with and without collision, and what contacts do after velocities have jumped.
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::contact_problem::impacts::{self, ImpactLaw};
-use crate::integrator::event::contact_problem::problem::Decision;
-use crate::integrator::event::dynamics::SlidingForces;
-use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::contact_problem::impacts::{self};
+use crate::integrator::event::contact_problem::{Decision, ImpactLaw};
+use crate::integrator::event::dynamics::{ContactVariables, ROWS, SlidingForces};
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::{Outcome, Stagnation};

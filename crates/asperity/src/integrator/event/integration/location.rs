@@ -1,7 +1,7 @@
 //! Location of events: the time at which the first event function becomes positive.
 
 use crate::contact::Phase;
-use crate::integrator::event::dynamics::contact_variables::ContactVariables;
+use crate::integrator::event::dynamics::ContactVariables;
 use crate::integrator::event::event_function::root;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Bracket;

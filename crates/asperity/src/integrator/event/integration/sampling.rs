@@ -1,6 +1,6 @@
 //! What is kept of the motion.
 
-use crate::integrator::event::collocation::dense_output::PLACES;
+use crate::integrator::event::collocation::PLACES;
 use crate::integrator::event::contact_problem::redundancy;
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::attempt::StateError;

@@ -1,7 +1,7 @@
 //! The beginning of the motion: what is refused, and what the contacts do.
 
 use crate::integrator::OptionsError;
-use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::dynamics::{ContactVariables, ROWS};
 use crate::integrator::event::integration::location::{LEAST, closed_gap};
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::state::{EvaluationError, State};

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::contact::Phase;
 use crate::integrator::OptionsError;
-use crate::integrator::event::collocation::initial_step::initial_step;
+use crate::integrator::event::collocation::initial_step;
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Detection;

@@ -1,8 +1,7 @@
 //! What is done at the end of steps, at events, and where slips come to an end.
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::collocation::radau::STAGES;
-use crate::integrator::event::collocation::step_size::slip_rate;
+use crate::integrator::event::collocation::{STAGES, slip_rate};
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::Outcome;

@@ -3,17 +3,10 @@
 use std::ops::ControlFlow;
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::collocation::dense_output::DenseOutput;
-use crate::integrator::event::collocation::newton::NewtonGoal;
-use crate::integrator::event::collocation::step::Step;
-use crate::integrator::event::collocation::step_size::{Accuracy, StepSize};
-use crate::integrator::event::contact_problem::problem::Solving;
-use crate::integrator::event::contact_problem::redundancy;
-use crate::integrator::event::dynamics::chart::Chart;
-use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
-use crate::integrator::event::event_function::between_stages::NODES;
-use crate::integrator::event::event_function::contact_event_function;
+use crate::integrator::event::collocation::{Accuracy, DenseOutput, NewtonGoal, Step, StepSize};
+use crate::integrator::event::contact_problem::{Solving, redundancy};
+use crate::integrator::event::dynamics::{Chart, Dynamics, ROWS, SlidingForces};
+use crate::integrator::event::event_function::{NODES, contact_event_function};
 use crate::integrator::event::motion::{Event, EventKind, Motion};
 use crate::integrator::event::observer::Observer;
 use crate::integrator::event::options::Options;
