@@ -2,7 +2,7 @@
 
 use asperity::contact::{Delassus, Memory, NormalForce};
 use asperity::solver::{
-    Certificate, Infeasibility, SolveReport, Stage, State, Status, Unsolvable, Workspace,
+    CaseState, Certificate, Infeasibility, SolveReport, Stage, Status, Unsolvable, Workspace,
 };
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -43,9 +43,9 @@ fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray
 }
 
 /// The state of a contact in a case: its name, or the angles of a sector of slip directions.
-fn state<'py>(py: Python<'py>, state: &State) -> PyResult<Bound<'py, PyAny>> {
+fn state<'py>(py: Python<'py>, state: &CaseState) -> PyResult<Bound<'py, PyAny>> {
     match state {
-        State::Slip { from, to } => Ok((*from, *to).into_pyobject(py)?.into_any()),
+        CaseState::Slip { from, to } => Ok((*from, *to).into_pyobject(py)?.into_any()),
         other => Ok(other.name().into_pyobject(py)?.into_any()),
     }
 }

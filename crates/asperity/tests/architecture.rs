@@ -1,10 +1,12 @@
-//! Data walks one way: set ← law ← contact ← {solver, system} ← stepper ← simulate.
+//! Data walks one way: set ← law ← contact ← {solver, system} ← stepper ← simulate; and within rooms no two files use
+//! each other, in however many steps.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules and what they may use.
-const ALLOWED: [(&str, &[&str]); 9] = [
+const MODULES: [(&str, &[&str]); 9] = [
     ("law", &[]),
     ("contact", &["law"]),
     ("linear", &["contact"]),
@@ -16,8 +18,20 @@ const ALLOWED: [(&str, &[&str]); 9] = [
     ("simulate", &["integrator", "solver", "stepper", "system", "trajectory"]),
 ];
 
-/// Rooms of the event-driven integrator; each may use itself and those before it.
-const EVENT_ROOMS: [&str; 11] = [
+/// The rooms of the solvers, likewise.
+const SOLVER: [(&str, &[&str]); 8] = [
+    ("measure", &[]),
+    ("one_contact", &["measure"]),
+    ("infeasibility", &["measure", "one_contact"]),
+    ("newton_matrix", &[]),
+    ("report", &["measure"]),
+    ("method", &["measure", "one_contact", "infeasibility", "newton_matrix", "report"]),
+    ("findings", &["measure", "infeasibility", "report", "method"]),
+    ("auto", &["infeasibility", "newton_matrix", "report", "method"]),
+];
+
+/// The rooms of the event-driven integrator; each may use those before it.
+const EVENT: [&str; 11] = [
     "vectors",
     "state",
     "outcome",
@@ -31,20 +45,12 @@ const EVENT_ROOMS: [&str; 11] = [
     "integration",
 ];
 
-/// Files of `integrator/event/integration`, likewise.
-const INTEGRATION_FILES: [&str; 11] = [
-    "variables",
-    "attempt",
-    "sampling",
-    "detection",
-    "location",
-    "decision",
-    "release",
-    "impact",
-    "transition",
-    "start",
-    "time_loop",
-];
+/// Rooms within which no circle of imports is allowed.
+const WITHOUT_CIRCLES: [&str; 5] = ["law", "contact", "linear", "solver", "integrator"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
 
 fn sources(path: &Path) -> Vec<PathBuf> {
     if path.is_file() {
@@ -54,16 +60,77 @@ fn sources(path: &Path) -> Vec<PathBuf> {
     entries.flat_map(|entry| sources(&entry.unwrap().path())).collect()
 }
 
+/// The path of a module from the root of the crate: `solver/mod.rs` is `solver`.
+fn module_of(file: &Path) -> Vec<String> {
+    let relative = file.strip_prefix(root()).unwrap().with_extension("");
+    let mut path: Vec<String> =
+        relative.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
+    if path.last().is_some_and(|last| last == "mod") {
+        path.pop();
+    }
+    path
+}
+
+/// The code of a file without comments.
+fn code(file: &Path) -> String {
+    let text = fs::read_to_string(file).unwrap();
+    let code = text.lines().map(|line| line.split("//").next().unwrap_or(""));
+    code.collect::<Vec<_>>().join("\n")
+}
+
+/// The paths from the root of the crate that a file names, in use declarations and elsewhere.
+fn used(file: &Path) -> Vec<Vec<String>> {
+    let (code, own) = (code(file), module_of(file));
+    let mut found = Vec::new();
+    let starts = code.match_indices("crate::").chain(code.match_indices("super::"));
+    for (at, _) in starts {
+        // The middle of a path has been seen from its beginning.
+        if code[..at].ends_with("::") || code[..at].ends_with(char::is_alphanumeric) {
+            continue;
+        }
+        let path: String = code[at..]
+            .chars()
+            .take_while(|c| c.is_alphanumeric() || matches!(c, ':' | '_'))
+            .collect();
+        let names: Vec<&str> = path.trim_end_matches(':').split("::").collect();
+        let mut place = if names[0] == "crate" { Vec::new() } else { own.clone() };
+        for name in names {
+            match name {
+                "crate" => {}
+                "super" => {
+                    place.pop();
+                }
+                name => place.push(name.to_owned()),
+            }
+        }
+        let rest = &code[at + path.len()..];
+        // What a test within a file takes from it, and what a file tells its tests.
+        if rest.starts_with('*') || path.contains("::tests") {
+            continue;
+        }
+        // Of a group every member counts that is a module.
+        match path.ends_with("::").then(|| rest.strip_prefix('{')).flatten() {
+            Some(group) => {
+                let names = group.split('}').next().unwrap_or("").split(',');
+                for name in names {
+                    let name = name.trim().split("::").next().unwrap_or("");
+                    found.push([place.clone(), vec![name.to_owned()]].concat());
+                }
+            }
+            None => found.push(place),
+        }
+    }
+    found
+}
+
 #[test]
 fn modules_depend_in_one_direction() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    for (module, allowed) in ALLOWED {
-        let folder = root.join(module);
-        let place = if folder.is_dir() { folder } else { root.join(module).with_extension("rs") };
+    for (module, allowed) in MODULES {
+        let folder = root().join(module);
+        let place = if folder.is_dir() { folder } else { root().join(module).with_extension("rs") };
         for file in sources(&place) {
-            let text = fs::read_to_string(&file).unwrap();
-            for used in text.split("crate::").skip(1) {
-                let name: String = used.chars().take_while(|c| c.is_alphanumeric()).collect();
+            for path in used(&file) {
+                let Some(name) = path.first() else { continue };
                 let known = name == module || allowed.contains(&name.as_str());
                 assert!(known, "{} uses crate::{name}", file.display());
             }
@@ -71,27 +138,111 @@ fn modules_depend_in_one_direction() {
     }
 }
 
-/// Every room of a folder uses only itself and the rooms before it.
-fn check_order(folder: &str, rooms: &[&str]) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder);
-    let prefix = format!("crate::{}::", folder.replace('/', "::"));
-    for (number, room) in rooms.iter().enumerate() {
-        let inside = root.join(room);
-        let place = if inside.is_dir() { inside } else { root.join(room).with_extension("rs") };
+#[test]
+fn rooms_of_the_solvers_depend_in_one_direction() {
+    for file in sources(&root().join("solver")) {
+        let own = module_of(&file);
+        // The front uses everything.
+        let Some(room) = own.get(1) else { continue };
+        let Some((_, allowed)) = SOLVER.iter().find(|(name, _)| name == room) else {
+            panic!("{} has no place in the order", file.display());
+        };
+        for path in used(&file).iter().filter(|path| path[0] == "solver") {
+            let name = path.get(1).map_or("", String::as_str);
+            let known = name == room || allowed.contains(&name);
+            assert!(known, "{} uses {}", file.display(), path.join("::"));
+        }
+    }
+}
+
+#[test]
+fn rooms_of_the_event_driven_integrator_depend_in_one_direction() {
+    for (number, room) in EVENT.iter().enumerate() {
+        let inside = root().join("integrator/event").join(room);
+        let place = if inside.is_dir() { inside } else { inside.with_extension("rs") };
         for file in sources(&place) {
-            let text = fs::read_to_string(&file).unwrap();
-            for used in text.split(&prefix).skip(1) {
-                let name: String =
-                    used.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-                let before = rooms[..=number].contains(&name.as_str());
-                assert!(before, "{} uses {prefix}{name}", file.display());
+            for path in used(&file).iter().filter(|path| path[..].len() > 2 && path[1] == "event") {
+                let known = EVENT[..=number].contains(&path[2].as_str());
+                assert!(known, "{} uses {}", file.display(), path.join("::"));
             }
         }
     }
 }
 
 #[test]
-fn rooms_depend_in_one_direction() {
-    check_order("integrator/event", &EVENT_ROOMS);
-    check_order("integrator/event/integration", &INTEGRATION_FILES);
+fn no_files_of_a_room_use_each_other_in_a_circle() {
+    for room in WITHOUT_CIRCLES {
+        let files = sources(&root().join(room));
+        let files: Vec<PathBuf> = files.into_iter().filter(|file| !is_test(file)).collect();
+        let modules: Vec<Vec<String>> = files.iter().map(|file| module_of(file)).collect();
+        let exports: Vec<_> = files.iter().map(|file| re_exports(file)).collect();
+        // The file that defines what a path names.
+        let definition = |mut path: Vec<String>| loop {
+            let within = |&j: &usize| path.starts_with(&modules[j]);
+            let file = (0..modules.len()).filter(within).max_by_key(|&j| modules[j].len())?;
+            let depth = modules[file].len();
+            let Some(child) = path.get(depth).and_then(|name| exports[file].get(name)) else {
+                return Some(file);
+            };
+            path.insert(depth, child.clone());
+        };
+        let uses: Vec<Vec<usize>> = files
+            .iter()
+            .enumerate()
+            .map(|(i, file)| {
+                let paths = used(file).into_iter().chain(used_children(file));
+                paths.filter_map(definition).filter(|&j| j != i).collect()
+            })
+            .collect();
+        for start in 0..files.len() {
+            let (mut reached, mut stack) = (vec![false; files.len()], vec![start]);
+            while let Some(i) = stack.pop() {
+                for &j in &uses[i] {
+                    let (from, to) = (files[i].display(), files[j].display());
+                    assert!(j != start, "{to} is part of a circle, closed by {from}");
+                    if !std::mem::replace(&mut reached[j], true) {
+                        stack.push(j);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The names that a file hands on from its children, with the children.
+fn re_exports(file: &Path) -> BTreeMap<String, String> {
+    let (code, mut found) = (code(file), BTreeMap::new());
+    for statement in code.split(';').map(str::trim).filter(|s| s.starts_with("pub")) {
+        let Some((_, path)) = statement.split_once(" use ") else { continue };
+        let Some((child, names)) = path.split_once("::") else { continue };
+        for name in names.trim_matches(['{', '}']).split(',') {
+            let name = name.rsplit([' ', ':']).next().unwrap_or("").trim();
+            found.insert(name.to_owned(), child.to_owned());
+        }
+    }
+    found
+}
+
+/// The children that the code of a file uses itself.
+fn used_children(file: &Path) -> Vec<Vec<String>> {
+    let (code, own) = (code(file), module_of(file));
+    let statements = code.split(';').map(str::trim);
+    let children = statements.clone().filter_map(|s| Some(s.split_once("mod ")?.1));
+    let children: Vec<&str> =
+        children.filter(|name| name.chars().all(|c| c.is_alphanumeric() || c == '_')).collect();
+    let hands_on = |s: &&str| s.starts_with("pub") && s.contains(" use ");
+    let own_code: Vec<&str> = statements.filter(|s| !hands_on(s)).collect();
+    let words = own_code.join(";");
+    let is_used = |child: &&&str| {
+        let path = format!("{child}::");
+        words.match_indices(&path).any(|(at, _)| {
+            !words[..at].ends_with([':', '_']) && !words[..at].ends_with(char::is_alphanumeric)
+        })
+    };
+    let used = children.iter().filter(is_used);
+    used.map(|child| [own.clone(), vec![(*child).to_owned()]].concat()).collect()
+}
+
+fn is_test(file: &Path) -> bool {
+    file.file_stem().is_some_and(|name| name == "tests")
 }

@@ -49,3 +49,21 @@ impl ProblemError {
         }
     }
 }
+
+pub(super) fn check_length(
+    argument: &'static str,
+    expected: usize,
+    got: usize,
+) -> Result<(), ProblemError> {
+    if expected == got {
+        return Ok(());
+    }
+    Err(ProblemError::Length { argument, expected, got })
+}
+
+pub(super) fn check_finite(argument: &'static str, values: &[f64]) -> Result<(), ProblemError> {
+    match values.iter().find(|v| !v.is_finite()) {
+        Some(&value) => Err(ProblemError::Value { argument, allowed: "finite", value }),
+        None => Ok(()),
+    }
+}

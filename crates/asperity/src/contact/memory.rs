@@ -56,14 +56,25 @@ impl ContactState {
         ([self.slip, self.earlier[0], self.earlier[1]], self.known)
     }
 
+    /// Becomes the state after a further step from `before`.
+    #[inline]
+    pub(crate) fn follow(&mut self, before: &Self, phase: Phase, slip: [f64; 3]) {
+        self.phase = phase;
+        if phase == Phase::Slip {
+            let continues = before.phase == Phase::Slip;
+            self.known = if continues { (before.known + 1).min(2) } else { 0 };
+            (self.slip, self.earlier) = (slip, [before.slip, before.earlier[0]]);
+        } else {
+            (self.slip, self.earlier, self.known) = (before.slip, Default::default(), 0);
+        }
+    }
+
     /// The state after a further step.
     #[inline]
     pub(crate) fn after(&self, phase: Phase, slip: [f64; 3]) -> Self {
-        if phase != Phase::Slip {
-            return Self::new(phase, self.slip);
-        }
-        let known = if self.phase == Phase::Slip { (self.known + 1).min(2) } else { 0 };
-        Self { phase, slip, earlier: [self.slip, self.earlier[0]], known }
+        let mut state = Self::default();
+        state.follow(self, phase, slip);
+        state
     }
 
     /// The slip velocity extrapolated by a step, a good start for Newton's method.
@@ -96,14 +107,38 @@ impl Memory {
         Self { percussion: vec![0.0; rows], states: vec![ContactState::default(); contacts] }
     }
 
+    /// Whether there is a percussion per row of a problem and a state per contact.
+    #[inline]
+    pub(crate) fn fits(&self, problem: &ContactProblem) -> bool {
+        self.percussion.len() == problem.rows() && self.states.len() == problem.contacts().len()
+    }
+
+    /// Takes over the percussions that another one remembers; states are those of nothing in particular.
+    #[inline]
+    pub(crate) fn start_from(&mut self, other: &Self) {
+        self.resize(other);
+        self.percussion.copy_from_slice(&other.percussion);
+    }
+
+    /// Takes over the sizes of another one.
+    #[inline(always)]
+    fn resize(&mut self, other: &Self) {
+        let same = self.percussion.len() == other.percussion.len();
+        if !(same && self.states.len() == other.states.len()) {
+            self.resize_to(other.percussion.len(), other.states.len());
+        }
+    }
+
+    #[cold]
+    fn resize_to(&mut self, rows: usize, contacts: usize) {
+        self.percussion.resize(rows, 0.0);
+        self.states.resize(contacts, ContactState::default());
+    }
+
     /// Takes over what another one remembers, in the buffers that are there.
     #[inline]
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        let (rows, contacts) = (other.percussion.len(), other.states.len());
-        if self.percussion.len() != rows || self.states.len() != contacts {
-            self.percussion.resize(rows, 0.0);
-            self.states.resize(contacts, ContactState::default());
-        }
+        self.resize(other);
         self.percussion.copy_from_slice(&other.percussion);
         self.states.copy_from_slice(&other.states);
     }
@@ -115,11 +150,11 @@ impl Memory {
         velocity: &[f64],
         phases: impl IntoIterator<Item = Phase>,
     ) -> Self {
-        let states = problem.contacts.iter().zip(phases).map(|(rows, phase)| {
+        let states = problem.contacts().iter().zip(phases).map(|(rows, phase)| {
             let mut slip = [0.0; 3];
             if phase == Phase::Slip {
-                for (i, row) in (rows.tangent()..rows.offset + rows.len()).enumerate() {
-                    slip[i] = velocity[row] + problem.restitution[row];
+                for (i, row) in rows.tangential_rows().enumerate() {
+                    slip[i] = velocity[row] + problem.restitution()[row];
                 }
             }
             ContactState::new(phase, slip)

@@ -1,6 +1,9 @@
 //! Delassus operator, free velocities and laws in; percussions out.
 
-use super::{BlockMatrix, Delassus, ProblemError};
+use std::ops::Range;
+
+use super::error::{ProblemError, check_finite, check_length};
+use super::{BlockMatrix, Delassus};
 use crate::law::Law;
 
 /// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
@@ -14,6 +17,17 @@ pub enum NormalForce {
     Prescribed(f64),
     /// `0 ≤ P_N ⊥ ξ_N ≥ 0`; the normal row comes first.
     Unilateral,
+}
+
+impl NormalForce {
+    /// The normal percussion, if it is given.
+    #[inline]
+    pub fn prescribed(self) -> Option<f64> {
+        match self {
+            Self::Prescribed(value) => Some(value),
+            Self::Unilateral => None,
+        }
+    }
 }
 
 /// One contact of a problem.
@@ -47,6 +61,41 @@ impl ContactRows {
     pub fn tangent(&self) -> usize {
         self.offset + self.normal_rows()
     }
+
+    /// All rows.
+    #[inline]
+    pub fn rows(&self) -> Range<usize> {
+        self.offset..self.offset + self.len()
+    }
+
+    /// Normal percussion: the prescribed one, or that of the normal row.
+    #[inline]
+    pub fn normal_percussion(&self, percussion: &[f64]) -> f64 {
+        match self.normal {
+            NormalForce::Prescribed(value) => value,
+            NormalForce::Unilateral => percussion[self.offset],
+        }
+    }
+
+    /// Tangential rows.
+    #[inline]
+    pub fn tangential_rows(&self) -> Range<usize> {
+        self.tangent()..self.offset + self.len()
+    }
+}
+
+/// Gives every contact its rows, one contact after the other; also the number of rows.
+fn number_rows(
+    contacts: impl IntoIterator<Item = (Law, NormalForce)>,
+) -> (Vec<ContactRows>, usize) {
+    let mut offset = 0;
+    let number = |(law, normal)| {
+        let rows = ContactRows { law, normal, offset };
+        offset += rows.len();
+        rows
+    };
+    let contacts = contacts.into_iter().map(number).collect();
+    (contacts, offset)
 }
 
 /// `γ_E = G P + b` with the contact laws between the percussions `P` and `ξ = γ_E + e γ_B`
@@ -54,14 +103,14 @@ impl ContactRows {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactProblem {
     /// `G`, not necessarily symmetric.
-    pub(crate) delassus: Delassus,
+    delassus: Delassus,
     /// `b`.
-    pub(crate) free_velocity: Vec<f64>,
+    free_velocity: Vec<f64>,
     /// `e γ_B`.
-    pub(crate) restitution: Vec<f64>,
-    pub(crate) contacts: Vec<ContactRows>,
+    restitution: Vec<f64>,
+    contacts: Vec<ContactRows>,
     /// `ρ = rows/tr G` of every contact's own block, the prox parameter of the residual.
-    pub(crate) rho: Vec<f64>,
+    rho: Vec<f64>,
 }
 
 impl ContactProblem {
@@ -71,15 +120,7 @@ impl ContactProblem {
         free_velocity: Vec<f64>,
         contacts: impl IntoIterator<Item = (Law, NormalForce)>,
     ) -> Result<Self, ProblemError> {
-        let mut offset = 0;
-        let contacts: Vec<ContactRows> = contacts
-            .into_iter()
-            .map(|(law, normal)| {
-                let rows = ContactRows { law, normal, offset };
-                offset += rows.len();
-                rows
-            })
-            .collect();
+        let (contacts, offset) = number_rows(contacts);
         let delassus = delassus.into();
         check_length("free_velocity", offset, free_velocity.len())?;
         let offsets: Vec<usize> = contacts.iter().map(|c| c.offset).chain([offset]).collect();
@@ -111,6 +152,31 @@ impl ContactProblem {
         Ok(problem)
     }
 
+    /// The problem of an integrator: without velocities, with the operator that `delassus` makes for the numbered
+    /// rows of the contacts.
+    ///
+    /// Laws may depend on the speed here, and the operator may still be filled in with
+    /// [`refill`](Self::refill); whoever does so makes sure that its entries are finite and its diagonal positive.
+    pub(crate) fn assemble(
+        contacts: impl IntoIterator<Item = (Law, NormalForce)>,
+        delassus: impl FnOnce(&[ContactRows]) -> Delassus,
+    ) -> Self {
+        let (contacts, rows) = number_rows(contacts);
+        let delassus = delassus(&contacts);
+        let (velocities, rho) = (vec![0.0; rows], vec![0.0; contacts.len()]);
+        let restitution = velocities.clone();
+        let mut problem = Self { delassus, free_velocity: velocities, restitution, contacts, rho };
+        problem.update_rho();
+        problem
+    }
+
+    /// Changes the entries of the operator, and what is derived from them.
+    #[inline]
+    pub(crate) fn refill(&mut self, fill: impl FnOnce(&mut Delassus)) {
+        fill(&mut self.delassus);
+        self.update_rho();
+    }
+
     /// The problem with restitution: coefficients `e_N`, `e_T` per contact and velocities `γ_B` before,
     /// row by row.
     pub fn with_restitution(
@@ -126,7 +192,7 @@ impl ContactProblem {
         check_finite("tangential_restitution", tangential)?;
         check_finite("initial_velocity", initial_velocity)?;
         for ((contact, e_n), e_t) in self.contacts.iter().zip(normal).zip(tangential) {
-            let own = contact.offset..contact.offset + contact.len();
+            let own = contact.rows();
             let terms = self.restitution[own.clone()].iter_mut().zip(&initial_velocity[own]);
             for (k, (term, velocity)) in terms.enumerate() {
                 *term = velocity * if k < contact.normal_rows() { e_n } else { e_t };
@@ -144,12 +210,12 @@ impl ContactProblem {
         let sizes: Vec<usize> = self.contacts.iter().map(ContactRows::len).collect();
         let all: Vec<usize> = (0..sizes.len()).collect();
         let mut blocks = BlockMatrix::with_pattern(&sizes, &vec![all; sizes.len()]);
-        self.refill(&mut blocks);
+        self.copy_into(&mut blocks);
         blocks
     }
 
     /// Copies a dense operator into blocks.
-    pub(crate) fn refill(&self, blocks: &mut BlockMatrix) {
+    pub(crate) fn copy_into(&self, blocks: &mut BlockMatrix) {
         let Delassus::Dense(g) = &self.delassus else { return };
         for (i, contact) in self.contacts.iter().enumerate() {
             for k in 0..blocks.neighbours(i).len() {
@@ -174,8 +240,33 @@ impl ContactProblem {
         }
     }
 
+    /// Calls `each` with contact, column and entry of all entries of a contact's row; of a matrix-free operator with
+    /// those of the contact's own block.
+    pub(crate) fn each_entry(
+        &self,
+        contact: usize,
+        row: usize,
+        mut each: impl FnMut(usize, usize, f64),
+    ) {
+        match &self.delassus {
+            Delassus::Dense(g) => {
+                for (j, other) in self.contacts.iter().enumerate() {
+                    other.rows().for_each(|column| each(j, column, g[(row, column)]));
+                }
+            }
+            operator => {
+                let local = row - self.contacts[contact].offset;
+                for (j, block) in operator.blocks().into_iter().flat_map(|g| g.row(contact)) {
+                    let columns = self.contacts[j].rows();
+                    let entries = &block[local * columns.len()..(local + 1) * columns.len()];
+                    columns.zip(entries).for_each(|(column, g)| each(j, column, *g));
+                }
+            }
+        }
+    }
+
     /// Brings `ρ` up to date with the Delassus operator.
-    pub(crate) fn update_rho(&mut self) {
+    fn update_rho(&mut self) {
         for (i, (rho, contact)) in self.rho.iter_mut().zip(&self.contacts).enumerate() {
             let diagonal = |a| self.delassus.own(i, contact.offset, a, a);
             *rho = contact.len() as f64 / (0..contact.len()).map(diagonal).sum::<f64>();
@@ -200,18 +291,50 @@ impl ContactProblem {
     }
 
     /// The contacts with their rows.
+    #[inline]
     pub fn contacts(&self) -> &[ContactRows] {
         &self.contacts
     }
 
+    /// The contacts alone.
+    pub(crate) fn into_contacts(self) -> Vec<ContactRows> {
+        self.contacts
+    }
+
     /// Delassus operator `G`.
+    #[inline]
     pub fn delassus(&self) -> &Delassus {
         &self.delassus
     }
 
     /// Free velocities `b`.
+    #[inline]
     pub fn free_velocity(&self) -> &[f64] {
         &self.free_velocity
+    }
+
+    /// Free velocities `b`, to be changed.
+    #[inline]
+    pub(crate) fn free_velocity_mut(&mut self) -> &mut [f64] {
+        &mut self.free_velocity
+    }
+
+    /// Restitution terms `e γ_B`.
+    #[inline]
+    pub fn restitution(&self) -> &[f64] {
+        &self.restitution
+    }
+
+    /// Restitution terms `e γ_B`, to be changed.
+    #[inline]
+    pub(crate) fn restitution_mut(&mut self) -> &mut [f64] {
+        &mut self.restitution
+    }
+
+    /// `ρ = rows/tr G` of a contact's own block, the prox parameter of the residual.
+    #[inline]
+    pub(crate) fn rho(&self, contact: usize) -> f64 {
+        self.rho[contact]
     }
 
     /// Velocities `ξ = G P + b + e γ_B` of a contact's rows with the percussions of the others only, or
@@ -224,7 +347,7 @@ impl ContactProblem {
         with_own: bool,
     ) -> [f64; 4] {
         let contact = &self.contacts[i];
-        let own = contact.offset..contact.offset + contact.len();
+        let own = contact.rows();
         let mut sum = self.load(i);
         match &self.delassus {
             Delassus::Dense(g) => {
@@ -253,7 +376,7 @@ impl ContactProblem {
     pub(crate) fn load(&self, i: usize) -> [f64; 4] {
         let contact = &self.contacts[i];
         let mut load = [0.0; 4];
-        for (value, row) in load.iter_mut().zip(contact.offset..contact.offset + contact.len()) {
+        for (value, row) in load.iter_mut().zip(contact.rows()) {
             *value = self.free_velocity[row] + self.restitution[row];
         }
         load
@@ -262,7 +385,7 @@ impl ContactProblem {
     /// Largest sum of magnitudes `|G_ij|` over a contact's rows, over its own columns or all.
     pub(crate) fn row_sum_bound(&self, i: usize, own_only: bool) -> f64 {
         let contact = &self.contacts[i];
-        let own = contact.offset..contact.offset + contact.len();
+        let own = contact.rows();
         match &self.delassus {
             Delassus::MatrixFree(operator) => operator.norm(),
             Delassus::Dense(g) => own
@@ -290,10 +413,18 @@ impl ContactProblem {
     #[inline]
     pub fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
         if let Delassus::Dense(g) = &self.delassus {
+            let (entries, rows) = (g.as_slice(), self.rows());
+            // The rows of one contact fit into registers; larger operators are gone through as they are stored. Sums are
+            // the same to the bit.
+            if rows <= 4 {
+                for (i, (value, free)) in velocity.iter_mut().zip(&self.free_velocity).enumerate() {
+                    let row = entries.iter().skip(i).step_by(rows);
+                    *value = row.zip(percussion).fold(*free, |sum, (g, p)| sum + g * p);
+                }
+                return;
+            }
             velocity.copy_from_slice(&self.free_velocity);
-            // At least one, as no contact is without rows; there is nothing to add where there is no contact.
-            let rows = self.rows().max(1);
-            for (column, p) in g.as_slice().chunks_exact(rows).zip(percussion) {
+            for (column, p) in entries.chunks_exact(rows).zip(percussion) {
                 for (value, g) in velocity.iter_mut().zip(column) {
                     *value += g * p;
                 }
@@ -305,13 +436,6 @@ impl ContactProblem {
             *value += free;
         }
     }
-}
-
-fn check_length(argument: &'static str, expected: usize, got: usize) -> Result<(), ProblemError> {
-    if expected == got {
-        return Ok(());
-    }
-    Err(ProblemError::Length { argument, expected, got })
 }
 
 /// Refuses velocities and normal percussions whose squares, or those of what follows from them, would overflow.
@@ -339,11 +463,4 @@ fn check_sizes(
         }
     }
     Ok(())
-}
-
-pub(super) fn check_finite(argument: &'static str, values: &[f64]) -> Result<(), ProblemError> {
-    match values.iter().find(|v| !v.is_finite()) {
-        Some(&value) => Err(ProblemError::Value { argument, allowed: "finite", value }),
-        None => Ok(()),
-    }
 }

@@ -2,7 +2,7 @@
 
 use asperity_set::{Convex, ConvexSet, Star, StarSet, Vector};
 
-use super::table::{Node, angle};
+use super::node::{Node, angle};
 
 /// Number of sectors that loads are sorted into.
 const SECTORS: usize = 128;

@@ -116,6 +116,7 @@ impl<const P: usize> FrictionLaw<P> {
     }
 
     /// Whether the direction set is the reservoir.
+    #[inline]
     pub fn is_associated(&self) -> bool {
         // Otherwise D, the largest inside C, leaves some of it out.
         self.alpha_min == 1.0
@@ -147,6 +148,7 @@ impl<const P: usize> FrictionLaw<P> {
     }
 
     /// `α(x) = 1/(k_D(x) − k_C(x) + 1)` (\[WL19\] (56)).
+    #[inline]
     pub fn alpha(&self, x: &Vector<P>) -> f64 {
         1.0 / (self.direction.gauge(x) - self.reservoir.gauge(x) + 1.0)
     }

@@ -1,18 +1,27 @@
 //! Friction laws: a force reservoir, a direction set, and what follows from the pair.
 
 mod ambiguity;
-mod any;
+mod answers;
+mod boundary;
 mod classify;
 mod error;
 mod extended;
 mod flow;
+mod lorentz;
+mod natural_map;
+mod node;
+mod prox_step;
 mod rate;
 mod table;
 
-pub use any::Law;
+pub use answers::Law;
+pub(crate) use answers::{Components, Friction, ProxParameter, inclusion_defect};
+pub(crate) use boundary::BoundaryPiece;
 pub use error::LawError;
 pub use extended::FrictionLaw;
 pub(crate) use extended::Walk;
 pub use flow::{FlowReport, FlowSets, flow_sets};
+pub(crate) use natural_map::{ContactMatrix, ContactPoint, ContactVector, Rho, map as natural_map};
+pub(crate) use node::Node;
 pub use rate::{Fall, Stribeck};
-pub(crate) use table::{COARSE, Cell, Node, WalkTable};
+pub(crate) use table::{COARSE, Cell, WalkTable};

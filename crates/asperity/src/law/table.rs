@@ -12,6 +12,7 @@ use std::f64::consts::TAU;
 use asperity_set::{Arc, BoundaryPoint, Convex, ConvexSet, Star, StarSet, Vector};
 
 use super::ambiguity::AmbiguousLoads;
+use super::node::{Node, angle};
 
 /// Number of coarse cells.
 pub(crate) const COARSE: usize = 64;
@@ -22,15 +23,6 @@ const FINEST: usize = 1024;
 /// Most nodes at corners: of a polygon with more than some 16 000 corners the others turn by less than 0.03° and
 /// lie within cells.
 const MOST_AT_CORNERS: usize = COARSE * FINEST * 3 / 4;
-
-/// A node: a point of bdry *D* with its normal, and the point of bdry *C* on the same ray.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Node {
-    /// The point of bdry *D*.
-    pub point: BoundaryPoint,
-    /// `x = z/k_C(z)`.
-    pub x: Vector<2>,
-}
 
 /// Bounds over a cell: `F` differs from a point of its chord by at most `|c₀| normal + |A| product`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -87,7 +79,7 @@ impl WalkTable {
                 let arc = Arc { start: pair[0].point, end: pair[1].point };
                 let side = arc.side();
                 let inner =
-                    [0.25, 0.5, 0.75].map(|w| node(reservoir, arc.point(direction, side, w)));
+                    [0.25, 0.5, 0.75].map(|w| Node::new(reservoir, arc.point(direction, side, w)));
                 deviation(&pair[0], &pair[1], &inner, margin)
             })
             .collect();
@@ -130,15 +122,6 @@ impl WalkTable {
     pub(crate) fn may_be_ambiguous(&self, load: &Vector<2>, gauge: f64) -> bool {
         self.ambiguous.may_hold(load, gauge)
     }
-}
-
-fn node(reservoir: &Star<2>, point: BoundaryPoint) -> Node {
-    Node { point, x: point.position / reservoir.gauge(&point.position) }
-}
-
-/// Angle between two vectors.
-pub(super) fn angle(a: &Vector<2>, b: &Vector<2>) -> f64 {
-    (a.x * b.y - a.y * b.x).atan2(a.dot(b)).abs()
 }
 
 /// A cell that waits to be split, ordered by how much position, normal and the tangent of *C* turn.
@@ -235,7 +218,7 @@ fn nodes(
     }
     let mut starts: Vec<BoundaryPoint> = heap.into_iter().map(|p| p.arc.start).collect();
     starts.sort_by(|a, b| walk_angle(a).total_cmp(&walk_angle(b)));
-    starts.into_iter().map(|point| node(reservoir, point)).collect()
+    starts.into_iter().map(|point| Node::new(reservoir, point)).collect()
 }
 
 /// `θ + φ`, position angle plus normal angle, in `[0, 4π)`: never decreases along the walk.

@@ -1,5 +1,7 @@
 //! Partial elimination of a dense front, the place where all the time goes.
 
+use std::ops::Range;
+
 /// Columns of a panel.
 const PANEL: usize = 16;
 /// Rows and columns of a tile that stays in registers.
@@ -77,11 +79,11 @@ fn eliminate_with<const FMA: bool>(
     let mut start = 0;
     while start < pivots {
         let end = (start + PANEL).min(pivots);
-        if !panel::<FMA>(front, size, pivots, (start, end), swaps) {
+        if !panel::<FMA>(front, size, pivots, start..end, swaps) {
             return false;
         }
-        exchange(front, size, (start, end), swaps);
-        update::<FMA>(front, size, (start, end), packed);
+        exchange(front, size, start..end, swaps);
+        update::<FMA>(front, size, start..end, packed);
         start = end;
     }
     true
@@ -93,9 +95,10 @@ fn panel<const FMA: bool>(
     front: &mut [f64],
     size: usize,
     pivots: usize,
-    (start, end): (usize, usize),
+    columns: Range<usize>,
     swaps: &mut [usize],
 ) -> bool {
+    let Range { start, end } = columns;
     for c in start..end {
         let column = &mut front[c * size..(c + 1) * size];
         let (mut best, mut largest) = (c, column[c].abs());
@@ -132,7 +135,8 @@ fn panel<const FMA: bool>(
 
 /// Exchanges the rows of a panel's pivots in all other columns.
 #[inline(always)]
-fn exchange(front: &mut [f64], size: usize, (start, end): (usize, usize), swaps: &[usize]) {
+fn exchange(front: &mut [f64], size: usize, columns: Range<usize>, swaps: &[usize]) {
+    let Range { start, end } = columns;
     for (j, column) in front.chunks_exact_mut(size).enumerate() {
         if j < start || j >= end {
             for (c, &swap) in swaps.iter().enumerate().take(end).skip(start) {
@@ -147,9 +151,10 @@ fn exchange(front: &mut [f64], size: usize, (start, end): (usize, usize), swaps:
 fn update<const FMA: bool>(
     front: &mut [f64],
     size: usize,
-    (start, end): (usize, usize),
+    columns: Range<usize>,
     packed: &mut Packed,
 ) {
+    let Range { start, end } = columns;
     let depth = end - start;
     let (left, right) = front.split_at_mut(end * size);
     let rest = size - end;

@@ -4,6 +4,12 @@
 //! Matrices `A + B G` of Newton's method are small (10² to 10⁴ rows), nearly the same from one iteration to
 //! the next and always of the same pattern: the analysis is done once ([`Symbolic`]), the rest without
 //! allocation ([`Numeric`]). Rows are exchanged within the pivots of a front only.
+//!
+//! Why not one of the sparse LU factorisations that exist: they take scalars in compressed columns, so that blocks would
+//! be taken apart for every matrix, order columns without symmetry of the pattern, and allocate in every factorisation.
+//! Here entries go from blocks into dense fronts, whose order and sizes are known. What is given up is pivoting across
+//! fronts: blocks on the diagonal are `A_ii + B_ii G_ii` and no small ones, and whoever asks looks at the residual of
+//! what comes out. `tests.rs` compares what is left over with a dense factorisation, also for badly scaled matrices.
 
 mod dense;
 mod dense_lu;

@@ -66,6 +66,46 @@ fn solves_as_a_dense_factorisation_does() {
     }
 }
 
+/// Rows and columns of sizes that differ by twelve orders of magnitude, and nearly dependent ones: what is left over is
+/// compared with what a dense factorisation with partial pivoting leaves over.
+#[test]
+fn ill_conditioned_matrices_leave_little_more_than_a_dense_factorisation() {
+    let mut seed = 9;
+    for (nodes, chords) in [(5, 3), (40, 10), (120, 60), (90, 900)] {
+        for kind in 0..2 {
+            let mut matrix = example(nodes, chords, &mut seed);
+            let sizes: Vec<f64> =
+                (0..nodes).map(|_| 10_f64.powf(3.0 * random(&mut seed))).collect();
+            for i in 0..nodes {
+                for k in 0..matrix.neighbours(i).len() {
+                    let (j, block) = matrix.block_mut(i, k);
+                    let scale = if kind == 0 { sizes[i] * sizes[j] } else { 1.0 };
+                    block.iter_mut().for_each(|value| *value *= scale);
+                    if kind == 1 && i == j && i % 3 == 0 {
+                        // A pivot block that is small beside its neighbours.
+                        block.iter_mut().for_each(|value| *value *= 1e-3);
+                    }
+                }
+            }
+            let symbolic = Symbolic::new(&matrix);
+            let mut numeric = Numeric::default();
+            numeric.reserve(&symbolic);
+            let a = dense(&matrix);
+            let b = DVector::from_fn(matrix.rows(), |_, _| random(&mut seed));
+            assert!(numeric.factor(&symbolic, &matrix));
+            let mut x = b.clone();
+            numeric.solve(&symbolic, x.as_mut_slice());
+            let left = |x: &DVector<f64>| {
+                let sizes = a.abs() * x.abs() + b.abs();
+                (&a * x - &b).abs().component_div(&sizes).max()
+            };
+            let reference = a.clone().lu().solve(&b).unwrap();
+            let (found, least) = (left(&x), left(&reference).max(f64::EPSILON));
+            assert!(found < 1e4 * least, "{nodes} nodes, kind {kind}: {found:e}, dense {least:e}");
+        }
+    }
+}
+
 #[test]
 fn a_vanishing_pivot_is_reported() {
     let matrix = BlockMatrix::with_pattern(&[2, 2], &[vec![0, 1], vec![0, 1]]);

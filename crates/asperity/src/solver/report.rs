@@ -1,6 +1,6 @@
 //! How a solve ended.
 
-use super::Residual;
+use super::measure::natural_residual::{ROUNDED, Residual};
 
 /// Status of a solve; the text says what to try.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,10 +40,6 @@ impl Status {
     }
 }
 
-/// Largest residual that rounding explains: percussions of an ill-conditioned block that are handed on, in
-/// `local.rs`, have at most this one.
-pub(super) const ROUNDED: f64 = super::local::LEAST;
-
 /// What a solver says of its result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveReport {
@@ -61,7 +57,7 @@ pub struct SolveReport {
 
 impl SolveReport {
     /// What measures and proofs say of a result; why the method `ended` matters only where they decide nothing.
-    pub(super) fn new(
+    pub(crate) fn new(
         ended: Ended,
         iterations: usize,
         residual: Residual,
@@ -90,18 +86,18 @@ impl SolveReport {
 
 /// What was found out about the percussions in which a solve ended.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Findings {
+pub(crate) struct Findings {
     /// The contact that percussions run away from.
-    pub(super) running: Option<usize>,
+    pub(crate) running: Option<usize>,
     /// The contact of a proof that there is no solution.
-    pub(super) without_solution: Option<usize>,
+    pub(crate) without_solution: Option<usize>,
     /// Whether some contact has several solutions.
-    pub(super) ambiguous: bool,
+    pub(crate) ambiguous: bool,
 }
 
 /// Why a method stopped.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Ended {
+pub(crate) enum Ended {
     /// There is nothing left to do.
     Done,
     /// The iteration limit of the user is reached.

@@ -177,7 +177,7 @@ impl BodyAssembly {
         closed.renew(bodies.contact_laws(), dt, |contacts| meetings.delassus(bodies, contacts));
         let mut other_rows = 0;
         self.contacts.clear();
-        for (rows, &contact) in closed.problem.contacts.iter().zip(&closed.active) {
+        for (rows, &contact) in closed.problem.contacts().iter().zip(&closed.active) {
             let (body, other) = bodies.partners(contact);
             let (row, len) = (rows.offset, rows.len());
             let other = other.map(|other| (other, other_rows));
@@ -226,7 +226,7 @@ impl BodyAssembly {
             own[k].dot(&twists[body]) + second + chi[k]
         };
         for k in 0..len {
-            closed.problem.free_velocity[row + k] = velocity(&self.middle.free, k);
+            closed.problem.free_velocity_mut()[row + k] = velocity(&self.middle.free, k);
         }
         if closed.bounces() || self.factors.any() {
             for k in 0..len {
@@ -249,7 +249,7 @@ impl BodyAssembly {
                 }
             }
         }
-        match &mut closed.problem.delassus {
+        closed.problem.refill(|delassus| match delassus {
             Delassus::Blocks(blocks) => self.fill_blocks(blocks),
             Delassus::Factored(factored) => {
                 let (_, directions, blocks) = factored.parts_mut();
@@ -257,8 +257,7 @@ impl BodyAssembly {
                 self.fill_blocks(blocks);
             }
             _ => {}
-        }
-        closed.problem.update_rho();
+        });
     }
 
     fn fill_blocks(&self, blocks: &mut BlockMatrix) {

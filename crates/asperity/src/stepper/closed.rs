@@ -49,7 +49,7 @@ impl Closed {
     pub(super) fn new(system: &dyn System, known: &[ContactMemory]) -> Self {
         let contacts = system.contacts().len();
         let mut closed = Self {
-            problem: ContactProblem::blank(std::iter::empty(), |_| {
+            problem: ContactProblem::assemble(std::iter::empty(), |_| {
                 Delassus::Blocks(Default::default())
             }),
             active: Vec::with_capacity(contacts),
@@ -81,7 +81,7 @@ impl Closed {
         };
         let mut known: Vec<_> = (0..self.states.len()).map(before).collect();
         for ((&contact, rows), state) in
-            self.active.iter().zip(&self.problem.contacts).zip(&memory.states)
+            self.active.iter().zip(self.problem.contacts()).zip(&memory.states)
         {
             known[contact].state = *state;
             let own = &memory.percussion[rows.offset..rows.offset + rows.len()];
@@ -111,14 +111,14 @@ impl Closed {
             };
             (laws[c].law.clone(), normal)
         };
-        let problem = ContactProblem::blank(self.active.iter().map(contact), delassus);
+        let problem = ContactProblem::assemble(self.active.iter().map(contact), delassus);
         let old = std::mem::replace(&mut self.problem, problem);
         self.before.clear();
-        self.before.extend(self.found.iter().copied().zip(old.contacts));
+        self.before.extend(self.found.iter().copied().zip(old.into_contacts()));
         self.is_active.fill(false);
         self.closed_before.fill(false);
         self.restitution.clear();
-        for (contact, &c) in self.problem.contacts.iter().zip(&self.active) {
+        for (contact, &c) in self.problem.contacts().iter().zip(&self.active) {
             self.is_active[c] = true;
             let normal = std::iter::repeat_n(laws[c].normal_restitution, contact.normal_rows());
             let p = contact.law.dimension();
@@ -147,7 +147,7 @@ impl Closed {
         }
         memory.states.clear();
         memory.percussion.clear();
-        for (&contact, rows) in self.active.iter().zip(&self.problem.contacts) {
+        for (&contact, rows) in self.active.iter().zip(self.problem.contacts()) {
             memory.states.push(self.states[contact]);
             memory.percussion.extend_from_slice(&self.percussions[contact][..rows.len()]);
         }
@@ -162,34 +162,9 @@ impl Closed {
     /// Restitution terms `e γ_B`; `before(row)` is `γ_B`.
     #[inline]
     pub(super) fn bounce(&mut self, before: impl Fn(usize) -> f64) {
-        let terms = self.problem.restitution.iter_mut().zip(&self.restitution);
+        let terms = self.problem.restitution_mut().iter_mut().zip(&self.restitution);
         for (row, (term, e)) in terms.enumerate() {
             *term = e * before(row);
-        }
-    }
-}
-
-impl ContactProblem {
-    /// A problem of zeros to be filled in.
-    fn blank(
-        contacts: impl Iterator<Item = (crate::law::Law, NormalForce)>,
-        delassus: impl FnOnce(&[ContactRows]) -> Delassus,
-    ) -> Self {
-        let mut rows = 0;
-        let contacts: Vec<ContactRows> = contacts
-            .map(|(law, normal)| {
-                let contact = ContactRows { law, normal, offset: rows };
-                rows += contact.len();
-                contact
-            })
-            .collect();
-        let (delassus, count) = (delassus(&contacts), contacts.len());
-        Self {
-            delassus,
-            free_velocity: vec![0.0; rows],
-            restitution: vec![0.0; rows],
-            contacts,
-            rho: vec![0.0; count],
         }
     }
 }

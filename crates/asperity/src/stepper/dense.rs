@@ -91,7 +91,7 @@ impl Dense {
         let change = self.update_operator(system, (t, dt), u, closed, new_mass)?;
         let (n, jacobian, chi) = (self.dof, &self.jacobian, &self.chi);
         let rows = jacobian.chunks_exact(n.max(1)).zip(chi);
-        for (value, (row, chi)) in closed.problem.free_velocity.iter_mut().zip(rows) {
+        for (value, (row, chi)) in closed.problem.free_velocity_mut().iter_mut().zip(rows) {
             *value = dot(row, &self.free) + chi;
         }
         let velocity = |row: usize, u: &[f64]| dot(&jacobian[row * n..(row + 1) * n], u) + chi[row];
@@ -200,7 +200,7 @@ impl Dense {
         closed: &mut Closed,
     ) -> Result<(), SystemError> {
         let n = self.dof;
-        for (contact, &c) in closed.problem.contacts.iter().zip(&closed.active) {
+        for (contact, &c) in closed.problem.contacts().iter().zip(&closed.active) {
             if contact.normal_rows() == 1 {
                 self.jacobian[contact.offset * n..(contact.offset + 1) * n]
                     .copy_from_slice(&self.normals[c * n..(c + 1) * n]);
@@ -217,15 +217,15 @@ impl Dense {
             }
         }
         let rows = closed.problem.rows();
-        if let Delassus::Dense(delassus) = &mut closed.problem.delassus {
+        closed.problem.refill(|delassus| {
+            let Delassus::Dense(delassus) = delassus else { return };
             for i in 0..rows {
                 let row = &self.jacobian[i * n..(i + 1) * n];
                 for j in 0..rows {
                     delassus[(i, j)] = dot(row, &self.response[j * n..(j + 1) * n]);
                 }
             }
-        }
-        closed.problem.update_rho();
+        });
         check_directions(closed)
     }
 
@@ -251,8 +251,8 @@ impl Dense {
 
 /// Refuses directions that move nothing.
 fn check_directions(closed: &Closed) -> Result<(), SystemError> {
-    for (i, (contact, c)) in closed.problem.contacts.iter().zip(&closed.active).enumerate() {
-        let diagonal = |a| closed.problem.delassus.own(i, contact.offset, a, a);
+    for (i, (contact, c)) in closed.problem.contacts().iter().zip(&closed.active).enumerate() {
+        let diagonal = |a| closed.problem.delassus().own(i, contact.offset, a, a);
         if (0..contact.len()).any(|a| !(diagonal(a) > 0.0)) {
             return Err(SystemError::direction(*c));
         }

@@ -28,7 +28,7 @@
 //! Held factors may have no solution near the one that is looked for, whose speed goes with its factor: a law that turns
 //! the slip may have, at the factor held, stick and two slips, and the consistent solution is a slip in between; and
 //! contacts that push each other may jump between stick and slip by turns. After some corrections consistent solutions
-//! are therefore looked for contact by contact, each with its own factor free (`solver/plane/rising.rs`, which finds all
+//! are therefore looked for contact by contact, each with its own factor free (`solver/one_contact/plane/rising.rs`, which finds all
 //! of them) and the others held, in sweeps. The rule of selection decides between them by the states before the step.
 //! From there Newton's method goes on, the states following the slip velocities `γ + w` that it expects.
 //!
@@ -43,7 +43,7 @@ use super::linear_solve::LinearSolver;
 use crate::contact::{
     ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
 };
-use crate::law::{FrictionLaw, Law, Stribeck};
+use crate::law::Stribeck;
 use crate::solver::{Rising, Stop, Workspace, settle};
 
 /// Factors below this one count as it.
@@ -96,16 +96,16 @@ pub(super) struct Factors {
 impl Factors {
     /// Forgets the factors: the problem has new contacts.
     pub(super) fn reset(&mut self, problem: &ContactProblem) {
-        let rates = || problem.contacts.iter().filter_map(|contact| contact.law.rate());
+        let rates = || problem.contacts().iter().filter_map(|contact| contact.law.rate());
         self.any = rates().next().is_some();
         self.rising = rates().filter(|rate| rate.rises()).count();
         self.rows.clear();
         self.rows.resize(problem.rows(), 1.0);
-        if let (true, Delassus::Dense(delassus)) = (self.any, &problem.delassus) {
+        if let (true, Delassus::Dense(delassus)) = (self.any, problem.delassus()) {
             self.plain = delassus.clone();
         }
         if self.any {
-            let contacts = problem.contacts.len();
+            let contacts = problem.contacts().len();
             for list in [&mut self.falling, &mut self.defect, &mut self.slope, &mut self.change] {
                 list.clear();
                 list.resize(contacts, 0.0);
@@ -135,7 +135,7 @@ impl Factors {
 
     /// Remembers a dense operator that has just been filled in.
     pub(super) fn keep(&mut self, problem: &ContactProblem) {
-        if let (true, Delassus::Dense(delassus)) = (self.any, &problem.delassus) {
+        if let (true, Delassus::Dense(delassus)) = (self.any, problem.delassus()) {
             self.plain.copy_from(delassus);
         }
     }
@@ -143,7 +143,7 @@ impl Factors {
     /// Takes the factors for relative velocities `slip(row)` before the step.
     pub(super) fn update(&mut self, problem: &ContactProblem, slip: impl Fn(usize) -> f64) {
         self.forget_bounds();
-        for (contact, falling) in problem.contacts.iter().zip(&mut self.falling) {
+        for (contact, falling) in problem.contacts().iter().zip(&mut self.falling) {
             let Some(rate) = contact.law.rate() else { continue };
             let speed = tangential(contact, &slip).norm();
             *falling = rate.falling(speed);
@@ -163,10 +163,10 @@ impl Factors {
     ) -> (f64, usize) {
         self.direction.fill(0.0);
         let mut slips = false;
-        for (i, contact) in problem.contacts.iter().enumerate() {
+        for (i, contact) in problem.contacts().iter().enumerate() {
             (self.defect[i], self.slope[i], self.jacobian[i]) = (0.0, 0.0, [[0.0; 3]; 3]);
             let rows = own(contact);
-            let slip = tangential(contact, |row| velocity[row] + problem.restitution[row]);
+            let slip = tangential(contact, |row| velocity[row] + problem.restitution()[row]);
             // A contact that sticks has a speed of the size of rounding.
             let speed = if states[i].phase == Phase::Slip { slip.norm() } else { 0.0 };
             if speed > 0.0 {
@@ -190,7 +190,7 @@ impl Factors {
             self.correct(problem, percussion);
         }
         let mut worst = (0.0, 0);
-        for (i, contact) in problem.contacts.iter().enumerate() {
+        for (i, contact) in problem.contacts().iter().enumerate() {
             let relative = (self.change[i] / self.rows[contact.tangent()]).abs();
             if !(relative <= worst.0) {
                 worst = (relative, i);
@@ -210,8 +210,8 @@ impl Factors {
             own(contact).map(|row| direction[row] * w[row]).sum::<f64>()
         };
         let moves = |percussion: &[f64], velocity: &mut [f64]| {
-            problem.delassus.apply(percussion, velocity);
-            for contact in &problem.contacts {
+            problem.delassus().apply(percussion, velocity);
+            for contact in problem.contacts() {
                 velocity[contact.offset..contact.tangent()].fill(0.0);
                 if !slips(contact) {
                     velocity[own(contact)].fill(0.0);
@@ -219,7 +219,7 @@ impl Factors {
             }
         };
         product.fill(0.0);
-        for (i, contact) in problem.contacts.iter().enumerate().filter(|(_, c)| slips(c)) {
+        for (i, contact) in problem.contacts().iter().enumerate().filter(|(_, c)| slips(c)) {
             for row in own(contact) {
                 product[row] = percussion[row] * defect[i] / rows[row];
             }
@@ -227,7 +227,7 @@ impl Factors {
         moves(product, load);
         let mut apply = |w: &[f64], out: &mut [f64]| {
             product.fill(0.0);
-            for (i, contact) in problem.contacts.iter().enumerate().filter(|(_, c)| slips(c)) {
+            for (i, contact) in problem.contacts().iter().enumerate().filter(|(_, c)| slips(c)) {
                 let change = slope[i] * along(contact, w);
                 for (a, row) in own(contact).enumerate() {
                     let turned = own(contact).zip(jacobian[i][a]).map(|(row, j)| j * w[row]);
@@ -240,7 +240,7 @@ impl Factors {
             }
         };
         linear.solve(&mut apply, load, change_of_slip);
-        for (i, contact) in problem.contacts.iter().enumerate() {
+        for (i, contact) in problem.contacts().iter().enumerate() {
             change[i] = defect[i] + slope[i] * along(contact, change_of_slip);
         }
     }
@@ -268,7 +268,7 @@ impl Factors {
         if self.rising > 1 && !bounded {
             self.forget_bounds();
         }
-        for (i, contact) in problem.contacts.iter().enumerate() {
+        for (i, contact) in problem.contacts().iter().enumerate() {
             let Some(rate) = contact.law.rate() else { continue };
             let rows = own(contact);
             let old = self.rows[rows.start];
@@ -311,7 +311,7 @@ impl Factors {
                 break;
             }
         }
-        for (i, contact) in problem.contacts.iter().enumerate() {
+        for (i, contact) in problem.contacts().iter().enumerate() {
             for row in own(contact) {
                 let new = self.rows[row] + self.change[i];
                 memory.percussion[row] *= self.rows[row] / new;
@@ -334,7 +334,7 @@ impl Factors {
         self.several = false;
         self.change.fill(0.0);
         let Memory { percussion, states } = memory;
-        for (i, contact) in problem.contacts.iter().enumerate() {
+        for (i, contact) in problem.contacts().iter().enumerate() {
             let Some(rate) = contact.law.rate().filter(|rate| rate.rises()) else { continue };
             let rows = own(contact);
             let present = self.rows[rows.start];
@@ -369,7 +369,7 @@ impl Factors {
     /// Lets the states go with the correction, so that the next solve continues what was found and not what was
     /// before the step.
     pub(super) fn follow(&self, problem: &ContactProblem, states: &mut [ContactState]) {
-        for (contact, state) in problem.contacts.iter().zip(states) {
+        for (contact, state) in problem.contacts().iter().zip(states) {
             let slips = own(contact).any(|row| self.direction[row] != 0.0);
             if slips && contact.law.rate().is_some_and(Stribeck::rises) {
                 let slip = tangential(contact, |row| self.slip[row] + self.change_of_slip[row]);
@@ -380,14 +380,15 @@ impl Factors {
 
     /// Scales the columns of a dense operator.
     pub(super) fn apply(&self, problem: &mut ContactProblem) {
-        let Delassus::Dense(delassus) = &mut problem.delassus else { return };
-        for (column, factor) in self.rows.iter().enumerate() {
-            let plain = self.plain.column(column);
-            for (scaled, entry) in delassus.column_mut(column).iter_mut().zip(&plain) {
-                *scaled = entry * factor;
+        problem.refill(|delassus| {
+            let Delassus::Dense(delassus) = delassus else { return };
+            for (column, factor) in self.rows.iter().enumerate() {
+                let plain = self.plain.column(column);
+                for (scaled, entry) in delassus.column_mut(column).iter_mut().zip(&plain) {
+                    *scaled = entry * factor;
+                }
             }
-        }
-        problem.update_rho();
+        });
     }
 
     /// The factor of a row, one for rows without.
@@ -422,28 +423,14 @@ fn jacobian(
         NormalForce::Prescribed(value) => value,
         NormalForce::Unilateral => first,
     };
-    match &contact.law {
-        Law::One(law) => jacobian_in(law, slip, force, normal),
-        Law::Two(law) => jacobian_in(law, slip, force, normal),
-        Law::Three(law) => jacobian_in(law, slip, force, normal),
-    }
-}
-
-/// The law's own derivative is that of `f P̃`: `f J + f′ P̃ eᵀ`.
-fn jacobian_in<const P: usize>(
-    law: &FrictionLaw<P>,
-    slip: &Vector<3>,
-    force: &Vector<3>,
-    normal: f64,
-) -> [[f64; 3]; 3] {
+    // The law's own derivative is that of `f P̃`: `f J + f′ P̃ eᵀ`.
     let (speed, mut out) = (slip.norm(), [[0.0; 3]; 3]);
-    let Ok(matrix) = law.jacobian(&Vector::<P>::from_fn(|i, _| slip[i]), normal) else {
-        return out;
-    };
-    let (factor, slope) = law.rate().map_or((1.0, 0.0), |r| (r.factor(speed), r.slope(speed)));
-    for i in 0..P {
-        for j in 0..P {
-            let entry = (matrix[(i, j)] - slope * force[i] * slip[j] / speed) / factor;
+    let Some(matrix) = contact.law.jacobian(slip.as_slice(), normal) else { return out };
+    let rate = contact.law.rate();
+    let (factor, slope) = rate.map_or((1.0, 0.0), |r| (r.factor(speed), r.slope(speed)));
+    for i in 0..contact.law.dimension() {
+        for j in 0..contact.law.dimension() {
+            let entry = (matrix[i][j] - slope * force[i] * slip[j] / speed) / factor;
             out[i][j] = if entry.is_finite() { entry } else { 0.0 };
         }
     }

@@ -46,7 +46,7 @@ impl Stepper<'_> {
             self.workspace.prepare(&self.closed.problem);
         }
         self.check_problem()?;
-        self.before.copy_from(&self.memory);
+        std::mem::swap(&mut self.before, &mut self.memory);
         let was_cancelled = Cell::new(false);
         let ask = || {
             was_cancelled.set(was_cancelled.get() || cancelled());
@@ -86,8 +86,9 @@ impl Stepper<'_> {
     fn solve(&mut self, stop: Stop<'_>) -> SolveReport {
         let Self { solver, closed, assembly, memory, before, workspace, .. } = self;
         if !assembly.factors().rises() {
-            return solver.solve(&closed.problem, stop, memory, workspace);
+            return solver.solve_from(&closed.problem, stop, before, memory, workspace);
         }
+        memory.copy_from(before);
         let (mut iterations, mut correction) = (0, 0);
         let (mut settled, mut following) = (false, false);
         loop {
@@ -164,7 +165,7 @@ impl Stepper<'_> {
 
     fn check_problem(&self) -> Result<(), StepError> {
         let problem = &self.closed.problem;
-        let Some(row) = problem.free_velocity.iter().position(|v| !v.is_finite()) else {
+        let Some(row) = problem.free_velocity().iter().position(|v| !v.is_finite()) else {
             return Ok(());
         };
         let place = problem.contacts().partition_point(|contact| contact.offset <= row);

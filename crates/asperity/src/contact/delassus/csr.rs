@@ -1,7 +1,7 @@
 //! Sparse matrices, compressed by rows.
 
 use crate::contact::ProblemError;
-use crate::contact::problem::check_finite;
+use crate::contact::error::check_finite;
 
 /// A sparse matrix, compressed by rows, columns ascending within a row.
 #[derive(Debug, Clone, PartialEq, Default)]

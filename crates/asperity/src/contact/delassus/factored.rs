@@ -79,9 +79,7 @@ fn assemble(mass: &Csr, directions: &Csr, sizes: &[usize]) -> Result<BlockMatrix
     }
     let mut contacts = vec![Vec::new(); count];
     let mut row = 0;
-    let mut offsets = Vec::with_capacity(sizes.len());
     for (i, &size) in sizes.iter().enumerate() {
-        offsets.push(row);
         for row in row..row + size {
             for &dof in directions.row(row).0 {
                 contacts[part_of[dof]].push(i);
@@ -103,33 +101,42 @@ fn assemble(mass: &Csr, directions: &Csr, sizes: &[usize]) -> Result<BlockMatrix
     }
     let mut blocks = BlockMatrix::with_pattern(sizes, &neighbours);
     for (dofs, contacts) in members.iter().zip(&contacts) {
-        add_part(mass, directions, (dofs, &position), (contacts, sizes, &offsets), &mut blocks)?;
+        let part = ConnectedPart { dofs, position: &position, contacts };
+        add_part(mass, directions, part, &mut blocks)?;
     }
     Ok(blocks)
+}
+
+/// Velocities that `M` couples, and the contacts that act on them.
+struct ConnectedPart<'a> {
+    dofs: &'a [usize],
+    /// Place of every velocity in its own part.
+    position: &'a [usize],
+    contacts: &'a [usize],
 }
 
 /// What the contacts at one connected part of `M` bring: `W_pᵀ M_p⁻¹ W_p`.
 fn add_part(
     mass: &Csr,
     directions: &Csr,
-    (dofs, position): (&[usize], &[usize]),
-    (contacts, sizes, offsets): (&[usize], &[usize], &[usize]),
+    part: ConnectedPart<'_>,
     blocks: &mut BlockMatrix,
 ) -> Result<(), ProblemError> {
+    let ConnectedPart { dofs, position, contacts } = part;
     let n = dofs.len();
     if n > LARGEST_PART {
         let message = "must couple few velocities: a connected part of it is too large";
         return Err(ProblemError::Structure { argument: "mass", message });
     }
-    let mut part = DMatrix::zeros(n, n);
+    let mut own_mass = DMatrix::zeros(n, n);
     for (a, &dof) in dofs.iter().enumerate() {
         let (columns, values) = mass.row(dof);
         for (&column, value) in columns.iter().zip(values) {
-            part[(a, position[column])] = *value;
+            own_mass[(a, position[column])] = *value;
         }
     }
-    let symmetric = (&part - part.transpose()).amax() <= 1e-10 * part.amax();
-    let factor = part.cholesky().filter(|_| symmetric);
+    let symmetric = (&own_mass - own_mass.transpose()).amax() <= 1e-10 * own_mass.amax();
+    let factor = own_mass.cholesky().filter(|_| symmetric);
     let not_definite = || ProblemError::Structure {
         argument: "mass",
         message: "must be symmetric positive definite",
@@ -146,7 +153,7 @@ fn add_part(
         out
     };
     let rows: Vec<usize> =
-        contacts.iter().flat_map(|&i| offsets[i]..offsets[i] + sizes[i]).collect();
+        contacts.iter().flat_map(|&i| blocks.offsets()[i]..blocks.offsets()[i + 1]).collect();
     let columns: Vec<DVector<f64>> = rows.iter().map(|&row| column(row)).collect();
     let responses: Vec<DVector<f64>> = columns.iter().map(|c| factor.solve(c)).collect();
     let mut first = 0;
@@ -157,15 +164,16 @@ fn add_part(
             while blocks.neighbours(i)[k] != j {
                 k += 1;
             }
+            let (rows, width) = (blocks.size(i), blocks.size(j));
             let (_, block) = blocks.block_mut(i, k);
-            for a in 0..sizes[i] {
-                for b in 0..sizes[j] {
-                    block[a * sizes[j] + b] += columns[first + a].dot(&responses[other + b]);
+            for a in 0..rows {
+                for b in 0..width {
+                    block[a * width + b] += columns[first + a].dot(&responses[other + b]);
                 }
             }
-            other += sizes[j];
+            other += width;
         }
-        first += sizes[i];
+        first += blocks.size(i);
     }
     Ok(())
 }

@@ -1,9 +1,6 @@
 //! What to integrate, and what is refused.
 
-use asperity_set::{Star, strict_convexity};
-
 use crate::integrator::options::{OptionsError, check_entries, check_positive, refuse};
-use crate::law::{FrictionLaw, Law};
 use crate::system::System;
 
 /// Latest end, so that no power of a time overflows.
@@ -72,7 +69,7 @@ impl Options {
             return refuse("system", message);
         }
         for (i, contact) in system.contacts().iter().enumerate() {
-            if !has_strictly_convex_direction(&contact.law) {
+            if !contact.law.has_strictly_convex_direction() {
                 let message = format!(
                     "the direction set of contact {i} must be strictly convex: on a flat side one direction of the slip vanishes by itself"
                 );
@@ -112,17 +109,5 @@ impl Options {
             return refuse("section", "must have a finite level and time");
         }
         Ok(())
-    }
-}
-
-fn has_strictly_convex_direction(law: &Law) -> bool {
-    fn strictly<const P: usize>(law: &FrictionLaw<P>) -> bool {
-        law.isotropic_coefficient().is_some()
-            || strict_convexity(&Star::Convex(law.direction().clone())).holds
-    }
-    match law {
-        Law::One(_) => true,
-        Law::Two(law) => strictly(law),
-        Law::Three(law) => strictly(law),
     }
 }

@@ -11,7 +11,7 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::collocation::radau::STAGES;
-use crate::integrator::event::dynamics::{Dynamics, ROWS, sliding_force};
+use crate::integrator::event::dynamics::{Dynamics, ROWS};
 use crate::integrator::event::vectors::add;
 
 /// The points of a step and what belongs to them.
@@ -49,9 +49,9 @@ impl DirectionPoints {
         self.first.push(0);
         self.z.clear();
         for (i, (contact, force)) in dynamics.contacts.iter().zip(sliding).enumerate() {
-            if contact.mode == Phase::Slip && !sliding_force::is_smooth(dynamics.law(i)) {
+            if contact.mode == Phase::Slip && !dynamics.law(i).is_smooth() {
                 self.contacts.push(i);
-                let point = sliding_force::point(dynamics.law(i), force);
+                let point = dynamics.law(i).direction_point(force);
                 self.z.extend_from_slice(&point[..contact.p]);
                 self.first.push(self.z.len());
             }
@@ -137,7 +137,7 @@ impl DirectionPoints {
         for k in 0..self.contacts.len() {
             let (i, z) = (self.contacts[k], self.point(stage, k));
             let (contact, first) = (dynamics.contacts[i], self.first[k]);
-            let Some(at) = sliding_force::at_point(dynamics.law(i), &z, &contact.slip) else {
+            let Some(at) = dynamics.law(i).at_point(&z, &contact.slip) else {
                 return false;
             };
             for r in 0..contact.p {

@@ -33,8 +33,8 @@ pub(crate) fn decide(
             (participants, answers) = Participants::constrained(dynamics, participants.contacts);
         }
         let rate = |&row: &usize| dynamics.rate(row, &dynamics.acceleration);
-        let load = participants.rows.iter().map(rate).collect();
-        let problem = participants.problem(dynamics, load, |contact| contact.prescribed)?;
+        let load: Vec<f64> = participants.rows.iter().map(rate).collect();
+        let problem = participants.problem(dynamics, &load, |contact| contact.prescribed)?;
         let solved = match participants.solve(&problem, solving) {
             Ok(solved) => solved,
             Err(outcome) => return Ok(Decision::Ended(outcome)),
@@ -72,7 +72,7 @@ fn adopt(
     problem: &ContactProblem,
     Solved { found, velocity, .. }: &Solved,
 ) {
-    for (k, (&i, rows)) in participants.contacts.iter().zip(&problem.contacts).enumerate() {
+    for (k, (&i, rows)) in participants.contacts.iter().zip(problem.contacts()).enumerate() {
         let contact = &mut dynamics.contacts[i];
         (contact.mode, contact.undecided) = (found.states[k].phase, false);
         contact.tolerated_excess = 0.0;
@@ -99,8 +99,8 @@ fn stick_at_limit(
     problem: &ContactProblem,
     accelerations: &[f64],
 ) {
-    let load = largest(&problem.free_velocity);
-    for (&i, rows) in participants.contacts.iter().zip(&problem.contacts) {
+    let load = largest(problem.free_velocity());
+    for (&i, rows) in participants.contacts.iter().zip(problem.contacts()) {
         let contact = &mut dynamics.contacts[i];
         let own = &accelerations[rows.offset..rows.offset + rows.len()];
         let rests = own.iter().map(|x| x * x).sum::<f64>().sqrt() <= AT_REST * load;

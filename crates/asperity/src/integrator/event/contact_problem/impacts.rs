@@ -1,7 +1,9 @@
 //! Impacts: velocities jump by percussions.
 
+use std::iter::{once, repeat_n};
+
 use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solving};
-use crate::integrator::event::dynamics::{ConstraintMatrix, Dynamics, ROWS, sliding_force};
+use crate::integrator::event::dynamics::{ConstraintMatrix, Dynamics, ROWS};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::integrator::event::vectors::add;
 
@@ -31,17 +33,15 @@ pub(crate) fn collide(
     let participants = Participants::alone(dynamics, contacts.to_vec());
     let before: Vec<f64> =
         participants.rows.iter().map(|&row| dynamics.velocity(row, &state.u)).collect();
-    let mut problem = participants.problem(dynamics, before.clone(), |_| None)?;
+    let mut problem = participants.problem(dynamics, &before, |_| None)?;
     let laws = dynamics.system.contacts();
     if law == ImpactLaw::Newton {
-        for (rows, &i) in problem.contacts.iter().zip(contacts) {
-            let own = rows.offset..rows.offset + rows.len();
-            let coefficients = std::iter::once(laws[i].normal_restitution)
-                .chain(std::iter::repeat(laws[i].tangential_restitution));
-            for (row, e) in own.zip(coefficients) {
-                problem.restitution[row] = e * before[row];
-            }
-        }
+        let coefficients = contacts.iter().flat_map(|&i| {
+            let tangential = repeat_n(laws[i].tangential_restitution, dynamics.contacts[i].p);
+            once(laws[i].normal_restitution).chain(tangential)
+        });
+        let terms = problem.restitution_mut().iter_mut().zip(coefficients).zip(&before);
+        terms.for_each(|((term, e), before)| *term = e * before);
     }
     let solved = match participants.solve(&problem, solving) {
         Ok(solved) => solved,
@@ -52,7 +52,7 @@ pub(crate) fn collide(
         add(&mut state.u, *percussion, response);
     }
     after.clear();
-    after.extend(problem.contacts.iter().map(|rows| solved.velocity[rows.offset]));
+    after.extend(problem.contacts().iter().map(|rows| solved.velocity[rows.offset]));
     Ok(Decision::Made { ambiguous: solved.ambiguous })
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn stop_slip(
         let mut tangent = [0.0; 3];
         tangent[..own.len() - 1].copy_from_slice(&own[1..]);
         // With the resistance at zero the percussion lies on the boundary of the reservoir.
-        if sliding_force::gauge(dynamics.law(i), &tangent) > (1.0 + BOUNDARY) * own[0] {
+        if dynamics.law(i).gauge(&tangent.map(|f| -f)) > (1.0 + BOUNDARY) * own[0] {
             return Ok(false);
         }
         first += own.len();

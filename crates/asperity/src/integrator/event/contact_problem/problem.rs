@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::contact::{ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce};
+use crate::contact::{ContactProblem, ContactState, Memory, NormalForce};
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
 use crate::integrator::event::observer::Observer;
 use crate::integrator::event::outcome::{Outcome, Stagnation};
@@ -97,7 +97,7 @@ impl Participants {
     pub(crate) fn problem(
         &self,
         dynamics: &Dynamics<'_>,
-        load: Vec<f64>,
+        load: &[f64],
         normal_force: impl Fn(&ContactVariables) -> Option<f64>,
     ) -> Result<ContactProblem, EvaluationError> {
         self.contacts.iter().try_for_each(|&i| dynamics.check_rows(i))?;
@@ -105,29 +105,15 @@ impl Participants {
         let delassus = DMatrix::from_fn(size, size, |i, j| {
             dot(dynamics.row(self.rows[i]), &self.responses[j * n..(j + 1) * n])
         });
-        let mut offset = 0;
-        let contacts: Vec<ContactRows> = self
-            .contacts
-            .iter()
-            .map(|&i| {
-                let normal = match normal_force(&dynamics.contacts[i]) {
-                    Some(force) => NormalForce::Prescribed(force),
-                    None => NormalForce::Unilateral,
-                };
-                let rows = ContactRows { law: dynamics.law(i).clone(), normal, offset };
-                offset += rows.len();
-                rows
-            })
-            .collect();
-        let rho = vec![0.0; contacts.len()];
-        let mut problem = ContactProblem {
-            delassus: Delassus::Dense(delassus),
-            restitution: vec![0.0; size],
-            free_velocity: load,
-            contacts,
-            rho,
-        };
-        problem.update_rho();
+        let contacts = self.contacts.iter().map(|&i| {
+            let normal = match normal_force(&dynamics.contacts[i]) {
+                Some(force) => NormalForce::Prescribed(force),
+                None => NormalForce::Unilateral,
+            };
+            (dynamics.law(i).clone(), normal)
+        });
+        let mut problem = ContactProblem::assemble(contacts, |_| delassus.into());
+        problem.free_velocity_mut().copy_from_slice(load);
         Ok(problem)
     }
 

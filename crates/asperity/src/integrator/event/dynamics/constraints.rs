@@ -2,22 +2,9 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
-use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
+use crate::integrator::event::dynamics::buffers::Constraints;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::vectors::{add, dot, largest};
-
-/// The linear system for the forces.
-#[derive(Debug, Default)]
-pub(crate) struct Constraints {
-    /// The contacts' rows of which the rate vanishes; each has a force.
-    pub(crate) rows: Vec<usize>,
-    /// The accelerations that one unit of each force gives, friction included.
-    columns: Vec<f64>,
-    matrix: ConstraintMatrix,
-    /// The forces, or their change by the last call of [`Dynamics::constrain`].
-    pub(crate) forces: Vec<f64>,
-    defects: Vec<f64>,
-}
 
 impl Dynamics<'_> {
     /// Adds what the constraint forces do to the accelerations, and keeps the forces at the contacts.

@@ -1,6 +1,7 @@
 //! How rows change along the motion, `ẇ_Nᵀu` and `Ẇᵀu + χ̇`, by differences over a stencil of four states.
 
 use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::dynamics::buffers::Stencil;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::integrator::event::vectors::dot;
@@ -12,26 +13,6 @@ const CHANGE: f64 = 1e-3;
 const TRIALS: usize = 30;
 /// The states of the stencil, in its widths from the present one.
 const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
-
-/// The states of differences along the motion.
-#[derive(Debug)]
-pub(crate) struct Stencil {
-    /// Time between neighbouring states.
-    width: f64,
-    widest: f64,
-    /// What the rows there make of the present velocities.
-    velocities: Vec<[f64; 4]>,
-}
-
-impl Stencil {
-    pub(crate) fn new(rows: usize) -> Self {
-        Self { width: 0.0, widest: 0.0, velocities: vec![[0.0; 4]; rows] }
-    }
-
-    fn rescale(&mut self, change: f64) {
-        self.width = f64::min(self.width * factor(change), self.widest);
-    }
-}
 
 impl Dynamics<'_> {
     /// The drift of these contacts, zero of the others.
@@ -91,7 +72,7 @@ impl Dynamics<'_> {
         }
         let change = self.stencil_change(&state.u);
         if change < 0.25 * CHANGE {
-            self.stencil.rescale(change);
+            self.rescale_stencil(change);
         }
         Ok(())
     }
@@ -127,9 +108,14 @@ impl Dynamics<'_> {
             if fits || (change < CHANGE && self.stencil.width >= self.stencil.widest) {
                 break;
             }
-            self.stencil.rescale(change);
+            self.rescale_stencil(change);
         }
         Ok(())
+    }
+
+    fn rescale_stencil(&mut self, change: f64) {
+        let Stencil { width, widest, .. } = &mut self.stencil;
+        *width = f64::min(*width * factor(change), *widest);
     }
 
     /// How much the rows change over the stencil: its width over their time scale.

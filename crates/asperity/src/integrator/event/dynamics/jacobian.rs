@@ -1,42 +1,16 @@
 //! The Jacobian of the accelerations: that of the sliding forces by the laws, the rest by differences.
 
 use crate::contact::Phase;
+use crate::integrator::event::dynamics::buffers::SmoothJacobian;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::{Dynamics, SlidingForces, sliding_force};
+use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, ROUNDING, Scale, State};
 use crate::integrator::event::vectors::add;
+use crate::law::Components;
 
 /// What rounding may add to the product of a Jacobian and the length of a step. Newton's method hardly notices it,
 /// while smaller values make differences wider than systems are smooth.
 const NOISE: f64 = 1e-3;
-
-/// The Jacobian at fixed sliding directions, which changes little along a step, and what belongs to it.
-#[derive(Debug)]
-pub(crate) struct SmoothJacobian {
-    /// Derivatives of the accelerations by velocities and by coordinates, row by row.
-    by_u: Vec<f64>,
-    by_q: Vec<f64>,
-    /// `∂γ/∂q`, row by row.
-    pub(crate) slip_by_q: Vec<f64>,
-    /// Accelerations and slips at the state of the differences.
-    acceleration: Vec<f64>,
-    slips: Vec<[f64; 3]>,
-    /// The coordinates and velocities of the differences.
-    shifted: (Vec<f64>, Vec<f64>),
-}
-
-impl SmoothJacobian {
-    pub(crate) fn new(n: usize, rows: usize) -> Self {
-        Self {
-            by_u: vec![0.0; n * n],
-            by_q: vec![0.0; n * n],
-            slip_by_q: vec![0.0; rows * n],
-            acceleration: vec![0.0; n],
-            slips: Vec::new(),
-            shifted: Default::default(),
-        }
-    }
-}
 
 impl Dynamics<'_> {
     /// The smooth part of the Jacobian at `state` for steps up to about the length `h`, by forward differences.
@@ -106,9 +80,10 @@ impl Dynamics<'_> {
             }
             let point = self.direction_points.iter().find(|(k, _)| *k == i).map(|(_, z)| *z);
             let slope = match point {
-                None => sliding_force::jacobian(self.law(i), &contact.slip),
-                Some(z) => sliding_force::at_point(self.law(i), &z, &contact.slip)
-                    .map_or([[0.0; 3]; 3], |at| at.by_slip),
+                None => finite(self.law(i).jacobian(&contact.slip, 1.0)),
+                Some(z) => {
+                    self.law(i).at_point(&z, &contact.slip).map_or([[0.0; 3]; 3], |at| at.by_slip)
+                }
             };
             for (r, slope) in slope[..contact.p].iter().enumerate() {
                 column.copy_from_slice(self.response(ROWS * i + 1 + r));
@@ -126,6 +101,12 @@ impl Dynamics<'_> {
         }
         self.scratch = column;
     }
+}
+
+/// Slopes as far as they exist.
+fn finite(slope: Option<[Components; 3]>) -> [Components; 3] {
+    let finite = |entry: f64| if entry.is_finite() { entry } else { 0.0 };
+    slope.unwrap_or_default().map(|row| row.map(finite))
 }
 
 /// `matrix += factor column rowᵀ`.

@@ -2,19 +2,11 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::dynamics::buffers::Projection;
 use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::integrator::event::vectors::{add, dot};
-
-/// What projections work in.
-#[derive(Debug, Default)]
-pub(crate) struct Projection {
-    rows: Vec<usize>,
-    matrix: ConstraintMatrix,
-    percussions: Vec<f64>,
-    shifts: Vec<f64>,
-}
 
 impl Dynamics<'_> {
     /// Takes gaps, approach and slip, which rounding and differences bring in, out of contacts that have none.

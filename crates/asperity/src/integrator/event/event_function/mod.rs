@@ -6,7 +6,7 @@ pub(crate) mod root;
 pub(crate) use between_stages::NODES;
 
 use crate::contact::Phase;
-use crate::integrator::event::dynamics::{Dynamics, sliding_force};
+use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::state::ROUNDED_OVERLAP;
 
 /// A function that is not positive while a contact stays in its mode. It becomes positive where a gap closes, a
@@ -25,7 +25,7 @@ pub(crate) fn contact_event_function(dynamics: &Dynamics<'_>, i: usize) -> f64 {
 /// How far the friction force of a sticking contact lies outside the reservoir.
 pub(crate) fn excess(dynamics: &Dynamics<'_>, i: usize) -> f64 {
     let contact = &dynamics.contacts[i];
-    sliding_force::gauge(dynamics.law(i), &contact.force)
+    dynamics.law(i).gauge(&contact.force.map(|f| -f))
         - contact.normal_force
         - contact.tolerated_excess
 }

@@ -1,7 +1,6 @@
 //! The end of stick: which slip begins, and whether any does.
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::dynamics::sliding_force;
 use crate::integrator::event::event_function;
 use crate::integrator::event::integration::decision::ONSET_SLIP;
 use crate::integrator::event::integration::variables::{Ending, Integration};
@@ -29,7 +28,7 @@ impl Integration<'_> {
         let rounding = AT_LIMIT * pressing.fold(f64::MIN_POSITIVE, f64::max);
         let length = self.step_size.h;
         let sliding = contact.force.map(|f| f / contact.normal_force);
-        let direction = sliding_force::direction(self.dynamics.law(i), &contact.force);
+        let direction = self.dynamics.law(i).normal(&contact.force);
         let kept = self.memory.clone();
         let mut ahead = self.state.clone();
         let mut later = FIRST_TRIAL * self.step.h;

@@ -1,0 +1,345 @@
+//! What laws answer, whatever their dimension: vectors are slices with one component per direction of friction.
+//!
+//! This is the one place where the dimension of a law is erased.
+
+use std::sync::Arc;
+
+use asperity_set::{Convex, ConvexSet, Matrix, Star, StarSet, Vector, strict_convexity};
+
+use super::boundary::BoundaryPiece;
+use super::extended::FrictionLaw;
+use super::lorentz::{self, LorentzCone};
+use super::natural_map::{self, ContactMatrix, ContactPoint};
+use super::rate::Stribeck;
+
+/// A shared friction law of any dimension.
+#[derive(Debug, Clone)]
+pub enum Law {
+    /// On a line.
+    One(Arc<FrictionLaw<1>>),
+    /// In the contact plane.
+    Two(Arc<FrictionLaw<2>>),
+    /// In the contact plane with drilling.
+    Three(Arc<FrictionLaw<3>>),
+}
+
+/// The answer of the law inside, whatever its dimension.
+macro_rules! answer {
+    ($of:expr, $law:ident => $answer:expr) => {
+        match $of {
+            Law::One($law) => $answer,
+            Law::Two($law) => $answer,
+            Law::Three($law) => $answer,
+        }
+    };
+}
+
+/// Components of a vector in the directions of friction, unused ones zero.
+pub(crate) type Components = [f64; 3];
+
+/// The friction of a contact: percussion and velocity in its tangential rows, and its normal percussion.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Friction<'a> {
+    /// Normal percussion.
+    pub(crate) normal: f64,
+    /// Tangential percussion.
+    pub(crate) tangent: &'a [f64],
+    /// Tangential velocity.
+    pub(crate) slip: Components,
+}
+
+impl Friction<'_> {
+    /// `−P_T/P_N`.
+    #[inline(always)]
+    fn reduced<const P: usize>(&self) -> Vector<P> {
+        vector::<P>(self.tangent) * -(1.0 / self.normal)
+    }
+}
+
+/// The prox parameter of an iteration.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ProxParameter {
+    pub(crate) r: f64,
+    /// Whether `r` is multiplied by `α`.
+    pub(crate) by_alpha: bool,
+}
+
+/// λ for unit normal force from the point `z` of *D* in place of the sliding direction, with its derivatives.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AtPoint {
+    /// `−f z/k_C(z)` with the factor `f` of the speed.
+    pub(crate) sliding: Components,
+    /// `∂λ/∂z`.
+    pub(crate) by_point: [Components; 3],
+    /// `∂λ/∂γ` by the factor of the speed.
+    pub(crate) by_slip: [Components; 3],
+    /// `prox_D(z + rγ) − z`, which vanishes where γ is normal to *D* at `z`.
+    pub(crate) defect: Components,
+    /// The derivative of `prox_D`.
+    pub(crate) slope: [Components; 3],
+    /// `r = ‖z‖/‖γ‖`: where the boundary is flat the slope is one, where it has a corner it vanishes.
+    pub(crate) r: f64,
+}
+
+impl Law {
+    /// Number of components of the friction force.
+    #[inline]
+    pub fn dimension(&self) -> usize {
+        match self {
+            Self::One(_) => 1,
+            Self::Two(_) => 2,
+            Self::Three(_) => 3,
+        }
+    }
+
+    /// The factor of the sliding speed, if there is one.
+    pub fn rate(&self) -> Option<&Stribeck> {
+        answer!(self, law => law.rate())
+    }
+
+    /// `min r_D/r_C`, see [`FrictionLaw::alpha_min`].
+    pub fn alpha_min(&self) -> f64 {
+        answer!(self, law => law.alpha_min())
+    }
+
+    /// The coefficient, if the law is isotropic Coulomb friction.
+    pub fn isotropic_coefficient(&self) -> Option<f64> {
+        answer!(self, law => law.isotropic_coefficient())
+    }
+
+    /// `k_C(x)`, zero at the origin.
+    pub(crate) fn gauge(&self, x: &[f64]) -> f64 {
+        answer!(self, law => law.reservoir().gauge(&vector(x)))
+    }
+
+    /// λ while sliding with `slip` and unit normal force; none at rest.
+    pub(crate) fn sliding(&self, slip: &[f64]) -> Option<Components> {
+        answer!(self, law => law.force(&vector(slip), 1.0).ok().map(|force| padded(&force)))
+    }
+
+    /// `∂λ/∂γ` row by row, see [`FrictionLaw::jacobian`]; none at rest.
+    pub(crate) fn jacobian(&self, slip: &[f64], normal_force: f64) -> Option<[Components; 3]> {
+        answer!(self, law => law.jacobian(&vector(slip), normal_force).ok().map(|m| square(&m)))
+    }
+
+    /// The sliding direction that goes with a force λ on the boundary of the reservoir: the normal of *D*.
+    pub(crate) fn normal(&self, force: &[f64]) -> Components {
+        answer!(self, law => {
+            let normal = law.direction().gauge_jet(&-vector(force)).1;
+            padded(&normal.try_normalize(0.0).unwrap_or_else(Vector::zeros))
+        })
+    }
+
+    /// The point `z` of the boundary of *D* that goes with a sliding force λ.
+    pub(crate) fn direction_point(&self, sliding: &[f64]) -> Components {
+        answer!(self, law => {
+            let x = -vector(sliding);
+            let gauge = law.direction().gauge(&x);
+            padded(&if gauge > 0.0 { x / gauge } else { x })
+        })
+    }
+
+    /// What the law says with `z` and γ as unknowns of their own; none at rest.
+    pub(crate) fn at_point(&self, z: &[f64], slip: &[f64]) -> Option<AtPoint> {
+        answer!(self, law => at_point(law, vector(z), vector(slip)))
+    }
+
+    /// Whether the force is a smooth function of the sliding direction, with slopes of one size in all directions.
+    pub(crate) fn is_smooth(&self) -> bool {
+        fn smooth<const P: usize>(law: &FrictionLaw<P>) -> bool {
+            P == 1 || matches!(law.direction(), Convex::Ball(_) | Convex::Ellipsoid(_))
+        }
+        answer!(self, law => smooth(law))
+    }
+
+    /// Whether *D* is strictly convex, so that the force is a continuous function of the sliding direction.
+    pub(crate) fn has_strictly_convex_direction(&self) -> bool {
+        fn strictly<const P: usize>(law: &FrictionLaw<P>) -> bool {
+            P == 1
+                || law.isotropic_coefficient().is_some()
+                || strict_convexity(&Star::Convex(law.direction().clone())).holds
+        }
+        answer!(self, law => strictly(law))
+    }
+
+    /// Largest radius of *C*, of laws whose boundary is walked along.
+    pub(crate) fn largest_radius(&self) -> Option<f64> {
+        match self {
+            Self::One(law) => Some(law.largest_radius()),
+            Self::Two(law) => Some(law.bounds().largest_radius),
+            Self::Three(_) => None,
+        }
+    }
+
+    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*, of laws in the plane.
+    pub(crate) fn smallest_sine(&self) -> Option<f64> {
+        match self {
+            Self::Two(law) => Some(law.bounds().smallest_sine),
+            Self::One(_) | Self::Three(_) => None,
+        }
+    }
+
+    /// The boundary of *C* times `unit` in pieces with the normals of *D* that belong to them; none with drilling
+    /// friction.
+    pub(crate) fn boundary(&self, unit: f64) -> Option<Vec<BoundaryPiece>> {
+        match self {
+            Self::One(law) => Some(law.boundary(unit)),
+            Self::Two(law) => Some(law.boundary(unit)),
+            Self::Three(_) => None,
+        }
+    }
+
+    /// Coordinates in which the friction cone is a Lorentz cone, if the law has some.
+    pub(crate) fn lorentz_cone(&self) -> Option<LorentzCone> {
+        answer!(self, law => lorentz::cone(law))
+    }
+
+    /// Square of the defect `P_N ‖z − prox_D(z + ρξ_T/P_N)‖`, `z = −αP_T/P_N`, of the inclusion of friction (\[WL19\]
+    /// (69), per unit of `P_N`); without a normal percussion the square of the friction.
+    #[inline]
+    pub(crate) fn inclusion_defect(&self, friction: Friction<'_>, rho: f64) -> f64 {
+        answer!(self, law => inclusion_defect(law, friction, rho))
+    }
+
+    /// Whether the projection of the natural map has to do something, as it has in slip: `α(x)(x + ρξ_T/P_N)` is
+    /// outside of *D*, `x = −P_T/P_N`.
+    pub(crate) fn is_projected(&self, friction: Friction<'_>, rho: f64) -> bool {
+        answer!(self, law => is_projected(law, friction, rho))
+    }
+
+    /// One iteration (\[WL19\] (69), (70)) of the friction percussion.
+    pub(crate) fn prox_iteration(
+        &self,
+        friction: Friction<'_>,
+        r: ProxParameter,
+        next: &mut [f64],
+    ) {
+        answer!(self, law => next.copy_from_slice(prox_iteration(law, friction, r).as_slice()));
+    }
+
+    /// The natural map of a contact with this law.
+    pub(crate) fn natural_map(&self, at: ContactPoint<'_>, out: &mut [f64]) {
+        answer!(self, law => natural_map::map(law, at, out, None));
+    }
+
+    /// The natural map `F` of a contact with this law, and its derivatives: `dF = A dP + B dξ`.
+    pub(crate) fn natural_map_jet(
+        &self,
+        at: ContactPoint<'_>,
+        out: &mut [f64],
+        jacobian: (&mut ContactMatrix, &mut ContactMatrix),
+    ) {
+        answer!(self, law => natural_map::map(law, at, out, Some(jacobian)));
+    }
+}
+
+impl PartialEq for Law {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::One(a), Self::One(b)) => a == b,
+            (Self::Two(a), Self::Two(b)) => a == b,
+            (Self::Three(a), Self::Three(b)) => a == b,
+            _ => false,
+        }
+    }
+}
+
+impl From<FrictionLaw<1>> for Law {
+    fn from(law: FrictionLaw<1>) -> Self {
+        Self::One(Arc::new(law))
+    }
+}
+
+impl From<FrictionLaw<2>> for Law {
+    fn from(law: FrictionLaw<2>) -> Self {
+        Self::Two(Arc::new(law))
+    }
+}
+
+impl From<FrictionLaw<3>> for Law {
+    fn from(law: FrictionLaw<3>) -> Self {
+        Self::Three(Arc::new(law))
+    }
+}
+
+/// See [`Law::inclusion_defect`].
+#[inline]
+pub(crate) fn inclusion_defect<const P: usize>(
+    law: &FrictionLaw<P>,
+    friction: Friction<'_>,
+    rho: f64,
+) -> f64 {
+    let normal = friction.normal;
+    if normal <= 0.0 {
+        return vector::<P>(friction.tangent).norm_squared();
+    }
+    let moved = vector::<P>(&friction.slip) * (rho * (1.0 / normal));
+    let step = law.prox_step(&friction.reduced(), |_| moved);
+    (step.start - step.end(law)).norm_squared() * normal * normal
+}
+
+fn is_projected<const P: usize>(law: &FrictionLaw<P>, friction: Friction<'_>, rho: f64) -> bool {
+    let moved = vector::<P>(&friction.slip) * (rho / friction.normal);
+    let step = law.prox_step(&friction.reduced(), |alpha| moved * alpha);
+    law.direction().gauge(&step.target) > 1.0 + 1e-12
+}
+
+fn prox_iteration<const P: usize>(
+    law: &FrictionLaw<P>,
+    friction: Friction<'_>,
+    parameter: ProxParameter,
+) -> Vector<P> {
+    if friction.normal <= 0.0 {
+        return Vector::zeros();
+    }
+    let x = friction.reduced::<P>();
+    // A falling normal percussion leaves −P far outside; α is taken on the boundary then.
+    let gauge = law.reservoir().gauge(&x);
+    let x = if gauge > 1.0 { x / gauge } else { x };
+    let step = law.prox_step(&x, |alpha| {
+        let r = if parameter.by_alpha { parameter.r * alpha } else { parameter.r };
+        vector::<P>(&friction.slip) * (r / friction.normal)
+    });
+    step.end(law) * (-friction.normal / step.alpha)
+}
+
+fn at_point<const P: usize>(
+    law: &FrictionLaw<P>,
+    z: Vector<P>,
+    slip: Vector<P>,
+) -> Option<AtPoint> {
+    let (speed, r) = (slip.norm(), z.norm() / slip.norm());
+    if !(r.is_finite() && r > 0.0) {
+        return None;
+    }
+    let (gauge, gradient) = law.reservoir().gauge_jet(&z);
+    let (factor, falls) =
+        law.rate().map_or((1.0, 0.0), |rate| (rate.factor(speed), rate.slope(speed)));
+    let plain = z / -gauge;
+    let by_point = (Matrix::<P>::identity() - z * gradient.transpose() / gauge) * (-factor / gauge);
+    let (near, slope) = law.direction().project_jet(&(z + slip * r), &z);
+    Some(AtPoint {
+        sliding: padded(&(plain * factor)),
+        by_point: square(&by_point),
+        by_slip: square(&(plain * (slip / speed).transpose() * falls)),
+        defect: padded(&(near - z)),
+        slope: square(&slope),
+        r,
+    })
+}
+
+/// The components of a slice.
+#[inline(always)]
+fn vector<const P: usize>(components: &[f64]) -> Vector<P> {
+    Vector::from_fn(|i, _| components[i])
+}
+
+fn padded<const P: usize>(v: &Vector<P>) -> Components {
+    std::array::from_fn(|i| if i < P { v[i] } else { 0.0 })
+}
+
+fn square<const P: usize>(matrix: &Matrix<P>) -> [Components; 3] {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| if i < P && j < P { matrix[(i, j)] } else { 0.0 })
+    })
+}

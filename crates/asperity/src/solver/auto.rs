@@ -1,0 +1,148 @@
+//! The order in which [`Solver::Auto`](super::Solver::Auto) asks the methods, and each of them alone.
+//!
+//! Sweeps end most problems and give the others a start; Newton's method ends those of full rank; the
+//! interior point method, where the laws allow it, and the proximal point iteration end the rest. Everything
+//! is cheap against sweeps because a factorisation costs as much as some tens of them.
+
+use crate::contact::{ContactState, Phase};
+use crate::solver::infeasibility::prove_one_contact;
+use crate::solver::method::{
+    Admm, Buffers, Cones, Interior, Iterate, Progress, ProximalPoint, Sweeper, Task,
+};
+use crate::solver::newton_matrix::NewtonMatrix;
+use crate::solver::report::{Ended, Method};
+
+/// Sweeps before the first judgement of their rate, and most sweeps at all.
+const TRIAL_SWEEPS: usize = 20;
+const MOST_SWEEPS: usize = 400;
+/// Further sweeps that are worth waiting for.
+const WORTHWHILE: f64 = 250.0;
+/// Newton iterations of a step of the first attempt.
+const ATTEMPT: usize = 6;
+const INTERIOR: usize = 40;
+/// Outer steps of the last phase.
+const OUTER: usize = 5000;
+/// Natural map below which Newton's method finds the digits that rounding keeps from the interior point method.
+const POLISHED: f64 = 1e-4;
+/// Natural map at which the interior point method, whose digits end there, hands over.
+const INTERIOR_GOAL: f64 = 1e-7;
+
+/// The methods with their buffers, and the matrix that they share.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Methods {
+    buffers: Buffers,
+    matrix: NewtonMatrix,
+    proximal: ProximalPoint,
+    cones: Cones,
+    interior: Interior,
+    admm: Admm,
+}
+
+impl Methods {
+    /// Forgets what depends on the pattern of `G`.
+    pub(crate) fn reset(&mut self) {
+        self.matrix.reset();
+    }
+
+    /// Sweeps, then Newton, then interior point and proximal point.
+    pub(crate) fn automatic(
+        &mut self,
+        task: Task<'_>,
+        iterate: Iterate<'_>,
+        sweeper: &mut Sweeper,
+        with_interior: bool,
+    ) -> (usize, Ended) {
+        let Self { buffers, matrix, proximal, cones, interior, .. } = self;
+        let mut progress = Progress::new(task, iterate, sweeper, buffers);
+        gauss_seidel(&mut progress);
+        if !progress.is_over()
+            && let Some(contact) = progress.stuck()
+        {
+            // A contact that sweeps could not solve may have no solution whatever the others do.
+            let percussion = &*progress.iterate.percussion;
+            let proof = prove_one_contact(task.problem, contact, percussion);
+            *progress.iterate.infeasibility = proof;
+        }
+        if !progress.is_over() {
+            proximal.prepare(task.problem);
+            matrix.prepare(task.problem);
+            proximal.attempt(&mut progress, matrix, ATTEMPT);
+        }
+        if !progress.is_over() && with_interior && cones.read(task.problem) {
+            interior.iterate(&mut progress, cones, matrix, INTERIOR, INTERIOR_GOAL);
+        }
+        if !progress.is_over() {
+            proximal.iterate(&mut progress, matrix, OUTER);
+        }
+        let known = |state: &ContactState| state.phase != Phase::Unknown;
+        if progress.is_solved() && task.history.iter().any(known) {
+            progress.continue_states(TRIAL_SWEEPS);
+        }
+        progress.finish(false)
+    }
+
+    /// One method alone.
+    pub(crate) fn single(
+        &mut self,
+        task: Task<'_>,
+        iterate: Iterate<'_>,
+        sweeper: &mut Sweeper,
+        method: Method,
+        max_iterations: usize,
+    ) -> (usize, Ended) {
+        let Self { buffers, matrix, proximal, cones, interior, admm } = self;
+        let mut progress = Progress::new(task, iterate, sweeper, buffers);
+        let conic = matches!(method, Method::InteriorPoint | Method::Admm);
+        if conic && !cones.read(task.problem) {
+            progress.finish(false);
+            return (0, Ended::NotApplicable);
+        }
+        proximal.prepare(task.problem);
+        matrix.prepare(task.problem);
+        let limited = match method {
+            Method::InteriorPoint => {
+                let limited = interior.iterate(&mut progress, cones, matrix, max_iterations, 0.0);
+                if !limited && !progress.is_over() && progress.best_grade() < POLISHED {
+                    proximal.attempt(&mut progress, matrix, ATTEMPT);
+                }
+                limited
+            }
+            Method::Admm => admm.iterate(&mut progress, cones, matrix, max_iterations),
+            Method::Newton => proximal.newton_alone(&mut progress, matrix, max_iterations),
+            _ => proximal.iterate(&mut progress, matrix, max_iterations),
+        };
+        progress.finish(limited)
+    }
+}
+
+/// Sweeps while their rate promises an end.
+fn gauss_seidel(progress: &mut Progress<'_>) {
+    let (mut last, mut last_at, mut next) = (f64::INFINITY, 0, 1);
+    let mut k = 0;
+    while !progress.is_solved() && k < MOST_SWEEPS {
+        progress.sweep();
+        k += 1;
+        if k < next && !progress.task.stop.early() {
+            continue;
+        }
+        let grade = progress.grade_sweeps();
+        if progress.task.stop.early() {
+            break;
+        }
+        if k >= TRIAL_SWEEPS {
+            let rate = (grade / last).ln() / (k - last_at) as f64;
+            let left = (0.5 * progress.task.stop.tolerance / grade).ln() / rate;
+            // The comparisons also turn away NaN.
+            if !(rate < 0.0) || left > WORTHWHILE {
+                break;
+            }
+        }
+        (last, last_at) = (grade, k);
+        next = match k {
+            0..5 => k + 1,
+            5..20 => k + 5,
+            _ => k + k * 3 / 10,
+        };
+    }
+    progress.record(Method::GaussSeidel, k, 0);
+}

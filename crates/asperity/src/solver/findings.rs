@@ -1,0 +1,57 @@
+//! What is found out about the percussions in which a method ended.
+
+use super::infeasibility::{prove_by_cases, prove_closing, prove_one_contact};
+use super::measure::growth::{self, Groups, GrowthKind};
+use super::measure::natural_residual::{ROUNDED, Residual};
+use super::method::{Iterate, Task};
+use super::report::{Ended, Findings};
+
+/// Part of the loads that a residual may hide where percussions have grown, before a proof is tried that there is no
+/// solution at all. Of random systems without solution proximal points end with residuals of 4e-12 at percussions
+/// 1e11 times as large as the loads ask for.
+const HIDDEN: f64 = 1e-6;
+
+/// What the percussions in which a method ended say, and the proof if there is no solution.
+#[inline]
+pub(crate) fn judge(
+    task: &Task<'_>,
+    ended: Ended,
+    residual: Residual,
+    iterate: &mut Iterate<'_>,
+    groups: &mut Groups,
+) -> Findings {
+    let Task { problem, stop, .. } = *task;
+    let Iterate { percussion, velocity, infeasibility, .. } = iterate;
+    let growth = growth::of(problem, percussion, velocity, groups);
+    let running = growth.and_then(|growth| growth.running());
+    // Velocities are as far off as the residual, relative to what percussions bring.
+    let hidden = growth.is_some_and(|growth| growth.factor * residual.value > HIDDEN);
+    let suspicious = hidden || growth.is_some_and(|growth| growth.kind >= GrowthKind::Suspicious);
+    let small = residual.value <= stop.tolerance;
+    if small && !suspicious {
+        **infeasibility = None;
+        return Findings::default();
+    }
+    if infeasibility.is_none() && suspicious && !stop.early() {
+        **infeasibility = prove_closing(problem, percussion);
+    }
+    if small && running.is_none() && infeasibility.is_none() && !hidden {
+        return Findings::default();
+    }
+    if let (None, Ended::Stuck(contact)) = (&**infeasibility, ended) {
+        **infeasibility = prove_one_contact(problem, contact, percussion);
+    }
+    let contact = match (growth, ended) {
+        (_, Ended::Stuck(contact) | Ended::Unbounded(contact)) => contact,
+        (Some(growth), _) => growth.contact,
+        _ => residual.worst_contact,
+    };
+    let early = matches!(ended, Ended::TimeLimit | Ended::NotApplicable | Ended::MaxIterations);
+    // What rounding explains needs no other reason.
+    let rounded = running.is_none() && residual.value <= ROUNDED && !hidden;
+    if infeasibility.is_none() && (small || !early) && !rounded && !stop.early() {
+        **infeasibility = prove_by_cases(problem, stop, contact);
+    }
+    let without_solution = infeasibility.as_ref().map(|proof| proof.contact);
+    Findings { running, without_solution, ambiguous: false }
+}

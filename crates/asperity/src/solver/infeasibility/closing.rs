@@ -1,0 +1,229 @@
+//! Proofs that contacts close on each other whatever the percussions.
+//!
+//! Let `d ≥ 0` be a vector over the normal rows of unilateral contacts, zero on all other rows, with `Gᵀd = 0`.
+//! Whatever percussions `P` act, admissible or not,
+//!
+//! `Σ d_i ξ_i = d·(G P + b + e γ_B) = (Gᵀd)·P + d·(b + e γ_B) = d·(b + e γ_B)`.
+//!
+//! A solution has `ξ_i ≥ 0` at all these rows: if `d·(b + e γ_B) < 0`, there is none. The contacts with `d_i > 0`
+//! close on each other and no percussion changes how fast. For symmetric `G` and normal rows alone this is
+//! Farkas' lemma: such a `d` exists wherever no `P` makes all `ξ_N ≥ 0`. Percussions that run away come closer
+//! and closer to such a `d`: `G P` stays bounded while `P` grows.
+//!
+//! In numbers, `Gᵀd` vanishes to the rounding of the entries of `G`, and what is left says how large the percussions of
+//! a solution would have to be: with `s_i = √G_ii` and `|(Gᵀd)_j| ≤ η s_j max_i s_i d_i`, any `P` that solves the problem
+//! satisfies `Σ s_j |P_j| ≥ −d·(b + e γ_B)/(η max_i s_i d_i)`. Both are asked for: that `Gᵀd` is rounding, and that
+//! such percussions are beyond all that `G` can hold, [`HUGE`] times those that the loads call for. `s_j` makes `η`
+//! independent of units and masses.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::nonnegative;
+use super::proof::{Infeasibility, InfeasibilityKind};
+use crate::contact::{ContactProblem, Delassus, Factored, NormalForce};
+use crate::linear::LeastNorm;
+
+/// Most contacts among which a proof is searched: its cost grows with their third power.
+const MOST_CONTACTS: usize = 128;
+/// Most contacts among which the nearest weights are searched: the fourth power.
+const MOST_SEARCHED: usize = 48;
+/// Times that contacts of negative weight are left out.
+const ROUNDS: usize = 12;
+/// Parts of the rows that count as zero, relative to the largest.
+const KERNEL: f64 = 1e-13;
+/// `|(Gᵀd)_j|` relative to `s_j Σ s_i d_i` that rounding of the entries of `G` explains: they are sums of products of the
+/// size `s_i s_j`, however much of it cancels. The problems of `tests/test_certificate.py` leave up to 0.7 units in the
+/// last place. Of bodies one of which is 10¹⁵ times as heavy as the other `G` does not know any more that both can
+/// be moved.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
+/// Percussions over those that normal loads call for, `Σ s_j |P_j|` over `max_i |b_Ni|/s_i`, from which on they are no
+/// solution: with all digits of `G`, contacts are proven to close that do so with a hundred-thousandth of the loads.
+pub(crate) const HUGE: f64 = 1e10;
+/// Largest part of the weights that moves bodies. Its square is what they change of `G d`: where masses differ by
+/// more than `G` can hold, this tells what that cannot.
+pub(crate) const MOVED: f64 = 1e-10;
+/// Smallest closing velocity relative to the free velocities of the contacts, in their normal rows.
+const MARGIN: f64 = 1e-12;
+/// Weights below this part of the largest are none.
+const SMALLEST: f64 = 1e-9;
+
+/// A proof from percussions that have grown: from their direction, or, where friction has its part in that, from
+/// the weights that come nearest to a proof.
+pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Option<Infeasibility> {
+    if problem.delassus().is_matrix_free() {
+        return None;
+    }
+    // In the rows' own scale, s_i P_i, units and masses drop out.
+    let pushes = |i: usize| scale_of(problem, i) * percussion[problem.contacts()[i].offset];
+    let all: Weights = (0..problem.contacts().len())
+        .filter(|&i| problem.contacts()[i].normal == NormalForce::Unilateral)
+        .map(|i| (i, pushes(i)))
+        .collect();
+    let mut support = all.clone();
+    support.retain(|(_, d)| *d > 0.0 && d.is_finite());
+    trim(&mut support);
+    polish(problem, support.clone()).or_else(|| {
+        let searched = if all.len() <= MOST_SEARCHED { all } else { support };
+        polish(problem, nearest(problem, &searched)?)
+    })
+}
+
+/// Contacts with their weights in scaled rows.
+type Weights = Vec<(usize, f64)>;
+
+/// Leaves out contacts without a weight, and makes the largest weight one; whether any was left out.
+fn trim(weights: &mut Weights) -> bool {
+    let (before, largest) = (weights.len(), weights.iter().fold(0.0, |m: f64, (_, d)| m.max(*d)));
+    weights.retain(|(_, d)| *d > SMALLEST * largest);
+    weights.iter_mut().for_each(|(_, d)| *d /= largest);
+    weights.len() < before
+}
+
+/// The proof next to these weights.
+fn polish(problem: &ContactProblem, mut weights: Weights) -> Option<Infeasibility> {
+    for _ in 0..ROUNDS {
+        if weights.is_empty() || weights.len() > MOST_CONTACTS {
+            return None;
+        }
+        project(problem, &mut weights)?;
+        if !trim(&mut weights) {
+            return certify(problem, &weights);
+        }
+    }
+    None
+}
+
+/// Weights `d ≥ 0` that minimise `‖Gᵀd‖² + (1 + d·(b + e γ_B))²` in scaled rows and velocities: zero where there is a
+/// proof.
+fn nearest(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Weights> {
+    if support.is_empty() || support.len() > MOST_SEARCHED {
+        return None;
+    }
+    let matrix = scaled(problem, support);
+    let loads = support.iter().map(|&(i, _)| problem.load(i)[0] / scale_of(problem, i));
+    let loads: Vec<f64> = loads.collect();
+    let unit = loads.iter().fold(0.0, |m: f64, l| m.max(l.abs()));
+    let (rows, columns) = matrix.shape();
+    let mut bordered = matrix.insert_row(rows, 0.0);
+    (0..columns).for_each(|k| bordered[(rows, k)] = loads[k] / unit);
+    let mut right = DVector::zeros(rows + 1);
+    right[rows] = -1.0;
+    if !bordered.iter().all(|v| v.is_finite()) {
+        return None;
+    }
+    let found = nonnegative::least_squares(&bordered, &right)?;
+    let mut weights: Weights = support.iter().zip(&found).map(|(&(i, _), &d)| (i, d)).collect();
+    trim(&mut weights);
+    Some(weights)
+}
+
+/// `√G_NN` of a unilateral contact.
+fn scale_of(problem: &ContactProblem, contact: usize) -> f64 {
+    problem.delassus().own(contact, problem.contacts()[contact].offset, 0, 0).sqrt()
+}
+
+/// `√G_jj` of a row of a contact.
+fn row_scale(problem: &ContactProblem, contact: usize, row: usize) -> f64 {
+    let offset = problem.contacts()[contact].offset;
+    problem.delassus().own(contact, offset, row - offset, row - offset).sqrt()
+}
+
+/// `G_ij/(s_i s_j)` of the normal rows `i` of contacts, one column for each, over the rows that they touch.
+fn scaled(problem: &ContactProblem, support: &[(usize, f64)]) -> DMatrix<f64> {
+    let mut place = vec![usize::MAX; problem.rows()];
+    let mut rows = 0;
+    let mut entries = Vec::new();
+    for (k, &(contact, _)) in support.iter().enumerate() {
+        let own = scale_of(problem, contact);
+        problem.each_entry(contact, problem.contacts()[contact].offset, |j, column, g| {
+            if place[column] == usize::MAX {
+                place[column] = rows;
+                rows += 1;
+            }
+            entries.push((place[column], k, g / (own * row_scale(problem, j, column))));
+        });
+    }
+    let mut matrix = DMatrix::zeros(rows.max(support.len()), support.len());
+    for (row, column, value) in entries {
+        matrix[(row, column)] = value;
+    }
+    matrix
+}
+
+/// Projects weights onto the vectors with `Gᵀd = 0`, in scaled rows.
+fn project(problem: &ContactProblem, support: &mut [(usize, f64)]) -> Option<()> {
+    let matrix = scaled(problem, support);
+    let before = DVector::from_iterator(support.len(), support.iter().map(|(_, d)| *d));
+    let across = LeastNorm::new(matrix.clone(), KERNEL)?.solve(&(matrix * &before));
+    let rest = before - across;
+    support.iter_mut().zip(rest.iter()).for_each(|((_, d), rest)| *d = *rest);
+    Some(())
+}
+
+/// The proof by weights in scaled rows, if they are one.
+fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasibility> {
+    let mut direction = vec![0.0; problem.rows()];
+    for &(contact, d) in support {
+        direction[problem.contacts()[contact].offset] = d / scale_of(problem, contact);
+    }
+    let sum: f64 = direction.iter().sum();
+    direction.iter_mut().for_each(|d| *d /= sum);
+    let mut brought = vec![0.0; problem.rows()];
+    let (mut closing, mut loads, mut called_for, mut terms) = (0.0, 0.0, 0.0_f64, 0.0);
+    let (mut contact, mut largest) = (0, 0.0);
+    for &(i, _) in support {
+        let rows = &problem.contacts()[i];
+        let (d, scale) = (direction[rows.offset], scale_of(problem, i));
+        problem.each_entry(i, rows.offset, |_, column, g| brought[column] += g * d);
+        terms += d * scale;
+        // Loads of all rows in the units of the normal one.
+        let own = rows.rows().zip(problem.load(i));
+        let load = own.map(|(row, b)| b.abs() / row_scale(problem, i, row)).fold(0.0, f64::max);
+        let [normal, ..] = problem.load(i);
+        closing -= d * normal;
+        loads += d * load * scale;
+        called_for = called_for.max(normal.abs() / scale);
+        if d * scale > largest {
+            (contact, largest) = (i, d * scale);
+        }
+    }
+    let mut residual = 0.0_f64;
+    for (j, rows) in problem.contacts().iter().enumerate() {
+        let own = brought.iter().enumerate().skip(rows.offset).take(rows.len());
+        for (row, velocity) in own {
+            residual = residual.max(velocity.abs() / (row_scale(problem, j, row) * largest));
+        }
+    }
+    let moved = match problem.delassus() {
+        Delassus::Factored(factored) => moved(factored, &direction) / largest,
+        _ => 0.0,
+    };
+    // The comparisons also turn away NaN.
+    let closes = closing > MARGIN * loads && closing >= HUGE * residual * largest * called_for;
+    let proves = closes && residual * largest <= ROUNDING * terms && moved <= MOVED;
+    let kind = InfeasibilityKind::Closing;
+    proves.then_some(Infeasibility {
+        kind,
+        contact,
+        direction,
+        closing_velocity: closing,
+        residual,
+        cases: Vec::new(),
+    })
+}
+
+/// `max_k |(W d)_k|/√M_kk`: how fast the weights as percussions would move bodies.
+pub(crate) fn moved(factored: &Factored, direction: &[f64]) -> f64 {
+    let (mass, directions) = (factored.mass(), factored.directions());
+    let mut momentum = vec![0.0; mass.rows()];
+    for (row, d) in direction.iter().enumerate().filter(|(_, d)| **d > 0.0) {
+        let (columns, values) = directions.row(row);
+        columns.iter().zip(values).for_each(|(&k, w)| momentum[k] += w * d);
+    }
+    let scaled = momentum.iter().enumerate().map(|(k, p)| {
+        let (columns, values) = mass.row(k);
+        let own = columns.iter().zip(values).filter(|(column, _)| **column == k);
+        p.abs() / own.map(|(_, m)| m).sum::<f64>().sqrt()
+    });
+    scaled.fold(0.0, f64::max)
+}

@@ -1,0 +1,37 @@
+//! Least squares with nonnegative unknowns.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::linear::LeastNorm;
+
+/// `x ≥ 0` with the least `‖A x − f‖`, by the active sets of \[LawsonHanson1974\]; `None` if they do not settle.
+pub(crate) fn least_squares(a: &DMatrix<f64>, f: &DVector<f64>) -> Option<Vec<f64>> {
+    let n = a.ncols();
+    let (mut x, mut free) = (vec![0.0; n], Vec::new());
+    let small = 1e-12 * a.norm() * f.norm();
+    for _ in 0..3 * n {
+        let gradient = a.tr_mul(&(f - a * DVector::from_column_slice(&x)));
+        let held = (0..n).filter(|j| !free.contains(j));
+        let steepest = held.max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]));
+        let Some(next) = steepest.filter(|&j| gradient[j] > small) else { return Some(x) };
+        free.push(next);
+        loop {
+            let solved = LeastNorm::new(a.select_columns(&free), 1e-14)?.solve(f);
+            if solved.iter().all(|v| *v > 0.0) {
+                free.iter().zip(&solved).for_each(|(&j, v)| x[j] = *v);
+                break;
+            }
+            // As far towards the solution as all unknowns stay positive; those that vanish are held.
+            let negative = free.iter().zip(&solved).filter(|(_, v)| **v <= 0.0);
+            let length = negative.map(|(&j, v)| x[j] / (x[j] - v)).fold(1.0, f64::min);
+            free.iter().zip(&solved).for_each(|(&j, v)| x[j] += length * (v - x[j]));
+            let largest = x.iter().fold(0.0, |m: f64, v| m.max(*v));
+            free.retain(|&j| x[j] > 1e-14 * largest);
+            (0..n).filter(|j| !free.contains(j)).for_each(|j| x[j] = 0.0);
+            if free.is_empty() {
+                break;
+            }
+        }
+    }
+    None
+}

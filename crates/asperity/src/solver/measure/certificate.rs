@@ -1,0 +1,83 @@
+//! What is wrong with percussions, in physical units.
+
+use super::natural_map::natural_map;
+use super::natural_residual::{Measured, natural_residual};
+use super::phase::phase_of;
+use crate::contact::{ContactProblem, NormalForce, Phase};
+use crate::law::{Friction, Law};
+
+/// The violations of the contact laws by percussions `P`, found from the problem alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Certificate {
+    /// Natural map of the whole problem, see [`natural_map`](super::natural_map()).
+    pub natural_map: f64,
+    /// Largest relative defect of a contact, see [`natural_residual`](super::natural_residual()), and the contact that has it.
+    pub contact_residual: f64,
+    /// The contact with the largest relative defect.
+    pub worst_contact: usize,
+    /// Largest approaching velocity `max(0, −ξ_N)` in m/s.
+    pub penetration_velocity: f64,
+    /// Largest `|P_N ξ_N|` in J.
+    pub complementarity: f64,
+    /// Largest pull `max(0, −P_N)` in N s.
+    pub tension: f64,
+    /// Largest part of a friction percussion beyond its reservoir, `|P_T| (1 − 1/k_C(−P_T/P_N))` above
+    /// zero, in N s: by so much it is too long.
+    pub cone_violation: f64,
+    /// Largest defect of the inclusion `ξ_T ∈ N_D(−αP_T)` in N s.
+    pub direction_violation: f64,
+    /// Number of open, sticking and slipping contacts.
+    pub phases: [usize; 3],
+}
+
+impl Certificate {
+    /// The violations of the laws by `percussion`.
+    pub fn new(problem: &ContactProblem, percussion: &[f64]) -> Self {
+        let mut velocity = vec![0.0; problem.rows()];
+        problem.velocity(percussion, &mut velocity);
+        let residual = natural_residual(problem, percussion, &velocity);
+        let mut out = Self {
+            natural_map: natural_map(problem, percussion, &velocity),
+            contact_residual: residual.value,
+            worst_contact: residual.worst_contact,
+            ..Self::default()
+        };
+        let measured = Measured { problem, percussion, velocity: &velocity };
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            if rows.normal == NormalForce::Unilateral {
+                let (p, xi) = (percussion[rows.offset], measured.xi(rows.offset));
+                raise(&mut out.penetration_velocity, -xi);
+                raise(&mut out.complementarity, (p * xi).abs());
+                raise(&mut out.tension, -p);
+            }
+            let friction = measured.friction(rows);
+            raise(&mut out.cone_violation, excess(&rows.law, &friction));
+            let direction = rows.law.inclusion_defect(friction, problem.rho(i)).sqrt();
+            raise(&mut out.direction_violation, direction);
+            match phase_of(&measured, i).0 {
+                Phase::Slip => out.phases[2] += 1,
+                Phase::Stick => out.phases[1] += 1,
+                _ => out.phases[0] += 1,
+            }
+        }
+        out
+    }
+}
+
+/// Not-a-number is the worst of all, and stays.
+fn raise(largest: &mut f64, value: f64) {
+    if !(value <= *largest) && !largest.is_nan() {
+        *largest = value;
+    }
+}
+
+/// The part of the friction beyond its reservoir.
+fn excess(law: &Law, friction: &Friction<'_>) -> f64 {
+    let (mut outward, pushing) = ([0.0; 3], friction.normal.max(0.0));
+    outward.iter_mut().zip(friction.tangent).for_each(|(x, p)| *x = -p);
+    // `P_N k_C(x/P_N) = k_C(x)`, also for an open contact.
+    let still = outward.iter().all(|x| *x == 0.0);
+    let gauge = if still { 0.0 } else { law.gauge(&outward) };
+    let size = outward.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if gauge <= pushing { 0.0 } else { size * (1.0 - pushing / gauge) }
+}

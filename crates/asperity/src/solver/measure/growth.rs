@@ -1,0 +1,253 @@
+//! Percussions that run away.
+//!
+//! Residuals are relative to percussions: where these grow without bound while contacts go on approaching, as
+//! they do where no percussions are admissible, every relative defect becomes small. Sums of powers tell
+//! such growth from the large percussions that heavy bodies on light ones do need. Over the unilateral contacts
+//! `i` of a group of contacts that influence each other, with `l_i` the velocity that the contact would have
+//! without unilateral percussions,
+//!
+//! `Q = Σ P_Ni max(0, −ξ_Ni)`, `L = Σ P_Ni |l_i|`, `N = |Σ P_Ni l_i|`, `A = Σ P_Ni Σ_j |G_ij P_j|`.
+//!
+//! `Q`, and the like sum over separating contacts, vanishes at solutions. Percussions that run away leave
+//! `Q ≈ N` however large they are, for `Σ P_Ni (G P)_i` falls behind. `A/L` is how far velocities that
+//! percussions bring cancel: the growth. Ratios of powers do not depend on units nor on masses; `A` may change by
+//! up to √2 with the choice of tangential axes.
+
+use super::natural_residual::Measured;
+use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
+
+/// Part of `L`, and of `N`, that contacts may approach with. Where growth is below [`GROWN`], a residual of 1e-4
+/// and less implies the former.
+const APPROACHING: f64 = 1e-2;
+const CLOSING: f64 = 0.1;
+/// Growth beyond which contacts that approach at all are looked at more closely. Contacts that close on each other
+/// by less than this times the tolerance are within it.
+const SUSPICIOUS: f64 = 1e4;
+/// Growth beyond which rounding leaves too little of velocities to say whether contacts approach. Two contacts of
+/// opposite normals, which close, ended as solved with percussions that this hides.
+const UNRESOLVED: f64 = 1e10;
+/// Growth that stacks and vaults do not exceed without need, and beyond which a start is not taken where
+/// contacts approach.
+const GROWN: f64 = 1e2;
+/// Normal loads below this part of all loads are rounding: growth is not measured by them.
+const NO_LOAD: f64 = 1e-12;
+/// Power relative to those that cancel in it which rounding explains: a velocity is a sum of some tens to hundreds of
+/// products `G_ij P_j`.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Growth at which percussions count as boundless: rounding hides that contacts approach.
+pub(crate) const BOUNDLESS: f64 = APPROACHING / ROUNDING;
+
+/// Percussions that have grown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Growth {
+    /// What the group with the largest growth does.
+    pub(crate) kind: GrowthKind,
+    /// The contact with the largest power there.
+    pub(crate) contact: usize,
+    /// `A/L` of the group.
+    pub(crate) factor: f64,
+}
+
+/// What contacts do whose percussions have grown; the later, the worse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum GrowthKind {
+    /// They separate with percussions: an iteration has passed the solution.
+    Separating,
+    /// They approach a little, or may do so within rounding: their percussions are those of a solution, or grow
+    /// slowly for ever.
+    Suspicious,
+    /// Growth is boundless: rounding may hide that they approach.
+    Boundless,
+    /// They go on approaching.
+    Approaching,
+}
+
+impl Growth {
+    /// The contact that percussions run away from.
+    pub(crate) fn running(&self) -> Option<usize> {
+        (self.kind >= GrowthKind::Boundless).then_some(self.contact)
+    }
+}
+
+/// Scratch: the groups of contacts, and `Q`, `L`, `A` of each.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Groups {
+    first: Vec<usize>,
+    sums: Vec<Powers>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Powers {
+    /// Contacts that push.
+    contacts: usize,
+    approach: f64,
+    separation: f64,
+    load: f64,
+    net: f64,
+    /// `L` with the largest load of all rows of the problem.
+    largest: f64,
+    brought: f64,
+}
+
+impl Powers {
+    /// What the contacts of the group do, if their percussions have grown.
+    fn kind(&self) -> Option<GrowthKind> {
+        let Self { contacts, approach, separation, load, net, largest, brought } = *self;
+        // One contact alone is not squeezed: in Painlevé's paradox friction calls for percussions that are large beside a
+        // vanishing normal load.
+        let boundless = contacts > 1 && brought > BOUNDLESS * load && load > NO_LOAD * largest;
+        let (little, closing) = (APPROACHING * load, CLOSING * net.abs());
+        // What rounding leaves is no velocity.
+        let counts = |power: f64, allowed: f64| power > allowed && power > ROUNDING * brought;
+        if !(brought > GROWN * load) {
+            None
+        } else if counts(approach, f64::min(little, closing)) {
+            Some(GrowthKind::Approaching)
+        } else if boundless {
+            Some(GrowthKind::Boundless)
+        } else if counts(separation, little) {
+            Some(GrowthKind::Separating)
+        } else {
+            let hidden = brought > UNRESOLVED * load && load > NO_LOAD * largest;
+            // What rounding explains may be an approach nevertheless.
+            let approaches = counts(approach, 0.0) || approach > f64::min(little, closing);
+            (brought > SUSPICIOUS * load && approaches || hidden).then_some(GrowthKind::Suspicious)
+        }
+    }
+}
+
+impl Groups {
+    /// Buffers for so many contacts.
+    pub(crate) fn resize(&mut self, contacts: usize) {
+        self.first.resize(contacts, 0);
+        self.sums.resize(contacts, Powers::default());
+    }
+
+    /// Joins contacts that influence each other.
+    fn join(&mut self, problem: &ContactProblem) {
+        self.resize(problem.contacts().len());
+        self.first.iter_mut().enumerate().for_each(|(i, first)| *first = i);
+        self.sums.fill(Powers::default());
+        for i in 0..problem.contacts().len() {
+            let mut joined = |j: usize| {
+                let (a, b) = (self.find(i), self.find(j));
+                self.first[a.max(b)] = a.min(b);
+            };
+            if problem.delassus().is_matrix_free() {
+                joined(0);
+            }
+            for row in problem.contacts()[i].rows() {
+                problem.each_entry(i, row, |j, _, g| {
+                    if g != 0.0 {
+                        joined(j);
+                    }
+                });
+            }
+        }
+    }
+
+    fn find(&mut self, mut i: usize) -> usize {
+        while self.first[i] != i {
+            self.first[i] = self.first[self.first[i]];
+            i = self.first[i];
+        }
+        i
+    }
+}
+
+/// How percussions have grown, with velocities `γ_E` that belong to them.
+#[inline]
+pub(crate) fn of(
+    problem: &ContactProblem,
+    percussion: &[f64],
+    velocity: &[f64],
+    groups: &mut Groups,
+) -> Option<Growth> {
+    let measured = Measured { problem, percussion, velocity };
+    // Most solutions end here: they are not large, and no contact that pushes moves against its own load.
+    let moves = |rows: &ContactRows| {
+        let row = rows.offset;
+        let load = problem.free_velocity()[row] + problem.restitution()[row];
+        measured.xi(row).abs() > APPROACHING * load.abs()
+    };
+    let (mut any, mut moving) = (false, false);
+    for rows in problem.contacts().iter().filter(|rows| pushes(rows, percussion)) {
+        (any, moving) = (true, moving || moves(rows));
+    }
+    if any && (moving || is_large(problem, percussion)) {
+        of_groups(&measured, groups)
+    } else {
+        None
+    }
+}
+
+/// Whether growth is measured by a contact: the normal percussion is unknown, and there is one.
+#[inline]
+fn pushes(rows: &ContactRows, percussion: &[f64]) -> bool {
+    rows.normal == NormalForce::Unilateral && percussion[rows.offset] > 0.0
+}
+
+/// The group of contacts with the worst growth.
+#[cold]
+fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
+    let Measured { problem, percussion, .. } = *measured;
+    let pushing = |rows: &&ContactRows| pushes(rows, percussion);
+    groups.join(problem);
+    let loads = problem.free_velocity().iter().zip(problem.restitution());
+    let largest = loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));
+    for (i, rows) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
+        let (push, xi) = (percussion[rows.offset], measured.xi(rows.offset));
+        let (load, brought) = velocities(problem, i, percussion);
+        let group = groups.find(i);
+        let sums = &mut groups.sums[group];
+        sums.contacts += 1;
+        sums.approach += push * f64::max(0.0, -xi);
+        sums.separation += push * f64::max(0.0, xi);
+        sums.load += push * load.abs();
+        sums.net += push * load;
+        sums.largest += push * largest;
+        sums.brought += push * brought;
+    }
+    let mut worst: Option<(GrowthKind, f64, usize)> = None;
+    for (i, rows) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
+        let group = groups.find(i);
+        let Some(kind) = groups.sums[group].kind() else { continue };
+        let sign = if kind == GrowthKind::Separating { 1.0 } else { -1.0 };
+        let power = sign * percussion[rows.offset] * measured.xi(rows.offset);
+        if worst.is_none_or(|(k, largest, _)| kind > k || kind == k && power > largest) {
+            worst = Some((kind, power, i));
+        }
+    }
+    let (kind, _, contact) = worst?;
+    let group = groups.find(contact);
+    let Powers { load, brought, .. } = groups.sums[group];
+    Some(Growth { kind, contact, factor: brought / load })
+}
+
+/// `l` of the normal row of a contact, with what contacts of prescribed normal percussion bring, and
+/// `Σ_j |G_ij P_j|`.
+fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f64) {
+    let row = problem.contacts()[i].offset;
+    let mut load = problem.free_velocity()[row] + problem.restitution()[row];
+    let mut brought = 0.0;
+    if let Delassus::MatrixFree(operator) = problem.delassus() {
+        // Without entries only their size is known.
+        brought += operator.norm() * percussion.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
+        return (load, brought);
+    }
+    problem.each_entry(i, row, |j, column, g| {
+        let term = g * percussion[column];
+        brought += term.abs();
+        if problem.contacts()[j].normal != NormalForce::Unilateral {
+            load += term;
+        }
+    });
+    (load, brought)
+}
+
+/// Whether percussions are so large against the loads that they ask for a second look.
+pub(crate) fn is_large(problem: &ContactProblem, percussion: &[f64]) -> bool {
+    let squares = percussion.iter().map(|p| p * p).sum::<f64>();
+    // The comparison also finds NaN.
+    !(squares <= (GROWN * problem.global_rho() * problem.load_norm()).powi(2))
+}

@@ -1,0 +1,53 @@
+//! The natural map of a whole problem, one number for all contacts.
+
+use super::natural_residual::Measured;
+use crate::contact::{ContactProblem, ContactRows, NormalForce};
+
+/// `‖P − prox(P − ρξ)‖ / max(‖P‖, ρ‖b‖)` with `ρ = rows/tr G` for the whole problem, independent of units.
+///
+/// Isotropic unilateral contacts enter with the projection onto their friction cone, `ξ_N` enlarged by
+/// `μ‖ξ_T‖` (\[DeSaxceFeng1998\], \[AcaryBremondHuber2018\]); others with the inclusions of normal and tangential
+/// percussion, as in [`natural_residual`](super::natural_residual()).
+pub fn natural_map(problem: &ContactProblem, percussion: &[f64], velocity: &[f64]) -> f64 {
+    let (rho, measured) = (problem.global_rho(), Measured { problem, percussion, velocity });
+    let mut defect = 0.0;
+    for contact in problem.contacts() {
+        defect += contact_defect(&measured, contact, rho);
+    }
+    let squares = percussion.iter().map(|p| p * p).sum::<f64>();
+    let scale = f64::max(squares, (rho * problem.load_norm()).powi(2));
+    if defect == 0.0 { 0.0 } else { f64::sqrt(defect / scale) }
+}
+
+/// Square of the defect of a contact.
+fn contact_defect(measured: &Measured<'_>, contact: &ContactRows, rho: f64) -> f64 {
+    match contact.law.isotropic_coefficient() {
+        Some(mu) if contact.normal == NormalForce::Unilateral => {
+            cone_defect(measured, contact, mu, rho)
+        }
+        _ => measured.defect(contact, rho),
+    }
+}
+
+/// `‖r − P_K(r − ρξ̃)‖²` with `ξ̃_N = ξ_N + μ‖ξ_T‖` and the friction cone `K`, for isotropic friction.
+fn cone_defect(measured: &Measured<'_>, contact: &ContactRows, mu: f64, rho: f64) -> f64 {
+    let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let friction = measured.friction(contact);
+    let (normal, tangent) = (friction.normal, friction.tangent);
+    let z_n = normal - rho * (measured.xi(contact.offset) + mu * size(&friction.slip));
+    let mut z_t = [0.0; 3];
+    for ((z, p), xi) in z_t.iter_mut().zip(tangent).zip(&friction.slip) {
+        *z = p - xi * rho;
+    }
+    let z_size = size(&z_t);
+    let (p_n, part) = if z_size <= mu * z_n {
+        (z_n, 1.0)
+    } else if mu * z_size <= -z_n {
+        (0.0, 0.0)
+    } else {
+        let p_n = (z_n + mu * z_size) / (1.0 + mu * mu);
+        (p_n, mu * p_n / z_size)
+    };
+    let aside = tangent.iter().zip(&z_t).map(|(p, z)| (p - z * part) * (p - z * part));
+    (normal - p_n) * (normal - p_n) + aside.sum::<f64>()
+}

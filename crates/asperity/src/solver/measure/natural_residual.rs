@@ -1,0 +1,140 @@
+//! The natural residual, which no solver owns.
+
+use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
+use crate::law::Friction;
+
+/// Natural residual of a problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    /// The largest relative defect of a contact, independent of units.
+    pub value: f64,
+    /// Contact with the largest defect.
+    pub worst_contact: usize,
+}
+
+/// Largest residual that rounding explains: percussions of an ill-conditioned block that are handed on have at most
+/// this one.
+pub(crate) const ROUNDED: f64 = 1e-6;
+
+/// Percussions, and the velocities `γ_E` that belong to them: what is measured.
+#[derive(Clone, Copy)]
+pub(crate) struct Measured<'a> {
+    pub(crate) problem: &'a ContactProblem,
+    pub(crate) percussion: &'a [f64],
+    pub(crate) velocity: &'a [f64],
+}
+
+impl<'a> Measured<'a> {
+    /// `ξ = γ_E + e γ_B` of a row.
+    #[inline]
+    pub(crate) fn xi(&self, row: usize) -> f64 {
+        self.velocity[row] + self.problem.restitution()[row]
+    }
+
+    /// The friction of a contact.
+    #[inline(always)]
+    pub(crate) fn friction(&self, contact: &ContactRows) -> Friction<'a> {
+        let (normal, rows) =
+            (contact.normal_percussion(self.percussion), contact.tangential_rows());
+        let velocity = &self.velocity[rows.clone()];
+        let restitution = &self.problem.restitution()[rows.clone()];
+        let mut slip = [0.0; 3];
+        for ((component, velocity), before) in slip.iter_mut().zip(velocity).zip(restitution) {
+            *component = velocity + before;
+        }
+        Friction { normal, tangent: &self.percussion[rows], slip }
+    }
+
+    /// Square of the defect of both inclusions of a contact with the prox parameter `rho`.
+    #[inline(always)]
+    pub(crate) fn defect(&self, contact: &ContactRows, rho: f64) -> f64 {
+        let normal_defect = match contact.normal {
+            NormalForce::Prescribed(_) => 0.0,
+            NormalForce::Unilateral => {
+                let normal = self.percussion[contact.offset];
+                normal - f64::max(0.0, normal - rho * self.xi(contact.offset))
+            }
+        };
+        let tangential = contact.law.inclusion_defect(self.friction(contact), rho);
+        normal_defect * normal_defect + tangential
+    }
+}
+
+/// Defect of the projections that the contact laws are, contact by contact:
+///
+/// `P_N − max(0, P_N − ρξ_N)` and, for `z = −αP`, `z − prox_{P_N D}(z + ργ)` (\[WL19\] (12), (69)),
+/// with `ρ = rows/tr G` of the contact's own block.
+///
+/// It vanishes exactly at solutions: the second is zero iff `k_C(−P/P_N) ≤ 1` and `γ ∈ N_D(z)`. The
+/// defect of a contact is taken relative to its own percussion and loads, so that a light contact
+/// cannot hide the defect of a heavy one.
+pub fn natural_residual(
+    problem: &ContactProblem,
+    percussion: &[f64],
+    velocity: &[f64],
+) -> Residual {
+    let measured = Measured { problem, percussion, velocity };
+    let (mut worst, mut worst_contact) = (-1.0, 0);
+    for (i, contact) in problem.contacts().iter().enumerate() {
+        let defect = measured.defect(contact, problem.rho(i));
+        let relative =
+            if defect == 0.0 { 0.0 } else { defect / scale(problem, i, percussion, velocity) };
+        // Not-a-number counts as the worst of all.
+        if !(relative <= worst) {
+            (worst, worst_contact) = (relative, i);
+        }
+    }
+    let value = if worst < 0.0 { 0.0 } else { f64::sqrt(worst) };
+    Residual { value, worst_contact }
+}
+
+/// Square of what the defect of a contact is compared with: its percussion, its free velocity and the
+/// velocities that the other contacts bring, the latter times ρ.
+#[inline]
+fn scale(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64]) -> f64 {
+    let (contact, rho) = (&problem.contacts()[i], problem.rho(i));
+    let loads = loads(problem, i, percussion, velocity);
+    let (mut own, mut brought) = (0.0, 0.0);
+    for (row, load) in contact.rows().zip(loads) {
+        own += percussion[row] * percussion[row];
+        let load = load + problem.free_velocity()[row].abs() + problem.restitution()[row].abs();
+        brought += load * load;
+    }
+    f64::max(own, rho * rho * brought)
+}
+
+/// `Σ_j |G_ij P_j|` over the rows of contact `i`; with products only, `|Σ_j G_ij P_j|`.
+#[inline]
+fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64]) -> [f64; 4] {
+    let mut loads = [0.0; 4];
+    if problem.contacts().len() == 1 {
+        return loads;
+    }
+    let own = problem.contacts()[i].rows();
+    match problem.delassus() {
+        Delassus::Dense(g) => {
+            for (load, row) in loads.iter_mut().zip(own) {
+                for (j, p) in percussion.iter().enumerate() {
+                    *load += (g[(row, j)] * p).abs();
+                }
+            }
+        }
+        Delassus::MatrixFree(..) => {
+            for (load, row) in loads.iter_mut().zip(own) {
+                *load = (velocity[row] - problem.free_velocity()[row]).abs();
+            }
+        }
+        other => {
+            let Some(blocks) = other.blocks() else { return loads };
+            for (j, block) in blocks.row(i) {
+                let first = problem.contacts()[j].offset;
+                let columns = problem.contacts()[j].len();
+                for (load, row) in loads.iter_mut().zip(block.chunks_exact(columns)) {
+                    let terms = row.iter().zip(&percussion[first..]);
+                    *load += terms.map(|(g, p)| (g * p).abs()).sum::<f64>();
+                }
+            }
+        }
+    }
+    loads
+}

@@ -1,0 +1,279 @@
+//! Primal-dual interior point method for laws with Lorentz cones (`cones.rs`).
+//!
+//! Percussions `x = T P` and `z = Γ(K ξ)`, `Γ(v) = (v_N + ‖v_T‖, v_T)` (\[DeSaxceFeng1998\]), both in the
+//! cone with `x ∘ z = μ e`, `μ → 0`: scaling of \[NesterovTodd1998\], predictor and corrector of
+//! \[Mehrotra1992\], Newton on `Γ` with its full derivative. Variables are scaled: `P` by `ρ` times
+//! the loads' mean size, `ξ` by that size.
+
+use super::cones::{Cones, own_rows};
+use super::progress::Progress;
+use crate::contact::ContactProblem;
+use crate::law::{ContactMatrix, ContactVector};
+use crate::solver::newton_matrix::NewtonMatrix;
+use crate::solver::report::Method;
+
+type V = ContactVector;
+
+/// Start `x = z = START e`.
+const START: f64 = 10.0;
+/// Part of the way to the boundary of the cone.
+const DAMPING: f64 = 0.995;
+
+/// State and scaling of one contact.
+#[derive(Debug, Clone, Copy, Default)]
+struct Point {
+    x: V,
+    z: V,
+    dx: V,
+    dz: V,
+    /// `Γ(Kξ) − z`.
+    defect: V,
+    /// `W z = W⁻¹ x` with the scaling `W`, its inverse and square.
+    lambda: V,
+    w: ContactMatrix,
+    w_inverse: ContactMatrix,
+    theta: ContactMatrix,
+    /// `Γ'`.
+    slope: ContactMatrix,
+    /// Scale of the contact's equations.
+    weight: f64,
+}
+
+/// Buffers.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Interior {
+    points: Vec<Point>,
+    a: Vec<ContactMatrix>,
+    b: Vec<ContactMatrix>,
+    percussion: Vec<f64>,
+    /// The same in the units of the problem.
+    trial: Vec<f64>,
+    velocity: Vec<f64>,
+    step: Vec<f64>,
+}
+
+/// Sizes of percussions and velocities.
+#[derive(Debug, Clone, Copy)]
+struct Units {
+    rho: f64,
+    velocity: f64,
+}
+
+impl Interior {
+    /// Iterates until the natural map is below `goal`, the problem is solved or the iterations are made; whether
+    /// these are what ended it.
+    pub(crate) fn iterate(
+        &mut self,
+        progress: &mut Progress<'_>,
+        cones: &Cones,
+        matrix: &mut NewtonMatrix,
+        max_iterations: usize,
+        goal: f64,
+    ) -> bool {
+        let problem = progress.task.problem;
+        let size = problem.load_norm() / (problem.contacts().len() as f64).sqrt();
+        let units =
+            Units { rho: problem.global_rho(), velocity: if size > 0.0 { size } else { 1.0 } };
+        self.start(problem);
+        let (mut iterations, mut lowest) = (0, f64::INFINITY);
+        while iterations < max_iterations && !progress.task.stop.early() {
+            self.evaluate(problem, cones, units);
+            for (trial, p) in self.trial.iter_mut().zip(&self.percussion) {
+                *trial = units.rho * units.velocity * p;
+            }
+            let grade = progress.grade(&self.trial);
+            lowest = lowest.min(grade);
+            if progress.is_solved() || lowest <= goal || !grade.is_finite() {
+                break;
+            }
+            iterations += 1;
+            if !self.advance(problem, cones, matrix, units) {
+                break;
+            }
+        }
+        progress.record(Method::InteriorPoint, iterations, iterations);
+        iterations == max_iterations
+    }
+
+    fn start(&mut self, problem: &ContactProblem) {
+        let (rows, contacts) = (problem.rows(), problem.contacts().len());
+        self.percussion.resize(rows, 0.0);
+        self.trial.resize(rows, 0.0);
+        self.velocity.resize(rows, 0.0);
+        self.step.resize(rows, 0.0);
+        self.a.resize(contacts, ContactMatrix::zeros());
+        self.b.resize(contacts, ContactMatrix::zeros());
+        let unit = V::new(START, 0.0, 0.0, 0.0);
+        self.points.clear();
+        self.points.resize(contacts, Point { x: unit, z: unit, ..Point::default() });
+    }
+
+    /// `P = T⁻¹ x`, `ξ`, `Γ(Kξ)` and its defect.
+    fn evaluate(&mut self, problem: &ContactProblem, cones: &Cones, units: Units) {
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            let p = cones.t_inverse[i] * self.points[i].x;
+            let own = &mut self.percussion[rows.rows()];
+            own.copy_from_slice(&p.as_slice()[..rows.len()]);
+        }
+        problem.delassus().apply(&self.percussion, &mut self.velocity);
+        for (row, xi) in self.velocity.iter_mut().enumerate() {
+            let load = problem.free_velocity()[row] + problem.restitution()[row];
+            *xi = units.rho * *xi + load / units.velocity;
+        }
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            let v = cones.k[i] * own_rows(&self.velocity, rows.offset, rows.len());
+            let point = &mut self.points[i];
+            let speed = tangent(&v).norm();
+            point.slope = ContactMatrix::identity();
+            if speed > 0.0 {
+                (1..4).for_each(|j| point.slope[(0, j)] = v[j] / speed);
+            }
+            point.defect = V::new(v[0] + speed, v[1], v[2], v[3]) - point.z;
+        }
+    }
+
+    /// One step; false if it failed.
+    fn advance(
+        &mut self,
+        problem: &ContactProblem,
+        cones: &Cones,
+        matrix: &mut NewtonMatrix,
+        units: Units,
+    ) -> bool {
+        let gap: f64 = self.points.iter().map(|p| p.x.dot(&p.z)).sum();
+        let mean = gap / self.points.len() as f64;
+        for (i, point) in self.points.iter_mut().enumerate() {
+            point.rescale();
+            self.a[i] = cones.t[i] * point.weight;
+            self.b[i] = point.theta * point.slope * cones.k[i] * (point.weight * units.rho);
+        }
+        if !matrix.factor(problem, &self.a, &self.b) {
+            return false;
+        }
+        let mut solve = |interior: &mut Self, sigma_mean: f64, corrected: bool| {
+            interior.right_hand_side(problem, sigma_mean, corrected);
+            matrix.solve(problem, &mut interior.step);
+            interior.directions(problem, cones, units);
+            interior.longest()
+        };
+        let predicted = solve(self, 0.0, false).min(1.0);
+        let ahead = |p: &Point| (p.x + p.dx * predicted).dot(&(p.z + p.dz * predicted));
+        let affine: f64 = self.points.iter().map(ahead).sum();
+        let mut sigma = (affine / gap).max(0.0).powi(3).clamp(1e-6, 1.0);
+        if predicted < 0.1 {
+            sigma = sigma.max(0.5);
+        }
+        let mut length = (DAMPING * solve(self, sigma * mean, true)).min(1.0);
+        if length < 0.1 {
+            length = (DAMPING * solve(self, sigma.max(0.8) * mean, false)).min(1.0);
+        }
+        for point in &mut self.points {
+            point.x += point.dx * length;
+            point.z += point.dz * length;
+        }
+        length > 0.0
+    }
+
+    fn right_hand_side(&mut self, problem: &ContactProblem, centre: f64, corrected: bool) {
+        for (rows, point) in problem.contacts().iter().zip(&self.points) {
+            let mut d = -product(&point.lambda, &point.lambda);
+            d[0] += centre;
+            if corrected {
+                d -= product(&(point.w_inverse * point.dx), &(point.w * point.dz));
+            }
+            let h = point.w * quotient(&point.lambda, &d) - point.theta * point.defect;
+            let own = &mut self.step[rows.rows()];
+            for (value, h) in own.iter_mut().zip(h.iter()) {
+                *value = h * point.weight;
+            }
+        }
+    }
+
+    /// `dx = T dP`, `dz = Γ' K dξ + Γ(Kξ) − z`.
+    fn directions(&mut self, problem: &ContactProblem, cones: &Cones, units: Units) {
+        problem.delassus().apply(&self.step, &mut self.velocity);
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            let point = &mut self.points[i];
+            point.dx = cones.t[i] * own_rows(&self.step, rows.offset, rows.len());
+            let change = own_rows(&self.velocity, rows.offset, rows.len()) * units.rho;
+            point.dz = point.slope * (cones.k[i] * change) + point.defect;
+        }
+    }
+
+    /// Longest step for all `x` and `z` to stay in their cones.
+    fn longest(&self) -> f64 {
+        let of = |p: &Point| f64::min(to_boundary(&p.x, &p.dx), to_boundary(&p.z, &p.dz));
+        self.points.iter().map(of).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl Point {
+    /// Nesterov–Todd scaling `W x̂ = z`-wise: `W λ = x`, `W⁻¹ λ = z`.
+    fn rescale(&mut self) {
+        let size = |v: &V| (inner(v).max(1e-300)).sqrt();
+        let (size_x, size_z) = (size(&self.x), size(&self.z));
+        let (x, z) = (self.x / size_x, self.z / size_z);
+        let gamma = (0.5 * (1.0 + x.dot(&z))).sqrt();
+        let w = (x + reflect(&z)) / (2.0 * gamma);
+        let eta = (size_x / size_z).sqrt();
+        let bar = V::new(0.0, w[1], w[2], w[3]);
+        let mut m = ContactMatrix::identity() + bar * bar.transpose() / (1.0 + w[0]);
+        let mut inverse = m;
+        (m[(0, 0)], inverse[(0, 0)]) = (w[0], w[0]);
+        for j in 1..4 {
+            (m[(0, j)], m[(j, 0)]) = (w[j], w[j]);
+            (inverse[(0, j)], inverse[(j, 0)]) = (-w[j], -w[j]);
+        }
+        self.w = m * eta;
+        self.w_inverse = inverse / eta;
+        self.lambda = self.w * self.z;
+        let j = ContactMatrix::from_diagonal(&V::new(-1.0, 1.0, 1.0, 1.0));
+        self.theta = (w * w.transpose() * 2.0 + j) * (eta * eta);
+        self.weight = 1.0 / (1.0 + eta * eta * 2.0 * w.norm_squared());
+    }
+}
+
+fn tangent(v: &V) -> nalgebra::Vector3<f64> {
+    nalgebra::Vector3::new(v[1], v[2], v[3])
+}
+
+/// `v_N² − ‖v_T‖²` without cancellation.
+fn inner(v: &V) -> f64 {
+    let t = tangent(v).norm();
+    (v[0] - t) * (v[0] + t)
+}
+
+fn reflect(v: &V) -> V {
+    V::new(v[0], -v[1], -v[2], -v[3])
+}
+
+/// Jordan product `a ∘ b`.
+fn product(a: &V, b: &V) -> V {
+    let mut out = b * a[0] + a * b[0];
+    out[0] = a.dot(b);
+    out
+}
+
+/// `s` with `l ∘ s = d`.
+fn quotient(l: &V, d: &V) -> V {
+    let dot = tangent(l).dot(&tangent(d));
+    let s0 = (l[0] * d[0] - dot) / inner(l);
+    let mut s = (d - l * s0) / l[0];
+    s[0] = s0;
+    s
+}
+
+/// Largest `a` with `p + a d` in the cone.
+fn to_boundary(p: &V, d: &V) -> f64 {
+    let a = d[0] * d[0] - tangent(d).norm_squared();
+    let b = p[0] * d[0] - tangent(p).dot(&tangent(d));
+    let c = inner(p).max(0.0);
+    let root = (b * b - a * c).max(0.0).sqrt();
+    let mut longest = f64::INFINITY;
+    if a < 0.0 {
+        longest = if b < 0.0 { c / (root - b) } else { (-b - root) / a };
+    } else if b < 0.0 && b * b >= a * c {
+        longest = c / (root - b);
+    }
+    if d[0] < 0.0 { longest.min(-p[0] / d[0]) } else { longest }
+}

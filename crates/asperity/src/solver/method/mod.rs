@@ -1,0 +1,23 @@
+//! The methods for problems of many contacts, each with its own buffers.
+
+mod admm;
+mod cones;
+mod interior;
+mod newton;
+mod progress;
+mod prox;
+mod proximal;
+mod sweep;
+mod task;
+mod threads;
+
+pub(crate) use admm::Admm;
+pub(crate) use cones::Cones;
+pub(crate) use interior::Interior;
+pub(crate) use progress::{Buffers, Progress};
+pub use prox::ProxStep;
+pub(crate) use prox::{Order, ProxIteration};
+pub(crate) use proximal::ProximalPoint;
+pub(crate) use sweep::{Sweeper, mark_ambiguous};
+pub(crate) use task::{Iterate, Task};
+pub(crate) use threads::Threads;

@@ -1,0 +1,257 @@
+//! How far a solve has come: the best percussions so far, and whether they run away.
+//!
+//! Every method hands the percussions that it finds to [`Progress::grade`], which keeps the best ones by the natural map
+//! of the whole problem and by the measure of the stop, and begins with the best ones of the method before.
+
+use super::newton::norm;
+use super::sweep::Sweeper;
+use super::task::{Iterate, Task};
+use crate::solver::infeasibility::prove_closing;
+use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
+use crate::solver::measure::natural_map::natural_map;
+use crate::solver::measure::natural_residual::natural_residual;
+use crate::solver::measure::stop::Measure;
+use crate::solver::one_contact::solve::Policy;
+use crate::solver::report::{Ended, Method, Stage};
+
+/// Growth at which a proof is tried for the first time, and its factor to the next time: percussions come closer
+/// to a direction that proves it the more they grow.
+const SUSPICION: f64 = 1e4;
+
+/// Buffers.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Buffers {
+    /// Best percussions so far.
+    best: Vec<f64>,
+    /// The best percussions while others that continue the states of contacts are looked for.
+    other: Vec<f64>,
+    velocity: Vec<f64>,
+    /// The last percussions that ran away.
+    astray: Vec<f64>,
+    groups: Groups,
+}
+
+/// A solve under way.
+pub(crate) struct Progress<'a> {
+    pub(crate) task: Task<'a>,
+    /// Sweeps change its percussions.
+    pub(crate) iterate: Iterate<'a>,
+    sweeper: &'a mut Sweeper,
+    buffers: &'a mut Buffers,
+    /// Natural map of the best percussions.
+    grade: f64,
+    /// Whether they pass the measure of the stop.
+    solved: bool,
+    /// The contact of the last sweep that had no solution, the others held.
+    stuck: Option<usize>,
+    /// Percussions have grown beyond those kept, and a contact goes on approaching.
+    growth: Option<Growth>,
+    /// Growth at which a proof that there is no solution is tried next.
+    suspicion: f64,
+    sweeps: usize,
+}
+
+impl<'a> Progress<'a> {
+    /// Begins with the percussions of the iterate.
+    pub(crate) fn new(
+        task: Task<'a>,
+        iterate: Iterate<'a>,
+        sweeper: &'a mut Sweeper,
+        buffers: &'a mut Buffers,
+    ) -> Self {
+        buffers.groups.resize(task.problem.contacts().len());
+        for list in [&mut buffers.best, &mut buffers.velocity, &mut buffers.astray] {
+            list.clear();
+            list.resize(task.problem.rows(), 0.0);
+        }
+        let (grade, solved, stuck, growth) = (f64::INFINITY, false, None, None);
+        let (suspicion, sweeps) = (SUSPICION, 0);
+        let mut progress = Self {
+            task,
+            iterate,
+            sweeper,
+            buffers,
+            grade,
+            solved,
+            stuck,
+            growth,
+            suspicion,
+            sweeps,
+        };
+        progress.grade_sweeps();
+        progress
+    }
+
+    /// Puts the best percussions back; iterations and why it ended, `limited` by the user's number of iterations
+    /// or not.
+    pub(crate) fn finish(mut self, limited: bool) -> (usize, Ended) {
+        let early = self.task.stop.early();
+        if !self.solved && !early {
+            self.is_infeasible();
+        }
+        let Self { iterate, buffers, growth, .. } = self;
+        iterate.percussion.copy_from_slice(&buffers.best);
+        let iterations = iterate.stages.iter().map(|stage| stage.iterations).sum();
+        let ended = match (growth, self.stuck) {
+            _ if self.solved => Ended::Done,
+            _ if early => Ended::TimeLimit,
+            (Some(growth), _) if !limited || growth.factor >= BOUNDLESS => {
+                Ended::Unbounded(growth.contact)
+            }
+            _ if limited => Ended::MaxIterations,
+            (_, Some(contact)) => Ended::Stuck(contact),
+            _ => Ended::Stalled,
+        };
+        (iterations, ended)
+    }
+
+    /// Natural map of the best percussions.
+    pub(crate) fn best_grade(&self) -> f64 {
+        self.grade
+    }
+
+    /// Whether the best percussions pass the measure of the stop.
+    pub(crate) fn is_solved(&self) -> bool {
+        self.solved
+    }
+
+    /// Whether nothing is left to do: the problem is solved, has no solution, or the stop says so.
+    pub(crate) fn is_over(&self) -> bool {
+        self.solved || self.iterate.infeasibility.is_some() || self.task.stop.early()
+    }
+
+    /// The contact of the last sweep that had no solution, the others held.
+    pub(crate) fn stuck(&self) -> Option<usize> {
+        self.stuck
+    }
+
+    /// Whether growth is beyond all bounds or proves that there is no solution.
+    pub(crate) fn is_hopeless(&mut self) -> bool {
+        let Some(growth) = self.growth else { return false };
+        if growth.factor < self.suspicion {
+            return false;
+        }
+        self.suspicion = SUSPICION * growth.factor;
+        self.is_infeasible() || growth.factor >= BOUNDLESS
+    }
+
+    /// Whether the percussions that run away prove that there is no solution.
+    fn is_infeasible(&mut self) -> bool {
+        let proof = &mut *self.iterate.infeasibility;
+        if self.growth.is_some() && proof.is_none() {
+            *proof = prove_closing(self.task.problem, &self.buffers.astray);
+        }
+        proof.is_some()
+    }
+
+    /// One sweep over the percussions of the iterate.
+    pub(crate) fn sweep(&mut self) {
+        let first = self.sweeps == 0;
+        let policy = Policy::FirstFound;
+        self.stuck = self.sweeper.sweep(&self.task, &mut self.iterate, policy, first);
+        self.sweeps += 1;
+    }
+
+    /// Where contacts have several solutions, goes to those that continue their states, if that is a solution of the
+    /// whole: at most so many sweeps from the best percussions.
+    pub(crate) fn continue_states(&mut self, sweeps: usize) {
+        self.iterate.percussion.copy_from_slice(&self.buffers.best);
+        self.sweeper.sweep(&self.task, &mut self.iterate, Policy::Prove, true);
+        if !self.iterate.ambiguous.contains(&true) {
+            return;
+        }
+        // The solution of before, in case the sweeps do not end in another one.
+        let grade = self.grade;
+        self.buffers.other.clone_from(&self.buffers.best);
+        for _ in 0..sweeps {
+            (self.solved, self.grade) = (false, f64::INFINITY);
+            self.grade_sweeps();
+            if self.solved {
+                return;
+            }
+            if self.task.stop.early() {
+                break;
+            }
+            self.sweeper.sweep(&self.task, &mut self.iterate, Policy::Prove, false);
+        }
+        (self.solved, self.grade, self.growth) = (true, grade, None);
+        self.buffers.best.clone_from(&self.buffers.other);
+    }
+
+    /// Natural map of the percussions of the iterate, kept if they are the best so far.
+    pub(crate) fn grade_sweeps(&mut self) -> f64 {
+        let percussion = std::mem::take(&mut self.iterate.percussion);
+        let grade = self.grade(percussion);
+        self.iterate.percussion = percussion;
+        grade
+    }
+
+    /// Natural map of percussions, kept if they are the best so far.
+    pub(crate) fn grade(&mut self, percussion: &[f64]) -> f64 {
+        let Task { problem, stop, .. } = self.task;
+        problem.velocity(percussion, &mut self.buffers.velocity);
+        let velocity = &self.buffers.velocity;
+        let grade = natural_map(problem, percussion, velocity);
+        let goal = 0.5 * stop.tolerance;
+        let small = match stop.measure {
+            Measure::Global => grade <= goal,
+            // The measure of contacts is the dearer one; it is not looked at where the other is far off.
+            Measure::Contact => {
+                grade <= 1e3 * goal * (problem.contacts().len() as f64).sqrt()
+                    && natural_residual(problem, percussion, velocity).value <= goal
+            }
+        };
+        let better = small && !self.solved || grade < self.grade && small >= self.solved;
+        if better {
+            self.keep(percussion, grade, small);
+        }
+        grade
+    }
+
+    /// Keeps better percussions than before, unless they run away: such look better and better, and are no start
+    /// for anything.
+    fn keep(&mut self, percussion: &[f64], grade: f64, small: bool) {
+        let Buffers { astray, velocity, groups, .. } = &mut *self.buffers;
+        self.growth = growth::of(self.task.problem, percussion, velocity, groups);
+        let kind = self.growth.map(|growth| growth.kind);
+        if kind >= Some(GrowthKind::Suspicious) {
+            astray.copy_from_slice(percussion);
+        }
+        if kind >= Some(GrowthKind::Boundless)
+            || kind == Some(GrowthKind::Suspicious) && small && self.is_infeasible()
+        {
+            return;
+        }
+        let solved = small && kind != Some(GrowthKind::Separating);
+        if solved || !self.solved {
+            (self.grade, self.solved, self.growth) = (grade, solved, None);
+            self.buffers.best.copy_from_slice(percussion);
+        }
+    }
+
+    /// Copies the best percussions, from which a method starts, and returns their grade.
+    pub(crate) fn start_from_best(&self, percussion: &mut Vec<f64>) -> f64 {
+        percussion.clone_from(&self.buffers.best);
+        self.grade
+    }
+
+    /// `max(‖P‖, ρ‖b‖)`, what defects are compared with.
+    pub(crate) fn scale(&self, percussion: &[f64]) -> f64 {
+        let problem = self.task.problem;
+        f64::max(norm(percussion), problem.global_rho() * problem.load_norm())
+    }
+
+    /// Smallest relative `‖F‖` that is asked for.
+    pub(crate) fn floor(&self) -> f64 {
+        match self.task.stop.measure {
+            Measure::Global => (1e-3 * self.task.stop.tolerance).clamp(1e-15, 2e-12),
+            Measure::Contact => 1e-15,
+        }
+    }
+
+    /// Records what a method did.
+    pub(crate) fn record(&mut self, method: Method, iterations: usize, factorizations: usize) {
+        let residual = self.grade;
+        self.iterate.stages.push(Stage { method, iterations, factorizations, residual });
+    }
+}

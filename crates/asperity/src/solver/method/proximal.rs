@@ -1,0 +1,254 @@
+//! Proximal point iteration with Newton's method inside.
+//!
+//! Each outer step solves the problem with `G + εI` around the last iterate: `ε` falls while the inner
+//! solves succeed and rises where they fail. Where inner solves fail repeatedly, the prox parameters of the
+//! natural map take turns; sweeps help out.
+
+use super::newton::{Goal, Newton};
+use super::progress::Progress;
+use crate::contact::ContactProblem;
+use crate::solver::newton_matrix::NewtonMatrix;
+use crate::solver::report::Method;
+
+/// Factors of the prox parameters. Hyperstatic problems have percussions a hundred times their loads; larger
+/// parameters cut the factorisations there by up to ten, and taking turns makes the choice insensitive.
+const FACTORS: [f64; 4] = [10.0, 1.0, 30.0, 3.0];
+/// Newton iterations of an inner solve, and how many count as few and very few.
+const INNER: usize = 20;
+const FEW: usize = 12;
+const VERY_FEW: usize = 4;
+/// Sweeps after a failed inner solve.
+const SWEEPS: usize = 20;
+/// Sweeps before a new start: some problems only they solve, slowly.
+const LONG_SWEEPS: usize = 1000;
+/// Outer steps without a new best after which the iteration starts again somewhere else: what led it astray
+/// may be its start.
+const LOST: usize = 300;
+/// New starts without success after which it gives up.
+const STARTS: usize = 2 * FACTORS.len();
+
+/// `ε` and the prox parameters from one outer step to the next.
+struct Schedule {
+    epsilon: f64,
+    turn: usize,
+    /// Steps for which `ε` does not fall after a failure, and how many there will be after the next one.
+    hold: usize,
+    patience: usize,
+    restarts: usize,
+}
+
+impl Schedule {
+    fn new(grade: f64) -> Self {
+        let epsilon = (100.0 * grade).clamp(1e-6, 1e-2);
+        Self { epsilon, turn: 0, hold: 0, patience: 2, restarts: 0 }
+    }
+
+    fn factor(&self) -> f64 {
+        FACTORS[self.turn]
+    }
+
+    /// An inner solve succeeded.
+    fn tighten(&mut self, iterations: usize) {
+        self.hold = self.hold.saturating_sub(1);
+        if self.hold == 0 && iterations <= FEW {
+            let cut = if iterations <= VERY_FEW { 10.0 } else { 4.0 };
+            self.epsilon = (self.epsilon / cut).max(1e-10);
+        }
+    }
+
+    /// An inner solve failed and led nowhere.
+    fn relax(&mut self) {
+        self.turn = (self.turn + 1) % FACTORS.len();
+        self.epsilon = (4.0 * self.epsilon).min(1e3);
+        self.patience = (2 * self.patience).min(16);
+        self.hold = self.patience;
+    }
+
+    /// A new start, with the next parameters in turn.
+    fn restart(&mut self) {
+        let turn = self.restarts % FACTORS.len();
+        *self = Self { turn, restarts: self.restarts + 1, ..Self::new(1.0) };
+    }
+}
+
+/// Regularisation of the matrices of Newton's method alone, relative to the blocks of `G`: elimination among bodies
+/// divides by it, and half the digits of the steps are left on either side.
+const SHIFT: f64 = 1e-8;
+
+/// Newton's method for the problem itself or for a step of the iteration.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ProximalPoint {
+    newton: Newton,
+    /// The centre of the present step, and what Newton's method makes of it.
+    centre: Vec<f64>,
+    trial: Vec<f64>,
+}
+
+impl ProximalPoint {
+    /// Buffers for this problem.
+    pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
+        self.newton.prepare(problem);
+        for list in [&mut self.centre, &mut self.trial] {
+            list.clear();
+            list.resize(problem.rows(), 0.0);
+        }
+    }
+
+    /// Iterates until the problem is solved, the stop says so or `max_iterations` outer steps are made; whether
+    /// these are what ended it.
+    pub(crate) fn iterate(
+        &mut self,
+        progress: &mut Progress<'_>,
+        matrix: &mut NewtonMatrix,
+        max_iterations: usize,
+    ) -> bool {
+        let problem = progress.task.problem;
+        let mut grade = progress.start_from_best(&mut self.centre);
+        let mut schedule = Schedule::new(grade);
+        self.newton.scale_rho(problem, schedule.factor());
+        let before = self.newton.factorizations;
+        let (mut outer, mut lost, mut lowest) = (0, 0, grade);
+        while !progress.is_solved() && outer < max_iterations && !progress.task.stop.early() {
+            outer += 1;
+            let goal = self.inner_goal(progress, grade, schedule.epsilon, INNER);
+            let (norm, iterations) = self.newton_from_centre(progress, matrix, goal);
+            let found = progress.grade(&self.trial);
+            if progress.is_solved() || progress.is_hopeless() {
+                break;
+            }
+            lost = if found < lowest { 0 } else { lost + 1 };
+            lowest = lowest.min(found);
+            if lost == LOST {
+                if schedule.restarts == STARTS {
+                    break;
+                }
+                self.new_start(progress, schedule.restarts);
+                schedule.restart();
+                self.newton.scale_rho(problem, schedule.factor());
+                (grade, lost) = (1.0, 0);
+            } else if norm <= goal.tolerance {
+                grade = self.adopt_trial(found);
+                schedule.tighten(iterations);
+            } else {
+                grade = self.sweep_from_centre(progress, grade);
+                if found > 0.7 * grade {
+                    schedule.relax();
+                    self.newton.scale_rho(problem, schedule.factor());
+                } else {
+                    grade = self.adopt_trial(found);
+                    schedule.epsilon *= 2.0;
+                }
+            }
+        }
+        progress.record(Method::ProximalPoint, outer, self.newton.factorizations - before);
+        outer == max_iterations
+    }
+
+    /// A short attempt with little regularisation: it ends the work where `G` has full rank.
+    pub(crate) fn attempt(
+        &mut self,
+        progress: &mut Progress<'_>,
+        matrix: &mut NewtonMatrix,
+        max_iterations: usize,
+    ) {
+        let mut grade = progress.start_from_best(&mut self.centre);
+        self.newton.scale_rho(progress.task.problem, 1.0);
+        let before = self.newton.factorizations;
+        let (mut epsilon, mut total) = (1e-4, 0);
+        for _ in 0..3 {
+            let goal = self.inner_goal(progress, grade, epsilon, max_iterations);
+            let (norm, iterations) = self.newton_from_centre(progress, matrix, goal);
+            total += iterations;
+            let found = progress.grade(&self.trial);
+            let ends = progress.is_solved() || progress.task.stop.early();
+            if ends || norm > goal.tolerance || found > 0.1 * grade {
+                break;
+            }
+            grade = self.adopt_trial(found);
+            epsilon *= 1e-2;
+        }
+        progress.record(Method::Newton, total, self.newton.factorizations - before);
+    }
+
+    /// Newton's method on the problem itself, its matrices with as much regularisation as rounding has; whether
+    /// the limit of iterations ended it.
+    pub(crate) fn newton_alone(
+        &mut self,
+        progress: &mut Progress<'_>,
+        matrix: &mut NewtonMatrix,
+        max_iterations: usize,
+    ) -> bool {
+        let grade = progress.start_from_best(&mut self.centre);
+        let goal = Goal { shift: SHIFT, ..self.inner_goal(progress, grade, 0.0, max_iterations) };
+        let (_, iterations) = self.newton_from_centre(progress, matrix, goal);
+        progress.grade(&self.trial);
+        progress.record(Method::Newton, iterations, self.newton.factorizations);
+        iterations == max_iterations
+    }
+
+    /// Newton's method from the centre, the proximal point of which it looks for, to the trial.
+    fn newton_from_centre(
+        &mut self,
+        progress: &Progress<'_>,
+        matrix: &mut NewtonMatrix,
+        goal: Goal,
+    ) -> (f64, usize) {
+        self.trial.copy_from_slice(&self.centre);
+        self.newton.solve(&progress.task, matrix, &mut self.trial, &self.centre, goal)
+    }
+
+    /// Puts the centre where the iteration has not been led astray: in turn where many sweeps lead and at
+    /// no percussions.
+    fn new_start(&mut self, progress: &mut Progress<'_>, restarts: usize) {
+        progress.iterate.percussion.fill(0.0);
+        if restarts.is_multiple_of(2) {
+            for k in 1..=LONG_SWEEPS {
+                progress.sweep();
+                if k % SWEEPS == 0 {
+                    progress.grade_sweeps();
+                }
+                if progress.is_solved() || progress.task.stop.early() {
+                    break;
+                }
+            }
+        }
+        self.centre.copy_from_slice(progress.iterate.percussion);
+    }
+
+    /// Makes the trial the centre, with its grade.
+    fn adopt_trial(&mut self, found: f64) -> f64 {
+        self.centre.copy_from_slice(&self.trial);
+        found
+    }
+
+    /// Accuracy of an inner solve: a hundredth of the present defect, more where the outer step is long.
+    fn inner_goal(
+        &self,
+        progress: &Progress<'_>,
+        grade: f64,
+        epsilon: f64,
+        max_iterations: usize,
+    ) -> Goal {
+        let scale = progress.scale(&self.centre);
+        let relative = (0.01 * grade * (10.0 * epsilon).min(1.0)).max(progress.floor());
+        let epsilon = epsilon / progress.task.problem.global_rho();
+        Goal { epsilon, shift: 0.0, tolerance: relative * scale, max_iterations }
+    }
+
+    /// Sweeps from the centre, kept if they improve it; the grade of the centre.
+    fn sweep_from_centre(&mut self, progress: &mut Progress<'_>, grade: f64) -> f64 {
+        progress.iterate.percussion.copy_from_slice(&self.centre);
+        for _ in 0..SWEEPS {
+            progress.sweep();
+            if progress.task.stop.early() {
+                break;
+            }
+        }
+        let found = progress.grade_sweeps();
+        if found < 0.9 * grade {
+            self.centre.copy_from_slice(progress.iterate.percussion);
+            return found;
+        }
+        grade
+    }
+}

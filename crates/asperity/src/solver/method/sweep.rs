@@ -1,0 +1,294 @@
+//! Block Gauss–Seidel: contact after contact is solved with the percussions of the others held.
+//!
+//! One sweep serves two ends. [`Solver::Exact`](crate::solver::Solver::Exact) asks every contact for the solution that
+//! the selection rule takes, and whether there are others. Within [`Solver::Auto`](crate::solver::Solver::Auto) sweeps are
+//! followed by other methods and by further sweeps: the first solution that is found will do, without the proof that it
+//! is the only one, which is made once at the end ([`mark_ambiguous`]).
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::task::{Iterate, Task};
+use super::threads;
+use crate::contact::{ContactProblem, ContactState, Phase};
+use crate::solver::one_contact::block::Block;
+use crate::solver::one_contact::effort::Effort;
+use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};
+use crate::solver::report::Ended;
+
+/// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
+const BATCH: usize = 8 * threads::LEAF;
+
+/// Prepared blocks and buffers.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Sweeper {
+    /// Diagonal blocks of `G`.
+    blocks: Vec<Block>,
+    /// What is left of the work on contacts in sweeps.
+    efforts: Vec<Effort>,
+    pub(crate) candidates: Candidates,
+}
+
+impl Sweeper {
+    /// Prepares the blocks of a problem.
+    pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
+        let contacts = problem.contacts().len();
+        self.efforts.resize(contacts, Effort::in_sweeps());
+        self.blocks.clear();
+        self.blocks.extend((0..contacts).map(|contact| Block::new(problem, contact)));
+    }
+
+    /// Number of contacts that are prepared.
+    #[inline]
+    pub(crate) fn contacts(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Begins a solve: all the work is left.
+    pub(crate) fn renew_efforts(&mut self) {
+        self.efforts.fill(Effort::in_sweeps());
+    }
+
+    /// Sweeps until the natural residual is below the tolerance.
+    pub(crate) fn solve(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        max_sweeps: usize,
+    ) -> (usize, Ended) {
+        self.sweep(task, iterate, Policy::Prove, true);
+        for sweeps in 1..=max_sweeps {
+            let residual = iterate.measure(task).value;
+            if residual <= 0.1 * task.stop.tolerance || residual <= 4.0 * f64::EPSILON {
+                return (sweeps, Ended::Done);
+            }
+            if task.stop.early() {
+                return (sweeps, Ended::TimeLimit);
+            }
+            if sweeps < max_sweeps {
+                // Contacts without a solution may find one when the others have moved.
+                self.sweep(task, iterate, Policy::Prove, false);
+            }
+        }
+        (max_sweeps, Ended::MaxIterations)
+    }
+
+    /// One sweep; the last contact that had no solution.
+    ///
+    /// The states before the step decide between several solutions; Newton's method starts from them in the first
+    /// sweep and from the last sweep's slip in later ones.
+    pub(crate) fn sweep(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        policy: Policy,
+        first: bool,
+    ) -> Option<usize> {
+        let (problem, mut stuck) = (task.problem, None);
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            let (history, block) = (&task.history[i], &self.blocks[i]);
+            let state = &mut iterate.states[i];
+            let held = problem.contact_velocity(i, iterate.percussion, false);
+            let percussion = &mut iterate.percussion[rows.rows()];
+            if policy == Policy::FirstFound && block.pressed && held[0] >= 0.0 {
+                percussion.fill(0.0);
+                state.phase = Phase::Open;
+                continue;
+            }
+            let slip = (!first).then_some(state.slip);
+            let contact = OneContact { problem, contact: i, block, held };
+            let (candidates, effort) = (&mut self.candidates, &mut self.efforts[i]);
+            let start = Start { history, slip };
+            let found = contact.solve(policy, start, percussion, candidates, effort);
+            if found.is_none() {
+                stuck = Some(i);
+            }
+            match (policy, found) {
+                (Policy::Prove, found) => {
+                    record(found, history, state, &mut iterate.ambiguous[i]);
+                }
+                (Policy::FirstFound, Some(found)) => {
+                    (state.phase, state.slip) = (found.phase, found.slip);
+                }
+                (Policy::FirstFound, None) => {}
+            }
+        }
+        stuck
+    }
+
+    /// Solves contacts that do not influence each other, side by side: one sweep is enough.
+    #[inline]
+    pub(crate) fn solve_uncoupled(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>) -> Ended {
+        let Self { blocks, candidates, .. } = self;
+        // The belt and the disk of many a model: one contact needs no batches.
+        if let ([_], [state], [ambiguous]) =
+            (task.problem.contacts(), &mut *iterate.states, &mut *iterate.ambiguous)
+        {
+            let history = &task.history[0];
+            let contact = OneContact::alone(task.problem, 0, &blocks[0]);
+            let solved =
+                solve_alone(contact, history, iterate.percussion, state, ambiguous, candidates);
+            return if solved { Ended::Done } else { Ended::Stuck(0) };
+        }
+        let mut rest = Uncoupled {
+            contacts: 0..task.problem.contacts().len(),
+            percussion: &mut *iterate.percussion,
+            states: &mut *iterate.states,
+            ambiguous: &mut *iterate.ambiguous,
+        };
+        let mut stuck = None;
+        while rest.contacts.len() > BATCH {
+            let (batch, after) = rest.split(task.problem, BATCH);
+            rest = after;
+            stuck = batch.run(task, blocks, candidates).or(stuck);
+            if task.stop.early() {
+                rest.states.copy_from_slice(&task.history[rest.contacts]);
+                return Ended::TimeLimit;
+            }
+        }
+        rest.run(task, blocks, candidates).or(stuck).map_or(Ended::Done, Ended::Stuck)
+    }
+}
+
+/// The state of a contact after its solution; the state before where there is none.
+#[inline(always)]
+fn record(
+    found: Option<Found>,
+    history: &ContactState,
+    state: &mut ContactState,
+    ambiguous: &mut bool,
+) {
+    match found {
+        Some(found) => state.follow(history, found.phase, found.slip),
+        None => *state = *history,
+    }
+    *ambiguous = found.is_some_and(|found| found.ambiguous);
+}
+
+/// Solves a contact that no other influences; whether there is a solution.
+#[inline(always)]
+fn solve_alone(
+    contact: OneContact<'_>,
+    history: &ContactState,
+    percussion: &mut [f64],
+    state: &mut ContactState,
+    ambiguous: &mut bool,
+    candidates: &mut Candidates,
+) -> bool {
+    let (start, effort) = (Start { history, slip: None }, &mut Effort::alone());
+    let found = contact.solve(Policy::Prove, start, percussion, candidates, effort);
+    record(found, history, state, ambiguous);
+    found.is_some()
+}
+
+/// Contacts that do not influence each other, in a row, with what belongs to them.
+struct Uncoupled<'a> {
+    contacts: Range<usize>,
+    percussion: &'a mut [f64],
+    states: &'a mut [ContactState],
+    ambiguous: &'a mut [bool],
+}
+
+impl<'a> Uncoupled<'a> {
+    /// The first `count` contacts and the others.
+    fn split(self, problem: &ContactProblem, count: usize) -> (Self, Self) {
+        let Self { contacts, percussion, states, ambiguous } = self;
+        let middle = contacts.start + count;
+        let row = problem.contacts()[middle].offset - problem.contacts()[contacts.start].offset;
+        let (percussion, other_percussion) = percussion.split_at_mut(row);
+        let (states, other_states) = states.split_at_mut(count);
+        let (ambiguous, other_ambiguous) = ambiguous.split_at_mut(count);
+        let first = Self { contacts: contacts.start..middle, percussion, states, ambiguous };
+        let others = Self {
+            contacts: middle..contacts.end,
+            percussion: other_percussion,
+            states: other_states,
+            ambiguous: other_ambiguous,
+        };
+        (first, others)
+    }
+
+    #[inline(always)]
+    fn run(self, task: &Task<'_>, blocks: &[Block], candidates: &mut Candidates) -> Option<usize> {
+        if task.threads.serve(self.contacts.len()) {
+            let (problem, history) = (task.problem, task.history);
+            return task.threads.run(|| self.solve_in_halves(problem, history, blocks));
+        }
+        self.solve(task.problem, task.history, blocks, candidates)
+    }
+
+    /// The last contact without a solution. The order of contacts does not matter, nor who solves them.
+    fn solve_in_halves(
+        self,
+        problem: &ContactProblem,
+        history: &[ContactState],
+        blocks: &[Block],
+    ) -> Option<usize> {
+        if self.contacts.len() <= threads::LEAF {
+            return self.solve(problem, history, blocks, &mut Candidates::default());
+        }
+        let half = self.contacts.len() / 2;
+        let (left, right) = self.split(problem, half);
+        let (left, right) = rayon::join(
+            || left.solve_in_halves(problem, history, blocks),
+            || right.solve_in_halves(problem, history, blocks),
+        );
+        right.or(left)
+    }
+
+    #[inline(always)]
+    fn solve(
+        self,
+        problem: &ContactProblem,
+        history: &[ContactState],
+        blocks: &[Block],
+        candidates: &mut Candidates,
+    ) -> Option<usize> {
+        let Self { contacts, mut percussion, states, ambiguous } = self;
+        let mut stuck = None;
+        for ((i, state), ambiguous) in contacts.zip(states).zip(ambiguous) {
+            let (own, rest) =
+                std::mem::take(&mut percussion).split_at_mut(problem.contacts()[i].len());
+            percussion = rest;
+            let contact = OneContact::alone(problem, i, &blocks[i]);
+            if !solve_alone(contact, &history[i], own, state, ambiguous, candidates) {
+                stuck = Some(i);
+            }
+        }
+        stuck
+    }
+}
+
+/// Marks the contacts that have more than one solution with the others held; once the stop asks to end,
+/// the contacts that are left are not looked at any more.
+pub(crate) fn mark_ambiguous(task: &Task<'_>, iterate: &mut Iterate<'_>, sweeper: &mut Sweeper) {
+    let Sweeper { blocks, candidates, .. } = sweeper;
+    let Iterate { percussion, ambiguous, .. } = iterate;
+    let (blocks, percussion) = (&blocks[..], &percussion[..]);
+    let (problem, history, threads) = (task.problem, task.history, task.threads);
+    let mark = |i: usize, candidates: &mut Candidates| {
+        OneContact::new(problem, i, &blocks[i], percussion).is_ambiguous(&history[i], candidates)
+    };
+    let mut first = 0;
+    for batch in ambiguous.chunks_mut(BATCH) {
+        let count = batch.len();
+        if first > 0 && task.stop.early() {
+            batch.fill(false);
+        } else if threads.serve(count) {
+            threads.run(|| {
+                batch.par_chunks_mut(threads::LEAF).enumerate().for_each(|(chunk, part)| {
+                    let mut candidates = Candidates::default();
+                    for (k, flag) in part.iter_mut().enumerate() {
+                        *flag = mark(first + chunk * threads::LEAF + k, &mut candidates);
+                    }
+                });
+            });
+        } else {
+            for (k, flag) in batch.iter_mut().enumerate() {
+                *flag = mark(first + k, candidates);
+            }
+        }
+        first += count;
+    }
+}

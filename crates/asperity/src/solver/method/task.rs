@@ -1,0 +1,60 @@
+//! What a method is given, and what it may change.
+
+use super::threads::Threads;
+use crate::contact::{ContactProblem, ContactState};
+use crate::solver::infeasibility::Infeasibility;
+use crate::solver::measure::natural_residual::{Measured, Residual};
+use crate::solver::measure::phase::classify;
+use crate::solver::measure::stop::Stop;
+use crate::solver::report::Stage;
+
+/// What does not change during a solve.
+#[derive(Clone, Copy)]
+pub(crate) struct Task<'a> {
+    pub(crate) problem: &'a ContactProblem,
+    pub(crate) stop: Stop<'a>,
+    /// States before the step, which decide between several solutions.
+    pub(crate) history: &'a [ContactState],
+    pub(crate) threads: &'a Threads,
+}
+
+/// What every method changes.
+pub(crate) struct Iterate<'a> {
+    pub(crate) percussion: &'a mut [f64],
+    /// `γ_E` of the last percussions that were measured.
+    pub(crate) velocity: &'a mut [f64],
+    pub(crate) states: &'a mut [ContactState],
+    /// Contacts that have several solutions.
+    pub(crate) ambiguous: &'a mut [bool],
+    /// What was done so far.
+    pub(crate) stages: &'a mut Vec<Stage>,
+    /// A proof that there is no solution.
+    pub(crate) infeasibility: &'a mut Option<Infeasibility>,
+}
+
+impl Iterate<'_> {
+    /// Velocities of the percussions, and the residual by which the stop decides.
+    #[inline]
+    pub(crate) fn measure(&mut self, task: &Task<'_>) -> Residual {
+        task.problem.velocity(self.percussion, self.velocity);
+        task.stop.residual(task.problem, self.percussion, self.velocity)
+    }
+
+    /// Tells from percussions and velocities what contacts do.
+    pub(crate) fn classify(&mut self, problem: &ContactProblem) {
+        let Self { percussion, velocity, states, .. } = self;
+        classify(&Measured { problem, percussion, velocity }, states);
+    }
+
+    /// The same for a shorter time.
+    pub(crate) fn reborrow(&mut self) -> Iterate<'_> {
+        Iterate {
+            percussion: self.percussion,
+            velocity: self.velocity,
+            states: self.states,
+            ambiguous: self.ambiguous,
+            stages: self.stages,
+            infeasibility: self.infeasibility,
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The linear systems `(A + B G) d = g` of Newton's method, `A` and `B` block-diagonal, in the space where elimination
+//! is cheaper: among the rows of the contacts or among the velocities of the bodies.
+
+mod body_space;
+mod contact_space;
+
+use crate::contact::{ContactProblem, Delassus};
+use crate::law::ContactMatrix;
+use body_space::BodySpace;
+use contact_space::ContactSpace;
+
+/// The matrix with its factors: analysed once per pattern, in the space where elimination is cheaper.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct NewtonMatrix {
+    contact: ContactSpace,
+    body: Option<BodySpace>,
+    in_body_space: bool,
+    /// What the analysis was made from.
+    pattern: Vec<usize>,
+    ready: bool,
+}
+
+impl NewtonMatrix {
+    /// The problem may have a new pattern.
+    pub(crate) fn reset(&mut self) {
+        self.ready = false;
+    }
+
+    /// Analyses the pattern, unless it is the last one.
+    pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
+        if self.ready || self.knows(problem) {
+            self.ready = true;
+            return;
+        }
+        self.ready = true;
+        self.pattern.clear();
+        self.pattern.extend(pattern(problem));
+        self.contact.prepare(problem);
+        self.body = None;
+        if let Delassus::Factored(factored) = problem.delassus() {
+            self.body = BodySpace::new(problem, factored);
+        }
+        let cost = |body: &BodySpace| body.symbolic.operations;
+        self.in_body_space =
+            self.body.as_ref().is_some_and(|b| cost(b) < self.contact.symbolic.operations);
+        match (self.in_body_space, &mut self.body) {
+            (true, Some(body)) => body.reserve(),
+            _ => self.contact.numeric.reserve(&self.contact.symbolic),
+        }
+    }
+
+    fn knows(&self, problem: &ContactProblem) -> bool {
+        self.pattern.iter().copied().eq(pattern(problem))
+    }
+
+    /// Factors `A + B G`; false if that failed.
+    pub(crate) fn factor(
+        &mut self,
+        problem: &ContactProblem,
+        a: &[ContactMatrix],
+        b: &[ContactMatrix],
+    ) -> bool {
+        match (self.in_body_space, &mut self.body, problem.delassus()) {
+            (true, Some(body), Delassus::Factored(factored)) => body.factor(factored, a, b),
+            _ => self.contact.factor(problem, a, b),
+        }
+    }
+
+    /// `g ← (A + B G)⁻¹ g`.
+    pub(crate) fn solve(&mut self, problem: &ContactProblem, g: &mut [f64]) {
+        match (self.in_body_space, &mut self.body, problem.delassus()) {
+            (true, Some(body), Delassus::Factored(_)) => body.solve(problem, g),
+            _ => self.contact.numeric.solve(&self.contact.symbolic, g),
+        }
+    }
+}
+
+/// Sizes and places of all entries that may be there.
+fn pattern(problem: &ContactProblem) -> impl Iterator<Item = usize> + '_ {
+    let sizes = problem.contacts().iter().map(|contact| contact.len());
+    let blocks = problem.delassus().blocks().into_iter().flat_map(|blocks| {
+        let (starts, columns) = blocks.pattern();
+        starts.iter().chain(columns).copied()
+    });
+    let factors = match problem.delassus() {
+        Delassus::Factored(factored) => Some([factored.mass(), factored.directions()]),
+        _ => None,
+    };
+    let factors = factors.into_iter().flatten();
+    let factors = factors.flat_map(|csr| csr.starts().iter().chain(csr.indices()).copied());
+    sizes.chain(blocks).chain(factors)
+}
+
+#[cfg(test)]
+mod tests;

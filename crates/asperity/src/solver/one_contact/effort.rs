@@ -1,0 +1,75 @@
+//! What a contact with an ill-conditioned block may cost.
+
+/// Values of the natural map that the search for a solution of one contact may take. An evaluation takes between
+/// half a microsecond and half a millisecond, a search that succeeds some tens to some hundreds of them.
+const ALONE: usize = 3000;
+/// The same in sweeps, which come back to the contact with other loads: of one search, and of all searches of one
+/// contact that fail in one solve.
+const ONE_OF_MANY: usize = 300;
+const ALL_OF_ONE: usize = 600;
+/// Walks along the whole boundary in the sweeps of one solve.
+const WALKS: usize = 20;
+
+/// What is left of the work on one contact, in a solve or in a sweep.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Effort {
+    evaluations: usize,
+    each: usize,
+    walks: usize,
+}
+
+impl Effort {
+    /// For a contact that is solved once.
+    pub(crate) fn alone() -> Self {
+        Self { evaluations: ALONE, each: ALONE, walks: WALKS }
+    }
+
+    /// For a contact in all sweeps of a solve.
+    pub(crate) fn in_sweeps() -> Self {
+        Self { evaluations: ALL_OF_ONE, each: ONE_OF_MANY, walks: WALKS }
+    }
+
+    /// For a look at a contact that is solved already.
+    pub(crate) fn none() -> Self {
+        Self { evaluations: 0, each: 0, walks: WALKS }
+    }
+
+    /// Whether the boundary may be walked along once more.
+    pub(crate) fn walk(&mut self) -> bool {
+        let may = self.walks > 0;
+        self.walks = self.walks.saturating_sub(1);
+        may
+    }
+
+    /// Evaluations that the next search may take.
+    pub(crate) fn search(&self) -> Evaluations {
+        Evaluations(self.evaluations.min(self.each))
+    }
+
+    /// A search that has failed is paid for.
+    pub(crate) fn failed(&mut self, left: Evaluations) {
+        let used = self.search().0 - left.0.min(self.search().0);
+        self.evaluations -= used;
+    }
+}
+
+/// Values of the natural map that may still be asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Evaluations(usize);
+
+impl Evaluations {
+    /// For Newton's method from one start.
+    pub(crate) const FEW: Self = Self(100);
+
+    /// Takes one; false if there are none left.
+    pub(crate) fn take(&mut self) -> bool {
+        let may = self.0 > 0;
+        self.0 = self.0.saturating_sub(1);
+        may
+    }
+
+    /// Whether there are any.
+    pub(crate) fn are_left(&self) -> bool {
+        self.0 > 0
+    }
+}

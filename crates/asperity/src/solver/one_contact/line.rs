@@ -1,0 +1,82 @@
+//! One contact on a line: stick, forward slip or backward slip, each in closed form.
+
+use asperity_set::{StarSet, Vector};
+
+use super::effort::Effort;
+use super::local::{Local, LocalSolution, Selection};
+use crate::contact::{ContactState, Phase};
+
+/// All solutions: open, stick, backward slip, forward slip, as far as they exist.
+pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
+    if local.prescribed == Some(0.0) {
+        return [Some(local.open()), None, None, None];
+    }
+    let open = (local.prescribed.is_none() && local.b_n >= 0.0).then(|| local.open());
+    let stick = local.any_stick();
+    let (c0, a) = local.affine();
+    let sign = local.sign();
+    let slip = |direction: f64| {
+        let end = Vector::<1>::new(direction);
+        let x = end / local.law.reservoir().gauge(&end);
+        let v = c0 - a * x;
+        let resistance = sign * local.denominator(&x);
+        let admissible =
+            sign * direction * v[0] > 0.0 && resistance > local.vanishing_denominator(x.amax());
+        // With b_N = 0 the normal percussion of a slip solution vanishes: the contact is open.
+        let loaded = local.prescribed.is_some() || local.b_n != 0.0;
+        let solution = local.slip(&x, &v, false);
+        // On the boundary of the reservoir slip with vanishing velocity is stick.
+        let distinct = stick.is_none() || solution.slip[0].abs() > 1e-12 * local.b_t[0].abs();
+        if !(admissible && loaded && distinct) {
+            return None;
+        }
+        if resistance > local.least_denominator() {
+            Some(solution)
+        } else {
+            local.refined(&solution)
+        }
+    };
+    let all = [open, stick, slip(-1.0), slip(1.0)];
+    match all.iter().any(Option::is_some) {
+        true => all,
+        false => [None, local.stick_on_border(), None, None],
+    }
+}
+
+/// The solution that continues `state`.
+pub(crate) fn solve(
+    local: &Local<'_, 1>,
+    state: &ContactState,
+    effort: &mut Effort,
+) -> Option<Selection<1>> {
+    let all = solutions(local);
+    let blank = LocalSolution { phase: Phase::Unknown, ..local.open() };
+    let mut found = [blank; 4];
+    let mut count = 0;
+    for solution in all.into_iter().flatten() {
+        found[count] = solution;
+        count += 1;
+    }
+    let Some(solution) = local.select(&found[..count], state) else {
+        return local.rescued(state, effort);
+    };
+    let continuum = found[..count].iter().any(|s| s.degenerate);
+    Some(Selection { solution, ambiguous: count > 1 || continuum })
+}
+
+/// Whether neither open nor stick nor slip is possible, with a margin: see `proves_no_solution` in `one_contact/solve.rs`.
+pub(crate) fn proves_no_solution(local: &Local<'_, 1>) -> bool {
+    const MARGIN: f64 = 1e-9;
+    if !local.excludes_open_and_stick(MARGIN) {
+        return false;
+    }
+    let (c0, a) = local.affine();
+    [-1.0, 1.0].into_iter().all(|direction| {
+        let end = Vector::<1>::new(direction);
+        let x = end / local.law.reservoir().gauge(&end);
+        let (moved, size) = (c0 - a * x, c0.amax() + (a * x).amax());
+        let lift = (local.block.g_nt.x * x[0]).abs();
+        direction * moved[0] < -MARGIN * size
+            || local.denominator(&x) < -MARGIN * (local.block.g_nn + lift)
+    })
+}

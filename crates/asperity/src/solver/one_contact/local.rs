@@ -1,0 +1,372 @@
+//! One contact by itself: its block of the problem, its solutions, and the choice between them.
+
+use asperity_set::{Matrix, StarSet, Vector};
+
+use super::block::Block;
+use super::effort::{Effort, Evaluations};
+use super::single::{self, Graded, Single};
+use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
+use crate::law::{ContactVector, FrictionLaw};
+use crate::solver::measure::natural_residual::ROUNDED;
+
+/// Part of the percussions by which refinement may change them; more would lead to another solution.
+const NEAR: f64 = 1e-3;
+
+/// One contact with the percussions of all others held: `γ = G_ii P + b` with these data.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Local<'a, const P: usize> {
+    pub(crate) law: &'a FrictionLaw<P>,
+    pub(crate) block: &'a Block,
+    /// Prescribed normal percussion.
+    pub(crate) prescribed: Option<f64>,
+    pub(crate) b_n: f64,
+    pub(crate) b_t: Vector<P>,
+}
+
+/// A solution of one contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LocalSolution<const P: usize> {
+    /// What the contact does.
+    pub phase: Phase,
+    /// Normal percussion.
+    pub normal: f64,
+    /// Tangential percussion.
+    pub tangent: Vector<P>,
+    /// Tangential velocity `ξ`.
+    pub slip: Vector<P>,
+    /// Not isolated, or a double root: perturbing the data may remove or split it.
+    pub degenerate: bool,
+}
+
+/// The stick solution, if it is one, and the gauge `k_C(−P_T/P_N)` of the force it needs.
+pub(crate) struct Stick<const P: usize> {
+    /// `−P_T/P_N`.
+    pub(crate) load: Vector<P>,
+    pub(crate) solution: Option<LocalSolution<P>>,
+    pub(crate) gauge: f64,
+}
+
+/// A chosen solution, and whether there are others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Selection<const P: usize> {
+    /// The solution.
+    pub solution: LocalSolution<P>,
+    /// Whether the contact has more than one solution.
+    pub ambiguous: bool,
+}
+
+impl<const P: usize> LocalSolution<P> {
+    /// Writes the percussions to the contact's own rows, of which the first may be a normal one.
+    #[inline(always)]
+    pub(crate) fn store(&self, percussion: &mut [f64]) {
+        let first = percussion.len() - P;
+        if first == 1 {
+            percussion[0] = self.normal;
+        }
+        percussion[first..].copy_from_slice(self.tangent.as_slice());
+    }
+}
+
+/// Vectors of R² cut to R^P.
+#[inline(always)]
+fn cut<const P: usize>(v: &Vector<2>) -> Vector<P> {
+    let mut out = Vector::zeros();
+    for i in 0..P {
+        out[i] = v[i];
+    }
+    out
+}
+
+#[inline(always)]
+fn cut_matrix<const P: usize>(m: &Matrix<2>) -> Matrix<P> {
+    let mut out = Matrix::<P>::zeros();
+    for j in 0..P {
+        for i in 0..P {
+            out[(i, j)] = m[(i, j)];
+        }
+    }
+    out
+}
+
+impl<'a, const P: usize> Local<'a, P> {
+    /// The contact with the velocities `held` that the other contacts leave it.
+    #[inline(always)]
+    pub(crate) fn new(
+        law: &'a FrictionLaw<P>,
+        rows: &ContactRows,
+        block: &'a Block,
+        held: &[f64; 4],
+    ) -> Self {
+        let prescribed = rows.normal.prescribed();
+        let b_n = if prescribed.is_none() { held[0] } else { 0.0 };
+        let first = rows.normal_rows();
+        let b_t = Vector::<P>::from_fn(|i, _| held[first + i]);
+        Self { law, block, prescribed, b_n, b_t }
+    }
+
+    /// `(c₀, A)` with the slip velocity `v(x) = c₀ − A x`, up to the positive or negative factor
+    /// [`denominator`](Self::denominator).
+    #[inline]
+    pub(crate) fn affine(&self) -> (Vector<P>, Matrix<P>) {
+        let block = self.block;
+        let g_tt = cut_matrix(&block.g_tt);
+        match self.prescribed {
+            Some(normal) => (self.b_t, g_tt * normal),
+            None => (
+                self.b_t * block.g_nn - cut::<P>(&block.g_tn) * self.b_n,
+                self.b_t * cut::<P>(&block.g_nt).transpose() - g_tt * self.b_n,
+            ),
+        }
+    }
+
+    /// `g_NN − G_NT x`, one for a prescribed normal force: `P_N = −b_N/den`, `γ = v/den`.
+    #[inline]
+    pub(crate) fn denominator(&self, x: &Vector<P>) -> f64 {
+        if self.prescribed.is_some() {
+            1.0
+        } else {
+            self.block.g_nn - cut::<P>(&self.block.g_nt).dot(x)
+        }
+    }
+
+    /// The denominator above which `c₀ − A x` over it keeps twelve digits.
+    #[inline]
+    pub(crate) fn least_denominator(&self) -> f64 {
+        if self.prescribed.is_some() { 0.0 } else { 1e-4 * self.block.g_nn }
+    }
+
+    /// The denominator below which it is rounding, for forces of size `radius`: percussions without bound are no
+    /// solution.
+    pub(crate) fn vanishing_denominator(&self, radius: f64) -> f64 {
+        match self.prescribed {
+            Some(_) => 0.0,
+            None => 16.0 * f64::EPSILON * (self.block.g_nn.abs() + self.block.g_nt.norm() * radius),
+        }
+    }
+
+    /// The sign that the denominator and `n·v` must have in slip.
+    #[inline]
+    pub(crate) fn sign(&self) -> f64 {
+        if self.prescribed.is_none() && self.b_n > 0.0 { -1.0 } else { 1.0 }
+    }
+
+    /// The slip solution with `−P_T = P_N x`.
+    pub(crate) fn slip(&self, x: &Vector<P>, v: &Vector<P>, degenerate: bool) -> LocalSolution<P> {
+        let denominator = self.denominator(x);
+        let normal = self.prescribed.unwrap_or(-self.b_n / denominator);
+        let tangent = x * -normal;
+        let slip = v * (1.0 / denominator);
+        LocalSolution { phase: Phase::Slip, normal, tangent, slip, degenerate }
+    }
+
+    /// Open contact with the tangential velocity it then has.
+    pub(crate) fn open(&self) -> LocalSolution<P> {
+        let (phase, tangent) = (Phase::Open, Vector::zeros());
+        LocalSolution { phase, normal: 0.0, tangent, slip: self.b_t, degenerate: false }
+    }
+
+    /// The stick solution, if there is one, with a block of any rank.
+    #[inline]
+    pub(crate) fn any_stick(&self) -> Option<LocalSolution<P>> {
+        if self.block.sound { self.stick().solution } else { self.stick_of_any_rank() }
+    }
+
+    /// The percussion with `γ = 0`, whether or not the contact can transmit it, with a sound block.
+    #[inline(always)]
+    pub(crate) fn stick(&self) -> Stick<P> {
+        let block = self.block;
+        let inverse: Matrix<P> = cut_matrix(&block.schur_inverse);
+        let load = match self.prescribed {
+            Some(_) => self.b_t,
+            None => self.b_t - cut::<P>(&block.g_tn) * (self.b_n / block.g_nn),
+        };
+        let tangent = -(inverse * load);
+        let normal = self
+            .prescribed
+            .unwrap_or_else(|| -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) / block.g_nn);
+        let load = tangent * (-1.0 / normal);
+        let gauge = self.law.reservoir().gauge(&load);
+        // The comparisons also turn away NaN.
+        if !(normal > 0.0 && gauge <= 1.0 + 4.0 * f64::EPSILON) {
+            return Stick { load, solution: None, gauge };
+        }
+        let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), false);
+        Stick {
+            solution: Some(LocalSolution { phase, normal, tangent, slip, degenerate }),
+            load,
+            gauge,
+        }
+    }
+
+    /// Stick with the force on the border of the reservoir, where rounding decides whether the force that stick needs
+    /// is one that the contact can transmit: where normal and tangential rows are coupled, slip may end at the
+    /// same force, so that nothing would be left.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn stick_on_border(&self) -> Option<LocalSolution<P>> {
+        let Stick { load, gauge, .. } = self.stick();
+        // The comparison also turns away NaN.
+        if !((gauge - 1.0).abs() <= NEAR) {
+            return None;
+        }
+        let x = load / gauge;
+        let stick = self.slip(&x, &Vector::zeros(), false);
+        let single = self.single();
+        let mut percussion = ContactVector::zeros();
+        let first = single.first();
+        if first == 1 {
+            percussion[0] = stick.normal;
+        }
+        (0..P).for_each(|i| percussion[first + i] = stick.tangent[i]);
+        let found = single.graded(percussion, false);
+        (stick.normal > 0.0 && found.defect <= single::SOLUTION)
+            .then_some(LocalSolution { phase: Phase::Stick, ..stick })
+    }
+
+    /// Whether the contact can neither open nor stick, with a relative margin. Blocks without a sound inverse
+    /// prove nothing, and a contact with a prescribed normal percussion always has a solution: an affine map
+    /// on a compact convex set that always points away from it.
+    pub(crate) fn excludes_open_and_stick(&self, margin: f64) -> bool {
+        if self.prescribed.is_some() || !self.block.sound {
+            return false;
+        }
+        let load = self.b_n.hypot(self.b_t.norm());
+        // The comparisons also turn away NaN.
+        if !(self.b_n < -margin * load && load < f64::MAX) {
+            return false;
+        }
+        let inverse: Matrix<P> = cut_matrix(&self.block.schur_inverse);
+        let rest = self.b_t - cut::<P>(&self.block.g_tn) * (self.b_n / self.block.g_nn);
+        let tangent = -(inverse * rest);
+        let along = cut::<P>(&self.block.g_nt).dot(&tangent);
+        let normal = -(self.b_n + along) / self.block.g_nn;
+        let size = (self.b_n.abs() + along.abs()) / self.block.g_nn;
+        let gauge = self.law.reservoir().gauge(&-tangent);
+        normal < -margin * size || normal > margin * size && gauge > normal * (1.0 + margin)
+    }
+
+    /// Stick with a block that has no sound inverse.
+    #[cold]
+    #[inline(never)]
+    fn stick_of_any_rank(&self) -> Option<LocalSolution<P>> {
+        let single = self.single();
+        let found = single.stick().filter(|found| found.defect <= single::SOLUTION)?;
+        Some(self.with_phase(&single, &found, Phase::Stick))
+    }
+
+    /// The contact as a dense problem, for what closed forms do not reach.
+    pub(crate) fn single(&self) -> Single<'a, P> {
+        let block = self.block;
+        let (first, normal) = match self.prescribed {
+            Some(value) => (0, NormalForce::Prescribed(value)),
+            None => (1, NormalForce::Unilateral),
+        };
+        let entry = |i: usize, j: usize| match (i.checked_sub(first), j.checked_sub(first)) {
+            (None, None) => block.g_nn,
+            (None, Some(j)) => block.g_nt[j],
+            (Some(i), None) => block.g_tn[i],
+            (Some(i), Some(j)) => block.g_tt[(i, j)],
+        };
+        let load = |i: usize| i.checked_sub(first).map_or(self.b_n, |i| self.b_t[i]);
+        Single::new(self.law, normal, entry, load)
+    }
+
+    /// A solution to the last digits, by Newton's method on all rows together; `None` for what only looked
+    /// like a solution.
+    pub(crate) fn refined(&self, found: &LocalSolution<P>) -> Option<LocalSolution<P>> {
+        let single = self.single();
+        let mut percussion = ContactVector::zeros();
+        let first = single.first();
+        if first == 1 {
+            percussion[0] = found.normal;
+        }
+        (0..P).for_each(|i| percussion[first + i] = found.tangent[i]);
+        let start = single.graded(percussion, found.degenerate);
+        if start.defect <= single::ROUNDING {
+            return Some(*found);
+        }
+        let end = single.refined(start);
+        let near = (end.percussion - percussion).norm() <= NEAR * percussion.norm();
+        let end = if near { end } else { start };
+        let largest = if found.degenerate { 1e-7 } else { 1e-9 };
+        (end.defect <= largest).then(|| self.with_phase(&single, &end, found.phase))
+    }
+
+    /// Percussions of the dense problem as a solution.
+    fn with_phase(&self, single: &Single<'_, P>, found: &Graded, phase: Phase) -> LocalSolution<P> {
+        let p = &found.percussion;
+        let slip = match phase {
+            Phase::Stick => Vector::zeros(),
+            _ => single.tangent(&single.velocity(p)),
+        };
+        let (normal, tangent) = (single.normal(p), single.tangent(p));
+        LocalSolution { phase, normal, tangent, slip, degenerate: found.degenerate }
+    }
+
+    /// The solution of a contact whose block is not sound and for which the closed forms have found none.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn rescued(
+        &self,
+        state: &ContactState,
+        effort: &mut Effort,
+    ) -> Option<Selection<P>> {
+        if self.block.sound {
+            return None;
+        }
+        let single = self.single();
+        let stick = single.stick();
+        let last = Vector::<P>::from_fn(|i, _| state.slip[i]);
+        let starts = [
+            stick.map_or(ContactVector::zeros(), |found| found.percussion),
+            single.slipping(&last),
+        ];
+        let known = if last.amax() > 0.0 { &starts[..] } else { &starts[..1] };
+        let found = single.search(known, effort).into_iter().chain(stick);
+        let best = found.min_by(|a, b| a.defect.total_cmp(&b.defect))?;
+        let phase = single.phase(&best.percussion).0;
+        (best.defect <= ROUNDED).then(|| Selection {
+            solution: self.with_phase(&single, &best, phase),
+            ambiguous: best.degenerate,
+        })
+    }
+
+    /// Slip found by Newton's method on all rows together, from sliding along a velocity.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn slip_from(&self, velocity: &Vector<P>) -> Option<LocalSolution<P>> {
+        let single = self.single();
+        let start = single.slipping(velocity);
+        let p = single.newton(start, &mut { Evaluations::FEW })?;
+        let found = single.refined(single.graded(p, false));
+        let slips =
+            found.defect <= single::FOUND && single.phase(&found.percussion).0 == Phase::Slip;
+        slips.then(|| self.with_phase(&single, &found, Phase::Slip))
+    }
+
+    /// The selection rule: the solution that continues the previous state.
+    ///
+    /// A contact that can open, opens. A slipping contact takes the slip solution whose direction is
+    /// nearest to the last one, else it sticks. Any other contact sticks if it can, else it takes the
+    /// slip solution nearest to the last direction, or to the free velocity if there is none.
+    pub(crate) fn select(
+        &self,
+        all: &[LocalSolution<P>],
+        state: &ContactState,
+    ) -> Option<LocalSolution<P>> {
+        let of = |phase: Phase| all.iter().find(|s| s.phase == phase).copied();
+        let last = Vector::<P>::from_fn(|i, _| state.slip[i]);
+        let aim = if last.amax() > 0.0 { last } else { self.b_t };
+        let nearness = |s: &LocalSolution<P>| s.slip.normalize().dot(&aim);
+        let nearest = all
+            .iter()
+            .filter(|s| s.phase == Phase::Slip)
+            .max_by(|a, b| nearness(a).total_cmp(&nearness(b)))
+            .copied();
+        let closed = match state.phase {
+            Phase::Slip => nearest.or_else(|| of(Phase::Stick)),
+            _ => of(Phase::Stick).or(nearest),
+        };
+        of(Phase::Open).or(closed)
+    }
+}

@@ -1,0 +1,14 @@
+//! One contact, the percussions of the others held: all its solutions, and which of them it takes.
+
+pub(crate) mod block;
+pub(crate) mod effort;
+mod line;
+mod local;
+mod plane;
+mod single;
+mod singular;
+pub(crate) mod solutions;
+pub(crate) mod solve;
+mod space;
+
+pub(crate) use plane::Rising;

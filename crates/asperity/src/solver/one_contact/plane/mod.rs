@@ -1,0 +1,234 @@
+//! One contact in the plane: all solutions by walking along bdry *D*, and a fast path to one of them.
+//!
+//! In slip `−P_T = P_N x` with `x = z/k_C(z)` on bdry *C* and `z` on bdry *D*. The normal row gives
+//! `P_N = −b_N/den(x)`, and multiplied by `den` the slip velocity is `v(x) = c₀ − A x`: the equation
+//! `F = n × v = 0` with `n·v/den > 0` has no pole. See `law/table.rs` for the table that is walked.
+
+mod all;
+mod equation;
+mod isotropic;
+mod proof;
+mod rising;
+mod scan;
+mod search;
+#[cfg(test)]
+mod tests;
+
+use asperity_set::{ConvexSet, StarSet};
+
+use super::block::Shape;
+use super::effort::Effort;
+use super::local::{Local, LocalSolution, Selection, Stick};
+use crate::contact::{ContactState, Phase};
+use crate::law::COARSE;
+pub(crate) use all::solutions;
+use equation::{Slip, V, cross};
+pub(crate) use proof::proves_no_solution;
+pub(crate) use rising::Rising;
+pub(crate) use rising::{solutions as rising_solutions, solutions_on_a_line};
+use scan::Scan;
+
+/// The solution that continues `state`, by the fast path where uniqueness is certain.
+#[inline(always)]
+pub(crate) fn solve(
+    local: &Local<'_, 2>,
+    state: &ContactState,
+    guess: impl Fn() -> V,
+    buffer: &mut Vec<LocalSolution<2>>,
+    effort: &mut Effort,
+) -> Option<Selection<2>> {
+    match fast(local, guess) {
+        Some(solution) => Some(Selection { solution, ambiguous: false }),
+        None => select_among_all(*local, state, buffer, effort),
+    }
+}
+
+/// A solution for sweeps that will come back to the contact: the one that continues `state` as far as the
+/// stick solution and Newton's method from the last direction show, without a proof that there is no other.
+#[inline(always)]
+pub(crate) fn first_found(
+    local: &Local<'_, 2>,
+    state: &ContactState,
+    guess: impl Fn() -> V,
+    buffer: &mut Vec<LocalSolution<2>>,
+    effort: &mut Effort,
+) -> Option<LocalSolution<2>> {
+    match opens(local) {
+        Some(None) if local.block.sound => {}
+        Some(Some(open)) => return Some(open),
+        _ if !local.block.sound => return ill_conditioned(*local, state, guess(), buffer, effort),
+        _ => return select_among_all(*local, state, buffer, effort).map(|s| s.solution),
+    }
+    if state.phase != Phase::Slip
+        && let Some(found) = isotropic::stick_or_slip(local, &guess)
+    {
+        return Some(found);
+    }
+    let stick = local.stick();
+    let slips = || {
+        let slip = Slip::new(local, local.law.bounds().largest_radius);
+        newton(&slip, &guess())
+            .or_else(|| newton(&slip, &local.law.direction().gauge_jet(&stick.load).1))
+    };
+    match stick.solution {
+        Some(solution) if state.phase != Phase::Slip || certain(local, &stick) => Some(solution),
+        // Where several are possible, the rule decides between all of them.
+        Some(_) => select_among_all(*local, state, buffer, effort).map(|s| s.solution),
+        None => {
+            slips().or_else(|| select_among_all(*local, state, buffer, effort).map(|s| s.solution))
+        }
+    }
+}
+
+/// The same where the closed forms divide by small pivots: by Newton's method on all rows, and only where it does
+/// not succeed by a walk along the boundary, as long as the effort lasts.
+#[cold]
+#[inline(never)]
+fn ill_conditioned(
+    local: Local<'_, 2>,
+    state: &ContactState,
+    guess: V,
+    buffer: &mut Vec<LocalSolution<2>>,
+    effort: &mut Effort,
+) -> Option<LocalSolution<2>> {
+    let opens = match local.prescribed {
+        Some(normal) => normal == 0.0,
+        None => local.b_n >= 0.0,
+    };
+    if opens {
+        return Some(local.open());
+    }
+    let stick = local.any_stick();
+    if stick.is_some() && state.phase != Phase::Slip {
+        return stick;
+    }
+    let found = local.slip_from(&guess).or(stick);
+    if found.is_some() {
+        return found;
+    }
+    if effort.walk() {
+        return select_among_all(local, state, buffer, effort).map(|s| s.solution);
+    }
+    local.rescued(state, effort).map(|s| s.solution)
+}
+
+#[cold]
+#[inline(never)]
+fn select_among_all(
+    local: Local<'_, 2>,
+    state: &ContactState,
+    buffer: &mut Vec<LocalSolution<2>>,
+    effort: &mut Effort,
+) -> Option<Selection<2>> {
+    let complete = solutions(&local, buffer);
+    let Some(solution) = local.select(buffer, state) else {
+        return local.rescued(state, effort);
+    };
+    let continuum = buffer.iter().any(|s| s.degenerate);
+    Some(Selection { solution, ambiguous: buffer.len() > 1 || continuum || !complete })
+}
+
+/// The solution, if it is found quickly and certainly the only one.
+#[inline(always)]
+fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
+    if let Some(open) = opens(local)? {
+        return Some(open);
+    }
+    if !local.block.sound {
+        return None;
+    }
+    let bounds = local.law.bounds();
+    let stick = local.stick();
+    let certain = certain(local, &stick);
+    if let Some(solution) = stick.solution {
+        if solution.degenerate || stick.gauge >= 1.0 - 1e-12 {
+            return None;
+        }
+        if certain {
+            return Some(solution);
+        }
+        let table = local.law.walk().table;
+        let slip = Slip::new(local, bounds.largest_radius);
+        let scan = Scan::new(&slip, table);
+        return (0..COARSE).all(|i| scan.excluded(&slip, table, i)).then_some(solution);
+    }
+    let slip = Slip::new(local, bounds.largest_radius);
+    let mut found = newton(&slip, &guess());
+    if found.is_none() {
+        // Where the last direction is far off, the normal below the load is a good start.
+        found = newton(&slip, &local.law.direction().gauge_jet(&stick.load).1);
+    }
+    let solution = found?;
+    let only = || {
+        let table = local.law.walk().table;
+        Scan::new(&slip, table).has_one_root(&slip, table)
+    };
+    (certain || only()).then_some(solution)
+}
+
+/// The open contact, if it opens; `None` where friction may pull it towards the surface.
+#[inline(always)]
+fn opens(local: &Local<'_, 2>) -> Option<Option<LocalSolution<2>>> {
+    if local.prescribed.is_some() {
+        return Some((local.prescribed == Some(0.0)).then(|| local.open()));
+    }
+    local.block.pressed.then(|| (local.b_n >= 0.0).then(|| local.open()))
+}
+
+/// Whether the contact certainly has one solution only.
+#[inline(always)]
+fn certain(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
+    let shape = match local.prescribed {
+        Some(_) => local.block.shape,
+        None => Shape::new(&local.affine().1, local.law.bounds().smallest_sine),
+    };
+    match shape {
+        Shape::Monotone => true,
+        Shape::Scalar => !local.law.table().may_be_ambiguous(&stick.load, stick.gauge),
+        Shape::General => false,
+    }
+}
+
+/// Newton's method for `F = 0` in the angle of the normal, from the last slip direction.
+///
+/// `dF/dφ = −n·v − n × (A x')`, `x' = (z' − x (∇k_C·z'))/k_C`, `z' = ∇²h_D n⊥`.
+fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
+    let law = slip.local.law;
+    let mut n = guess.try_normalize(0.0)?;
+    if let Some(mu) = law.isotropic_coefficient() {
+        return isotropic::newton(slip, n, mu);
+    }
+    for _ in 0..10 {
+        let turn = V::new(-n.y, n.x);
+        let (z, dz) = law.direction().support_derivative(&n, &turn);
+        let (gauge, gradient) = law.reservoir().gauge_jet(&z);
+        let reciprocal = 1.0 / gauge;
+        let x = z * reciprocal;
+        let v = slip.velocity(&x);
+        let value = cross(&n, &v);
+        if value.abs() <= slip.rounding {
+            return slip.admit_root(&n, &x, &v);
+        }
+        let dx = (dz - x * gradient.dot(&dz)) * reciprocal;
+        let dv = slip.a * dx;
+        let step = value / (n.dot(&v) + cross(&n, &dv));
+        // What is left after the last step is its square, unless the boundary is nearly flat here.
+        if step.abs() < 1e-8 && dx.norm_squared() < slip.mild_bend {
+            return slip.admit_root(&n, &(x + dx * step), &(v - dv * step));
+        }
+        // The comparison also turns away NaN from flats, where the Hessian is infinite.
+        if !(step.abs() < 0.3) {
+            // At a corner of D the slip velocity does not depend on the normal, which must be along it.
+            if dx == V::zeros()
+                && let Some(along) = (v * slip.sign).try_normalize(0.0)
+                && along != n
+            {
+                n = along;
+                continue;
+            }
+            return None;
+        }
+        n = (n + turn * step) * (1.0 / (1.0 + step * step).sqrt());
+    }
+    None
+}

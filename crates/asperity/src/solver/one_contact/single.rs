@@ -1,0 +1,650 @@
+//! One contact as a small dense problem, whatever its dimension and however ill-conditioned its block.
+//!
+//! The closed forms of `line.rs` and `plane/` divide by pivots of the block. Where those are small,
+//! what is found there is refined here, and what is not found there is searched for here: the measure
+//! of a contact decides which percussions are a solution.
+
+use asperity_set::{Matrix, StarSet, Vector};
+use nalgebra::{Matrix3, Vector3};
+
+use super::effort::{Effort, Evaluations};
+use super::singular::Factors;
+use crate::contact::{ContactProblem, ContactRows, NormalForce, Phase};
+use crate::law::{self, ContactMatrix, ContactPoint, ContactVector, Friction, FrictionLaw, Rho};
+
+type V = ContactVector;
+
+/// Newton iterations from one start, halvings of a step, rounds of prox iterations, iterations in one.
+const ITERATIONS: usize = 40;
+const HALVINGS: usize = 10;
+const ROUNDS: usize = 12;
+const PROX: usize = 50;
+/// Proximal points.
+const PROXIMAL: usize = 60;
+/// Steps of refinement of a solution that is known already.
+const REFINEMENTS: usize = 3;
+/// Relative `‖F‖` that counts as solved.
+const SOLVED: f64 = 1e-12;
+/// Largest condition of a matrix that counts as regular.
+const REGULAR: f64 = 1e10;
+/// Largest condition with which an inverse keeps twelve digits.
+const SOUND: f64 = 1e4;
+const SVD_ITERATIONS: usize = 100;
+
+/// Relative defect that is nothing but rounding.
+pub(crate) const ROUNDING: f64 = 1e-14;
+/// Relative defect up to which percussions count as a solution when one is chosen, and up to which a search
+/// goes on.
+pub(crate) const SOLUTION: f64 = 1e-12;
+pub(crate) const FOUND: f64 = 1e-11;
+/// Singular values below this part of the largest may be left out in stick. The result is judged by its
+/// defect, so that this decides about the effort only.
+const SMALL: f64 = 1e-6;
+/// Velocity in stick against the loads, both in the units of `scales`.
+const STOPPED: f64 = 1e-6;
+/// Singular values below this part of the largest are rounding: stick is a continuum.
+const VANISHING: f64 = 1e-13;
+
+/// The contact with the velocities that the others leave it.
+#[derive(Clone, Copy)]
+pub(crate) struct Single<'a, const P: usize> {
+    pub(crate) law: &'a FrictionLaw<P>,
+    pub(crate) normal: NormalForce,
+    /// `G_ii`, unused rows of a multiple of the unit matrix, in its units.
+    pub(crate) g: ContactMatrix,
+    pub(crate) b: V,
+    rho: Rho,
+    /// `ρ = rows/tr G`, the prox parameter of the measure.
+    own_rho: f64,
+    /// What `‖F‖` is compared with: `ρ‖b‖`.
+    loads: f64,
+}
+
+/// Percussions with their relative defect.
+#[derive(Clone, Copy)]
+pub(crate) struct Graded {
+    pub(crate) percussion: V,
+    pub(crate) defect: f64,
+    /// One of a continuum.
+    pub(crate) degenerate: bool,
+}
+
+/// The shortest solution of a linear system that may be singular.
+fn solution(matrix: &ContactMatrix, right: &V) -> Option<V> {
+    let size = matrix.norm();
+    // The comparisons also turn away NaN.
+    if !(size < f64::MAX) {
+        return None;
+    }
+    if let Some(inverse) = inverse(matrix, REGULAR) {
+        return Some(inverse * right);
+    }
+    let svd = matrix.try_svd(true, true, f64::EPSILON, SVD_ITERATIONS)?;
+    svd.solve(right, size / REGULAR).ok()
+}
+
+/// The inverse of a matrix whose condition is at most so large. With pivots: without, as of cofactors, the inverse of
+/// a matrix of rank one may look harmless.
+fn inverse(matrix: &ContactMatrix, condition: f64) -> Option<ContactMatrix> {
+    matrix.lu().try_inverse().filter(|inverse| inverse.norm() * matrix.norm() <= condition)
+}
+
+/// Directions to the centres of the faces, edges and corners of a cube of `P` dimensions.
+fn around<const P: usize>() -> impl Iterator<Item = Vector<P>> {
+    let count = 3usize.pow(P as u32);
+    (0..count).filter(move |&k| k != count / 2).map(|k| {
+        let step = |i: u32| (k / 3usize.pow(i) % 3) as f64 - 1.0;
+        Vector::<P>::from_fn(|i, _| step(i as u32))
+    })
+}
+
+impl<'a, const P: usize> Single<'a, P> {
+    /// Contact `i` of a problem with the velocities `held` that the others leave it.
+    pub(crate) fn of(
+        problem: &ContactProblem,
+        i: usize,
+        law: &'a FrictionLaw<P>,
+        held: &[f64; 4],
+    ) -> Self {
+        let rows: &ContactRows = &problem.contacts()[i];
+        let entry = |a: usize, b: usize| problem.delassus().own(i, rows.offset, a, b);
+        Self::new(law, rows.normal, entry, |a| held[a])
+    }
+
+    pub(crate) fn new(
+        law: &'a FrictionLaw<P>,
+        normal: NormalForce,
+        entry: impl Fn(usize, usize) -> f64,
+        load: impl Fn(usize) -> f64,
+    ) -> Self {
+        let first = usize::from(normal == NormalForce::Unilateral);
+        let len = first + P;
+        let mean = (0..len).map(|i| entry(i, i)).sum::<f64>() / len as f64;
+        let g = ContactMatrix::from_fn(|i, j| match i.max(j) < len {
+            true => entry(i, j),
+            false if i == j => mean,
+            false => 0.0,
+        });
+        let b = V::from_fn(|i, _| if i < len { load(i) } else { 0.0 });
+        let tangent: f64 = (first..len).map(|i| g[(i, i)]).sum();
+        let rho = Rho { normal: 1.0 / g[(0, 0)], tangent: P as f64 / tangent };
+        let own_rho = 1.0 / mean;
+        Self { law, normal, g, b, rho, own_rho, loads: own_rho * b.norm() }
+    }
+
+    /// Number of normal rows.
+    pub(crate) fn first(&self) -> usize {
+        usize::from(self.normal == NormalForce::Unilateral)
+    }
+
+    fn len(&self) -> usize {
+        self.first() + P
+    }
+
+    pub(crate) fn tangent(&self, v: &V) -> Vector<P> {
+        let first = self.first();
+        Vector::<P>::from_fn(|i, _| v[first + i])
+    }
+
+    pub(crate) fn normal(&self, p: &V) -> f64 {
+        match self.normal {
+            NormalForce::Prescribed(value) => value,
+            NormalForce::Unilateral => p[0],
+        }
+    }
+
+    /// Velocities, of the unused rows zero.
+    pub(crate) fn velocity(&self, p: &V) -> V {
+        self.g * p + self.b
+    }
+
+    /// Whether the contact is open: no friction is asked whether it can pull it back.
+    pub(crate) fn opens(&self) -> bool {
+        match self.normal {
+            NormalForce::Prescribed(value) => value == 0.0,
+            NormalForce::Unilateral => self.b[0] >= 0.0,
+        }
+    }
+
+    /// Whether the reservoir holds the percussions.
+    pub(crate) fn holds(&self, p: &V) -> bool {
+        self.normal(p) > 0.0 && self.gauge(p) <= 1.0 + 4.0 * f64::EPSILON
+    }
+
+    pub(crate) fn gauge(&self, p: &V) -> f64 {
+        self.law.reservoir().gauge(&(self.tangent(p) / -self.normal(p)))
+    }
+
+    pub(crate) fn slips(&self, p: &V) -> bool {
+        self.normal(p) > 0.0 && self.gauge(p) >= 1.0 - 1e-9
+    }
+
+    /// What the contact does under percussions that solve it.
+    pub(crate) fn phase(&self, p: &V) -> (Phase, Vector<P>) {
+        let slip = self.tangent(&self.velocity(p));
+        let still = slip.amax() <= 1e-12 * self.tangent(&self.b).amax();
+        match self.normal(p) > 0.0 {
+            false => (Phase::Open, slip),
+            true if still || !self.slips(p) => (Phase::Stick, Vector::zeros()),
+            true => (Phase::Slip, slip),
+        }
+    }
+
+    /// The relative defect of percussions, as `natural_residual` has it for a problem of one contact.
+    ///
+    /// Percussions that are huge against the loads would make every defect small: an approach that is not
+    /// small against the loads is a defect by itself.
+    pub(crate) fn defect(&self, p: &V) -> f64 {
+        let (len, xi) = (self.len(), self.velocity(p));
+        let normal = self.normal(p);
+        let closing = match self.normal {
+            NormalForce::Prescribed(_) => 0.0,
+            NormalForce::Unilateral => normal - f64::max(0.0, normal - self.own_rho * xi[0]),
+        };
+        let mut slip = [0.0; 3];
+        slip[..P].copy_from_slice(self.tangent(&xi).as_slice());
+        let tangent = &p.as_slice()[self.first()..len];
+        let friction = Friction { normal, tangent, slip };
+        let sliding = law::inclusion_defect(self.law, friction, self.own_rho);
+        let square = closing * closing + sliding;
+        let scale = f64::max(p.norm_squared(), self.loads * self.loads);
+        let defect = if square == 0.0 { 0.0 } else { (square / scale).sqrt() };
+        let approach = if self.first() == 1 { -xi[0] / self.b.amax() } else { 0.0 };
+        if approach > 1e-2 { defect.max(approach) } else { defect }
+    }
+
+    pub(crate) fn graded(&self, percussion: V, degenerate: bool) -> Graded {
+        Graded { percussion, defect: self.defect(&percussion), degenerate }
+    }
+
+    /// Percussions of sliding along `v`, the normal one from its own row.
+    pub(crate) fn slipping(&self, v: &Vector<P>) -> V {
+        let Ok(force) = self.law.force(v, 1.0) else { return V::zeros() };
+        let mut unit = V::zeros();
+        let first = self.first();
+        (0..P).for_each(|i| unit[first + i] = force[i]);
+        let normal = match self.normal {
+            NormalForce::Prescribed(value) => value,
+            NormalForce::Unilateral => {
+                unit[0] = 1.0;
+                let resistance = self.g.row(0).transpose().dot(&unit);
+                f64::max(0.0, -self.b[0] / resistance)
+            }
+        };
+        if normal.is_finite() { unit * normal } else { V::zeros() }
+    }
+
+    /// Sliding with the normal `n` of *D*: the friction percussion per normal percussion, after 1 for the normal
+    /// one, the denominator `G_N·` of it, and how far the direction of `denominator · γ_T` is from `n`.
+    ///
+    /// With `P_N = −b_N/denominator` that product has no pole where the denominator vanishes, as in `plane/`.
+    fn astray(&self, n: &Vector<P>) -> Option<(V, f64, Vector<P>)> {
+        let force = self.law.force(n, 1.0).ok()?;
+        let (mut unit, first) = (V::zeros(), self.first());
+        (0..P).for_each(|i| unit[first + i] = force[i]);
+        let (denominator, factor) = match self.normal {
+            NormalForce::Prescribed(value) => (1.0, value),
+            NormalForce::Unilateral => {
+                unit[0] = 1.0;
+                (self.g.row(0).transpose().dot(&unit), -self.b[0])
+            }
+        };
+        let slip = self.tangent(&self.b) * denominator + self.tangent(&(self.g * unit)) * factor;
+        Some((unit * factor, denominator, slip.try_normalize(0.0)? - n))
+    }
+
+    /// Newton's method for the normal of *D* along which the contact slides, with differences.
+    ///
+    /// Beside cusps of *C* and on slender *D* the natural map has no derivative to speak of; along bdry *D* the
+    /// percussions depend on the normal the less the sharper these are. Where friction nearly pulls the contact in,
+    /// percussions are large and nothing else leads to them.
+    fn along_normals(&self, start: &Vector<P>, left: &mut Evaluations) -> Option<V> {
+        const STEP: f64 = 1e-7;
+        let mut n = start.try_normalize(0.0)?;
+        let (mut percussion, mut denominator, mut off) = self.astray(&n)?;
+        'newton: for _ in 0..ITERATIONS {
+            let distance = off.norm();
+            if distance <= 4.0 * f64::EPSILON {
+                break;
+            }
+            let mut jacobian = Matrix::<P>::zeros();
+            for k in 0..P {
+                if !left.take() {
+                    break 'newton;
+                }
+                let mut beside = n;
+                beside[k] += STEP;
+                jacobian.set_column(k, &((self.astray(&beside)?.2 - off) / STEP));
+            }
+            // Along the normal itself the derivative is −1.
+            let step = -(jacobian.try_inverse()? * off);
+            let mut length = (0.5 / step.norm()).min(1.0);
+            loop {
+                // The comparison also turns away NaN.
+                if !(length > 1e-4) || !left.take() {
+                    break 'newton;
+                }
+                let next = (n + step * length).normalize();
+                let there = self.astray(&next)?;
+                if there.2.norm() < (1.0 - 1e-4 * length) * distance {
+                    n = next;
+                    (percussion, denominator, off) = there;
+                    break;
+                }
+                length *= 0.5;
+            }
+        }
+        (denominator > 0.0 && off.norm() < 1e-6).then(|| percussion / denominator)
+    }
+
+    /// What the natural map is a function of.
+    fn point<'p>(&self, p: &'p V, xi: &'p V, rho: Rho) -> ContactPoint<'p> {
+        let prescribed = self.normal.prescribed();
+        let (percussion, xi) = (&p.as_slice()[..self.len()], &xi.as_slice()[..self.len()]);
+        ContactPoint { prescribed, rho, percussion, xi }
+    }
+
+    /// `F` and its Jacobian `A + B G`.
+    fn linearized(&self, p: &V) -> (V, ContactMatrix) {
+        let (len, xi) = (self.len(), self.velocity(p));
+        let (mut f, mut a, mut b) = (V::zeros(), ContactMatrix::zeros(), ContactMatrix::zeros());
+        let out = &mut f.as_mut_slice()[..len];
+        law::natural_map(self.law, self.point(p, &xi, self.rho), out, Some((&mut a, &mut b)));
+        let mut matrix = a + b * self.g;
+        (len..4).for_each(|i| matrix[(i, i)] = 1.0);
+        (f, matrix)
+    }
+
+    fn map(&self, p: &V, rho: Rho) -> V {
+        let (xi, mut f) = (self.velocity(p), V::zeros());
+        let out = &mut f.as_mut_slice()[..self.len()];
+        law::natural_map(self.law, self.point(p, &xi, rho), out, None);
+        f
+    }
+
+    /// Damped Newton from `p`; `None` if it does not end in a zero of the natural map.
+    pub(crate) fn newton(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
+        let (mut f, mut matrix) = self.linearized(&p);
+        for _ in 0..ITERATIONS {
+            let (norm, scale) = (f.norm(), self.loads.max(p.norm()));
+            if norm <= 1e-15 * scale {
+                return Some(p);
+            }
+            let step = solution(&matrix, &-f)?;
+            let mut length = 1.0;
+            let mut next = p + step;
+            if !left.take() {
+                break;
+            }
+            while !(self.map(&next, self.rho).norm() < (1.0 - 1e-4 * length) * norm) {
+                length *= 0.5;
+                if length < 0.5_f64.powi(HALVINGS as i32) || !left.take() {
+                    // Rounding ends the descent.
+                    return (norm <= SOLVED * scale).then_some(p);
+                }
+                next = p + step * length;
+            }
+            p = next;
+            (f, matrix) = self.linearized(&p);
+        }
+        (f.norm() <= SOLVED * self.loads.max(p.norm())).then_some(p)
+    }
+
+    /// Newton steps from percussions that are a solution but for rounding, as long as they make the defect
+    /// smaller.
+    pub(crate) fn refined(&self, start: Graded) -> Graded {
+        let mut best = start;
+        for _ in 0..REFINEMENTS {
+            if best.defect <= ROUNDING {
+                break;
+            }
+            let (f, matrix) = self.linearized(&best.percussion);
+            let Some(step) = solution(&matrix, &-f) else { break };
+            let next = self.graded(best.percussion + step, best.degenerate);
+            // The comparison also turns away NaN.
+            if !(next.defect < 0.5 * best.defect) {
+                break;
+            }
+            best = next;
+        }
+        best
+    }
+
+    /// Prox iterations with steps that shrink, Newton's method after each round.
+    fn prox(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
+        let scale = 1.0 / (self.g.norm() * self.rho.normal.max(self.rho.tangent));
+        for round in 0..ROUNDS {
+            let factor = scale * 0.7_f64.powi(round as i32);
+            let rho = Rho { normal: self.rho.normal * factor, tangent: self.rho.tangent * factor };
+            for _ in 0..PROX {
+                if !left.take() {
+                    return None;
+                }
+                p -= self.map(&p, rho);
+            }
+            if let Some(found) = self.newton(p, left) {
+                return Some(found);
+            }
+        }
+        None
+    }
+
+    /// Newton's method where the block is singular: on `G + εI` with the load `b − εP`, which the solution of the
+    /// singular problem satisfies too. ContactMatrix ε are long steps.
+    fn proximal_point(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
+        let mut small = 1.0 / self.rho.tangent;
+        for _ in 0..PROXIMAL {
+            if !left.are_left() {
+                break;
+            }
+            let g = self.g + ContactMatrix::identity() * small;
+            let Some(next) = (Self { g, b: self.b - p * small, ..*self }).newton(p, left) else {
+                small *= 5.0;
+                continue;
+            };
+            p = next;
+            small *= 0.3;
+            if let Some(found) = self.newton(p, left) {
+                return Some(found);
+            }
+        }
+        None
+    }
+
+    /// Percussions that solve the contact, by every means there is: from a start, from sliding all around,
+    /// by prox iterations and proximal points, as far as the effort goes. What has the least defect, which may be
+    /// large.
+    pub(crate) fn search(&self, first: &[V], effort: &mut Effort) -> Option<Graded> {
+        let mut left = effort.search();
+        let mut best: Option<Graded> = None;
+        let mut keep = |p: V| {
+            let found = self.refined(self.graded(p, false));
+            if best.is_none_or(|best| found.defect < best.defect) {
+                best = Some(found);
+            }
+            found.defect <= FOUND
+        };
+        let free = self.tangent(&self.b);
+        let starts = [self.slipping(&free), V::zeros()];
+        let all = first.iter().copied().chain(starts);
+        if all.filter_map(|p| self.newton(p, &mut left)).any(&mut keep) {
+            return best;
+        }
+        // In turns, so that neither takes all evaluations; on a line there are two normals only.
+        for n in std::iter::once(free).chain(around()) {
+            if P > 1 && self.along_normals(&n, &mut left).is_some_and(&mut keep) {
+                return best;
+            }
+            if self.newton(self.slipping(&n), &mut left).is_some_and(&mut keep) {
+                return best;
+            }
+        }
+        let start = first.first().copied().unwrap_or_default();
+        for far in [Self::proximal_point, Self::prox] {
+            if let Some(p) = far(self, start, &mut left)
+                && keep(p)
+            {
+                return best;
+            }
+        }
+        effort.failed(left);
+        best
+    }
+
+    /// The percussions of a stick solution, `GP + b = 0` with `−P_T ∈ P_N C`, whatever the rank of the block.
+    ///
+    /// Of a block without full rank the solutions are `P₀ + ker G`, and the admissible ones among them are a
+    /// convex set if *C* is. With a block whose small singular values may or may not be rounding every rank
+    /// is tried: the percussions with the least rank that solve the system up to rounding are taken, else
+    /// those with the least defect. Of a continuum it is the point nearest to the shortest solution.
+    pub(crate) fn stick(&self) -> Option<Graded> {
+        if let Some(inverse) = inverse(&self.g, SOUND) {
+            let p = -(inverse * self.b);
+            let rest = self.velocity(&p);
+            let percussion = p - inverse * rest;
+            // Within the reservoir nothing but the velocity is a defect, and without loads there is none.
+            let defect = match rest.norm() {
+                0.0 => 0.0,
+                rest => self.own_rho * rest / self.loads.max(p.norm()),
+            };
+            return self.holds(&percussion).then_some(Graded {
+                percussion,
+                defect,
+                degenerate: false,
+            });
+        }
+        self.stick_of_any_rank()
+    }
+
+    fn stick_of_any_rank(&self) -> Option<Graded> {
+        let n = self.len();
+        let scales = self.scales();
+        let scaled = ContactMatrix::from_fn(|i, j| match i.max(j) < n {
+            true => self.g[(i, j)] * scales[i] * scales[j],
+            false => 0.0,
+        });
+        let load = -self.b.component_mul(&scales);
+        if !(scaled.norm() < f64::MAX && load.norm() < f64::MAX) {
+            return None;
+        }
+        let factors = Factors::new(&scaled, n);
+        let back = |p: &V| p.component_mul(&scales);
+        let whole = factors.solve(&scaled, &load, n);
+        let mut best: Option<Graded> = None;
+        let mut keep = |p: V, degenerate: bool, lowest: bool| {
+            // Percussions that are huge against the loads stop the contact in name only.
+            let left = self.velocity(&p).component_mul(&scales).norm();
+            if !(self.holds(&p) && left <= STOPPED * load.norm()) {
+                return;
+            }
+            let found = self.graded(p, degenerate);
+            if !(found.defect < f64::INFINITY) {
+                return;
+            }
+            let better = lowest && found.defect <= ROUNDING;
+            if better || best.is_none_or(|best| found.defect < best.defect) {
+                best = Some(found);
+            }
+        };
+        keep(back(&whole), false, false);
+        for rank in (1..n).rev() {
+            if factors.values[rank] > SMALL * factors.values[0] {
+                continue;
+            }
+            let degenerate = factors.values[rank] <= VANISHING * factors.values[0];
+            let shortest = factors.solve(&scaled, &load, rank);
+            let kernel: [V; 3] = std::array::from_fn(|k| match rank + k < n {
+                true => back(&factors.right.column(rank + k).into_owned()),
+                false => V::zeros(),
+            });
+            let size = shortest.norm().max(f64::MIN_POSITIVE);
+            let Some(inside) = self.within(&back(&shortest), &kernel[..n - rank], size) else {
+                continue;
+            };
+            keep(self.towards(&inside, &back(&whole)), degenerate, false);
+            keep(self.towards(&inside, &back(&shortest)), degenerate, true);
+        }
+        best
+    }
+
+    /// Units of the percussions in which the diagonal of the block is one on average; all tangential rows
+    /// share one, so that it does not matter how they are chosen.
+    fn scales(&self) -> V {
+        let normal = self.rho.normal.sqrt();
+        let tangent = self.rho.tangent.sqrt();
+        V::from_fn(|i, _| if i < self.first() { normal } else { tangent })
+    }
+
+    /// How far percussions are outside, `k_C(−P_T) − P_N`, positively homogeneous and for convex *C* convex; the
+    /// prescribed normal percussion counts `weight` times.
+    fn excess(&self, p: &V, weight: f64) -> f64 {
+        let normal = match self.normal {
+            NormalForce::Prescribed(value) => value * weight,
+            NormalForce::Unilateral => p[0],
+        };
+        let tangent = -self.tangent(p);
+        let gauge = if tangent.amax() == 0.0 { 0.0 } else { self.law.reservoir().gauge(&tangent) };
+        gauge - normal
+    }
+
+    /// A point of `P + span(kernel)` that the reservoir holds.
+    fn within(&self, p: &V, kernel: &[V], size: f64) -> Option<V> {
+        if self.holds(p) {
+            return Some(*p);
+        }
+        let found = match kernel {
+            [axis] => self.within_line(p, &(axis * size)),
+            _ => self.within_space(p, kernel, size),
+        };
+        found.filter(|p| self.holds(p))
+    }
+
+    /// On a line: over the angle `θ` of `P cos θ + K sin θ`, which reaches its far ends, the least excess by a
+    /// scan and a golden section.
+    fn within_line(&self, p: &V, axis: &V) -> Option<V> {
+        const SCAN: usize = 64;
+        let at = |theta: f64| {
+            let (sine, cosine) = theta.sin_cos();
+            self.excess(&(p * cosine + axis * sine), cosine)
+        };
+        let step = std::f64::consts::PI / SCAN as f64;
+        let angle = |k: usize| step * (k as f64 + 0.5) - std::f64::consts::FRAC_PI_2;
+        let least = (0..SCAN).min_by(|&a, &b| at(angle(a)).total_cmp(&at(angle(b))))?;
+        let limit = std::f64::consts::FRAC_PI_2 * (1.0 - 1e-9);
+        let (mut low, mut high) =
+            ((angle(least) - step).max(-limit), (angle(least) + step).min(limit));
+        let mut best = (at(angle(least)), angle(least));
+        for _ in 0..80 {
+            if best.0 < 0.0 {
+                break;
+            }
+            let (a, b) = (high - 0.618 * (high - low), low + 0.618 * (high - low));
+            let (at_a, at_b) = (at(a), at(b));
+            if at_a <= at_b {
+                high = b
+            } else {
+                low = a
+            }
+            for found in [(at_a, a), (at_b, b)] {
+                if found.0 < best.0 {
+                    best = found;
+                }
+            }
+        }
+        Some(p + axis * best.1.tan())
+    }
+
+    /// In a plane or in space: the ellipsoid method for the convex excess, from a ball of a thousand times the
+    /// size of the percussions.
+    fn within_space(&self, p: &V, kernel: &[V], size: f64) -> Option<V> {
+        const STEPS: usize = 600;
+        let at = |s: &Vector3<f64>| {
+            kernel.iter().zip(s.iter()).fold(*p, |p, (axis, s)| p + axis * (size * s))
+        };
+        let (mut s, mut shape) = (Vector3::<f64>::zeros(), Matrix3::<f64>::identity() * 1e6);
+        for _ in 0..STEPS {
+            let here = at(&s);
+            if self.excess(&here, 1.0) <= 0.0 {
+                return Some(here);
+            }
+            let tangent = -self.tangent(&here);
+            let gradient = match tangent.amax() == 0.0 {
+                true => Vector::<P>::zeros(),
+                false => self.law.reservoir().gauge_jet(&tangent).1,
+            };
+            let slope = Vector3::from_fn(|i, _| {
+                kernel.get(i).map_or(0.0, |axis| {
+                    let normal = if self.first() == 1 { axis[0] } else { 0.0 };
+                    -(gradient.dot(&self.tangent(axis)) + normal)
+                })
+            });
+            let step = shape * slope;
+            let length = slope.dot(&step).sqrt();
+            // The comparison also ends at a vanishing gradient.
+            if !(length > 0.0) {
+                return None;
+            }
+            let step = step / length;
+            s -= step / 4.0;
+            shape = (shape - step * step.transpose() * 0.5) * (9.0 / 8.0);
+        }
+        None
+    }
+
+    /// The point nearest to `end` on the way there from a point that the reservoir holds.
+    fn towards(&self, inside: &V, end: &V) -> V {
+        if self.holds(end) {
+            return *end;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.holds(&(inside + (end - inside) * middle)) {
+                low = middle
+            } else {
+                high = middle
+            }
+        }
+        inside + (end - inside) * low
+    }
+}

@@ -1,0 +1,66 @@
+//! All solutions of one contact, the others held.
+
+use super::block::Block;
+use super::local::LocalSolution;
+use super::solve::OneContact;
+use crate::contact::{ContactProblem, Phase, ProblemError};
+
+/// One of the solutions of a contact, on the contact's own rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSolution {
+    /// What the contact does.
+    pub phase: Phase,
+    /// Percussions.
+    pub percussion: Vec<f64>,
+    /// Velocities `γ_E`.
+    pub velocity: Vec<f64>,
+    /// Not isolated, or a double root: perturbing the data may remove or split it.
+    pub degenerate: bool,
+}
+
+/// All solutions of one contact, the percussions of the others held: open, stick, then slips
+/// counter-clockwise along bdry *D*.
+///
+/// There must be such a contact with p = 1 or 2, one percussion per row, and an operator with entries.
+pub fn solutions(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+) -> Result<Vec<ContactSolution>, ProblemError> {
+    let structure = |argument, message| Err(ProblemError::Structure { argument, message });
+    let Some(rows) = problem.contacts().get(contact) else {
+        return structure("contact", "must be the number of a contact of the problem");
+    };
+    if rows.law.dimension() > 2 {
+        return structure("contact", "must have p = 1 or 2: solutions with p = 3 are not listed");
+    }
+    if problem.delassus().is_matrix_free() {
+        return structure("delassus", "must have entries: products alone do not list solutions");
+    }
+    if percussion.len() != problem.rows() {
+        let (expected, got) = (problem.rows(), percussion.len());
+        return Err(ProblemError::Length { argument: "percussion", expected, got });
+    }
+    let own = rows.rows();
+    let mut all = percussion.to_vec();
+    let velocity = |all: &[f64]| {
+        let xi = problem.contact_velocity(contact, all, true);
+        own.clone().zip(xi).map(|(row, xi)| xi - problem.restitution()[row]).collect()
+    };
+    let mut complete = |local: &LocalSolution<2>| {
+        if rows.normal_rows() == 1 {
+            all[rows.offset] = local.normal;
+        }
+        let tangent = &mut all[rows.tangent()..own.end];
+        tangent.copy_from_slice(&local.tangent.as_slice()[..rows.law.dimension()]);
+        ContactSolution {
+            phase: local.phase,
+            percussion: all[own.clone()].to_vec(),
+            velocity: velocity(&all),
+            degenerate: local.degenerate,
+        }
+    };
+    let block = Block::new(problem, contact);
+    let one = OneContact::new(problem, contact, &block, percussion);
+    Ok(one.all_solutions().iter().map(&mut complete).collect())
+}

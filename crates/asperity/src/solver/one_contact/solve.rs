@@ -1,0 +1,270 @@
+//! One contact of a problem, whatever its dimension.
+
+use asperity_set::Vector;
+
+use super::block::Block;
+use super::effort::Effort;
+use super::local::{Local, LocalSolution, Selection};
+use super::plane::{self, Rising};
+use super::single::Single;
+use super::{line, space};
+use crate::contact::{ContactProblem, ContactState, Phase};
+use crate::law::Law;
+
+/// What is asked of the solution of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Policy {
+    /// The one that the selection rule takes, and whether there are others.
+    Prove,
+    /// The first one that is found, as near to the selection rule as stick and Newton's method from the last slip
+    /// come: for iterations that visit the contact again.
+    FirstFound,
+}
+
+/// Buffers for all solutions of a contact.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Candidates {
+    linear: Vec<LocalSolution<1>>,
+    planar: Vec<LocalSolution<2>>,
+}
+
+/// What a contact does under the percussions that it takes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Found {
+    pub(crate) phase: Phase,
+    pub(crate) slip: [f64; 3],
+    /// Whether there are other solutions.
+    pub(crate) ambiguous: bool,
+}
+
+/// One contact with the velocities `ξ` that the percussions of the others leave it.
+#[derive(Clone, Copy)]
+pub(crate) struct OneContact<'a> {
+    pub(crate) problem: &'a ContactProblem,
+    pub(crate) contact: usize,
+    pub(crate) block: &'a Block,
+    pub(crate) held: [f64; 4],
+}
+
+/// Where the solution of a contact starts from.
+#[derive(Clone, Copy)]
+pub(crate) struct Start<'a> {
+    /// The state before the step, which decides between several solutions.
+    pub(crate) history: &'a ContactState,
+    /// The slip velocity from which Newton's method starts, if not from that of before, extrapolated.
+    pub(crate) slip: Option<[f64; 3]>,
+}
+
+/// The same with the method for its dimension.
+enum ByDimension<'a> {
+    Line(Local<'a, 1>),
+    Plane(Local<'a, 2>),
+    Space(Single<'a, 3>),
+}
+
+impl<'a> OneContact<'a> {
+    /// Contact `contact` with the percussions of the others held.
+    pub(crate) fn new(
+        problem: &'a ContactProblem,
+        contact: usize,
+        block: &'a Block,
+        percussion: &[f64],
+    ) -> Self {
+        let held = problem.contact_velocity(contact, percussion, false);
+        Self { problem, contact, block, held }
+    }
+
+    /// Contact `contact` that no other influences.
+    #[inline(always)]
+    pub(crate) fn alone(problem: &'a ContactProblem, contact: usize, block: &'a Block) -> Self {
+        Self { problem, contact, block, held: problem.load(contact) }
+    }
+
+    #[inline(always)]
+    fn by_dimension(&self) -> ByDimension<'a> {
+        let (rows, held) = (&self.problem.contacts()[self.contact], &self.held);
+        match &rows.law {
+            Law::One(law) => ByDimension::Line(Local::new(law, rows, self.block, held)),
+            Law::Two(law) => ByDimension::Plane(Local::new(law, rows, self.block, held)),
+            Law::Three(law) => {
+                ByDimension::Space(Single::of(self.problem, self.contact, law, held))
+            }
+        }
+    }
+
+    /// Solves the contact and writes its percussions; `None` if no solution is found.
+    #[inline(always)]
+    pub(crate) fn solve(
+        &self,
+        policy: Policy,
+        start: Start<'_>,
+        percussion: &mut [f64],
+        candidates: &mut Candidates,
+        effort: &mut Effort,
+    ) -> Option<Found> {
+        let history = start.history;
+        match self.by_dimension() {
+            ByDimension::Line(local) => {
+                line::solve(&local, history, effort).map(|found| keep(&found, percussion))
+            }
+            ByDimension::Plane(local) => {
+                let guess = || guess(&local, start.slip.unwrap_or_else(|| history.ahead()));
+                let buffer = &mut candidates.planar;
+                match policy {
+                    Policy::Prove => plane::solve(&local, history, guess, buffer, effort),
+                    Policy::FirstFound => {
+                        plane::first_found(&local, history, guess, buffer, effort)
+                            .map(|solution| Selection { solution, ambiguous: false })
+                    }
+                }
+                .map(|found| keep(&found, percussion))
+            }
+            ByDimension::Space(single) => space::solve(&single, percussion, history, effort)
+                .map(|found| keep(&found, percussion)),
+        }
+    }
+
+    /// Whether the contact has more than one solution, as far as that is known.
+    pub(crate) fn is_ambiguous(&self, state: &ContactState, candidates: &mut Candidates) -> bool {
+        // A redundant foot that the others stop has nothing to do: to search with what rounding has left of its load
+        // would find anything or nothing.
+        let size = |velocity: [f64; 4]| velocity.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        if size(self.held) <= ROUNDING * size(self.problem.load(self.contact)) {
+            return false;
+        }
+        let effort = &mut Effort::none();
+        match self.by_dimension() {
+            ByDimension::Line(local) => {
+                line::solve(&local, state, effort).is_some_and(|s| s.ambiguous)
+            }
+            ByDimension::Plane(local) => {
+                let guess = || guess(&local, state.ahead());
+                plane::solve(&local, state, guess, &mut candidates.planar, effort)
+                    .is_some_and(|s| s.ambiguous)
+            }
+            ByDimension::Space(_) => false,
+        }
+    }
+
+    /// All solutions, on a line with a zero second component; with drilling friction none are listed.
+    pub(crate) fn all_solutions(&self) -> Vec<LocalSolution<2>> {
+        let mut out = Vec::new();
+        match self.by_dimension() {
+            ByDimension::Line(local) => {
+                let planar = |s: LocalSolution<1>| LocalSolution {
+                    phase: s.phase,
+                    normal: s.normal,
+                    tangent: Vector::<2>::new(s.tangent[0], 0.0),
+                    slip: Vector::<2>::new(s.slip[0], 0.0),
+                    degenerate: s.degenerate,
+                };
+                out.extend(line::solutions(&local).into_iter().flatten().map(planar));
+            }
+            ByDimension::Plane(local) => {
+                plane::solutions(&local, &mut out);
+            }
+            ByDimension::Space(_) => {}
+        }
+        out
+    }
+
+    /// The solution with a factor of the speed at the end of the step that continues `state`; `None` where there is
+    /// none, and with drilling friction.
+    #[cold]
+    pub(crate) fn settle(
+        &self,
+        state: &ContactState,
+        factor: &Rising<'_>,
+        candidates: &mut Candidates,
+    ) -> Option<Settled> {
+        match self.by_dimension() {
+            ByDimension::Line(local) => {
+                let all = &mut candidates.linear;
+                plane::solutions_on_a_line(&local, factor, all);
+                Settled::new(&local, all, state, factor)
+            }
+            ByDimension::Plane(local) => {
+                let all = &mut candidates.planar;
+                plane::rising_solutions(&local, factor, all);
+                Settled::new(&local, all, state, factor)
+            }
+            ByDimension::Space(_) => None,
+        }
+    }
+
+    /// Whether it is proven that the contact has no solution.
+    ///
+    /// With `x = −P_T/P_N` the certificate consists of three parts, each with a relative margin of 10⁻⁹, so that
+    /// neither rounding nor data known to nine digits can turn it round:
+    ///
+    /// - the contact cannot open: `b_N < 0`;
+    /// - it cannot stick: the only percussions with `GP + b = 0` pull, `P_N < 0`, or are outside, `k_C(x) > 1`;
+    /// - it cannot slip: all along bdry *D* the slip velocity `v(x)` is not along the normal, `F = n × v ≠ 0`, or is
+    ///   against it, or the normal force would pull, `g_NN − G_NT x < 0`. For `p = 1` these are two
+    ///   points, for `p = 2` the boundary is covered by pieces over each of which one of the three holds.
+    ///
+    /// A block whose Schur complement has lost digits proves nothing, nor does a search that finds nothing in
+    /// `p = 3`: there are contacts without a solution for which this is false.
+    pub(crate) fn proves_no_solution(&self) -> bool {
+        match self.by_dimension() {
+            ByDimension::Line(local) => line::proves_no_solution(&local),
+            ByDimension::Plane(local) => plane::proves_no_solution(&local),
+            ByDimension::Space(_) => false,
+        }
+    }
+}
+
+/// Velocities below this part of those without percussions are what rounding leaves of them.
+const ROUNDING: f64 = 1e-14;
+
+/// A start of Newton's method: a slip velocity, or the free velocity if the contact has never slipped.
+#[inline]
+fn guess(local: &Local<'_, 2>, slip: [f64; 3]) -> Vector<2> {
+    let slip = Vector::<2>::new(slip[0], slip[1]);
+    if slip.amax() == 0.0 { local.b_t } else { slip }
+}
+
+/// Writes the percussions of a solution to the contact's rows.
+#[inline(always)]
+fn keep<const P: usize>(found: &Selection<P>, percussion: &mut [f64]) -> Found {
+    let Selection { solution, ambiguous } = found;
+    solution.store(percussion);
+    let mut slip = [0.0; 3];
+    slip[..P].copy_from_slice(solution.slip.as_slice());
+    Found { phase: solution.phase, slip, ambiguous: *ambiguous }
+}
+
+/// A solution of one contact in which speed and factor agree.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settled {
+    pub(crate) factor: f64,
+    pub(crate) state: ContactState,
+    /// Normal percussion.
+    pub(crate) normal: f64,
+    /// Tangential percussions, to be multiplied by the factor.
+    pub(crate) tangent: [f64; 2],
+    /// Whether there are others.
+    pub(crate) ambiguous: bool,
+}
+
+impl Settled {
+    fn new<const P: usize>(
+        local: &Local<'_, P>,
+        all: &[LocalSolution<P>],
+        state: &ContactState,
+        factor: &Rising<'_>,
+    ) -> Option<Self> {
+        let found = local.select(all, state)?;
+        let speed = if found.phase == Phase::Slip { found.slip.norm() } else { 0.0 };
+        let (mut tangent, mut slip) = ([0.0; 2], [0.0; 3]);
+        tangent[..P].copy_from_slice(found.tangent.as_slice());
+        slip[..P].copy_from_slice(found.slip.as_slice());
+        Some(Self {
+            factor: factor.falling + factor.rate.rising(speed),
+            state: ContactState::new(found.phase, slip),
+            normal: found.normal,
+            tangent,
+            ambiguous: all.len() > 1,
+        })
+    }
+}

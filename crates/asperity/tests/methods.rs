@@ -1,0 +1,214 @@
+//! Every method on random problems that have a solution, in every form of the operator, against the natural map and
+//! against each other.
+
+mod common;
+
+use asperity::contact::{
+    BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce,
+};
+use asperity::law::{FrictionLaw, Law};
+use asperity::set::{Convex, Ellipsoid, Vector};
+use asperity::solver::{ProxStep, SolveReport, Solver, Status, Stop, Workspace, natural_map};
+use common::Random;
+use nalgebra::{DMatrix, DVector};
+
+const TOLERANCE: f64 = 1e-9;
+
+/// What makes a problem hard.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Situation {
+    /// Fewer rows than velocities of bodies.
+    Regular,
+    /// More contacts than bodies can tell apart: `G` has no full rank.
+    Redundant,
+    /// Bodies whose masses differ by ten thousand, in both orders.
+    LightOnHeavy,
+    HeavyOnLight,
+    /// Normal free velocities that vanish.
+    Grazing,
+}
+
+const SITUATIONS: [Situation; 5] = [
+    Situation::Regular,
+    Situation::Redundant,
+    Situation::LightOnHeavy,
+    Situation::HeavyOnLight,
+    Situation::Grazing,
+];
+
+/// Velocities of a body.
+const DOF: usize = 6;
+
+fn laws(p: usize) -> Vec<Law> {
+    let axes = [0.4, 0.2, 0.3];
+    match p {
+        1 => vec![FrictionLaw::<1>::isotropic(0.3).unwrap().into()],
+        2 => {
+            let ellipse = Ellipsoid::new(Vector::<2>::new(axes[0], axes[1])).unwrap();
+            vec![
+                FrictionLaw::<2>::isotropic(0.3).unwrap().into(),
+                FrictionLaw::associated(Convex::from(ellipse)).into(),
+            ]
+        }
+        _ => {
+            let ellipsoid = Ellipsoid::new(Vector::<3>::from(axes)).unwrap();
+            vec![
+                FrictionLaw::<3>::isotropic(0.3).unwrap().into(),
+                FrictionLaw::associated(Convex::from(ellipsoid)).into(),
+            ]
+        }
+    }
+}
+
+fn csr(argument: &'static str, matrix: &DMatrix<f64>) -> Csr {
+    let (mut starts, mut indices, mut values) = (vec![0], vec![], vec![]);
+    for row in matrix.row_iter() {
+        for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+            indices.push(j);
+            values.push(*value);
+        }
+        starts.push(indices.len());
+    }
+    Csr::new(argument, matrix.shape(), starts, indices, values).unwrap()
+}
+
+/// A problem in all forms of its operator.
+///
+/// Bodies stand in a row, every contact touches two neighbours, the first and the last body also the surroundings. Some
+/// motion opens all contacts, so that percussions that friction limits can stop any approach: there is a solution.
+fn problems(p: usize, situation: Situation, random: &mut Random) -> Vec<ContactProblem> {
+    let (bodies, contacts) = match situation {
+        Situation::Redundant => (2, 6),
+        _ => (4, 4),
+    };
+    let (size, rows, dof) = (p + 1, contacts * (p + 1), bodies * DOF);
+    let mut mass = DMatrix::zeros(dof, dof);
+    for body in 0..bodies {
+        let weight = match situation {
+            Situation::LightOnHeavy if body == 0 => 1e4,
+            Situation::HeavyOnLight if body + 1 == bodies => 1e4,
+            _ => 1.0,
+        };
+        let root = DMatrix::from_fn(DOF, DOF, |_, _| 0.3 * random.normal());
+        let block = (&root * root.transpose() + DMatrix::identity(DOF, DOF)) * weight;
+        mass.view_mut((DOF * body, DOF * body), (DOF, DOF)).copy_from(&block);
+    }
+    let opening = DVector::from_fn(dof, |_, _| random.normal());
+    let mut directions = DMatrix::zeros(rows, dof);
+    for contact in 0..contacts {
+        let first = contact % bodies;
+        let touched = if first + 1 < bodies { vec![first, first + 1] } else { vec![first] };
+        for row in contact * size..(contact + 1) * size {
+            for body in &touched {
+                (0..DOF).for_each(|k| directions[(row, DOF * body + k)] = random.normal());
+            }
+        }
+        let row = contact * size;
+        if directions.row(row).transpose().dot(&opening) < 0.0 {
+            directions.row_mut(row).neg_mut();
+        }
+    }
+    let approach = DVector::from_fn(dof, |k, _| random.normal() - 0.5 * opening[k]);
+    let mut free = &directions * approach;
+    if situation == Situation::Grazing {
+        (0..contacts).for_each(|contact| free[contact * size] = 0.0);
+    }
+    let laws = laws(p);
+    let dense = &directions * mass.clone().try_inverse().unwrap() * directions.transpose();
+    let sizes = vec![size; contacts];
+    let factored = Factored::new(csr("mass", &mass), csr("directions", &directions), &sizes);
+    let blocks = BlockMatrix::from_csr(&csr("delassus", &dense), &sizes);
+    let forms: [Delassus; 3] = [dense.into(), blocks.unwrap().into(), factored.unwrap().into()];
+    let problem = |delassus: Delassus| {
+        let contacts =
+            (0..contacts).map(|i| (laws[i % laws.len()].clone(), NormalForce::Unilateral));
+        ContactProblem::new(delassus, free.as_slice().to_vec(), contacts).unwrap()
+    };
+    forms.map(problem).into()
+}
+
+struct Solved {
+    report: SolveReport,
+    percussion: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+fn solve(solver: Solver, problem: &ContactProblem) -> Solved {
+    let mut workspace = Workspace::default();
+    let mut memory = Memory::new(problem.rows(), problem.contacts().len());
+    let report = solver.solve(problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
+    Solved { report, percussion: memory.percussion, velocity: workspace.velocity }
+}
+
+/// Methods, and whether each must solve a problem of this kind.
+fn methods(situation: Situation) -> Vec<(Solver, bool)> {
+    let of_one_weight = matches!(situation, Situation::Regular | Situation::Grazing);
+    let (step, max_iterations) = (ProxStep::Adaptive, 200_000);
+    vec![
+        (Solver::Auto { interior_point: true, threads: 1 }, true),
+        (Solver::Auto { interior_point: false, threads: 1 }, true),
+        (Solver::Exact { max_sweeps: 100_000 }, of_one_weight),
+        (Solver::Newton { max_iterations: 300 }, false),
+        (Solver::ProximalPoint { max_iterations: 3000 }, true),
+        (Solver::InteriorPoint { max_iterations: 200 }, of_one_weight),
+        (Solver::Admm { max_iterations: 100_000 }, of_one_weight),
+        (Solver::ProxJacobi { step, max_iterations }, of_one_weight),
+        (Solver::ProxGaussSeidel { step, max_iterations }, of_one_weight),
+    ]
+}
+
+#[test]
+fn methods_agree_on_random_problems() {
+    let mut random = Random::new(13);
+    let mut newton = (0, 0);
+    for p in 1..=3 {
+        for situation in SITUATIONS {
+            for _ in 0..3 {
+                let problems = problems(p, situation, &mut random);
+                let reference = solve(methods(situation)[0].0, &problems[0]);
+                let size = problems[0].free_velocity().iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+                for (problem, form) in problems.iter().zip(["dense", "blocks", "factored"]) {
+                    for (solver, must) in methods(situation) {
+                        let found = solve(solver, problem);
+                        let name = format!("p = {p}, {situation:?}, {form}, {solver:?}");
+                        let converged = found.report.status == Status::Converged;
+                        assert!(converged || !must, "{name}: {:?}", found.report);
+                        if let Solver::Newton { .. } = solver {
+                            newton = (newton.0 + usize::from(converged), newton.1 + 1);
+                        }
+                        if !converged {
+                            continue;
+                        }
+                        // The report's measure is that of single contacts, this one of all together.
+                        let map = natural_map(problem, &found.percussion, &found.velocity);
+                        assert!(map <= 10.0 * TOLERANCE, "{name}: natural map {map:e}");
+                        if reference.report.ambiguous || found.report.ambiguous {
+                            continue;
+                        }
+                        for (a, b) in found.velocity.iter().zip(&reference.velocity) {
+                            assert!((a - b).abs() <= 1e-5 * size, "{name}: {a} {b}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(2 * newton.0 > newton.1, "Newton alone solved {} of {}", newton.0, newton.1);
+}
+
+/// The same problem among contacts and among bodies: the same Newton iterations but for rounding.
+#[test]
+fn newton_takes_the_same_way_in_contact_and_in_body_space() {
+    let mut random = Random::new(4);
+    for _ in 0..20 {
+        let problems = problems(2, Situation::Redundant, &mut random);
+        let [dense, _, factored] = [0, 1, 2].map(|k| {
+            let solver = Solver::ProximalPoint { max_iterations: 5 };
+            solve(solver, &problems[k])
+        });
+        let size = dense.percussion.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
+        for (a, b) in dense.velocity.iter().zip(&factored.velocity) {
+            assert!((a - b).abs() <= 1e-5 * size, "{a} {b}");
+        }
+    }
+}
