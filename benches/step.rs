@@ -53,7 +53,7 @@ fn run(system: &LinearSystem, u0: [f64; 2], steps: usize, save_every: usize) -> 
     };
     let run = simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
     assert!(matches!(run.outcome, Outcome::Finished));
-    run.trajectory.q[2]
+    run.trajectory.samples.q[2]
 }
 
 /// The floor: the belt problem by hand, with nothing that this problem does not need. Stick where the

@@ -44,7 +44,7 @@ fn distance(law: FrictionLaw<2>, direction: f64) -> Result<f64, Box<dyn Error>> 
         stop_on_failure: true,
     };
     let run = simulate(&point, &options, &mut |_, _| ControlFlow::Continue(()))?;
-    let q = &run.trajectory.q;
+    let q = &run.trajectory.samples.q;
     Ok(q[q.len() - 2].hypot(q[q.len() - 1]))
 }
 

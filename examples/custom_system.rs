@@ -71,7 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ControlFlow::Continue(())
     })?;
     // The slip of the last sample: the velocity in Cartesian coordinates, (1, 1) m/s at the start.
-    let slip = &run.trajectory.slip;
+    let slip = &run.trajectory.samples.slip;
     let (v1, v2) = (slip[slip.len() - 2], slip[slip.len() - 1]);
     println!("velocity ({v1:.6}, {v2:.6}) m/s");
     // Free sliding under an associated ellipse keeps |v₁/v₁₀| = |v₂/v₂₀|^((a/b)²).

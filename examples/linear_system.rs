@@ -53,8 +53,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         stop_on_failure: true,
     };
     let run = simulate(&block, &options, &mut |_, _| ControlFlow::Continue(()))?;
-    let path = &run.trajectory;
-    let last = path.t.len() - 1;
+    let path = &run.trajectory.samples;
+    let last = path.len() - 1;
     // Phases come as (sample, contact); contact 1 is the floor.
     let first = |phase: Phase| {
         (1..=last).find(|&k| path.phase[2 * k + 1] == phase as i8).ok_or("this phase never came")

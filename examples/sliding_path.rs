@@ -30,12 +30,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         stop_on_failure: true,
     };
     let run = simulate(&disk, &options, &mut |_, _| ControlFlow::Continue(()))?;
-    let path = &run.trajectory;
+    let path = &run.trajectory.samples;
     let (x, y) = (path.q[path.q.len() - 2], path.q[path.q.len() - 1]);
-    println!("{:?} after {:.4} s", run.outcome, path.t[path.t.len() - 1]);
+    println!("{:?} after {:.4} s", run.outcome, path.t[path.len() - 1]);
     println!("end point {:.3} mm across, {:.3} mm along the grooves", 1e3 * x, 1e3 * y);
     println!("deflection {:.3} mm", 1e3 * (y * cosine - x * sine));
-    println!("{} samples, {} ambiguous steps", path.t.len(), path.ambiguous_steps);
+    println!("{} samples, {} ambiguous steps", path.len(), run.trajectory.ambiguous_steps);
     // The converged end point.
     assert!((x - 0.165_171_6).hypot(y - 0.140_954_7) < 5e-5);
     Ok(())

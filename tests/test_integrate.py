@@ -204,7 +204,6 @@ def bad(**changes):
             "contacts",
             bad(system=asp.SlidingPoint(1.0, asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.3)))),
         ),
-        ("system", bad(system=asp.RigidBodies([asp.Body(1.0, [1.0, 1.0, 1.0])]))),
     ],
 )
 def test_bad_input_is_named(argument, arguments):
@@ -279,3 +278,18 @@ def test_a_box_on_many_points_slides_to_rest(feet):
     motion = asp.integrate(asp.RigidBodies([box], points), t_end=0.2)
     expected = [0.2 - 0.5 * 0.3 * 9.81 * 0.2**2, 0.02, 0.0]
     np.testing.assert_allclose(motion.q[-1], expected, rtol=1e-9, atol=1e-15)
+
+
+def test_a_ball_that_slides_until_it_rolls():
+    mu, radius, speed, g = 0.2, 0.1, 3.0, 9.81
+    ball = asp.Body.ball(1.5, radius, position=[0.0, 0.0, radius], velocity=[speed, 0.0, 0.0])
+    floor = asp.SpherePlane(0, radius, asp.Plane(), asp.FrictionLaw.isotropic(mu))
+    motion = asp.integrate(asp.RigidBodies([ball], [floor], gravity=[0.0, 0.0, -g]), t_end=2.0)
+    assert (motion.q.shape[1], motion.u.shape[1]) == (7, 6)
+    (event,) = motion.events
+    assert event.kind == "stick"
+    assert event.time == pytest.approx(2.0 * speed / (7.0 * mu * g), rel=1e-9)
+    assert motion.u[-1, 0] == pytest.approx(5.0 / 7.0 * speed, rel=1e-9)
+    # The spin that rolls, and quaternions of length one.
+    assert motion.u[-1, 3:] == pytest.approx([0.0, 5.0 / 7.0 * speed / radius, 0.0], abs=1e-8)
+    assert np.linalg.norm(motion.q[:, 3:], axis=1) == pytest.approx(1.0, abs=1e-14)

@@ -35,22 +35,26 @@ pub fn check(data: &[u8]) {
     let Ok(run) = result else { return };
     let motion = &run.motion;
     let steps = motion.steps + motion.rejected_steps;
-    assert!(steps < STEPS, "{steps} steps to t = {:?} of {options:?}: {scene:?}", motion.t.last());
+    assert!(
+        steps < STEPS,
+        "{steps} steps to t = {:?} of {options:?}: {scene:?}",
+        motion.samples.t.last()
+    );
     if !matches!(run.outcome, Outcome::Finished) {
         return;
     }
-    let states = motion.q.iter().chain(&motion.u);
+    let states = motion.samples.q.iter().chain(&motion.samples.u);
     assert!(states.clone().all(|v| v.is_finite()), "not finite: {options:?} {scene:?}");
-    assert_eq!(*motion.t.last().unwrap(), options.t_end);
+    assert_eq!(*motion.samples.t.last().unwrap(), options.t_end);
     if !scene.tame {
         return;
     }
     scene.check_forces(&Forces {
-        p: motion.p,
+        p: motion.samples.p,
         lag: 0,
-        slip: &motion.slip,
-        force: &motion.force,
-        normal_force: &motion.normal_force,
+        slip: &motion.samples.slip,
+        force: &motion.samples.force,
+        normal_force: &motion.samples.normal_force,
         phase: None,
         slack: 1e-3,
         resolution: 0.0,
@@ -58,7 +62,7 @@ pub fn check(data: &[u8]) {
     let size = states.fold(1.0, |m: f64, v| m.max(v.abs()));
     for contact in &scene.contacts {
         let Normal::Gap { direction, gap } = &contact.normal else { continue };
-        for q in motion.q.chunks_exact(motion.dof) {
+        for q in motion.samples.q.chunks_exact(motion.samples.dof) {
             let now = gap + q.iter().zip(direction).map(|(q, w)| q * w).sum::<f64>();
             assert!(now > -1e-5 * size, "overlap {now:e}: {options:?} {scene:?}");
         }

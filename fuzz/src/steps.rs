@@ -25,7 +25,7 @@ pub fn check(data: &[u8]) {
     };
     let result = simulate(&scene.system, &options, &mut |_, _| ControlFlow::Continue(()));
     let Ok(run) = result else { return };
-    let path = &run.trajectory;
+    let path = &run.trajectory.samples;
     if !scene.tame {
         return;
     }

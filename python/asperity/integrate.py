@@ -77,12 +77,13 @@ def integrate(
     comes next, by the rule of selection of `simulate`. What `simulate` converges to for Δt → 0.
 
     Args:
-        system: a system with as many coordinates as velocities; the direction sets of its laws must
-            be strictly convex.
+        system: a system with as many coordinates as velocities, or `RigidBodies`; the direction
+            sets of its laws must be strictly convex.
         t_end: end time in s. Of a force that jumps there the limit from the left counts. What is
             short is told by it: events in its last 2e-14 are not looked for, and the integration
             gives up where 2000 steps, made or rejected, do not pass 1e-10 of it.
         q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
+            Quaternions are normalised.
         u0: initial velocities, shape ``(n,)``; default likewise.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far; between 1e-14 and 1e-2.

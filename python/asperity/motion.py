@@ -84,7 +84,8 @@ class Section(Value):
     """A hyperplane n·(q, u) = c of states, at which an integration ends when it is crossed upwards.
 
     Args:
-        normal: n, shape ``(2 n,)``, coordinates first; it points to where the motion goes.
+        normal: n, an entry for every coordinate, then for every velocity; it points to where the
+            motion goes.
         level: c.
         after: crossings up to this time in s do not count.
 
@@ -99,7 +100,7 @@ class Section(Value):
 
     def __init__(self, normal: ArrayLike, level: float, *, after: float = 0.0) -> None:
         n = _arrays.array(normal, "normal", (None,))
-        if len(n) % 2 or not n.any():
+        if len(n) < 2 or not n.any():
             raise ParameterError(
                 "normal", "must have an entry for every coordinate and velocity, not all zero"
             )
@@ -118,7 +119,7 @@ class Motion(Value):
 
     Attributes:
         t: time in s, shape ``(n_t,)``.
-        q: coordinates, shape ``(n_t, n)``.
+        q: coordinates, shape ``(n_t, n_q)``; more than velocities where bodies turn in space.
         u: velocities, shape ``(n_t, n)``.
         slip: relative velocities γ in m/s, shape ``(n_t, n_contact, p)``.
         force: friction forces λ on the body in N, shape ``(n_t, n_contact, p)``.

@@ -1,10 +1,10 @@
 //! Errors of the core as the exceptions of `asperity.errors`.
 
 use asperity::contact::ProblemError;
-use asperity::event::{self, FieldError};
+use asperity::event::EvaluationError;
+use asperity::integrator::OptionsError;
 use asperity::law::LawError;
 use asperity::set::SetError;
-use asperity::simulate::OptionsError;
 use asperity::stepper::StepError;
 use asperity::system::SystemError;
 use pyo3::prelude::*;
@@ -88,18 +88,12 @@ impl From<OptionsError> for Failure {
     }
 }
 
-impl From<event::OptionsError> for Failure {
-    fn from(error: event::OptionsError) -> Self {
-        Self(parameter(error.argument, &error.message))
-    }
-}
-
-impl From<FieldError> for Failure {
-    fn from(error: FieldError) -> Self {
+impl From<EvaluationError> for Failure {
+    fn from(error: EvaluationError) -> Self {
         let text = error.to_string();
         match error {
-            FieldError::System(error) => error.into(),
-            FieldError::SingularMass { .. } => Self(split("mass", &text)),
+            EvaluationError::System(error) => error.into(),
+            EvaluationError::SingularMass { .. } => Self(split("mass", &text)),
         }
     }
 }

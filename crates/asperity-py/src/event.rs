@@ -2,8 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use asperity::event::{Cause, Motion, Options, Outcome, Run, Section, integrate as run_core};
-use numpy::{PyArray1, PyArrayMethods};
+use asperity::event::{Motion, Options, Outcome, Run, Section, Stagnation, integrate as run_core};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -11,6 +10,7 @@ use pyo3::types::PyDict;
 use crate::convert::{Numbers, numbers};
 use crate::errors::Failure;
 use crate::outcome::without_solution;
+use crate::samples::sample_arrays;
 use crate::system::{raised as raised_meanwhile, with_system};
 
 /// The motion so far as a dictionary, and the exception that ended it, if one did.
@@ -62,13 +62,13 @@ pub fn integrate<'py>(
             out.set_item("unsolvable", proven)?;
             ("no_solution", Some(contact), None)
         }
-        Outcome::Stuck { cause, contact } => {
+        Outcome::Stagnated { cause, contact } => {
             let name = match cause {
-                Cause::Step => "step",
-                Cause::Rejections => "rejections",
-                Cause::Events => "events",
-                Cause::NoImpact => "no_impact",
-                Cause::Unsolved => "unsolved",
+                Stagnation::Step => "step",
+                Stagnation::Rejections => "rejections",
+                Stagnation::Events => "events",
+                Stagnation::NoImpact => "no_impact",
+                Stagnation::Unsolved => "unsolved",
             };
             (name, contact, None)
         }
@@ -81,16 +81,7 @@ pub fn integrate<'py>(
 }
 
 fn dictionary(py: Python<'_>, motion: Motion) -> PyResult<Bound<'_, PyDict>> {
-    let (n, n_c, p, n_t) = (motion.dof, motion.contacts, motion.p, motion.t.len());
-    let out = PyDict::new(py);
-    out.set_item("t", PyArray1::from_vec(py, motion.t))?;
-    out.set_item("q", PyArray1::from_vec(py, motion.q).reshape([n_t, n])?)?;
-    out.set_item("u", PyArray1::from_vec(py, motion.u).reshape([n_t, n])?)?;
-    out.set_item("slip", PyArray1::from_vec(py, motion.slip).reshape([n_t, n_c, p])?)?;
-    out.set_item("force", PyArray1::from_vec(py, motion.force).reshape([n_t, n_c, p])?)?;
-    let normal_force = PyArray1::from_vec(py, motion.normal_force).reshape([n_t, n_c])?;
-    out.set_item("normal_force", normal_force)?;
-    out.set_item("phase", PyArray1::from_vec(py, motion.phase).reshape([n_t, n_c])?)?;
+    let out = sample_arrays(py, motion.samples)?;
     let events = motion.events.iter().map(|event| {
         let phase = event.phase.map(|phase| phase as i8);
         (event.time, event.contact, event.kind.name(), phase, event.ambiguous)

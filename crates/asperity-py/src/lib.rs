@@ -12,6 +12,7 @@ mod law;
 mod outcome;
 mod problem;
 mod rigid;
+mod samples;
 mod set;
 mod simulate;
 mod system;

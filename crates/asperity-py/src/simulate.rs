@@ -14,6 +14,7 @@ use crate::convert::{Numbers, Points, numbers};
 use crate::errors::{Failure, dimension, parameter};
 use crate::outcome::without_solution;
 use crate::problem::Solver;
+use crate::samples::sample_arrays;
 use crate::system::{raised as raised_meanwhile, with_system};
 
 /// Columns of what a contact hands over: closed, phase, number of earlier slips, three slip velocities, four
@@ -141,22 +142,8 @@ pub fn simulate<'py>(
     if let Some(f) = progress.as_ref().filter(|_| error.is_none()) {
         f.call1(py, (trajectory.steps, steps))?;
     }
-    let (n, n_c, p) = (trajectory.dof, trajectory.contacts, trajectory.p);
-    let n_t = trajectory.t.len();
-    let out = PyDict::new(py);
-    out.set_item("t", PyArray1::from_vec(py, trajectory.t))?;
-    out.set_item(
-        "q",
-        PyArray1::from_vec(py, trajectory.q).reshape([n_t, trajectory.coordinates])?,
-    )?;
-    out.set_item("u", PyArray1::from_vec(py, trajectory.u).reshape([n_t, n])?)?;
-    out.set_item("slip", PyArray1::from_vec(py, trajectory.slip).reshape([n_t, n_c, p])?)?;
-    out.set_item("force", PyArray1::from_vec(py, trajectory.force).reshape([n_t, n_c, p])?)?;
-    out.set_item(
-        "normal_force",
-        PyArray1::from_vec(py, trajectory.normal_force).reshape([n_t, n_c])?,
-    )?;
-    out.set_item("phase", PyArray1::from_vec(py, trajectory.phase).reshape([n_t, n_c])?)?;
+    let n_c = trajectory.samples.contacts;
+    let out = sample_arrays(py, trajectory.samples)?;
     out.set_item("iterations", PyArray1::from_vec(py, trajectory.iterations))?;
     out.set_item("residual", PyArray1::from_vec(py, trajectory.residual))?;
     out.set_item("status", status)?;

@@ -20,11 +20,10 @@
 #![deny(missing_docs)]
 
 pub use asperity_set as set;
-pub use integrator::midpoint as stepper;
+pub use integrator::{event, midpoint as stepper};
 
 pub mod contact;
-pub mod event;
-mod integrator;
+pub mod integrator;
 pub mod law;
 mod linear;
 pub mod simulate;

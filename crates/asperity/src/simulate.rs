@@ -4,8 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use thiserror::Error;
-
+pub use crate::integrator::OptionsError;
 use crate::integrator::midpoint::{Attempt, State, StepError, Stepper};
 use crate::solver::{SolveReport, Solver, Status, Unsolvable};
 use crate::system::{System, SystemError};
@@ -36,6 +35,7 @@ pub struct Options {
 
 /// Why the loop ended.
 #[derive(Debug)]
+#[must_use = "a simulation may end before its time"]
 pub enum Outcome {
     /// All steps were made.
     Finished,
@@ -66,18 +66,9 @@ pub struct Failure {
     pub unsolvable: Option<Box<Unsolvable>>,
 }
 
-/// Bad options.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{argument}: {message}")]
-pub struct OptionsError {
-    /// Name of the argument.
-    pub argument: &'static str,
-    /// What is allowed, and what was given.
-    pub message: String,
-}
-
 /// The part computed so far, and why the loop ended; the first is there whatever the second says.
 #[derive(Debug)]
+#[must_use = "a simulation may end before its time"]
 pub struct Run {
     /// The samples; the last one is the state of the last step that was made.
     pub trajectory: Trajectory,
@@ -122,9 +113,7 @@ pub fn resume(
     let mut trajectory = Trajectory::default();
     let mut stepper = match Stepper::from_state(system, solver, tolerance, dt, start) {
         Ok(stepper) => stepper,
-        Err(StepError::System(SystemError::Argument { argument, message })) => {
-            return Err(OptionsError { argument, message });
-        }
+        Err(StepError::System(error @ SystemError::Argument { .. })) => return Err(error.into()),
         Err(error) => return Ok(Run { trajectory, end: None, outcome: Outcome::Error(error) }),
     };
     let watch = Watch { clock: RefCell::new(Clock::new()), observer: RefCell::new(observer) };
@@ -142,8 +131,7 @@ fn run(
     watch: &Watch<'_, '_>,
 ) -> Result<Outcome, StepError> {
     let contacts = system.contacts().len();
-    let p = system.contacts().iter().map(|c| c.law.dimension()).max().unwrap_or(0);
-    *trajectory = Trajectory::new(stepper, p, contacts)?;
+    *trajectory = Trajectory::new(stepper, contacts)?;
     let mut last = None;
     let outcome = steps(options, stepper, trajectory, watch, &mut last);
     let recorded = match (&outcome, last) {

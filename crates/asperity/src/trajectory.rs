@@ -2,33 +2,13 @@
 
 use crate::contact::Phase;
 use crate::integrator::midpoint::{StepError, Stepper};
+use crate::integrator::samples::{ContactSample, Samples};
 
-/// Samples of a run, time first; `p` is the largest dimension of the laws, shorter forces are padded
-/// with NaN. Sample 0 is the initial state, which no step has led to: forces NaN, phases unknown.
+/// Samples of a run. Sample 0 is the initial state, which no step has led to: forces NaN, phases unknown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trajectory {
-    /// Number of coordinates.
-    pub coordinates: usize,
-    /// Number of degrees of freedom.
-    pub dof: usize,
-    /// Number of contacts.
-    pub contacts: usize,
-    /// Largest dimension of the laws.
-    pub p: usize,
-    /// Times in s.
-    pub t: Vec<f64>,
-    /// Coordinates `(n_t, coordinates)`.
-    pub q: Vec<f64>,
-    /// Velocities `(n_t, dof)`.
-    pub u: Vec<f64>,
-    /// Slip velocities γ `(n_t, n_c, p)`.
-    pub slip: Vec<f64>,
-    /// Friction forces λ `(n_t, n_c, p)`.
-    pub force: Vec<f64>,
-    /// Normal forces λ_N `(n_t, n_c)`.
-    pub normal_force: Vec<f64>,
-    /// Phases `(n_t, n_c)`.
-    pub phase: Vec<i8>,
+    /// States, slips and forces.
+    pub samples: Samples,
     /// Iterations `(n_t)`.
     pub iterations: Vec<i64>,
     /// Residuals `(n_t)`.
@@ -44,21 +24,16 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    pub(crate) fn new(
-        stepper: &mut Stepper<'_>,
-        p: usize,
-        contacts: usize,
-    ) -> Result<Self, StepError> {
-        let (coordinates, dof) = (stepper.q().len(), stepper.u().len());
+    pub(crate) fn new(stepper: &mut Stepper<'_>, contacts: usize) -> Result<Self, StepError> {
+        let dimensions: Vec<usize> = (0..contacts).map(|i| stepper.dimension(i)).collect();
+        let samples = Samples::new(stepper.q().len(), stepper.u().len(), &dimensions);
         let phase_counts = vec![0; 3 * contacts];
-        let mut trajectory =
-            Self { coordinates, dof, contacts, p, phase_counts, ..Self::default() };
-        trajectory.record(stepper, 0, 0.0)?;
-        let first = contacts * p;
-        trajectory.residual[0] = f64::NAN;
-        trajectory.force[..first].fill(f64::NAN);
-        trajectory.normal_force[..contacts].fill(f64::NAN);
-        trajectory.phase[..contacts].fill(Phase::Unknown as i8);
+        let mut trajectory = Self { samples, phase_counts, ..Self::default() };
+        trajectory.record(stepper, 0, f64::NAN)?;
+        let samples = &mut trajectory.samples;
+        samples.force.fill(f64::NAN);
+        samples.normal_force.fill(f64::NAN);
+        samples.phase.fill(Phase::Unknown as i8);
         Ok(trajectory)
     }
 
@@ -66,47 +41,36 @@ impl Trajectory {
     pub(crate) fn count(&mut self, stepper: &Stepper<'_>, ambiguous: bool) {
         self.steps += 1;
         self.ambiguous_steps += usize::from(ambiguous);
-        for contact in 0..self.contacts {
-            let column = (stepper.phase(contact) as i8).max(0) as usize;
-            self.phase_counts[3 * contact + column] += 1;
+        for (contact, counts) in self.phase_counts.chunks_exact_mut(3).enumerate() {
+            counts[(stepper.phase(contact) as i8).max(0) as usize] += 1;
         }
     }
 
-    /// Appends the present state.
+    /// Appends the present state, as a whole or not at all.
     pub(crate) fn record(
         &mut self,
         stepper: &mut Stepper<'_>,
         iterations: usize,
         residual: f64,
     ) -> Result<(), StepError> {
-        // First what may fail: a sample is appended as a whole or not at all.
-        if let Err(error) = self.record_contacts(stepper) {
-            let contacts = self.t.len() * self.contacts;
-            self.slip.truncate(contacts * self.p);
-            self.force.truncate(contacts * self.p);
-            self.normal_force.truncate(contacts);
-            self.phase.truncate(contacts);
-            return Err(error);
+        for contact in 0..self.samples.contacts {
+            match stepper.output(contact) {
+                Ok(output) => self.samples.push_contact(&ContactSample {
+                    dimension: stepper.dimension(contact),
+                    slip: output.slip,
+                    force: output.force,
+                    normal_force: output.normal_force,
+                    phase: output.phase,
+                }),
+                Err(error) => {
+                    self.samples.truncate(self.samples.len());
+                    return Err(error);
+                }
+            }
         }
-        self.t.push(stepper.time());
-        self.q.extend_from_slice(stepper.q());
-        self.u.extend_from_slice(stepper.u());
+        self.samples.push_state(stepper.time(), stepper.q(), stepper.u());
         self.iterations.push(iterations as i64);
         self.residual.push(residual);
-        Ok(())
-    }
-
-    fn record_contacts(&mut self, stepper: &mut Stepper<'_>) -> Result<(), StepError> {
-        for contact in 0..self.contacts {
-            let output = stepper.output(contact)?;
-            let dimension = stepper.dimension(contact);
-            let padded =
-                |v: [f64; 3]| (0..self.p).map(move |i| if i < dimension { v[i] } else { f64::NAN });
-            self.slip.extend(padded(output.slip));
-            self.force.extend(padded(output.force));
-            self.normal_force.push(output.normal_force);
-            self.phase.push(output.phase as i8);
-        }
         Ok(())
     }
 }

@@ -2,7 +2,9 @@
 //! the whole process.
 
 use std::alloc::System as Allocator;
+use std::ops::ControlFlow;
 
+use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
 use asperity::set::{Convex, CoulombContensou, Ellipse, Ellipsoid, Pressure, Vector};
 use asperity::solver::Solver;
@@ -89,6 +91,25 @@ fn drilling(law: &Law) -> RigidBodies {
     RigidBodies::new(bodies, &[pair(0), pair(1)], vec![], [0.0, 0.0, -9.81]).unwrap()
 }
 
+/// Allocations of an event-driven integration in which a contact always slips, and its steps.
+fn allocations_of_integration(system: &dyn System, max_step: f64) -> (usize, usize) {
+    let options = event::Options {
+        t_end: 10.0,
+        q0: vec![0.0; 2],
+        u0: vec![0.0; 2],
+        tolerance: 1e-9,
+        sample: Some(20.0),
+        max_step: Some(max_step),
+        section: None,
+        max_events: 10,
+    };
+    let region = Region::new(ALLOCATOR);
+    let run = event::integrate(system, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let allocations = region.change().allocations;
+    assert!(run.motion.events.is_empty(), "{:?}", run.motion.events);
+    (allocations, run.motion.steps)
+}
+
 /// Bytes that the scheme keeps per slider, with its solver and all states.
 fn bytes_per_slider() -> f64 {
     let law = Law::from(ellipse());
@@ -134,6 +155,12 @@ fn steps_do_not_allocate_while_contacts_stay() {
             "body by body, {solver:?}"
         );
     }
+    let fast = mass_on_belt(1.0, Matrix2::identity(), ellipse(), 1.0, Vector2::new(30.0, 40.0));
+    let fast = fast.unwrap();
+    // Once for what is kept from then on.
+    let [_, few, many] = [0.2, 0.2, 0.05].map(|step| allocations_of_integration(&fast, step));
+    assert!(many.1 > 3 * few.1, "{} and {} steps", few.1, many.1);
+    assert_eq!(few.0, many.0, "event-driven");
     let contensou = |p| Convex::from(CoulombContensou::new(0.3, p).unwrap());
     let ellipsoid = Convex::from(Ellipsoid::new(Vector::<3>::new(0.3, 0.3, 0.1)).unwrap());
     let laws = [contensou(Pressure::Hertz), contensou(Pressure::Uniform), ellipsoid];

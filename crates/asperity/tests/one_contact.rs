@@ -1064,7 +1064,7 @@ fn friction_that_rises_is_that_of_the_speed_at_the_end() {
             };
             let run = simulate(&system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
             assert!(matches!(run.outcome, Outcome::Finished), "{name} {k}: {:?}", run.outcome);
-            let u = &run.trajectory.u;
+            let u = &run.trajectory.samples.u;
             let after = V::new(u[2], u[3]);
             let percussion = (after - before) * mass;
             let falling = rate.falling(before.norm());

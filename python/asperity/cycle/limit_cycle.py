@@ -27,6 +27,7 @@ from asperity.integrate import integrate
 from asperity.motion import Section
 from asperity.simulate import Model
 from asperity.stability import Stability, equilibrium, stability
+from asperity.system import RigidBodies
 
 # The motion is followed for at most so many of the longest times of the linearised system, and for
 # this part of it before a section is chosen.
@@ -90,6 +91,8 @@ def limit_cycle(
     12.001031
     """
     tolerance = _arrays.positive(tolerance, "tolerance")
+    if isinstance(system, RigidBodies) and len(system.q0) != system.dof:
+        raise ParameterError("system", "must have as many coordinates as velocities")
     if section is not None and not isinstance(section, Section):
         raise ParameterError("section", f"must be a Section or None, got {section!r}")
     if near is not None:

@@ -1,3 +1,16 @@
-//! Integrators: Moreau's time stepping.
+//! How motions are computed from equations of motion and contact laws.
+//!
+//! | file | concept |
+//! |---|---|
+//! | `midpoint/` | Moreau's time stepping, steps of one length |
+//! | `event/` | from event to event, to the accuracy that is asked for |
+//! | `samples.rs` | what both integrators return: states, slips and forces over time |
+//! | `options.rs` | what options of integrators are checked for |
 
+pub mod event;
 pub mod midpoint;
+mod options;
+pub(crate) mod samples;
+
+pub use options::OptionsError;
+pub use samples::Samples;

@@ -15,7 +15,7 @@ mod rate;
 mod table;
 
 pub use answers::Law;
-pub(crate) use answers::{AtPoint, Components, Friction, ProxParameter, inclusion_defect};
+pub(crate) use answers::{Components, Friction, ProxParameter, inclusion_defect};
 pub(crate) use boundary::BoundaryPiece;
 pub use error::LawError;
 pub use extended::FrictionLaw;

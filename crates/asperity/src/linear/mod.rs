@@ -12,6 +12,7 @@
 //! what comes out. `tests.rs` compares what is left over with a dense factorisation, also for badly scaled matrices.
 
 mod dense;
+mod dense_lu;
 mod least_norm;
 mod numeric;
 mod order;
@@ -19,6 +20,7 @@ mod symbolic;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use dense_lu::DenseLu;
 pub(crate) use least_norm::LeastNorm;
 pub(crate) use numeric::Numeric;
 pub(crate) use symbolic::Symbolic;

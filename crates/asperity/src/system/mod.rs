@@ -26,6 +26,15 @@ pub struct Constancy {
     pub contacts: bool,
 }
 
+/// A rotation of space among the coordinates of a system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rotation {
+    /// The first of its four coordinates: a unit quaternion `(w, x, y, z)` that turns the body's axes to the world's.
+    pub coordinate: usize,
+    /// The first of its three velocities: the angular velocity in the body's axes.
+    pub velocity: usize,
+}
+
 /// A contact as the law sees it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactLaw {
@@ -176,6 +185,13 @@ pub trait System: Debug + Sync {
         for (out, (q, u)) in out.iter_mut().zip(q.iter().zip(u)) {
             *out = q + dt * u;
         }
+    }
+
+    /// The rotations of space among the coordinates, in ascending order. The other coordinates have the other
+    /// velocities as rates, in the same order, and [`advance`](Self::advance) turns the rotations by `R exp(dt Ω)`.
+    /// Event-driven integration needs to know them.
+    fn rotations(&self) -> Vec<Rotation> {
+        Vec::new()
     }
 
     /// Brings initial coordinates to their normal form: quaternions to the length one.

@@ -5,7 +5,6 @@ use std::ops::ControlFlow;
 use asperity::event::{Options, Outcome, Section, integrate};
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Cuboid, Vector};
-use asperity::system::rigid::{Body, RigidBodies};
 use asperity::system::{Contact, LinearSystem, Normal, System, sliding_point};
 use nalgebra::DMatrix;
 
@@ -39,10 +38,6 @@ fn bad_options_are_named() {
 
 #[test]
 fn systems_that_cannot_be_integrated_are_refused() {
-    let body = RigidBodies::new(vec![Body::new(1.0, [1.0; 3])], &[], vec![], [0.0; 3]).unwrap();
-    let message = refused(&body, &options(body.q0(), body.u0(), 1.0));
-    assert!(message.starts_with("system: must have as many coordinates"), "{message}");
-
     let square = Convex::from(Cuboid::symmetric(Vector::<2>::new(0.5, 0.3)).unwrap());
     let table = sliding_point(1.0, FrictionLaw::associated(square), 10.0).unwrap();
     let message = refused(&table, &options(&[0.0; 2], &[1.0, 0.0], 1.0));

@@ -1,6 +1,6 @@
 //! Limit cycles on belts.
 
-use asperity::event::{Kind, Options};
+use asperity::event::{EventKind, Options};
 use asperity::law::{Fall, FrictionLaw, Stribeck};
 use asperity::set::{Convex, Ellipse, Star, Vector};
 use asperity::system::{Contact, LinearSystem, Normal, mass_on_belt};
@@ -36,7 +36,7 @@ fn ellipses() -> LinearSystem {
 #[test]
 fn the_stribeck_block_sticks_and_slips_as_computed_before() {
     let motion = run(&stribeck(), &options(&[1.0], &[0.2], 40.0));
-    let (slips, sticks) = (times(&motion, Kind::Slip), times(&motion, Kind::Stick));
+    let (slips, sticks) = (times(&motion, EventKind::Slip), times(&motion, EventKind::Stick));
     close(sticks[1] - slips[1], 4.296_000, 5e-7);
     close(slips[2] - sticks[1], 7.705_032, 5e-7);
     close(slips[2] - slips[1], 12.001_031, 5e-7);
@@ -48,14 +48,14 @@ fn the_stribeck_block_sticks_and_slips_as_computed_before() {
 #[test]
 fn the_mass_on_the_belt_finds_its_cycle() {
     let motion = run(&ellipses(), &options(&[20.2, 2.7], &[0.0; 2], 600.0));
-    let slips = times(&motion, Kind::Slip);
+    let slips = times(&motion, EventKind::Slip);
     let period = slips[slips.len() - 1] - slips[slips.len() - 2];
     close(period, 28.703, 1e-3);
-    let stick = times(&motion, Kind::Stick).into_iter().find(|&t| t > slips[slips.len() - 2]);
+    let stick = times(&motion, EventKind::Stick).into_iter().find(|&t| t > slips[slips.len() - 2]);
     close((slips[slips.len() - 1] - stick.unwrap()) / period, 0.689, 1e-3);
-    let late = motion.t.iter().position(|&t| t > 550.0).unwrap();
+    let late = motion.samples.t.iter().position(|&t| t > 550.0).unwrap();
     for (k, (low, high)) in [(13.093, 26.918), (-4.148, 15.565)].into_iter().enumerate() {
-        let x = motion.q[2 * late..].iter().skip(k).step_by(2);
+        let x = motion.samples.q[2 * late..].iter().skip(k).step_by(2);
         let (least, most) = x.fold((f64::MAX, f64::MIN), |(a, b), &x| (a.min(x), b.max(x)));
         assert!(least > low - 2e-3 && most < high + 2e-3 && most - least > 0.9 * (high - low));
     }

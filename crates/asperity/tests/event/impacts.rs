@@ -1,7 +1,7 @@
 //! Unilateral contacts: bouncing, rolling and rocking, and Painlevé's rod.
 
 use asperity::contact::Phase;
-use asperity::event::{Kind, Options};
+use asperity::event::{EventKind, Options};
 use asperity::law::FrictionLaw;
 use asperity::system::rigid::{Pair, PlanarBody, Plane, RigidBodies, Shape};
 
@@ -35,7 +35,7 @@ fn ball(spin: f64, e: f64) -> RigidBodies {
 fn a_bouncing_ball_comes_to_rest() {
     let ball = ball(0.0, 0.5);
     let motion = run(&ball, &from_start(&ball, 1.5));
-    let impacts = times(&motion, Kind::Impact);
+    let impacts = times(&motion, EventKind::Impact);
     let fall = (1.8 / G).sqrt();
     for (k, time) in impacts.iter().enumerate() {
         close(*time, fall * (3.0 - 2.0 * 0.5f64.powi(k as i32)), 1e-10);
@@ -50,12 +50,17 @@ fn a_bouncing_ball_comes_to_rest() {
 fn a_spinning_ball_slides_and_rolls() {
     let fast = ball(50.0, 0.0);
     let motion = run(&fast, &from_start(&fast, 1.0));
-    close(first(&motion, Kind::Impact).time, 0.428_352_9, 1e-7);
-    close(first(&motion, Kind::Stick).time, 0.728_120, 1e-6);
+    close(first(&motion, EventKind::Impact).time, 0.428_352_9, 1e-7);
+    close(first(&motion, EventKind::Stick).time, 0.728_120, 1e-6);
     close(last_u(&motion)[0], -10.0 / 7.0, 1e-11);
-    let at = motion.t.iter().rposition(|&t| t == first(&motion, Kind::Impact).time).unwrap();
-    close(motion.u[3 * at], -0.840_428, 1e-6);
-    close(motion.u[3 * at + 2], 28.989_288, 1e-5);
+    let at = motion
+        .samples
+        .t
+        .iter()
+        .rposition(|&t| t == first(&motion, EventKind::Impact).time)
+        .unwrap();
+    close(motion.samples.u[3 * at], -0.840_428, 1e-6);
+    close(motion.samples.u[3 * at + 2], 28.989_288, 1e-5);
     let slow = ball(10.0, 0.0);
     let motion = run(&slow, &from_start(&slow, 1.0));
     assert_eq!(motion.events.len(), 1);
@@ -72,14 +77,14 @@ fn a_block_rocks_as_housner_says() {
     let shape = Shape::BoxPlane { body: 0, half_sizes: [b, h, 0.0], plane: ground() };
     let block = system(body, shape, 100.0, 0.0, G);
     let motion = run(&block, &from_start(&block, 0.5));
-    let impacts = times(&motion, Kind::Impact);
+    let impacts = times(&motion, EventKind::Impact);
     close(impacts[0], 0.124_652_3, 1e-7);
     let ratio = |time: f64| {
         let [before, after] = [
-            motion.t.iter().position(|&t| t == time).unwrap(),
-            motion.t.iter().rposition(|&t| t == time).unwrap(),
+            motion.samples.t.iter().position(|&t| t == time).unwrap(),
+            motion.samples.t.iter().rposition(|&t| t == time).unwrap(),
         ];
-        motion.u[3 * after + 2] / motion.u[3 * before + 2]
+        motion.samples.u[3 * after + 2] / motion.samples.u[3 * before + 2]
     };
     assert!(impacts.len() > 2);
     for time in impacts {
@@ -112,15 +117,15 @@ fn painleves_rod_is_stopped_without_collision() {
     let shape = Shape::PointPlane { body: 0, point: [1.0, 0.0, 0.0], plane: ground() };
     let rod = system(body, shape, 5.0 / 3.0, 0.0, 10.0);
     let motion = run(&rod, &from_start(&rod, 0.9));
-    let stop = first(&motion, Kind::ImpactWithoutCollision);
+    let stop = first(&motion, EventKind::ImpactWithoutCollision);
     close(stop.time, 0.814_549_7, 1e-7);
-    let before = motion.t.iter().position(|&t| t == stop.time).unwrap();
-    close(-motion.q[3 * before + 2], 45f64.to_radians(), 1e-11);
-    close(-motion.u[3 * before + 2], 3.760_599, 1e-5);
-    close(motion.u[3 * before], 11.992_264, 1e-5);
+    let before = motion.samples.t.iter().position(|&t| t == stop.time).unwrap();
+    close(-motion.samples.q[3 * before + 2], 45f64.to_radians(), 1e-11);
+    close(-motion.samples.u[3 * before + 2], 3.760_599, 1e-5);
+    close(motion.samples.u[3 * before], 11.992_264, 1e-5);
     // The tip stands still afterwards.
-    let after = motion.t.iter().rposition(|&t| t == stop.time).unwrap();
-    let (u, angle) = (&motion.u[3 * after..], motion.q[3 * after + 2]);
+    let after = motion.samples.t.iter().rposition(|&t| t == stop.time).unwrap();
+    let (u, angle) = (&motion.samples.u[3 * after..], motion.samples.q[3 * after + 2]);
     close(u[0] - u[2] * angle.sin(), 0.0, 1e-9);
     close(u[1] + u[2] * angle.cos(), 0.0, 1e-9);
 }

@@ -7,5 +7,6 @@ mod arguments;
 mod belt;
 mod impacts;
 mod sliding;
+mod spatial;
 mod stepping;
 mod support;

@@ -1,6 +1,6 @@
 //! Motions of one phase: the order of the method, blocks that come to rest, paths that bend.
 
-use asperity::event::{Kind, Options};
+use asperity::event::{EventKind, Options};
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Ball, Convex, Ellipse, Star, Superellipse, Vector};
 use asperity::system::{Contact, LinearSystem, sliding_point};
@@ -37,7 +37,7 @@ fn blocks_stop_in_time_and_place() {
         let u0 = &[1.2, -0.5, 0.3][..p];
         let v0 = u0.iter().map(|v| v * v).sum::<f64>().sqrt();
         let motion = run(&system, &options(&vec![0.0; p], u0, 2.0));
-        let stop = first(&motion, Kind::Stick);
+        let stop = first(&motion, EventKind::Stick);
         close(stop.time, v0 / (mu * g), 1e-12);
         for (q, u) in last_q(&motion).iter().zip(u0) {
             close(*q, u / v0 * v0 * v0 / (2.0 * mu * g), 1e-12);
@@ -59,7 +59,7 @@ fn bent_paths_keep_their_invariants() {
         let motion = run(&system, &options(&[0.0; 2], &u0, 1.0));
         let exponent = (1.0_f64 / 0.7).powi(2);
         let mut seen = 0;
-        for u in motion.u.chunks(2).filter(|u| u[0].hypot(u[1]) > 1e-9) {
+        for u in motion.samples.u.chunks(2).filter(|u| u[0].hypot(u[1]) > 1e-9) {
             let (first, second) = (u[0] / u0[0], u[1] / u0[1]);
             close(first, second.powf(exponent), 1e-10);
             seen += usize::from(u[0] < 0.9);
@@ -75,9 +75,9 @@ fn samples_lie_on_the_motion() {
     let system = sliding_point(1.0, law, 10.0).unwrap();
     let grid = Options { sample: Some(0.07), ..options(&[0.0; 2], &[2.0, 0.0], 0.5) };
     let motion = run(&system, &grid);
-    assert_eq!(motion.t.len(), 9);
-    assert_eq!(*motion.t.last().unwrap(), 0.5);
-    for (t, q) in motion.t.iter().zip(motion.q.chunks(2)) {
+    assert_eq!(motion.samples.t.len(), 9);
+    assert_eq!(*motion.samples.t.last().unwrap(), 0.5);
+    for (t, q) in motion.samples.t.iter().zip(motion.samples.q.chunks(2)) {
         let t = t.min(0.4);
         close(q[0], 2.0 * t - 2.5 * t * t, 1e-12);
     }

@@ -65,7 +65,7 @@ fn stepped(system: &LinearSystem, start: &Options, dt: f64) -> (Vec<f64>, usize)
     };
     let run = simulate::simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
     let n = start.q0.len();
-    (run.trajectory.q[n..].to_vec(), run.trajectory.ambiguous_steps)
+    (run.trajectory.samples.q[n..].to_vec(), run.trajectory.ambiguous_steps)
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use asperity::event::{Event, Kind, Motion, Options, Outcome, Section, integrate};
+use asperity::event::{Event, EventKind, Motion, Options, Outcome, Section, integrate};
 use asperity::system::System;
 
 /// Options that matter seldom.
@@ -31,24 +31,24 @@ pub fn run(system: &dyn System, options: &Options) -> Motion {
 pub fn cross(system: &dyn System, from: &Options, normal: &[f64], level: f64) -> (f64, Vec<f64>) {
     let section = Some(Section { normal: normal.to_vec(), level, after: 0.0 });
     let motion = run(system, &Options { section, ..from.clone() });
-    assert_eq!(motion.events.last().unwrap().kind, Kind::Section);
+    assert_eq!(motion.events.last().unwrap().kind, EventKind::Section);
     let state = [last_q(&motion), last_u(&motion)].concat();
-    (*motion.t.last().unwrap(), state)
+    (*motion.samples.t.last().unwrap(), state)
 }
 
 pub fn last_q(motion: &Motion) -> &[f64] {
-    &motion.q[motion.q.len() - motion.dof..]
+    &motion.samples.q[motion.samples.q.len() - motion.samples.coordinates..]
 }
 
 pub fn last_u(motion: &Motion) -> &[f64] {
-    &motion.u[motion.u.len() - motion.dof..]
+    &motion.samples.u[motion.samples.u.len() - motion.samples.dof..]
 }
 
-pub fn times(motion: &Motion, kind: Kind) -> Vec<f64> {
+pub fn times(motion: &Motion, kind: EventKind) -> Vec<f64> {
     motion.events.iter().filter(|e| e.kind == kind).map(|e| e.time).collect()
 }
 
-pub fn first(motion: &Motion, kind: Kind) -> Event {
+pub fn first(motion: &Motion, kind: EventKind) -> Event {
     *motion.events.iter().find(|event| event.kind == kind).unwrap()
 }
 

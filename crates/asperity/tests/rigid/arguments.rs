@@ -140,9 +140,9 @@ fn springs_and_states_are_checked() {
     let options = Options { q0: vec![0.0, 0.0, 0.0, 3.0, 0.0, 0.0, -4.0], ..options };
     let run = simulate(&system, &options, &mut observer).unwrap();
     let trajectory = run.trajectory;
-    assert!((trajectory.q[3] - 0.6).abs() + (trajectory.q[6] + 0.8).abs() < 1e-15);
-    assert_eq!((trajectory.coordinates, trajectory.dof), (7, 6));
-    assert_eq!((trajectory.q.len(), trajectory.u.len()), (7 * 11, 6 * 11));
+    assert!((trajectory.samples.q[3] - 0.6).abs() + (trajectory.samples.q[6] + 0.8).abs() < 1e-15);
+    assert_eq!((trajectory.samples.coordinates, trajectory.samples.dof), (7, 6));
+    assert_eq!((trajectory.samples.q.len(), trajectory.samples.u.len()), (7 * 11, 6 * 11));
 }
 
 #[test]

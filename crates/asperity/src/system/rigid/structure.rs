@@ -4,7 +4,9 @@ use nalgebra::Vector3;
 
 use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
-use crate::system::{Blocks, Configuration, Constancy, ContactLaw, Midpoint, System, SystemError};
+use crate::system::{
+    Blocks, Configuration, Constancy, ContactLaw, Midpoint, Rotation, System, SystemError,
+};
 
 /// How far a momentum may be off that of its state, as a part: `R J J⁻¹ Rᵀ L` is L to a few roundings.
 const SAME_MOMENTUM: f64 = 1e-12;
@@ -23,6 +25,11 @@ impl System for RigidBodies {
         for body in 0..self.bodies() {
             self.advance_body(q, u, body, dt, out);
         }
+    }
+
+    fn rotations(&self) -> Vec<Rotation> {
+        let bodies = if self.planar { 0 } else { self.bodies() };
+        (0..bodies).map(|k| Rotation { coordinate: 7 * k + 3, velocity: 6 * k + 3 }).collect()
     }
 
     fn normalise(&self, q0: &mut [f64]) -> Result<(), SystemError> {

@@ -1,0 +1,88 @@
+//! Impacts: velocities jump by percussions.
+
+use std::iter::{once, repeat_n};
+
+use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solving};
+use crate::integrator::event::dynamics::{ConstraintMatrix, Dynamics, ROWS};
+use crate::integrator::event::state::{EvaluationError, State};
+use crate::integrator::event::vectors::add;
+
+/// Relative distance from the boundary of a reservoir that counts as none.
+const BOUNDARY: f64 = 1e-6;
+
+/// What happens to relative velocities in an impact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ImpactLaw {
+    /// Newton's law with the contacts' restitution.
+    Newton,
+    /// Without restitution, where a bounce would be too small to be followed.
+    Plastic,
+}
+
+/// Solves the impact of unilateral contacts: the velocities of the state jump, and the contacts' new normal
+/// velocities are left in `after`.
+pub(crate) fn collide(
+    dynamics: &mut Dynamics<'_>,
+    state: &mut State,
+    contacts: &[usize],
+    law: ImpactLaw,
+    after: &mut Vec<f64>,
+    solving: &Solving<'_, '_>,
+) -> Result<Decision, EvaluationError> {
+    dynamics.kinematics(state.t, &state.q, &state.u)?;
+    let participants = Participants::alone(dynamics, contacts.to_vec());
+    let before: Vec<f64> =
+        participants.rows.iter().map(|&row| dynamics.velocity(row, &state.u)).collect();
+    let mut problem = participants.problem(dynamics, &before, |_| None)?;
+    let laws = dynamics.system.contacts();
+    if law == ImpactLaw::Newton {
+        let coefficients = contacts.iter().flat_map(|&i| {
+            let tangential = repeat_n(laws[i].tangential_restitution, dynamics.contacts[i].p);
+            once(laws[i].normal_restitution).chain(tangential)
+        });
+        let terms = problem.restitution_mut().iter_mut().zip(coefficients).zip(&before);
+        terms.for_each(|((term, e), before)| *term = e * before);
+    }
+    let solved = match participants.solve(&problem, solving) {
+        Ok(solved) => solved,
+        Err(outcome) => return Ok(Decision::Ended(outcome)),
+    };
+    let responses = participants.responses.chunks_exact(dynamics.n);
+    for (percussion, response) in solved.found.percussion.iter().zip(responses) {
+        add(&mut state.u, *percussion, response);
+    }
+    after.clear();
+    after.extend(problem.contacts().iter().map(|rows| solved.velocity[rows.offset]));
+    Ok(Decision::Made { ambiguous: solved.ambiguous })
+}
+
+/// Painlevé's impact without collision: the percussions that stop the slip of closed contacts without a normal
+/// motion; false if the laws do not allow them.
+pub(crate) fn stop_slip(
+    dynamics: &mut Dynamics<'_>,
+    state: &mut State,
+    contacts: &[usize],
+) -> Result<bool, EvaluationError> {
+    dynamics.kinematics(state.t, &state.q, &state.u)?;
+    let rows: Vec<usize> = contacts.iter().flat_map(|&i| dynamics.rows_of(i)).collect();
+    let mut matrix = ConstraintMatrix::default();
+    dynamics.factor_mobility(&rows, &mut matrix);
+    let slip = |&row: &usize| if row % ROWS == 0 { 0.0 } else { -dynamics.velocity(row, &state.u) };
+    let mut percussion: Vec<f64> = rows.iter().map(slip).collect();
+    matrix.solve(&mut percussion);
+    let mut first = 0;
+    for &i in contacts {
+        let own = &percussion[first..first + 1 + dynamics.contacts[i].p];
+        let mut tangent = [0.0; 3];
+        tangent[..own.len() - 1].copy_from_slice(&own[1..]);
+        // With the resistance at zero the percussion lies on the boundary of the reservoir.
+        if dynamics.law(i).gauge(&tangent.map(|f| -f)) > (1.0 + BOUNDARY) * own[0] {
+            return Ok(false);
+        }
+        first += own.len();
+    }
+    for (percussion, &row) in percussion.iter().zip(&rows) {
+        add(&mut state.u, *percussion, dynamics.response(row));
+    }
+    Ok(true)
+}

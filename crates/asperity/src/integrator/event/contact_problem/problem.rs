@@ -1,0 +1,165 @@
+//! A contact problem of some contacts of a system, and how it is solved.
+
+use nalgebra::DMatrix;
+
+use crate::contact::{ContactProblem, ContactState, Memory, NormalForce};
+use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
+use crate::integrator::event::observer::Observer;
+use crate::integrator::event::outcome::{Outcome, Stagnation};
+use crate::integrator::event::state::EvaluationError;
+use crate::integrator::event::vectors::dot;
+use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
+
+/// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over.
+const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };
+const FALLBACK: Solver = Solver::Auto { interior_point: true, threads: 1 };
+const TOLERANCE: f64 = 1e-12;
+/// Residual that counts as solved where rounding leaves no better one and the solver has come to its end.
+const ROUNDED: f64 = 1e-9;
+/// Mobility of a row, over that without other contacts, that counts as none.
+const NO_MOBILITY: f64 = 1e-12;
+
+/// The outcome of a contact problem.
+#[derive(Debug)]
+pub(crate) enum Decision {
+    /// It is solved.
+    Made {
+        /// Whether some contact had several solutions.
+        ambiguous: bool,
+    },
+    /// The motion ends here: there is no solution, none has been found, or nobody waits for it.
+    Ended(Outcome),
+}
+
+/// What the solver needs to know besides the problem.
+pub(crate) struct Solving<'s, 'o> {
+    /// What all contacts of the system did before.
+    pub(crate) memory: &'s [ContactState],
+    pub(crate) observer: &'s Observer<'o>,
+    /// Time in s.
+    pub(crate) t: f64,
+}
+
+/// A solved contact problem.
+pub(crate) struct Solved {
+    pub(crate) ambiguous: bool,
+    /// Percussions or forces, and what the contacts do.
+    pub(crate) found: Memory,
+    /// Relative velocities or accelerations.
+    pub(crate) velocity: Vec<f64>,
+}
+
+/// Contacts that take part in a contact problem, with their rows and the accelerations that unit forces along these
+/// give.
+pub(crate) struct Participants {
+    pub(crate) contacts: Vec<usize>,
+    pub(crate) rows: Vec<usize>,
+    pub(crate) responses: Vec<f64>,
+}
+
+impl Participants {
+    /// Contacts that are the only ones with forces.
+    pub(crate) fn alone(dynamics: &Dynamics<'_>, contacts: Vec<usize>) -> Self {
+        let rows: Vec<usize> = contacts.iter().flat_map(|&i| dynamics.rows_of(i)).collect();
+        let responses = rows.iter().flat_map(|&row| dynamics.response(row)).copied().collect();
+        Self { contacts, rows, responses }
+    }
+
+    /// Contacts among slipping ones that stay closed, and the normal forces with which these answer to unit forces
+    /// along the rows.
+    pub(crate) fn constrained(
+        dynamics: &mut Dynamics<'_>,
+        contacts: Vec<usize>,
+    ) -> (Self, Vec<f64>) {
+        let mut participants = Self::alone(dynamics, contacts);
+        let mut answers = Vec::new();
+        for response in participants.responses.chunks_exact_mut(dynamics.n) {
+            dynamics.constrain(response);
+            answers.extend_from_slice(dynamics.constraint_forces());
+        }
+        (participants, answers)
+    }
+
+    /// Contacts that the slipping ones hold in all their directions already. The mobility that is left of them is
+    /// rounding, and must not ask for a force.
+    pub(crate) fn immobile(&self, dynamics: &Dynamics<'_>) -> Vec<usize> {
+        let moves = |(&row, response): (&usize, &[f64])| {
+            let left = dot(dynamics.row(row), response);
+            left.abs() > NO_MOBILITY * dot(dynamics.row(row), dynamics.response(row))
+        };
+        let rows = self.rows.iter().zip(self.responses.chunks_exact(dynamics.n));
+        let mobile: Vec<usize> =
+            rows.filter(|&pair| moves(pair)).map(|(row, _)| row / ROWS).collect();
+        self.contacts.iter().copied().filter(|i| !mobile.contains(i)).collect()
+    }
+
+    /// The contact problem with this load, `normal_force` being what is given of it.
+    pub(crate) fn problem(
+        &self,
+        dynamics: &Dynamics<'_>,
+        load: &[f64],
+        normal_force: impl Fn(&ContactVariables) -> Option<f64>,
+    ) -> Result<ContactProblem, EvaluationError> {
+        self.contacts.iter().try_for_each(|&i| dynamics.check_rows(i))?;
+        let (n, size) = (dynamics.n, self.rows.len());
+        let delassus = DMatrix::from_fn(size, size, |i, j| {
+            dot(dynamics.row(self.rows[i]), &self.responses[j * n..(j + 1) * n])
+        });
+        let contacts = self.contacts.iter().map(|&i| {
+            let normal = match normal_force(&dynamics.contacts[i]) {
+                Some(force) => NormalForce::Prescribed(force),
+                None => NormalForce::Unilateral,
+            };
+            (dynamics.law(i).clone(), normal)
+        });
+        let mut problem = ContactProblem::assemble(contacts, |_| delassus.into());
+        problem.free_velocity_mut().copy_from_slice(load);
+        Ok(problem)
+    }
+
+    /// Solves the contact problem of these contacts.
+    pub(crate) fn solve(
+        &self,
+        problem: &ContactProblem,
+        Solving { memory, observer, t }: &Solving<'_, '_>,
+    ) -> Result<Solved, Outcome> {
+        let mut start = Memory::new(problem.rows(), self.contacts.len());
+        start.states = self.contacts.iter().map(|&i| memory[i]).collect();
+        if self.contacts.is_empty() {
+            return Ok(Solved { ambiguous: false, found: start, velocity: Vec::new() });
+        }
+        let cancelled = || observer.asks_to_stop(*t);
+        let stop = Stop { cancelled: Some(&cancelled), ..Stop::at(TOLERANCE) };
+        let mut outcome = Outcome::Interrupted;
+        for solver in [SOLVER, FALLBACK] {
+            let (mut workspace, mut found) = (Workspace::default(), start.clone());
+            workspace.prepare(problem);
+            let report = solver.solve(problem, stop, &mut found, &mut workspace);
+            // Where percussions run away, or a proof excludes a solution, a small residual says nothing.
+            let ended = matches!(report.status, Status::Stalled | Status::Inexact);
+            let at_rounding = ended && report.residual < ROUNDED;
+            if report.status == Status::Converged || at_rounding {
+                let (ambiguous, velocity) = (report.ambiguous, workspace.velocity);
+                return Ok(Solved { ambiguous, found, velocity });
+            }
+            if observer.has_asked_to_stop() {
+                return Err(Outcome::Interrupted);
+            }
+            let contact = self.contacts[report.worst_contact];
+            outcome = match report.status {
+                Status::NoSolution => {
+                    let unsolvable = workspace.infeasibility.map(|infeasibility| {
+                        let (problem, contacts) = (problem.clone(), self.contacts.clone());
+                        Box::new(Unsolvable { problem, contacts, infeasibility })
+                    });
+                    Outcome::NoSolution { contact, unsolvable }
+                }
+                _ => {
+                    let cause = Stagnation::Unsolved;
+                    Outcome::Stagnated { cause, contact: Some(contact) }
+                }
+            };
+        }
+        Err(outcome)
+    }
+}

@@ -1,0 +1,69 @@
+//! What the dynamics work in, kept from one evaluation to the next.
+
+use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
+
+/// The states of differences along the motion.
+#[derive(Debug)]
+pub(crate) struct Stencil {
+    /// Time between neighbouring states.
+    pub(crate) width: f64,
+    pub(crate) widest: f64,
+    /// What the rows there make of the present velocities.
+    pub(crate) velocities: Vec<[f64; 4]>,
+}
+
+impl Stencil {
+    pub(crate) fn new(rows: usize) -> Self {
+        Self { width: 0.0, widest: 0.0, velocities: vec![[0.0; 4]; rows] }
+    }
+}
+
+/// The linear system for the forces.
+#[derive(Debug, Default)]
+pub(crate) struct Constraints {
+    /// The contacts' rows of which the rate vanishes; each has a force.
+    pub(crate) rows: Vec<usize>,
+    /// The accelerations that one unit of each force gives, friction included.
+    pub(crate) columns: Vec<f64>,
+    pub(crate) matrix: ConstraintMatrix,
+    /// The forces, or their change by the last call of `Dynamics::constrain`.
+    pub(crate) forces: Vec<f64>,
+    pub(crate) defects: Vec<f64>,
+}
+
+/// The Jacobian at fixed sliding directions, which changes little along a step, and what belongs to it.
+#[derive(Debug)]
+pub(crate) struct SmoothJacobian {
+    /// Derivatives of the accelerations by velocities and by coordinates, row by row.
+    pub(crate) by_u: Vec<f64>,
+    pub(crate) by_q: Vec<f64>,
+    /// `∂γ/∂q`, row by row.
+    pub(crate) slip_by_q: Vec<f64>,
+    /// Accelerations and slips at the state of the differences.
+    pub(crate) acceleration: Vec<f64>,
+    pub(crate) slips: Vec<[f64; 3]>,
+    /// The coordinates and velocities of the differences.
+    pub(crate) shifted: (Vec<f64>, Vec<f64>),
+}
+
+impl SmoothJacobian {
+    pub(crate) fn new(n: usize, rows: usize) -> Self {
+        Self {
+            by_u: vec![0.0; n * n],
+            by_q: vec![0.0; n * n],
+            slip_by_q: vec![0.0; rows * n],
+            acceleration: vec![0.0; n],
+            slips: Vec::new(),
+            shifted: Default::default(),
+        }
+    }
+}
+
+/// What projections work in.
+#[derive(Debug, Default)]
+pub(crate) struct Projection {
+    pub(crate) rows: Vec<usize>,
+    pub(crate) matrix: ConstraintMatrix,
+    pub(crate) percussions: Vec<f64>,
+    pub(crate) shifts: Vec<f64>,
+}

@@ -1,0 +1,112 @@
+//! Forces that the constraints of sticking and of closed slipping contacts need.
+
+use crate::contact::Phase;
+use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::dynamics::buffers::Constraints;
+use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::vectors::{add, dot, largest};
+
+impl Dynamics<'_> {
+    /// Adds what the constraint forces do to the accelerations, and keeps the forces at the contacts.
+    pub(crate) fn add_constraint_forces(&mut self) {
+        let n = self.n;
+        let mut system = std::mem::take(&mut self.constraints);
+        system.rows.clear();
+        system.columns.clear();
+        for i in 0..self.contacts.len() {
+            let contact = self.contacts[i];
+            match (contact.mode, contact.prescribed) {
+                (Phase::Stick, _) => {
+                    let rows = self.rows_of(i);
+                    system.columns.extend_from_slice(&self.response[rows.start * n..rows.end * n]);
+                    system.rows.extend(rows);
+                }
+                (Phase::Slip, None) => {
+                    let normal = ROWS * i;
+                    let first = system.columns.len();
+                    system.rows.push(normal);
+                    system.columns.extend_from_slice(self.response(normal));
+                    let column = &mut system.columns[first..];
+                    let frictionless = dot(self.row(normal), column);
+                    for r in 0..contact.p {
+                        add(column, contact.sliding[r], self.response(normal + 1 + r));
+                    }
+                    self.contacts[i].resistance = dot(self.row(normal), column) / frictionless;
+                }
+                _ => {}
+            }
+        }
+        if !system.rows.is_empty() {
+            self.solve_constraints(&mut system);
+        }
+        self.constraints = system;
+        self.assign_constraint_forces();
+    }
+
+    fn solve_constraints(&mut self, system: &mut Constraints) {
+        let n = self.n;
+        let Constraints { rows, columns, matrix, forces, defects } = system;
+        let count = rows.len();
+        matrix.factor(count, |k, l| dot(self.row(rows[k]), &columns[l * n..(l + 1) * n]));
+        forces.clear();
+        forces.resize(count, 0.0);
+        // A solution leaves residuals that grow with the condition of the matrix, such as where light and heavy
+        // degrees of freedom meet. Where forces balance, these residuals would act as accelerations: solving once
+        // more for what is left reduces them to rounding.
+        for _ in 0..2 {
+            defects.clear();
+            defects.extend(rows.iter().map(|&row| -self.rate(row, &self.acceleration)));
+            matrix.solve(defects);
+            for ((column, x), force) in columns.chunks_exact(n).zip(&*defects).zip(&mut *forces) {
+                add(&mut self.acceleration, *x, column);
+                self.load = self.load.max(x.abs() * largest(column));
+                *force += x;
+            }
+        }
+    }
+
+    fn assign_constraint_forces(&mut self) {
+        for (&row, &x) in self.constraints.rows.iter().zip(&self.constraints.forces) {
+            let contact = &mut self.contacts[row / ROWS];
+            match (row % ROWS, contact.mode) {
+                (0, Phase::Slip) => {
+                    contact.normal_force = x;
+                    contact.force = contact.sliding.map(|f| f * x);
+                }
+                (0, _) => contact.normal_force = x,
+                (r, _) => contact.force[r - 1] = x,
+            }
+        }
+    }
+
+    /// Adds to an acceleration what the constraint forces answer to it, so that it satisfies the constraints. The
+    /// change of the forces is left in [`constraint_forces`](Self::constraint_forces).
+    pub(crate) fn constrain(&mut self, acceleration: &mut [f64]) {
+        let Constraints { rows, columns, matrix, forces, .. } = &mut self.constraints;
+        let row = |row: usize| &self.rows[row * self.n..(row + 1) * self.n];
+        forces.clear();
+        if rows.is_empty() {
+            return;
+        }
+        forces.extend(rows.iter().map(|&k| -dot(row(k), acceleration)));
+        matrix.solve(forces);
+        for (column, x) in columns.chunks_exact(self.n).zip(&*forces) {
+            add(acceleration, *x, column);
+        }
+    }
+
+    /// Whether the contacts can share the constraint forces in many ways, of which the smallest was taken.
+    pub(crate) fn is_indeterminate(&self) -> bool {
+        !self.constraints.rows.is_empty() && self.constraints.matrix.singular
+    }
+
+    /// The contacts' rows that have constraint forces.
+    pub(crate) fn constrained_rows(&self) -> &[usize] {
+        &self.constraints.rows
+    }
+
+    /// The constraint forces along these rows.
+    pub(crate) fn constraint_forces(&self) -> &[f64] {
+        &self.constraints.forces[..self.constraints.rows.len()]
+    }
+}

@@ -1,0 +1,210 @@
+//! The system in a mode: rows, gaps, relative velocities and responses of its contacts.
+
+use std::ops::Range;
+
+use crate::integrator::event::dynamics::buffers::{
+    Constraints, Projection, SmoothJacobian, Stencil,
+};
+use crate::integrator::event::dynamics::chart::Chart;
+use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::state::EvaluationError;
+use crate::integrator::event::vectors::dot;
+use crate::law::Law;
+use crate::system::mass::MassFactors;
+use crate::system::{System, SystemError};
+
+/// The equations of motion in the present mode, and what they gave where they were evaluated last.
+#[derive(Debug)]
+pub(crate) struct Dynamics<'a> {
+    pub(crate) system: &'a dyn System,
+    /// The coordinates of the integration, through which alone the system is evaluated.
+    pub(crate) chart: Chart<'a>,
+    /// Number of degrees of freedom.
+    pub(crate) n: usize,
+    pub(crate) contacts: Vec<ContactVariables>,
+    pub(crate) acceleration: Vec<f64>,
+    /// The largest component of the accelerations that the forces would give one by one. The acceleration may be their
+    /// difference, as small as rounding makes it, and is compared with this.
+    pub(crate) load: f64,
+    /// How far rounding may move a contact in the present step while the forces there balance.
+    pub(crate) creep: f64,
+    /// The last time at which the system is asked. Its forces may jump at the end of the motion, to which only
+    /// their limit from the left belongs.
+    pub(crate) latest: f64,
+    /// Contacts whose force is given by a point of *D* instead of the sliding direction, and these points.
+    pub(crate) direction_points: Vec<(usize, [f64; 3])>,
+    /// `W_Nᵀ` and `Wᵀ`, [`ROWS`] per contact.
+    pub(crate) rows: Vec<f64>,
+    /// χ, as many entries as there are rows.
+    pub(crate) chi: Vec<f64>,
+    /// `ẇ_Nᵀu` and `Ẇᵀu + χ̇`, likewise.
+    pub(crate) drift: Vec<f64>,
+    /// `M⁻¹` times the rows.
+    pub(crate) response: Vec<f64>,
+    factor: Option<MassFactors>,
+    /// Whether rows and mass never change.
+    pub(crate) constant: bool,
+    /// Whether rows have been evaluated.
+    ready: bool,
+    pub(crate) stencil: Stencil,
+    pub(crate) constraints: Constraints,
+    pub(crate) smooth: SmoothJacobian,
+    pub(crate) projection: Projection,
+    pub(crate) scratch_rows: Vec<f64>,
+    pub(crate) scratch: Vec<f64>,
+}
+
+impl<'a> Dynamics<'a> {
+    /// The system up to the time `t_end`, all contacts open.
+    pub(crate) fn new(system: &'a dyn System, chart: Chart<'a>, t_end: f64) -> Self {
+        let (n, rows) = (system.dof(), ROWS * system.contacts().len());
+        let constant = chart.is_constant();
+        Self {
+            system,
+            chart,
+            n,
+            contacts: system.contacts().iter().map(ContactVariables::new).collect(),
+            acceleration: vec![0.0; n],
+            load: 0.0,
+            creep: 0.0,
+            latest: t_end.next_down(),
+            direction_points: Vec::new(),
+            rows: vec![0.0; rows * n],
+            chi: vec![0.0; rows],
+            drift: vec![0.0; rows],
+            response: vec![0.0; rows * n],
+            factor: None,
+            constant,
+            ready: false,
+            stencil: Stencil::new(rows),
+            constraints: Constraints::default(),
+            smooth: SmoothJacobian::new(n, rows),
+            projection: Projection::default(),
+            scratch_rows: vec![0.0; ROWS * n],
+            scratch: vec![0.0; n],
+        }
+    }
+
+    pub(crate) fn law(&self, i: usize) -> &'a Law {
+        &self.system.contacts()[i].law
+    }
+
+    pub(crate) fn row(&self, row: usize) -> &[f64] {
+        &self.rows[row * self.n..(row + 1) * self.n]
+    }
+
+    /// `M⁻¹` times a row.
+    pub(crate) fn response(&self, row: usize) -> &[f64] {
+        &self.response[row * self.n..(row + 1) * self.n]
+    }
+
+    /// `γ_N` or a component of γ at these velocities.
+    pub(crate) fn velocity(&self, row: usize, u: &[f64]) -> f64 {
+        dot(self.row(row), u) + self.chi[row]
+    }
+
+    /// `γ̈_N` or a component of `γ̇` with these accelerations.
+    pub(crate) fn rate(&self, row: usize, acceleration: &[f64]) -> f64 {
+        dot(self.row(row), acceleration) + self.drift[row]
+    }
+
+    /// Rows of a contact along which it can have forces of its own.
+    pub(crate) fn rows_of(&self, i: usize) -> Range<usize> {
+        let contact = &self.contacts[i];
+        let first = ROWS * i + usize::from(contact.prescribed.is_some());
+        first..ROWS * i + 1 + contact.p
+    }
+
+    /// Rows, gaps and relative velocities of all contacts.
+    pub(crate) fn kinematics(
+        &mut self,
+        t: f64,
+        q: &[f64],
+        u: &[f64],
+    ) -> Result<(), EvaluationError> {
+        let (n, fresh) = (self.n, !self.constant || !self.ready);
+        self.chart.place(q);
+        for (i, contact) in self.contacts.iter_mut().enumerate() {
+            let own = &mut self.rows[ROWS * i * n..ROWS * (i + 1) * n];
+            if fresh {
+                let first = usize::from(contact.prescribed.is_some());
+                let chi = &mut self.chi[ROWS * i + first..ROWS * i + 1 + contact.p];
+                contact.gap =
+                    self.chart.rows(t, i, &mut own[first * n..(1 + contact.p) * n], chi)?;
+            } else if contact.prescribed.is_none() {
+                contact.gap = self.chart.gap(t, i)?;
+            }
+        }
+        if fresh {
+            self.response.copy_from_slice(&self.rows);
+            self.chart.pull_back(&mut self.rows);
+        }
+        for (i, contact) in self.contacts.iter_mut().enumerate() {
+            let rows = self.rows[(ROWS * i + 1) * n..].chunks_exact(n);
+            let chi = &self.chi[ROWS * i + 1..ROWS * i + 1 + contact.p];
+            let mut size = 0.0;
+            for ((slip, chi), row) in contact.slip.iter_mut().zip(chi).zip(rows) {
+                *slip = *chi + dot(row, u);
+                let parts: f64 = row.iter().zip(u).map(|(w, u)| (w * u).abs()).sum();
+                size += (chi.abs() + parts) * (chi.abs() + parts);
+            }
+            contact.size = size.sqrt();
+        }
+        if !fresh {
+            return Ok(());
+        }
+        if self.factor.is_none() || !self.system.constancy().mass {
+            let mut factors = self.factor.take().unwrap_or_default();
+            if !self.chart.factor_mass(&mut factors)? {
+                return Err(EvaluationError::SingularMass { time: t });
+            }
+            self.factor = Some(factors);
+        }
+        if let Some(factor) = &self.factor {
+            self.response.chunks_exact_mut(n).for_each(|row| factor.solve(self.system, row));
+        }
+        self.chart.pull_responses(&mut self.response);
+        self.ready = true;
+        (0..self.contacts.len())
+            .filter(|&i| !self.contacts[i].is_free())
+            .try_for_each(|i| self.check_rows(i))
+    }
+
+    /// Refuses directions of a contact that move nothing.
+    pub(crate) fn check_rows(&self, i: usize) -> Result<(), EvaluationError> {
+        let mobility = |row: usize| dot(self.row(row), self.response(row));
+        // The comparison also turns away NaN.
+        if self.rows_of(i).any(|row| !(mobility(row) > 0.0)) {
+            return Err(SystemError::direction(i).into());
+        }
+        Ok(())
+    }
+
+    /// The accelerations that the system would have without contacts, into `out`, at the coordinates whose kinematics
+    /// have been evaluated.
+    pub(crate) fn free_acceleration(
+        &mut self,
+        t: f64,
+        u: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        self.chart.forces(t, u, out)?;
+        if let Some(factor) = &self.factor {
+            factor.solve(self.system, out);
+        }
+        self.chart.pull_acceleration(out);
+        Ok(())
+    }
+
+    /// `w_NᵀM⁻¹(w_N + W f)` over `w_NᵀM⁻¹w_N` of a slipping unilateral contact.
+    pub(crate) fn resistance(&self, i: usize) -> f64 {
+        let contact = &self.contacts[i];
+        let normal = self.row(ROWS * i);
+        let friction = (0..contact.p)
+            .map(|r| contact.sliding[r] * dot(normal, self.response(ROWS * i + 1 + r)));
+        match contact.prescribed {
+            Some(_) => 1.0,
+            None => 1.0 + friction.sum::<f64>() / dot(normal, self.response(ROWS * i)),
+        }
+    }
+}

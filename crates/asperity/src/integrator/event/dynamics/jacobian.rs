@@ -1,0 +1,117 @@
+//! The Jacobian of the accelerations: that of the sliding forces by the laws, the rest by differences.
+
+use crate::contact::Phase;
+use crate::integrator::event::dynamics::buffers::SmoothJacobian;
+use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
+use crate::integrator::event::state::{EvaluationError, ROUNDING, Scale, State};
+use crate::integrator::event::vectors::add;
+use crate::law::Components;
+
+/// What rounding may add to the product of a Jacobian and the length of a step. Newton's method hardly notices it,
+/// while smaller values make differences wider than systems are smooth.
+const NOISE: f64 = 1e-3;
+
+impl Dynamics<'_> {
+    /// The smooth part of the Jacobian at `state` for steps up to about the length `h`, by forward differences.
+    ///
+    /// Where forces balance, what rounding leaves of their change must not look like a Jacobian: its product with
+    /// `h`, or `h²`, has to be small beside one. Therefore the `load` of the forces gives the least widths.
+    pub(crate) fn linearise(
+        &mut self,
+        state: &State,
+        h: f64,
+        scale: Scale,
+    ) -> Result<(), EvaluationError> {
+        let n = self.n;
+        let State { t, q, u } = state;
+        let (mut shifted_q, mut shifted_u) = std::mem::take(&mut self.smooth.shifted);
+        shifted_q.clone_from(q);
+        shifted_u.clone_from(u);
+        let (q, u) = (&mut shifted_q, &mut shifted_u);
+        self.evaluate(*t, q, u, SlidingForces::Kept)?;
+        let least = ROUNDING / NOISE * self.load * h;
+        self.smooth.acceleration.copy_from_slice(&self.acceleration);
+        self.smooth.slips.clear();
+        self.smooth.slips.extend(self.contacts.iter().map(|contact| contact.slip));
+        let root = f64::EPSILON.sqrt();
+        for j in 0..n {
+            let (kept, width) = (u[j], (root * u[j].abs().max(1e-3 * scale.u)).max(least));
+            u[j] += width;
+            let width = u[j] - kept;
+            self.evaluate(*t, q, u, SlidingForces::Kept)?;
+            u[j] = kept;
+            let SmoothJacobian { by_u, acceleration, .. } = &mut self.smooth;
+            for (k, (there, here)) in self.acceleration.iter().zip(acceleration).enumerate() {
+                by_u[k * n + j] = (there - *here) / width;
+            }
+        }
+        for j in 0..n {
+            let (kept, width) = (q[j], (root * q[j].abs().max(1e-3 * scale.q)).max(least * h));
+            q[j] += width;
+            let width = q[j] - kept;
+            self.evaluate(*t, q, u, SlidingForces::Kept)?;
+            q[j] = kept;
+            let SmoothJacobian { by_q, slip_by_q, acceleration, slips, .. } = &mut self.smooth;
+            for (k, (there, here)) in self.acceleration.iter().zip(acceleration).enumerate() {
+                by_q[k * n + j] = (there - *here) / width;
+            }
+            for (i, (contact, here)) in self.contacts.iter().zip(slips).enumerate() {
+                for (r, (there, here)) in contact.slip[..contact.p].iter().zip(here).enumerate() {
+                    slip_by_q[(ROWS * i + 1 + r) * n + j] = (there - *here) / width;
+                }
+            }
+        }
+        self.smooth.shifted = (shifted_q, shifted_u);
+        Ok(())
+    }
+
+    /// The Jacobian of the accelerations by velocities and by coordinates where they were evaluated last: the smooth
+    /// part, which is kept from [`linearise`](Self::linearise), and that of the sliding directions.
+    pub(crate) fn jacobian(&mut self, by_u: &mut [f64], by_q: &mut [f64]) {
+        let n = self.n;
+        by_u.copy_from_slice(&self.smooth.by_u);
+        by_q.copy_from_slice(&self.smooth.by_q);
+        let mut column = std::mem::take(&mut self.scratch);
+        for i in 0..self.contacts.len() {
+            let contact = self.contacts[i];
+            if contact.mode != Phase::Slip {
+                continue;
+            }
+            let point = self.direction_points.iter().find(|(k, _)| *k == i).map(|(_, z)| *z);
+            let slope = match point {
+                None => finite(self.law(i).jacobian(&contact.slip, 1.0)),
+                Some(z) => {
+                    self.law(i).at_point(&z, &contact.slip).map_or([[0.0; 3]; 3], |at| at.by_slip)
+                }
+            };
+            for (r, slope) in slope[..contact.p].iter().enumerate() {
+                column.copy_from_slice(self.response(ROWS * i + 1 + r));
+                self.constrain(&mut column);
+                for (s, slope) in slope[..contact.p].iter().enumerate() {
+                    let factor = contact.normal_force * slope;
+                    let row = ROWS * i + 1 + s;
+                    add_dyad(by_u, factor, &column, self.row(row));
+                    if !self.constant {
+                        let along = &self.smooth.slip_by_q[row * n..(row + 1) * n];
+                        add_dyad(by_q, factor, &column, along);
+                    }
+                }
+            }
+        }
+        self.scratch = column;
+    }
+}
+
+/// Slopes as far as they exist.
+fn finite(slope: Option<[Components; 3]>) -> [Components; 3] {
+    let finite = |entry: f64| if entry.is_finite() { entry } else { 0.0 };
+    slope.unwrap_or_default().map(|row| row.map(finite))
+}
+
+/// `matrix += factor column rowᵀ`.
+fn add_dyad(matrix: &mut [f64], factor: f64, column: &[f64], row: &[f64]) {
+    for (target, c) in matrix.chunks_exact_mut(row.len()).zip(column) {
+        add(target, factor * c, row);
+    }
+}

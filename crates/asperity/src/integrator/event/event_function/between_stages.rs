@@ -1,0 +1,72 @@
+//! Events between the stages of a step: event functions as polynomials through the stages.
+
+use crate::integrator::event::collocation::{STAGES, Tableau, lagrange_at};
+
+/// Start and stages.
+pub(crate) const NODES: usize = STAGES + 1;
+/// Points of an interval at which the polynomial is evaluated.
+const POINTS: usize = 8;
+/// How far polynomials may leave the range of their values at the nodes, in ranges.
+const LEBESGUE: f64 = 2.0;
+/// Height over the largest value of an event function that may be the error of the polynomial.
+const MARGIN: f64 = 1e-10;
+
+/// Where an event function that is not positive at the nodes may be so between them: the number of the node before,
+/// and the place in parts of the step. `values` are those of the start and of the first stages.
+pub(crate) fn hidden_maximum(values: &[f64]) -> Option<(usize, f64)> {
+    if values.len() < 3 {
+        return None;
+    }
+    let (least, most) =
+        values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+    if most + LEBESGUE * (most - least) < 0.0 {
+        return None;
+    }
+    let largest = most.abs().max(least.abs());
+    let mut nodes = [0.0; NODES];
+    nodes[1..].copy_from_slice(&Tableau::radau().c);
+    let nodes = &nodes[..values.len()];
+    let at =
+        |x: f64| -> f64 { (0..values.len()).map(|j| values[j] * lagrange_at(nodes, j, x)).sum() };
+    for (i, ends) in nodes.windows(2).enumerate() {
+        if values[i].max(values[i + 1]) > 0.0 {
+            continue;
+        }
+        let width = (ends[1] - ends[0]) / POINTS as f64;
+        let heights: [f64; POINTS + 1] = std::array::from_fn(|k| match k {
+            0 => values[i],
+            POINTS => values[i + 1],
+            _ => at(ends[0] + k as f64 * width),
+        });
+        for k in 1..POINTS {
+            let [left, here, right] = [heights[k - 1], heights[k], heights[k + 1]];
+            if here >= left && here >= right {
+                // The vertex of the parabola through three points.
+                let bend = left - 2.0 * here + right;
+                let shift = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
+                let top = here - 0.25 * (left - right) * shift;
+                if top > MARGIN * largest {
+                    return Some((i, ends[0] + (k as f64 + shift) * width));
+                }
+            }
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_excursion_is_found() {
+        let function = |x: f64| 1e-3 - (x - 0.4) * (x - 0.4);
+        let c = Tableau::radau().c;
+        let values: Vec<f64> = [0.0].iter().chain(&c).map(|&x| function(x)).collect();
+        assert!(values.iter().all(|v| *v < 0.0));
+        let (_, x) = hidden_maximum(&values).unwrap();
+        assert!((x - 0.4).abs() < 1e-6);
+        let low: Vec<f64> = values.iter().map(|v| v - 2e-3).collect();
+        assert_eq!(hidden_maximum(&low), None);
+    }
+}

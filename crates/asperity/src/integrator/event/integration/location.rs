@@ -1,0 +1,77 @@
+//! Location of events: the time at which the first event function becomes positive.
+
+use crate::contact::Phase;
+use crate::integrator::event::dynamics::ContactVariables;
+use crate::integrator::event::event_function::root;
+use crate::integrator::event::integration::attempt::StateError;
+use crate::integrator::event::integration::detection::Bracket;
+use crate::integrator::event::integration::variables::Integration;
+use crate::integrator::event::state::CLOSED_GAP;
+
+/// Share of the first step in which events are not located: to rounding of its length is not to rounding of their
+/// time. Later steps are not so much longer than those before.
+const EARLY_EVENT: f64 = 1e-2;
+/// Most times that the first step is shortened for such an event. One whose time falls with the step happens at once.
+const MOST_SHORTENED: u8 = 5;
+/// Gap in m, and velocity in m/s, that count as none where no length may be known but that of rounding, such as of a
+/// body at rest at the origin: states of a size of one are no finer.
+pub(crate) const LEAST: f64 = f64::EPSILON;
+
+/// What became of an event that was to be located.
+pub(crate) enum Location {
+    /// It is the event of this contact, or of the section, whose number is that of the contacts. The present state is
+    /// the one at the event.
+    Found(usize),
+    /// It is so early in the step, at this time from its start, that the step does not tell the time well.
+    Early(f64),
+}
+
+impl Integration<'_> {
+    /// Goes to the first of the events.
+    pub(crate) fn locate_event(&mut self, bracket: &Bracket) -> Result<Location, StateError> {
+        let width = (1e-14 * bracket.high).max(2.0 * f64::EPSILON * self.state.t);
+        let mut first = (bracket.high, bracket.triggered[0].number);
+        for (k, function) in bracket.triggered.iter().enumerate() {
+            let low = (bracket.low, function.low.min(0.0));
+            let at = root::zero(low, (bracket.high, function.high), width, |h| {
+                self.solve_to(h)?;
+                let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
+                Ok::<f64, StateError>(self.event_function(function.number, q, u))
+            })?;
+            if k == 0 || at < first.0 {
+                first = (at, function.number);
+            }
+        }
+        let (h, number) = first;
+        let early =
+            self.motion.steps == 0 && h < EARLY_EVENT * self.step.h && !self.is_at_limit(number);
+        if early && self.shortened < MOST_SHORTENED {
+            self.shortened += 1;
+            return Ok(Location::Early(h));
+        }
+        self.sample_before(self.state.t + h)?;
+        self.solve_to(h)?;
+        self.take_end(self.state.t + h, false)?;
+        self.smooth = false;
+        self.starting &= h == 0.0;
+        self.reset_event_functions(false);
+        if self.options.sample.is_none() && h > 0.0 {
+            self.record();
+        }
+        Ok(Location::Found(number))
+    }
+
+    /// Whether an event function is at its limit at the present state already, so that its event is there.
+    fn is_at_limit(&self, number: usize) -> bool {
+        let limit = match self.dynamics.contacts.get(number) {
+            Some(contact) if contact.mode == Phase::Open => closed_gap(contact),
+            _ => 0.0,
+        };
+        self.event_values[number] >= -limit
+    }
+}
+
+/// The gap at which a contact counts as closed at the beginning.
+pub(crate) fn closed_gap(contact: &ContactVariables) -> f64 {
+    (CLOSED_GAP * contact.reach).max(LEAST)
+}

@@ -1,0 +1,26 @@
+//! The integration from event to event: steps, detection and location of events, and what is done at them.
+//!
+//! | file | concept |
+//! |---|---|
+//! | `variables.rs` | everything that changes during an integration |
+//! | `attempt.rs` | attempts of steps, and states inside them |
+//! | `sampling.rs` | what is kept of the motion |
+//! | `detection.rs`, `location.rs` | event functions along a step; the time of the first event |
+//! | `decision.rs` | the modes after an event |
+//! | `release.rs`, `impact.rs`, `transition.rs` | stick that ends, impacts, all other events |
+//! | `start.rs` | the beginning of the motion |
+//! | `time_loop.rs` | the loop over steps |
+
+mod attempt;
+mod decision;
+mod detection;
+mod impact;
+mod location;
+mod release;
+mod sampling;
+mod start;
+mod time_loop;
+mod transition;
+mod variables;
+
+pub(crate) use time_loop::run;

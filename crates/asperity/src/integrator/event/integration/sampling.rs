@@ -1,0 +1,69 @@
+//! What is kept of the motion.
+
+use crate::integrator::event::collocation::PLACES;
+use crate::integrator::event::contact_problem::redundancy;
+use crate::integrator::event::dynamics::SlidingForces;
+use crate::integrator::event::integration::attempt::StateError;
+use crate::integrator::event::integration::variables::Integration;
+use crate::integrator::event::state::EvaluationError;
+
+/// Samples between two readings of the clock.
+const RARELY: usize = 256;
+
+impl Integration<'_> {
+    /// Samples from the present state up to `t`, a time inside the attempt.
+    pub(crate) fn sample_before(&mut self, t: f64) -> Result<(), EvaluationError> {
+        self.sample(t, t - self.state.t, false).map(|_| ())
+    }
+
+    /// Samples from the present state up to `t`, the end of the attempt; whether there were any.
+    pub(crate) fn sample_attempt(&mut self, t: f64) -> Result<bool, EvaluationError> {
+        self.sample(t, self.step.h, true)
+    }
+
+    fn sample(&mut self, t: f64, h: f64, whole: bool) -> Result<bool, EvaluationError> {
+        let Some(dt) = self.options.sample else { return Ok(false) };
+        // The end of the run is a sample of its own.
+        let due = |k: usize| k as f64 * dt < t || (k as f64 * dt == t && whole);
+        if !due(self.samples) {
+            return Ok(false);
+        }
+        self.interpolate(h, whole)?;
+        while due(self.samples) && !self.observer.has_asked_to_stop() {
+            self.dense_output.at(self.samples as f64 * dt, &mut self.sampled);
+            let at = (self.sampled.t, &self.sampled.q[..], &self.sampled.u[..]);
+            let solving = Self::solving(&self.memory, &self.observer, at.0);
+            redundancy::evaluate(&mut self.dynamics, at, SlidingForces::Updated, &solving)?;
+            self.motion.record(&mut self.dynamics, &self.sampled);
+            self.samples += 1;
+            if self.samples.is_multiple_of(RARELY) {
+                self.observer.asks_to_stop(self.state.t);
+            }
+        }
+        Ok(true)
+    }
+
+    /// The motion over the first `h` of the attempt, or over the `whole` of it.
+    fn interpolate(&mut self, h: f64, whole: bool) -> Result<(), EvaluationError> {
+        self.dense_output.begin(&self.state, h, &self.a0);
+        for k in 1..PLACES {
+            if whole && k + 1 == PLACES {
+                self.dense_output.set(k, &self.state, &self.step);
+                break;
+            }
+            let part = h * k as f64 / (PLACES - 1) as f64;
+            match self.solve_to(part) {
+                Ok(()) => {}
+                // The polynomial of the attempt is what is left.
+                Err(StateError::Diverged) => {
+                    self.probe.guess_from(part, &self.step, 0.0);
+                    self.probe.stages(&self.state);
+                }
+                Err(StateError::Evaluation(error)) => return Err(error),
+            }
+            self.dense_output.set(k, &self.state, &self.probe);
+        }
+        self.dense_output.finish();
+        Ok(())
+    }
+}

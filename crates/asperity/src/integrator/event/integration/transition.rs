@@ -1,0 +1,94 @@
+//! What is done at the end of steps, at events, and where slips come to an end.
+
+use crate::contact::{ContactState, Phase};
+use crate::integrator::event::collocation::{STAGES, slip_rate};
+use crate::integrator::event::integration::variables::{Ending, Integration};
+use crate::integrator::event::motion::EventKind;
+use crate::integrator::event::outcome::Outcome;
+use crate::integrator::event::state::{EvaluationError, ZERO_VELOCITY, shortest_step};
+use crate::integrator::event::vectors::{add, norm};
+
+impl Integration<'_> {
+    /// Takes the attempt, which ends at `t`.
+    pub(crate) fn accept_step(&mut self, t: f64) -> Result<(), EvaluationError> {
+        if self.sample_attempt(t)? {
+            self.evaluate_stage(STAGES - 1)?;
+        }
+        self.take_end(t, true)?;
+        self.dynamics.project(&mut self.state)?;
+        std::mem::swap(&mut self.step, &mut self.last);
+        (self.smooth, self.starting) = (true, false);
+        self.linearised = self.linearised.filter(|_| self.dynamics.constant);
+        self.reset_event_functions(false);
+        if self.options.sample.is_none() {
+            self.record();
+        }
+        Ok(())
+    }
+
+    /// The event of a contact, or of the section, at the present state.
+    pub(crate) fn handle_event(&mut self, number: usize) -> Ending {
+        if number == self.memory.len() {
+            let counts = self.options.section.as_ref().is_some_and(|s| self.state.t > s.after);
+            self.event_values[number] = 0.0;
+            self.reset_event_functions(false);
+            self.linearised = None;
+            if counts {
+                self.record_event(None, EventKind::Section, false);
+            }
+            return Ok(counts.then_some(Outcome::Section));
+        }
+        match self.dynamics.contacts[number].mode {
+            Phase::Stick => self.release(number),
+            Phase::Slip => {
+                let before = self.modes();
+                self.dynamics.contacts[number].mode = Phase::Open;
+                self.memory[number] = ContactState::new(Phase::Open, self.memory[number].slip);
+                self.decide_modes(&before)
+            }
+            // Closed a moment ago, by rounding.
+            _ if self.approach(number) > self.zero_velocity()
+                && 0.25 * self.step.h > shortest_step(self.state.t) =>
+            {
+                Ok(self.reject(0.25 * self.step.h))
+            }
+            _ => self.collide(number),
+        }
+    }
+
+    /// Slips that come to an end with a step.
+    pub(crate) fn end_slips(&mut self) -> Ending {
+        let ended: Vec<usize> = (0..self.memory.len()).filter(|&i| self.slip_ends(i)).collect();
+        if ended.is_empty() {
+            return Ok(None);
+        }
+        let mut before = self.modes();
+        let mut left = 0.0;
+        for &i in &ended {
+            let slip = self.dynamics.contacts[i].slip;
+            let rate = slip_rate(&self.dynamics, i, &self.a0);
+            if rate < 0.0 {
+                left = f64::max(left, -norm(&slip) / rate);
+            }
+            self.memory[i] = ContactState::new(Phase::Stick, slip);
+            self.dynamics.contacts[i].mode = Phase::Stick;
+            before[i] = Some(Phase::Unknown);
+        }
+        self.state.t = (self.state.t + left).min(self.options.t_end);
+        add(&mut self.state.q, left, &self.state.u);
+        add(&mut self.state.u, left, &self.a0);
+        self.decide_modes(&before)
+    }
+
+    /// Whether a slip has come to its end, to rounding of the slip or of the time.
+    fn slip_ends(&self, i: usize) -> bool {
+        let contact = &self.dynamics.contacts[i];
+        let speed = norm(&contact.slip);
+        if contact.mode != Phase::Slip || speed == 0.0 {
+            return contact.mode == Phase::Slip;
+        }
+        let rate = slip_rate(&self.dynamics, i, &self.a0);
+        let rounding = ZERO_VELOCITY * contact.reference_speed();
+        rate < 0.0 && speed <= f64::max(rounding, -rate * shortest_step(self.state.t))
+    }
+}

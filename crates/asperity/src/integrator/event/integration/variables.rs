@@ -1,0 +1,211 @@
+//! Everything that changes during an integration.
+
+use std::ops::ControlFlow;
+
+use crate::contact::{ContactState, Phase};
+use crate::integrator::event::collocation::{Accuracy, DenseOutput, NewtonGoal, Step, StepSize};
+use crate::integrator::event::contact_problem::{Solving, redundancy};
+use crate::integrator::event::dynamics::{Chart, Dynamics, ROWS, SlidingForces};
+use crate::integrator::event::event_function::{NODES, contact_event_function};
+use crate::integrator::event::motion::{Event, EventKind, Motion};
+use crate::integrator::event::observer::Observer;
+use crate::integrator::event::options::Options;
+use crate::integrator::event::outcome::Outcome;
+use crate::integrator::event::state::{EvaluationError, State, ZERO_VELOCITY};
+use crate::integrator::event::vectors::{dot, largest};
+use crate::system::System;
+
+/// Why the integration ends here, if it does.
+pub(crate) type Ending = Result<Option<Outcome>, EvaluationError>;
+
+/// An integration and all its buffers.
+pub(crate) struct Integration<'a> {
+    pub(crate) options: &'a Options,
+    pub(crate) dynamics: Dynamics<'a>,
+    pub(crate) state: State,
+    /// What the contacts did last.
+    pub(crate) memory: Vec<ContactState>,
+    pub(crate) step_size: StepSize,
+    pub(crate) motion: Motion,
+    /// Accelerations at the present state, and where a slip begins without a jump of them their rate.
+    pub(crate) a0: Vec<f64>,
+    pub(crate) slope: Option<Vec<f64>>,
+    /// Forces of sliding contacts for unit normal force at the present state.
+    pub(crate) sliding: Vec<[f64; 3]>,
+    /// The present attempt, the step before, and steps from the same start to other times.
+    pub(crate) step: Step,
+    pub(crate) last: Step,
+    pub(crate) probe: Step,
+    /// Whether a slip begins at the present state.
+    pub(crate) starting: bool,
+    /// How often the first step has been shortened for an event far too early in it.
+    pub(crate) shortened: u8,
+    /// Whether the step before was of the same modes, so that its accelerations can be continued.
+    pub(crate) smooth: bool,
+    /// Whether the Jacobian can be used again, and the length of the step for which it was computed.
+    pub(crate) linearised: Option<f64>,
+    /// Whether the dynamics are where a rejected attempt has left them.
+    pub(crate) stale: bool,
+    /// Event functions at the present state, contacts first, then the section; those along the attempt.
+    pub(crate) event_values: Vec<f64>,
+    pub(crate) stage_values: Vec<[f64; NODES]>,
+    /// Number of the next sample, what samples are read from, and the last one.
+    pub(crate) samples: usize,
+    pub(crate) dense_output: DenseOutput,
+    pub(crate) sampled: State,
+    pub(crate) observer: Observer<'a>,
+}
+
+impl<'a> Integration<'a> {
+    pub(crate) fn new(
+        system: &'a dyn System,
+        options: &'a Options,
+        observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Self {
+        let (n, contacts) = (system.dof(), system.contacts().len());
+        let (chart, state) = Chart::new(system, &options.q0, &options.u0);
+        let dynamics = Dynamics::new(system, chart, options.t_end);
+        Self {
+            options,
+            state,
+            memory: vec![ContactState::default(); contacts],
+            step_size: StepSize::new(options.tolerance, contacts),
+            motion: Motion::new(&dynamics),
+            dynamics,
+            a0: vec![0.0; n],
+            slope: None,
+            sliding: vec![[0.0; 3]; contacts],
+            step: Step::new(n),
+            last: Step::new(n),
+            probe: Step::new(n),
+            starting: false,
+            shortened: 0,
+            smooth: false,
+            linearised: None,
+            stale: false,
+            event_values: vec![0.0; contacts + 1],
+            stage_values: vec![[0.0; NODES]; contacts + 1],
+            samples: 1,
+            dense_output: DenseOutput::new(n),
+            sampled: State { t: 0.0, q: vec![0.0; n], u: vec![0.0; n] },
+            observer: Observer::new(observer),
+        }
+    }
+
+    /// What contact problems at the time `t` need to know.
+    pub(crate) fn solving<'s>(
+        memory: &'s [ContactState],
+        observer: &'s Observer<'a>,
+        t: f64,
+    ) -> Solving<'s, 'a> {
+        Solving { memory, observer, t }
+    }
+
+    /// Evaluates the dynamics at the present state.
+    pub(crate) fn evaluate(
+        &mut self,
+        sliding_forces: SlidingForces,
+    ) -> Result<(), EvaluationError> {
+        let State { t, q, u } = &self.state;
+        let solving = Self::solving(&self.memory, &self.observer, *t);
+        redundancy::evaluate(&mut self.dynamics, (*t, q, u), sliding_forces, &solving)
+    }
+
+    /// Tries again with a shorter step.
+    pub(crate) fn reject(&mut self, h: f64) -> Option<Outcome> {
+        self.step_size.h = h;
+        (self.linearised, self.stale) = (None, true);
+        self.motion.rejected_steps += 1;
+        None
+    }
+
+    /// The largest acceleration that is known to come in a time. At the beginning of a slip from rest there is none
+    /// yet.
+    pub(crate) fn largest_acceleration(&self, h: f64) -> f64 {
+        largest(&self.a0) + h * self.slope.as_deref().map_or(0.0, largest)
+    }
+
+    /// A relative error that is aimed at, with what decides whether rounding allows it.
+    pub(crate) fn accuracy(&self, goal: f64) -> Accuracy {
+        Accuracy { goal, load: self.dynamics.load }
+    }
+
+    /// What Newton's method aims at in a step of length `h` with accelerations up to `largest`.
+    pub(crate) fn newton_goal(&self, h: f64, largest: f64) -> NewtonGoal {
+        let tolerance = self.step_size.newton;
+        let scale = self.step_size.scale(h, largest, self.accuracy(tolerance));
+        NewtonGoal { tolerance, scale }
+    }
+
+    /// Keeps the sliding forces of the present state, at which the dynamics have been evaluated.
+    pub(crate) fn keep_sliding(&mut self) {
+        for (kept, contact) in self.sliding.iter_mut().zip(&self.dynamics.contacts) {
+            *kept = contact.sliding;
+        }
+    }
+
+    pub(crate) fn modes(&self) -> Vec<Option<Phase>> {
+        self.dynamics.contacts.iter().map(|contact| Some(contact.mode)).collect()
+    }
+
+    /// `γ_N`.
+    pub(crate) fn approach(&self, contact: usize) -> f64 {
+        dot(self.dynamics.row(ROWS * contact), &self.state.u)
+    }
+
+    /// A normal velocity that counts as none.
+    pub(crate) fn zero_velocity(&self) -> f64 {
+        ZERO_VELOCITY * self.step_size.speed()
+    }
+
+    /// Keeps the present state.
+    pub(crate) fn record(&mut self) {
+        self.motion.record(&mut self.dynamics, &self.state);
+    }
+
+    pub(crate) fn record_event(
+        &mut self,
+        contact: Option<usize>,
+        kind: EventKind,
+        ambiguous: bool,
+    ) {
+        let time = self.state.t;
+        self.motion.events.push(Event { time, contact, kind, phase: None, ambiguous });
+    }
+
+    /// An event function where the dynamics have been evaluated: of a contact, or of the section, whose number is
+    /// that of the contacts.
+    pub(crate) fn event_function(&self, number: usize, q: &[f64], u: &[f64]) -> f64 {
+        match &self.options.section {
+            Some(section) if number == self.memory.len() => {
+                let (q, u) = self.dynamics.chart.to_system(q, u);
+                section.height(&q, &u)
+            }
+            _ if number == self.memory.len() => -1.0,
+            _ => contact_event_function(&self.dynamics, number),
+        }
+    }
+
+    /// The event functions at the present state, at which the dynamics have been evaluated: what has just been decided
+    /// on is not positive. `jumped` says whether velocities may have jumped, over the section too.
+    pub(crate) fn reset_event_functions(&mut self, jumped: bool) {
+        for contact in 0..self.memory.len() {
+            self.event_values[contact] = contact_event_function(&self.dynamics, contact).min(0.0);
+        }
+        if let Some(section) = &self.options.section {
+            let (q, u) = self.dynamics.chart.to_system(&self.state.q, &self.state.u);
+            let height = section.height(&q, &u);
+            let on = height.abs() <= ZERO_VELOCITY * section.size(&q, &u);
+            let last = &mut self.event_values[self.memory.len()];
+            *last = match *last < 0.0 {
+                // Arrives from below, or has got above: the next step crosses it at its start.
+                true if on || (jumped && self.state.t > section.after) => {
+                    height.min(-f64::MIN_POSITIVE)
+                }
+                // Starts on it: does not cross it there.
+                false if on => 0.0,
+                _ => height,
+            };
+        }
+    }
+}

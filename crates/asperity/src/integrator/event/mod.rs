@@ -1,0 +1,72 @@
+//! Event-driven integration: phases as smooth ordinary differential equations, and stick, slip, opening and impacts
+//! located between them.
+//!
+//! It is the independent check of Moreau's time stepping, and the flow of which limit cycles are fixed points. Rooms
+//! use only those above them in this table:
+//!
+//! | file | concept |
+//! |---|---|
+//! | `options.rs` | options, sections and what is refused |
+//! | `vectors.rs`, `state.rs` | states, their scales, and what counts as zero |
+//! | `outcome.rs`, `observer.rs` | why an integration ends; whether to go on |
+//! | `dynamics/` | accelerations and contact forces in a mode, their drift and their Jacobian |
+//! | `motion.rs` | what is returned |
+//! | `event_function/` | functions whose zeros are events, also between the stages of a step |
+//! | `collocation/` | steps of order nine: stages, errors, growth of deviations, lengths, dense output |
+//! | `contact_problem/` | what contacts do next: accelerations, impacts, forces that are shared in many ways |
+//! | `integration/` | the loop over steps: detection and location of events, and what is done at them |
+
+mod collocation;
+mod contact_problem;
+mod dynamics;
+mod event_function;
+mod integration;
+mod motion;
+mod observer;
+mod options;
+mod outcome;
+mod state;
+mod vectors;
+
+use std::ops::ControlFlow;
+
+pub use motion::{Event, EventKind, Motion};
+pub use options::{Options, Section};
+pub use outcome::{Outcome, Stagnation};
+pub use state::EvaluationError;
+
+pub use crate::integrator::OptionsError;
+use crate::system::System;
+
+/// The motion so far, and why it ended; the first is there whatever the second says.
+#[derive(Debug)]
+#[must_use = "an integration may end before its time"]
+pub struct Run {
+    /// The motion.
+    pub motion: Motion,
+    /// Why the integration ended.
+    pub outcome: Outcome,
+}
+
+/// Integrates `system` from event to event.
+///
+/// Bodies that turn in space are integrated with rotation vectors in place of their quaternions, see
+/// [`System::rotations`].
+///
+/// `observer(t)` is called about every 50 ms and may stop the run.
+///
+/// # Errors
+///
+/// [`OptionsError`] if an option is out of range, if contacts overlap at the beginning, or if the system cannot be
+/// integrated in this way: the direction sets of its laws must be strictly convex.
+pub fn integrate(
+    system: &dyn System,
+    options: &Options,
+    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Run, OptionsError> {
+    options.check(system)?;
+    let mut options = options.clone();
+    system.normalise(&mut options.q0)?;
+    let (motion, outcome) = integration::run(system, &options, observer)?;
+    Ok(Run { motion, outcome })
+}

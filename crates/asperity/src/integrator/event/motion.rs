@@ -1,0 +1,93 @@
+//! What an event-driven integration returns.
+
+use crate::contact::Phase;
+use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::state::State;
+use crate::integrator::samples::{ContactSample, Samples};
+
+/// What happens at an event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EventKind {
+    /// A contact begins to stick.
+    Stick,
+    /// A contact begins to slip, or its slip passes through zero.
+    Slip,
+    /// A contact opens.
+    Open,
+    /// A contact closes, with or without a jump of the velocities.
+    Impact,
+    /// Friction stops the slip by an impact without approach (Painlevé).
+    ImpactWithoutCollision,
+    /// The motion crosses the section.
+    Section,
+}
+
+impl EventKind {
+    /// Name of the kind.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stick => "stick",
+            Self::Slip => "slip",
+            Self::Open => "open",
+            Self::Impact => "impact",
+            Self::ImpactWithoutCollision => "impact_without_collision",
+            Self::Section => "section",
+        }
+    }
+}
+
+/// Something that happened.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Event {
+    /// Time in s.
+    pub time: f64,
+    /// The contact; none of a section.
+    pub contact: Option<usize>,
+    /// What happened.
+    pub kind: EventKind,
+    /// What the contact does afterwards.
+    pub phase: Option<Phase>,
+    /// Whether the contacts might have done something else.
+    pub ambiguous: bool,
+}
+
+/// Samples of a motion, and its events. An event gives two samples where all steps are kept, before and after it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Motion {
+    /// States, slips and forces.
+    pub samples: Samples,
+    /// The events in their order.
+    pub events: Vec<Event>,
+    /// Steps made.
+    pub steps: usize,
+    /// Steps that were tried and found too long.
+    pub rejected_steps: usize,
+}
+
+impl Motion {
+    pub(crate) fn new(dynamics: &Dynamics<'_>) -> Self {
+        let dimensions: Vec<usize> = dynamics.contacts.iter().map(|contact| contact.p).collect();
+        let samples = Samples::new(dynamics.system.coordinates(), dynamics.n, &dimensions);
+        Self { samples, ..Self::default() }
+    }
+
+    /// Appends a state, at which the dynamics have been evaluated.
+    pub(crate) fn record(&mut self, dynamics: &mut Dynamics<'_>, state: &State) {
+        for contact in &dynamics.contacts {
+            self.samples.push_contact(&ContactSample {
+                dimension: contact.p,
+                slip: contact.slip,
+                force: contact.force,
+                normal_force: contact.normal_force,
+                phase: contact.mode,
+            });
+        }
+        let (q, u) = dynamics.chart.system_state(state);
+        self.samples.push_state(state.t, q, u);
+    }
+
+    /// Number of events at which the contacts might have done something else.
+    pub fn ambiguous_events(&self) -> usize {
+        self.events.iter().filter(|event| event.ambiguous).count()
+    }
+}

@@ -1,0 +1,87 @@
+//! Samples of a motion, whatever has computed it.
+
+use crate::contact::Phase;
+
+/// Samples of a motion, time first. Vectors of contacts whose law has less than `p` dimensions are padded with NaN.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Samples {
+    /// Number of coordinates.
+    pub coordinates: usize,
+    /// Number of degrees of freedom.
+    pub dof: usize,
+    /// Number of contacts.
+    pub contacts: usize,
+    /// Largest dimension of the laws.
+    pub p: usize,
+    /// Times in s.
+    pub t: Vec<f64>,
+    /// Coordinates `(n_t, coordinates)`.
+    pub q: Vec<f64>,
+    /// Velocities `(n_t, dof)`.
+    pub u: Vec<f64>,
+    /// Slip velocities γ `(n_t, n_c, p)`.
+    pub slip: Vec<f64>,
+    /// Friction forces λ `(n_t, n_c, p)`.
+    pub force: Vec<f64>,
+    /// Normal forces λ_N `(n_t, n_c)`.
+    pub normal_force: Vec<f64>,
+    /// Phases `(n_t, n_c)`.
+    pub phase: Vec<i8>,
+}
+
+/// A contact in a sample.
+pub(crate) struct ContactSample {
+    /// Dimension of the law.
+    pub(crate) dimension: usize,
+    pub(crate) slip: [f64; 3],
+    pub(crate) force: [f64; 3],
+    pub(crate) normal_force: f64,
+    pub(crate) phase: Phase,
+}
+
+impl Samples {
+    /// No samples of a system with these laws yet.
+    pub(crate) fn new(coordinates: usize, dof: usize, dimensions: &[usize]) -> Self {
+        let p = dimensions.iter().copied().max().unwrap_or(0);
+        Self { coordinates, dof, contacts: dimensions.len(), p, ..Self::default() }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.t.is_empty()
+    }
+
+    /// Appends a contact to the sample that the next call of [`push_state`](Self::push_state) completes.
+    pub(crate) fn push_contact(&mut self, contact: &ContactSample) {
+        let padded = |v: [f64; 3]| {
+            (0..self.p).map(move |i| if i < contact.dimension { v[i] } else { f64::NAN })
+        };
+        self.slip.extend(padded(contact.slip));
+        self.force.extend(padded(contact.force));
+        self.normal_force.push(contact.normal_force);
+        self.phase.push(contact.phase as i8);
+    }
+
+    /// Completes a sample, after its contacts.
+    pub(crate) fn push_state(&mut self, t: f64, q: &[f64], u: &[f64]) {
+        self.t.push(t);
+        self.q.extend_from_slice(q);
+        self.u.extend_from_slice(u);
+    }
+
+    /// Keeps the first samples, without contacts of one that is not complete.
+    pub(crate) fn truncate(&mut self, samples: usize) {
+        self.t.truncate(samples);
+        self.q.truncate(samples * self.coordinates);
+        self.u.truncate(samples * self.dof);
+        self.slip.truncate(samples * self.contacts * self.p);
+        self.force.truncate(samples * self.contacts * self.p);
+        self.normal_force.truncate(samples * self.contacts);
+        self.phase.truncate(samples * self.contacts);
+    }
+}

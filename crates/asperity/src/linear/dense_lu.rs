@@ -1,0 +1,93 @@
+//! LU factorisation of small dense matrices, with room that is kept for the next one.
+
+use super::dense::{Packed, eliminate};
+
+/// A factored matrix.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct DenseLu {
+    size: usize,
+    /// The matrix, row by row.
+    rows: Vec<f64>,
+    /// `L` with unit diagonal below, `U` on and above the diagonal, column by column.
+    factors: Vec<f64>,
+    swaps: Vec<usize>,
+    packed: Packed,
+}
+
+impl DenseLu {
+    /// A matrix of zeros, row by row, to be filled before [`factor`](Self::factor) is called.
+    pub(crate) fn begin(&mut self, size: usize) -> &mut [f64] {
+        self.size = size;
+        self.rows.clear();
+        self.rows.resize(size * size, 0.0);
+        &mut self.rows
+    }
+
+    /// Gaussian elimination with row exchanges; false if a pivot is not larger than `threshold` times the largest
+    /// entry.
+    pub(crate) fn factor(&mut self, threshold: f64) -> bool {
+        let (n, rows) = (self.size, &self.rows);
+        self.factors.clear();
+        self.factors.extend((0..n * n).map(|k| rows[k % n * n + k / n]));
+        self.swaps.resize(n, 0);
+        self.packed.reserve(n);
+        let largest = rows.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        eliminate(&mut self.factors, n, n, &mut self.swaps, &mut self.packed)
+            && (0..n).all(|k| self.factors[k * n + k].abs() > threshold * largest)
+    }
+
+    /// `values ← matrix⁻¹ values`; false if the result is not finite.
+    pub(crate) fn solve(&self, values: &mut [f64]) -> bool {
+        for (k, &swap) in self.swaps.iter().enumerate() {
+            values.swap(k, swap);
+        }
+        let columns = self.factors.chunks_exact(self.size.max(1)).enumerate();
+        for (k, column) in columns.clone() {
+            let y = values[k];
+            for (value, l) in values[k + 1..].iter_mut().zip(&column[k + 1..]) {
+                *value -= l * y;
+            }
+        }
+        for (k, column) in columns.rev() {
+            values[k] /= column[k];
+            let y = values[k];
+            for (value, u) in values[..k].iter_mut().zip(column) {
+                *value -= u * y;
+            }
+        }
+        values.iter().all(|x| x.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn systems_of_all_sizes_are_solved() {
+        let mut lu = DenseLu::default();
+        for n in (0..20).chain([37, 64]) {
+            // Large entries away from the diagonal ask for exchanges of rows.
+            let large = |i: usize, j: usize| if (i + 3) % n.max(1) == j { n as f64 } else { 0.0 };
+            let entry = |i: usize, j: usize| large(i, j) + ((3 * i + 5 * i * j) as f64).sin();
+            for (k, value) in lu.begin(n).iter_mut().enumerate() {
+                *value = entry(k / n, k % n);
+            }
+            let mut x: Vec<f64> =
+                (0..n).map(|i| (0..n).map(|j| entry(i, j) * (j as f64 - 2.0)).sum()).collect();
+            assert!(lu.factor(1e-13) && lu.solve(&mut x), "{n}");
+            assert!(x.iter().enumerate().all(|(j, x)| (x - (j as f64 - 2.0)).abs() < 1e-11), "{n}");
+        }
+    }
+
+    #[test]
+    fn small_pivots_count_as_none() {
+        let mut lu = DenseLu::default();
+        for (last, regular) in [(4.0, false), (4.0 + 1e-12, false), (4.0 + 1e-9, true)] {
+            lu.begin(2).copy_from_slice(&[1.0, 2.0, 2.0, last]);
+            assert_eq!(lu.factor(1e-11), regular);
+        }
+        lu.begin(1)[0] = f64::NAN;
+        assert!(!lu.factor(0.0));
+    }
+}
