@@ -6,9 +6,9 @@
 use std::mem;
 use std::ops::Range;
 
-use super::StepError;
 use super::closed::{Change, Closed};
 use super::coupling::Coupling;
+use super::outcome::StepError;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
 use crate::system::mass::MassFactors;

@@ -2,228 +2,26 @@
 //!
 //! `q_M = q_B + ½Δt u_B`; the contacts closed at the midpoint form the contact problem
 //! `M(u_E − u_B) − hΔt = W_N P_N + W P` with the laws in `u_E` (19); `q_E = q_M + ½Δt u_E`.
+//!
+//! | file | concept |
+//! |---|---|
+//! | `stepper.rs`, `step.rs` | the scheme with its state; one step |
+//! | `assembly.rs`, `coupling.rs` | from a system at the midpoint to the contact problem, and back |
+//! | `closed.rs` | the contacts that are closed, and what they remember |
+//! | `rated.rs`, `linear_solve.rs` | friction that depends on the speed |
+//! | `state.rs`, `outcome.rs` | what a run hands over; what comes of a step |
 
 mod assembly;
 mod closed;
 mod coupling;
 mod linear_solve;
-mod output;
+mod outcome;
 mod rated;
 mod state;
 mod step;
+mod stepper;
 
-use thiserror::Error;
-
-use crate::contact::{ContactProblem, ContactState, Memory, Phase};
-use crate::solver::{SolveReport, Solver, Unsolvable, Workspace};
-use crate::system::{System, SystemError};
-use assembly::Assembly;
-use closed::Closed;
-pub use output::ContactOutput;
+pub(crate) use outcome::Attempt;
+pub use outcome::{ContactOutput, StepError};
 pub use state::{ContactMemory, State};
-pub(crate) use step::Attempt;
-
-/// A step could not be made.
-#[derive(Debug, Error)]
-pub enum StepError {
-    /// The system failed.
-    #[error(transparent)]
-    System(#[from] SystemError),
-    /// The mass matrix has no Cholesky factor.
-    #[error("mass: must be symmetric positive definite, is not at t = {time} s")]
-    SingularMass {
-        /// Time in s.
-        time: f64,
-    },
-    /// The contact problem is not finite; a solver must not see it.
-    #[error("directions or velocities of contact {contact} are not finite at t = {time} s")]
-    NotFiniteContact {
-        /// Time in s.
-        time: f64,
-        /// The system's contact.
-        contact: usize,
-    },
-    /// The step was given up, as asked for; the state is the one before it.
-    #[error("the step was given up at t = {time} s")]
-    Cancelled {
-        /// Time before the step in s.
-        time: f64,
-    },
-    /// The state is no longer finite.
-    #[error("the state is no longer finite at t = {time} s, coordinate {coordinate}")]
-    NotFinite {
-        /// Time in s.
-        time: f64,
-        /// First coordinate that is not finite.
-        coordinate: usize,
-    },
-}
-
-/// The scheme with its state and all its buffers.
-#[derive(Debug)]
-pub struct Stepper<'a> {
-    system: &'a dyn System,
-    solver: Solver,
-    tolerance: f64,
-    dt: f64,
-    origin: f64,
-    steps: usize,
-    q: Vec<f64>,
-    u: Vec<f64>,
-    closed: Closed,
-    assembly: Assembly,
-    memory: Memory,
-    /// The memory before the present step.
-    before: Memory,
-    workspace: Workspace,
-    /// What the contacts did in the last step; none of those that were open.
-    outputs: Vec<Option<ContactOutput>>,
-}
-
-impl<'a> Stepper<'a> {
-    /// The scheme at `t = 0` in the given state.
-    ///
-    /// # Errors
-    ///
-    /// [`StepError::System`] if `tolerance` or `dt` is not finite and positive, if the state has not as many finite
-    /// entries as the system has coordinates and velocities, or if a contact of the system has a restitution
-    /// outside of [0, 1] or a prescribed normal force that is not finite or negative.
-    pub fn new(
-        system: &'a dyn System,
-        solver: Solver,
-        tolerance: f64,
-        dt: f64,
-        q0: &[f64],
-        u0: &[f64],
-    ) -> Result<Self, StepError> {
-        Self::from_state(system, solver, tolerance, dt, &State::new(0.0, q0, u0))
-    }
-
-    /// The scheme in the state in which another run has ended.
-    ///
-    /// # Errors
-    ///
-    /// As [`new`](Self::new), and if the state is not one of this system.
-    pub fn from_state(
-        system: &'a dyn System,
-        solver: Solver,
-        tolerance: f64,
-        dt: f64,
-        state: &State,
-    ) -> Result<Self, StepError> {
-        state::check_options(system, tolerance, dt)?;
-        state.check(system)?;
-        let State { origin, steps, mut q, u, contacts, momenta, .. } = state.in_steps_of(dt);
-        system.normalise(&mut q)?;
-        let assembly = Assembly::new(system, &q, &u, momenta);
-        let mut stepper = Self {
-            system,
-            solver,
-            tolerance,
-            dt,
-            origin,
-            steps,
-            q,
-            u,
-            closed: Closed::new(system, &contacts),
-            assembly,
-            memory: Memory::default(),
-            before: Memory::default(),
-            workspace: Workspace::default(),
-            outputs: vec![None; system.contacts().len()],
-        };
-        if contacts.is_empty() {
-            for contact in 0..stepper.outputs.len() {
-                let slip = stepper.slip(contact)?;
-                if slip.iter().any(|&v| v != 0.0) {
-                    stepper.closed.states[contact] = ContactState::new(Phase::Slip, slip);
-                }
-            }
-        }
-        Ok(stepper)
-    }
-
-    /// The present state with all that a run needs that goes on from here.
-    pub fn state(&self) -> State {
-        State {
-            origin: self.origin,
-            steps: self.steps,
-            dt: self.dt,
-            q: self.q.clone(),
-            u: self.u.clone(),
-            contacts: self.closed.memory(&self.memory),
-            momenta: self.assembly.momenta().to_vec(),
-        }
-    }
-
-    /// Number of steps since the time from which they are counted, that of the first start.
-    pub fn steps(&self) -> usize {
-        self.steps
-    }
-
-    /// Time in s, counted in steps so that it does not drift.
-    pub fn time(&self) -> f64 {
-        self.time_after(0)
-    }
-
-    /// Time in s after so many further steps.
-    pub(crate) fn time_after(&self, steps: usize) -> f64 {
-        self.origin + (self.steps + steps) as f64 * self.dt
-    }
-
-    /// Coordinates.
-    pub fn q(&self) -> &[f64] {
-        &self.q
-    }
-
-    /// Velocities.
-    pub fn u(&self) -> &[f64] {
-        &self.u
-    }
-
-    /// Number of components of a contact's friction force.
-    pub fn dimension(&self, contact: usize) -> usize {
-        self.system.contacts()[contact].law.dimension()
-    }
-
-    /// The contact problem of the last step.
-    pub fn problem(&self) -> &ContactProblem {
-        &self.closed.problem
-    }
-
-    /// The contact problem of the last step and the proof that it has no solution, if there is one.
-    pub fn unsolvable(&self) -> Option<Unsolvable> {
-        let infeasibility = self.workspace.infeasibility.clone()?;
-        let (problem, contacts) = (self.closed.problem.clone(), self.closed.active.clone());
-        Some(Unsolvable { problem, contacts, infeasibility })
-    }
-
-    /// The system's contact behind a contact of the last contact problem.
-    pub fn contact_of(&self, place: usize) -> usize {
-        self.closed.active.get(place).copied().unwrap_or(0)
-    }
-
-    /// One step, whether or not its contact problem is solved to the tolerance.
-    pub fn step(&mut self) -> Result<SolveReport, StepError> {
-        self.step_unless(&|| false)
-    }
-
-    /// One step, unless `cancelled` gives it up: it is asked again and again while the contact problem is being
-    /// solved, and should be quick to answer. The state is then the one before the step, to the bit.
-    ///
-    /// # Errors
-    ///
-    /// [`StepError::Cancelled`] if the step was given up; else as [`step`](Self::step).
-    pub fn step_unless(&mut self, cancelled: &dyn Fn() -> bool) -> Result<SolveReport, StepError> {
-        match self.attempt(cancelled, |_| true)? {
-            Attempt::Made(report) | Attempt::Refused(report) => Ok(report),
-            Attempt::Cancelled => Err(StepError::Cancelled { time: self.time() }),
-        }
-    }
-
-    /// Slip velocity `γ = Wᵀu + χ` of a contact in the present state.
-    fn slip(&mut self, contact: usize) -> Result<[f64; 3], StepError> {
-        let (t, state) = (self.time(), (self.q.as_slice(), self.u.as_slice()));
-        Ok(self.assembly.slip(self.system, t, state, contact)?)
-    }
-}
+pub use stepper::Stepper;

@@ -3,8 +3,9 @@
 use std::cell::Cell;
 
 use super::closed::Change;
+use super::outcome::{Attempt, ContactOutput, StepError};
 use super::rated::Correction;
-use super::{StepError, Stepper};
+use super::stepper::Stepper;
 use crate::contact::Memory;
 use crate::solver::{self, SolveReport, Status, Stop};
 use crate::system::SystemError;
@@ -18,17 +19,6 @@ const UNAIDED: usize = 6;
 const SETTLING: usize = 12;
 const WHOLE_CORRECTIONS: usize = 30;
 const ROUND: usize = 2 * WHOLE_CORRECTIONS;
-
-/// How an attempt to make a step ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Attempt {
-    /// The step is made.
-    Made(SolveReport),
-    /// What was found was not wanted; everything is as before.
-    Refused(SolveReport),
-    /// The step was given up; everything is as before.
-    Cancelled,
-}
 
 impl Stepper<'_> {
     /// One step, unless it is given up or what was found is not wanted.
@@ -172,6 +162,30 @@ impl Stepper<'_> {
         match broken(&self.u).or_else(|| broken(&self.q)) {
             Some(coordinate) => Err(StepError::NotFinite { time: self.time(), coordinate }),
             None => Ok(()),
+        }
+    }
+
+    /// Keeps what the closed contacts do, before the next step changes the contact problem.
+    pub(super) fn keep_outputs(&mut self) {
+        let Self { closed, memory, workspace, assembly, outputs, system, dt, .. } = self;
+        let factors = assembly.factors();
+        if outputs.len() > closed.active.len() {
+            outputs.fill(None);
+        }
+        let rows = closed.active.iter().zip(closed.problem.contacts());
+        for ((&contact, rows), state) in rows.zip(&memory.states) {
+            let (mut slip, mut force) = ([0.0; 3], [0.0; 3]);
+            for i in 0..rows.law.dimension() {
+                let row = rows.tangent() + i;
+                slip[i] = workspace.velocity[row];
+                force[i] = memory.percussion[row] * factors.of(row) / *dt;
+            }
+            let normal_force = match system.contacts()[contact].normal_force {
+                Some(value) => value,
+                None => memory.percussion[rows.offset] / *dt,
+            };
+            outputs[contact] =
+                Some(ContactOutput { phase: state.phase, slip, force, normal_force });
         }
     }
 }

@@ -1,0 +1,67 @@
+//! What comes of a step: of its contacts, of the attempt to make it, and why it could not be made.
+
+use thiserror::Error;
+
+use crate::contact::Phase;
+use crate::solver::SolveReport;
+use crate::system::SystemError;
+
+/// A step could not be made.
+#[derive(Debug, Error)]
+pub enum StepError {
+    /// The system failed.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// The mass matrix has no Cholesky factor.
+    #[error("mass: must be symmetric positive definite, is not at t = {time} s")]
+    SingularMass {
+        /// Time in s.
+        time: f64,
+    },
+    /// The contact problem is not finite; a solver must not see it.
+    #[error("directions or velocities of contact {contact} are not finite at t = {time} s")]
+    NotFiniteContact {
+        /// Time in s.
+        time: f64,
+        /// The system's contact.
+        contact: usize,
+    },
+    /// The step was given up, as asked for; the state is the one before it.
+    #[error("the step was given up at t = {time} s")]
+    Cancelled {
+        /// Time before the step in s.
+        time: f64,
+    },
+    /// The state is no longer finite.
+    #[error("the state is no longer finite at t = {time} s, coordinate {coordinate}")]
+    NotFinite {
+        /// Time in s.
+        time: f64,
+        /// First coordinate that is not finite.
+        coordinate: usize,
+    },
+}
+
+/// How an attempt to make a step ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Attempt {
+    /// The step is made.
+    Made(SolveReport),
+    /// What was found was not wanted; everything is as before.
+    Refused(SolveReport),
+    /// The step was given up; everything is as before.
+    Cancelled,
+}
+
+/// What one contact does after a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactOutput {
+    /// Phase in the step.
+    pub phase: Phase,
+    /// `γ_E` in m/s.
+    pub slip: [f64; 3],
+    /// Friction force λ in N.
+    pub force: [f64; 3],
+    /// Normal force λ_N in N.
+    pub normal_force: f64,
+}

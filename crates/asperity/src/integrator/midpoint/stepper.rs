@@ -1,0 +1,192 @@
+//! The scheme with its state.
+
+use super::assembly::Assembly;
+use super::closed::Closed;
+use super::outcome::{Attempt, ContactOutput, StepError};
+use super::state::{self, State};
+use crate::contact::{ContactProblem, ContactState, Memory, Phase};
+use crate::solver::{SolveReport, Solver, Unsolvable, Workspace};
+use crate::system::System;
+
+/// The scheme with its state and all its buffers.
+#[derive(Debug)]
+pub struct Stepper<'a> {
+    pub(super) system: &'a dyn System,
+    pub(super) solver: Solver,
+    pub(super) tolerance: f64,
+    pub(super) dt: f64,
+    pub(super) origin: f64,
+    pub(super) steps: usize,
+    pub(super) q: Vec<f64>,
+    pub(super) u: Vec<f64>,
+    pub(super) closed: Closed,
+    pub(super) assembly: Assembly,
+    pub(super) memory: Memory,
+    /// The memory before the present step.
+    pub(super) before: Memory,
+    pub(super) workspace: Workspace,
+    /// What the contacts did in the last step; none of those that were open.
+    pub(super) outputs: Vec<Option<ContactOutput>>,
+}
+
+impl<'a> Stepper<'a> {
+    /// The scheme at `t = 0` in the given state.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError::System`] if `tolerance` or `dt` is not finite and positive, if the state has not as many finite
+    /// entries as the system has coordinates and velocities, or if a contact of the system has a restitution
+    /// outside of [0, 1] or a prescribed normal force that is not finite or negative.
+    pub fn new(
+        system: &'a dyn System,
+        solver: Solver,
+        tolerance: f64,
+        dt: f64,
+        q0: &[f64],
+        u0: &[f64],
+    ) -> Result<Self, StepError> {
+        Self::from_state(system, solver, tolerance, dt, &State::new(0.0, q0, u0))
+    }
+
+    /// The scheme in the state in which another run has ended.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new), and if the state is not one of this system.
+    pub fn from_state(
+        system: &'a dyn System,
+        solver: Solver,
+        tolerance: f64,
+        dt: f64,
+        state: &State,
+    ) -> Result<Self, StepError> {
+        state::check_options(system, tolerance, dt)?;
+        state.check(system)?;
+        let State { origin, steps, mut q, u, contacts, momenta, .. } = state.in_steps_of(dt);
+        system.normalise(&mut q)?;
+        let assembly = Assembly::new(system, &q, &u, momenta);
+        let mut stepper = Self {
+            system,
+            solver,
+            tolerance,
+            dt,
+            origin,
+            steps,
+            q,
+            u,
+            closed: Closed::new(system, &contacts),
+            assembly,
+            memory: Memory::default(),
+            before: Memory::default(),
+            workspace: Workspace::default(),
+            outputs: vec![None; system.contacts().len()],
+        };
+        if contacts.is_empty() {
+            for contact in 0..stepper.outputs.len() {
+                let slip = stepper.slip(contact)?;
+                if slip.iter().any(|&v| v != 0.0) {
+                    stepper.closed.states[contact] = ContactState::new(Phase::Slip, slip);
+                }
+            }
+        }
+        Ok(stepper)
+    }
+
+    /// The present state with all that a run needs that goes on from here.
+    pub fn state(&self) -> State {
+        State {
+            origin: self.origin,
+            steps: self.steps,
+            dt: self.dt,
+            q: self.q.clone(),
+            u: self.u.clone(),
+            contacts: self.closed.memory(&self.memory),
+            momenta: self.assembly.momenta().to_vec(),
+        }
+    }
+
+    /// Number of steps since the time from which they are counted, that of the first start.
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// Time in s, counted in steps so that it does not drift.
+    pub fn time(&self) -> f64 {
+        self.time_after(0)
+    }
+
+    /// Time in s after so many further steps.
+    pub(crate) fn time_after(&self, steps: usize) -> f64 {
+        self.origin + (self.steps + steps) as f64 * self.dt
+    }
+
+    /// Coordinates.
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Velocities.
+    pub fn u(&self) -> &[f64] {
+        &self.u
+    }
+
+    /// Number of components of a contact's friction force.
+    pub fn dimension(&self, contact: usize) -> usize {
+        self.system.contacts()[contact].law.dimension()
+    }
+
+    /// The contact problem of the last step.
+    pub fn problem(&self) -> &ContactProblem {
+        &self.closed.problem
+    }
+
+    /// The contact problem of the last step and the proof that it has no solution, if there is one.
+    pub fn unsolvable(&self) -> Option<Unsolvable> {
+        let infeasibility = self.workspace.infeasibility.clone()?;
+        let (problem, contacts) = (self.closed.problem.clone(), self.closed.active.clone());
+        Some(Unsolvable { problem, contacts, infeasibility })
+    }
+
+    /// The system's contact behind a contact of the last contact problem.
+    pub fn contact_of(&self, place: usize) -> usize {
+        self.closed.active.get(place).copied().unwrap_or(0)
+    }
+
+    /// One step, whether or not its contact problem is solved to the tolerance.
+    pub fn step(&mut self) -> Result<SolveReport, StepError> {
+        self.step_unless(&|| false)
+    }
+
+    /// One step, unless `cancelled` gives it up: it is asked again and again while the contact problem is being
+    /// solved, and should be quick to answer. The state is then the one before the step, to the bit.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError::Cancelled`] if the step was given up; else as [`step`](Self::step).
+    pub fn step_unless(&mut self, cancelled: &dyn Fn() -> bool) -> Result<SolveReport, StepError> {
+        match self.attempt(cancelled, |_| true)? {
+            Attempt::Made(report) | Attempt::Refused(report) => Ok(report),
+            Attempt::Cancelled => Err(StepError::Cancelled { time: self.time() }),
+        }
+    }
+
+    /// Slip velocity `γ = Wᵀu + χ` of a contact in the present state.
+    fn slip(&mut self, contact: usize) -> Result<[f64; 3], StepError> {
+        let (t, state) = (self.time(), (self.q.as_slice(), self.u.as_slice()));
+        Ok(self.assembly.slip(self.system, t, state, contact)?)
+    }
+
+    /// Phase of a contact in the last step.
+    pub fn phase(&self, contact: usize) -> Phase {
+        self.outputs[contact].map_or(Phase::Open, |output| output.phase)
+    }
+
+    /// What a contact does after the last step.
+    pub fn output(&mut self, contact: usize) -> Result<ContactOutput, StepError> {
+        if let Some(output) = self.outputs[contact] {
+            return Ok(output);
+        }
+        let slip = self.slip(contact)?;
+        Ok(ContactOutput { phase: Phase::Open, slip, force: [0.0; 3], normal_force: 0.0 })
+    }
+}
