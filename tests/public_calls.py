@@ -303,7 +303,17 @@ RESULTS = {
 
 SYSTEMS = {"System", "FollowerPendulum", "FrictionalImpactOscillator"}
 """Systems, whose methods answer the integrators."""
-ANSWERS = {"advance", "block_mass", "direction", "forces", "gap", "mass", "normal", "touched", "velocity"}
+ANSWERS = {
+    "advance",
+    "block_mass",
+    "direction",
+    "forces",
+    "gap",
+    "mass",
+    "normal",
+    "touched",
+    "velocity",
+}
 MODELS = {
     f"{name}{kind}"
     for name in ("Circle", "Fourier", "Superellipse")

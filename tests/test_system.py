@@ -175,3 +175,142 @@ def test_exceptions_in_a_callback_come_back_with_their_traceback():
         asp.simulate(Failing(), dt=0.1, t_end=1.0)
     assert "forces" in {entry.name for entry in caught.traceback}
     assert any("step 6" in note for note in caught.value.__notes__)
+
+
+class Row(asp.System):
+    """Blocks on a line that do not meet, written out as one block of velocities."""
+
+    def __init__(self, count):
+        self.dof = count
+        self.calls = {"mass": 0, "direction": 0}
+        self.contacts = [asp.ContactLaw(LINE, normal_force=1.0 + i) for i in range(count)]
+
+    def mass(self, q):
+        self.calls["mass"] += 1
+        return np.diag(1.0 + np.arange(self.dof))
+
+    def forces(self, t, q, u):
+        return np.sin(t + np.arange(self.dof)) * (1.0 + np.arange(self.dof))
+
+    def direction(self, t, q, contact):
+        self.calls["direction"] += 1
+        return np.eye(self.dof)[:, [contact]]
+
+
+class RowInBlocks(Row):
+    """The same, block by block."""
+
+    @property
+    def blocks(self):
+        return [1] * self.dof
+
+    def block_mass(self, q, block):
+        self.calls["mass"] += 1
+        return np.array([[1.0 + block]])
+
+    def touched(self, contact):
+        return [contact]
+
+    def direction(self, t, q, contact):
+        self.calls["direction"] += 1
+        return np.eye(1)
+
+
+class ConstantRow(RowInBlocks):
+    """The same again, with what never changes."""
+
+    constant_mass = True
+    constant_contacts = True
+
+
+def test_a_system_in_blocks_moves_as_the_same_in_one():
+    runs = [
+        asp.simulate(kind(7), dt=1e-2, t_end=3.0, u0=np.linspace(-1.0, 1.0, 7))
+        for kind in (Row, RowInBlocks, ConstantRow)
+    ]
+    assert {1, 2} <= set(runs[0].phase[1:].ravel().tolist())
+    for run in runs[1:]:
+        np.testing.assert_array_equal(run.phase, runs[0].phase)
+        np.testing.assert_allclose(run.q, runs[0].q, atol=1e-13)
+        np.testing.assert_allclose(run.force, runs[0].force, atol=1e-12)
+
+
+def test_what_is_constant_is_asked_for_once():
+    system = ConstantRow(3)
+    asp.simulate(system, dt=1e-2, t_end=1.0)
+    # Directions also for the phases and for the sample at the beginning, which no step has led to.
+    assert system.calls == {"mass": 3, "direction": 9}
+    changing = RowInBlocks(3)
+    asp.simulate(changing, dt=1e-2, t_end=1.0)
+    assert changing.calls["mass"] == 300
+
+
+def test_contacts_of_other_blocks_do_not_meet():
+    count = 400
+    system = ConstantRow(count)
+    run = asp.simulate(system, dt=1e-2, t_end=0.1, u0=np.ones(count))
+    assert run.status == "finished"
+    # One sweep solves contacts that do not meet, whatever their number.
+    assert run.iterations.max() == 1
+
+
+class Turning(asp.System):
+    """A wheel with friction, its attitude as cosine and sine."""
+
+    dof = 1
+    coordinates = 2
+    contacts = (asp.ContactLaw(LINE, normal_force=0.2),)
+
+    def mass(self, q):
+        return np.eye(1)
+
+    def forces(self, t, q, u):
+        return -q[1:]
+
+    def direction(self, t, q, contact):
+        return np.eye(1)
+
+    def advance(self, q, u, dt):
+        sine, cosine = np.sin(dt * u[0]), np.cos(dt * u[0])
+        return np.array([cosine * q[0] - sine * q[1], sine * q[0] + cosine * q[1]])
+
+
+class Angle(Turning):
+    """The same with the angle as its coordinate."""
+
+    coordinates = None
+
+    def forces(self, t, q, u):
+        return -np.sin(q)
+
+
+def test_a_system_may_advance_its_own_coordinates():
+    options = {"dt": 1e-2, "t_end": 8.0, "u0": [2.5]}
+    run = asp.simulate(Turning(), q0=[np.cos(0.3), np.sin(0.3)], **options)
+    angle = asp.simulate(Angle(), q0=[0.3], **options)
+    np.testing.assert_allclose(run.q, np.hstack([np.cos(angle.q), np.sin(angle.q)]), atol=1e-12)
+    np.testing.assert_allclose(run.u, angle.u, atol=1e-12)
+
+
+def test_what_advance_raises_comes_back():
+    class Failing(Turning):
+        def advance(self, q, u, dt):
+            raise ZeroDivisionError("in the user's code")
+
+    with pytest.raises(ZeroDivisionError, match="user's code"):
+        asp.simulate(Failing(), dt=0.1, t_end=1.0, q0=[1.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"blocks": [1, 1]}, "dof: must be 2, the sum of blocks, got 3"),
+        ({"touched": lambda self, contact: [5]}, "touched: must return ascending numbers"),
+        ({"touched": lambda self, contact: [1, 0]}, "touched: must return ascending numbers"),
+        ({"touched": lambda self, contact: []}, "touched: must return ascending numbers"),
+    ],
+)
+def test_blocks_that_do_not_fit_are_named(changes, message):
+    system = type("Wrong", (RowInBlocks,), changes)(3)
+    with pytest.raises(asp.ParameterError, match=message):
+        asp.simulate(system, dt=0.1, t_end=1.0)

@@ -208,6 +208,11 @@ def initial_state(system: Model, q0: ArrayLike | None, u0: ArrayLike | None) -> 
         q, u = system.q0, system.u0
     else:
         q = u = np.zeros(system.dof)
+        coordinates = getattr(system, "coordinates", None)
+        if coordinates is not None:
+            if q0 is None:
+                raise ParameterError("q0", "must be given where a system has its own coordinates")
+            q = np.zeros(coordinates)
     return (
         _arrays.array(q if q0 is None else q0, "q0", q.shape),
         _arrays.array(u if u0 is None else u0, "u0", u.shape),

@@ -131,7 +131,7 @@ class System:
         return _core.CallbackSystem(self, blocks, touched, coordinates, constant, data)
 
     def _blocks(self, contacts: int) -> tuple[list[int], list[list[int]] | None]:
-        """Return the sizes of the blocks, and the blocks of every contact unless there is but one."""
+        """Return the sizes of the blocks, and the blocks of every contact if there are any."""
         dof = _arrays.count(getattr(self, "dof", None), "dof")
         if self.blocks is None:
             _require(type(self), "mass")
