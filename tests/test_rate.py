@@ -300,6 +300,27 @@ def test_a_box_on_a_stiff_viscous_floor_slides_as_a_point_does():
     np.testing.assert_allclose(slid.u[:, :2], point.u, atol=1e-8)
 
 
+def test_a_landing_in_the_plane_of_the_friction_takes_the_factor_of_its_end():
+    # Three rows of a contact on two velocities: its block is singular, and its friction changes
+    # the normal percussion.
+    law = asp.FrictionLaw.isotropic(1.5).replace(
+        rate=Stribeck(0.74, 0.0, shape="hyperbolic", exponent=3.4, viscous=0.044)
+    )
+    slope = asp.Contact(law, np.eye(2), normal=[-0.36, 1.0], gap=3.5)
+    point = asp.LinearSystem([5.6, 48.8], force=[9.8, -2.3], contacts=[slope])
+    motion = asp.simulate(point, dt=0.14, t_end=4.2, tolerance=1e-12)
+    assert motion.failed_steps == 0
+    before, now = np.linalg.norm(motion.u[:-1], axis=1), np.linalg.norm(motion.u[1:], axis=1)
+    pressed = motion.normal_force[1:, 0] > 0.0
+    assert pressed.sum() > 5
+    assert not pressed[:5].any()
+    assert (motion.phase[1:, 0][pressed] == asp.Phase.SLIP).all()
+    factor = law.rate(before) - 0.044 * before + 0.044 * now
+    friction = np.linalg.norm(motion.force[1:, 0], axis=1)
+    expected = 1.5 * factor * motion.normal_force[1:, 0]
+    np.testing.assert_allclose(friction[pressed], expected[pressed], rtol=1e-9)
+
+
 def test_a_falling_factor_still_costs_one_solve():
     falling = asp.FrictionLaw.isotropic(0.5).replace(rate=Stribeck(0.1, 0.4))
     motion = asp.simulate(asp.SlidingPoint(1.0, falling), dt=1e-3, t_end=0.1, u0=[1.0, 0.0])

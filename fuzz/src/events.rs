@@ -51,6 +51,7 @@ pub fn check(data: &[u8]) {
         slip: &motion.slip,
         force: &motion.force,
         normal_force: &motion.normal_force,
+        phase: None,
         slack: 1e-3,
         resolution: 0.0,
     });

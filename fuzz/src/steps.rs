@@ -35,6 +35,7 @@ pub fn check(data: &[u8]) {
         slip: &path.slip,
         force: &path.force,
         normal_force: &path.normal_force,
+        phase: Some(&path.phase),
         slack: 1e-6,
         resolution: 10.0 * options.tolerance / options.dt,
     });

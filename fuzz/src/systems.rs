@@ -1,5 +1,6 @@
 //! Linear systems with contacts, and where they start.
 
+use asperity::contact::Phase;
 use asperity::law::Law;
 use asperity::system::{Contact, LinearSystem, Normal};
 use nalgebra::DMatrix;
@@ -100,12 +101,13 @@ fn contact(source: &mut Source<'_>, n: usize, rated: bool) -> Option<Contact> {
 }
 
 impl Scene {
-    /// Asserts that normal forces do not pull and friction forces lie in their reservoirs.
+    /// Asserts that normal forces do not pull and friction forces lie in their reservoirs; where phases are given, that
+    /// they are on the boundary in slip and that open contacts do not press.
     ///
     /// Reservoirs grow and shrink with a factor of the speed. Its part that rises with the speed is that of the slip, the
     /// part that falls that of the slip `lag` samples before.
     pub fn check_forces(&self, forces: &Forces<'_>) {
-        let Forces { p, lag, slip, force, normal_force, slack, resolution } = *forces;
+        let Forces { p, lag, slip, force, normal_force, phase, slack, resolution } = *forces;
         let m = self.contacts.len();
         let size = normal_force.iter().fold(1e-3, |m: f64, f| m.max(f.abs()));
         let errors: Vec<f64> = self.contacts.iter().map(|c| self.error_by_speed(c)).collect();
@@ -123,16 +125,30 @@ impl Scene {
                 own.iter().map(|v| v * v).sum::<f64>().sqrt()
             };
             let (before, now) = (speed(k - lag * m), speed(k));
-            // At rest a speed of the size of rounding may stand for none.
-            let falls_at = (before - 1e-9).max(0.0);
-            let factor = contact.law.rate();
-            let factor = factor.map_or(1.0, |rate| rate.falling(falls_at) + rate.rising(now));
+            // At rest a speed of the size of rounding may stand for none, and the other way round.
+            let factor_with = |error: f64| {
+                let falling_at = (before + error).max(0.0);
+                let rate = contact.law.rate();
+                rate.map_or(1.0, |rate| rate.falling(falling_at) + rate.rising(now))
+            };
+            let (least, factor) = (factor_with(1e-9), factor_with(-1e-9));
             let gauge = gauge(&contact.law, own);
             let error =
                 slack * (size + normal * factor) + resolution * errors[k % m] * (before + now);
             assert!(
                 gauge <= normal * factor + error,
                 "contact {}: k_C(−λ) = {gauge} at λ_N = {normal} and f = {factor}: {self:?}",
+                k % m
+            );
+            let Some(phase) = phase.map(|phase| phase[k]) else { continue };
+            assert!(
+                phase != Phase::Slip as i8 || gauge >= normal * least - error,
+                "contact {} slips: k_C(−λ) = {gauge} at λ_N = {normal} and f = {least}: {self:?}",
+                k % m
+            );
+            assert!(
+                phase != Phase::Open as i8 || normal <= slack * size,
+                "contact {} is open and presses with {normal}: {self:?}",
                 k % m
             );
         }
@@ -159,6 +175,9 @@ pub struct Forces<'a> {
     pub slip: &'a [f64],
     pub force: &'a [f64],
     pub normal_force: &'a [f64],
+    /// What the contacts do, where it is to be checked: an event-driven integration knows speeds within its tolerance
+    /// only, and steep factors of the speed magnify that.
+    pub phase: Option<&'a [i8]>,
     /// Relative to the largest normal force.
     pub slack: f64,
     /// The tolerance of percussions relative to their loads over the length of the step, in 1/s: forces of short steps

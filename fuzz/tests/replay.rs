@@ -20,10 +20,6 @@ const SLOW: Duration = Duration::from_millis(200);
 /// Inputs per target beside the corpus: some seconds each.
 const INPUTS: usize = 1000;
 
-/// The same of `steps`, of which one input in about a thousand still has a friction force that is off the bound of
-/// its rate-dependent law by less than a percent.
-const STEPS: usize = 250;
-
 #[test]
 fn sets_keep_their_word() {
     replay("sets");
@@ -55,8 +51,7 @@ fn setting(name: &str) -> Option<u64> {
 
 fn replay(name: &str) {
     let check = TARGETS.iter().find(|(target, _)| *target == name).unwrap().1;
-    let ordinary = if name == "steps" { STEPS } else { INPUTS };
-    let count = setting("ASPERITY_FUZZ_INPUTS").map_or(ordinary, |n| n as usize);
+    let count = setting("ASPERITY_FUZZ_INPUTS").map_or(INPUTS, |n| n as usize);
     let watch = Watch::default();
     let (mut findings, mut slow) = (Vec::new(), Vec::new());
     std::thread::scope(|scope| {

@@ -2,8 +2,11 @@
 
 mod common;
 
-use asperity::law::{Fall, FrictionLaw, Law, LawError, Stribeck, flow_sets};
-use asperity::set::{Ball, Convex, ConvexSet, Ellipse, Interval, Star, StarSet, Vector, Verdict};
+use asperity::law::{Fall, FlowSets, FrictionLaw, Law, LawError, Stribeck, flow_sets};
+use asperity::set::{
+    Ball, Convex, ConvexSet, Cuboid, CustomConvex, Ellipse, Ellipsoid, Interval, Star, StarSet,
+    Superellipse, Vector, Verdict,
+};
 use common::{Random, V, laws};
 
 #[test]
@@ -277,6 +280,324 @@ fn kinds_of_laws_are_told_with_witnesses() {
     assert_eq!(FrictionLaw::<3>::isotropic(0.4).unwrap().collinearity(), Verdict::exact(true));
 }
 
+/// Unit vectors at equidistant angles, half a step off the axes.
+fn around(count: usize) -> impl Iterator<Item = V> {
+    (0..count).map(move |k| {
+        let angle = std::f64::consts::TAU * (k as f64 + 0.5) / count as f64;
+        V::new(angle.cos(), angle.sin())
+    })
+}
+
+fn slip_force(law: &FrictionLaw<2>, e: &V) -> V {
+    -law.force(e, 1.0).unwrap()
+}
+
+/// The largest value over all sliding directions.
+fn largest(value: impl Fn(&V) -> f64) -> f64 {
+    around(100_000).map(|e| value(&e)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// D = disk of radius ½, C = ellipse 2:1: sliding at 45° the associated law dissipates most and this one 1/1.25 of it,
+/// `k_C²(e) h_C²(e) = c⁴ + s⁴ + c²s²(a²/b² + b²/a²)`.
+#[test]
+fn witnesses_of_collinear_laws_are_those_of_the_closed_form() {
+    let ellipse = flat_ellipse(0.6, 0.3, 0.0);
+    let law = FrictionLaw::collinear(ellipse.clone().into()).unwrap();
+    let verdict = law.monotonicity();
+    assert!((verdict.defect - 0.2).abs() < 1e-6 && !verdict.holds && !verdict.exact, "{verdict:?}");
+    let [slip, force, still, other] = verdict.witness[..] else { panic!("{verdict:?}") };
+    assert!((slip.norm() - 1.0).abs() < 1e-12 && (slip.x.abs() - slip.y.abs()).abs() < 1e-9);
+    assert!((force + slip_force(&law, &slip)).norm() < 1e-12 && still == V::zeros());
+    assert!((ellipse.gauge(&other) - 1.0).abs() < 1e-12);
+    assert!((slip.dot(&-other) - ellipse.support(&slip)).abs() < 1e-12);
+    // The associated law's force is farthest from this one's where the witness is.
+    let verdict = law.associativity();
+    let apart = |e: &V| (slip_force(&law, e) - ellipse.support_point(e)).norm();
+    assert!((verdict.defect - 0.5).abs() < 1e-9 && !verdict.exact);
+    assert!(apart(&verdict.witness[0]) > largest(apart) - 1e-5, "{verdict:?}");
+}
+
+/// Of a reservoir that is not convex the farthest point is found among its own.
+#[test]
+fn witnesses_of_laws_with_a_star_shaped_reservoir_dissipate_less_than_they_could() {
+    let star = Star::from(Superellipse::new(V::new(0.5, 0.3), 0.6).unwrap());
+    let law = FrictionLaw::collinear(star.clone()).unwrap();
+    let best = |e: &V| f64::max(0.5 * e.x.abs(), 0.3 * e.y.abs());
+    let lack = |e: &V| 1.0 - slip_force(&law, e).dot(e) / best(e);
+    let verdict = law.monotonicity();
+    assert!((verdict.defect - largest(lack)).abs() < 1e-4, "{verdict:?}");
+    let [slip, force, still, other] = verdict.witness[..] else { panic!("{verdict:?}") };
+    assert!((lack(&slip) - verdict.defect).abs() < 1e-9 && still == V::zeros());
+    assert!((force + slip_force(&law, &slip)).norm() < 1e-12);
+    // The tips of the axes.
+    assert!(
+        (slip.dot(&-other) - best(&slip)).abs() < 1e-12 && (star.gauge(&other) - 1.0).abs() < 1e-9
+    );
+    let verdict = law.associativity();
+    let tip = |e: &V| match 0.5 * e.x.abs() > 0.3 * e.y.abs() {
+        true => V::new(0.5 * e.x.signum(), 0.0),
+        false => V::new(0.0, 0.3 * e.y.signum()),
+    };
+    let apart = |e: &V| (slip_force(&law, e) - tip(e)).norm();
+    assert!(apart(&verdict.witness[0]) > largest(apart) - 2e-3, "{verdict:?}");
+}
+
+/// Each verdict against the definition, for laws of every kind.
+#[test]
+fn verdicts_agree_with_their_definitions() {
+    for (name, law) in laws() {
+        let deflection = |e: &V| slip_force(&law, e).normalize().perp(e).abs();
+        let verdict = law.collinearity();
+        let worst = around(20_000).map(|e| deflection(&e)).fold(0.0, f64::max);
+        assert!((verdict.defect - worst).abs() < 0.02, "{name}: {verdict:?} {worst}");
+        assert_eq!(verdict.holds, worst < 1e-9, "{name}: {verdict:?}");
+        if let [e] = verdict.witness[..] {
+            assert!((deflection(&e) - verdict.defect).abs() < 1e-9, "{name}: {verdict:?}");
+        }
+        let verdict = law.associativity();
+        assert_eq!(verdict.holds, law.is_associated(), "{name}");
+        let ratio = |d: &V| law.reservoir().gauge(d) / law.direction().gauge(d);
+        let tips = law.reservoir().corners();
+        let smallest = around(20_000).chain(tips).map(|d| ratio(&d)).fold(1.0, f64::min);
+        assert!((verdict.defect - (1.0 - smallest)).abs() < 1e-3, "{name}: {verdict:?}");
+        assert!((law.alpha_min() - smallest).abs() < 1e-3 && law.alpha_min() <= smallest + 1e-9);
+        assert_eq!(law.monotonicity().holds, law.is_associated(), "{name}");
+        assert_eq!(law.dissipativity(), Verdict::exact(true), "{name}");
+        // \[WL19\] (56) at some place.
+        let x = V::new(0.13, -0.04);
+        let alpha = law.direction().gauge(&x) - law.reservoir().gauge(&x) + 1.0;
+        assert!((law.alpha(&x) * alpha - 1.0).abs() < 1e-14, "{name}");
+    }
+}
+
+/// In space the normal of an ellipsoid is farthest from its position in the plane of its longest and shortest axes.
+#[test]
+fn deflections_in_space_are_those_of_the_extreme_axes() {
+    let set = Convex::from(Ellipsoid::new(Vector::<3>::new(0.6, 0.3, 0.2)).unwrap());
+    let law = FrictionLaw::associated(set);
+    let verdict = law.collinearity();
+    assert!(!verdict.holds && (verdict.defect - (4.0f64 / 3.0).atan().sin()).abs() < 5e-3);
+    let e = verdict.witness[0];
+    assert!(e.y.abs() < 0.1 && (e.norm() - 1.0).abs() < 1e-12, "{e}");
+    assert_eq!(law.associativity(), Verdict::exact(true));
+}
+
+/// A direction set of a user whose farthest point is the nearest one.
+#[derive(Debug)]
+struct Mirrored;
+
+impl StarSet<2> for Mirrored {
+    fn gauge(&self, x: &V) -> f64 {
+        x.norm() / 0.3
+    }
+}
+
+impl ConvexSet<2> for Mirrored {
+    fn support_point(&self, y: &V) -> V {
+        y.normalize() * -0.3
+    }
+}
+
+#[test]
+fn sets_that_break_their_promise_do_not_dissipate() {
+    let broken = Convex::Custom(CustomConvex(std::sync::Arc::new(Mirrored)));
+    let verdict = FrictionLaw::associated(broken).dissipativity();
+    assert!(!verdict.holds && (verdict.defect - 0.3).abs() < 1e-12, "{verdict:?}");
+    assert!((verdict.witness[0].norm() - 1.0).abs() < 1e-12);
+}
+
+/// The steepest fall of `f(v) = .4 + .6 e^{−2v}` over a quarter of the speed, and the forces of both speeds.
+#[test]
+fn friction_that_falls_is_refuted_at_its_steepest_fall() {
+    for viscous in [0.0, 0.05] {
+        let rate = Stribeck::new(Fall::Exponential, 0.5, 0.4, 1.0, viscous).unwrap();
+        let law = FrictionLaw::associated(flat_ellipse(0.6, 0.3, 0.0)).with_rate(rate);
+        let fall = |v: f64| rate.factor(v) - rate.factor(1.25 * v);
+        let steepest = (0..40_000).map(|k| fall(1e-4 * f64::from(k))).fold(0.0, f64::max);
+        let verdict = law.monotonicity();
+        assert!(!verdict.holds && verdict.defect <= steepest, "{verdict:?}");
+        assert!(verdict.defect > 0.98 * steepest, "{verdict:?} {steepest}");
+        let [slip, force, faster, weaker] = verdict.witness[..] else { panic!("{verdict:?}") };
+        assert!((fall(slip.norm()) - verdict.defect).abs() < 1e-12);
+        assert!((faster - slip * 1.25).norm() < 1e-12 && slip.norm() > 0.0);
+        assert!((law.force(&slip, 1.0).unwrap() - force).norm() < 1e-12);
+        assert!((law.force(&faster, 1.0).unwrap() - weaker).norm() < 1e-12);
+    }
+    // Friction that only rises leaves the sets to decide, at so small a speed that it does not count.
+    let rising = Stribeck::new(Fall::Exponential, 0.5, 1.5, 1.0, 0.1).unwrap();
+    let law = FrictionLaw::collinear(flat_ellipse(0.6, 0.3, 0.0).into()).unwrap().with_rate(rising);
+    let verdict = law.monotonicity();
+    assert!(!verdict.holds && (verdict.defect - 0.2).abs() < 1e-6, "{verdict:?}");
+    let [slip, force, still, other] = verdict.witness[..] else { panic!("{verdict:?}") };
+    assert!((law.force(&slip, 1.0).unwrap() - force).norm() < 1e-5 && still == V::zeros());
+    assert!((slip - still).dot(&(force - other)) > 0.0);
+}
+
+/// `f` is the sum of a part that never rises and one that never falls, whose slope is known.
+#[test]
+fn rates_have_a_falling_and_a_rising_part() {
+    for fall in [Fall::Exponential, Fall::Hyperbolic] {
+        for (ratio, viscous, rises) in [
+            (0.4, 0.0, false),
+            (0.4, 0.3, true),
+            (1.0, 0.0, false),
+            (1.6, 0.0, true),
+            (1.6, 0.3, true),
+        ] {
+            let rate = Stribeck::new(fall, 0.2, ratio, 1.5, viscous).unwrap();
+            assert_eq!(rate.rises(), rises, "{rate:?}");
+            assert_eq!((rate.falling(0.0), rate.rising(0.0)), (1.0, 0.0));
+            let (mut falling, mut rising) = (1.0, 0.0);
+            for k in 1..400 {
+                let v = 0.005 * f64::from(k);
+                assert!(rate.falling(v) <= falling && rate.rising(v) >= rising, "{rate:?} {v}");
+                (falling, rising) = (rate.falling(v), rate.rising(v));
+                assert!((falling + rising - rate.factor(v)).abs() < 1e-15, "{rate:?} {v}");
+                let h = 1e-6;
+                let slope = (rate.rising(v + h) - rate.rising(v - h)) / (2.0 * h);
+                assert!((rate.rising_slope(v) - slope).abs() < 1e-8, "{rate:?} {v}: {slope}");
+            }
+            // Beyond all speeds the dry part has one end and the rest is viscous.
+            assert!((rate.factor(1e4) - (ratio + viscous * 1e4)).abs() < 1e-6);
+            for v in [1e3, 1e6, 1e200] {
+                assert!((rate.slope(v) - viscous).abs() < 1e-6, "{rate:?} {v}");
+            }
+        }
+    }
+}
+
+/// Laws of every kind: the derivative is that of the force wherever two differences agree that there is one.
+#[test]
+fn jacobians_of_all_laws_are_slopes() {
+    let mut random = Random::new(17);
+    for (name, law) in laws() {
+        let mut compared = 0;
+        for _ in 0..60 {
+            let size = 10f64.powf(random.within(-2.0, 2.0));
+            let slip = V::new(random.normal(), random.normal()).normalize() * size;
+            let difference = |h: f64| {
+                let at = |i: usize, h: f64| law.force(&(slip + V::ith(i, h * size)), 1.5).unwrap();
+                [0, 1].map(|i| (at(i, h) - at(i, -h)) / (2.0 * h * size))
+            };
+            let (coarse, fine) = (difference(1e-4), difference(2.5e-5));
+            let scale = fine[0].norm().max(fine[1].norm()).max(0.1 / size);
+            let agree = (0..2).all(|i| (coarse[i] - fine[i]).norm() < 1e-4 * scale);
+            let jacobian = law.jacobian(&slip, 1.5).unwrap();
+            if !agree || !jacobian.iter().all(|v| v.is_finite()) {
+                continue;
+            }
+            compared += 1;
+            for (column, difference) in jacobian.column_iter().zip(fine) {
+                let off = (difference - column).norm();
+                assert!(off < 1e-3 * scale, "{name}: {off:e} of {scale:e} at {slip}");
+            }
+        }
+        assert!(compared >= 20, "{name}: {compared}");
+    }
+}
+
+/// Where *D* is flat the force jumps along the flat as the direction of sliding turns: against the turn.
+#[test]
+fn jacobians_are_infinite_across_flats_only() {
+    let infinite = f64::INFINITY;
+    let rectangle =
+        FrictionLaw::associated(Convex::from(Cuboid::symmetric(V::new(0.5, 0.3)).unwrap()));
+    let jacobian = rectangle.jacobian(&V::new(2.0, 0.0), 1.0).unwrap();
+    assert_eq!(jacobian, nalgebra::Matrix2::new(0.0, 0.0, 0.0, -infinite));
+    let jacobian = rectangle.jacobian(&V::new(0.0, -2.0), 1.0).unwrap();
+    assert_eq!(jacobian, nalgebra::Matrix2::new(-infinite, 0.0, 0.0, 0.0));
+    // The force moves along bdry C, whose side at (c, s) has the normal (c, s).
+    let set = Convex::from(Cuboid::symmetric(V::new(0.5, 0.3)).unwrap());
+    let reservoir = set.rotated(30f64.to_radians()).unwrap();
+    let jacobian = FrictionLaw::new(reservoir.into(), set).unwrap();
+    let jacobian = jacobian.jacobian(&V::new(1.0, 0.0), 1.0).unwrap();
+    assert_eq!(jacobian, nalgebra::Matrix2::new(0.0, infinite, 0.0, -infinite));
+    // At a corner the force does not change at all.
+    let jacobian = rectangle.jacobian(&V::new(1.0, 1.0), 1.0).unwrap();
+    assert_eq!(jacobian, nalgebra::Matrix2::zeros());
+    // In space there is no number to be had.
+    let cuboid = Cuboid::symmetric(Vector::<3>::new(0.5, 0.3, 0.2)).unwrap();
+    let law = FrictionLaw::associated(Convex::from(cuboid));
+    let jacobian = law.jacobian(&Vector::<3>::new(1.0, 0.0, 0.0), 1.0).unwrap();
+    assert!(jacobian.iter().any(|v| !v.is_finite()));
+}
+
+/// The force is homogeneous of degree 0, its derivative of degree −1, down to the smallest numbers.
+#[test]
+fn tiny_slips_lose_no_digits() {
+    let law =
+        FrictionLaw::new(flat_ellipse(0.6, 0.3, 30.0).into(), flat_ellipse(2.0, 1.0, 0.0)).unwrap();
+    let slip = V::new(0.3, -0.5);
+    let (force, jacobian) = (law.force(&slip, 2.0).unwrap(), law.jacobian(&slip, 2.0).unwrap());
+    for size in [1e-300, 1e-150, 1e150] {
+        assert!((law.force(&(slip * size), 2.0).unwrap() - force).norm() < 1e-14);
+        let scaled = law.jacobian(&(slip * size), 2.0).unwrap() * size;
+        assert!((scaled - jacobian).norm() < 1e-13 * jacobian.norm(), "{size:e}");
+    }
+    let error = law.jacobian(&(slip * 1e-309), 2.0).unwrap_err();
+    assert_eq!(error.argument(), "slip");
+}
+
+/// Forces within the tolerance of the boundary slide, others stick or are refused.
+#[test]
+fn sliding_directions_are_told_within_the_tolerance() {
+    let law = FrictionLaw::<2>::isotropic(0.5).unwrap();
+    let at = |gauge: f64, tolerance: f64| law.slip_direction(&V::new(-gauge, 0.0), 2.0, tolerance);
+    assert_eq!(at(0.95, 0.1).unwrap(), V::new(1.0, 0.0));
+    assert_eq!(at(1.05, 0.1).unwrap(), V::new(1.0, 0.0));
+    assert_eq!(at(0.85, 0.1).unwrap(), V::zeros());
+    assert_eq!(at(1.15, 0.1), Err(LawError::OutsideReservoir { gauge: 1.15 }));
+    assert!(at(f64::NAN, 0.1).is_err());
+}
+
+/// A direction set that is the reservoir but for its size, found by another way, is the reservoir to the bit; one that
+/// differs a little is not.
+#[test]
+fn direction_sets_equal_up_to_rounding_are_the_reservoir() {
+    let reservoir = flat_ellipse(0.6, 0.3, 40.0);
+    let law = FrictionLaw::new(reservoir.clone().into(), flat_ellipse(1.8, 0.9, 40.0)).unwrap();
+    assert!(law.is_associated() && *law.direction() == reservoir);
+    assert!((law.direction_scale() - 1.0 / 3.0).abs() < 1e-12);
+    for near in [flat_ellipse(1.8, 0.9 + 1e-9, 40.0), flat_ellipse(1.8, 0.9, 40.0 + 1e-7)] {
+        let law = FrictionLaw::new(reservoir.clone().into(), near).unwrap();
+        assert!(!law.is_associated() && law.alpha_min() < 1.0 && law.alpha_min() > 1.0 - 1e-6);
+        assert!(!law.monotonicity().holds || law.associativity().defect < 1e-9);
+    }
+    // Of unit scale but for rounding: no bit changes.
+    let disk: Convex<2> = Ball::new(0.3).unwrap().into();
+    let law = FrictionLaw::new(reservoir.into(), disk.clone()).unwrap();
+    assert_eq!((law.direction_scale(), law.direction()), (1.0, &disk));
+}
+
+#[test]
+fn laws_of_all_dimensions_say_what_they_are() {
+    let rate = Stribeck::new(Fall::Hyperbolic, 1.0, 0.5, 1.0, 0.0).unwrap();
+    let line = || FrictionLaw::<1>::isotropic(0.4).unwrap();
+    let space = || {
+        let set = Ellipsoid::new(Vector::<3>::new(0.6, 0.3, 0.2)).unwrap();
+        FrictionLaw::collinear(Star::from(Convex::from(set))).unwrap()
+    };
+    let laws = [
+        Law::from(line()),
+        Law::from(line().with_rate(rate)),
+        Law::from(FrictionLaw::<2>::isotropic(0.4).unwrap()),
+        Law::from(FrictionLaw::<2>::isotropic(0.4).unwrap().with_rate(rate)),
+        Law::from(space()),
+        Law::from(space().with_rate(rate)),
+    ];
+    for (i, law) in laws.iter().enumerate() {
+        assert_eq!(law.dimension(), 1 + i / 2);
+        assert_eq!(law.rate(), [None, Some(&rate)][i % 2]);
+        let alpha_min = [1.0, 1.0, 1.0 / 3.0][i / 2];
+        assert!((law.alpha_min() - alpha_min).abs() < 1e-3, "{}", law.alpha_min());
+        for (j, other) in laws.iter().enumerate() {
+            assert_eq!(law == other, i == j, "{i} {j}");
+        }
+    }
+    assert_eq!(Law::from(line()), Law::from(line()));
+    assert_eq!(Law::from(space()), Law::from(space()));
+}
+
 /// f(φ) of diag(μ₁, μ₂): C has the semi-axes μᵢ, D the ratio √(μ₁/μ₂).
 #[test]
 fn flow_rules_give_their_sets() {
@@ -340,4 +661,172 @@ fn flow_rules_without_a_direction_set_are_refused() {
     assert!(sets.report.convexity_defect > 0.0 && sets.report.convexity_defect < 0.1);
     assert!(sets.report.repair >= sets.report.convexity_defect);
     assert!(sets.theta.is_sorted());
+}
+
+/// Sliding directions of unequal steps, from some first one on, within one turn.
+fn irregular(count: usize, first: f64) -> Vec<f64> {
+    let even = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
+    (0..count).map(|k| first + even(k) + 0.25 * (2.0 * even(k) + first).sin()).collect()
+}
+
+/// `f(φ) = ψ`-turned radius of a law whose D is the ellipse `p` and whose C is the disk.
+fn forces_of_an_elliptic_direction(phi: &[f64], [p, q]: [f64; 2]) -> Vec<V> {
+    let z = |a: f64| V::new(p * p * a.cos(), q * q * a.sin());
+    phi.iter().map(|&a| z(a).normalize() * 0.4).collect()
+}
+
+/// The support function between unequal steps is found with an error of the fourth order, wherever the turn begins.
+#[test]
+fn direction_sets_of_flow_rules_converge_with_the_fourth_order() {
+    let [p, q] = [1.0, 0.6];
+    let error = |count: usize, first: f64| {
+        let phi = irregular(count, first);
+        let force = forces_of_an_elliptic_direction(&phi, [p, q]);
+        let sets = flow_sets(&phi, &force, 0.05, 0.0).unwrap();
+        assert!(sets.phi.len() >= 1440);
+        let exact = |a: f64| f64::hypot(p * a.cos(), q * a.sin());
+        let off = |(a, h): (&f64, &f64)| (h - exact(*a)).abs();
+        // h is normalised by its maximum, here p.
+        let off = sets.phi.iter().zip(&sets.support).map(off).fold(0.0, f64::max);
+        for (theta, radius) in sets.theta.iter().zip(&sets.radius) {
+            assert!((radius - 0.4).abs() < 1e-15 && *theta >= 0.0);
+        }
+        assert_eq!((sets.theta.len(), sets.report.convexity_defect), (count, 0.0));
+        assert!((sets.report.repair - sets.report.closure.ln().abs().exp_m1()).abs() < 1e-15);
+        off.max(sets.report.closure.ln().abs())
+    };
+    for first in [0.0, 1.0, -2.5] {
+        let errors = [40, 80, 160].map(|count| error(count, first));
+        assert!(errors[0] < 1e-4 && errors[2] < errors[0] / 100.0, "{errors:?}");
+    }
+}
+
+/// A rule that turns with its first direction gives the turned sets, wherever the list begins: the seam is nowhere.
+#[test]
+fn flow_rules_have_no_seam() {
+    let count = 60;
+    let phi: Vec<f64> = irregular(count, 0.0);
+    let mut force = forces_of_an_elliptic_direction(&phi, [1.0, 0.5]);
+    // Two neighbours out of order: θ turns back between them.
+    let turn = |x: V, by: f64| nalgebra::Rotation2::new(by) * x;
+    (force[20], force[21]) = (turn(force[20], 0.15), turn(force[21], -0.15));
+    let theta = |k: usize| force[k].y.atan2(force[k].x);
+    let fall = theta(20) - theta(21);
+    assert!(fall > 0.02);
+    let given = flow_sets(&phi, &force, 0.1, 0.4).unwrap();
+    assert!((given.report.convexity_defect - fall).abs() < 1e-12, "{:?}", given.report);
+    let closing = given.report.closure.ln().abs().exp_m1();
+    assert!((given.report.repair - closing - fall.tan()).abs() < 1e-12, "{:?}", given.report);
+    for start in [1, 19, 20, 21, 22, 59] {
+        let by = phi[start];
+        let shifted = |k: usize| match start + k {
+            i if i < count => (phi[i] - by, turn(force[i], -by)),
+            i => (phi[i - count] - by + std::f64::consts::TAU, turn(force[i - count], -by)),
+        };
+        let (phi, force): (Vec<f64>, Vec<V>) = (0..count).map(shifted).unzip();
+        let turned = flow_sets(&phi, &force, 0.1, 0.4).unwrap();
+        let (a, b) = (given.report, turned.report);
+        assert!((a.closure - b.closure).abs() < 1e-12 && (a.repair - b.repair).abs() < 1e-12);
+        assert!((a.convexity_defect - b.convexity_defect).abs() < 1e-12, "{start}: {b:?}");
+        assert!((a.smallest_resistance - b.smallest_resistance).abs() < 1e-12);
+        assert_eq!(given.support.len(), turned.support.len());
+        let radii = |sets: &FlowSets| sets.radius.iter().sum::<f64>();
+        assert!((radii(&given) - radii(&turned)).abs() < 1e-12);
+        let mut compared = 0;
+        for (angle, height) in turned.phi.iter().zip(&turned.support) {
+            let near = |other: &f64| {
+                let off = (angle + by - other).rem_euclid(std::f64::consts::TAU);
+                off.min(std::f64::consts::TAU - off) < 1e-9
+            };
+            let same = given.phi.iter().zip(&given.support).find(|(other, _)| near(other));
+            let Some((_, other)) = same else { continue };
+            compared += 1;
+            // What does not close is spread over the turn from the first direction on.
+            assert!((height - other).abs() < 2.0 * closing + 1e-9, "{start}: {height} {other}");
+        }
+        assert!(compared + 5 > given.phi.len(), "{start}: {compared}");
+    }
+}
+
+/// `f = e + εe⊥` winds up: `r_D(2π)/r_D(0) = exp(2πε)`. Spread over the turn nothing is left of it.
+#[test]
+fn what_does_not_close_is_spread_over_the_turn() {
+    for twist in [1e-3, -2e-3] {
+        let phi = irregular(50, 0.3);
+        let force: Vec<V> = phi
+            .iter()
+            .map(|a| V::new(a.cos(), a.sin()) + V::new(-a.sin(), a.cos()) * twist)
+            .collect();
+        let sets = flow_sets(&phi, &force, 0.1, 0.0).unwrap();
+        let closure = (std::f64::consts::TAU * twist).exp();
+        assert!((sets.report.closure - closure).abs() < 1e-12, "{:?}", sets.report);
+        assert!((sets.report.repair - closure.ln().abs().exp_m1()).abs() < 1e-12);
+        assert!((sets.report.smallest_resistance - 1.0).abs() < 1e-15);
+        // The spiral that is left has a constant angle to its radius and no change of the latter.
+        assert!(sets.support.iter().all(|h| (h - 1.0).abs() < 1e-5), "{:?}", sets.support);
+        let refused = flow_sets(&phi, &force, 0.9 * closure.ln().abs(), 0.0).unwrap_err();
+        assert!(refused.to_string().contains(&format!("{closure:.6}")), "{refused}");
+        assert!(flow_sets(&phi, &force, 1.1 * closure.ln().abs(), 0.0).is_ok());
+    }
+}
+
+/// Rectangles: the force stands at a corner while the direction turns by a right angle, then jumps. *D* has flats where it
+/// jumps and corners where it stands; of *C* the straight sides between the corners are taken.
+#[test]
+fn flow_rules_of_rectangles_are_exact() {
+    let (a, b) = (0.5, 0.3);
+    let right = std::f64::consts::FRAC_PI_2;
+    let gap = 1e-6;
+    let phi: Vec<f64> = (0..4)
+        .flat_map(|k| [gap, 0.3, 0.8, 1.2, right - gap].map(|angle| angle + right * f64::from(k)))
+        .collect();
+    let force: Vec<V> =
+        phi.iter().map(|p| V::new(a * p.cos().signum(), b * p.sin().signum())).collect();
+    let sets = flow_sets(&phi, &force, 1e-4, 1e-12).unwrap();
+    assert!((sets.report.closure - 1.0).abs() < 1e-5, "{:?}", sets.report);
+    // Four corners, and seven points on every side.
+    assert_eq!(sets.theta.len(), 32);
+    assert!(sets.theta.windows(2).all(|pair| pair[1] - pair[0] > 1e-3));
+    for (theta, radius) in sets.theta.iter().zip(&sets.radius) {
+        let x = V::new(radius * theta.cos(), radius * theta.sin());
+        assert!((f64::max(x.x.abs() / a, x.y.abs() / b) - 1.0).abs() < 1e-12, "{x}");
+    }
+    let highest = f64::hypot(a, b);
+    for (angle, height) in sets.phi.iter().zip(&sets.support) {
+        let exact = (a * angle.cos().abs() + b * angle.sin().abs()) / highest;
+        assert!((height - exact).abs() < 1e-5, "{angle}: {height} for {exact}");
+    }
+    assert!(sets.phi.windows(2).all(|pair| pair[1] > pair[0]));
+}
+
+/// What a list of directions may be, to its limits.
+#[test]
+fn directions_of_flow_rules_are_checked_to_their_limits() {
+    let right = std::f64::consts::FRAC_PI_2;
+    let disk = |phi: &[f64]| phi.iter().map(|a| V::new(a.cos(), a.sin())).collect::<Vec<_>>();
+    let make = |phi: &[f64]| flow_sets(phi, &disk(phi), 0.01, 0.01);
+    let eight: Vec<f64> = (0..8).map(|k| 0.5 * right * f64::from(k)).collect();
+    let sets = make(&eight).unwrap();
+    assert!(sets.radius.iter().chain(&sets.support).all(|r| (r - 1.0).abs() < 1e-12));
+    // At most so far apart: between neighbours and around the turn.
+    let with_gap = |gap: f64, first: f64| -> Vec<f64> {
+        let rest = 4.0 * right - gap;
+        (0..9).map(|k| first + rest * f64::from(k) / 8.0).collect()
+    };
+    assert!(make(&with_gap(right - 1e-6, 0.0)).is_ok());
+    let error = make(&with_gap(right + 1e-6, 0.0)).unwrap_err();
+    assert!(error.to_string().contains("gap above") && error.argument() == "phi", "{error}");
+    let mut inner = with_gap(0.1, 0.0);
+    inner.retain(|a| !(1.0..2.5).contains(a));
+    inner.insert(1, 0.1);
+    inner.insert(2, 0.2);
+    assert!(make(&inner).unwrap_err().to_string().contains("gap above"));
+    // At least so far apart.
+    let near = |step: f64| [vec![0.0, step], eight[1..].to_vec()].concat();
+    assert!(make(&near(2e-7)).is_ok());
+    assert!(make(&near(0.5e-7)).unwrap_err().to_string().contains("must rise"));
+    // More than one turn.
+    let turn = |last: f64| [eight.clone(), vec![last]].concat();
+    assert!(make(&turn(4.0 * right - 2e-7)).is_ok());
+    assert!(make(&turn(4.0 * right)).unwrap_err().to_string().contains("must rise"));
 }

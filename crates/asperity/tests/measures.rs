@@ -1,11 +1,19 @@
 //! The measures of contact problems against small cases that are written out by hand.
 
-use asperity::contact::{ContactProblem, Memory, NormalForce};
+mod common;
+
+use std::f64::consts::TAU;
+
+use asperity::contact::{
+    BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce,
+};
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Convex, Cuboid, Ellipse, Interval, Vector};
 use asperity::solver::{
-    Certificate, InfeasibilityKind, Solver, Stop, Workspace, natural_map, natural_residual,
+    Certificate, Infeasibility, InfeasibilityKind, Solver, Stop, Workspace, natural_map,
+    natural_residual,
 };
+use common::Random;
 use nalgebra::DMatrix;
 
 fn isotropic(mu: f64) -> Law {
@@ -351,5 +359,199 @@ fn percussions_of_one_contact_do_not_run_away_from_a_vanishing_load() {
         let solver = Solver::Exact { max_sweeps: 1 };
         let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
         assert_eq!(report.status.name(), "converged", "{approach:e}: {report:?}");
+    }
+}
+
+/// What a contact does, told from percussions that are no solution, on both sides of every switch.
+#[test]
+fn phases_switch_where_the_natural_map_does() {
+    let phase = |problem: &ContactProblem, percussion: &[f64]| {
+        let phases = Certificate::new(problem, percussion).phases;
+        phases.iter().position(|&count| count == 1).unwrap()
+    };
+    // ρ = ¾: open from P_N ≤ ¾ (2 P_N + b_N), 1 ≤ ¾ (2 + b_N).
+    let normal = |b: f64| unilateral(isotropic(0.5), [2.0, 1.0, 1.0], [b, 0.0, 0.0]);
+    assert_eq!(phase(&normal(-0.70), &[1.0, 0.0, 0.0]), 1);
+    assert_eq!(phase(&normal(-0.65), &[1.0, 0.0, 0.0]), 0);
+    assert_eq!(phase(&normal(-0.65), &[-1.0, 0.0, 0.0]), 0);
+    // P = −0.98 of 2: x = 0.49, k_C = 0.98, k_D = 1.96, α = 1/1.98, α (0.49 + γ/2) is outside 0.25 from γ = 0.01 on.
+    let law = || FrictionLaw::new(ellipse(0.5, 0.25).into(), ellipse(1.0, 1.0)).unwrap().into();
+    let slip = |gamma: f64| prescribed(law(), [1.0, 1.0], [0.98 + gamma, 0.0]);
+    assert_eq!(phase(&slip(0.0095), &[-0.98, 0.0]), 1);
+    assert_eq!(phase(&slip(0.0105), &[-0.98, 0.0]), 2);
+    // Without friction: x = 0, slip from ργ/P_N = γ/2 outside D = 0.25 on.
+    let slip = |gamma: f64| prescribed(law(), [1.0, 1.0], [0.0, gamma]);
+    assert_eq!(phase(&slip(0.49), &[0.0, 0.0]), 1);
+    assert_eq!(phase(&slip(0.51), &[0.0, 0.0]), 2);
+}
+
+/// The weights with which three directions of the plane keep balance.
+fn balance(angles: [f64; 3]) -> [f64; 3] {
+    let weight = |i: usize| (angles[(i + 2) % 3] - angles[(i + 1) % 3]).sin();
+    let sum = weight(0) + weight(1) + weight(2);
+    [0, 1, 2].map(|i| weight(i) / sum)
+}
+
+/// A body of the plane between three walls, and a contact of another body, in every form of the operator.
+fn between_walls(
+    angles: [f64; 3],
+    approach: [f64; 3],
+    masses: [f64; 2],
+) -> Vec<(&'static str, ContactProblem)> {
+    // Velocities of the first body, of the second.
+    let directions = DMatrix::from_fn(8, 4, |row, column| match (row, column) {
+        (6, 2) | (7, 3) => 1.0,
+        (..6, 0) => [angles[row / 2].cos(), -angles[row / 2].sin()][row % 2],
+        (..6, 1) => [angles[row / 2].sin(), angles[row / 2].cos()][row % 2],
+        _ => 0.0,
+    });
+    let mass = |i: usize| masses[i / 2];
+    let inverse = DMatrix::from_fn(4, 4, |i, j| if i == j { 1.0 / mass(i) } else { 0.0 });
+    let dense = &directions * inverse * directions.transpose();
+    let sparse = |argument, matrix: &DMatrix<f64>| {
+        let (mut starts, mut indices, mut values) = (vec![0], vec![], vec![]);
+        for row in matrix.row_iter() {
+            for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                indices.push(j);
+                values.push(*value);
+            }
+            starts.push(indices.len());
+        }
+        Csr::new(argument, matrix.shape(), starts, indices, values).unwrap()
+    };
+    let masses = DMatrix::from_fn(4, 4, |i, j| if i == j { mass(i) } else { 0.0 });
+    let factored =
+        Factored::new(sparse("mass", &masses), sparse("directions", &directions), &[2; 4]).unwrap();
+    let blocks = BlockMatrix::from_csr(&sparse("delassus", &dense), &[2; 4]).unwrap();
+    let [a, b, c] = approach.map(|v| -v);
+    let free = vec![a, 0.2, b, -0.1, c, 0.3, -1.0, 0.5];
+    let forms: [(&str, Delassus); 3] =
+        [("dense", dense.into()), ("blocks", blocks.into()), ("factored", factored.into())];
+    forms
+        .into_iter()
+        .map(|(name, delassus)| {
+            let law = || Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap());
+            let contacts = (0..4).map(|_| (law(), NormalForce::Unilateral));
+            (name, ContactProblem::new(delassus, free.clone(), contacts).unwrap())
+        })
+        .collect()
+}
+
+/// Three walls at any angles: the proof has the weights of the balance of forces, whatever the masses and the operator.
+#[test]
+fn proofs_have_the_weights_of_the_balance_of_forces() {
+    for (angles, approach) in [
+        ([0.0, 2.0, 4.0], [1.0, 1.0, 1.0]),
+        ([0.3, 2.9, 4.1], [1.0, -0.1, 0.4]),
+        ([1.0, 3.9, 4.3], [-0.2, 0.7, 2.0]),
+    ] {
+        let weights = balance(angles);
+        let closing: f64 = weights.iter().zip(&approach).map(|(d, v)| d * v).sum();
+        assert!(closing > 0.0 && weights.iter().all(|d| *d > 0.0), "{weights:?}");
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        for masses in [[1.0, 1.0], [1e-5, 1e4], [1e6, 1e-3]] {
+            let problems = between_walls(angles, approach, masses);
+            let open = between_walls(angles, approach.map(|v| v - closing - 1e-3), masses);
+            for ((name, problem), (_, open)) in problems.iter().zip(&open) {
+                for solver in [
+                    Solver::Exact { max_sweeps: 500 },
+                    Solver::Auto { interior_point: true, threads: 1 },
+                ] {
+                    let (mut memory, mut workspace) = (Memory::new(8, 4), Workspace::default());
+                    let report = solver.solve(problem, Stop::at(1e-9), &mut memory, &mut workspace);
+                    assert_eq!(report.status.name(), "no_solution", "{name} {masses:?} {solver:?}");
+                    let proof = workspace.infeasibility.as_ref().unwrap();
+                    assert_eq!(proof.kind, InfeasibilityKind::Closing);
+                    assert_eq!(report.worst_contact, proof.contact);
+                    close(weights[proof.contact], largest);
+                    for (row, d) in proof.direction.iter().enumerate() {
+                        let expected = if row % 2 == 0 && row < 6 { weights[row / 2] } else { 0.0 };
+                        assert!((d - expected).abs() < 1e-12, "{name}: {:?}", proof.direction);
+                    }
+                    close(proof.closing_velocity, closing);
+                    assert!(proof.residual <= 1e-14 && proof.cases.is_empty(), "{proof:?}");
+                    // A little slower they part, and what they close on is only what friction holds.
+                    let (mut memory, mut workspace) = (Memory::new(8, 4), Workspace::default());
+                    solver.solve(open, Stop::at(1e-9), &mut memory, &mut workspace);
+                    let closing = |proof: &Infeasibility| proof.kind == InfeasibilityKind::Closing;
+                    assert!(!workspace.infeasibility.as_ref().is_some_and(closing), "{name}");
+                }
+            }
+        }
+    }
+}
+
+/// Many walls that all close: some combination proves it, and can be checked from the problem alone.
+#[test]
+fn proofs_among_many_walls_can_be_checked() {
+    let mut random = Random::new(7);
+    for count in [4, 6, 9] {
+        for _ in 0..6 {
+            let angles: Vec<f64> = (0..count)
+                .map(|k| TAU * (k as f64 + random.within(-0.3, 0.3)) / count as f64)
+                .collect();
+            let row = |i: usize| match i % 2 {
+                0 => [angles[i / 2].cos(), angles[i / 2].sin()],
+                _ => [-angles[i / 2].sin(), angles[i / 2].cos()],
+            };
+            let scale = 10f64.powf(random.within(-3.0, 3.0));
+            let delassus = DMatrix::from_fn(2 * count, 2 * count, |i, j| {
+                (row(i)[0] * row(j)[0] + row(i)[1] * row(j)[1]) * scale
+            });
+            let free: Vec<f64> =
+                (0..2 * count)
+                    .map(|i| {
+                        if i % 2 == 0 { -random.within(0.1, 1.0) } else { random.within(-1.0, 1.0) }
+                    })
+                    .collect();
+            let law = || Law::from(FrictionLaw::<1>::isotropic(0.4).unwrap());
+            let contacts = (0..count).map(|_| (law(), NormalForce::Unilateral));
+            let problem = ContactProblem::new(delassus.clone(), free.clone(), contacts).unwrap();
+            let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+            let solver = Solver::Auto { interior_point: true, threads: 1 };
+            let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
+            assert_eq!(report.status.name(), "no_solution", "{count}");
+            let proof = workspace.infeasibility.unwrap();
+            let d = nalgebra::DVector::from_column_slice(&proof.direction);
+            close(d.sum(), 1.0);
+            assert!(d.iter().enumerate().all(|(i, d)| *d >= 0.0 && (i % 2 == 0 || *d == 0.0)));
+            assert!((delassus.transpose() * &d).amax() <= 1e-14 * scale);
+            let closing: f64 = -free.iter().zip(d.iter()).map(|(b, d)| b * d).sum::<f64>();
+            close(proof.closing_velocity, closing);
+            assert!(closing > 0.0);
+            assert_eq!(proof.direction[2 * proof.contact], d.max());
+        }
+    }
+}
+
+/// Heavy on light: percussions a million times those of the light body alone are a solution and no flight.
+#[test]
+fn large_percussions_of_stacks_are_solutions() {
+    for ratio in [1e2, 1e4, 1e6] {
+        // A light body on the ground, a heavy one upon it: normal rows +1 of the upper, −1 of the lower body.
+        let (light, heavy) = (1.0, ratio);
+        let normal = [[1.0 / light, -1.0 / light], [-1.0 / light, 1.0 / light + 1.0 / heavy]];
+        let delassus =
+            DMatrix::from_fn(4, 4, |i, j| if i % 2 == j % 2 { normal[i / 2][j / 2] } else { 0.0 });
+        let law = || Law::from(FrictionLaw::<1>::isotropic(0.5).unwrap());
+        let contacts = [0, 1].map(|_| (law(), NormalForce::Unilateral));
+        // Both fall with 1 m/s; the lower one slides with 0.1 m/s under the upper one, which moves with it.
+        let free = vec![-1.0, 0.1, 0.0, 0.0];
+        let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+        for solver in [
+            Solver::Exact { max_sweeps: 100_000_000 },
+            Solver::Auto { interior_point: true, threads: 1 },
+        ] {
+            if ratio > 1e3 && matches!(solver, Solver::Exact { .. }) {
+                continue;
+            }
+            let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
+            let report = solver.solve(&problem, Stop::at(1e-12), &mut memory, &mut workspace);
+            assert_eq!(report.status.name(), "converged", "{ratio:e} {solver:?} {report:?}");
+            let expected = [light + heavy, -0.1 * (light + heavy), heavy, -0.1 * heavy];
+            for (p, expected) in memory.percussion.iter().zip(expected) {
+                assert!((p - expected).abs() < 1e-5 * heavy, "{ratio:e}: {:?}", memory.percussion);
+            }
+        }
     }
 }

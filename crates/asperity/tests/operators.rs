@@ -9,7 +9,7 @@ use asperity::contact::{
 use asperity::law::{FrictionLaw, Law};
 use asperity::solver::{
     Certificate, InfeasibilityKind, ProxStep, SolveReport, Solver, Status, Stop, Workspace,
-    solutions,
+    natural_map, natural_residual, solutions,
 };
 use nalgebra::DMatrix;
 
@@ -266,6 +266,84 @@ fn questions_about_no_contact_are_refused_by_name() {
     named(&dense, 99, &held, "contact");
     named(&dense, 0, &[], "percussion");
     named(&free, 0, &held, "delassus");
+}
+
+/// The residual of percussions that are no solution, written out once more: `max_i √(defect_i/scale_i)`.
+#[test]
+fn residuals_of_all_forms_are_those_of_the_formula() {
+    let mut seed = 77;
+    let mu = 0.4;
+    for (name, delassus) in forms() {
+        let dense = delassus.to_dense();
+        let restitution: Vec<f64> = (0..3 * CONTACTS).map(|_| 0.3 * random(&mut seed)).collect();
+        let problem = problem(delassus)
+            .with_restitution(&[1.0; CONTACTS], &[1.0; CONTACTS], &restitution)
+            .unwrap();
+        for _ in 0..20 {
+            let percussion: Vec<f64> = (0..3 * CONTACTS)
+                .map(|row| random(&mut seed) * if row % 3 == 0 { 1.0 } else { 0.3 })
+                .collect();
+            let mut velocity = vec![0.0; 3 * CONTACTS];
+            problem.velocity(&percussion, &mut velocity);
+            let (mut worst, mut worst_contact, mut map) = (0.0, 0, 0.0);
+            let trace = dense.trace();
+            for i in 0..CONTACTS {
+                let rows = 3 * i..3 * i + 3;
+                let p = &percussion[rows.clone()];
+                let xi: Vec<f64> = rows.clone().map(|r| velocity[r] + restitution[r]).collect();
+                let rho = 3.0 / rows.clone().map(|r| dense[(r, r)]).sum::<f64>();
+                let normal = p[0] - f64::max(0.0, p[0] - rho * xi[0]);
+                // −P_T + ργ projected onto the disk of radius μP_N.
+                let z = [-p[1] + rho * xi[1], -p[2] + rho * xi[2]];
+                let shrink = f64::min(1.0, mu * p[0].max(0.0) / f64::hypot(z[0], z[1]));
+                let own = f64::hypot(p[1], p[2]);
+                // Outside of the reservoir α shortens the percussion, for associated laws not.
+                let off = match p[0] > 0.0 {
+                    true => f64::hypot(-p[1] - z[0] * shrink, -p[2] - z[1] * shrink),
+                    false => own,
+                };
+                let brought = |r: usize| match name {
+                    "matrix-free" => (velocity[r] - problem.free_velocity()[r]).abs(),
+                    _ => (0..3 * CONTACTS).map(|j| (dense[(r, j)] * percussion[j]).abs()).sum(),
+                };
+                let load = |r: usize| -> f64 {
+                    brought(r) + problem.free_velocity()[r].abs() + restitution[r].abs()
+                };
+                let loads: f64 = rows.clone().map(|r| load(r).powi(2)).sum();
+                let scale = p.iter().map(|p| p * p).sum::<f64>().max(rho * rho * loads);
+                let value = ((normal * normal + off * off) / scale).sqrt();
+                if value > worst {
+                    (worst, worst_contact) = (value, i);
+                }
+                map += cone_defect(mu, p, &xi, (3 * CONTACTS) as f64 / trace);
+            }
+            let found = natural_residual(&problem, &percussion, &velocity);
+            assert!((found.value - worst).abs() < 1e-12 * worst, "{name}: {found:?} {worst}");
+            assert_eq!(found.worst_contact, worst_contact, "{name}");
+            let rho = (3 * CONTACTS) as f64 / trace;
+            let loads = problem.free_velocity().iter().zip(&restitution);
+            let loads = loads.map(|(b, e)| (b + e).powi(2)).sum::<f64>() * rho * rho;
+            let scale = percussion.iter().map(|p| p * p).sum::<f64>().max(loads);
+            let found = natural_map(&problem, &percussion, &velocity);
+            assert!((found - (map / scale).sqrt()).abs() < 1e-12 * found, "{name}: {found} {map}");
+        }
+    }
+}
+
+/// `‖P − P_K(P − ρ(ξ_N + μ‖ξ_T‖, ξ_T))‖²`, the projection onto the cone by its two generators.
+fn cone_defect(mu: f64, p: &[f64], xi: &[f64], rho: f64) -> f64 {
+    let z = [
+        p[0] - rho * (xi[0] + mu * f64::hypot(xi[1], xi[2])),
+        p[1] - rho * xi[1],
+        p[2] - rho * xi[2],
+    ];
+    let size = f64::hypot(z[1], z[2]);
+    // In the half-plane of the axis and z: the nearest of the edge (1, μ), the apex and z itself.
+    let along = f64::max(0.0, (z[0] + mu * size) / (1.0 + mu * mu));
+    let inside = size <= mu * z[0];
+    let (normal, tangent) = if inside { (z[0], size) } else { (along, mu * along) };
+    let part = if size > 0.0 { tangent / size } else { 0.0 };
+    (p[0] - normal).powi(2) + (p[1] - z[1] * part).powi(2) + (p[2] - z[2] * part).powi(2)
 }
 
 #[test]

@@ -231,7 +231,7 @@ impl FrictionLaw<1> {
     /// Largest radius of `C`.
     pub(crate) fn largest_radius(&self) -> f64 {
         let radius = |end: f64| 1.0 / self.reservoir.gauge(&Vector::<1>::new(end));
-        self.isotropic.unwrap_or_else(|| f64::max(radius(-1.0), radius(1.0)))
+        f64::max(radius(-1.0), radius(1.0))
     }
 }
 

@@ -233,8 +233,8 @@ impl Walk {
             .map(|i| {
                 let (left, right) = (chord((i + n - 1) % n), chord(i % n));
                 // Kept within the slopes that let neither θ nor φ fall.
-                let highest = 3.0 * left.min(right);
-                let lowest = 1.0 - 3.0 * (1.0 - left).min(1.0 - right);
+                let highest = (3.0 * left.min(right)).min(1.0);
+                let lowest = (1.0 - 3.0 * (1.0 - left).min(1.0 - right)).max(0.0);
                 if lowest > highest {
                     return (left, right);
                 }

@@ -305,7 +305,12 @@ pub(crate) fn grade(
 ) -> SolveReport {
     problem.velocity(&memory.percussion, &mut workspace.velocity);
     let residual = stop.residual(problem, &memory.percussion, &workspace.velocity);
-    SolveReport::new(Ended::Done, 0, residual, Findings::default(), stop.tolerance)
+    // A residual is small for percussions that run away, too.
+    let Workspace { velocity, groups, .. } = workspace;
+    let growth = growth::of(problem, &memory.percussion, velocity, groups);
+    let running = growth.and_then(|growth| growth.running());
+    let findings = Findings { running, ..Findings::default() };
+    SolveReport::new(Ended::Done, 0, residual, findings, stop.tolerance)
 }
 
 /// The solution of one contact with a factor of the speed at the end of the step that continues `state`, the

@@ -143,6 +143,7 @@ impl Stepper<'_> {
             if settled {
                 let states = &before.states;
                 following = factors.settle(&closed.problem, states, stop, memory, workspace);
+                settled = following;
             } else if solved {
                 let kind = match place {
                     _ if following => Correction::Following,

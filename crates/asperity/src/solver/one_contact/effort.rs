@@ -48,8 +48,7 @@ impl Effort {
 
     /// A search that has failed is paid for.
     pub(crate) fn failed(&mut self, left: Evaluations) {
-        let used = self.search().0 - left.0.min(self.search().0);
-        self.evaluations -= used;
+        self.evaluations -= self.search().0 - left.0;
     }
 }
 
