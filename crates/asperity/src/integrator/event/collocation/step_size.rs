@@ -118,8 +118,7 @@ impl StepSize {
         usable.fold(0.01 * t_end, f64::min)
     }
 
-    /// The estimate relative to the tolerance decides whether a step is kept, and on the length of the next;
-    /// false if it is not.
+    /// Whether a step with this estimate of its error is accurate enough. Sets the length of the next attempt.
     pub(crate) fn accepts(&mut self, h: f64, error: f64) -> bool {
         let error = (error / self.estimate).max(1e-12);
         // The comparison also turns away NaN.
@@ -136,8 +135,9 @@ impl StepSize {
         true
     }
 
-    /// Whether deviations grow so much within a step of length `h` that the method would damp them; then the length
-    /// of the next attempt. Where a shorter step would be the same, as at the beginning of slips from rest, it is kept.
+    /// Whether deviations grow so much within a step of length `h` that the method would damp them. Then the length of
+    /// the next attempt is set. A step is kept where a shorter one would be the same, as at the beginning of slips from
+    /// rest.
     pub(crate) fn is_unstable(&mut self, h: f64, growth: f64) -> bool {
         let repels = growth > GROWTH && !((growth / self.refused_growth - 1.0).abs() < SAME_GROWTH);
         if repels {

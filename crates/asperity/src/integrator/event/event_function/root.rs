@@ -1,8 +1,10 @@
 //! Zeros of functions of the time.
+//!
+//! Every value costs a step of the integration and may not be found, and the last one has to be that of the result. The
+//! zeros of the sets' boundaries (`asperity-set`) know neither.
 
 /// The zero of `f` between `low`, where it is not positive, and `high`, where it is, by Illinois' method with
-/// bisections; the last argument was the one of the result. Arguments whose bracket is `width` wide count as
-/// found.
+/// bisections. The last argument of `f` is the result. Arguments whose bracket is `width` wide count as found.
 pub(crate) fn zero<E>(
     (mut low, mut f_low): (f64, f64),
     (mut high, mut f_high): (f64, f64),
