@@ -3,8 +3,8 @@
 mod common;
 
 use asperity_set::{
-    Ball, Convex, ConvexSet, Cuboid, Matrix, MinkowskiSum, Star, StarSet, Superellipsoid, Vector,
-    convexity,
+    Ball, Convex, ConvexSet, Cuboid, Ellipsoid, Matrix, MinkowskiSum, Star, StarSet,
+    Superellipsoid, Vector, convexity,
 };
 use common::*;
 use proptest::prelude::*;
@@ -209,5 +209,23 @@ fn projections_onto_sums_with_edges_are_exact() {
                 assert!(off <= slack * z.norm(), "{off:e} at {z} of {sum:?}");
             }
         }
+    }
+}
+
+/// `x = prox(z)` is the point farthest along `z − x`; where the boundary is round that holds to the last digits. The
+/// value of the dual alone tells half of them.
+#[test]
+fn projections_onto_round_sums_have_all_digits() {
+    let axes = W::new(0.6164493750163073, 1.15611516280694, 0.36392294734180614);
+    let ellipsoid = Convex::from(Ellipsoid::new(axes).unwrap());
+    let axes = W::new(0.8574622817596662, 1.2259737204980925, 0.7451927645811306);
+    let rounded = Star::from(Superellipsoid::new(axes, 7.836969821495049).unwrap());
+    let sum = MinkowskiSum::new(vec![ellipsoid, rounded.as_convex().unwrap().clone()]).unwrap();
+    let normal = W::new(0.7565696214610139, 0.45084272419478416, -0.47364886352968694);
+    for k in 0..200 {
+        let z = normal * (4.0 + 0.1 * f64::from(k));
+        let x = sum.project(&z);
+        let off = (sum.support_point(&(z - x)) - x).norm();
+        assert!(off <= 1e-14 * z.norm(), "{off:e} of {} at {k}", z.norm());
     }
 }
