@@ -2,8 +2,11 @@
 
 mod common;
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use asperity_set::{
-    Ball, Convex, ConvexSet, Cuboid, Ellipsoid, Matrix, MinkowskiSum, Star, StarSet,
+    Ball, Convex, ConvexSet, Cuboid, CustomConvex, Ellipsoid, Matrix, MinkowskiSum, Star, StarSet,
     Superellipsoid, Vector, convexity,
 };
 use common::*;
@@ -227,5 +230,60 @@ fn projections_onto_round_sums_have_all_digits() {
         let x = sum.project(&z);
         let off = (sum.support_point(&(z - x)) - x).norm();
         assert!(off <= 1e-14 * z.norm(), "{off:e} of {} at {k}", z.norm());
+    }
+}
+
+/// A set that counts how often it is asked for support points.
+#[derive(Debug)]
+struct Counted {
+    set: Convex<3>,
+    count: AtomicUsize,
+}
+
+impl StarSet<3> for Counted {
+    fn gauge(&self, x: &W) -> f64 {
+        self.set.gauge(x)
+    }
+}
+
+impl ConvexSet<3> for Counted {
+    fn support_point(&self, y: &W) -> W {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.set.support_point(y)
+    }
+
+    fn support_jet(&self, y: &W) -> (W, Matrix<3>) {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.set.support_jet(y)
+    }
+}
+
+/// Newton's method where sums are round, a few triangles where they are flat; the ellipsoid method takes from 400
+/// support points on.
+#[test]
+fn gauges_of_sums_take_few_support_points() {
+    let cuboid = Convex::from(Cuboid::symmetric(W::new(0.5, 0.3, 0.2)).unwrap());
+    let turn = *nalgebra::Rotation3::from_euler_angles(0.3, 0.5, 0.7).matrix();
+    let turned = cuboid.mapped(&Matrix::<3>::from(turn)).unwrap();
+    let ellipsoid = Convex::from(Ellipsoid::new(W::new(0.6, 0.3, 0.2)).unwrap());
+    let ball = Convex::from(Ball::new(0.2).unwrap());
+    let pairs = [
+        (cuboid.clone(), turned.clone(), 40.0),
+        (ellipsoid.clone(), ball.clone(), 10.0),
+        (ellipsoid, turned, 400.0),
+        (cuboid, ball, 400.0),
+    ];
+    for (first, second, most) in pairs {
+        let counted = Arc::new(Counted { set: first, count: AtomicUsize::new(0) });
+        let custom = Convex::Custom(CustomConvex(counted.clone()));
+        let sum = MinkowskiSum::new(vec![custom, second]).unwrap();
+        let directions = asperity_set::directions::<3>(500);
+        for d in &directions {
+            let (gauge, gradient) = sum.gauge_jet(d);
+            assert!((gradient.dot(d) - gauge).abs() <= 1e-14 * gauge);
+            assert!((sum.support(&gradient) - 1.0).abs() <= 1e-12);
+        }
+        let mean = counted.count.load(Ordering::Relaxed) as f64 / directions.len() as f64;
+        assert!(mean <= most, "{mean} of {sum:?}");
     }
 }
