@@ -57,8 +57,8 @@ INPUTS ?= 20000
 ONLY ?=
 long: $(VENV)/.installed
 	failed=0; \
-	PROPTEST_CASES=$(SETS) cargo test --release --locked -p asperity-set || failed=1; \
-	cargo test --release --locked -p asperity -- --ignored || failed=1; \
+	PROPTEST_CASES=$(SETS) cargo test --release --locked --no-fail-fast -p asperity-set || failed=1; \
+	cargo test --release --locked --no-fail-fast -p asperity -- --ignored || failed=1; \
 	(cd fuzz && ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test --release --locked --no-fail-fast \
 		--target-dir ../target/fuzz) || failed=1; \
 	$(BIN)/pytest --numprocesses auto --timeout 7200 -m long -k "$(ONLY)" || failed=1; \

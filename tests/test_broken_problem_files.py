@@ -7,7 +7,8 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import DimensionError, ParameterError
-from test_problem_files import DISK, PROBLEMS, every_format, of_bodies, plain
+from scipy.sparse import bsr_array, csc_array, csr_array
+from test_problem_files import DISK, PROBLEMS, every_format, of_bodies, parts, plain, rewrite
 
 
 def changed(path, **changes):
@@ -56,6 +57,77 @@ def test_a_broken_matrix_is_named(tmp_path, argument, key, value):
     with pytest.raises(ParameterError) as caught:
         asp.ContactProblem.load(path)
     assert caught.value.argument.startswith(argument)
+
+
+# Starts of compressed rows that end at zero entries, but point far outside on the way, which SciPy
+# does not notice: summing duplicates then writes there.
+OUTSIDE = np.array([0, *[10**6] * 11, 0])
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("W_indptr", OUTSIDE),
+        ("W_indptr", np.array([0, *[-(10**6)] * 11, 0])),
+        ("W_indptr", np.array([0, *range(12, 132, 12), 144, 10**6])),
+        ("W_indptr", np.array([0, *[2**62, -(2**62)] * 5, 0, -1])),
+        ("W_indices", np.full(144, -(10**9))),
+        ("W_indices", np.zeros(7, dtype=int)),
+        ("W_shape", np.array([12, 2**62])),
+        ("W_shape", np.array([2**62, 12])),
+        ("W_shape", np.array([-12, 12])),
+        ("M_shape", np.array([12, 2**62])),
+        ("M_indptr", OUTSIDE),
+        ("H_indptr", OUTSIDE),
+        ("H_shape", np.array([12, 2**62])),
+    ],
+)
+def test_no_part_of_a_matrix_points_outside(tmp_path, key, value):
+    path = tmp_path / "problem.npz"
+    (plain() if key.startswith("W") else of_bodies()).save(path)
+    changed(path, **{key: value})
+    with pytest.raises(ParameterError) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument == key.partition("_")[0]
+
+
+@pytest.mark.parametrize("form", ["rows", "columns", "triplets"])
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("p", OUTSIDE),
+        ("p", np.full(13, -(10**6))),
+        ("i", np.full(144, 10**9)),
+        ("i", np.full(144, -(10**9))),
+        ("i", np.zeros(7, dtype=int)),
+        ("m", np.array([2**31 - 1])),
+        ("n", np.array([2**31 - 1])),
+        ("n", np.array([-12])),
+    ],
+)
+@pytest.mark.parametrize("name", ["fclib_local/W", "fclib_global/M", "fclib_global/H"])
+def test_no_part_of_a_matrix_of_the_library_points_outside(tmp_path, name, form, key, value):
+    import h5py
+
+    problem, path = of_bodies(), tmp_path / "problem.h5"
+    problem.save(path)
+    matrices = {"W": problem.delassus, "M": problem.mass, "H": problem.directions}
+    rewrite(path, name, *parts(matrices[name[-1]], form))
+    with h5py.File(path, "a") as file:
+        del file[f"{name}/{key}"]
+        file[f"{name}/{key}"] = value
+    with pytest.raises(ParameterError) as caught:
+        asp.ContactProblem.load(path)
+    assert caught.value.argument.startswith(name)
+
+
+@pytest.mark.parametrize("kind", [csr_array, csc_array, bsr_array])
+def test_no_part_of_a_matrix_that_is_given_points_outside(kind):
+    matrix = kind(plain().delassus.toarray())
+    matrix.indptr[1:-1], matrix.indptr[-1] = 10**6, 0
+    with pytest.raises(ParameterError, match="valid sparse matrix") as caught:
+        plain().replace(delassus=matrix)
+    assert caught.value.argument == "delassus"
 
 
 def test_bodies_that_do_not_belong_to_the_operator_are_refused(tmp_path):

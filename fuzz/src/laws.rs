@@ -34,8 +34,9 @@ pub fn rated(source: &mut Source<'_>, range: Range) -> Option<Law> {
         return any(source, range);
     }
     let fall = [Fall::Exponential, Fall::Hyperbolic][source.below(2)];
-    let (ratio, speed) = (source.unit(), source.size(Range::Narrow));
-    let rate = Stribeck::new(fall, ratio, 0.0, speed, 0.1 * source.unit()).ok()?;
+    let (speed, exponent) = (source.unit(), source.size(Range::Narrow));
+    let (viscous, ratio) = (0.1 * source.unit(), source.unit());
+    let rate = Stribeck::new(fall, speed, ratio, exponent, viscous).ok()?;
     Some(match source.below(2) {
         0 => law::<1>(source, range)?.with_rate(rate).into(),
         _ => law::<2>(source, range)?.with_rate(rate).into(),

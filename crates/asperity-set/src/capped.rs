@@ -28,31 +28,40 @@ impl CappedRectangle {
     fn centre(&self, along: f64) -> Vector<2> {
         Vector::<2>::new(self.a.copysign(along), 0.0)
     }
+
+    /// `k` and `q = (u − ak)/(ck)` where `(u − ak)² + c²v² = c²k²`: on the caps, `u > av`, with `u = |x₁|` and
+    /// `v = |x₂|/b`.
+    ///
+    /// With `R² = (u − av)(u + av) + c²v²` the quadratic equation has `k = (u² + c²v²)/(au + cR)`, and
+    /// `q = (u − av)(u + av)/(uR + acv²)`: nothing cancels but `u − av`, for any sizes of `a` and `c`.
+    #[inline]
+    fn on_cap(&self, u: f64, v: f64) -> (f64, f64) {
+        let (a, c) = (self.a, self.cap);
+        let (beyond, flat) = ((u - a * v) * (u + a * v), c * v);
+        let root = (beyond + flat * flat).sqrt();
+        ((u * u + flat * flat) / (a * u + c * root), beyond / (u * root + a * flat * v))
+    }
 }
 
 impl StarSet<2> for CappedRectangle {
-    /// On the caps `((|x₁|/k − a)/c)² + (x₂/(kb))² = 1`, a quadratic equation for `k`.
     #[inline]
     fn gauge(&self, x: &Vector<2>) -> f64 {
         let (u, v) = (x.x.abs(), x.y.abs() / self.b);
-        if u <= self.a * v {
-            return v;
-        }
-        // c²k² = (u − ak)² + c²v², solved without cancellation for either sign of c² − a².
-        let (a, c) = (self.a, self.cap);
-        let root = c * (u * u + (c - a) * (c + a) * v * v).max(0.0).sqrt();
-        (u * u + c * c * v * v) / (a * u + root)
+        if u <= self.a * v { v } else { self.on_cap(u, v).0 }
     }
 
+    /// On the caps `∇k = (q, cv/k)/(aq + c)` in the coordinates `|x₁|` and `v`, with `q = (|x₁| − ak)/(ck)`. The
+    /// rounded boundary point `x/k` would not tell flat sides from caps that are short against their length.
     #[inline]
     fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
-        let gauge = self.gauge(x);
-        let point = x / gauge;
-        if point.x.abs() <= self.a {
-            return (gauge, Vector::<2>::new(0.0, (1.0 / self.b).copysign(x.y)));
+        let (u, v) = (x.x.abs(), x.y.abs() / self.b);
+        if u <= self.a * v {
+            return (v, Vector::<2>::new(0.0, (1.0 / self.b).copysign(x.y)));
         }
-        let normal = self.ellipse.gauge_jet(&(point - self.centre(x.x))).1;
-        (gauge, normal / normal.dot(&point))
+        let (gauge, along) = self.on_cap(u, v);
+        let size = self.a * along + self.cap;
+        let across = self.cap * v / gauge / self.b;
+        (gauge, Vector::<2>::new((along / size).copysign(x.x), (across / size).copysign(x.y)))
     }
 }
 

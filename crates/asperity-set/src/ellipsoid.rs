@@ -166,7 +166,7 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
 
     /// From a lower bound of the root Newton's method never oversteps.
     fn project(&self, z: &Vector<P>) -> Vector<P> {
-        if (self.to_ball * z).norm_squared() <= 1.0 {
+        if self.gauge(z) <= 1.0 {
             return *z;
         }
         let local = self.axes.tr_mul(z);
@@ -188,7 +188,7 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
     /// On the boundary `z = x + t x/a²` in the axes, which gives `t` to second order.
     #[inline]
     fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
-        if (self.to_ball * z).norm_squared() <= 1.0 {
+        if self.gauge(z) <= 1.0 {
             return *z;
         }
         let (local, start) = (self.axes.tr_mul(z), self.axes.tr_mul(start));
@@ -212,7 +212,7 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
     /// In the axes `x + t x/a² = z`.
     #[inline]
     fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
-        if (self.to_ball * z).norm_squared() <= 1.0 {
+        if self.gauge(z) <= 1.0 {
             return (*z, Matrix::identity());
         }
         let x = self.project_from(z, start);

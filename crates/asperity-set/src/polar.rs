@@ -48,8 +48,106 @@ where
         let point = set.support_point(y);
         (y.dot(&point), point)
     };
-    let gradient = farthest(&support_jet, x);
+    let quick = || {
+        let unit = x / size;
+        by_hessians(set, &unit).or_else(|| by_portals(set, &unit))
+    };
+    let gradient = if P == 3 { quick() } else { None }.unwrap_or_else(|| farthest(&support_jet, x));
     (gradient.dot(x), gradient)
+}
+
+/// Newton's method for the smallest `h` on the plane `x·y = 1`, for sets that are round where `x` leaves them; `None`
+/// if that does not converge at once.
+fn by_hessians<const P: usize, S>(set: &S, x: &Vector<P>) -> Option<Vector<P>>
+where
+    S: ConvexSet<P> + ?Sized,
+{
+    let x = x.normalize();
+    let [first, second] = tangents(&x);
+    let mut t = Vector::<2>::zeros();
+    for _ in 0..16 {
+        let y = x + first * t.x + second * t.y;
+        let (point, hessian) = set.support_jet(&y);
+        let slope = Vector::<2>::new(first.dot(&point), second.dot(&point));
+        let found = || Some(y / y.dot(&point));
+        if slope.norm() <= 4.0 * f64::EPSILON * point.norm() {
+            return found();
+        }
+        let across = first.dot(&(hessian * second));
+        let bends = [first.dot(&(hessian * first)), second.dot(&(hessian * second))];
+        let determinant = bends[0] * bends[1] - across * across;
+        // The comparison also turns away what is not a number.
+        if !(determinant > 1e-9 * bends[0] * bends[1]) {
+            return None;
+        }
+        let step = Vector::<2>::new(
+            across * slope.y - bends[1] * slope.x,
+            across * slope.x - bends[0] * slope.y,
+        ) / determinant;
+        let (length, reach) = (step.norm(), 1.0 + t.norm());
+        if length <= f64::EPSILON * reach {
+            return found();
+        }
+        if !(length < f64::MAX) {
+            return None;
+        }
+        t += step * (reach / length).min(1.0);
+    }
+    None
+}
+
+/// The flat face that the ray along `x` meets: a triangle of support points around the ray, whose normal finds the next
+/// one, until no point is farther along it (portals, as collision detection knows them). `None` where the triangle
+/// shrinks onto a round piece, edge or corner.
+fn by_portals<const P: usize, S>(set: &S, x: &Vector<P>) -> Option<Vector<P>>
+where
+    S: ConvexSet<P> + ?Sized,
+{
+    const ROUNDS: usize = 40;
+    const FAT: f64 = 1e-4;
+    let side = |a: &Vector<P>, b: &Vector<P>| cross_3(a, b).dot(x);
+    let mut a = set.support_point(x);
+    let across = cross_3(&a, x);
+    if !(across.norm() > FAT * a.norm() * x.norm()) {
+        return None;
+    }
+    let mut b = set.support_point(&across);
+    if side(&a, &b) < 0.0 {
+        (a, b) = (b, a);
+    }
+    let mut c = set.support_point(&cross_3(&a, &b));
+    for _ in 0..ROUNDS {
+        if side(&c, &a) < 0.0 {
+            b = c;
+        } else if side(&b, &c) < 0.0 {
+            a = c;
+        } else {
+            break;
+        }
+        c = set.support_point(&cross_3(&a, &b));
+    }
+    for _ in 0..ROUNDS {
+        let normal = cross_3(&(b - a), &(c - a));
+        let point = set.support_point(&normal);
+        let (size, reach) = (normal.norm(), normal.dot(&point));
+        // The comparison also turns away what is not a number.
+        if !(size > FAT * point.norm_squared()) {
+            return None;
+        }
+        if reach - normal.dot(&a) <= 4.0 * f64::EPSILON * size * point.norm() {
+            let inside = side(&a, &b) >= 0.0 && side(&b, &c) >= 0.0 && side(&c, &a) >= 0.0;
+            return (inside && reach > 0.0).then(|| normal / reach);
+        }
+        let [of_a, of_b, of_c] = [a, b, c].map(|v| side(&v, &point));
+        if of_b >= 0.0 && of_a <= 0.0 {
+            c = point;
+        } else if of_c >= 0.0 && of_b <= 0.0 {
+            a = point;
+        } else {
+            b = point;
+        }
+    }
+    None
 }
 
 /// The point `x` with `f(x) = 1` that is farthest in direction `y ≠ 0`, from the jet (value, gradient) of

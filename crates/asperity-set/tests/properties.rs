@@ -7,7 +7,8 @@ mod common;
 use std::collections::BTreeSet;
 
 use asperity_set::{
-    Convex, ConvexSet, Ellipsoid, Matrix, Star, StarSet, Superellipsoid, largest_scale_inside,
+    CappedRectangle, Convex, ConvexSet, Ellipsoid, Matrix, Star, StarSet, Superellipsoid,
+    largest_scale_inside,
 };
 use common::*;
 use proptest::prelude::*;
@@ -185,5 +186,36 @@ proptest! {
         let scale = largest_scale_inside(&inner, &outer);
         let x = point_of(&inner, &d, scale);
         prop_assert!(outer.gauge(&x) <= 1.0 + 1e-6, "{}", outer.gauge(&x));
+    }
+}
+
+/// Caps that are shorter than the last digit of the length end in a straight side, whose normal is along the runner.
+#[test]
+fn gradients_of_runners_with_the_shortest_caps_obey_euler() {
+    for cap in [1e-3, 1e-9, 1e-17, 1e-36] {
+        let set = CappedRectangle::new(0.04, 0.45, cap).unwrap();
+        let beside =
+            (0..200).map(|k| V::new((0.1 * f64::from(k)).cos(), (0.1 * f64::from(k)).sin()));
+        let edges = [1.0 - 1e-15, 1.0 - 1e-9, 0.5, 0.0, 1.0].map(|v| V::new(0.04, 0.45 * v));
+        for x in beside.chain(edges) {
+            let (gauge, gradient) = set.gauge_jet(&x);
+            assert!((gradient.dot(&x) - gauge).abs() <= 1e-12 * gauge, "{cap:e} {x} {gradient}");
+            // A gradient of the gauge supports the set: h(∇k) = 1.
+            assert!((set.support(&gradient) - 1.0).abs() <= 1e-12, "{cap:e} {x} {gradient}");
+        }
+    }
+}
+
+/// Gauge and projection agree to the bit on what is inside.
+#[test]
+fn points_that_the_gauge_holds_are_their_own_projection() {
+    let slender =
+        Convex::from(Ellipsoid::new(V::new(21.752277746128367, 0.05145699979310336)).unwrap());
+    for set in [slender.clone(), slender.rotated(2.4155).unwrap()] {
+        for k in 0..10_000 {
+            let z = point_of(&set, &V::new(f64::from(k).cos(), f64::from(k).sin()), 1.0);
+            let x = set.project(&z);
+            assert!(set.gauge(&z) > 1.0 || x == z, "{x} of {z}");
+        }
     }
 }

@@ -2,9 +2,12 @@
 
 mod common;
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use asperity_set::{
-    Ball, Convex, ConvexSet, Cuboid, Matrix, MinkowskiSum, Star, StarSet, Superellipsoid, Vector,
-    convexity,
+    Ball, Convex, ConvexSet, Cuboid, CustomConvex, Ellipsoid, Matrix, MinkowskiSum, Star, StarSet,
+    Superellipsoid, Vector, convexity,
 };
 use common::*;
 use proptest::prelude::*;
@@ -209,5 +212,78 @@ fn projections_onto_sums_with_edges_are_exact() {
                 assert!(off <= slack * z.norm(), "{off:e} at {z} of {sum:?}");
             }
         }
+    }
+}
+
+/// `x = prox(z)` is the point farthest along `z − x`; where the boundary is round that holds to the last digits. The
+/// value of the dual alone tells half of them.
+#[test]
+fn projections_onto_round_sums_have_all_digits() {
+    let axes = W::new(0.6164493750163073, 1.15611516280694, 0.36392294734180614);
+    let ellipsoid = Convex::from(Ellipsoid::new(axes).unwrap());
+    let axes = W::new(0.8574622817596662, 1.2259737204980925, 0.7451927645811306);
+    let rounded = Star::from(Superellipsoid::new(axes, 7.836969821495049).unwrap());
+    let sum = MinkowskiSum::new(vec![ellipsoid, rounded.as_convex().unwrap().clone()]).unwrap();
+    let normal = W::new(0.7565696214610139, 0.45084272419478416, -0.47364886352968694);
+    for k in 0..200 {
+        let z = normal * (4.0 + 0.1 * f64::from(k));
+        let x = sum.project(&z);
+        let off = (sum.support_point(&(z - x)) - x).norm();
+        assert!(off <= 1e-14 * z.norm(), "{off:e} of {} at {k}", z.norm());
+    }
+}
+
+/// A set that counts how often it is asked for support points.
+#[derive(Debug)]
+struct Counted {
+    set: Convex<3>,
+    count: AtomicUsize,
+}
+
+impl StarSet<3> for Counted {
+    fn gauge(&self, x: &W) -> f64 {
+        self.set.gauge(x)
+    }
+}
+
+impl ConvexSet<3> for Counted {
+    fn support_point(&self, y: &W) -> W {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.set.support_point(y)
+    }
+
+    fn support_jet(&self, y: &W) -> (W, Matrix<3>) {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.set.support_jet(y)
+    }
+}
+
+/// Newton's method where sums are round, a few triangles where they are flat; the ellipsoid method takes from 400
+/// support points on.
+#[test]
+fn gauges_of_sums_take_few_support_points() {
+    let cuboid = Convex::from(Cuboid::symmetric(W::new(0.5, 0.3, 0.2)).unwrap());
+    let turn = *nalgebra::Rotation3::from_euler_angles(0.3, 0.5, 0.7).matrix();
+    let turned = cuboid.mapped(&Matrix::<3>::from(turn)).unwrap();
+    let ellipsoid = Convex::from(Ellipsoid::new(W::new(0.6, 0.3, 0.2)).unwrap());
+    let ball = Convex::from(Ball::new(0.2).unwrap());
+    let pairs = [
+        (cuboid.clone(), turned.clone(), 40.0),
+        (ellipsoid.clone(), ball.clone(), 10.0),
+        (ellipsoid, turned, 400.0),
+        (cuboid, ball, 400.0),
+    ];
+    for (first, second, most) in pairs {
+        let counted = Arc::new(Counted { set: first, count: AtomicUsize::new(0) });
+        let custom = Convex::Custom(CustomConvex(counted.clone()));
+        let sum = MinkowskiSum::new(vec![custom, second]).unwrap();
+        let directions = asperity_set::directions::<3>(500);
+        for d in &directions {
+            let (gauge, gradient) = sum.gauge_jet(d);
+            assert!((gradient.dot(d) - gauge).abs() <= 1e-14 * gauge);
+            assert!((sum.support(&gradient) - 1.0).abs() <= 1e-12);
+        }
+        let mean = counted.count.load(Ordering::Relaxed) as f64 / directions.len() as f64;
+        assert!(mean <= most, "{mean} of {sum:?}");
     }
 }

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity import _arrays
 from asperity._arrays import Array
@@ -71,8 +72,10 @@ def sparse(value: Any, argument: str, shape: Sequence[int | None]) -> csr_array:
         value = _arrays.array(value, argument, (None, None))
     elif value.dtype.kind not in "iufb":
         raise ParameterError(argument, f"must hold real numbers, has dtype {value.dtype}")
+    else:
+        _arrays.check_shape(value, argument, shape)
+        _check_indices(value, argument)
     matrix: csr_array = csr_array(value, dtype=np.float64, copy=True)
-    _check_indices(matrix, argument)
     _arrays.check_shape(matrix, argument, shape)
     _arrays.array(matrix.data, argument)
     matrix.sum_duplicates()
@@ -84,12 +87,59 @@ def sparse(value: Any, argument: str, shape: Sequence[int | None]) -> csr_array:
     return matrix
 
 
-def _check_indices(matrix: csr_array, argument: str) -> None:
+def _check_indices(matrix: Any, argument: str) -> None:
     """SciPy builds matrices whose indices point outside, and crashes on them later."""
-    try:
-        matrix.check_format(full_check=True)
-    except ValueError as error:
-        raise ParameterError(argument, f"must be a valid sparse matrix: {error}") from None
+    rows, columns = matrix.shape
+    if matrix.format == "coo":
+        check_triplets(matrix.coords, matrix.data.size, matrix.shape, argument)
+    elif matrix.format in ("csr", "csc", "bsr"):
+        if matrix.format == "bsr":
+            rows, columns = rows // matrix.blocksize[0], columns // matrix.blocksize[1]
+        shape = (columns, rows) if matrix.format == "csc" else (rows, columns)
+        check_compressed(matrix.indptr, matrix.indices, len(matrix.data), shape, argument)
+
+
+def check_triplets(
+    coordinates: Sequence[NDArray[Any]], entries: int, shape: Sequence[int], argument: str
+) -> None:
+    """Refuse rows and columns that are not those of entries of a matrix of a shape."""
+    for indices, size in zip(coordinates, shape, strict=True):
+        if indices.shape != (entries,):
+            problem = f"there are {indices.size} indices of {entries} entries"
+        elif indices.size and not 0 <= indices.min() <= indices.max() < size:
+            problem = f"indices must lie in 0..{size - 1}"
+        else:
+            continue
+        raise ParameterError(argument, f"must be a valid sparse matrix: {problem}")
+
+
+def check_compressed(
+    starts: NDArray[Any],
+    indices: NDArray[Any],
+    entries: int,
+    shape: tuple[int, int],
+    argument: str,
+) -> None:
+    """Refuse what is no matrix of ``shape[0]`` compressed rows of ``shape[1]`` columns.
+
+    SciPy's own check leaves out the order of the starts where the last one is zero, and its
+    conversions and its sum of duplicates write where the starts and indices point.
+    """
+    count, width = shape
+    problem = None
+    if starts.ndim != 1 or indices.ndim != 1 or starts.size != count + 1:
+        problem = f"there must be {count + 1} starts, are {starts.size}"
+    elif indices.size != entries:
+        problem = f"there are {indices.size} indices of {entries} entries"
+    elif starts[0] != 0 or (starts[1:] < starts[:-1]).any() or starts[-1] > entries:
+        problem = f"starts must not decrease from 0 to at most {entries}"
+    else:
+        # There may be room for more entries.
+        used = indices[: starts[-1]]
+        if used.size and not 0 <= used.min() <= used.max() < width:
+            problem = f"indices must lie in 0..{width - 1}"
+    if problem is not None:
+        raise ParameterError(argument, f"must be a valid sparse matrix: {problem}")
 
 
 def _triple(matrix: Any) -> tuple[Any, Any, Any]:

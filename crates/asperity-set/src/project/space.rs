@@ -19,8 +19,14 @@ pub(super) fn by_dual_newton<const P: usize, S: ConvexSet<P> + ?Sized>(
         let newton = (hessian + Matrix::identity()).try_inverse().map(|inverse| inverse * residual);
         let step = newton.filter(|s| s.iter().all(|v| v.is_finite())).unwrap_or(residual);
         let (before, gain) = (value(&y), 1e-4 * residual.dot(&step));
+        // Near the solution what is gained is lost in the rounding of the value, half the digits too early: there
+        // the residual tells.
+        let closer = |y: &Vector<P>| (z - set.support_point(y) - y).norm() < 0.5 * residual.norm();
         let mut length = 1.0;
         while value(&(y + step * length)) < before + gain * length && length > 1e-10 {
+            if length == 1.0 && closer(&(y + step)) {
+                break;
+            }
             length *= 0.5;
         }
         if length <= 1e-10 {

@@ -25,6 +25,8 @@ SPARSE, DENSE, ASSEMBLED = "sparse", "dense", "assembled"
 """How a problem keeps G: as a sparse or a dense matrix, or made of the bodies where it is needed.
 
 Files hold it sparse always; a problem that is read keeps it as the one that was written did."""
+Shape = tuple[int | None, int | None]
+"""Rows and columns that a matrix must have, ``None`` where nothing else in the file tells them."""
 FRICTIONLESS = 1e-12
 """Radius of the reservoir that stands for μ = 0: sets have the origin inside."""
 
@@ -183,16 +185,40 @@ def integers(source: Source, key: str) -> NDArray[np.int64]:
     return found.astype(np.int64)
 
 
-def matrix(parts: tuple[Any, ...], shape: tuple[int, int], kind: str, name: str) -> csr_array:
-    """Return the sparse matrix of ``(data, indices, starts)`` or ``(data, (rows, columns))``."""
+def matrix(
+    parts: tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]],
+    shape: tuple[int, int],
+    form: str,
+    name: str,
+    expected: Shape,
+) -> csr_array:
+    """Return the sparse matrix of entries, indices and starts, or of entries, rows and columns.
+
+    The shape is compared with what is expected, or with the entries, and the parts with the shape
+    before anything is made of them: SciPy allocates what a shape asks for and writes where indices
+    point.
+    """
     from scipy import sparse
 
-    try:
-        made = getattr(sparse, f"{kind}_array")(parts, shape=shape)
-        made.check_format() if kind != "coo" else None
-    except (ValueError, TypeError) as error:
-        raise ParameterError(name, f"must be a valid sparse matrix: {error}") from None
-    return operator.sparse(made, name, shape)
+    entries, second, first = parts
+    if any(wanted not in (None, size) for wanted, size in zip(expected, shape, strict=True)):
+        rows, columns = ("n" if size is None else size for size in expected)
+        raise DimensionError(name, f"must have shape ({rows}, {columns}), got {shape}")
+    # The only such matrix is M, of which no row is empty: its diagonal is positive.
+    largest = [entries.size if size is None else size for size in expected]
+    if not all(0 <= size <= most for size, most in zip(shape, largest, strict=True)):
+        raise DimensionError(
+            name, f"must have at most {entries.size} rows, as many as entries, got {shape}"
+        )
+    given: Any
+    if form == "coo":
+        operator.check_triplets((second, first), entries.size, shape, name)
+        given = entries, (second, first)
+    else:
+        compressed = shape if form == "csr" else shape[::-1]
+        operator.check_compressed(first, second, entries.size, compressed, name)
+        given = parts
+    return operator.sparse(getattr(sparse, f"{form}_array")(given, shape=shape), name, shape)
 
 
 def built(

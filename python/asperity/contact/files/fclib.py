@@ -166,14 +166,13 @@ def _load(source: _Group) -> ContactProblem:
             raise ParameterError(name, "must be absent: joints are not part of a contact problem")
     bodies = None
     if "fclib_global" in source:
-        bodies = contents.Bodies(_mass(source), _read(source, "fclib_global/H"))
+        mass, gap = _mass(source), contents.numbers(source, _GLOBAL["free_velocity"])
+        bodies = contents.Bodies(mass, _read(source, "fclib_global/H", (mass.shape[0], gap.size)))
     form = contents.SPARSE
     if "fclib_local" in source or bodies is None:
         group, keys = "fclib_local", _LOCAL
-        delassus, free = (
-            _read(source, "fclib_local/W"),
-            contents.numbers(source, _LOCAL["free_velocity"]),
-        )
+        free = contents.numbers(source, _LOCAL["free_velocity"])
+        delassus = _read(source, "fclib_local/W", (free.size, free.size))
         if _LOCAL["form"] in source:
             form = contents.text(source, _LOCAL["form"])
     else:
@@ -194,7 +193,7 @@ def _mass(source: _Group) -> csr_array:
 
     A mass matrix is symmetric: a triangle with entries beside the diagonal cannot be all of it.
     """
-    mass = _read(source, "fclib_global/M")
+    mass = _read(source, "fclib_global/M", (None, None))
     if mass.shape[0] != mass.shape[1]:
         return mass
     rows, columns = mass.tocoo().coords
@@ -212,14 +211,11 @@ def _free_velocity(source: _Group, bodies: contents.Bodies) -> NDArray[np.float6
     """Return b = Wᵀ M⁻¹ f + w."""
     force = contents.numbers(source, "fclib_global/vectors/f")
     gap = contents.numbers(source, "fclib_global/vectors/w")
-    for values, size, name in (
-        (force, bodies.directions.shape[0], "f"),
-        (gap, bodies.directions.shape[1], "w"),
-    ):
-        if values.size != size:
-            raise ParameterError(
-                f"fclib_global/vectors/{name}", f"must have {size} entries, has {values.size}"
-            )
+    if force.size != bodies.directions.shape[0]:
+        raise ParameterError(
+            "fclib_global/vectors/f",
+            f"must have {bodies.directions.shape[0]} entries, has {force.size}",
+        )
     try:
         mass = operator.checked_mass(bodies.mass)
     except ParameterError as error:
@@ -252,21 +248,21 @@ def _put(file: Any, key: str, values: NDArray[Any]) -> None:
     file.create_dataset(key, data=values, chunks=chunks, fletcher32=bool(chunks))
 
 
-def _read(source: _Group, name: str) -> csr_array:
+def _read(source: _Group, name: str, expected: contents.Shape) -> csr_array:
     shape = _integer(source, f"{name}/m"), _integer(source, f"{name}/n")
     form = _integer(source, f"{name}/nz")
     first = contents.integers(source, f"{name}/p")
     second = contents.integers(source, f"{name}/i")
     values = contents.numbers(source, f"{name}/x")
     if form == _ROWS:
-        return contents.matrix((values, second, first), shape, "csr", name)
+        return contents.matrix((values, second, first), shape, "csr", name, expected)
     if form == _COLUMNS:
-        return contents.matrix((values, second, first), shape, "csc", name)
+        return contents.matrix((values, second, first), shape, "csc", name, expected)
     if form < _ROWS:
         raise ParameterError(f"{name}/nz", f"must be -2, -1 or a number of entries, got {form}")
     # As in CSparse, `i` holds rows and `p`, which holds starts in the compressed forms, columns.
-    triplets = values[:form], (second[:form], first[:form])
-    return contents.matrix(triplets, shape, "coo", name)
+    triplets = values[:form], second[:form], first[:form]
+    return contents.matrix(triplets, shape, "coo", name, expected)
 
 
 def _integer(source: _Group, key: str) -> int:

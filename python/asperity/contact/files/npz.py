@@ -53,14 +53,16 @@ def save(problem: ContactProblem, path: Path) -> None:
 def load(path: Path) -> ContactProblem:
     """Read a problem."""
     with Archive(path) as source:
-        delassus, free = _read(source, "W"), contents.numbers(source, "q")
+        free = contents.numbers(source, "q")
+        delassus = _read(source, "W", (free.size, free.size))
         if "mu" in source or "laws" not in source:
             options = contents.read_coefficients(source, "mu", free.size, 2)
         else:
             options = contents.read_details(source)
         bodies = None
         if "M_data" in source:
-            bodies = contents.Bodies(_read(source, "M"), _read(source, "H"))
+            mass = _read(source, "M", (None, None))
+            bodies = contents.Bodies(mass, _read(source, "H", (mass.shape[0], free.size)))
         form = contents.text(source, "W_form") if "W_form" in source else contents.SPARSE
         return contents.built(delassus, bodies, free, options, _KEYS, form)
 
@@ -82,7 +84,7 @@ def _written(matrix: csr_array, name: str) -> dict[str, NDArray[Any]]:
     }
 
 
-def _read(source: Archive, name: str) -> csr_array:
+def _read(source: Archive, name: str, expected: contents.Shape) -> csr_array:
     shape = contents.integers(source, f"{name}_shape")
     if shape.size != 2:
         raise ParameterError(f"{name}_shape", f"must hold two numbers, has {shape.size}")
@@ -91,4 +93,4 @@ def _read(source: Archive, name: str) -> csr_array:
         contents.integers(source, f"{name}_indices"),
         contents.integers(source, f"{name}_indptr"),
     )
-    return contents.matrix(parts, (int(shape[0]), int(shape[1])), "csr", name)
+    return contents.matrix(parts, (int(shape[0]), int(shape[1])), "csr", name, expected)

@@ -4,6 +4,8 @@
 //! what is found there is refined here, and what is not found there is searched for here: the measure
 //! of a contact decides which percussions are a solution.
 
+mod hull;
+
 use asperity_set::{Matrix, StarSet, Vector};
 use nalgebra::{Matrix3, Vector3};
 
@@ -427,6 +429,9 @@ impl<'a, const P: usize> Single<'a, P> {
         let starts = [self.slipping(&free), V::zeros()];
         let all = first.iter().copied().chain(starts);
         if all.filter_map(|p| self.newton(p, &mut left)).any(&mut keep) {
+            return best;
+        }
+        if P > 2 && self.over_hulls(&mut left, &mut keep) {
             return best;
         }
         // In turns, so that neither takes all evaluations; on a line there are two normals only.
