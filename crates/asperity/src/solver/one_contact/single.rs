@@ -391,7 +391,7 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// Newton's method where the block is singular: on `G + εI` with the load `b − εP`, which the solution of the
-    /// singular problem satisfies too. ContactMatrix ε are long steps.
+    /// singular problem satisfies too. Small ε are long steps.
     fn proximal_point(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
         let mut small = 1.0 / self.rho.tangent;
         for _ in 0..PROXIMAL {

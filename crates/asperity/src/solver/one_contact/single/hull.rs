@@ -5,7 +5,7 @@
 
 use asperity_set::{ConvexSet, Vector};
 
-use super::{Evaluations, Single, Small, V, solution};
+use super::{ContactMatrix, Evaluations, Single, V, solution};
 use crate::contact::NormalForce;
 
 /// Support points that are asked for: boxes and octahedra take three to six, round sets end in Newton's method.
@@ -111,7 +111,7 @@ impl<const P: usize> Single<'_, P> {
         for k in 1..count {
             tests[k] = rays[k] - rays[0];
         }
-        let (mut matrix, mut right) = (Small::identity(), V::zeros());
+        let (mut matrix, mut right) = (ContactMatrix::identity(), V::zeros());
         for k in 0..count {
             for j in 0..count {
                 matrix[(k, j)] = tests[k].dot(&(self.g * rays[j]));
