@@ -21,6 +21,7 @@
 
 pub use asperity_set as set;
 pub use integrator::{event, midpoint as stepper};
+pub use nalgebra;
 
 pub mod contact;
 pub mod integrator;
@@ -30,3 +31,8 @@ pub mod simulate;
 pub mod solver;
 pub mod system;
 pub mod trajectory;
+
+/// The examples of the README are compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -21,6 +21,7 @@ mod method;
 mod newton_matrix;
 mod one_contact;
 mod report;
+mod solution;
 
 pub use infeasibility::{Case, CaseState, Infeasibility, InfeasibilityKind, Unsolvable};
 pub use measure::certificate::Certificate;
@@ -31,6 +32,7 @@ pub use method::ProxStep;
 pub(crate) use one_contact::Rising;
 pub use one_contact::solutions::{ContactSolution, solutions};
 pub use report::{Method, SolveReport, Stage, Status};
+pub use solution::Solution;
 
 use crate::contact::{ContactProblem, ContactState, Memory};
 use auto::Methods;
