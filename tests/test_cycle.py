@@ -183,6 +183,8 @@ def test_members_that_cannot_be_made_are_named():
 def test_bad_arguments_are_named(cycle):
     with pytest.raises(asp.ParameterError, match="section"):
         asp.limit_cycle(belt(), section="x")
+    with pytest.raises(asp.ParameterError, match="system"):
+        asp.limit_cycle(asp.RigidBodies([asp.Body(1.0, [1.0, 1.0, 1.0])]))
     with pytest.raises(asp.ParameterError, match="near"):
         asp.limit_cycle(belt(), near=3)
     with pytest.raises(asp.ParameterError, match="near"):

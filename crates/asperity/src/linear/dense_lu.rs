@@ -1,4 +1,7 @@
 //! LU factorisation of small dense matrices, with room that is kept for the next one.
+//!
+//! Matrices are filled row by row, while [`eliminate`] works column by column: it is the transpose that is factored,
+//! `P Aᵀ = L U`, and `A x = b` reads `Uᵀ Lᵀ P x = b`.
 
 use super::dense::{Packed, eliminate};
 
@@ -6,54 +9,48 @@ use super::dense::{Packed, eliminate};
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DenseLu {
     size: usize,
-    /// The matrix, row by row.
-    rows: Vec<f64>,
-    /// `L` with unit diagonal below, `U` on and above the diagonal, column by column.
-    factors: Vec<f64>,
+    /// The matrix, row by row; then column by column `L` with unit diagonal below, `U` on and above the diagonal.
+    entries: Vec<f64>,
     swaps: Vec<usize>,
     packed: Packed,
+    /// The largest size that there is room for.
+    reserved: usize,
 }
 
 impl DenseLu {
     /// A matrix of zeros, row by row, to be filled before [`factor`](Self::factor) is called.
     pub(crate) fn begin(&mut self, size: usize) -> &mut [f64] {
         self.size = size;
-        self.rows.clear();
-        self.rows.resize(size * size, 0.0);
-        &mut self.rows
+        self.entries.clear();
+        self.entries.resize(size * size, 0.0);
+        &mut self.entries
     }
 
-    /// Gaussian elimination with row exchanges; false if a pivot is not larger than `threshold` times the largest
-    /// entry.
+    /// Gaussian elimination with exchanges; false if a pivot is not larger than `threshold` times the largest entry.
     pub(crate) fn factor(&mut self, threshold: f64) -> bool {
-        let (n, rows) = (self.size, &self.rows);
-        self.factors.clear();
-        self.factors.extend((0..n * n).map(|k| rows[k % n * n + k / n]));
+        let n = self.size;
         self.swaps.resize(n, 0);
-        self.packed.reserve(n);
-        let largest = rows.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        eliminate(&mut self.factors, n, n, &mut self.swaps, &mut self.packed)
-            && (0..n).all(|k| self.factors[k * n + k].abs() > threshold * largest)
+        if n > self.reserved {
+            self.packed.reserve(n);
+            self.reserved = n;
+        }
+        let largest = self.entries.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        eliminate(&mut self.entries, n, n, &mut self.swaps, &mut self.packed)
+            && (0..n).all(|k| self.entries[k * n + k].abs() > threshold * largest)
     }
 
     /// `values ← matrix⁻¹ values`; false if the result is not finite.
     pub(crate) fn solve(&self, values: &mut [f64]) -> bool {
-        for (k, &swap) in self.swaps.iter().enumerate() {
-            values.swap(k, swap);
-        }
-        let columns = self.factors.chunks_exact(self.size.max(1)).enumerate();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let columns = self.entries.chunks_exact(self.size.max(1)).enumerate();
         for (k, column) in columns.clone() {
-            let y = values[k];
-            for (value, l) in values[k + 1..].iter_mut().zip(&column[k + 1..]) {
-                *value -= l * y;
-            }
+            values[k] = (values[k] - dot(&column[..k], values)) / column[k];
         }
         for (k, column) in columns.rev() {
-            values[k] /= column[k];
-            let y = values[k];
-            for (value, u) in values[..k].iter_mut().zip(column) {
-                *value -= u * y;
-            }
+            values[k] -= dot(&column[k + 1..], &values[k + 1..]);
+        }
+        for (k, &swap) in self.swaps.iter().enumerate().rev() {
+            values.swap(k, swap);
         }
         values.iter().all(|x| x.is_finite())
     }

@@ -4,7 +4,7 @@ use crate::contact::Phase;
 use crate::integrator::event::collocation::growth::GROWTH;
 use crate::integrator::event::dynamics::{Dynamics, ROWS};
 use crate::integrator::event::state::{ROUNDING, Scale, State, ZERO_VELOCITY};
-use crate::integrator::event::vectors::{dot, largest, norm};
+use crate::integrator::event::vectors::{largest, norm};
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
 /// (\[HairerWanner1996\] IV.8).
@@ -179,7 +179,7 @@ impl StepSize {
         for (i, contact) in dynamics.contacts.iter().enumerate() {
             if contact.is_free() {
                 let (velocity, rate) =
-                    (dot(dynamics.row(ROWS * i), u), dynamics.rate(ROWS * i, a0));
+                    (dynamics.velocity(ROWS * i, u), dynamics.rate(ROWS * i, a0));
                 // From there on the gap is not smaller than it was.
                 let near = contact.gap < velocity * velocity / rate.abs();
                 if velocity > ZERO_VELOCITY * self.speed() && rate < 0.0 && near {

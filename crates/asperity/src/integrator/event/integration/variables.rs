@@ -12,7 +12,7 @@ use crate::integrator::event::observer::Observer;
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, State, ZERO_VELOCITY};
-use crate::integrator::event::vectors::{dot, largest};
+use crate::integrator::event::vectors::largest;
 use crate::system::System;
 
 /// Why the integration ends here, if it does.
@@ -150,7 +150,7 @@ impl<'a> Integration<'a> {
 
     /// `γ_N`.
     pub(crate) fn approach(&self, contact: usize) -> f64 {
-        dot(self.dynamics.row(ROWS * contact), &self.state.u)
+        self.dynamics.velocity(ROWS * contact, &self.state.u)
     }
 
     /// A normal velocity that counts as none.
