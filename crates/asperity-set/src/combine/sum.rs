@@ -56,6 +56,7 @@ impl<const P: usize> ConvexSet<P> for MinkowskiSum<P> {
     fn project(&self, z: &Vector<P>) -> Vector<P> {
         match P {
             2 => cast(&project::by_normals(&InPlane { set: self }, &cast(z), None)),
+            3 => project::onto_sum(self, z),
             _ => project::onto_any(self, z),
         }
     }

@@ -8,7 +8,7 @@ mod superellipsoid;
 use crate::{ConvexSet, Vector};
 
 pub(crate) use plane::by_normals;
-pub(crate) use space::{by_cuts, onto_image};
+pub(crate) use space::{by_cuts, onto_image, onto_sum};
 pub(crate) use superellipsoid::{by_newton, onto_superellipsoid};
 
 /// Projection onto any convex set from its gauge and support points.
@@ -22,6 +22,6 @@ pub(crate) fn onto_any<const P: usize, S: ConvexSet<P> + ?Sized>(
     match P {
         1 => set.support_point(z),
         2 => plane::onto_planar(set, z),
-        _ => space::by_dual_newton(set, z),
+        _ => space::onto_any_in_space(set, z),
     }
 }
