@@ -9,9 +9,9 @@ use crate::law::{Friction, Law};
 /// The violations of the contact laws by percussions `P`, found from the problem alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Certificate {
-    /// Natural map of the whole problem, see [`natural_map`](super::natural_map()).
+    /// Natural map of the whole problem, see [`natural_map`](crate::solver::natural_map).
     pub natural_map: f64,
-    /// Largest relative defect of a contact, see [`natural_residual`](super::natural_residual()), and the contact that has it.
+    /// Largest relative defect of a contact, see [`natural_residual`](crate::solver::natural_residual), and the contact that has it.
     pub contact_residual: f64,
     /// The contact with the largest relative defect.
     pub worst_contact: usize,

@@ -7,7 +7,7 @@ use crate::contact::{ContactProblem, ContactRows, NormalForce};
 ///
 /// Isotropic unilateral contacts enter with the projection onto their friction cone, `ξ_N` enlarged by
 /// `μ‖ξ_T‖` (\[DeSaxceFeng1998\], \[AcaryBremondHuber2018\]); others with the inclusions of normal and tangential
-/// percussion, as in [`natural_residual`](super::natural_residual()).
+/// percussion, as in [`natural_residual`](crate::solver::natural_residual).
 pub fn natural_map(problem: &ContactProblem, percussion: &[f64], velocity: &[f64]) -> f64 {
     let (rho, measured) = (problem.global_rho(), Measured { problem, percussion, velocity });
     let mut defect = 0.0;

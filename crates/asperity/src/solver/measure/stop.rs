@@ -9,9 +9,9 @@ use crate::contact::ContactProblem;
 /// What decides whether a problem is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
-    /// [`natural_residual`](super::natural_residual()): the largest relative defect of a contact.
+    /// [`natural_residual`](crate::solver::natural_residual): the largest relative defect of a contact.
     Contact,
-    /// [`natural_map`](super::natural_map()): the defect of all contacts together.
+    /// [`natural_map`](crate::solver::natural_map): the defect of all contacts together.
     Global,
 }
 
