@@ -18,7 +18,7 @@ const MODULES: [(&str, &[&str]); 8] = [
 ];
 
 /// The rooms of the solvers, likewise.
-const SOLVER: [(&str, &[&str]); 8] = [
+const SOLVER: [(&str, &[&str]); 9] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
     ("infeasibility", &["measure", "one_contact"]),
@@ -27,6 +27,8 @@ const SOLVER: [(&str, &[&str]); 8] = [
     ("method", &["measure", "one_contact", "infeasibility", "newton_matrix", "report"]),
     ("findings", &["measure", "infeasibility", "report", "method"]),
     ("auto", &["infeasibility", "newton_matrix", "report", "method"]),
+    // What users call stands above the solver.
+    ("solution", &["measure", "infeasibility", "report", "Solver", "Workspace"]),
 ];
 
 /// The rooms of the event-driven integrator; each may use those before it.
