@@ -279,6 +279,7 @@ class Angle(Turning):
     """The same with the angle as its coordinate."""
 
     coordinates = None
+    advance = asp.System.advance
 
     def forces(self, t, q, u):
         return -np.sin(q)
@@ -299,6 +300,27 @@ def test_what_advance_raises_comes_back():
 
     with pytest.raises(ZeroDivisionError, match="user's code"):
         asp.simulate(Failing(), dt=0.1, t_end=1.0, q0=[1.0, 0.0])
+
+
+def test_advance_counts_where_the_numbers_are_equal():
+    class Doubled(asp.System):
+        """A coordinate in half metres."""
+
+        dof = 1
+
+        def mass(self, q):
+            return np.eye(1)
+
+        def forces(self, t, q, u):
+            return np.ones(1)
+
+        def advance(self, q, u, dt):
+            return q + 2.0 * dt * u
+
+    run = asp.simulate(Doubled(), dt=0.5, t_end=2.0)
+    np.testing.assert_allclose(run.q[-1], 4.0)
+    with pytest.raises(asp.ParameterError, match="has its own `advance`"):
+        asp.integrate(Doubled(), t_end=2.0)
 
 
 @pytest.mark.parametrize(

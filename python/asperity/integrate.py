@@ -118,6 +118,10 @@ def integrate(
     """
     if not isinstance(system, Model):
         raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
+    if getattr(system, "_advances", False):
+        raise ParameterError(
+            "system", "must have its velocities as rates, but has its own `advance`"
+        )
     if section is not None and not isinstance(section, Section):
         raise ParameterError("section", f"must be a Section or None, got {section!r}")
     if progress is not None and not callable(progress):

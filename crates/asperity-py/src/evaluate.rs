@@ -74,9 +74,8 @@ fn kinematics<'py>(
     contact: usize,
 ) -> Result<Bound<'py, PyDict>, Failure> {
     let (n, law) = (system.dof(), &system.contacts()[contact]);
-    let (p, normal_rows) = (law.law.dimension(), usize::from(law.normal_force.is_none()));
-    let (mut tangent, mut velocity) =
-        (vec![0.0; n * (normal_rows + p)], vec![0.0; normal_rows + p]);
+    let (len, normal_rows) = (law.rows(), law.normal_rows());
+    let (mut tangent, mut velocity) = (vec![0.0; n * len], vec![0.0; len]);
     let at = Configuration::new(t, q);
     let gap = full_rows(system, &at, contact, &mut tangent, &mut velocity)?;
     let normal: Vec<f64> = tangent.drain(..n * normal_rows).collect();
@@ -107,5 +106,6 @@ pub fn advance<'py>(
         system.advance(q, u, dt, &mut out);
         Ok::<_, Failure>(out)
     })??;
-    Ok(PyArray1::from_vec(py, moved))
+    // It cannot return what it raises.
+    raised(system).map_or(Ok(PyArray1::from_vec(py, moved)), |error| Err(error.into()))
 }

@@ -297,7 +297,7 @@ impl System for CallbackSystem {
     ) -> Result<f64, SystemError> {
         let p = self.laws[contact].law.dimension();
         let n = self.touched[contact].iter().map(|&block| self.blocks.range(block).len()).sum();
-        let normal_rows = velocity.len() - p;
+        let normal_rows = self.laws[contact].normal_rows();
         let (normal, tangent) = rows.split_at_mut(normal_rows * n);
         if normal_rows == 1 {
             self.call("normal", &[n], arguments(at, contact), |values| {

@@ -32,8 +32,9 @@ class System:
     contact sees; `direction` and `normal` have the velocities of these parts only, one part after
     the other. A step then costs in proportion to the number of parts and contacts.
 
-    Where rotations of space are among the coordinates, ``coordinates`` is their number and
-    `advance` moves them.
+    Where velocities are not the rates of the coordinates, as of rotations in space, `advance` moves
+    the coordinates, and ``coordinates`` is their number if it is not ``dof``. Such systems are for
+    `simulate` and `stability`; `integrate` refuses them.
 
     Reference: [WL19] (16), §2.2–2.3.
 
@@ -126,9 +127,16 @@ class System:
         if coordinates is not None:
             coordinates = _arrays.count(coordinates, "coordinates")
             _require(cls, "advance")
+        elif self._advances:
+            coordinates = sum(blocks)
         constant = (bool(self.constant_mass), bool(self.constant_contacts))
         data = [contact._core_data() for contact in listed]
         return _core.CallbackSystem(self, blocks, touched, coordinates, constant, data)
+
+    @property
+    def _advances(self) -> bool:
+        """Whether velocities are not the rates of the coordinates."""
+        return type(self).advance is not System.advance
 
     def _blocks(self, contacts: int) -> tuple[list[int], list[list[int]] | None]:
         """Return the sizes of the blocks, and the blocks of every contact if there are any."""

@@ -152,17 +152,15 @@ impl ContactProblem {
         Ok(problem)
     }
 
-    /// The problem of an integrator: without velocities, with the operator that `delassus` makes for the numbered
-    /// rows of the contacts.
+    /// The problem of an integrator, without velocities.
     ///
     /// Laws may depend on the speed here, and the operator may still be filled in with
     /// [`refill`](Self::refill); whoever does so makes sure that its entries are finite and its diagonal positive.
     pub(crate) fn assemble(
         contacts: impl IntoIterator<Item = (Law, NormalForce)>,
-        delassus: impl FnOnce(&[ContactRows]) -> Delassus,
+        delassus: Delassus,
     ) -> Self {
         let (contacts, rows) = number_rows(contacts);
-        let delassus = delassus(&contacts);
         let (velocities, rho) = (vec![0.0; rows], vec![0.0; contacts.len()]);
         let restitution = velocities.clone();
         let mut problem = Self { delassus, free_velocity: velocities, restitution, contacts, rho };

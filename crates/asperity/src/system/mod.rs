@@ -48,6 +48,20 @@ pub struct ContactLaw {
     pub tangential_restitution: f64,
 }
 
+impl ContactLaw {
+    /// Number of normal rows: one if the contact is unilateral.
+    #[inline]
+    pub fn normal_rows(&self) -> usize {
+        usize::from(self.normal_force.is_none())
+    }
+
+    /// Number of rows: the normal one, if there is one, and those of friction.
+    #[inline]
+    pub fn rows(&self) -> usize {
+        self.normal_rows() + self.law.dimension()
+    }
+}
+
 /// A system could not be made or evaluated.
 #[derive(Debug, ThisError)]
 pub enum SystemError {
@@ -145,6 +159,8 @@ impl<'a> Configuration<'a> {
 /// A system at the midpoint of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Midpoint {
+    /// Time in s.
+    pub t: f64,
     /// Coordinates `q_M`.
     pub q: Vec<f64>,
     /// What [`System::derive`] makes of them.
@@ -155,6 +171,14 @@ pub struct Midpoint {
     pub forces: Vec<f64>,
     /// What [`System::momenta`] carries from step to step.
     pub momenta: Vec<f64>,
+}
+
+impl Midpoint {
+    /// Where the system is there.
+    #[inline]
+    pub fn configuration(&self) -> Configuration<'_> {
+        Configuration { t: self.t, q: &self.q, derived: &self.derived }
+    }
 }
 
 /// `M(q) u̇ − h(t, q, u) = W_N λ_N + W λ`, `q̇ = u` or what [`System::advance`] makes of it, with `γ_N = W_Nᵀu + χ_N`
@@ -259,6 +283,7 @@ pub trait System: Debug + Sync {
         (q, u): (&[f64], &[f64]),
         midpoint: &mut Midpoint,
     ) -> Result<(), SystemError> {
+        midpoint.t = t;
         self.advance(q, u, 0.5 * dt, &mut midpoint.q);
         self.derive(&midpoint.q, &mut midpoint.derived);
         midpoint.before.copy_from_slice(u);
@@ -277,11 +302,6 @@ pub trait System: Debug + Sync {
         u.copy_from_slice(after);
         self.advance(&midpoint.q, u, 0.5 * dt, q);
     }
-}
-
-/// Number of rows of a contact: the normal one, if it is unilateral, and those of friction.
-pub(crate) fn row_count(contact: &ContactLaw) -> usize {
-    usize::from(contact.normal_force.is_none()) + contact.law.dimension()
 }
 
 /// The rows of a contact with all velocities of the system, as methods with matrices of its size need them; its gap.

@@ -3,7 +3,6 @@
 //! A contact touches few blocks of velocities and is coupled only with the other contacts of these: nothing is larger
 //! than the contacts, the blocks and their couplings are many.
 
-use std::mem;
 use std::ops::Range;
 
 use super::closed::{Change, Closed};
@@ -12,7 +11,7 @@ use super::outcome::StepError;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
 use crate::system::mass::MassFactors;
-use crate::system::{Configuration, ContactLaw, Midpoint, System, SystemError, row_count};
+use crate::system::{Configuration, ContactLaw, Midpoint, System, SystemError};
 
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
@@ -37,9 +36,32 @@ pub(super) struct Assembly {
     chi: Vec<f64>,
     slip: Vec<f64>,
     factors: Factors,
-    /// Rows and χ of one contact.
-    own: Vec<f64>,
-    own_chi: [f64; 4],
+    /// The contact whose rows were evaluated last.
+    evaluated: Evaluated,
+}
+
+/// Rows and χ of one contact.
+#[derive(Debug, Default)]
+struct Evaluated {
+    rows: Vec<f64>,
+    chi: [f64; 4],
+}
+
+impl Evaluated {
+    /// Evaluates the rows of a contact; its gap.
+    fn update(
+        &mut self,
+        system: &dyn System,
+        at: &Configuration<'_>,
+        contact: usize,
+    ) -> Result<f64, SystemError> {
+        let len = system.contacts()[contact].rows();
+        let entries = len * width(system, contact);
+        if self.rows.len() < entries {
+            self.rows.resize(entries, 0.0);
+        }
+        system.rows(at, contact, &mut self.rows[..entries], &mut self.chi[..len])
+    }
 }
 
 /// The rows of a closed contact.
@@ -89,10 +111,10 @@ impl Assembly {
             fixed: constancy.contacts && system.contacts().iter().all(given),
             midpoint: Midpoint {
                 q: q.to_vec(),
-                derived: Vec::new(),
                 before: vec![0.0; dof],
                 forces: vec![0.0; dof],
                 momenta,
+                ..Midpoint::default()
             },
             mass: MassFactors::default(),
             has_mass: false,
@@ -104,8 +126,7 @@ impl Assembly {
             chi: Vec::new(),
             slip: Vec::new(),
             factors: Factors::default(),
-            own: Vec::new(),
-            own_chi: [0.0; 4],
+            evaluated: Evaluated::default(),
         }
     }
 
@@ -122,36 +143,21 @@ impl Assembly {
         (q, u): (&[f64], &[f64]),
         contact: usize,
     ) -> Result<[f64; 3], SystemError> {
-        self.evaluate(system, &Configuration::new(t, q), contact)?;
-        let width = width(system, contact);
-        let law = &system.contacts()[contact];
-        let (normal, mut slip) = (usize::from(law.normal_force.is_none()), [0.0; 3]);
-        for (k, slip) in slip[..law.law.dimension()].iter_mut().enumerate() {
-            let row = &self.own[(normal + k) * width..(normal + k + 1) * width];
-            *slip = self.own_chi[normal + k];
-            let mut offset = 0;
+        self.evaluated.update(system, &Configuration::new(t, q), contact)?;
+        let (law, width) = (&system.contacts()[contact], width(system, contact));
+        let Evaluated { rows, chi } = &self.evaluated;
+        let mut slip = [0.0; 3];
+        for (slip, k) in slip.iter_mut().zip(law.normal_rows()..law.rows()) {
+            *slip = chi[k];
+            let mut row = &rows[k * width..(k + 1) * width];
             for &block in system.touched(contact) {
                 let velocities = &u[system.blocks().range(block)];
-                *slip += dot(&row[offset..offset + velocities.len()], velocities);
-                offset += velocities.len();
+                let (own, others) = row.split_at(velocities.len());
+                *slip += dot(own, velocities);
+                row = others;
             }
         }
         Ok(slip)
-    }
-
-    /// The rows and χ of a contact into `own`; its gap.
-    fn evaluate(
-        &mut self,
-        system: &dyn System,
-        at: &Configuration<'_>,
-        contact: usize,
-    ) -> Result<f64, SystemError> {
-        let len = row_count(&system.contacts()[contact]);
-        let entries = len * width(system, contact);
-        if self.own.len() < entries {
-            self.own.resize(entries, 0.0);
-        }
-        system.rows(at, contact, &mut self.own[..entries], &mut self.own_chi[..len])
     }
 
     /// The contact problem of the step from `q`, `u`, with its midpoint at the time `t`.
@@ -181,16 +187,17 @@ impl Assembly {
                 self.update_velocities(place, 0.0, closed);
             }
         } else {
-            (same, changed) = self.find_closed(system, (t, dt), new_mass, closed)?;
+            (same, changed) = self.find_closed(system, dt, new_mass, closed)?;
             if !same {
-                self.renew(system, (t, dt), closed)?;
+                self.renew(system, dt, closed)?;
             }
         }
         if self.factors.any() {
             self.factors.update(&closed.problem, |row| self.slip[row]);
         }
         if !same || changed || self.factors.any() {
-            self.fill(system, closed)?;
+            self.fill(system, closed);
+            closed.check_directions()?;
         }
         if closed.bounces() {
             closed.bounce(|row| self.slip[row]);
@@ -212,7 +219,7 @@ impl Assembly {
     fn find_closed(
         &mut self,
         system: &dyn System,
-        (t, dt): (f64, f64),
+        dt: f64,
         new_mass: bool,
         closed: &mut Closed,
     ) -> Result<(bool, bool), SystemError> {
@@ -225,11 +232,11 @@ impl Assembly {
             let was_closed = closed.was_closed(contact);
             let known = was_closed && !constant;
             let gap = match law.normal_force {
-                _ if known => self.evaluate_at_midpoint(system, t, contact)?,
+                _ if known => self.evaluate(system, contact)?,
                 Some(_) => 0.0,
-                None => system.gap(&self.at_midpoint(t), contact)?,
+                None => system.gap(&self.midpoint.configuration(), contact)?,
             };
-            if gap > 0.0 && !(was_closed && gap <= self.lift(system, (t, dt), (contact, known))?) {
+            if gap > 0.0 && !(was_closed && gap <= self.lift(system, dt, contact, known)?) {
                 continue;
             }
             let place = closed.found.len();
@@ -239,7 +246,7 @@ impl Assembly {
             if same {
                 if !constant {
                     if !known {
-                        self.evaluate_at_midpoint(system, t, contact)?;
+                        self.evaluate(system, contact)?;
                     }
                     changed |= self.store(place);
                 }
@@ -249,17 +256,18 @@ impl Assembly {
         Ok((same && closed.found.len() == closed.active.len(), changed))
     }
 
-    /// The gap up to which a contact counts as closed; its rows are then in `own`, as they are before if `known`.
+    /// The gap up to which a contact counts as closed; evaluates its rows unless they are known.
     fn lift(
         &mut self,
         system: &dyn System,
-        (t, dt): (f64, f64),
-        (contact, known): (usize, bool),
+        dt: f64,
+        contact: usize,
+        known: bool,
     ) -> Result<f64, SystemError> {
         if !known {
-            self.evaluate_at_midpoint(system, t, contact)?;
+            self.evaluate(system, contact)?;
         }
-        let (mut gained, mut row) = (0.0, self.own.iter());
+        let (mut gained, mut row) = (0.0, self.evaluated.rows.iter());
         for &block in system.touched(contact) {
             let range = system.blocks().range(block);
             let change = self.free[range.clone()].iter().zip(&self.midpoint.before[range]);
@@ -268,29 +276,18 @@ impl Assembly {
         Ok(ROUNDING * dt * gained)
     }
 
-    fn at_midpoint(&self, t: f64) -> Configuration<'_> {
-        Configuration { t, q: &self.midpoint.q, derived: &self.midpoint.derived }
+    /// Evaluates the rows of a contact at the midpoint; its gap.
+    fn evaluate(&mut self, system: &dyn System, contact: usize) -> Result<f64, SystemError> {
+        self.evaluated.update(system, &self.midpoint.configuration(), contact)
     }
 
-    fn evaluate_at_midpoint(
-        &mut self,
-        system: &dyn System,
-        t: f64,
-        contact: usize,
-    ) -> Result<f64, SystemError> {
-        let (q, derived) = (mem::take(&mut self.midpoint.q), mem::take(&mut self.midpoint.derived));
-        let gap = self.evaluate(system, &Configuration { t, q: &q, derived: &derived }, contact);
-        (self.midpoint.q, self.midpoint.derived) = (q, derived);
-        gap
-    }
-
-    /// Takes the rows in `own` for those of a closed contact; whether they differ from the old ones.
+    /// Takes the rows that were evaluated last for those of a closed contact; whether they differ from the old ones.
     #[inline]
     fn store(&mut self, place: usize) -> bool {
         let Rows { first, len, .. } = self.contacts[place];
-        self.chi[first..first + len].copy_from_slice(&self.own_chi[..len]);
+        self.chi[first..first + len].copy_from_slice(&self.evaluated.chi[..len]);
         let old = &mut self.directions[self.contacts[place].entries()];
-        let new = &self.own[..old.len()];
+        let new = &self.evaluated.rows[..old.len()];
         let changed = *old != *new;
         if changed {
             old.copy_from_slice(new);
@@ -333,7 +330,7 @@ impl Assembly {
     fn renew(
         &mut self,
         system: &dyn System,
-        (t, dt): (f64, f64),
+        dt: f64,
         closed: &mut Closed,
     ) -> Result<(), SystemError> {
         let delassus = Coupling::new(system, &closed.found).pattern(&self.midpoint.q)?;
@@ -363,7 +360,7 @@ impl Assembly {
         }
         self.factors.reset(&closed.problem);
         for place in 0..self.contacts.len() {
-            self.evaluate_at_midpoint(system, t, closed.active[place])?;
+            self.evaluate(system, closed.active[place])?;
             self.store(place);
             self.update_velocities(place, closed.gaps[place], closed);
         }
@@ -371,11 +368,7 @@ impl Assembly {
     }
 
     /// `M⁻¹W`, scaled by the factors of the speed, and the Delassus operator.
-    pub(super) fn fill(
-        &mut self,
-        system: &dyn System,
-        closed: &mut Closed,
-    ) -> Result<(), SystemError> {
+    pub(super) fn fill(&mut self, system: &dyn System, closed: &mut Closed) {
         self.responses.copy_from_slice(&self.directions);
         for rows in &self.contacts {
             for k in 0..rows.len {
@@ -400,7 +393,6 @@ impl Assembly {
             }
             _ => {}
         });
-        closed.check_directions()
     }
 
     fn fill_blocks(&self, blocks: &mut BlockMatrix) {

@@ -52,9 +52,7 @@ impl Closed {
     pub(super) fn new(system: &dyn System, known: &[ContactMemory]) -> Self {
         let contacts = system.contacts().len();
         let mut closed = Self {
-            problem: ContactProblem::assemble(std::iter::empty(), |_| {
-                Delassus::Blocks(Default::default())
-            }),
+            problem: ContactProblem::assemble([], Delassus::Blocks(Default::default())),
             active: Vec::with_capacity(contacts),
             found: Vec::with_capacity(contacts),
             gaps: Vec::with_capacity(contacts),
@@ -110,7 +108,7 @@ impl Closed {
             };
             (laws[c].law.clone(), normal)
         };
-        let problem = ContactProblem::assemble(self.active.iter().map(contact), |_| delassus);
+        let problem = ContactProblem::assemble(self.active.iter().map(contact), delassus);
         let old = std::mem::replace(&mut self.problem, problem);
         self.before.clear();
         self.before.extend(self.found.iter().copied().zip(old.into_contacts()));

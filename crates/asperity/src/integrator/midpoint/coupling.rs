@@ -2,7 +2,7 @@
 //! Delassus operator.
 
 use crate::contact::{BlockMatrix, Csr, Delassus, Factored};
-use crate::system::{System, SystemError, row_count};
+use crate::system::{ContactLaw, System, SystemError};
 
 /// The contacts that every closed contact is coupled with.
 pub(super) struct Coupling<'a> {
@@ -43,7 +43,7 @@ impl<'a> Coupling<'a> {
     /// the coordinates `q`.
     pub(super) fn pattern(&self, q: &[f64]) -> Result<Delassus, SystemError> {
         let laws = || self.contacts.iter().map(|&contact| &self.system.contacts()[contact]);
-        let sizes: Vec<usize> = laws().map(row_count).collect();
+        let sizes: Vec<usize> = laws().map(ContactLaw::rows).collect();
         let blocks = BlockMatrix::with_pattern(&sizes, &self.neighbours);
         // A factor of the speed scales columns of G only; a mass matrix that changes would have to be filled in anew.
         let known =

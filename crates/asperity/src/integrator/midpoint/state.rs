@@ -6,7 +6,7 @@ use crate::system::{System, SystemError};
 /// What a contact hands over to the next step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactMemory {
-    /// Whether it was closed in the last step.
+    /// Whether it was closed in the last step, or nothing is known of it.
     pub closed: bool,
     /// Phase and slip velocities, which decide between several solutions and start Newton's method.
     pub state: ContactState,
@@ -95,9 +95,13 @@ impl State {
         if known != 0 && known != contacts {
             return refuse(format!("must be a state of {contacts} contacts, is one of {known}"));
         }
-        let (momenta, expected) = (self.momenta.len(), system.momenta(&self.q, &self.u).len());
-        if momenta != 0 && momenta != expected {
-            return refuse(format!("must be a state with {expected} momenta, has {momenta}"));
+        let momenta = self.momenta.len();
+        if momenta != 0 {
+            let expected = system.momenta(&self.q, &self.u).len();
+            if momenta != expected {
+                let message = format!("must carry {expected} components of momenta, has {momenta}");
+                return refuse(message);
+            }
         }
         if !self.is_finite() {
             return refuse("must be finite".into());

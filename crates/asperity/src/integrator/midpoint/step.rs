@@ -8,7 +8,6 @@ use super::rated::Correction;
 use super::stepper::Stepper;
 use crate::contact::Memory;
 use crate::solver::{self, SolveReport, Status, Stop};
-use crate::system::SystemError;
 
 /// Solves after which the search for factors of the speed at the end of the step gives up. One or two do while
 /// contacts do not disturb each other.
@@ -43,7 +42,7 @@ impl Stepper<'_> {
             was_cancelled.set(was_cancelled.get() || cancelled());
             was_cancelled.get()
         };
-        let report = self.solve(Stop { cancelled: Some(&ask), ..Stop::at(self.tolerance) })?;
+        let report = self.solve(Stop { cancelled: Some(&ask), ..Stop::at(self.tolerance) });
         let solved = report.status == Status::Converged;
         let given_up = was_cancelled.get() && !solved;
         if given_up || !wanted(&report) {
@@ -66,10 +65,10 @@ impl Stepper<'_> {
     }
 
     /// Solves the contact problem, again and again where factors of the friction follow from the solution.
-    fn solve(&mut self, stop: Stop<'_>) -> Result<SolveReport, SystemError> {
+    fn solve(&mut self, stop: Stop<'_>) -> SolveReport {
         let Self { system, solver, closed, assembly, memory, before, workspace, .. } = self;
         if !assembly.factors().rises() {
-            return Ok(solver.solve_from(&closed.problem, stop, before, memory, workspace));
+            return solver.solve_from(&closed.problem, stop, before, memory, workspace);
         }
         memory.copy_from(before);
         let (mut iterations, mut correction) = (0, 0);
@@ -92,7 +91,7 @@ impl Stepper<'_> {
             let ends = correction == MOST_CORRECTIONS || stop.cancelled.is_some_and(|ask| ask());
             if !solved {
                 if ends || !following && correction >= UNAIDED {
-                    return Ok(report);
+                    return report;
                 }
                 // A factor in between may have no solution, or none that is found.
                 correction = correction.max(UNAIDED);
@@ -113,12 +112,12 @@ impl Stepper<'_> {
                         *state = before.after(state.phase, state.slip);
                     }
                 }
-                return Ok(report);
+                return report;
             }
             if ends {
                 // No option of the user sets the number of corrections.
                 let status = Status::Stalled;
-                return Ok(SolveReport { status, worst_contact: contact, ..report });
+                return SolveReport { status, worst_contact: contact, ..report };
             }
             following &= solved && !correction.is_multiple_of(WHOLE_CORRECTIONS);
             let place = correction % ROUND;
@@ -141,7 +140,7 @@ impl Stepper<'_> {
             } else if !settled {
                 factors.follow(&closed.problem, &mut memory.states);
             }
-            assembly.fill(*system, closed)?;
+            assembly.fill(*system, closed);
             workspace.prepare(&closed.problem);
             correction += 1;
         }

@@ -153,7 +153,8 @@ impl System for RigidBodies {
         (q, u): (&[f64], &[f64]),
         midpoint: &mut Midpoint,
     ) -> Result<(), SystemError> {
-        let Midpoint { q: mid, derived, before, forces, momenta } = midpoint;
+        midpoint.t = t;
+        let Midpoint { q: mid, derived, before, forces, momenta, .. } = midpoint;
         self.advance(q, u, 0.5 * dt, mid);
         self.derive(mid, derived);
         before.copy_from_slice(u);
@@ -176,8 +177,8 @@ impl System for RigidBodies {
         dt: f64,
         (q, u): (&mut [f64], &mut [f64]),
     ) {
-        let Midpoint { q: mid, derived, before, momenta, .. } = midpoint;
-        let at = Configuration { t: f64::NAN, q: mid, derived };
+        let Midpoint { t, q: mid, derived, before, momenta, .. } = midpoint;
+        let at = Configuration { t: *t, q: mid, derived };
         u.copy_from_slice(after);
         for (body, inertial) in self.inertial.iter().enumerate() {
             if !inertial.isotropic {

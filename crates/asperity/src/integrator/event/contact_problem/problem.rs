@@ -112,7 +112,7 @@ impl Participants {
             };
             (dynamics.law(i).clone(), normal)
         });
-        let mut problem = ContactProblem::assemble(contacts, |_| delassus.into());
+        let mut problem = ContactProblem::assemble(contacts, delassus.into());
         problem.free_velocity_mut().copy_from_slice(load);
         Ok(problem)
     }
