@@ -7,7 +7,7 @@ use std::sync::Arc;
 use asperity_set::{Convex, ConvexSet, Matrix, Star, StarSet, Vector, strict_convexity};
 
 use super::boundary::BoundaryPiece;
-use super::extended::FrictionLaw;
+use super::extended::{Bounds, FrictionLaw};
 use super::lorentz::{self, LorentzCone};
 use super::natural_map::{self, ContactMatrix, ContactPoint};
 use super::rate::Stribeck;
@@ -169,20 +169,12 @@ impl Law {
         answer!(self, law => strictly(law))
     }
 
-    /// Largest radius of *C*, of laws whose boundary is walked along.
-    pub(crate) fn largest_radius(&self) -> Option<f64> {
+    /// Bounds of laws whose boundary is walked along.
+    pub(crate) fn bounds(&self) -> Option<Bounds> {
         match self {
-            Self::One(law) => Some(law.largest_radius()),
-            Self::Two(law) => Some(law.bounds().largest_radius),
+            Self::One(law) => Some(Bounds::on_a_line(law.largest_radius())),
+            Self::Two(law) => Some(law.bounds()),
             Self::Three(_) => None,
-        }
-    }
-
-    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*, of laws in the plane.
-    pub(crate) fn smallest_sine(&self) -> Option<f64> {
-        match self {
-            Self::Two(law) => Some(law.bounds().smallest_sine),
-            Self::One(_) | Self::Three(_) => None,
         }
     }
 

@@ -29,10 +29,20 @@ pub struct FrictionLaw<const P: usize> {
 /// Bounds over the boundaries of both sets, for the one-contact solver.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds {
-    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*.
+    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*: 1 for associated laws, negative where
+    /// the sliding velocity may point into the reservoir.
     pub smallest_sine: f64,
     /// Largest radius of *C*.
     pub largest_radius: f64,
+    /// Largest way of `x` along bdry *C* per angle by which the normal of *D* turns; infinite where no bound is known.
+    pub largest_advance: f64,
+}
+
+impl Bounds {
+    /// Of a set on a line, where nothing turns.
+    pub(crate) fn on_a_line(largest_radius: f64) -> Self {
+        Self { smallest_sine: 0.0, largest_radius, largest_advance: f64::INFINITY }
+    }
 }
 
 /// The boundary of a direction set as a table; of isotropic laws, that of the unit disk.
@@ -246,12 +256,8 @@ impl FrictionLaw<2> {
     #[inline]
     pub(crate) fn bounds(&self) -> Bounds {
         match self.isotropic {
-            Some(mu) => Bounds { smallest_sine: 1.0, largest_radius: mu },
-            None => {
-                let table = self.table();
-                let (smallest_sine, largest_radius) = (table.smallest_sine, table.largest_radius);
-                Bounds { smallest_sine, largest_radius }
-            }
+            Some(mu) => Bounds { smallest_sine: 1.0, largest_radius: mu, largest_advance: mu },
+            None => self.table().bounds,
         }
     }
 
