@@ -7,10 +7,11 @@ use std::sync::Arc;
 use asperity_set::{Convex, ConvexSet, Matrix, Star, StarSet, Vector, strict_convexity};
 
 use super::boundary::BoundaryPiece;
-use super::extended::{Bounds, FrictionLaw};
+use super::extended::FrictionLaw;
 use super::lorentz::{self, LorentzCone};
 use super::natural_map::{self, ContactMatrix, ContactPoint};
 use super::rate::Stribeck;
+use super::table::Bounds;
 
 /// A shared friction law of any dimension.
 #[derive(Debug, Clone)]

@@ -7,7 +7,7 @@ use asperity_set::{
     largest_scale_inside,
 };
 
-use super::{LawError, Stribeck, WalkTable};
+use super::{Bounds, LawError, Stribeck, WalkTable};
 
 /// The law `γ ∈ N_D(−αλ)`, `α(x) = 1/(k_D(x) − k_C(x) + 1)` at `x = −λ` (\[WL19\] (55), (56)), for
 /// unit normal force.
@@ -24,25 +24,6 @@ pub struct FrictionLaw<const P: usize> {
     table: OnceLock<Box<WalkTable>>,
     /// Coefficient of isotropic friction.
     isotropic: Option<f64>,
-}
-
-/// Bounds over the boundaries of both sets, for the one-contact solver.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds {
-    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*: 1 for associated laws, negative where
-    /// the sliding velocity may point into the reservoir.
-    pub smallest_sine: f64,
-    /// Largest radius of *C*.
-    pub largest_radius: f64,
-    /// Largest way of `x` along bdry *C* per angle by which the normal of *D* turns; infinite where no bound is known.
-    pub largest_advance: f64,
-}
-
-impl Bounds {
-    /// Of a set on a line, where nothing turns.
-    pub(crate) fn on_a_line(largest_radius: f64) -> Self {
-        Self { smallest_sine: 0.0, largest_radius, largest_advance: f64::INFINITY }
-    }
 }
 
 /// The boundary of a direction set as a table; of isotropic laws, that of the unit disk.

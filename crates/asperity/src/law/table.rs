@@ -12,7 +12,6 @@ use std::f64::consts::TAU;
 use asperity_set::{Arc, BoundaryPoint, Convex, ConvexSet, Star, StarSet, Vector};
 
 use super::ambiguity::AmbiguousLoads;
-use super::extended::Bounds;
 use super::node::{Node, angle};
 
 /// Number of coarse cells.
@@ -45,6 +44,25 @@ pub(crate) struct Columns {
     /// `F` and `n·v` differ from their chords by at most `|c₀| normal + |A| product`, see [`Cell`].
     pub(crate) normal: [f64; COARSE],
     pub(crate) product: [f64; COARSE],
+}
+
+/// Bounds over the boundaries of both sets, for the one-contact solver.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*: 1 for associated laws, negative where
+    /// the sliding velocity may point into the reservoir.
+    pub smallest_sine: f64,
+    /// Largest radius of *C*.
+    pub largest_radius: f64,
+    /// Largest way of `x` along bdry *C* per angle by which the normal of *D* turns; infinite where no bound is known.
+    pub largest_advance: f64,
+}
+
+impl Bounds {
+    /// Of a set on a line, where nothing turns.
+    pub(crate) fn on_a_line(largest_radius: f64) -> Self {
+        Self { smallest_sine: 0.0, largest_radius, largest_advance: f64::INFINITY }
+    }
 }
 
 /// See the module page.
