@@ -63,6 +63,7 @@ impl From<MatrixFree> for Delassus {
 
 /// A Delassus operator `G`, not necessarily symmetric.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum Delassus {
     /// Every entry.
     Dense(DMatrix<f64>),
