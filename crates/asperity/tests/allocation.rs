@@ -53,13 +53,17 @@ fn allocations(solver: Solver, system: &dyn System, q: &[f64], u: &[f64]) -> usi
         stepper.step().unwrap();
     }
     let rows = stepper.problem().rows();
-    let region = Region::new(ALLOCATOR);
-    for _ in 0..200 {
-        stepper.step().unwrap();
-        assert_eq!(stepper.problem().rows(), rows);
-    }
-    let change = region.change();
-    change.allocations + change.reallocations
+    let mut count = || {
+        let region = Region::new(ALLOCATOR);
+        for _ in 0..100 {
+            stepper.step().unwrap();
+            assert_eq!(stepper.problem().rows(), rows);
+        }
+        let change = region.change();
+        change.allocations + change.reallocations
+    };
+    // The thread that runs the tests allocates, too, but not again and again.
+    (0..3).map(|_| count()).min().unwrap()
 }
 
 /// A mass pressed on a line by its weight, which a spring pulls along.

@@ -154,9 +154,7 @@ fn a_stepper_refuses_what_is_no_state_of_the_system() {
         ("dt", 1e-9, f64::INFINITY, q.clone(), u.clone()),
     ] {
         let error = Stepper::new(&system, EXACT, tolerance, dt, &q, &u).unwrap_err();
-        let StepError::System(SystemError::Argument { argument: named, .. }) = error else {
-            panic!("{error:?}");
-        };
-        assert_eq!(named, argument);
+        let StepError::Options(error) = error else { panic!("{error:?}") };
+        assert_eq!(error.argument, argument);
     }
 }

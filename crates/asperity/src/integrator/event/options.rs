@@ -116,6 +116,9 @@ impl Options {
     pub(crate) fn check(&self, system: &dyn System) -> Result<(), OptionsError> {
         check_structure(system)?;
         let (n, coordinates) = (system.dof(), system.coordinates());
+        if n == 0 {
+            return refuse("system", "must have velocities");
+        }
         // A rotation of space has four coordinates and three velocities.
         if coordinates != n + system.rotations().len() {
             let message = format!(
