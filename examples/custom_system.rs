@@ -9,7 +9,6 @@ use std::ops::ControlFlow;
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::simulate::{Options, simulate};
-use asperity::solver::Solver;
 use asperity::system::{Blocks, Configuration, ContactLaw, System, SystemError};
 
 /// A puck of 1 kg; coordinates (r, φ).
@@ -62,11 +61,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         normal_restitution: 0.0,
         tangential_restitution: 0.0,
     };
-    let (dt, steps, solver) = (1e-4, 3_000, Solver::Exact { max_sweeps: 1 });
-    let (q0, u0, tolerance, save_every) = (vec![1.0, 0.0], vec![1.0, 1.0], 1e-10, steps);
-    let (until_rest, stop_on_failure) = (false, true);
-    let options =
-        Options { dt, steps, q0, u0, solver, tolerance, save_every, until_rest, stop_on_failure };
+    let options = Options::new(1e-4, 0.3)?.with_start(&[1.0, 0.0], &[1.0, 1.0]);
+    let last_only = options.steps;
+    let options = options.with_save_every(last_only);
     let run = simulate(&Puck { blocks: Blocks::one(2), contact }, &options, &mut |_, _| {
         ControlFlow::Continue(())
     })?;

@@ -6,6 +6,7 @@ use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size, polar, pr
 
 /// How the normal pressure is spread over the contact's disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Pressure {
     /// `p ∝ √(1 − r²/R²)`: an elastic ball on a plane.
     Hertz,

@@ -99,6 +99,7 @@ impl Polygon {
 
 /// What keeps a closed outline from being that of a star-shaped set, and where.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum OutlineFault {
     /// Two edges meet at a point that is not a corner they share.
     Crossing(Vector<2>),

@@ -6,6 +6,7 @@ use crate::integrator::samples::{ContactSample, Samples};
 
 /// Samples of a run. Sample 0 is the initial state, which no step has led to: forces NaN, phases unknown.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Trajectory {
     /// States, slips and forces.
     pub samples: Samples,

@@ -9,7 +9,7 @@
 
 pub mod event;
 pub mod midpoint;
-mod options;
+pub(crate) mod options;
 pub(crate) mod samples;
 
 pub use options::OptionsError;

@@ -2,11 +2,12 @@
 
 use thiserror::Error;
 
-use crate::system::SystemError;
+use crate::system::{Rotation, System, SystemError};
 
 /// Bad options.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{argument}: {message}")]
+#[non_exhaustive]
 pub struct OptionsError {
     /// Name of the argument.
     pub argument: &'static str,
@@ -52,6 +53,63 @@ pub(crate) fn check_entries(
     }
     match values.iter().find(|value| !value.is_finite()) {
         Some(value) => refuse(argument, format!("must be finite, got {value}")),
+        None => Ok(()),
+    }
+}
+
+/// Steps of this length to this accuracy, and the contacts of the system, as far as their ranges are known.
+pub(crate) fn check_steps(
+    system: &dyn System,
+    tolerance: f64,
+    dt: f64,
+) -> Result<(), OptionsError> {
+    check_positive("dt", dt)?;
+    check_positive("tolerance", tolerance)?;
+    check_structure(system)?;
+    for (number, contact) in system.contacts().iter().enumerate() {
+        for (argument, value) in [
+            ("normal_restitution", contact.normal_restitution),
+            ("tangential_restitution", contact.tangential_restitution),
+        ] {
+            if !(0.0..=1.0).contains(&value) {
+                return refuse(
+                    argument,
+                    format!("must lie in [0, 1], is {value} at contact {number}"),
+                );
+            }
+        }
+        if let Some(force) = contact.normal_force.filter(|f| !(f.is_finite() && *f >= 0.0)) {
+            let message =
+                format!("must be finite and not negative, is {force} at contact {number}");
+            return refuse("normal_force", message);
+        }
+    }
+    Ok(())
+}
+
+/// Refuses what a system of a user says of its blocks and rotations, if places follow from it that there are not.
+pub(crate) fn check_structure(system: &dyn System) -> Result<(), OptionsError> {
+    let (blocks, n, coordinates) = (system.blocks().count(), system.dof(), system.coordinates());
+    if n != system.blocks().velocities() {
+        let velocities = system.blocks().velocities();
+        return refuse(
+            "system",
+            format!("must have {velocities} velocities in its blocks, has {n}"),
+        );
+    }
+    for contact in 0..system.contacts().len() {
+        let touched = system.touched(contact);
+        let ascends = touched.windows(2).all(|pair| pair[0] < pair[1]);
+        if touched.is_empty() || !ascends || touched.iter().any(|&block| block >= blocks) {
+            let message = format!(
+                "must touch some of its {blocks} blocks, in ascending order, with contact {contact}, touches {touched:?}"
+            );
+            return refuse("system", message);
+        }
+    }
+    let outside = |r: &Rotation| r.coordinate + 4 > coordinates || r.velocity + 3 > n;
+    match system.rotations().into_iter().find(outside) {
+        Some(rotation) => refuse("system", format!("must have the coordinates of {rotation:?}")),
         None => Ok(()),
     }
 }

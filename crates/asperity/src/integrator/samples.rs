@@ -4,6 +4,7 @@ use crate::contact::Phase;
 
 /// Samples of a motion, time first. Vectors of contacts whose law has less than `p` dimensions are padded with NaN.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Samples {
     /// Number of coordinates.
     pub coordinates: usize,

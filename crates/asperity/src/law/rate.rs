@@ -4,6 +4,7 @@ use asperity_set::SetError;
 
 /// How the rest of the friction falls from its value at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Fall {
     /// `s(x) = e^−x`.
     Exponential,

@@ -4,6 +4,7 @@ use super::measure::natural_residual::{ROUNDED, Residual};
 
 /// Status of a solve; the text says what to try.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Status {
     /// The residual is below the tolerance.
     Converged,
@@ -42,6 +43,7 @@ impl Status {
 
 /// What a solver says of its result.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SolveReport {
     /// How it ended.
     pub status: Status,
@@ -116,6 +118,7 @@ pub(crate) enum Ended {
 
 /// A method that is a phase of [`Solver::Auto`](super::Solver::Auto).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Method {
     /// Sweeps of exact one-contact solves.
     GaussSeidel,
@@ -147,6 +150,7 @@ impl Method {
 
 /// What a phase did.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Stage {
     /// Its method.
     pub method: Method,

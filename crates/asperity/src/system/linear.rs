@@ -7,6 +7,7 @@ use crate::law::Law;
 
 /// Normal direction of a contact of a linear system.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Normal {
     /// The normal force is given, in N.
     Force(f64),

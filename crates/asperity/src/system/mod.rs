@@ -64,6 +64,7 @@ impl ContactLaw {
 
 /// A system could not be made or evaluated.
 #[derive(Debug, ThisError)]
+#[non_exhaustive]
 pub enum SystemError {
     /// An argument is out of range.
     #[error("{argument}: {message}")]
@@ -156,6 +157,15 @@ impl<'a> Configuration<'a> {
     }
 }
 
+/// Coordinates and velocities to start from.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct InitialState {
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Velocities.
+    pub u: Vec<f64>,
+}
+
 /// A system at the midpoint of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Midpoint {
@@ -216,6 +226,17 @@ pub trait System: Debug + Sync {
     /// Event-driven integration needs to know them.
     fn rotations(&self) -> Vec<Rotation> {
         Vec::new()
+    }
+
+    /// The state to start from where none is given: all coordinates and velocities zero, and no rotation.
+    fn initial_state(&self) -> InitialState {
+        let mut q = vec![0.0; self.coordinates()];
+        for rotation in self.rotations() {
+            if let Some(w) = q.get_mut(rotation.coordinate) {
+                *w = 1.0;
+            }
+        }
+        InitialState { q, u: vec![0.0; self.dof()] }
     }
 
     /// Brings initial coordinates to their normal form: quaternions to the length one.

@@ -117,27 +117,19 @@ fn springs_and_states_are_checked() {
     assert_eq!(refused(system(Spring { other: Some(1), stiffness: 1.0, ..spring })).0, "other");
 
     let system = system(Spring { stiffness: 1.0, ..spring }).unwrap();
-    let options = Options {
-        dt: 1e-3,
-        steps: 10,
-        q0: vec![0.0; 6],
-        u0: vec![0.0; 6],
-        solver: EXACT,
-        tolerance: 1e-10,
-        save_every: 1,
-        until_rest: false,
-        stop_on_failure: true,
-    };
+    let options = Options::new(1e-3, 0.01).unwrap().with_solver(EXACT);
+    assert_eq!(options.steps, 10);
+    let options = options.with_start(&[0.0; 6], &[0.0; 6]);
     let mut observer = |_, _| ControlFlow::Continue(());
     let error = simulate(&system, &options, &mut observer).unwrap_err();
     assert_eq!(error.to_string(), "q0: must have 7 entries, has 6");
-    let options = Options { q0: vec![0.0; 7], ..options };
+    let options = options.with_start(&[0.0; 7], &[0.0; 6]);
     let error = simulate(&system, &options, &mut observer).unwrap_err();
     assert_eq!(
         error.to_string(),
         "q0: the orientation of body 0, (w, x, y, z), must not be of length zero"
     );
-    let options = Options { q0: vec![0.0, 0.0, 0.0, 3.0, 0.0, 0.0, -4.0], ..options };
+    let options = options.with_start(&[0.0, 0.0, 0.0, 3.0, 0.0, 0.0, -4.0], &[0.0; 6]);
     let run = simulate(&system, &options, &mut observer).unwrap();
     let trajectory = run.trajectory;
     assert!((trajectory.samples.q[3] - 0.6).abs() + (trajectory.samples.q[6] + 0.8).abs() < 1e-15);
@@ -162,9 +154,7 @@ fn a_stepper_refuses_what_is_no_state_of_the_system() {
         ("dt", 1e-9, f64::INFINITY, q.clone(), u.clone()),
     ] {
         let error = Stepper::new(&system, EXACT, tolerance, dt, &q, &u).unwrap_err();
-        let StepError::System(SystemError::Argument { argument: named, .. }) = error else {
-            panic!("{error:?}");
-        };
-        assert_eq!(named, argument);
+        let StepError::Options(error) = error else { panic!("{error:?}") };
+        assert_eq!(error.argument, argument);
     }
 }

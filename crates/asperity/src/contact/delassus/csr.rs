@@ -15,6 +15,11 @@ pub struct Csr {
 
 impl Csr {
     /// The matrix whose row `i` has its entries at `starts[i]..starts[i + 1]`; `argument` is named in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError`] if the lengths do not fit the shape or each other, if starts or columns do not ascend within
+    /// it, or if an entry is not finite.
     pub fn new(
         argument: &'static str,
         (rows, columns): (usize, usize),
@@ -23,8 +28,9 @@ impl Csr {
         values: Vec<f64>,
     ) -> Result<Self, ProblemError> {
         let structure = |message| Err(ProblemError::Structure { argument, message });
-        if starts.len() != rows + 1 {
-            return Err(ProblemError::Length { argument, expected: rows + 1, got: starts.len() });
+        if starts.len().checked_sub(1) != Some(rows) {
+            let (expected, got) = (rows.saturating_add(1), starts.len());
+            return Err(ProblemError::Length { argument, expected, got });
         }
         if indices.len() != values.len() {
             let (expected, got) = (indices.len(), values.len());
@@ -56,6 +62,10 @@ impl Csr {
     }
 
     /// Columns and values of a row.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such row.
     pub fn row(&self, i: usize) -> (&[usize], &[f64]) {
         let own = self.starts[i]..self.starts[i + 1];
         (&self.indices[own.clone()], &self.values[own])
@@ -77,25 +87,7 @@ impl Csr {
     }
 
     /// All entries, to be changed.
-    pub fn values_mut(&mut self) -> &mut [f64] {
+    pub(crate) fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
-    }
-
-    /// `y ← A x`.
-    pub fn apply(&self, x: &[f64], y: &mut [f64]) {
-        for (i, value) in y.iter_mut().enumerate() {
-            let (columns, values) = self.row(i);
-            *value = columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum();
-        }
-    }
-
-    /// `y ← y + Aᵀ x`.
-    pub fn add_transposed(&self, x: &[f64], y: &mut [f64]) {
-        for (i, x) in x.iter().enumerate() {
-            let (columns, values) = self.row(i);
-            for (&j, a) in columns.iter().zip(values) {
-                y[j] += a * x;
-            }
-        }
     }
 }

@@ -7,6 +7,7 @@ use crate::integrator::samples::{ContactSample, Samples};
 
 /// What happens at an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum EventKind {
     /// A contact begins to stick.
     Stick,
@@ -38,6 +39,7 @@ impl EventKind {
 
 /// Something that happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Event {
     /// Time in s.
     pub time: f64,
@@ -53,6 +55,7 @@ pub struct Event {
 
 /// Samples of a motion, and its events. An event gives two samples where all steps are kept, before and after it.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Motion {
     /// States, slips and forces.
     pub samples: Samples,

@@ -1,7 +1,8 @@
 //! What a run hands over to one that continues it.
 
 use crate::contact::ContactState;
-use crate::system::{System, SystemError};
+use crate::integrator::options::{OptionsError, check_entries, refuse};
+use crate::system::System;
 
 /// What a contact hands over to the next step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -77,20 +78,10 @@ impl State {
     }
 
     /// Whether a system can start from it.
-    pub(super) fn check(&self, system: &dyn System) -> Result<(), SystemError> {
-        for (argument, values, expected) in
-            [("q0", &self.q, system.coordinates()), ("u0", &self.u, system.dof())]
-        {
-            if values.len() != expected {
-                let message = format!("must have {expected} entries, has {}", values.len());
-                return Err(SystemError::argument(argument, message));
-            }
-            if let Some(value) = values.iter().find(|v| !v.is_finite()) {
-                let message = format!("must be finite, got {value}");
-                return Err(SystemError::argument(argument, message));
-            }
-        }
-        let refuse = |message: String| Err(SystemError::argument("start", message));
+    pub(super) fn check(&self, system: &dyn System) -> Result<(), OptionsError> {
+        check_entries("q0", &self.q, system.coordinates())?;
+        check_entries("u0", &self.u, system.dof())?;
+        let refuse = |message: String| refuse("start", message);
         let (contacts, known) = (system.contacts().len(), self.contacts.len());
         if known != 0 && known != contacts {
             return refuse(format!("must be a state of {contacts} contacts, is one of {known}"));
@@ -122,35 +113,4 @@ impl State {
         let mut numbers = self.q.iter().chain(&self.u).chain(&self.momenta).copied();
         self.time().is_finite() && numbers.all(f64::is_finite) && remembered.all(f64::is_finite)
     }
-}
-
-/// Steps of this length to this accuracy, and the contacts of the system, as far as their ranges are known.
-pub(super) fn check_options(
-    system: &dyn System,
-    tolerance: f64,
-    dt: f64,
-) -> Result<(), SystemError> {
-    for (argument, value) in [("dt", dt), ("tolerance", tolerance)] {
-        if !(value.is_finite() && value > 0.0) {
-            let message = format!("must be finite and positive, got {value}");
-            return Err(SystemError::argument(argument, message));
-        }
-    }
-    for (number, contact) in system.contacts().iter().enumerate() {
-        for (argument, value) in [
-            ("normal_restitution", contact.normal_restitution),
-            ("tangential_restitution", contact.tangential_restitution),
-        ] {
-            if !(0.0..=1.0).contains(&value) {
-                let message = format!("must lie in [0, 1], is {value} at contact {number}");
-                return Err(SystemError::argument(argument, message));
-            }
-        }
-        if let Some(force) = contact.normal_force.filter(|f| !(f.is_finite() && *f >= 0.0)) {
-            let message =
-                format!("must be finite and not negative, is {force} at contact {number}");
-            return Err(SystemError::argument("normal_force", message));
-        }
-    }
-    Ok(())
 }

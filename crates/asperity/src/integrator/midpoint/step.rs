@@ -82,7 +82,7 @@ impl Stepper<'_> {
             let graded = settled.then(|| solver::grade(&closed.problem, sharp, memory, workspace));
             let mut report = match graded.filter(|report| report.status == Status::Converged) {
                 Some(report) => report,
-                None => solver.solve(&closed.problem, sharp, memory, workspace),
+                None => solver.solve_prepared(&closed.problem, sharp, memory, workspace),
             };
             iterations += report.iterations;
             report.iterations = iterations;

@@ -4,10 +4,8 @@
 //! (\[AlartCurnier1991\]), for `ε > 0` one step of the proximal point iteration from the centre `c`, which is
 //! well posed even where `G` has no full rank.
 
-use rayon::prelude::*;
-
 use super::task::Task;
-use super::threads::LEAF;
+use super::threads::{LEAF, join};
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{ContactMatrix, ContactPoint, Rho};
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -51,6 +49,41 @@ pub(crate) struct Newton {
     norms: Vec<f64>,
     /// Factorisations so far.
     pub(crate) factorizations: usize,
+}
+
+/// `F` with its derivatives of contacts that follow each other.
+struct Jets<'a> {
+    first: usize,
+    f: &'a mut [[f64; 4]],
+    a: &'a mut [ContactMatrix],
+    b: &'a mut [ContactMatrix],
+}
+
+/// Computes those of one contact.
+trait Jet: Fn(usize, &mut [f64; 4], &mut ContactMatrix, &mut ContactMatrix) + Sync {}
+
+impl<F: Fn(usize, &mut [f64; 4], &mut ContactMatrix, &mut ContactMatrix) + Sync> Jet for F {}
+
+impl Jets<'_> {
+    #[inline(always)]
+    fn each(self, jet: &impl Jet) {
+        let parts = self.f.iter_mut().zip(self.a).zip(self.b).enumerate();
+        parts.for_each(|(i, ((f, a), b))| jet(self.first + i, f, a, b));
+    }
+
+    /// The same by several threads.
+    fn in_halves(self, jet: &impl Jet) {
+        if self.f.len() <= LEAF {
+            return self.each(jet);
+        }
+        let Self { first, f, a, b } = self;
+        let half = f.len() / 2;
+        let (f, other_f) = f.split_at_mut(half);
+        let (a, other_a) = a.split_at_mut(half);
+        let (b, other_b) = b.split_at_mut(half);
+        let others = Jets { first: first + half, f: other_f, a: other_a, b: other_b };
+        join(|| Jets { first, f, a, b }.in_halves(jet), || others.in_halves(jet));
+    }
 }
 
 impl Newton {
@@ -143,15 +176,11 @@ impl Newton {
             rows.law.natural_map_jet(at, &mut f[..rows.len()], (&mut *a, &mut *b));
             *a += *b * (goal.epsilon + goal.shift / problem.rho(i));
         };
-        if threads.serve(own.len()) {
-            threads.run(|| {
-                let parts = own.par_iter_mut().zip(a.par_iter_mut()).zip(b.par_iter_mut());
-                let parts = parts.with_min_len(LEAF).enumerate();
-                parts.for_each(|(i, ((f, a), b))| jet(i, f, a, b));
-            });
+        let jets = Jets { first: 0, f: own, a, b };
+        if threads.serve(jets.f.len()) {
+            threads.run(|| jets.in_halves(&jet));
         } else {
-            let parts = own.iter_mut().zip(a).zip(b).enumerate();
-            parts.for_each(|(i, ((f, a), b))| jet(i, f, a, b));
+            jets.each(&jet);
         }
         for (rows, own) in problem.contacts().iter().zip(&self.own) {
             self.f[rows.rows()].copy_from_slice(&own[..rows.len()]);

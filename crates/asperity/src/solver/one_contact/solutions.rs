@@ -7,6 +7,7 @@ use crate::contact::{ContactProblem, Phase, ProblemError};
 
 /// One of the solutions of a contact, on the contact's own rows.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ContactSolution {
     /// What the contact does.
     pub phase: Phase,

@@ -33,6 +33,7 @@ pub(super) enum Touching {
 
 /// Where and along which directions a contact acts, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ContactGeometry {
     /// Gap in m.
     pub gap: f64,

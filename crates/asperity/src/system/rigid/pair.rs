@@ -10,6 +10,7 @@ use crate::system::{ContactLaw, SystemError};
 
 /// Two surfaces that may touch; bodies are given by their number, places in their axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Shape {
     /// A point of a body.
     PointPlane {

@@ -5,7 +5,8 @@ use nalgebra::Vector3;
 use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
 use crate::system::{
-    Blocks, Configuration, Constancy, ContactLaw, Midpoint, Rotation, System, SystemError,
+    Blocks, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, System,
+    SystemError,
 };
 
 /// How far a momentum may be off that of its state, as a part: `R J J⁻¹ Rᵀ L` is L to a few roundings.
@@ -30,6 +31,11 @@ impl System for RigidBodies {
     fn rotations(&self) -> Vec<Rotation> {
         let bodies = if self.planar { 0 } else { self.bodies() };
         (0..bodies).map(|k| Rotation { coordinate: 7 * k + 3, velocity: 6 * k + 3 }).collect()
+    }
+
+    /// The state in which the bodies were given.
+    fn initial_state(&self) -> InitialState {
+        InitialState { q: self.q0.clone(), u: self.u0.clone() }
     }
 
     fn normalise(&self, q0: &mut [f64]) -> Result<(), SystemError> {

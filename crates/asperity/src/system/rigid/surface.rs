@@ -48,6 +48,7 @@ impl Plane {
 
 /// What fixes the direction `e₁` in the contact plane; `e₂ = n × e₁`. Planar systems need none.
 #[derive(Clone)]
+#[non_exhaustive]
 pub enum Frame {
     /// The plane's axis.
     Plane,

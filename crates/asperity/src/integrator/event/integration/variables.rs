@@ -63,7 +63,8 @@ impl<'a> Integration<'a> {
         observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
-        let (chart, state) = Chart::new(system, &options.q0, &options.u0);
+        let start = options.initial_state(system);
+        let (chart, state) = Chart::new(system, &start.q, &start.u);
         let dynamics = Dynamics::new(system, chart, options.t_end);
         Self {
             options,
