@@ -21,6 +21,8 @@ const WORTHWHILE: f64 = 250.0;
 /// Newton iterations of a step of the first attempt: enough where `G` has full rank, and soon over where it has not.
 const ATTEMPT: usize = 6;
 const INTERIOR: usize = 40;
+/// Newton iterations from where the search by cases leads.
+const FROM_CANDIDATE: usize = 50;
 /// Outer steps of the last phase.
 const OUTER: usize = 5000;
 /// Natural map below which Newton's method finds the digits that rounding keeps from the interior point method.
@@ -84,6 +86,23 @@ impl Methods {
         if progress.is_solved() && task.history.iter().any(known) {
             progress.continue_states(TRIAL_SWEEPS);
         }
+        progress.finish(false)
+    }
+
+    /// Newton's method from percussions near which there may be a solution; without success those before stay.
+    #[cold]
+    pub(crate) fn from_candidate(
+        &mut self,
+        task: Task<'_>,
+        iterate: Iterate<'_>,
+        sweeper: &mut Sweeper,
+        start: &[f64],
+    ) -> (usize, Ended) {
+        let Self { buffers, matrix, proximal, .. } = self;
+        let mut progress = Progress::new(task, iterate, sweeper, buffers);
+        proximal.prepare(task.problem);
+        matrix.prepare(task.problem);
+        proximal.newton_from(&mut progress, matrix, start, FROM_CANDIDATE);
         progress.finish(false)
     }
 

@@ -218,8 +218,31 @@ impl ProximalPoint {
         matrix: &mut NewtonMatrix,
         max_iterations: usize,
     ) -> bool {
-        let grade = progress.start_from_best(&mut self.centre);
-        let goal = Goal { shift: SHIFT, ..self.inner_goal(progress, grade, 0.0, max_iterations) };
+        progress.start_from_best(&mut self.centre);
+        self.newton_with_shift(progress, matrix, max_iterations)
+    }
+
+    /// The same from given percussions.
+    pub(crate) fn newton_from(
+        &mut self,
+        progress: &mut Progress<'_>,
+        matrix: &mut NewtonMatrix,
+        start: &[f64],
+        max_iterations: usize,
+    ) -> bool {
+        self.centre.copy_from_slice(start);
+        self.newton_with_shift(progress, matrix, max_iterations)
+    }
+
+    /// The same from the centre.
+    fn newton_with_shift(
+        &mut self,
+        progress: &mut Progress<'_>,
+        matrix: &mut NewtonMatrix,
+        max_iterations: usize,
+    ) -> bool {
+        let goal = self.inner_goal(progress, progress.best_grade(), 0.0, max_iterations);
+        let goal = Goal { shift: SHIFT, ..goal };
         let (_, iterations) = self.newton_from_centre(progress, matrix, goal);
         progress.grade(&self.trial);
         progress.record(Method::Newton, iterations, self.newton.factorizations);
