@@ -517,3 +517,31 @@ def test_heavy_bodies_on_light_ones_are_never_said_to_have_no_solution(ratio):
     for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.InteriorPoint(), asp.ADMM()):
         solution = problem.solve(solver, on_failure="record", time_limit=20.0)
         assert solution.status is not Status.NO_SOLUTION
+
+
+@pytest.mark.parametrize("mass", [1e15, 1e16, 1e17, 1e20, 1e30])
+def test_bodies_that_the_operator_has_lost_are_asked_as_well(mass):
+    """A light body between floor and heavy body: P = (M, 0, M, 0) brings both to rest exactly.
+
+    G in double precision is that of an immovable heavy body.
+    """
+    directions = np.array([[0, 1, 0, -1], [1, 0, -1, 0], [0, 0, 0, 1], [0, 0, 1, 0]], dtype=float)
+    masses = np.array([1.0, 1.0, mass, mass])
+    before = np.array([0.0, 0.0, 0.0, -1.0])
+    exact = np.array([mass, 0.0, mass, 0.0])
+    assert not (directions.T @ (before + directions @ exact / masses)).any()
+    problem = asp.ContactProblem.from_bodies(
+        np.diag(masses), directions, directions.T @ before, normals([[1.0]], [-1.0]).laws[0]
+    )
+    for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.InteriorPoint()):
+        solution = problem.solve(solver, on_failure="record", time_limit=20.0)
+        assert solution.status is not Status.NO_SOLUTION
+    claim = {"contact": 0, "closing_velocity": 0.5, "residual": 0.0}
+    weights = np.array([0.5, 0.0, 0.5, 0.0])
+    closing = asp.Infeasibility(kind="closing", direction=weights, **claim)
+    case = asp.InfeasibleCase(states=["any", "any"], direction=-weights)
+    cases = asp.Infeasibility(kind="cases", direction=np.eye(4)[0], cases=[case], **claim)
+    for proof in (closing, cases):
+        # They are proofs where nothing is known but G.
+        assert proves_no_solution(problem.replace(delassus=problem.delassus), proof)
+        assert not proves_no_solution(problem, proof)

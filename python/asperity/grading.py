@@ -71,7 +71,8 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     d·(b + e∘γ_B) < 0 and Gᵀd = 0 up to the rounding of the entries of G, |(Gᵀd)ⱼ| ≤ 8 ε sⱼ Σᵢ sᵢdᵢ
     with s = √diag G. What that leaves, |(Gᵀd)ⱼ| ≤ η sⱼ, bounds the percussions of any solution from
     below: Σ sⱼ|Pⱼ| ≥ −d·(b + e∘γ_B)/η, which must be 5e9 times the largest |b_N|/s_N of these
-    contacts.
+    contacts. Where the problem is one of bodies, these are asked as well, as G may have lost the
+    heavy ones beside the light ones: W d must vanish, up to 2e-10 of the largest weight.
 
     A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
     neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions
@@ -81,7 +82,8 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     A proof of the kind ``"cases"`` divides what the contacts can do into cases, which must leave
     nothing out. Each has a vector z that may be multiplied by no velocity of the case to more than
     zero, and Gᵀz by no percussion of it to less, in as many directions as above and up to the
-    rounding of the first kind, while z·(b + e∘γ_B) > 0. It is checked for p = 1 and p = 2.
+    rounding of the first kind, while z·(b + e∘γ_B) > 0. Where that product of Gᵀz vanishes, W z of
+    bodies must vanish as well. It is checked for p = 1 and p = 2.
 
     Args:
         problem: with any laws.
@@ -120,7 +122,18 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
         changed.max() <= 8.0 * np.finfo(float).eps * (scale * weights).sum()
         and closing >= _HUGE * changed.max() * called_for
         and closing > 1e-13 * sizes_of_load
+        and _keeps_bodies_at_rest(problem, weights)
     )
+
+
+def _keeps_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
+    """Return whether weights as percussions move no body, up to rounding; so if none is known."""
+    if problem.directions is None:
+        return True
+    scale = np.sqrt(problem.delassus.diagonal())
+    explained = abs(problem.directions) @ np.where(weights == 0.0, 0.0, 1.0 / scale)
+    momentum = np.abs(problem.directions @ weights)
+    return bool((momentum <= 2e-10 * (scale * np.abs(weights)).max() * explained).all())
 
 
 def _check(value: object, argument: str, kind: type) -> None:
@@ -222,6 +235,7 @@ def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -
     y = problem.delassus.T @ z
     largest = (scale * np.abs(z)).max()
     gap, terms, rounding = z @ free, np.abs(z) @ np.abs(free), 0.0
+    vanishes = False
     for rows, law, force, state in zip(
         problem.row_slices, problem.laws, problem.normal_force, case.states, strict=True
     ):
@@ -249,11 +263,16 @@ def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -
             gap, terms = gap - force * most, terms + force * abs(most)
             continue
         own = scale[rows]
-        allowed = 1e-13 * largest * (own[0] + np.sqrt((friction**2).sum(axis=1).max()) * own.max())
-        if y[rows.start] - most < -allowed:
+        unit = largest * (own[0] + np.sqrt((friction**2).sum(axis=1).max()) * own.max())
+        if y[rows.start] - most < -1e-13 * unit:
             return False
+        vanishes |= y[rows.start] - most < 1e-10 * unit
         rounding = max(rounding, (most - y[rows.start]) / own[0])
-    return bool(gap > 1e-10 * terms and gap >= _HUGE * rounding * (np.abs(free) / scale).max())
+    return bool(
+        gap > 1e-10 * terms
+        and gap >= _HUGE * rounding * (np.abs(free) / scale).max()
+        and (not vanishes or _keeps_bodies_at_rest(problem, z))
+    )
 
 
 def _friction_of(law: FrictionLaw, state: State) -> Array:

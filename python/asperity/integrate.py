@@ -145,8 +145,8 @@ def integrate(
     ]
     motion = Motion(**run, events=events, status=_ENDS.get(ended, Outcome.FAILED))
     if exception is not None:
-        time = motion.t[-1] if len(motion) else 0.0
-        raise_with(exception, motion, f"after t = {time:.9g} s")
+        reached = f"after t = {motion.t[-1]:.9g} s" if len(motion) > 0 else "at the start"
+        raise_with(exception, motion, reached)
     if ended in _FAILURES:
         raise _failure(ended, contact, motion, without_solution(unsolvable, system))
     return motion

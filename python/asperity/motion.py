@@ -174,8 +174,9 @@ class Motion(Value):
         return len(self.t)
 
     def __repr__(self) -> str:
+        until = f" to t = {self.t[-1]:.9g} s" if len(self) > 0 else ""
         return (
-            f"<Motion: {len(self)} samples to t = {self.t[-1]:.9g} s, "
+            f"<Motion: {len(self)} samples{until}, "
             f"{self.q.shape[1]} coordinates, {self.phase.shape[1]} contacts, "
             f"{len(self.events)} events, {self.status}>"
         )

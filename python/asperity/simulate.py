@@ -143,7 +143,9 @@ def simulate(
     if exception is not None:
         if isinstance(exception, DivergenceError):
             raise DivergenceError(exception.message, trajectory)
-        reached = f"in step {trajectory.steps + 1}, after t = {trajectory.t[-1]:.9g} s"
+        reached = "at the start"
+        if len(trajectory) > 0:
+            reached = f"in step {trajectory.steps + 1}, after t = {trajectory.t[-1]:.9g} s"
         raise_with(exception, trajectory, reached)
     if failure is not None and on_failure == "raise":
         raise _failure(failure, trajectory, system)

@@ -114,8 +114,9 @@ class Trajectory(Value):
         return len(self.t)
 
     def __repr__(self) -> str:
+        until = f" to t = {self.t[-1]:.9g} s" if len(self) > 0 else ""
         return (
-            f"<Trajectory: {len(self)} samples of {self.steps} steps to t = {self.t[-1]:.9g} s, "
+            f"<Trajectory: {len(self)} samples of {self.steps} steps{until}, "
             f"{self.q.shape[1]} coordinates, {self.phase.shape[1]} contacts, {self.status}>"
         )
 

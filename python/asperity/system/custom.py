@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import inspect
+import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -153,7 +154,13 @@ class System:
         return blocks, [self._touched(contact, len(blocks)) for contact in range(contacts)]
 
     def _touched(self, contact: int, blocks: int) -> list[int]:
-        touched = [int(block) for block in self.touched(contact)]
+        given = self.touched(contact)
+        try:
+            touched = [operator.index(block) for block in given]
+        except TypeError:
+            raise ParameterError(
+                "touched", f"must return numbers of blocks, returned {given!r:.60}"
+            ) from None
         if touched and sorted(set(touched)) == touched and 0 <= touched[0] <= touched[-1] < blocks:
             return touched
         raise ParameterError(

@@ -26,7 +26,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use asperity_set::Vector;
 use nalgebra::{DMatrix, DVector};
 
-use super::closing::{HUGE, MOVED, moved};
+use super::closing::{HUGE, keeps_bodies_at_rest};
 use super::nonnegative;
 use super::proof::{Case, CaseState, Infeasibility, InfeasibilityKind};
 use crate::contact::{ContactProblem, Delassus, NormalForce};
@@ -480,12 +480,7 @@ impl Search<'_, '_> {
     fn keeps_masses(&self, z: &DVector<f64>) -> bool {
         let Delassus::Factored(factored) = &self.group.delassus else { return true };
         let rows = factored.directions().rows();
-        let direction = self.group.on_rows(z, rows);
-        let scaled = self.group.members.iter().flat_map(|member| {
-            let rows = 0..member.normal + member.tangential;
-            rows.map(|k| member.scale(k) * direction[self.group.offsets[member.first + k]].abs())
-        });
-        moved(factored, &direction) <= MOVED * scaled.fold(0.0, f64::max)
+        keeps_bodies_at_rest(factored, &self.group.on_rows(z, rows))
     }
 }
 
