@@ -579,7 +579,7 @@ fn heavy_bodies_that_the_operator_has_lost_are_never_said_to_have_no_solution() 
             let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
             let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
             assert_ne!(report.status.name(), "no_solution", "{heavy:e} {solver:?}");
-            assert!(workspace.infeasibility.is_none(), "{heavy:e} {solver:?}");
+            assert!(workspace.infeasibility().is_none(), "{heavy:e} {solver:?}");
         }
     }
 }
