@@ -4,7 +4,7 @@ use asperity::contact::{Delassus, Factored};
 use asperity::stepper::Stepper;
 use asperity::system::rigid::{Body, Pair, PlanarBody, Plane, RigidBodies, Shape};
 use asperity::system::{
-    Blocks, Configuration, Constancy, ContactLaw, System, SystemError, full_rows,
+    Blocks, Configuration, Constancy, ContactLaw, Midpoint, System, SystemError, full_rows,
 };
 use nalgebra::Vector3;
 
@@ -60,6 +60,22 @@ impl System for OneBlock {
         chi: &mut [f64],
     ) -> Result<f64, SystemError> {
         full_rows(&self.bodies, at, contact, rows, chi)
+    }
+    fn chord(
+        &self,
+        midpoint: &Midpoint,
+        start: (&[f64], f64),
+        contact: usize,
+        _rows: &[f64],
+        correction: &mut [f64],
+    ) -> bool {
+        // Of the bodies that are touched only.
+        let width: usize =
+            self.bodies.touched(contact).iter().map(|&k| self.bodies.blocks().range(k).len()).sum();
+        let (mut rows, mut chi) = (vec![0.0; width * correction.len()], [0.0; 4]);
+        let chi = &mut chi[..correction.len()];
+        self.bodies.rows(&midpoint.configuration(), contact, &mut rows, chi).unwrap();
+        self.bodies.chord(midpoint, start, contact, &rows, correction)
     }
 }
 

@@ -35,6 +35,8 @@ pub(super) struct Assembly {
     /// χ row by row, and the velocities before the step where they are needed.
     chi: Vec<f64>,
     slip: Vec<f64>,
+    /// What χ changes by on the way to the next midpoint, row by row, of contacts that stay closed.
+    chord: Vec<f64>,
     factors: Factors,
     /// The contact whose rows were evaluated last.
     evaluated: Evaluated,
@@ -125,6 +127,7 @@ impl Assembly {
             responses: Vec::new(),
             chi: Vec::new(),
             slip: Vec::new(),
+            chord: Vec::new(),
             factors: Factors::default(),
             evaluated: Evaluated::default(),
         }
@@ -187,9 +190,9 @@ impl Assembly {
                 self.update_velocities(place, 0.0, closed);
             }
         } else {
-            (same, changed) = self.find_closed(system, dt, new_mass, closed)?;
+            (same, changed) = self.find_closed(system, (u, dt), new_mass, closed)?;
             if !same {
-                self.renew(system, dt, closed)?;
+                self.renew(system, (u, dt), closed)?;
             }
         }
         if self.factors.any() {
@@ -219,12 +222,13 @@ impl Assembly {
     fn find_closed(
         &mut self,
         system: &dyn System,
-        dt: f64,
+        (u, dt): (&[f64], f64),
         new_mass: bool,
         closed: &mut Closed,
     ) -> Result<(bool, bool), SystemError> {
         closed.found.clear();
         closed.gaps.clear();
+        closed.stay.clear();
         let (mut same, mut changed) = (closed.ready, new_mass);
         let constant = system.constancy().contacts;
         for (contact, law) in system.contacts().iter().enumerate() {
@@ -242,6 +246,7 @@ impl Assembly {
             let place = closed.found.len();
             closed.found.push(contact);
             closed.gaps.push(gap.max(0.0) / dt);
+            closed.stay.push(was_closed);
             same = same && closed.active.get(place) == Some(&contact);
             if same {
                 if !constant {
@@ -249,6 +254,7 @@ impl Assembly {
                         self.evaluate(system, contact)?;
                     }
                     changed |= self.store(place);
+                    self.update_chord(system, (u, dt), (place, contact), was_closed);
                 }
                 self.update_velocities(place, closed.gaps[place], closed);
             }
@@ -295,7 +301,28 @@ impl Assembly {
         changed
     }
 
+    /// What the rows that were evaluated last change by until the next midpoint. A contact that has just closed is
+    /// left to the laws of impact, which hold in the velocities of an instant.
+    #[inline]
+    fn update_chord(
+        &mut self,
+        system: &dyn System,
+        (u, dt): (&[f64], f64),
+        (place, contact): (usize, usize),
+        stays: bool,
+    ) {
+        let Rows { first, len, width, .. } = self.contacts[place];
+        let (rows, chord) =
+            (&self.evaluated.rows[..len * width], &mut self.chord[first..first + len]);
+        if !(stays && system.chord(&self.midpoint, (u, dt), contact, rows, chord)) {
+            chord.fill(0.0);
+        }
+    }
+
     /// Brings the velocities of a contact up to date; `closing` is that with which it closes its gap in a step.
+    ///
+    /// After the step the laws see the mean velocities on the way to the next midpoint, before it those on the way from
+    /// the last one, which to second order differ from those at the midpoint by as much on the other side.
     #[inline]
     fn update_velocities(&mut self, place: usize, closing: f64, closed: &mut Closed) {
         let rows = &self.contacts[place];
@@ -303,9 +330,11 @@ impl Assembly {
         for k in 0..rows.len {
             let row = rows.first + k;
             let chi = if k == 0 { self.chi[row] + closing } else { self.chi[row] };
-            closed.problem.free_velocity_mut()[row] = self.velocity(rows, k, &self.free) + chi;
+            closed.problem.free_velocity_mut()[row] =
+                self.velocity(rows, k, &self.free) + chi + self.chord[row];
             if before {
-                self.slip[row] = self.velocity(rows, k, &self.midpoint.before) + chi;
+                self.slip[row] =
+                    self.velocity(rows, k, &self.midpoint.before) + chi - self.chord[row];
             }
         }
     }
@@ -330,7 +359,7 @@ impl Assembly {
     fn renew(
         &mut self,
         system: &dyn System,
-        dt: f64,
+        (u, dt): (&[f64], f64),
         closed: &mut Closed,
     ) -> Result<(), SystemError> {
         let delassus = Coupling::new(system, &closed.found).pattern(&self.midpoint.q)?;
@@ -355,13 +384,15 @@ impl Assembly {
         for list in [&mut self.directions, &mut self.responses] {
             list.resize(place, 0.0);
         }
-        for list in [&mut self.chi, &mut self.slip] {
+        for list in [&mut self.chi, &mut self.slip, &mut self.chord] {
             list.resize(rows, 0.0);
         }
         self.factors.reset(&closed.problem);
         for place in 0..self.contacts.len() {
-            self.evaluate(system, closed.active[place])?;
+            let contact = closed.active[place];
+            self.evaluate(system, contact)?;
             self.store(place);
+            self.update_chord(system, (u, dt), (place, contact), closed.stay[place]);
             self.update_velocities(place, closed.gaps[place], closed);
         }
         Ok(())
