@@ -23,14 +23,15 @@ fn turntable(spin: f64, r: f64, feet: &[[f64; 3]], load: f64) -> RigidBodies {
     RigidBodies::new(vec![body], &pairs, vec![], [0.0, 0.0, -G]).unwrap()
 }
 
-const FEET: [[f64; 3]; 3] =
-    [[0.03, 0.0, -0.01], [-0.02, 0.02, -0.01], [-0.01, -0.03, -0.01]];
+const FEET: [[f64; 3]; 3] = [[0.03, 0.0, -0.01], [-0.02, 0.02, -0.01], [-0.01, -0.03, -0.01]];
 
-/// The largest way of a foot from where the table has carried it.
+/// The largest way of a foot from where the table has carried it since the first step: the half step at the beginning
+/// goes along the tangent, which costs an angle of `(Δt spin)³/24` once.
 fn drift(system: &RigidBodies, spin: f64, feet: &[[f64; 3]], (dt, steps): (f64, usize)) -> f64 {
     let mut stepper = stepper(system, dt);
     let place = |q: &[f64], foot: &[f64; 3]| system.pose(q, 0).point(&Vector3::from(*foot));
-    let start: Vec<_> = feet.iter().map(|foot| place(system.q0(), foot)).collect();
+    stepper.step().unwrap();
+    let start: Vec<_> = feet.iter().map(|foot| place(stepper.q(), foot)).collect();
     let mut largest = 0.0_f64;
     for step in 1..=steps {
         stepper.step().unwrap();
@@ -49,7 +50,9 @@ fn drift(system: &RigidBodies, spin: f64, feet: &[[f64; 3]], (dt, steps): (f64, 
 #[test]
 fn feet_stick_on_a_turntable() {
     let tau = std::f64::consts::TAU;
-    for (spin, r, load, steps) in [(20.0 * tau, 0.001, 100.0, 500_000), (tau, 0.3, 0.0, 1_000_000), (2.0,0.3,0.0,100_000)] {
+    for (spin, r, load, steps) in
+        [(20.0 * tau, 0.001, 100.0, 500_000), (tau, 0.3, 0.0, 1_000_000), (2.0, 0.3, 0.0, 100_000)]
+    {
         let system = turntable(spin, r, &FEET, load);
         let d = drift(&system, spin, &FEET, (1e-3, steps));
         println!("three feet, spin {spin}: {d:e}");
@@ -74,7 +77,8 @@ fn top(moments: [f64; 3], omega: [f64; 3], tilt: f64) -> RigidBodies {
         angular_velocity: omega,
         ..Body::new(1.0, moments)
     };
-    let pair = Pair::new(Shape::PointPlane { body: 0, point: foot, plane: Plane::floor() }, disk(100.0));
+    let pair =
+        Pair::new(Shape::PointPlane { body: 0, point: foot, plane: Plane::floor() }, disk(100.0));
     RigidBodies::new(vec![body], &[pair], vec![], [0.0, 0.0, -G]).unwrap()
 }
 
@@ -99,7 +103,10 @@ fn tops() {
                 open += usize::from(stepper.phase(0) != Phase::Stick);
                 e = e.max((energy(&system, stepper.q(), stepper.u()) - e0).abs());
             }
-            println!("{omega:?} {dt}: drift {d:e} height {z:e} not sticking {open} energy {e:e} of {e0} {:?}", &stepper.q()[..3]);
+            println!(
+                "{omega:?} {dt}: drift {d:e} height {z:e} not sticking {open} energy {e:e} of {e0} {:?}",
+                &stepper.q()[..3]
+            );
         }
     }
 }

@@ -37,6 +37,8 @@ pub(super) struct Assembly {
     slip: Vec<f64>,
     /// What χ changes by on the way to the next midpoint, row by row, of contacts that stay closed.
     chord: Vec<f64>,
+    /// The blocks that a new contact touches.
+    struck: Vec<bool>,
     factors: Factors,
     /// The contact whose rows were evaluated last.
     evaluated: Evaluated,
@@ -128,6 +130,7 @@ impl Assembly {
             chi: Vec::new(),
             slip: Vec::new(),
             chord: Vec::new(),
+            struck: vec![false; system.blocks().count()],
             factors: Factors::default(),
             evaluated: Evaluated::default(),
         }
@@ -217,8 +220,9 @@ impl Assembly {
     ///
     /// A contact is closed where its gap has vanished. One that was closed in the last step, or at the beginning of a
     /// run, may also have been lifted by rounding and by what the solver leaves over: up to a millionth of the way that
-    /// the contact forces have to make up for in a step. It may close this gap until the next midpoint: else resting
-    /// contacts would creep open.
+    /// the contact forces have to make up for in a step; and while it turns by what is left over of the chord, of which
+    /// the step takes all but a part of O(Δt). It may close this gap until the next midpoint: else resting contacts
+    /// would creep open.
     fn find_closed(
         &mut self,
         system: &dyn System,
@@ -240,21 +244,22 @@ impl Assembly {
                 Some(_) => 0.0,
                 None => system.gap(&self.midpoint.configuration(), contact)?,
             };
-            if gap > 0.0 && !(was_closed && gap <= self.lift(system, dt, contact, known)?) {
+            if gap > 0.0 && !(was_closed && gap <= self.lift(system, (u, dt), contact, known)?) {
                 continue;
             }
             let place = closed.found.len();
             closed.found.push(contact);
             closed.gaps.push(gap.max(0.0) / dt);
             closed.stay.push(was_closed);
-            same = same && closed.active.get(place) == Some(&contact);
+            // What has closed in a step that was given up closes once more.
+            same = same && was_closed && closed.active.get(place) == Some(&contact);
             if same {
                 if !constant {
                     if !known {
                         self.evaluate(system, contact)?;
                     }
                     changed |= self.store(place);
-                    self.update_chord(system, (u, dt), (place, contact), was_closed);
+                    self.update_chord(system, (u, dt), (place, contact), true);
                 }
                 self.update_velocities(place, closed.gaps[place], closed);
             }
@@ -266,7 +271,7 @@ impl Assembly {
     fn lift(
         &mut self,
         system: &dyn System,
-        dt: f64,
+        (u, dt): (&[f64], f64),
         contact: usize,
         known: bool,
     ) -> Result<f64, SystemError> {
@@ -279,7 +284,10 @@ impl Assembly {
             let change = self.free[range.clone()].iter().zip(&self.midpoint.before[range]);
             gained += change.zip(&mut row).map(|((a, b), w)| (w * (a - b)).abs()).sum::<f64>();
         }
-        Ok(ROUNDING * dt * gained)
+        let (law, mut chord) = (&system.contacts()[contact], [0.0; 4]);
+        let (len, rows) = (law.rows(), &self.evaluated.rows);
+        system.chord(&self.midpoint, (u, dt), contact, rows, &mut chord[..len]);
+        Ok(dt * (ROUNDING * gained + chord[0].abs()))
     }
 
     /// Evaluates the rows of a contact at the midpoint; its gap.
@@ -301,20 +309,20 @@ impl Assembly {
         changed
     }
 
-    /// What the rows that were evaluated last change by until the next midpoint. A contact that has just closed is
-    /// left to the laws of impact, which hold in the velocities of an instant.
+    /// What the rows that were evaluated last change by until the next midpoint. Contacts of what an impact strikes
+    /// have no such chord: rotations may jump, and the laws of impact hold in the velocities of an instant.
     #[inline]
     fn update_chord(
         &mut self,
         system: &dyn System,
         (u, dt): (&[f64], f64),
         (place, contact): (usize, usize),
-        stays: bool,
+        undisturbed: bool,
     ) {
         let Rows { first, len, width, .. } = self.contacts[place];
         let (rows, chord) =
             (&self.evaluated.rows[..len * width], &mut self.chord[first..first + len]);
-        if !(stays && system.chord(&self.midpoint, (u, dt), contact, rows, chord)) {
+        if !(undisturbed && system.chord(&self.midpoint, (u, dt), contact, rows, chord)) {
             chord.fill(0.0);
         }
     }
@@ -388,11 +396,16 @@ impl Assembly {
             list.resize(rows, 0.0);
         }
         self.factors.reset(&closed.problem);
+        self.struck.fill(false);
+        for (&contact, _) in closed.active.iter().zip(&closed.stay).filter(|(_, stays)| !**stays) {
+            system.touched(contact).iter().for_each(|&block| self.struck[block] = true);
+        }
         for place in 0..self.contacts.len() {
             let contact = closed.active[place];
+            let undisturbed = !system.touched(contact).iter().any(|&block| self.struck[block]);
             self.evaluate(system, contact)?;
             self.store(place);
-            self.update_chord(system, (u, dt), (place, contact), closed.stay[place]);
+            self.update_chord(system, (u, dt), (place, contact), undisturbed);
             self.update_velocities(place, closed.gaps[place], closed);
         }
         Ok(())
