@@ -16,6 +16,10 @@ use crate::system::{Configuration, ContactLaw, Midpoint, System, SystemError};
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
 
+/// A contact that slips by more than this multiple of what its directions change by slides. One that sticks has slip of
+/// once as much, and of none where a run begins.
+const SLIDING: f64 = 2.0;
+
 /// The system and its closed contacts at the midpoint.
 #[derive(Debug)]
 pub(super) struct Assembly {
@@ -309,8 +313,13 @@ impl Assembly {
         changed
     }
 
-    /// What the rows that were evaluated last change by until the next midpoint. Contacts of what an impact strikes
-    /// have no such chord: rotations may jump, and the laws of impact hold in the velocities of an instant.
+    /// What the rows that were evaluated last change by until the next midpoint.
+    ///
+    /// Contacts of what an impact strikes have no such chord: rotations may jump, and the laws of impact hold in the
+    /// velocities of an instant. Nor have the directions of one that slides: they would be right to second order while
+    /// its force is of first order, friction along them might not take energy, and contacts of one body could not all
+    /// come to stick in one step. A contact that sticks has on average no slip on its way to the midpoint, that is, in
+    /// this instant one as large as the correction.
     #[inline]
     fn update_chord(
         &mut self,
@@ -320,10 +329,19 @@ impl Assembly {
         undisturbed: bool,
     ) {
         let Rows { first, len, width, .. } = self.contacts[place];
-        let (rows, chord) =
-            (&self.evaluated.rows[..len * width], &mut self.chord[first..first + len]);
-        if !(undisturbed && system.chord(&self.midpoint, (u, dt), contact, rows, chord)) {
+        let (entries, own) = (&self.evaluated.rows[..len * width], first..first + len);
+        let chord = &mut self.chord[own.clone()];
+        if !(undisturbed && system.chord(&self.midpoint, (u, dt), contact, entries, chord)) {
             chord.fill(0.0);
+            return;
+        }
+        let (rows, tangent) =
+            (&self.contacts[place], system.contacts()[contact].normal_rows()..len);
+        let slip = |k| self.velocity(rows, k, &self.midpoint.before) + self.chi[first + k];
+        let slip = tangent.clone().map(slip).fold(0.0, |sum, v| sum + v * v);
+        let change = tangent.clone().map(|k| self.chord[first + k]).fold(0.0, |s, v| s + v * v);
+        if slip > SLIDING * SLIDING * change {
+            self.chord[own][tangent].fill(0.0);
         }
     }
 
