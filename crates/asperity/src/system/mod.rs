@@ -283,6 +283,22 @@ pub trait System: Debug + Sync {
         velocity: &mut [f64],
     ) -> Result<f64, SystemError>;
 
+    /// What the rows of a contact change by in a step whose velocities do not: `correction` such that
+    /// `W(q_M)ᵀũ + χ + correction` are its mean velocities from this midpoint to the next, which
+    /// `q_M ⊕ Δt ũ` is. The velocities ũ are those with which the motion would go on as it was before the step, with
+    /// the velocities `u`; `rows` are those at the midpoint. Contacts that stay closed ask for it: without it they are
+    /// of first order. Returns whether there is any; none by default.
+    fn chord(
+        &self,
+        _midpoint: &Midpoint,
+        (_u, _dt): (&[f64], f64),
+        _contact: usize,
+        _rows: &[f64],
+        _correction: &mut [f64],
+    ) -> bool {
+        false
+    }
+
     /// What a motion carries from step to step besides coordinates and velocities, as it follows from these; nothing
     /// unless the system steps momenta.
     fn momenta(&self, _q: &[f64], _u: &[f64]) -> Vec<f64> {

@@ -193,7 +193,7 @@ impl Contact {
 
 /// Direction and length; concentric spheres are pushed apart along x.
 #[inline]
-fn direction(v: Vector3<f64>) -> (Vector3<f64>, f64) {
+pub(super) fn direction(v: Vector3<f64>) -> (Vector3<f64>, f64) {
     let length = v.norm();
     if length > 0.0 { (v / length, length) } else { (Vector3::x(), 0.0) }
 }

@@ -5,6 +5,7 @@
 //! body's), so that the mass matrix is constant. A planar body has `(x, y, φ)` and their rates.
 
 mod body;
+mod chord;
 mod contact;
 mod measures;
 mod motion;

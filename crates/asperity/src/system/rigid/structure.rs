@@ -138,6 +138,37 @@ impl System for RigidBodies {
         Ok(if contact.unilateral { geometry.gap } else { 0.0 })
     }
 
+    fn chord(
+        &self,
+        midpoint: &Midpoint,
+        (u, dt): (&[f64], f64),
+        contact: usize,
+        rows: &[f64],
+        correction: &mut [f64],
+    ) -> bool {
+        let contact = &self.contacts[contact];
+        let twists = (self.twist(u, contact.body), contact.other.map(|body| self.twist(u, body)));
+        let second = twists.1.unwrap_or_default();
+        let rates = [angular(&twists.0).norm(), angular(&second).norm()];
+        if !contact.bends(rates, (linear(&twists.0) - linear(&second)).norm(), dt) {
+            return false;
+        }
+        let first = self.course(midpoint, u, contact.body, dt);
+        let second = contact.other.map(|body| self.course(midpoint, u, body, dt));
+        let bend = contact.bend(&first, second.as_ref(), dt);
+        let (normal_rows, (place, _)) = (usize::from(contact.unilateral), contact.places());
+        let width = self.sizes().1 * contact.touched().len();
+        for (k, (row, out)) in rows.chunks_exact(width).zip(correction).enumerate() {
+            // The force of a row on the first body is its direction.
+            *out = match (k + 1) - normal_rows {
+                0 => bend.normal,
+                3 => contact.patch * bend.drilling,
+                _ => bend.tangential.dot(&linear(&self.twist(row, place))),
+            };
+        }
+        true
+    }
+
     fn momenta(&self, q: &[f64], u: &[f64]) -> Vec<f64> {
         let momentum = |body| <[f64; 3]>::from(self.spin(q, u, body));
         (0..self.bodies()).flat_map(momentum).collect()

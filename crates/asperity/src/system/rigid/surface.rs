@@ -6,6 +6,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::body::check;
+use super::rotation::Turn;
 use crate::system::SystemError;
 
 /// A plane, fixed to the world or to a body; bodies are on the side that its normal points to.
@@ -132,6 +133,16 @@ impl Surface {
     pub(super) fn material_velocity(&self, x: &Vector3<f64>) -> Vector3<f64> {
         let belt = self.e1 * self.velocity[0] + self.e2 * self.velocity[1];
         belt + self.normal.cross(&(x - self.point)) * self.spin
+    }
+
+    /// The way of material with this velocity in a time, within what the surface is fixed to: the velocity of what
+    /// stays in the material turns with the spin.
+    #[inline]
+    pub(super) fn way(&self, velocity: &Vector3<f64>, dt: f64) -> Vector3<f64> {
+        if self.spin == 0.0 {
+            return velocity * dt;
+        }
+        Turn::new(&(self.normal * (self.spin * dt))).mean(velocity) * dt
     }
 }
 
