@@ -1,13 +1,16 @@
 """Archives of arrays (``.npz``), read so that damage is refused by name.
 
 NumPy reads an entry only as far as its header says, and so neither meets the checksum at its end
-nor what stands behind: entries are read whole here. Nothing is unpickled.
+nor what stands behind: entries are read whole here. Checksums do not cover names, which stand in
+front of each entry and again in the list at the end: both must agree, and no entry may be missing
+from the list, or what may be left out would be taken for left out. Nothing is unpickled.
 """
 
 from __future__ import annotations
 
 import io
 import os
+import struct
 import zipfile
 from types import TracebackType
 from typing import Any, Self
@@ -16,6 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import ParameterError
+
+# Bytes of the header of an entry, without its name and extra fields, and where their lengths stand.
+_HEADER, _LENGTHS = 30, 26
 
 
 class Archive:
@@ -38,6 +44,7 @@ class Archive:
         try:
             self._refuse_one_array()
             self._zip = zipfile.ZipFile(self._bytes)
+            self._compare_lists()
         except Exception as error:
             self._bytes.close()
             if isinstance(error, ParameterError):
@@ -78,6 +85,22 @@ class Archive:
         if entry.read(1):
             raise ParameterError(key, f"cannot be read from {self.path}: more than it states")
         return np.asarray(found)
+
+    def _compare_lists(self) -> None:
+        """Refuse an archive whose list of entries is not that of the entries themselves."""
+        end = 0
+        for entry in sorted(self._zip.infolist(), key=lambda entry: entry.header_offset):
+            self._refuse_hidden(end, entry.header_offset)
+            # Opening compares the two names.
+            self._zip.open(entry).close()
+            self._bytes.seek(entry.header_offset + _LENGTHS)
+            lengths = struct.unpack("<HH", self._bytes.read(4))
+            end = entry.header_offset + _HEADER + sum(lengths) + entry.compress_size
+        self._refuse_hidden(end, self._zip.start_dir)
+
+    def _refuse_hidden(self, end: int, start: int) -> None:
+        if start - end >= _HEADER:
+            raise zipfile.BadZipFile(f"bytes {end} to {start} belong to no entry")
 
     def _refuse_one_array(self) -> None:
         first = self._bytes.read(len(np.lib.format.MAGIC_PREFIX))
