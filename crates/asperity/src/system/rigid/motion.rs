@@ -12,13 +12,12 @@
 //! drift. (With Ω⁺ in the second half it would be explicit and of first order, and tops would gain
 //! energy.) L is kept from step to step: recovered from Ω, its rounding would add up.
 //!
-//! Closed contacts are of first order: sticking makes γ vanish with the directions of `q_M`, whereas the
-//! velocities act from one midpoint to the next, so that points of turning bodies creep with `½Δt dγ/dt`,
-//! the rate without contact forces.
-//!
-//! The contact laws hold in Ω⁺ at `q_M`. In the world's axes `R_M Ω⁺` and `R_E Ω_E` differ by O(Δt) where
-//! gyroscopic terms act, and so do the γ at the end and the γ_E of the laws; for isotropic inertia, for
-//! planar bodies and at rest they are the same.
+//! The velocities act from one midpoint to the next, and it is on this way, its chord, that the laws of contacts that
+//! stay closed hold (`chord.rs`): points that stick on turning bodies creep with O(Δt²), those that a turntable carries
+//! not at all. Contacts that close, those of the bodies which they strike, and the directions of contacts that slide are
+//! of first order. Their laws hold in Ω⁺ at `q_M`: in the world's axes `R_M Ω⁺` and `R_E Ω_E` differ by O(Δt) where
+//! gyroscopic terms act, and so do the γ at the end and the γ_E of the laws; for isotropic inertia, for planar bodies
+//! and at rest they are the same.
 
 use nalgebra::{Matrix3, Vector3};
 

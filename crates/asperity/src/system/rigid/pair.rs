@@ -63,7 +63,7 @@ pub enum Shape {
 ///
 /// Newton's restitution multiplies every relative velocity before the step by its coefficient. Impacts do
 /// not bring energy in where all coefficients of all contacts that are closed at the same time agree and
-/// lie in \[0, 1\] and no surface moves: with `ξ = γ_E + eγ_B` and `γ_E − γ_B = GP` the energy grows by
+/// lie in \[0, 1\], all of them are contacts of bodies that are struck, and no surface moves: with `ξ = γ_E + eγ_B` and `γ_E − γ_B = GP` the energy grows by
 /// `Pᵀξ/(1+e) − ½ (1−e)/(1+e) PᵀGP ≤ 0`, at the midpoint: what gyroscopic terms change until the end of
 /// the step is O(Δt²), and none for planar bodies and isotropic inertia. Restitution acts in every step in
 /// which a contact is closed. Where they differ (`e_N ≠ e_T` is enough) it may grow, which is
