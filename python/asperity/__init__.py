@@ -110,6 +110,7 @@ from asperity.system import (
     Spring,
     System,
 )
+from asperity.time_functions import Signal, Sine
 from asperity.trajectory import Trajectory
 from asperity.verdict import Verdict
 
@@ -176,7 +177,9 @@ __all__ = [
     "RigidBodies",
     "Section",
     "SemismoothNewton",
+    "Signal",
     "SimulationInterrupted",
+    "Sine",
     "SlidingDisk",
     "SlidingPoint",
     "Solver",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
+from asperity import _arrays, _core, time_functions
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import DimensionError, ParameterError
@@ -94,7 +94,12 @@ class RigidBodies(Value):
             planar,
             np.array([body.mass for body in listed]),
             np.array([np.ravel(body.inertia) for body in listed]),
-            np.array([np.append(body.force, body.torque) for body in listed]),
+            np.array([_constant_load(body, planar) for body in listed]),
+            [
+                (number, time_functions.core(body.force), time_functions.core(body.torque))
+                for number, body in enumerate(listed)
+                if _is_timed(body)
+            ],
             [pair._core_data() for pair in self.pairs],
             [spring._core_data() for spring in self.springs],
             self.gravity,
@@ -165,7 +170,8 @@ class RigidBodies(Value):
         """Return the kinetic energy plus that of the loads in J, shape ``(n_t,)``.
 
         Loads with a potential are the weight and constant forces, zero for centres of mass at the
-        origin, and springs; constant torques have none.
+        origin, and springs with the lengths of the time; torques, and forces that depend on time,
+        have none.
 
         Args:
             trajectory: of this system.
@@ -176,7 +182,7 @@ class RigidBodies(Value):
         [25.0, 25.0]
         """
         self._states(trajectory)
-        return self._core.energy(trajectory.q, trajectory.u)
+        return self._core.energy(trajectory.t, trajectory.q, trajectory.u)
 
     def momentum(self, trajectory: Trajectory) -> Array:
         """Return Σ m v in N s, shape ``(n_t, 3)``, planar ``(n_t, 2)``.
@@ -287,6 +293,17 @@ class RigidBodies(Value):
         if self.planar:
             return rotation.planar_matrices(q[..., 2])
         return rotation.matrices(q[..., 3:])
+
+
+def _is_timed(body: Body | PlanarBody) -> bool:
+    return any(map(time_functions.depends_on_time, (body.force, body.torque)))
+
+
+def _constant_load(body: Body | PlanarBody, planar: bool) -> Array:
+    """Return force and torque, zeros if one of them depends on time."""
+    if _is_timed(body):
+        return np.zeros(3 if planar else 6)
+    return time_functions.constants(body.force, body.torque)
 
 
 def _turned(matrices: Array, vectors: Array) -> Array:

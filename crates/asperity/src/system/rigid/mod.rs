@@ -24,7 +24,8 @@ pub use spring::Spring;
 pub use surface::{Field, Frame, Plane};
 
 use super::{Blocks, ContactLaw, SystemError};
-use body::{Inertial, Parts, check};
+pub(in crate::system) use body::check;
+use body::{Inertial, Parts, TimedLoad};
 use contact::Contact;
 
 /// A system of rigid bodies.
@@ -35,6 +36,7 @@ pub struct RigidBodies {
     planar: bool,
     blocks: Blocks,
     inertial: Vec<Inertial>,
+    timed_loads: Vec<TimedLoad>,
     gravity: Vector3<f64>,
     springs: Vec<Spring>,
     contacts: Vec<Contact>,
@@ -98,7 +100,7 @@ impl RigidBodies {
     ) -> Result<Self, SystemError> {
         let bodies = bodies.into();
         let planar = matches!(bodies, Bodies::Planar(_));
-        let Parts { inertial, q0, u0 } = bodies.parts()?;
+        let Parts { inertial, timed_loads, q0, u0 } = bodies.parts()?;
         check("gravity", &gravity)?;
         if planar && gravity[2] != 0.0 {
             return Err(SystemError::argument("gravity", "must have z = 0 in planar systems"));
@@ -124,7 +126,7 @@ impl RigidBodies {
         let blocks = Blocks::new(std::iter::repeat_n(size, inertial.len()));
         #[rustfmt::skip]
         let bodies =
-            Self { planar, blocks, inertial, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
+            Self { planar, blocks, inertial, timed_loads, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
         Ok(bodies)
     }
 

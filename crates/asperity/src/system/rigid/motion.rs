@@ -22,6 +22,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::body::TimedLoad;
 use super::rotation::{matrix, turned, turned_back};
 use super::{Pose, RigidBodies, Twist, angular, twist};
 use crate::system::Configuration;
@@ -114,7 +115,7 @@ impl RigidBodies {
         omega
     }
 
-    /// Weight, constant loads, springs and prescribed normal forces, without gyroscopic terms.
+    /// Weight, loads, springs and prescribed normal forces, without gyroscopic terms.
     pub(super) fn loads(&self, at: &Configuration<'_>, u: &[f64], forces: &mut [f64]) {
         for (body, inertial) in self.inertial.iter().enumerate() {
             let force = self.gravity * inertial.mass + inertial.force;
@@ -129,9 +130,13 @@ impl RigidBodies {
             let sum = self.twist(forces, body) + load;
             self.set_twist(forces, body, &sum);
         };
-        let pose = |body| self.pose_at(at, body);
+        let (pose, moment) = (|body| self.pose_at(at, body), at.moment());
+        for TimedLoad { body, force, torque } in &self.timed_loads {
+            let [force, torque] = [force, torque].map(|load| load.value(moment).into());
+            add(*body, pose(*body).wrench(&force, &torque));
+        }
         for spring in &self.springs {
-            spring.load(pose, |body| self.twist(u, body), &mut add);
+            spring.load(moment, pose, |body| self.twist(u, body), &mut add);
         }
         for &i in &self.prescribed {
             let contact = &self.contacts[i];

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
 use crate::system::{
-    Blocks, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, System,
+    Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, System,
     SystemError,
 };
 
@@ -85,8 +85,25 @@ impl System for RigidBodies {
         Ok(())
     }
 
-    fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
-        self.loads(&Configuration::new(t, q), u, forces);
+    fn next_break(&self, t: f64) -> Option<Break> {
+        let mut next = None;
+        for load in &self.timed_loads {
+            next = Break::earlier(next, load.force.next_break(t));
+            next = Break::earlier(next, load.torque.next_break(t));
+        }
+        for spring in &self.springs {
+            next = Break::earlier(next, spring.length.next_break(t));
+        }
+        next
+    }
+
+    fn forces(
+        &self,
+        at: &Configuration<'_>,
+        u: &[f64],
+        forces: &mut [f64],
+    ) -> Result<(), SystemError> {
+        self.loads(at, u, forces);
         for (body, inertial) in self.inertial.iter().enumerate().filter(|(_, i)| !i.isotropic) {
             let omega = angular(&self.twist(u, body));
             let gyroscopic = (inertial.inertia * omega).cross(&omega);
@@ -195,7 +212,7 @@ impl System for RigidBodies {
         self.advance(q, u, 0.5 * dt, mid);
         self.derive(mid, derived);
         before.copy_from_slice(u);
-        let at = Configuration { t, q: mid, derived };
+        let at = Configuration { t, piece: t, q: mid, derived };
         for (body, inertial) in self.inertial.iter().enumerate() {
             if !inertial.isotropic {
                 let momentum = Vector3::from_column_slice(&momenta[3 * body..3 * body + 3]);
@@ -215,7 +232,7 @@ impl System for RigidBodies {
         (q, u): (&mut [f64], &mut [f64]),
     ) {
         let Midpoint { t, q: mid, derived, before, momenta, .. } = midpoint;
-        let at = Configuration { t: *t, q: mid, derived };
+        let at = Configuration { t: *t, piece: *t, q: mid, derived };
         u.copy_from_slice(after);
         for (body, inertial) in self.inertial.iter().enumerate() {
             if !inertial.isotropic {
