@@ -3,7 +3,9 @@
 use std::sync::{Arc, PoisonError};
 
 use asperity::system::System;
-use asperity::system::rigid::{self, Bodies, Body, Frame, Pair, PlanarBody, Plane, Shape, Spring};
+use asperity::system::rigid::{
+    self, Bodies, Body, Frame, Pair, PlanarBody, Plane, PlaneMotion, Shape, Spring,
+};
 use nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
@@ -46,36 +48,56 @@ fn index(part: &Bound<'_, PyDict>, key: &str) -> PyResult<usize> {
 }
 
 /// A plane, or a line where there is no axis.
-fn plane(pair: &Bound<'_, PyDict>) -> PyResult<Plane> {
+fn plane(pair: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Plane> {
     let given = item(pair, "plane")?;
     let given = given.cast::<PyDict>()?;
     let (point, normal) = (place(given, "point")?, place(given, "normal")?);
     let body = item(given, "body")?.extract()?;
+    let velocity = item(given, "velocity")?;
+    let motion: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)> = item(given, "motion")?.extract()?;
     if !given.contains("axis")? {
+        let motion = motion.map(|(displacement, rotation)| -> PyResult<PlaneMotion> {
+            let displacement = time_function(&displacement, "displacement", true, raised)?;
+            let rotation = time_function(&rotation, "rotation", true, raised)?;
+            Ok(PlaneMotion::planar(&displacement, &rotation))
+        });
+        let velocity = time_function::<1>(&velocity, "velocity", false, raised)?.spread([0]);
         let line = Plane::line([point[0], point[1]], [normal[0], normal[1]]);
-        return Ok(Plane { velocity: [number(given, "velocity")?, 0.0], body, ..line });
+        return Ok(Plane { velocity, motion: motion.transpose()?, body, ..line });
     }
-    let [v1, v2, _] = place(given, "velocity")?;
-    let plane = Plane::new(point, normal, place(given, "axis")?);
-    Ok(Plane { velocity: [v1, v2], spin: number(given, "spin")?, body, ..plane })
+    let motion = motion.map(|(displacement, rotation)| -> PyResult<PlaneMotion> {
+        Ok(PlaneMotion {
+            displacement: time_function(&displacement, "displacement", true, raised)?,
+            rotation: time_function(&rotation, "rotation", true, raised)?,
+        })
+    });
+    Ok(Plane {
+        velocity: time_function(&velocity, "velocity", false, raised)?,
+        spin: time_function(&item(given, "spin")?, "spin", false, raised)?,
+        motion: motion.transpose()?,
+        body,
+        ..Plane::new(point, normal, place(given, "axis")?)
+    })
 }
 
-fn shape(pair: &Bound<'_, PyDict>) -> PyResult<Shape> {
+fn shape(pair: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Shape> {
     let body = index(pair, "body")?;
     let kind = item(pair, "kind")?;
     Ok(match kind.extract::<&str>()? {
         "point_plane" => {
-            Shape::PointPlane { body, point: place(pair, "point")?, plane: plane(pair)? }
+            Shape::PointPlane { body, point: place(pair, "point")?, plane: plane(pair, raised)? }
         }
         "sphere_plane" => Shape::SpherePlane {
             body,
             centre: place(pair, "center")?,
             radius: number(pair, "radius")?,
-            plane: plane(pair)?,
+            plane: plane(pair, raised)?,
         },
-        "box_plane" => {
-            Shape::BoxPlane { body, half_sizes: place(pair, "half_sizes")?, plane: plane(pair)? }
-        }
+        "box_plane" => Shape::BoxPlane {
+            body,
+            half_sizes: place(pair, "half_sizes")?,
+            plane: plane(pair, raised)?,
+        },
         _ => Shape::SphereSphere {
             body,
             centre: place(pair, "center")?,
@@ -115,7 +137,7 @@ fn frame(given: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<Frame> {
 fn pair(given: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Pair> {
     let (normal_restitution, tangential_restitution) = restitution(given)?;
     Ok(Pair {
-        shape: shape(given)?,
+        shape: shape(given, raised)?,
         law: law(given)?,
         frame: frame(&item(given, "frame")?, raised)?,
         normal_force: item(given, "normal_force")?.extract()?,
@@ -210,6 +232,12 @@ impl RigidBodies {
         Ok(Self { system: rigid::RigidBodies::new(bodies, &pairs, springs, gravity)?, raised })
     }
 
+    /// Whether loads, springs or planes depend on time.
+    #[getter]
+    fn depends_on_time(&self) -> bool {
+        self.system.depends_on_time()
+    }
+
     /// Coordinates after moving with the velocities for `dt`, row by row.
     fn advance<'py>(
         &self,
@@ -264,12 +292,18 @@ impl RigidBodies {
     }
 
     /// Contact points `(n_t, n_c, 3)` and the rows e₁, e₂, n, `(n_t, n_c, 3, 3)`.
-    fn contact_geometry<'py>(&self, py: Python<'py>, q: Points<'py>) -> PyResult<Geometry<'py>> {
+    fn contact_geometry<'py>(
+        &self,
+        py: Python<'py>,
+        t: Numbers<'py>,
+        q: Points<'py>,
+    ) -> PyResult<Geometry<'py>> {
         let (n_t, n_c) = (q.as_array().nrows(), self.system.contacts().len());
         let (mut points, mut axes) = (Vec::new(), Vec::new());
-        for q in samples(&q, self.system.coordinates(), "q")? {
+        let states = samples(&q, self.system.coordinates(), "q")?;
+        for (&t, q) in numbers(&t, "t")?.iter().zip(states) {
             for contact in 0..n_c {
-                let geometry = self.system.contact_geometry(q, contact);
+                let geometry = self.system.contact_geometry(t, q, contact);
                 points.extend_from_slice(geometry.point.as_slice());
                 for axis in [geometry.e1, geometry.e2, geometry.normal] {
                     axes.extend_from_slice(axis.as_slice());

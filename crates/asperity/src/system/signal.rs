@@ -308,6 +308,17 @@ impl Signal {
         }
     }
 
+    /// Whether a component is zero at all times.
+    pub(super) fn vanishes(&self, component: usize) -> bool {
+        match &self.shape {
+            Shape::Pieces(pieces) => {
+                let own = pieces.coefficients.iter().skip(component).step_by(self.components);
+                own.copied().all(|c| c == [0.0; 4]) && pieces.last[component] == 0.0
+            }
+            Shape::Sine(sine) => sine.offset[component] == 0.0 && sine.amplitude[component] == 0.0,
+        }
+    }
+
     /// The signal with these components, zero where there is none.
     pub(super) fn spread(&self, components: &[Option<usize>]) -> Self {
         let width = self.components;

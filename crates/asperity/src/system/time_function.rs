@@ -91,6 +91,19 @@ impl<const D: usize> TimeFunction<D> {
         }
     }
 
+    /// Its integral from one time to another one: of a function of the user by Simpson's rule, for short times.
+    pub(super) fn integral(&self, from: f64, to: f64) -> [f64; D] {
+        match self {
+            Self::Constant(value) => value.map(|value| value * (to - from)),
+            Self::Signal(signal) => std::array::from_fn(|k| signal.integral(from, to, k)),
+            Self::Custom(_) | Self::WithRate(_) => {
+                let middle = 0.5 * (from + to);
+                let [a, b, c] = [from, middle, to].map(|t| self.value(Moment::new(t)));
+                std::array::from_fn(|k| (to - from) / 6.0 * (a[k] + 4.0 * b[k] + c[k]))
+            }
+        }
+    }
+
     /// Its value and its rate; the latter is not a number where it is not known.
     pub fn value_and_rate(&self, at: Moment) -> [[f64; D]; 2] {
         match self {
@@ -125,8 +138,21 @@ impl<const D: usize> TimeFunction<D> {
         }
     }
 
+    /// Whether a component is zero at all times, as far as that can be known.
+    pub(super) fn may_vanish(&self, component: usize) -> bool {
+        match self {
+            Self::Constant(value) => value[component] == 0.0,
+            Self::Signal(signal) => signal.vanishes(component),
+            Self::Custom(_) | Self::WithRate(_) => true,
+        }
+    }
+
     /// The same numbers at other places among `E`, beside zeros.
-    pub(super) fn spread<const E: usize>(&self, places: [usize; D]) -> TimeFunction<E> {
+    ///
+    /// # Panics
+    ///
+    /// If a place is not below `E`.
+    pub fn spread<const E: usize>(&self, places: [usize; D]) -> TimeFunction<E> {
         let spread = move |value: [f64; D]| {
             let mut wide = [0.0; E];
             for (place, value) in places.into_iter().zip(value) {

@@ -127,6 +127,11 @@ class RigidBodies(Value):
         return len(self.bodies) * (3 if self.planar else 7)
 
     @property
+    def depends_on_time(self) -> bool:
+        """Whether loads, lengths of springs or surfaces depend on time."""
+        return self._core.depends_on_time
+
+    @property
     def q0(self) -> Array:
         """Initial coordinates, shape ``(coordinates,)``."""
         return np.concatenate([body.coordinates for body in self.bodies])
@@ -217,7 +222,7 @@ class RigidBodies(Value):
             trajectory: of this system.
         """
         self._states(trajectory)
-        return self._core.contact_geometry(trajectory.q)[0][..., : self._space]
+        return self._core.contact_geometry(trajectory.t, trajectory.q)[0][..., : self._space]
 
     def contact_forces(
         self,
@@ -255,7 +260,8 @@ class RigidBodies(Value):
         if frame == "surface":
             return forces
         middle = self._core.advance(trajectory.q, trajectory.u, -0.5 * trajectory.dt)
-        axes = self._core.contact_geometry(middle)[1][..., self._rows, : self._space]
+        times = trajectory.t - 0.5 * trajectory.dt
+        axes = self._core.contact_geometry(times, middle)[1][..., self._rows, : self._space]
         forces = _turned(np.swapaxes(axes, -1, -2), forces)
         if frame == "world":
             return forces

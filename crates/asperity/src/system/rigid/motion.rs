@@ -142,7 +142,7 @@ impl RigidBodies {
             let contact = &self.contacts[i];
             let force = self.laws[i].normal_force.unwrap_or(0.0);
             let poses = (pose(contact.body), contact.other.map(pose));
-            let geometry = contact.geometry(&poses.0, poses.1.as_ref());
+            let geometry = contact.geometry(moment, &poses.0, poses.1.as_ref());
             let (mut own, mut other) = ([Twist::zeros()], [Twist::zeros()]);
             let both = (&poses.0, poses.1.as_ref());
             contact.rows_of(&geometry, both, (true, 0), (&mut own, &mut other), &mut [0.0]);

@@ -94,6 +94,9 @@ impl System for RigidBodies {
         for spring in &self.springs {
             next = Break::earlier(next, spring.length.next_break(t));
         }
+        for plane in &self.timed_planes {
+            next = Break::earlier(next, plane.next_break(t));
+        }
         next
     }
 
@@ -127,7 +130,7 @@ impl System for RigidBodies {
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let contact = &self.contacts[contact];
         let second = contact.other.map(|body| self.pose_at(at, body));
-        Ok(contact.gap(&self.pose_at(at, contact.body), second.as_ref()).0)
+        Ok(contact.gap(at.moment(), &self.pose_at(at, contact.body), second.as_ref()).0)
     }
 
     fn rows(
@@ -142,7 +145,7 @@ impl System for RigidBodies {
         let second = contact.other.map(|body| self.pose_at(at, body));
         let (mut own, mut others) = ([Twist::zeros(); 4], [Twist::zeros(); 4]);
         let (poses, n) = ((&first, second.as_ref()), self.sizes().1);
-        let geometry = contact.geometry(poses.0, poses.1);
+        let geometry = contact.geometry(at.moment(), poses.0, poses.1);
         let wanted = (contact.unilateral, contact.tangential);
         contact.rows_of(&geometry, poses, wanted, (&mut own, &mut others), velocity);
         let (place, other_place) = contact.places();
@@ -172,7 +175,7 @@ impl System for RigidBodies {
         }
         let first = self.course(midpoint, u, contact.body, dt);
         let second = contact.other.map(|body| self.course(midpoint, u, body, dt));
-        let bend = contact.bend(&first, second.as_ref(), dt);
+        let bend = contact.bend(midpoint.t, &first, second.as_ref(), dt);
         let (normal_rows, (place, _)) = (usize::from(contact.unilateral), contact.places());
         let width = self.sizes().1 * contact.touched().len();
         for (k, (row, out)) in rows.chunks_exact(width).zip(correction).enumerate() {
