@@ -104,6 +104,8 @@ from asperity.system import (
     PlaneMotion,
     PointPlane,
     RigidBodies,
+    Signal,
+    Sine,
     SlidingDisk,
     SlidingPoint,
     SpherePlane,
@@ -111,7 +113,6 @@ from asperity.system import (
     Spring,
     System,
 )
-from asperity.time_functions import Signal, Sine
 from asperity.trajectory import Trajectory
 from asperity.verdict import Verdict
 

@@ -19,6 +19,7 @@ from asperity.system.rigid import (
     Spring,
 )
 from asperity.system.sliding_disk import SlidingDisk
+from asperity.system.time_functions import Signal, Sine
 
 __all__ = [
     "Body",
@@ -34,6 +35,8 @@ __all__ = [
     "PlaneMotion",
     "PointPlane",
     "RigidBodies",
+    "Signal",
+    "Sine",
     "SlidingDisk",
     "SlidingPoint",
     "SpherePlane",

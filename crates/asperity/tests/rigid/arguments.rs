@@ -63,12 +63,12 @@ fn pairs_are_checked() {
         other_radius: 1.0,
     };
     for (pair, argument) in [
-        (Pair::new(on(Plane { normal: [0.0; 3], ..floor }), disk(0.3)), "normal"),
-        (Pair::new(on(Plane { axis: [0.0, 0.0, 2.0], ..floor }), disk(0.3)), "axis"),
-        (Pair::new(on(Plane { body: Some(4), ..floor }), disk(0.3)), "plane.body"),
-        (Pair::new(on(Plane { body: Some(0), ..floor }), disk(0.3)), "body"),
+        (Pair::new(on(Plane { normal: [0.0; 3], ..floor.clone() }), disk(0.3)), "normal"),
+        (Pair::new(on(Plane { axis: [0.0, 0.0, 2.0], ..floor.clone() }), disk(0.3)), "axis"),
+        (Pair::new(on(Plane { body: Some(4), ..floor.clone() }), disk(0.3)), "plane.body"),
+        (Pair::new(on(Plane { body: Some(0), ..floor.clone() }), disk(0.3)), "body"),
         (Pair::new(spheres, disk(0.3)), "body"),
-        (Pair::new(sphere(0, -1.0, floor), disk(0.3)), "radius"),
+        (Pair::new(sphere(0, -1.0, floor.clone()), disk(0.3)), "radius"),
         (Pair::new(on(floor), line(0.3)), "law"),
         (Pair { normal_force: Some(-1.0), ..good.clone() }, "normal_force"),
         (Pair { normal_restitution: 1.5, ..good.clone() }, "normal_restitution"),
@@ -100,7 +100,7 @@ fn planar_systems_are_planar() {
     assert!(system(ground(), [0.0, -G, 0.0]).is_ok());
     assert_eq!(refused(system(ground(), [0.0, 0.0, -G])).0, "gravity");
     assert_eq!(refused(system(Plane::floor(), [0.0, -G, 0.0])).0, "plane");
-    assert_eq!(refused(system(Plane { spin: 1.0, ..ground() }, [0.0, -G, 0.0])).0, "spin");
+    assert_eq!(refused(system(Plane { spin: 1.0.into(), ..ground() }, [0.0, -G, 0.0])).0, "spin");
 }
 
 #[test]

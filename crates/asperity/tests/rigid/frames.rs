@@ -85,18 +85,18 @@ fn a_frame_that_is_not_a_number_ends_the_run() {
 fn circular_grooves_point_away_from_the_centre() {
     let plane = Plane { point: [0.3, -0.1, 0.0], ..Plane::floor() };
     let body = disk_of_18_grams([0.9, 0.7, 0.0]);
-    let polar = slider(plane, Frame::Polar, body.clone());
+    let polar = slider(plane.clone(), Frame::Polar, body.clone());
     let field = Frame::Field(Arc::new(|x: [f64; 2]| x[1].atan2(x[0])));
     let field = slider(plane, field, body);
     let (a, b) = (run(&polar, 1e-3, 0.2, |_| {}), run(&field, 1e-3, 0.2, |_| {}));
     let apart = a.q.iter().zip(&b.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart < 1e-12, "{apart:e}");
-    let geometry = polar.contact_geometry(&a.q, 0);
+    let geometry = polar.contact_geometry(0.0, &a.q, 0);
     let away = Vector3::new(a.q[0] - 0.3, a.q[1] + 0.1, 0.0).normalize();
     assert!((geometry.e1 - away).norm() < 1e-14);
     assert!((geometry.normal.cross(&geometry.e1) - geometry.e2).norm() < 1e-15);
     let at_centre = [0.3, -0.1, 0.0, 1.0, 0.0, 0.0, 0.0];
-    assert_eq!(polar.contact_geometry(&at_centre, 0).e1, Vector3::x());
+    assert_eq!(polar.contact_geometry(0.0, &at_centre, 0).e1, Vector3::x());
 }
 
 /// Bodies, planes, springs and weight, all turned by the same rotation.
@@ -131,7 +131,7 @@ fn scene(turn: &UnitQuaternion<f64>) -> RigidBodies {
         ..Body::ball(0.5, 0.06)
     };
     let floor = Plane::new([0.0; 3], vector([0.0, 0.0, 1.0]), vector([1.0, 0.2, 0.0]));
-    let belt = Plane { velocity: [0.2, -0.1], spin: 0.5, ..floor };
+    let belt = Plane { velocity: [0.2, -0.1].into(), spin: 0.5.into(), ..floor.clone() };
     let side = Plane {
         point: [0.1, 0.0, 0.0],
         body: Some(0),

@@ -194,7 +194,7 @@ fn a_given_normal_force_acts() {
     let body = Body { velocity: [2.0, 0.0, 0.0], ..Body::new(2.0, [0.1; 3]) };
     let shape = Shape::PointPlane { body: 0, point: [0.0; 3], plane: Plane::floor() };
     let clamp = |force: f64| {
-        let pair = Pair { normal_force: Some(force), ..Pair::new(shape, disk(0.3)) };
+        let pair = Pair { normal_force: Some(force), ..Pair::new(shape.clone(), disk(0.3)) };
         RigidBodies::new(vec![body.clone()], &[pair], vec![], [0.0, 0.0, -G]).unwrap()
     };
     let state = run(&clamp(2.0 * G), 1e-3, 0.5, |_| {});
@@ -214,7 +214,7 @@ fn contact_forces_carry_the_weight() {
     let mut forces = [Vector3::zeros(); 2];
     for contact in 0..16 {
         let output = stepper.output(contact).unwrap();
-        let geometry = system.contact_geometry(stepper.q(), contact);
+        let geometry = system.contact_geometry(0.0, stepper.q(), contact);
         let [f1, f2, _] = output.force;
         let (body, other) = system.partners(contact);
         let force = geometry.world([f1, f2, output.normal_force]);

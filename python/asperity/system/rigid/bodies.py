@@ -8,13 +8,14 @@ from typing import Self, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, time_functions
+from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import ParameterError
+from asperity.system import time_functions
 from asperity.system.rigid import rotation
 from asperity.system.rigid.rotation import Orientation
-from asperity.time_functions import Signal, TimeFunction
+from asperity.system.time_functions import Signal, TimeFunction
 
 # Relative tolerance within which a tensor in turned axes counts as symmetric.
 _SYMMETRY = 1e-12

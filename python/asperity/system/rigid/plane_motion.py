@@ -7,11 +7,11 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from asperity import time_functions
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import ParameterError
-from asperity.time_functions import Signal, TimeFunction
+from asperity.system import time_functions
+from asperity.system.time_functions import Signal, TimeFunction
 
 
 class PlaneMotion(Value):
@@ -22,7 +22,7 @@ class PlaneMotion(Value):
 
     Args:
         displacement: d in m in the axes in which the plane is given, those of the world or of its
-            body: a `Signal` with values of shape ``(3,)``, of a line ``(2,)``; or a function of t in
+            body: a `Signal` with values of shape ``(3,)``, of a line ``(2,)``; or a function of t
             s that returns the pair (d, ḋ).
         rotation: the rotation vector ρ in rad in these axes, of the same kind; of a line a number,
             the angle counter-clockwise.

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, time_functions
+from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import DimensionError, ParameterError
-from asperity.time_functions import Signal, TimeFunction
+from asperity.system import time_functions
+from asperity.system.time_functions import Signal, TimeFunction
 
 
 class Spring(Value):

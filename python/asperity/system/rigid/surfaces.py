@@ -8,14 +8,15 @@ from typing import Any, Literal, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, time_functions
+from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import ParameterError
+from asperity.system import time_functions
 from asperity.system.rigid import plane_motion, rotation
 from asperity.system.rigid.plane_motion import PlaneMotion
 from asperity.system.rigid.rotation import Orientation
-from asperity.time_functions import Signal, TimeFunction
+from asperity.system.time_functions import Signal, TimeFunction
 
 # Sine of the smallest angle between an axis and the normal it is projected along.
 _PARALLEL = 1e-12

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core, time_functions
+from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import DimensionError, ParameterError
+from asperity.system import time_functions
 from asperity.system.rigid import rotation
 from asperity.system.rigid.bodies import Body, PlanarBody
 from asperity.system.rigid.pairs import Pair

@@ -169,10 +169,14 @@ class Sine(Signal):
     ) -> None:
         parts = {"amplitude": amplitude, "phase": phase, "offset": offset}
         given = {name: _arrays.array(value, name) for name, value in parts.items()}
-        shape = np.broadcast_shapes(*(() if a.ndim == 0 else a.shape for a in given.values()))
+        shape: tuple[int, ...] = ()
         for name, array in given.items():
-            if array.ndim > 1 or array.shape not in ((), shape):
-                raise DimensionError(name, f"must be a number or of shape (d,), got {array.shape}")
+            if array.ndim > 1 or (() not in (shape, array.shape) and array.shape != shape):
+                wanted = shape or "(d,)"
+                raise DimensionError(
+                    name, f"must be a number or of shape {wanted}, got {array.shape}"
+                )
+            shape = shape or array.shape
         kept = {
             name: float(array) if array.ndim == 0 else _arrays.read_only(array)
             for name, array in given.items()
