@@ -40,6 +40,8 @@ class EventKind(StrEnum):
     """Friction stops the slip by an impact without approach (Painlevé)."""
     SECTION = "section"
     """The motion crosses the section."""
+    KINK = "kink"
+    """A load or the velocity of a surface jumps, or its rate does, see `Signal`."""
 
     def __repr__(self) -> str:
         return f"EventKind.{self.name}"
@@ -51,8 +53,8 @@ class Event(Value):
     Attributes:
         time: in s.
         kind: what happened.
-        contact: number of the contact; ``None`` of a section.
-        phase: what the contact does afterwards; ``None`` of a section.
+        contact: number of the contact; ``None`` of a section and of a kink.
+        phase: what the contact does afterwards; ``None`` of a section and of a kink.
         ambiguous: whether the contacts might have done something else, see docs/selection.md.
     """
 

@@ -93,6 +93,12 @@ def limit_cycle(
     tolerance = _arrays.positive(tolerance, "tolerance")
     if isinstance(system, RigidBodies) and len(system.q0) != system.dof:
         raise ParameterError("system", "must have as many coordinates as velocities")
+    if isinstance(system, RigidBodies) and system.depends_on_time:
+        raise ParameterError(
+            "system",
+            "must not depend on time, as it does by a load, the length of a spring or a surface: "
+            "a motion that returns to its state does not go on as before",
+        )
     if section is not None and not isinstance(section, Section):
         raise ParameterError("section", f"must be a Section or None, got {section!r}")
     if near is not None:

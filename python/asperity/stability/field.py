@@ -121,6 +121,12 @@ def start(system: Model, q0: ArrayLike | None) -> Array:
     q = _arrays.array(q if q0 is None else q0, "q0", q.shape)
     if isinstance(system, System):
         _check_autonomous(system, q)
+    if isinstance(system, RigidBodies) and system.depends_on_time:
+        raise ParameterError(
+            "system",
+            "depends on time, by a load, the length of a spring or a surface: there is no steady "
+            "sliding whose stability could be told from one time",
+        )
     return q
 
 

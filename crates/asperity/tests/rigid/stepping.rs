@@ -59,8 +59,8 @@ impl System for Plain {
         }
         Ok(())
     }
-    fn forces(&self, t: f64, q: &[f64], u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
-        self.bodies.forces(t, q, u, h)
+    fn forces(&self, at: &Configuration<'_>, u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
+        self.bodies.forces(at, u, h)
     }
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         self.bodies.gap(at, contact)
@@ -194,8 +194,8 @@ fn a_given_normal_force_acts() {
     let body = Body { velocity: [2.0, 0.0, 0.0], ..Body::new(2.0, [0.1; 3]) };
     let shape = Shape::PointPlane { body: 0, point: [0.0; 3], plane: Plane::floor() };
     let clamp = |force: f64| {
-        let pair = Pair { normal_force: Some(force), ..Pair::new(shape, disk(0.3)) };
-        RigidBodies::new(vec![body], &[pair], vec![], [0.0, 0.0, -G]).unwrap()
+        let pair = Pair { normal_force: Some(force), ..Pair::new(shape.clone(), disk(0.3)) };
+        RigidBodies::new(vec![body.clone()], &[pair], vec![], [0.0, 0.0, -G]).unwrap()
     };
     let state = run(&clamp(2.0 * G), 1e-3, 0.5, |_| {});
     assert!(state.u[2].abs() < 1e-13 && (state.u[0] - 2.0 + 0.15 * G).abs() < 1e-12);
@@ -214,7 +214,7 @@ fn contact_forces_carry_the_weight() {
     let mut forces = [Vector3::zeros(); 2];
     for contact in 0..16 {
         let output = stepper.output(contact).unwrap();
-        let geometry = system.contact_geometry(stepper.q(), contact);
+        let geometry = system.contact_geometry(0.0, stepper.q(), contact);
         let [f1, f2, _] = output.force;
         let (body, other) = system.partners(contact);
         let force = geometry.world([f1, f2, output.normal_force]);

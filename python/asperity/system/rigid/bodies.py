@@ -1,7 +1,8 @@
-"""Rigid bodies: mass, inertia, initial state and constant loads."""
+"""Rigid bodies: mass, inertia, initial state and loads."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Self, TypedDict, Unpack
 
 import numpy as np
@@ -11,8 +12,10 @@ from asperity import _arrays
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import ParameterError
+from asperity.system import time_functions
 from asperity.system.rigid import rotation
 from asperity.system.rigid.rotation import Orientation
+from asperity.system.time_functions import Signal, TimeFunction
 
 # Relative tolerance within which a tensor in turned axes counts as symmetric.
 _SYMMETRY = 1e-12
@@ -21,25 +24,25 @@ _MOMENTS = 1e-9
 
 
 class State(TypedDict, total=False):
-    """Initial state and constant loads of a `Body`."""
+    """Initial state and loads of a `Body`."""
 
     position: ArrayLike
     orientation: Orientation
     velocity: ArrayLike
     angular_velocity: ArrayLike
-    force: ArrayLike
-    torque: ArrayLike
+    force: TimeFunction
+    torque: TimeFunction
 
 
 class PlanarState(TypedDict, total=False):
-    """Initial state and constant loads of a `PlanarBody`."""
+    """Initial state and loads of a `PlanarBody`."""
 
     position: ArrayLike
     angle: float
     velocity: ArrayLike
     angular_velocity: float
-    force: ArrayLike
-    torque: float
+    force: TimeFunction
+    torque: TimeFunction
 
 
 class Body(Value):
@@ -54,8 +57,9 @@ class Body(Value):
             quaternion (w, x, y, z), which is normalised. SciPy's own order is (x, y, z, w).
         velocity: of the centre of mass in m/s, shape ``(3,)``.
         angular_velocity: ω in rad/s in the world's axes, shape ``(3,)``.
-        force: constant force on the centre of mass in N besides gravity, in the world's axes.
-        torque: constant torque in N m in the world's axes.
+        force: on the centre of mass in N besides gravity, in the world's axes: shape ``(3,)``, or a
+            `Signal` or a function of t in s with such values.
+        torque: in N m in the world's axes, likewise.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -75,8 +79,8 @@ class Body(Value):
     orientation: Array
     velocity: Array
     angular_velocity: Array
-    force: Array
-    torque: Array
+    force: Array | Signal | Callable[[float], ArrayLike]
+    torque: Array | Signal | Callable[[float], ArrayLike]
 
     def __init__(
         self,
@@ -87,8 +91,8 @@ class Body(Value):
         orientation: Orientation = (1.0, 0.0, 0.0, 0.0),
         velocity: ArrayLike = (0.0, 0.0, 0.0),
         angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
-        force: ArrayLike = (0.0, 0.0, 0.0),
-        torque: ArrayLike = (0.0, 0.0, 0.0),
+        force: TimeFunction = (0.0, 0.0, 0.0),
+        torque: TimeFunction = (0.0, 0.0, 0.0),
     ) -> None:
         self._set(
             mass=_arrays.positive(mass, "mass"),
@@ -97,8 +101,8 @@ class Body(Value):
             orientation=rotation.quaternion(orientation, "orientation"),
             velocity=_vector(velocity, "velocity", 3),
             angular_velocity=_vector(angular_velocity, "angular_velocity", 3),
-            force=_vector(force, "force", 3),
-            torque=_vector(torque, "torque", 3),
+            force=time_functions.checked(force, "force", (3,)),
+            torque=time_functions.checked(torque, "torque", (3,)),
         )
 
     @classmethod
@@ -162,8 +166,9 @@ class PlanarBody(Value):
         angle: φ in rad, counter-clockwise.
         velocity: of the centre of mass in m/s, shape ``(2,)``.
         angular_velocity: ω in rad/s.
-        force: constant force on the centre of mass in N besides gravity, shape ``(2,)``.
-        torque: constant torque in N m.
+        force: on the centre of mass in N besides gravity: shape ``(2,)``, or a `Signal` or a
+            function of t in s with such values.
+        torque: in N m: a number, or a `Signal` or a function of t in s.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -179,8 +184,8 @@ class PlanarBody(Value):
     angle: float
     velocity: Array
     angular_velocity: float
-    force: Array
-    torque: float
+    force: Array | Signal | Callable[[float], ArrayLike]
+    torque: float | Signal | Callable[[float], ArrayLike]
 
     def __init__(
         self,
@@ -191,8 +196,8 @@ class PlanarBody(Value):
         angle: float = 0.0,
         velocity: ArrayLike = (0.0, 0.0),
         angular_velocity: float = 0.0,
-        force: ArrayLike = (0.0, 0.0),
-        torque: float = 0.0,
+        force: TimeFunction = (0.0, 0.0),
+        torque: TimeFunction = 0.0,
     ) -> None:
         self._set(
             mass=_arrays.positive(mass, "mass"),
@@ -201,8 +206,8 @@ class PlanarBody(Value):
             angle=_arrays.number(angle, "angle"),
             velocity=_vector(velocity, "velocity", 2),
             angular_velocity=_arrays.number(angular_velocity, "angular_velocity"),
-            force=_vector(force, "force", 2),
-            torque=_arrays.number(torque, "torque"),
+            force=time_functions.checked(force, "force", (2,)),
+            torque=time_functions.checked(torque, "torque", ()),
         )
 
     @classmethod

@@ -12,6 +12,7 @@ from asperity import _arrays, _core
 from asperity._arrays import Array
 from asperity._value import Value
 from asperity.errors import DimensionError, ParameterError
+from asperity.system import time_functions
 from asperity.system.rigid import rotation
 from asperity.system.rigid.bodies import Body, PlanarBody
 from asperity.system.rigid.pairs import Pair
@@ -94,7 +95,12 @@ class RigidBodies(Value):
             planar,
             np.array([body.mass for body in listed]),
             np.array([np.ravel(body.inertia) for body in listed]),
-            np.array([np.append(body.force, body.torque) for body in listed]),
+            np.array([_constant_load(body, planar) for body in listed]),
+            [
+                (number, time_functions.core(body.force), time_functions.core(body.torque))
+                for number, body in enumerate(listed)
+                if _is_timed(body)
+            ],
             [pair._core_data() for pair in self.pairs],
             [spring._core_data() for spring in self.springs],
             self.gravity,
@@ -120,6 +126,11 @@ class RigidBodies(Value):
     def coordinates(self) -> int:
         """Number of coordinates: 7, planar 3, per body."""
         return len(self.bodies) * (3 if self.planar else 7)
+
+    @property
+    def depends_on_time(self) -> bool:
+        """Whether loads, lengths of springs or surfaces depend on time."""
+        return self._core.depends_on_time
 
     @property
     def q0(self) -> Array:
@@ -165,7 +176,8 @@ class RigidBodies(Value):
         """Return the kinetic energy plus that of the loads in J, shape ``(n_t,)``.
 
         Loads with a potential are the weight and constant forces, zero for centres of mass at the
-        origin, and springs; constant torques have none.
+        origin, and springs with the lengths of the time; torques, and forces that depend on time,
+        have none.
 
         Args:
             trajectory: of this system.
@@ -176,7 +188,7 @@ class RigidBodies(Value):
         [25.0, 25.0]
         """
         self._states(trajectory)
-        return self._core.energy(trajectory.q, trajectory.u)
+        return self._core.energy(trajectory.t, trajectory.q, trajectory.u)
 
     def momentum(self, trajectory: Trajectory) -> Array:
         """Return Σ m v in N s, shape ``(n_t, 3)``, planar ``(n_t, 2)``.
@@ -211,7 +223,7 @@ class RigidBodies(Value):
             trajectory: of this system.
         """
         self._states(trajectory)
-        return self._core.contact_geometry(trajectory.q)[0][..., : self._space]
+        return self._core.contact_geometry(trajectory.t, trajectory.q)[0][..., : self._space]
 
     def contact_forces(
         self,
@@ -249,7 +261,8 @@ class RigidBodies(Value):
         if frame == "surface":
             return forces
         middle = self._core.advance(trajectory.q, trajectory.u, -0.5 * trajectory.dt)
-        axes = self._core.contact_geometry(middle)[1][..., self._rows, : self._space]
+        times = trajectory.t - 0.5 * trajectory.dt
+        axes = self._core.contact_geometry(times, middle)[1][..., self._rows, : self._space]
         forces = _turned(np.swapaxes(axes, -1, -2), forces)
         if frame == "world":
             return forces
@@ -287,6 +300,17 @@ class RigidBodies(Value):
         if self.planar:
             return rotation.planar_matrices(q[..., 2])
         return rotation.matrices(q[..., 3:])
+
+
+def _is_timed(body: Body | PlanarBody) -> bool:
+    return any(map(time_functions.depends_on_time, (body.force, body.torque)))
+
+
+def _constant_load(body: Body | PlanarBody, planar: bool) -> Array:
+    """Return force and torque, zeros if one of them depends on time."""
+    if _is_timed(body):
+        return np.zeros(3 if planar else 6)
+    return time_functions.constants(body.force, body.torque)
 
 
 def _turned(matrices: Array, vectors: Array) -> Array:

@@ -21,6 +21,8 @@ pub enum EventKind {
     ImpactWithoutCollision,
     /// The motion crosses the section.
     Section,
+    /// A load or the motion of a surface jumps, or its rate does.
+    Kink,
 }
 
 impl EventKind {
@@ -33,6 +35,7 @@ impl EventKind {
             Self::Impact => "impact",
             Self::ImpactWithoutCollision => "impact_without_collision",
             Self::Section => "section",
+            Self::Kink => "kink",
         }
     }
 }
@@ -43,7 +46,7 @@ impl EventKind {
 pub struct Event {
     /// Time in s.
     pub time: f64,
-    /// The contact; none of a section.
+    /// The contact; none of a section and of a kink.
     pub contact: Option<usize>,
     /// What happened.
     pub kind: EventKind,

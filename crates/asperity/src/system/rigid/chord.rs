@@ -27,9 +27,9 @@ use nalgebra::Vector3;
 
 use super::contact::{Contact, Touching, direction};
 use super::rotation::Turn;
-use super::surface::Surface;
+use super::surface::{Surface, SurfaceCourse};
 use super::{Pose, RigidBodies, angular, linear};
-use crate::system::Midpoint;
+use crate::system::{Midpoint, Moment};
 
 /// Radians per step up to which a rotation is followed. Beyond, the chord of a sliding point has little to do with its
 /// velocity, and from half a turn on friction along the chord would drive the body.
@@ -87,23 +87,39 @@ impl RigidBodies {
 }
 
 impl Contact {
-    /// Whether anything turns in a step, by more than rounding and not too far to be followed. `rates` are the angular
+    /// Whether anything turns in a step, by more than rounding and not too far to be followed, or a surface changes its
+    /// velocity. `rates` are the angular
     /// velocities of the bodies, `approach` the relative velocity of the centres of mass.
     pub(super) fn bends(&self, rates: [f64; 2], approach: f64, dt: f64) -> bool {
-        let own = match &self.touching {
-            Touching::Plane { surface, .. } => surface.spin.abs(),
-            Touching::Spheres { radii, .. } => approach / (radii[0] + radii[1]),
+        let (own, moves) = match &self.touching {
+            Touching::Plane { surface, timed, .. } => (surface.spin.abs(), timed.is_some()),
+            Touching::Spheres { radii, .. } => (approach / (radii[0] + radii[1]), false),
         };
         let turn = dt * own.max(rates[0]).max(rates[1]);
-        turn > f64::EPSILON && turn <= LARGEST_TURN
+        (moves || turn > f64::EPSILON) && turn <= LARGEST_TURN
     }
 
     /// The corrections of its rows.
-    pub(super) fn bend(&self, first: &Course, second: Option<&Course>, dt: f64) -> Bend {
+    pub(super) fn bend(&self, t: f64, first: &Course, second: Option<&Course>, dt: f64) -> Bend {
         match &self.touching {
-            Touching::Plane { point, radius, surface } => {
+            Touching::Plane { point, radius, surface, timed } => {
                 let arm = first.pose.rotation * point;
-                on_plane(&arm, *radius, surface, first, second, dt)
+                let surface = match timed {
+                    None => *surface,
+                    Some(timed) => timed.at(surface, Moment::new(t)),
+                };
+                let course = match timed {
+                    None => surface.course(dt),
+                    Some(timed) => timed.course(&surface, t, dt),
+                };
+                match second {
+                    None => on_plane(&arm, *radius, (&surface, &course), first, None, dt),
+                    Some(second) => {
+                        let course = course.at(&second.pose.rotation);
+                        let surface = surface.at(&second.pose);
+                        on_plane(&arm, *radius, (&surface, &course), first, Some(second), dt)
+                    }
+                }
             }
             Touching::Spheres { centres, radii } => match second {
                 Some(second) => between_spheres(centres, radii, first, second, dt),
@@ -116,19 +132,18 @@ impl Contact {
 fn on_plane(
     arm: &Vector3<f64>,
     radius: f64,
-    surface: &Surface,
+    (surface, course): (&Surface, &SurfaceCourse),
     first: &Course,
     second: Option<&Course>,
     dt: f64,
 ) -> Bend {
     let centre = first.pose.position + arm;
-    let surface = second.map_or(*surface, |second| surface.at(&second.pose));
     let normal = surface.normal;
     let away = normal * radius;
     let point = centre - away;
     // The material of the surface moves within its plane, and is carried along with it.
-    let velocity = surface.material_velocity(&point);
-    let way = surface.way(&velocity, dt) / dt;
+    let (velocity, _) = surface.material_velocity(&point);
+    let way = surface.way(&point, course) / dt;
     let carried = second.map_or(Vector3::zeros(), |second| second.turn.chord(&way));
     let mut tangential = first.bend(arm, dt) - first.gyroscopic.cross(&(arm - away));
     let mut bend = Bend {
@@ -138,17 +153,31 @@ fn on_plane(
     };
     tangential -= way - velocity + carried;
     let mut spin = normal * surface.spin;
+    // The way of the centre, over the time, as it shows in the plane.
+    let mut relative = first.mean(arm, dt);
     if let Some(second) = second {
         let other = centre - second.pose.position;
         let own = second.bend(&other, dt);
         tangential -= own - second.gyroscopic.cross(&(other - away));
         // The gap is measured along the normal at the end.
-        let relative = first.mean(arm, dt) - second.mean(&other, dt);
+        relative -= second.mean(&other, dt);
         let tipped = second.turn.inverse().chord(&relative);
+        relative += tipped;
         bend.normal += normal.dot(&(tipped - own + second.gyroscopic.cross(&other)));
         let rolling = second.omega.cross(&normal).dot(&first.omega);
         bend.drilling += normal.dot(&second.gyroscopic) + 0.5 * dt * rolling;
         spin += second.omega;
+    }
+    bend.drilling -= course.angle / dt - surface.spin;
+    if let (Some(plane), Some([shift, turning])) = (&course.plane, &surface.motion) {
+        let from = centre - surface.point;
+        let own = plane.way(&from) / dt;
+        relative -= own;
+        let tipped = plane.rotation.tr_mul(&relative) - relative;
+        bend.normal += normal.dot(&(tipped - own + shift + turning.cross(&from)));
+        let rolling = turning.cross(&normal).dot(&first.omega);
+        bend.drilling += 0.5 * dt * rolling - normal.dot(&(plane.angle() / dt - turning));
+        spin += turning;
     }
     if radius > 0.0 {
         let relative = first.omega - spin;

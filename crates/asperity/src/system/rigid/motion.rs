@@ -21,6 +21,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::body::TimedLoad;
 use super::rotation::{matrix, turned, turned_back};
 use super::{Pose, RigidBodies, Twist, angular, twist};
 use crate::system::Configuration;
@@ -113,7 +114,7 @@ impl RigidBodies {
         omega
     }
 
-    /// Weight, constant loads, springs and prescribed normal forces, without gyroscopic terms.
+    /// Weight, loads, springs and prescribed normal forces, without gyroscopic terms.
     pub(super) fn loads(&self, at: &Configuration<'_>, u: &[f64], forces: &mut [f64]) {
         for (body, inertial) in self.inertial.iter().enumerate() {
             let force = self.gravity * inertial.mass + inertial.force;
@@ -128,15 +129,19 @@ impl RigidBodies {
             let sum = self.twist(forces, body) + load;
             self.set_twist(forces, body, &sum);
         };
-        let pose = |body| self.pose_at(at, body);
+        let (pose, moment) = (|body| self.pose_at(at, body), at.moment());
+        for TimedLoad { body, force, torque } in &self.timed_loads {
+            let [force, torque] = [force, torque].map(|load| load.value(moment).into());
+            add(*body, pose(*body).wrench(&force, &torque));
+        }
         for spring in &self.springs {
-            spring.load(pose, |body| self.twist(u, body), &mut add);
+            spring.load(moment, pose, |body| self.twist(u, body), &mut add);
         }
         for &i in &self.prescribed {
             let contact = &self.contacts[i];
             let force = self.laws[i].normal_force.unwrap_or(0.0);
             let poses = (pose(contact.body), contact.other.map(pose));
-            let geometry = contact.geometry(&poses.0, poses.1.as_ref());
+            let geometry = contact.geometry(moment, &poses.0, poses.1.as_ref());
             let (mut own, mut other) = ([Twist::zeros()], [Twist::zeros()]);
             let both = (&poses.0, poses.1.as_ref());
             contact.rows_of(&geometry, both, (true, 0), (&mut own, &mut other), &mut [0.0]);
