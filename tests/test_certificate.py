@@ -4,7 +4,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import Certificate, Status
-from asperity.grading import natural_map, proves_no_solution
+from asperity.contact.grading import natural_map, proves_no_solution
 from samples import LAWS, identify, random_problem
 from scipy.optimize import linprog
 

@@ -14,8 +14,8 @@ from asperity.identify import (
     read_raw,
     write_raw,
 )
-from asperity.identify.files import _SECTIONS, blaming
-from asperity.identify.units import factors
+from asperity.identify.records.configuration import _SECTIONS, blaming
+from asperity.identify.records.units import factors
 
 LAW = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.3))
 NAMES = ("time", "angle", "tangential", "radial", "normal")

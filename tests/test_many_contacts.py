@@ -3,7 +3,7 @@
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.grading import natural_map
+from asperity.contact.grading import natural_map
 from samples import CORNERED_LAWS, LINE_LAWS, PLANE_LAWS, SPACE_LAWS, identify
 from scipy.sparse import block_diag, csr_array
 

@@ -5,7 +5,8 @@ import shutil
 
 import numpy as np
 import pytest
-from asperity import ParameterError, cli
+from asperity import ParameterError
+from asperity.commands.main import main
 from asperity.track import VideoFile, VirtualCamera, read_config, track_mark, write_video
 from filmed import RUN, SMALL
 
@@ -31,9 +32,7 @@ def folder(tmp_path_factory):
 
 def test_the_command_writes_tables_figures_and_report(folder, tmp_path, capsys):
     out = tmp_path / "new" / "out"
-    code = cli.main(
-        ["track", str(folder), "--config", str(folder / "track.toml"), "--out", str(out)]
-    )
+    code = main(["track", str(folder), "--config", str(folder / "track.toml"), "--out", str(out)])
     assert code == 0
     assert sorted(file.name for file in out.iterdir()) == [
         "frames.csv",
@@ -64,7 +63,7 @@ def test_a_film_that_loses_the_mark_exits_with_1(folder, tmp_path, capsys):
     for number in range(12, 20):
         Image.new("RGB", (640, 540), (120, 120, 120)).save(film / f"{number}.png")
     arguments = ["track", str(film), "--config", str(folder / "track.toml")]
-    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 1
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 1
     told = capsys.readouterr().out
     assert "12 good, 8 lost" in told
     assert "frames 12-19" in told
@@ -78,7 +77,7 @@ def test_folders_to_write_into_are_checked_first(name, message, folder, tmp_path
     (tmp_path / "file").write_text("mine")
     (tmp_path / "out" / "report.html").mkdir(parents=True)
     arguments = ["track", str(folder), "--config", str(folder / "track.toml")]
-    assert cli.main([*arguments, "--out", str(tmp_path / name)]) == 2
+    assert main([*arguments, "--out", str(tmp_path / name)]) == 2
     told = capsys.readouterr().err.strip()
     assert re.fullmatch(f"asperity: --out: .*{message}.*", told)
     assert (tmp_path / "file").read_text() == "mine"
@@ -89,9 +88,9 @@ def test_half_a_result_is_none(folder, tmp_path, capsys, monkeypatch):
     def fails(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("asperity.track_video._report", fails)
+    monkeypatch.setattr("asperity.commands.track._report", fails)
     arguments = ["track", str(folder), "--config", str(folder / "track.toml")]
-    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
     assert "No space left" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
@@ -104,12 +103,12 @@ def test_a_film_that_ends_in_motion_exits_with_1(folder, tmp_path, capsys):
     config = tmp_path / "track.toml"
     config.write_text("start = 0.004\nstop = 0.05\n" + (folder / "track.toml").read_text())
     arguments = ["track", str(film), "--config", str(config), "--out", str(tmp_path / "out")]
-    assert cli.main(arguments) == 1
+    assert main(arguments) == 1
     told = capsys.readouterr().out
     assert "does not come to rest in view" in told
     assert re.search(r"motion +0.0040 to 0.0500 s", told)
     config.write_text("bandwidth = 1e300\n" + (folder / "track.toml").read_text())
-    assert cli.main(arguments) == 2
+    assert main(arguments) == 2
     assert "track.toml: bandwidth: must be between" in capsys.readouterr().err
 
 
@@ -139,7 +138,7 @@ def test_a_film_that_ends_in_motion_exits_with_1(folder, tmp_path, capsys):
 def test_bad_configurations_are_one_line(change, message, tmp_path, capsys, folder):
     config, out = tmp_path / "track.toml", tmp_path / "out"
     config.write_text(change(CONFIG), encoding="utf-8")
-    assert cli.main(["track", str(folder), "--config", str(config), "--out", str(out)]) == 2
+    assert main(["track", str(folder), "--config", str(config), "--out", str(out)]) == 2
     told = capsys.readouterr().err.strip()
     assert re.search(message, told)
     assert "\n" not in told
@@ -151,7 +150,7 @@ def test_binary_configurations_and_missing_ones(tmp_path, capsys, folder):
     config.write_bytes(b"\xff\xfe\x00fps")
     for path in (config, tmp_path / "none.toml"):
         arguments = ["track", str(folder), "--config", str(path), "--out", str(tmp_path / "out")]
-        assert cli.main(arguments) == 2
+        assert main(arguments) == 2
         assert path.name in capsys.readouterr().err
 
 
@@ -165,7 +164,7 @@ def test_files_that_are_no_video_need_no_pyav(
     monkeypatch.setitem(__import__("sys").modules, "av", None)
     (tmp_path / "slow.mp4").write_bytes(contents)
     arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
-    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
     assert re.search(message, capsys.readouterr().err)
 
 
@@ -224,7 +223,7 @@ def damaged(folder, kind):
 )
 def test_bad_folders_are_one_line(kind, message, folder, tmp_path, capsys):
     film, out = damaged(folder, kind), tmp_path / "out"
-    code = cli.main(["track", str(film), "--config", str(folder / "track.toml"), "--out", str(out)])
+    code = main(["track", str(film), "--config", str(folder / "track.toml"), "--out", str(out)])
     told = capsys.readouterr().err.strip().splitlines()[-1]
     assert code == 2
     assert re.search(message, told)
@@ -253,7 +252,7 @@ def test_videos(tmp_path, folder, capsys):
     (tmp_path / "cut.mp4").write_bytes((tmp_path / "slow.mp4").read_bytes()[:3000])
     for name in ("text.mp4", "cut.mp4"):
         arguments = ["track", str(tmp_path / name), "--config", str(folder / "track.toml")]
-        assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+        assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
         assert f"{name}: is no video" in capsys.readouterr().err
 
 
@@ -261,5 +260,5 @@ def test_videos_without_pyav_say_what_to_install(tmp_path, folder, capsys, monke
     monkeypatch.setitem(__import__("sys").modules, "av", None)
     (tmp_path / "slow.mp4").write_bytes(b"\0\0\0\x18ftypmp42")
     arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
-    assert cli.main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
     assert "pip install 'asperity[video]'" in capsys.readouterr().err

@@ -3,7 +3,7 @@
 import asperity as asp
 import numpy as np
 import pytest
-from asperity._trajectory_file import FORMAT
+from asperity.runs.trajectory_file import FORMAT
 
 
 @pytest.fixture(scope="module")
@@ -163,7 +163,7 @@ def test_fields_that_contradict_each_other_are_refused(motion, tmp_path, changes
 
 def test_the_state_at_the_end_fits_the_rest(motion, tmp_path):
     """Fields that later versions add stand in groups of their own, all or none."""
-    from asperity import _trajectory_file
+    from asperity.runs import trajectory_file
 
     path = tmp_path / "run.npz"
     fields = {name: getattr(motion, name) for name in (*ARRAYS, *SCALARS, "phase_counts")}
@@ -176,8 +176,8 @@ def test_the_state_at_the_end_fits_the_rest(motion, tmp_path):
         "end_contacts": np.zeros((2, 16)),
         "end_momenta": np.zeros((1, 3)),
     }
-    _trajectory_file.save({**fields, **end}, path)
-    read = _trajectory_file.load(path)
+    trajectory_file.save({**fields, **end}, path)
+    read = trajectory_file.load(path)
     for name, value in end.items():
         np.testing.assert_array_equal(read[name], value)
     for name, wrong in (
@@ -193,9 +193,9 @@ def test_the_state_at_the_end_fits_the_rest(motion, tmp_path):
         ("end_mass", 1.0),
     ):
         changed = {**fields, **end, name: wrong}
-        _trajectory_file.save({k: v for k, v in changed.items() if v is not None}, path)
+        trajectory_file.save({k: v for k, v in changed.items() if v is not None}, path)
         with pytest.raises(asp.ParameterError) as caught:
-            _trajectory_file.load(path)
+            trajectory_file.load(path)
         assert caught.value.argument == name
 
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from asperity.contact.certificate import Infeasibility
     from asperity.contact.problem import ContactProblem
-    from asperity.motion import Motion
-    from asperity.trajectory import Trajectory
+    from asperity.runs.motion import Motion
+    from asperity.runs.trajectory import Trajectory
 
 
 _LONGEST = 250

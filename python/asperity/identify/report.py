@@ -11,9 +11,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asperity._files import atomic
+from asperity._base.files import atomic
 from asperity.errors import FitError, ParameterError
-from asperity.identify.coordinates import Estimate
+from asperity.identify.fitting.models.coordinates import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from asperity._arrays import Array
-from asperity._files import write_csv
+from asperity._base.arrays import Array
+from asperity._base.files import write_csv
 
 
 class Curves:

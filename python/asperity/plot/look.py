@@ -17,12 +17,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.quiver import Quiver
 
-from asperity._arrays import Array, positive, unit_vectors
-from asperity._files import atomic
+from asperity._base.arrays import Array, positive, unit_vectors
+from asperity._base.files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
-from asperity.motion import Motion
-from asperity.trajectory import Trajectory
+from asperity.runs.motion import Motion
+from asperity.runs.trajectory import Trajectory
 
 # Okabe and Ito's palette, distinguishable with every kind of colour vision.
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"

@@ -9,15 +9,15 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
-from asperity.motion import Motion
 from asperity.plot import look
 from asperity.plot.sets import plot_set
+from asperity.runs.motion import Motion
+from asperity.runs.trajectory import Trajectory
 from asperity.status import Phase
-from asperity.trajectory import Trajectory
 
 _LOOK = {
     Phase.STICK: (look.STICK, "stick"),
@@ -152,7 +152,7 @@ def _two(
 ) -> tuple[Array, Array]:
     shown = look.checked_trajectory(trajectory).q
     i, j = (
-        _arrays.count(index, "coordinates", 0) for index in _arrays.pair(coordinates, "coordinates")
+        arrays.count(index, "coordinates", 0) for index in arrays.pair(coordinates, "coordinates")
     )
     if max(i, j) >= shown.shape[1]:
         raise DimensionError("coordinates", f"must be below {shown.shape[1]}, got {coordinates}")
@@ -161,7 +161,7 @@ def _two(
 
 def _contact(trajectory: Trajectory | Motion | Motion, contact: int) -> int:
     contacts = trajectory.phase.shape[1]
-    if _arrays.count(contact, "contact", 0) >= contacts:
+    if arrays.count(contact, "contact", 0) >= contacts:
         raise ParameterError("contact", f"must be below {contacts}, got {contact}")
     return contact
 

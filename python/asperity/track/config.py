@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.track.scene import Scene
 from asperity.track.segmentation import Mark
@@ -85,15 +85,15 @@ def read_config(path: str | os.PathLike[str]) -> TrackConfig:
         view, mismatch = _scene(scene, f"{name} [scene]")
         bandwidth = contents.get("bandwidth")
         times = {
-            key: _arrays.non_negative(contents[key], key)
+            key: arrays.non_negative(contents[key], key)
             for key in ("start", "stop")
             if key in contents
         }
         return TrackConfig(
-            fps=_arrays.positive(contents["fps"], "fps"),
+            fps=arrays.positive(contents["fps"], "fps"),
             scene=view,
             mark=Mark(**mark),
-            bandwidth=None if bandwidth is None else _arrays.positive(bandwidth, "bandwidth"),
+            bandwidth=None if bandwidth is None else arrays.positive(bandwidth, "bandwidth"),
             mismatch=mismatch,
             **times,
         )

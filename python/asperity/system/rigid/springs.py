@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 
 
@@ -56,22 +56,22 @@ class Spring(Value):
         damping: float = 0.0,
         length: float = 0.0,
     ) -> None:
-        body = _arrays.count(body, "body", 0)
-        other = None if other is None else _arrays.count(other, "other", 0)
+        body = arrays.count(body, "body", 0)
+        other = None if other is None else arrays.count(other, "other", 0)
         if body == other:
             raise ParameterError("other", f"must be another body than {body}")
-        near = _arrays.array(point, "point", (None,))
+        near = arrays.array(point, "point", (None,))
         if len(near) not in (2, 3):
             raise DimensionError("point", f"must have 2 or 3 entries, got {len(near)}")
         far = np.zeros(len(near)) if other_point is None else other_point
         self._set(
             body=body,
-            point=_arrays.read_only(near),
+            point=arrays.read_only(near),
             other=other,
-            other_point=_arrays.read_only(_arrays.array(far, "other_point", near.shape)),
-            stiffness=_arrays.non_negative(stiffness, "stiffness"),
-            damping=_arrays.non_negative(damping, "damping"),
-            length=_arrays.non_negative(length, "length"),
+            other_point=arrays.read_only(arrays.array(far, "other_point", near.shape)),
+            stiffness=arrays.non_negative(stiffness, "stiffness"),
+            damping=arrays.non_negative(damping, "damping"),
+            length=arrays.non_negative(length, "length"),
         )
 
     @property
