@@ -149,7 +149,7 @@ ARGUMENTS = {
     },
     "certificate": {"percussion": [1.0, 0.0, 0.1]},
     "natural_map": {"percussion": [1.0, 0.0, 0.1]},
-    "grading.natural_map": {"problem": PROBLEM, "percussion": [1.0, 0.0, 0.1]},
+    "contact.grading.natural_map": {"problem": PROBLEM, "percussion": [1.0, 0.0, 0.1]},
     "residual": {"percussion": [1.0, 0.0, 0.1]},
     "solutions": {"contact": 0},
     "solve": {},

@@ -6,9 +6,9 @@ import re
 import numpy as np
 import pytest
 from asperity import Ellipse, FrictionLaw
-from asperity.commands import identify as command
 from asperity.commands.main import main
-from asperity.identify import Fit, MeasuredSets, VirtualTribometer, write_raw
+from asperity.identify import MeasuredSets, VirtualTribometer, write_raw
+from asperity.identify.campaign import FILES
 from asperity.paper import table1
 from scipy.stats import t
 
@@ -33,7 +33,7 @@ def identify(folder, *files, out, config="tribometer.toml", options=()):
 def test_a_law_is_identified_from_files(campaign, tmp_path, capsys):
     out = tmp_path / "new" / "out"
     assert identify(campaign, "run_1.csv", out=out) == 0
-    assert sorted(file.name for file in out.iterdir()) == sorted(command.FILES)
+    assert sorted(file.name for file in out.iterdir()) == sorted(FILES)
     printed = capsys.readouterr().out
     for words in (
         "4 turns",
@@ -209,7 +209,7 @@ def test_results_are_replaced_all_or_none(campaign, tmp_path, monkeypatch):
 
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "sets.png").write_text("old")
-    monkeypatch.setattr(Fit, "report", fails)
+    monkeypatch.setattr("asperity.identify.campaign.write_report", fails)
     for out in (tmp_path / "old", tmp_path / "new" / "out"):
         assert identify(campaign, "run_1.csv", out=out) == 2
     assert [path.read_text() for path in (tmp_path / "old").iterdir()] == ["old"]
@@ -251,7 +251,7 @@ def test_errors_that_no_record_tells_are_not_known(campaign, tmp_path, capsys, s
     # Seven coordinates, and the sentence.
     assert report.count("<td>not known</td>") == 7
     assert f"the error of the {what} is not known" in report
-    assert sorted(path.name for path in (tmp_path / "less").iterdir()) == sorted(command.FILES)
+    assert sorted(path.name for path in (tmp_path / "less").iterdir()) == sorted(FILES)
 
 
 def test_half_a_turn_beside_a_good_run_is_named(campaign, tmp_path, capsys):

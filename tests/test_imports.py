@@ -20,8 +20,8 @@ LAYERS = [
     {"contact", "system"},
     {"runs"},
     {"steady_sliding"},
-    {"cycles", "track"},
-    {"identify", "mechanisms", "plot", "problems"},
+    {"cycles"},
+    {"identify", "mechanisms", "plot", "problems", "track"},
     {"paper"},
     {"commands"},
 ]
@@ -30,6 +30,7 @@ ROOMS = {"identify", "mechanisms", "plot", "problems", "track"}
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 # Rooms within a room; what stands at its door may use them all.
 ROOMS_WITHIN = {
+    "identify": ["records", "forces", "fitting"],
     "identify/fitting": ["models", "data", "least_squares", "uncertainty"],
 }
 MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "runs"}

@@ -29,6 +29,7 @@ from asperity.contact import (
 from asperity.cycles import BifurcationDiagram, LimitCycle, bifurcation_diagram, limit_cycle
 from asperity.errors import (
     AsperityError,
+    ConfigurationError,
     ConvergenceError,
     DimensionError,
     DivergenceError,
@@ -140,6 +141,7 @@ __all__ = [
     "CappedRectangle",
     "Certificate",
     "Cone",
+    "ConfigurationError",
     "Contact",
     "ContactLaw",
     "ContactProblem",

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import os
 import secrets
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -49,58 +47,56 @@ def replaced(path: str | os.PathLike[str], ending: str = ".tmp") -> Iterator[Pat
             temporary.unlink(missing_ok=True)
 
 
-def write_csv(
-    path: str | os.PathLike[str], header: Iterable[str], rows: Iterable[Iterable[object]]
-) -> None:
-    """Write a table; the file is complete or not there."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    with atomic(path) as file:
-        file.write(text.getvalue().encode())
+class ResultFolder:
+    """A folder for files that belong together: all of them are written, or none.
 
-
-def check_folder(out: Path, names: Sequence[str]) -> None:
-    """Refuse a folder that cannot take files of these names, before anything is worked out.
+    Args:
+        out: the folder, made when it is filled.
+        names: of all files.
 
     Raises:
-        ParameterError: if it, or a folder above it, is a file or cannot be written into, or holds a
-            folder of one of the names.
+        ParameterError: before anything is worked out, if the folder, or one above it, is a file or
+            cannot be written into, or holds a folder of one of the names.
     """
-    place = next(one for one in (out, *out.absolute().parents) if one.exists())
-    if not place.is_dir():
-        raise ParameterError("--out", f"must name a folder, {place} is a file")
-    if not os.access(place, os.W_OK | os.X_OK):
-        raise ParameterError("--out", f"must be a folder to write into, {place} does not allow it")
-    for name in names:
-        if (out / name).is_dir():
-            raise ParameterError("--out", f"must hold no folder of the name {name}: remove it")
 
+    def __init__(self, out: Path, names: Sequence[str]) -> None:
+        place = next(one for one in (out, *out.absolute().parents) if one.exists())
+        if not place.is_dir():
+            raise ParameterError("out", f"must name a folder, {place} is a file")
+        if not os.access(place, os.W_OK | os.X_OK):
+            raise ParameterError(
+                "out", f"must be a folder to write into, {place} does not allow it"
+            )
+        for name in names:
+            if (out / name).is_dir():
+                raise ParameterError("out", f"must hold no folder of the name {name}: remove it")
+        self._out = out
+        self._names = names
 
-@contextmanager
-def all_or_none(out: Path, names: Sequence[str]) -> Iterator[Path]:
-    """Yield a temporary folder, whose files replace those in `out` once all are complete.
+    @contextmanager
+    def filled(self) -> Iterator[Path]:
+        """Yield a temporary folder, whose files replace those in the folder once all are complete.
 
-    Files of an older result step aside before the first new one comes: whenever a process is
-    killed, what has the names belongs to one result. The temporary folder, ``.asperity-…``, is
-    then left behind with the others and can be removed.
-    """
-    made = [place for place in (out, *out.parents) if not place.exists()]
-    out.mkdir(parents=True, exist_ok=True)
-    try:
-        # Inside `out`: renaming works on one file system only.
-        with tempfile.TemporaryDirectory(dir=out, prefix=".asperity-") as folder:
-            fresh, old = Path(folder, "new"), Path(folder, "old")
-            fresh.mkdir()
-            old.mkdir()
-            yield fresh
-            _exchange(fresh, old, out, names)
-    except BaseException:
-        for place in made:
-            with suppress(OSError):
-                place.rmdir()
-        raise
+        Files of an older result step aside before the first new one comes: whenever a process is
+        killed, what has the names belongs to one result. The temporary folder, ``.asperity-…``, is
+        then left behind with the others and can be removed.
+        """
+        out = self._out
+        made = [place for place in (out, *out.parents) if not place.exists()]
+        out.mkdir(parents=True, exist_ok=True)
+        try:
+            # Inside `out`: renaming works on one file system only.
+            with tempfile.TemporaryDirectory(dir=out, prefix=".asperity-") as folder:
+                fresh, old = Path(folder, "new"), Path(folder, "old")
+                fresh.mkdir()
+                old.mkdir()
+                yield fresh
+                _exchange(fresh, old, out, self._names)
+        except BaseException:
+            for place in made:
+                with suppress(OSError):
+                    place.rmdir()
+            raise
 
 
 def _exchange(fresh: Path, old: Path, out: Path, names: Sequence[str]) -> None:

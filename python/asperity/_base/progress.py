@@ -22,6 +22,23 @@ def bar(steps: int) -> Iterator[Callable[[int, int], object]]:
 
 
 @contextmanager
+def bar_if_there() -> Iterator[Callable[[int, int], object] | None]:
+    """Yield a function of (step, steps) that moves a bar; None without a terminal or tqdm."""
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        yield None
+        return
+    with tqdm(unit="step", disable=None, leave=False) as display:
+
+        def move(step: int, steps: int) -> None:
+            display.total = steps
+            display.update(step - display.n)
+
+        yield move
+
+
+@contextmanager
 def stages(count: int) -> Iterator[Callable[[str], object]]:
     """Yield a function that announces the next of `count` stages.
 

@@ -1,124 +1,75 @@
-"""Solving many problem files, the command ``asperity solve``."""
+"""``asperity solve``: contact problems from files."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+import argparse
 from pathlib import Path
 
-from asperity.contact import ContactProblem, ContactSolution, Stage
-from asperity.contact.files import SUFFIXES
-from asperity.contact.grading import natural_map
-from asperity.errors import AsperityError, ParameterError
-from asperity.solvers import Solver
+from asperity._base.tables import line, write_csv
+from asperity.commands.options import DOUBTFUL, SUCCESS, Commands
+from asperity.solvers import NAMES, named
 
-# Solves shorter than this are repeated; their best time counts.
-_SHORT = 1.0
-COLUMNS = (
-    "name", "contacts", "status", "iterations", "factorizations", "residual", "time [s]", "stages"
-)  # fmt: skip
+# Widths of the columns after the name: lines are printed one after the other.
+_WIDTHS = (8, 14, 10, 14, 8, 9, 0)
+_NUMBERS = (1, 3, 4, 5, 6)
 
 
-@dataclass(frozen=True)
-class Row:
-    """One solved file.
-
-    Attributes:
-        name: of the file, without its ending.
-        contacts: number of contacts.
-        solution: what the solver returned.
-        residual: natural map by `grading`, not by the core.
-        seconds: time of the solve, the best one if it was repeated.
-        solved: whether `residual` is within the tolerance.
-    """
-
-    name: str
-    contacts: int
-    solution: ContactSolution
-    residual: float
-    seconds: float
-    solved: bool
-
-    def cells(self) -> tuple[str, ...]:
-        """Return the row as text."""
-        stages = self.solution.stages
-        return (
-            self.name,
-            str(self.contacts),
-            # What the solver takes for solved and the grader does not is a contradiction.
-            str(self.solution.status) if self.solved or not self.solution.converged else "off",
-            str(self.solution.iterations),
-            str(sum(stage.factorizations for stage in stages)),
-            f"{self.residual:.1e}",
-            f"{self.seconds:.3g}",
-            " ".join(map(_stage, stages)),
-        )
+def add(commands: Commands) -> None:
+    """Add the verb to the parser."""
+    parser = commands.add_parser(
+        "solve",
+        help="solve contact problems from files and grade the solutions",
+        description="Solve the contact problems of .npz and HDF5 (FCLIB) files and print a row for "
+        "each: the residual is the natural map ||P - proj(P - rho xi)||/max(||P||, rho ||b||), "
+        "computed apart from the solvers; stages are method:iterations/factorizations. Exit code "
+        "1 if a problem is not solved to the tolerance.",
+        epilog="example: asperity solve problems/ --tolerance 1e-8 --time-limit 30 --csv out.csv",
+    )
+    parser.add_argument(
+        "paths", metavar="FOLDER_OR_FILE", type=Path, nargs="+", help="files, folders of files"
+    )
+    parser.add_argument(
+        "--tolerance", type=float, default=1e-8, help="of the residual; default 1e-8"
+    )
+    parser.add_argument(
+        "--time-limit",
+        metavar="SECONDS",
+        type=float,
+        default=30.0,
+        help="longest time of one solve in s; default 30",
+    )
+    parser.add_argument("--solver", choices=list(NAMES), default="auto", help="default auto")
+    parser.add_argument(
+        "--repeat", metavar="N", type=int, default=1, help="best time of N short solves; default 1"
+    )
+    parser.add_argument("--csv", metavar="FILE", type=Path, help="write the table to a file too")
+    parser.set_defaults(run=run)
 
 
-def problem_files(paths: Sequence[Path]) -> list[Path]:
-    """Return the problem files among the paths and in the folders among them."""
-    found: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            inside = [one for one in path.iterdir() if one.suffix in SUFFIXES]
-            if not inside:
-                raise ParameterError("path", f"must hold {', '.join(SUFFIXES)} files: {path}")
-            found += sorted(inside)
-        else:
-            found.append(path)
-    return found
+def run(options: argparse.Namespace) -> int:
+    """Solve and print; return the exit code."""
+    from asperity.contact.batch import COLUMNS, problem_files, solve_files
 
-
-def solve(
-    files: Sequence[Path],
-    solver: Solver,
-    *,
-    tolerance: float,
-    time_limit: float,
-    repeat: int,
-    unreadable: list[tuple[str, str]],
-) -> Iterator[Row]:
-    """Solve the problems of the files, those of few contacts first.
-
-    A file that cannot be read ends up among `unreadable` and stops nothing.
-    """
-    loaded = []
-    for path in files:
-        try:
-            loaded.append((path.stem, ContactProblem.load(path)))
-        except AsperityError as error:
-            if path.suffix not in SUFFIXES:
-                raise
-            unreadable.append((path.name, str(error)))
-    for name, problem in sorted(loaded, key=lambda one: len(one[1].laws)):
-        seconds = float("inf")
-        for _ in range(repeat):
-            start = time.perf_counter()
-            solution = problem.solve(
-                solver,
-                tolerance=tolerance,
-                time_limit=time_limit,
-                on_failure="record",
-                measure="global",
-            )
-            seconds = min(seconds, time.perf_counter() - start)
-            if seconds > _SHORT:
-                break
-        residual = natural_map(problem, solution.percussion)
-        solved = solution.converged and bool(residual <= tolerance)
-        yield Row(name, len(problem.laws), solution, residual, seconds, solved)
-
-
-def line(cells: Sequence[str], width: int) -> str:
-    """Return a line of the table; names are `width` wide, so that lines can be printed singly."""
-    name, contacts, status, iterations, factorizations, residual, seconds, stages = cells
-    return (
-        f"{name:<{width}} {contacts:>8} {status:<14} {iterations:>10} {factorizations:>14} "
-        f"{residual:>8} {seconds:>9}  {stages}"
-    ).rstrip()
-
-
-def _stage(stage: Stage) -> str:
-    factored = f"/{stage.factorizations}" if stage.factorizations else ""
-    return f"{stage.method}:{stage.iterations}{factored}"
+    files = problem_files(options.paths)
+    widths = (max(len(path.stem) for path in files), *_WIDTHS)
+    print(line(COLUMNS, widths, right=_NUMBERS))
+    rows = []
+    unreadable: list[tuple[str, str]] = []
+    for row in solve_files(
+        files,
+        named(options.solver),
+        tolerance=options.tolerance,
+        time_limit=options.time_limit,
+        repeat=options.repeat,
+        unreadable=unreadable,
+    ):
+        print(line(row.cells(), widths, right=_NUMBERS), flush=True)
+        rows.append(row)
+    solved, seconds = sum(row.solved for row in rows), sum(row.seconds for row in rows)
+    for name, why in unreadable:
+        print(f"{name}: unreadable: {why}")
+    total = len(rows) + len(unreadable)
+    print(f"solved {solved} of {total} to {options.tolerance:g}, {seconds:.3g} s in all")
+    if options.csv is not None:
+        write_csv(options.csv, COLUMNS, (row.cells() for row in rows))
+    return SUCCESS if solved == total else DOUBTFUL

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.tables import aligned
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 
@@ -92,9 +93,9 @@ class Certificate(Value):
             ("friction beyond C", self.cone_violation, "N s"),
             ("friction off direction", self.direction_violation, "N s"),
         ]
-        lines = [f"{name:<22} {value:9.2e} {unit}".rstrip() for name, value, unit in defects]
+        lines = [(name, f"{value:.2e} {unit}") for name, value, unit in defects]
         counts = f"{self.stick} stick, {self.slip} slip, {self.open} open"
-        return "\n".join([*lines, f"{'contacts':<22} {counts}; worst {self.worst_contact}"])
+        return aligned([*lines, ("contacts", f"{counts}; worst {self.worst_contact}")])
 
 
 class InfeasibleCase(Value):

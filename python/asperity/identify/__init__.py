@@ -32,9 +32,10 @@ from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
 from asperity.identify.records.calibration import Calibration
-from asperity.identify.records.configuration import Configuration, read_raw, write_raw
+from asperity.identify.records.configuration import Configuration, read_raw
 from asperity.identify.records.reading import read_csv
 from asperity.identify.records.record import Processing, RawData, Recording
+from asperity.identify.records.writing import write_raw
 from asperity.identify.tribometer import VirtualTribometer
 
 __all__ = [

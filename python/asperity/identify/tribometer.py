@@ -14,6 +14,7 @@ from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.record import RawData, Recording
+from asperity.identify.records.writing import write_raw
 from asperity.law import FrictionLaw
 
 _CHUNK = 1 << 18
@@ -196,8 +197,6 @@ class VirtualTribometer(Value):
         Returns:
             Names of the files, the run first, ``tribometer.toml`` last.
         """
-        from asperity.identify.records.configuration import write_raw
-
         return write_raw(self.record(), folder)
 
     def _levels(self) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.files import atomic
+from asperity._base.tables import aligned, write_columns
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.runs import trajectory_file
@@ -130,20 +130,20 @@ class Trajectory(Value):
     def summary(self) -> str:
         """Return a few lines of text on the run."""
         lines = [
-            f"status            {self.status}",
-            f"time              {self.t[0]:.9g} to {self.t[-1]:.9g} s",
-            f"steps             {self.steps} of {self.dt:.9g} s, {len(self)} samples kept",
-            f"coordinates       {self.q.shape[1]}",
-            f"ambiguous steps   {self.ambiguous_steps}",
-            f"failed steps      {self.failed_steps}",
+            ("status", str(self.status)),
+            ("time", f"{self.t[0]:.9g} to {self.t[-1]:.9g} s"),
+            ("steps", f"{self.steps} of {self.dt:.9g} s, {len(self)} samples kept"),
+            ("coordinates", str(self.q.shape[1])),
+            ("ambiguous steps", str(self.ambiguous_steps)),
+            ("failed steps", str(self.failed_steps)),
         ]
         if len(self) > 1:
-            lines.append(f"iterations        at most {self.iterations[1:].max()}")
-            lines.append(f"residual          at most {np.nanmax(self.residual[1:]):.3g}")
+            lines.append(("iterations", f"at most {self.iterations[1:].max()}"))
+            lines.append(("residual", f"at most {np.nanmax(self.residual[1:]):.3g}"))
         for contact, counts in enumerate(self.phase_counts / max(self.steps, 1)):
             shares = (f"{Phase(i).name.lower()} {share:.1%}" for i, share in enumerate(counts))
-            lines.append(f"contact {contact:<9} {', '.join(shares)}")
-        return "\n".join(lines)
+            lines.append((f"contact {contact}", ", ".join(shares)))
+        return aligned(lines)
 
     def slice(self, t0: float, t1: float) -> Trajectory:
         """Return the samples with t0 ≤ t ≤ t1; counts and status remain those of the whole run."""
@@ -180,17 +180,12 @@ class Trajectory(Value):
 
         Coordinates carry the unit SI, since they may be lengths or angles.
         """
-        columns = [self._columns(name) for name in _SERIES]
-        header = ",".join(title for titles, _ in columns for title in titles)
-        table = np.hstack([values for _, values in columns])
-        with atomic(path) as file:
-            np.savetxt(file, table, fmt="%.17g", delimiter=",", header=header, comments="")
+        write_columns(path, {k: v for name in _SERIES for k, v in self._columns(name).items()})
 
-    def _columns(self, name: str) -> tuple[list[str], Array]:
+    def _columns(self, name: str) -> dict[str, Array]:
         values = getattr(self, name)
         unit = _UNITS.get(name, "SI" if name in ("q", "u") else "-")
-        titles = [
-            "_".join([name, *map(str, index)]) + f" [{unit}]"
+        return {
+            "_".join([name, *map(str, index)]) + f" [{unit}]": values[:, *index]
             for index in np.ndindex(values.shape[1:])
-        ]
-        return titles, values.reshape(len(values), len(titles)).astype(np.float64)
+        }

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.files import atomic
+from asperity._base.tables import write_columns
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.track.cubics import local_cubics, noise, resting
@@ -168,12 +168,12 @@ class MeasuredPath(Value):
             "acceleration": "a{} [m/s2]",
             "acceleration_error": "a{}_error [m/s2]",
         }
-        header = ["t [s]", *(title.format(i) for title in names.values() for i in (1, 2))]
-        table = np.column_stack([self.time, *(getattr(self, name) for name in names)])
-        with atomic(path) as file:
-            np.savetxt(
-                file, table, fmt="%.10g", delimiter=",", header=",".join(header), comments=""
-            )
+        columns = {
+            title.format(k + 1): getattr(self, name)[:, k]
+            for name, title in names.items()
+            for k in (0, 1)
+        }
+        write_columns(path, {"t [s]": self.time, **columns}, digits=10)
 
 
 def _with_gaps(value: ArrayLike, argument: str, length: int) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.files import atomic
+from asperity._base.tables import write_columns
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.track import repeats
@@ -134,16 +134,13 @@ class Track(Value):
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a table with one row per frame; the status is in words, `+` between several."""
         header = (
-            "frame,t [s],column [px],row [px],x1 [m],x2 [m],x1_error [m],x2_error [m],"
-            "diameter [m],blur [px],filling [-],coverage [-],status"
-        )
-        columns = np.column_stack([self.time, *(getattr(self, name) for name in _SERIES[:-1])])
-        lines = [
-            ",".join([str(k), *(f"{x:.10g}" for x in row), str(Sight(int(status)))])
-            for k, (row, status) in enumerate(zip(columns, self.status, strict=True))
-        ]
-        with atomic(path) as file:
-            file.write("\n".join([header, *lines, ""]).encode())
+            "frame", "t [s]", "column [px]", "row [px]", "x1 [m]", "x2 [m]", "x1_error [m]",
+            "x2_error [m]", "diameter [m]", "blur [px]", "filling [-]", "coverage [-]", "status",
+        )  # fmt: skip
+        numbers = np.column_stack([self.time, *(getattr(self, name) for name in _SERIES[:-1])]).T
+        words = [str(Sight(status)) for status in self.status.tolist()]
+        columns = zip(header, [np.arange(len(self)), *numbers, words], strict=True)
+        write_columns(path, dict(columns), digits=10)
 
 
 def track_mark(

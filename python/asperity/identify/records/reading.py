@@ -31,6 +31,7 @@ _TURN = 2.0 * math.pi
 _REPEATED, _CROWDED = 8, 10.0
 # A quiet channel with fewer levels than this may stay at one of them.
 _LEVELS = 16.0
+_ROUNDED = "rounded or out of order after"
 # What stands for a column that is not there.
 _CONSTANTS = {"time": "sample_rate", "angle": "turn_rate", "normal": "normal_load"}
 
@@ -123,7 +124,8 @@ def read_csv(
         series = _series(table, where, scale, constants)
         defects = _defects(series, where)
         if defects and on_defect == "raise":
-            raise RecordError(str(path), _report(defects, table, where))
+            rate = ("sample_rate",) if any(what == _ROUNDED for _, what, _ in defects) else ()
+            raise RecordError(str(path), _report(defects, table, where), (*rate, "on_defect"))
         for rows in _pieces(defects, len(table.values)):
             run = _recording(
                 series, rows, table, named["angle"] if loaded else None, whole=not defects
@@ -189,7 +191,7 @@ def _defects(
     halts = standstill_rows(series["time"])
     if halts.size:
         # Time that is rounded too coarsely repeats itself everywhere.
-        return [("time", "rounded (then give sample_rate=) or out of order after", halts)]
+        return [("time", _ROUNDED, halts)]
     gaps = gap_rows(series["time"])
     if gaps.size:
         found.append(("time", "sampling gap after", gaps))
@@ -232,7 +234,7 @@ def _report(
     for name, what, rows in defects:
         lines = rows_text(table.lines(rows)).replace("row", "line")
         texts.append(f"column {where.get(name, name)!r} ({name}): {what} {lines}")
-    return f"{'; '.join(texts)}; repair the record or give on_defect='split'"
+    return f"{'; '.join(texts)}; repair the record, or split it there"
 
 
 def _pieces(defects: list[tuple[str, str, NDArray[np.intp]]], n: int) -> list[slice]:

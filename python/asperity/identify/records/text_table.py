@@ -94,7 +94,8 @@ def read_table(
     except UnicodeError:
         raise RecordError(
             str(place),
-            f"is not {form.encoding} text; give encoding= (for example 'latin-1' or 'utf-16')",
+            f"is not {form.encoding} text, perhaps 'latin-1' or 'utf-16'",
+            ("encoding",),
         ) from None
     except csv.Error as error:
         raise RecordError(str(place), f"is not a text table: {error}") from None
@@ -139,10 +140,8 @@ def _position(column: str | int, names: Sequence[str], path: Path) -> int:
     if isinstance(column, int):
         return arrays.count(column, "columns", least=0)
     if column not in names:
-        listed = ", ".join(_short(name) for name in names[:_SHOWN]) or "no names: header=0"
-        raise RecordError(
-            str(path), f"has no column {_short(column)}, only {listed}; map it by columns="
-        )
+        listed = ", ".join(_short(name) for name in names[:_SHOWN]) or "numbers: header is 0"
+        raise RecordError(str(path), f"has no column {_short(column)}, only {listed}", ("columns",))
     return names.index(column)
 
 
@@ -169,7 +168,9 @@ def _refuse_missing(
         width = len(_split(next((line for line in lines if line.strip()), ""), form))
     for name, position in zip(columns, wanted, strict=True):
         if position >= width > 1 and isinstance(columns[name], int):
-            raise RecordError(str(path), f"has no column {position} ({name}), {width} columns")
+            raise RecordError(
+                str(path), f"has no column {position} ({name}), {width} columns", ("columns",)
+            )
 
 
 def _quickly(file: TextIO, form: Format, wanted: Sequence[int]) -> Array | None:
@@ -212,7 +213,7 @@ def _slowly(path: Path, form: Format, wanted: Sequence[int]) -> Array:
             rows.append(row)
     if broken > _MOSTLY * len(rows):
         raise RecordError(
-            str(path), f"is not a table of numbers: {first}; check delimiter=, decimal= and header="
+            str(path), f"is not a table of numbers: {first}", ("delimiter", "decimal", "header")
         )
     return np.array(rows, dtype=np.float64).reshape(-1, len(wanted))
 

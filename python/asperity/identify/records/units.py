@@ -64,6 +64,7 @@ def check_wrapping(angle: Array, unit: str, source: str) -> None:
                 raise RecordError(
                     source,
                     f"angle: jumps by {size:.6g} where it wraps, its unit seems to be {name!r}",
+                    ("units",),
                 )
             return
     raise RecordError(source, f"angle: jumps by {size:.6g} {unit}, which is no turn")
@@ -80,7 +81,8 @@ def check_magnitudes(run: Recording, units: Mapping[str, str]) -> None:
         if abs(run.turns) > 1.0 and per_turn < _PER_TURN:
             raise RecordError(
                 source,
-                f"angle: {per_turn:.3g} samples per turn, wrong unit? check_units=False accepts it",
+                f"angle: {per_turn:.3g} samples per turn: wrong unit?",
+                ("units", "check_units"),
             )
     if all(units[channel].removeprefix("-") in _FORCES for channel in CHANNELS):
         size = np.abs(run.readings.mean(axis=0))
@@ -102,7 +104,8 @@ def _inside(value: float, limits: tuple[float, float], unit: str, source: str, w
         raise RecordError(
             source,
             f"{what} {value:.4g} {unit}".rstrip()
-            + f", plausible are {low:g} to {high:g}: wrong unit? check_units=False accepts it",
+            + f", plausible are {low:g} to {high:g}: wrong unit?",
+            ("units", "check_units"),
         )
 
 
@@ -119,7 +122,9 @@ def _check_folding(run: Recording) -> None:
         explained = _explained(angle * factor, signal)
         if explained > _MUCH and 1.0 - explained < _LEFT * left:
             raise RecordError(
-                run.source, f"angle: friction repeats as if it were given in {told}: wrong unit?"
+                run.source,
+                f"angle: friction repeats as if it were given in {told}: wrong unit?",
+                ("units", "check_units"),
             )
 
 
