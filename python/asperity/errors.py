@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from asperity.contact.certificate import Infeasibility
     from asperity.contact.problem import ContactProblem
-    from asperity.runs.motion import Motion
+    from asperity.runs.run import Run
     from asperity.runs.trajectory import Trajectory
 
 
@@ -112,7 +112,7 @@ class ConvergenceError(AsperityError, RuntimeError):
         contact: int | None = None,
         residual: float | None = None,
         advice: str = "",
-        trajectory: Trajectory | Motion | None = None,
+        trajectory: Run | None = None,
     ) -> None:
         super().__init__(message, step, time, contact, residual, advice, trajectory)
         self.message = message
@@ -152,7 +152,7 @@ class NoSolutionError(ConvergenceError):
         contact: int | None = None,
         residual: float | None = None,
         advice: str = "",
-        trajectory: Trajectory | Motion | None = None,
+        trajectory: Run | None = None,
         infeasibility: Infeasibility | None = None,
         problem: ContactProblem | None = None,
     ) -> None:
@@ -190,7 +190,7 @@ class SimulationInterrupted(KeyboardInterrupt):
         trajectory: the part computed so far.
     """
 
-    def __init__(self, trajectory: Trajectory | Motion) -> None:
+    def __init__(self, trajectory: Run) -> None:
         super().__init__(trajectory)
         self.trajectory = trajectory
 

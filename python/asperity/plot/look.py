@@ -22,8 +22,7 @@ from asperity._base.arrays import Array, positive, unit_vectors
 from asperity._base.files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
-from asperity.runs.motion import Motion
-from asperity.runs.trajectory import Trajectory
+from asperity.runs.run import Run
 
 # Okabe and Ito's palette, distinguishable with every kind of colour vision.
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
@@ -87,9 +86,9 @@ def planar_law(law: FrictionLaw) -> FrictionLaw:
     return law
 
 
-def checked_trajectory(trajectory: Trajectory | Motion) -> Trajectory | Motion:
+def checked_trajectory(trajectory: Run) -> Run:
     """Return `trajectory` if it is one."""
-    if not isinstance(trajectory, Trajectory | Motion):
+    if not isinstance(trajectory, Run):
         raise ParameterError("trajectory", f"must be a Trajectory or a Motion, got {trajectory!r}")
     return trajectory
 

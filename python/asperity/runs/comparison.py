@@ -11,8 +11,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.runs.motion import Motion
-from asperity.runs.trajectory import Trajectory
+from asperity.runs.run import Run
 from asperity.status import Outcome
 
 # Distances to the curve are found this many points at a time, to bound the memory.
@@ -154,8 +153,8 @@ class PathComparison(Value):
 
 
 def compare_path(
-    run: Trajectory | Motion,
-    measured: TimedPath | Trajectory | Motion,
+    run: Run,
+    measured: TimedPath | Run,
     *,
     time_offset: float = 0.0,
 ) -> PathComparison:
@@ -186,7 +185,7 @@ def compare_path(
     25.48
     """
     t, position, error = _samples(measured)
-    if not isinstance(run, Trajectory | Motion) or min(run.q.shape[1], run.u.shape[1]) < 2:
+    if not isinstance(run, Run) or min(run.q.shape[1], run.u.shape[1]) < 2:
         raise ParameterError("run", f"must be a run with two coordinates, got {run!r}")
     local = t - arrays.number(time_offset, "time_offset")
     rounding = 1e-9 * (run.t[-1] - run.t[0])
@@ -208,8 +207,8 @@ def compare_path(
     )
 
 
-def _samples(measured: TimedPath | Trajectory | Motion) -> tuple[Array, Array, Array | None]:
-    if isinstance(measured, Trajectory | Motion):
+def _samples(measured: TimedPath | Run) -> tuple[Array, Array, Array | None]:
+    if isinstance(measured, Run):
         return measured.t, measured.q[:, :2], None
     if not isinstance(measured, TimedPath):
         raise ParameterError("measured", f"must be a path with time and position, got {measured!r}")
@@ -224,7 +223,7 @@ def _samples(measured: TimedPath | Trajectory | Motion) -> tuple[Array, Array, A
     return t, position, np.broadcast_to(np.asarray(error, dtype=float), position.shape)
 
 
-def _at(run: Trajectory | Motion, times: Array) -> Array:
+def _at(run: Run, times: Array) -> Array:
     """Return the positions of a run at times, by cubic Hermite interpolation."""
     t, q, u = run.t, run.q[:, :2], run.u[:, :2]
     if len(t) < 2:

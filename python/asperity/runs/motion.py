@@ -5,24 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import StrEnum
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
+from asperity.runs.run import Run
 from asperity.status import Outcome, Phase
-
-_SERIES: dict[str, type[np.generic]] = {
-    "t": np.float64,
-    "q": np.float64,
-    "u": np.float64,
-    "slip": np.float64,
-    "force": np.float64,
-    "normal_force": np.float64,
-    "phase": np.int8,
-}
 
 
 class EventKind(StrEnum):
@@ -111,7 +101,7 @@ class Section(Value):
         )
 
 
-class Motion(Value):
+class Motion(Run):
     """States, forces and phases over time, with the events between; all arrays are read-only.
 
     Without a sampling step every step of the method is a sample, and events have two, before and
@@ -131,16 +121,7 @@ class Motion(Value):
         rejected_steps: number of steps that were tried and found too long.
     """
 
-    t: Array
-    q: Array
-    u: Array
-    slip: Array
-    force: Array
-    normal_force: Array
-    phase: NDArray[np.int8]
     events: tuple[Event, ...]
-    status: Outcome
-    steps: int
     rejected_steps: int
 
     def __init__(
@@ -158,27 +139,16 @@ class Motion(Value):
         steps: int,
         rejected_steps: int,
     ) -> None:
-        series = zip(_SERIES.items(), (t, q, u, slip, force, normal_force, phase), strict=True)
         self._set(
-            **{
-                name: arrays.read_only(np.asarray(values, dtype=kind))
-                for (name, kind), values in series
-            },
+            **self._frozen(t, q, u, slip, force, normal_force, phase),
             events=tuple(events),
             status=Outcome(status),
             steps=int(steps),
             rejected_steps=int(rejected_steps),
         )
 
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def __repr__(self) -> str:
-        return (
-            f"<Motion: {len(self)} samples to t = {self.t[-1]:.9g} s, "
-            f"{self.q.shape[1]} coordinates, {self.phase.shape[1]} contacts, "
-            f"{len(self.events)} events, {self.status}>"
-        )
+    def _extent(self) -> str:
+        return f"{len(self)} samples and {len(self.events)} events"
 
     @property
     def at_section(self) -> bool:
@@ -192,11 +162,6 @@ class Motion(Value):
 
     def slice(self, t0: float, t1: float) -> Motion:
         """Return the samples and events with t0 ≤ t ≤ t1; counts and status remain those of all."""
-        low, high = arrays.number(t0, "t0"), arrays.number(t1, "t1")
-        kept = (self.t >= low) & (self.t <= high)
-        if not kept.any():
-            raise ParameterError("t0", f"leaves no sample between {t0!r} and {t1!r} s")
-        return self.replace(
-            **{name: getattr(self, name)[kept] for name in _SERIES},
-            events=tuple(event for event in self.events if low <= event.time <= high),
-        )
+        series = self._between(t0, t1)
+        events = tuple(event for event in self.events if t0 <= event.time <= t1)
+        return self.replace(**series, events=events)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, Protocol, runtime_checkable
+from typing import Any, Literal, NoReturn, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,14 +22,12 @@ from asperity.errors import (
     ParameterError,
     SimulationInterrupted,
 )
+from asperity.runs.run import Run
 from asperity.runs.state import State
 from asperity.runs.trajectory import Trajectory
 from asperity.solvers import Solver, chosen
 from asperity.status import Status
 from asperity.system.rigid import RigidBodies
-
-if TYPE_CHECKING:
-    from asperity.runs.motion import Motion
 
 Progress = Callable[[int, int], object]
 
@@ -232,7 +230,7 @@ def _reporter(
     return nullcontext(progress)
 
 
-def raise_with(exception: BaseException, part: Trajectory | Motion, when: str) -> NoReturn:
+def raise_with(exception: BaseException, part: Run, when: str) -> NoReturn:
     """Raise what stopped a run from outside, Ctrl-C or an exception in the user's code.
 
     It holds the part before as ``trajectory``.

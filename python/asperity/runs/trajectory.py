@@ -3,35 +3,21 @@
 from __future__ import annotations
 
 import os
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.tables import aligned, write_columns
-from asperity._base.value import Value
-from asperity.errors import ParameterError
+from asperity._base.tables import aligned
 from asperity.runs import trajectory_file
+from asperity.runs.run import Run
 from asperity.runs.state import State
 from asperity.status import Outcome, Phase
 
-_SERIES: dict[str, type[np.generic]] = {
-    "t": np.float64,
-    "q": np.float64,
-    "u": np.float64,
-    "slip": np.float64,
-    "force": np.float64,
-    "normal_force": np.float64,
-    "phase": np.int8,
-    "iterations": np.int64,
-    "residual": np.float64,
-}
 
-_UNITS = {"t": "s", "slip": "m/s", "force": "N", "normal_force": "N"}
-
-
-class Trajectory(Value):
+class Trajectory(Run):
     """States, forces and phases over time; all arrays are read-only.
 
     Sample 0 is the initial state: its forces and residual are NaN, its phases `Phase.NONE`. Slip,
@@ -58,22 +44,15 @@ class Trajectory(Value):
             if it is not known: after a cut, a divergence, or in a file of an earlier version.
     """
 
-    t: Array
-    q: Array
-    u: Array
-    slip: Array
-    force: Array
-    normal_force: Array
-    phase: NDArray[np.int8]
     iterations: NDArray[np.int64]
     residual: Array
-    status: Outcome
     dt: float
-    steps: int
     ambiguous_steps: int
     failed_steps: int
     phase_counts: NDArray[np.int64]
     end: State | None
+
+    _series: ClassVar = {**Run._series, "iterations": np.int64, "residual": np.float64}
 
     def __init__(
         self,
@@ -95,13 +74,8 @@ class Trajectory(Value):
         phase_counts: ArrayLike,
         end: State | None = None,
     ) -> None:
-        given = (t, q, u, slip, force, normal_force, phase, iterations, residual)
-        series = zip(_SERIES.items(), given, strict=True)
         self._set(
-            **{
-                name: arrays.read_only(np.asarray(values, dtype=kind))
-                for (name, kind), values in series
-            },
+            **self._frozen(t, q, u, slip, force, normal_force, phase, iterations, residual),
             status=Outcome(status),
             dt=float(dt),
             steps=int(steps),
@@ -111,14 +85,8 @@ class Trajectory(Value):
             end=end,
         )
 
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def __repr__(self) -> str:
-        return (
-            f"<Trajectory: {len(self)} samples of {self.steps} steps to t = {self.t[-1]:.9g} s, "
-            f"{self.q.shape[1]} coordinates, {self.phase.shape[1]} contacts, {self.status}>"
-        )
+    def _extent(self) -> str:
+        return f"{len(self)} samples of {self.steps} steps"
 
     @property
     def stick_fraction(self) -> Array:
@@ -147,11 +115,8 @@ class Trajectory(Value):
 
     def slice(self, t0: float, t1: float) -> Trajectory:
         """Return the samples with t0 ≤ t ≤ t1; counts and status remain those of the whole run."""
-        kept = (self.t >= arrays.number(t0, "t0")) & (self.t <= arrays.number(t1, "t1"))
-        if not kept.any():
-            raise ParameterError("t0", f"leaves no sample between {t0!r} and {t1!r} s")
-        end = self.end if kept[-1] else None
-        return self.replace(end=end, **{name: getattr(self, name)[kept] for name in _SERIES})
+        series = self._between(t0, t1)
+        return self.replace(**series, end=self.end if series["t"][-1] == self.t[-1] else None)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a NumPy ``.npz`` file without pickled objects, under exactly this name.
@@ -174,18 +139,3 @@ class Trajectory(Value):
         """
         contents = trajectory_file.load(path)
         return cls(end=State._from_arrays(contents), **contents)
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a table with one row per sample; the header holds names and units.
-
-        Coordinates carry the unit SI, since they may be lengths or angles.
-        """
-        write_columns(path, {k: v for name in _SERIES for k, v in self._columns(name).items()})
-
-    def _columns(self, name: str) -> dict[str, Array]:
-        values = getattr(self, name)
-        unit = _UNITS.get(name, "SI" if name in ("q", "u") else "-")
-        return {
-            "_".join([name, *map(str, index)]) + f" [{unit}]": values[:, *index]
-            for index in np.ndindex(values.shape[1:])
-        }

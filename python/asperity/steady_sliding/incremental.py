@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
-from asperity.runs.motion import Motion
-from asperity.runs.trajectory import Trajectory
+from asperity.runs.run import Run
 from asperity.steady_sliding.field import constant
 from asperity.system import LinearSystem, MassOnBelt, SlidingPoint
 
@@ -17,8 +16,8 @@ _SAME = 1e-6
 
 
 def incremental_distance(
-    run_a: Trajectory | Motion,
-    run_b: Trajectory | Motion,
+    run_a: Run,
+    run_b: Run,
     system: LinearSystem | MassOnBelt | SlidingPoint,
 ) -> tuple[Array, Array]:
     """Return V = ½ Δuᵀ M Δu + ½ Δqᵀ K Δq of two motions at the times that both have.
@@ -68,7 +67,7 @@ def incremental_distance(
             f"eigenvalue is {lowest:.6g} N/m",
         )
     for name, run in (("run_a", run_a), ("run_b", run_b)):
-        if not isinstance(run, Trajectory | Motion):
+        if not isinstance(run, Run):
             raise ParameterError(name, f"must be a Trajectory or a Motion, got {run!r}")
         if run.q.shape[1] != linear.dof:
             raise DimensionError(
@@ -80,9 +79,7 @@ def incremental_distance(
     return run_a.t[a], V
 
 
-def _common(
-    run_a: Trajectory | Motion, run_b: Trajectory | Motion
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _common(run_a: Run, run_b: Run) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the samples at the same times, the last where there are several."""
     unit = _SAME * min(
         float(run.t[-1] - run.t[0]) / max(len(run.t) - 1, 1) for run in (run_a, run_b)

@@ -16,8 +16,7 @@ from asperity._base.arrays import Array
 from asperity._base.files import atomic
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
-from asperity.runs.motion import Motion
-from asperity.runs.trajectory import Trajectory
+from asperity.runs.run import Run
 from asperity.track.config import config_text
 from asperity.track.frames import Pixels
 from asperity.track.scene import Scene
@@ -74,7 +73,7 @@ class VirtualCamera(Value):
     ((240, 320, 3), 13)
     """
 
-    run: Trajectory | Motion
+    run: Run
     fps: float
     coordinates: tuple[int, int]
     size: tuple[int, int]
@@ -93,7 +92,7 @@ class VirtualCamera(Value):
 
     def __init__(
         self,
-        run: Trajectory | Motion,
+        run: Run,
         *,
         fps: float = 500.0,
         coordinates: tuple[int, int] = (0, 1),
@@ -109,7 +108,7 @@ class VirtualCamera(Value):
         rest: float = 0.02,
         seed: int = 0,
     ) -> None:
-        if not isinstance(run, Trajectory | Motion):
+        if not isinstance(run, Run):
             raise ParameterError("run", f"must be a Trajectory or a Motion, got {run!r}")
         mark = mark or Mark(diameter=0.01)
         if mark.diameter is None:
