@@ -10,8 +10,8 @@ from pathlib import Path
 
 import asperity as asp
 import numpy as np
-from asperity import grading, identify, mechanisms, plot, problems, track
-from asperity.contact import files
+from asperity import identify, mechanisms, plot, problems, track
+from asperity.contact import files, grading
 from filmed import RUN, SMALL
 from matplotlib.figure import Figure
 from test_values import CYCLE, VALUES
@@ -149,7 +149,7 @@ ARGUMENTS = {
     },
     "certificate": {"percussion": [1.0, 0.0, 0.1]},
     "natural_map": {"percussion": [1.0, 0.0, 0.1]},
-    "grading.natural_map": {"problem": PROBLEM, "percussion": [1.0, 0.0, 0.1]},
+    "contact.grading.natural_map": {"problem": PROBLEM, "percussion": [1.0, 0.0, 0.1]},
     "residual": {"percussion": [1.0, 0.0, 0.1]},
     "solutions": {"contact": 0},
     "solve": {},

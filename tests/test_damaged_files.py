@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from asperity import identify, track
 from asperity.contact.files import percussions
-from asperity.identify.files import read_raw, write_raw
+from asperity.identify import read_raw, write_raw
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_problem_files import PROBLEMS, of_bodies

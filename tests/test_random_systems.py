@@ -14,7 +14,7 @@ from collections import Counter
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.grading import proves_no_solution
+from asperity.contact.grading import proves_no_solution
 
 T_END = 0.4
 STEPS = (4e-3, 2e-3, 1e-3)

@@ -7,7 +7,7 @@ import pickle
 import asperity as asp
 import numpy as np
 import pytest
-from asperity._value import Value
+from asperity._base.value import Value
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 from scipy.sparse import coo_array, csc_array, csr_array, csr_matrix
 

@@ -8,9 +8,10 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 
 # What `breaks` lists at most: their memory is that of a small computer.
@@ -63,13 +64,13 @@ class Signal(Value):
         interpolation: Literal["linear", "cubic"],
         periodic: bool = False,
     ) -> None:
-        at = _arrays.read_only(_arrays.array(times, "times", (None,)))
-        given = _arrays.read_only(_arrays.array(values, "values"))
+        at = arrays.read_only(arrays.array(times, "times", (None,)))
+        given = arrays.read_only(arrays.array(values, "values"))
         if given.ndim not in (1, 2) or len(given) != len(at):
             raise DimensionError(
                 "values", f"must have shape ({len(at)},) or ({len(at)}, d), got {given.shape}"
             )
-        _arrays.choice(interpolation, "interpolation", ["linear", "cubic"])
+        arrays.choice(interpolation, "interpolation", ["linear", "cubic"])
         self._set(times=at, values=given, interpolation=interpolation, periodic=bool(periodic))
         rows = given.reshape(len(at), -1)
         core = _core.Signal(at, rows, interpolation == "cubic", self.periodic)
@@ -101,7 +102,7 @@ class Signal(Value):
             start: in s.
             end: in s.
         """
-        whole = self._core.integral(_arrays.number(start, "start"), _arrays.number(end, "end"))
+        whole = self._core.integral(arrays.number(start, "start"), arrays.number(end, "end"))
         result: Array = whole.reshape(self.shape)[()]
         return result
 
@@ -119,7 +120,7 @@ class Signal(Value):
         >>> saw.breaks(0.0, 3.0).tolist()
         [1.0, 1.5, 2.5, 3.0]
         """
-        first, last = _arrays.number(start, "start"), _arrays.number(end, "end")
+        first, last = arrays.number(start, "start"), arrays.number(end, "end")
         found = self._core.breaks(first, last, _MOST_BREAKS)
         return np.array([time for time, is_kink in found if is_kink])
 
@@ -129,7 +130,7 @@ class Signal(Value):
         return self._core.period
 
     def _at(self, t: ArrayLike, order: int) -> Array:
-        times = _arrays.array(t, "t")
+        times = arrays.array(t, "t")
         values = self._core.values(times.reshape(-1), order)
         result: Array = values.reshape(times.shape + self.shape)[()]
         return result
@@ -168,7 +169,7 @@ class Sine(Signal):
         offset: ArrayLike = 0.0,
     ) -> None:
         parts = {"amplitude": amplitude, "phase": phase, "offset": offset}
-        given = {name: _arrays.array(value, name) for name, value in parts.items()}
+        given = {name: arrays.array(value, name) for name, value in parts.items()}
         shape: tuple[int, ...] = ()
         for name, array in given.items():
             if array.ndim > 1 or (() not in (shape, array.shape) and array.shape != shape):
@@ -178,12 +179,12 @@ class Sine(Signal):
                 )
             shape = shape or array.shape
         kept = {
-            name: float(array) if array.ndim == 0 else _arrays.read_only(array)
+            name: float(array) if array.ndim == 0 else arrays.read_only(array)
             for name, array in given.items()
         }
         self._set(
             amplitude=kept["amplitude"],
-            frequency=_arrays.positive(frequency, "frequency"),
+            frequency=arrays.positive(frequency, "frequency"),
             phase=kept["phase"],
             offset=kept["offset"],
         )
@@ -209,8 +210,8 @@ def checked(value: Any, argument: str, shape: tuple[int, ...]) -> Any:
     if callable(value):
         return value
     if not shape:
-        return _arrays.number(value, argument)
-    return _arrays.read_only(_arrays.array(value, argument, shape))
+        return arrays.number(value, argument)
+    return arrays.read_only(arrays.array(value, argument, shape))
 
 
 def depends_on_time(value: Any) -> bool:

@@ -8,9 +8,9 @@ from typing import Self, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.system import time_functions
 from asperity.system.rigid import rotation
@@ -95,7 +95,7 @@ class Body(Value):
         torque: TimeFunction = (0.0, 0.0, 0.0),
     ) -> None:
         self._set(
-            mass=_arrays.positive(mass, "mass"),
+            mass=arrays.positive(mass, "mass"),
             inertia=_inertia(inertia),
             position=_vector(position, "position", 3),
             orientation=rotation.quaternion(orientation, "orientation"),
@@ -115,7 +115,7 @@ class Body(Value):
             **state: as of `Body`.
         """
         squares = positive_vector(half_sizes, "half_sizes", 3) ** 2
-        return cls(mass, _arrays.positive(mass, "mass") / 3.0 * (squares.sum() - squares), **state)
+        return cls(mass, arrays.positive(mass, "mass") / 3.0 * (squares.sum() - squares), **state)
 
     @classmethod
     def ball(cls, mass: float, radius: float, **state: Unpack[State]) -> Self:
@@ -126,8 +126,8 @@ class Body(Value):
             radius: R > 0 in m.
             **state: as of `Body`.
         """
-        square = _arrays.positive(radius, "radius") ** 2
-        return cls(mass, np.full(3, 0.4 * _arrays.positive(mass, "mass") * square), **state)
+        square = arrays.positive(radius, "radius") ** 2
+        return cls(mass, np.full(3, 0.4 * arrays.positive(mass, "mass") * square), **state)
 
     @classmethod
     def cylinder(cls, mass: float, radius: float, height: float, **state: Unpack[State]) -> Self:
@@ -139,9 +139,9 @@ class Body(Value):
             height: h > 0 in m.
             **state: as of `Body`.
         """
-        mass = _arrays.positive(mass, "mass")
-        square = _arrays.positive(radius, "radius") ** 2
-        across = mass * (3.0 * square + _arrays.positive(height, "height") ** 2) / 12.0
+        mass = arrays.positive(mass, "mass")
+        square = arrays.positive(radius, "radius") ** 2
+        across = mass * (3.0 * square + arrays.positive(height, "height") ** 2) / 12.0
         return cls(mass, [across, across, 0.5 * mass * square], **state)
 
     @property
@@ -200,12 +200,12 @@ class PlanarBody(Value):
         torque: TimeFunction = 0.0,
     ) -> None:
         self._set(
-            mass=_arrays.positive(mass, "mass"),
-            inertia=_arrays.positive(inertia, "inertia"),
+            mass=arrays.positive(mass, "mass"),
+            inertia=arrays.positive(inertia, "inertia"),
             position=_vector(position, "position", 2),
-            angle=_arrays.number(angle, "angle"),
+            angle=arrays.number(angle, "angle"),
             velocity=_vector(velocity, "velocity", 2),
-            angular_velocity=_arrays.number(angular_velocity, "angular_velocity"),
+            angular_velocity=arrays.number(angular_velocity, "angular_velocity"),
             force=time_functions.checked(force, "force", (2,)),
             torque=time_functions.checked(torque, "torque", ()),
         )
@@ -220,7 +220,7 @@ class PlanarBody(Value):
             **state: as of `PlanarBody`.
         """
         squares = positive_vector(half_sizes, "half_sizes", 2) ** 2
-        return cls(mass, _arrays.positive(mass, "mass") / 3.0 * squares.sum(), **state)
+        return cls(mass, arrays.positive(mass, "mass") / 3.0 * squares.sum(), **state)
 
     @classmethod
     def disk(cls, mass: float, radius: float, **state: Unpack[PlanarState]) -> Self:
@@ -231,8 +231,8 @@ class PlanarBody(Value):
             radius: R > 0 in m.
             **state: as of `PlanarBody`.
         """
-        square = _arrays.positive(radius, "radius") ** 2
-        return cls(mass, 0.5 * _arrays.positive(mass, "mass") * square, **state)
+        square = arrays.positive(radius, "radius") ** 2
+        return cls(mass, 0.5 * arrays.positive(mass, "mass") * square, **state)
 
     @property
     def coordinates(self) -> Array:
@@ -247,19 +247,19 @@ class PlanarBody(Value):
 
 def positive_vector(value: ArrayLike, argument: str, size: int) -> Array:
     """Return a vector with entries above zero."""
-    vector = _arrays.array(value, argument, (size,))
+    vector = arrays.array(value, argument, (size,))
     if vector.min() <= 0.0:
         raise ParameterError(argument, f"must be positive, got {vector.tolist()}")
-    return _arrays.read_only(vector)
+    return arrays.read_only(vector)
 
 
 def _vector(value: ArrayLike, argument: str, size: int) -> Array:
-    return _arrays.read_only(_arrays.array(value, argument, (size,)))
+    return arrays.read_only(arrays.array(value, argument, (size,)))
 
 
 def _inertia(value: ArrayLike) -> Array:
     """Return J; no body has a principal moment above the sum of the other two."""
-    inertia = _arrays.square(value, "inertia", 3)
+    inertia = arrays.square(value, "inertia", 3)
     if np.abs(inertia - inertia.T).max() > _SYMMETRY * np.abs(inertia).max():
         raise ParameterError("inertia", "must be symmetric")
     inertia = 0.5 * (inertia + inertia.T)
@@ -271,4 +271,4 @@ def _inertia(value: ArrayLike) -> Array:
             "inertia",
             f"must have no principal moment above the sum of the others, {moments.tolist()}",
         )
-    return _arrays.read_only(inertia)
+    return arrays.read_only(inertia)

@@ -7,8 +7,8 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.system import time_functions
 from asperity.system.time_functions import Signal, TimeFunction

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.system import time_functions
 from asperity.system.time_functions import Signal, TimeFunction
@@ -59,21 +59,21 @@ class Spring(Value):
         damping: float = 0.0,
         length: TimeFunction = 0.0,
     ) -> None:
-        body = _arrays.count(body, "body", 0)
-        other = None if other is None else _arrays.count(other, "other", 0)
+        body = arrays.count(body, "body", 0)
+        other = None if other is None else arrays.count(other, "other", 0)
         if body == other:
             raise ParameterError("other", f"must be another body than {body}")
-        near = _arrays.array(point, "point", (None,))
+        near = arrays.array(point, "point", (None,))
         if len(near) not in (2, 3):
             raise DimensionError("point", f"must have 2 or 3 entries, got {len(near)}")
         far = np.zeros(len(near)) if other_point is None else other_point
         self._set(
             body=body,
-            point=_arrays.read_only(near),
+            point=arrays.read_only(near),
             other=other,
-            other_point=_arrays.read_only(_arrays.array(far, "other_point", near.shape)),
-            stiffness=_arrays.non_negative(stiffness, "stiffness"),
-            damping=_arrays.non_negative(damping, "damping"),
+            other_point=arrays.read_only(arrays.array(far, "other_point", near.shape)),
+            stiffness=arrays.non_negative(stiffness, "stiffness"),
+            damping=arrays.non_negative(damping, "damping"),
             length=_length(length),
         )
 
@@ -89,4 +89,4 @@ class Spring(Value):
 def _length(given: TimeFunction) -> Any:
     if time_functions.depends_on_time(given):
         return time_functions.checked(given, "length", ())
-    return _arrays.non_negative(given, "length")
+    return arrays.non_negative(given, "length")

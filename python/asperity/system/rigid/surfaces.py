@@ -8,9 +8,9 @@ from typing import Any, Literal, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.system import time_functions
 from asperity.system.rigid import plane_motion, rotation
@@ -70,13 +70,13 @@ class Plane(Value):
         body: int | None = None,
     ) -> None:
         self._set(
-            point=_arrays.read_only(_arrays.array(point, "point", (3,))),
+            point=arrays.read_only(arrays.array(point, "point", (3,))),
             normal=rotation.normalised(normal, "normal", 3),
             axis=rotation.normalised(axis, "axis", 3),
             velocity=time_functions.checked(velocity, "velocity", (2,)),
             spin=time_functions.checked(spin, "spin", ()),
             motion=plane_motion.checked(motion, ((3,), (3,))),
-            body=None if body is None else _arrays.count(body, "body", 0),
+            body=None if body is None else arrays.count(body, "body", 0),
         )
         self._keep(axes=_axes(self.normal, self.axis))
 
@@ -145,15 +145,15 @@ class Line(Value):
         body: int | None = None,
     ) -> None:
         self._set(
-            point=_arrays.read_only(_arrays.array(point, "point", (2,))),
+            point=arrays.read_only(arrays.array(point, "point", (2,))),
             normal=rotation.normalised(normal, "normal", 2),
             velocity=time_functions.checked(velocity, "velocity", ()),
             motion=plane_motion.checked(motion, ((2,), ())),
-            body=None if body is None else _arrays.count(body, "body", 0),
+            body=None if body is None else arrays.count(body, "body", 0),
         )
         n1, n2 = self.normal.tolist()
         # Adding zero turns −0 into 0.
-        self._keep(axes=_arrays.read_only(np.array([[n2, -n1], [n1, n2]]) + 0.0))
+        self._keep(axes=arrays.read_only(np.array([[n2, -n1], [n1, n2]]) + 0.0))
 
     def _core_data(self) -> dict[str, Any]:
         return {
@@ -209,4 +209,4 @@ def _axes(normal: Array, axis: Array) -> Array:
     if length <= _PARALLEL:
         raise ParameterError("axis", "must not be parallel to normal")
     e1 = projected / length
-    return _arrays.read_only(np.stack([e1, np.cross(normal, e1), normal]) + 0.0)
+    return arrays.read_only(np.stack([e1, np.cross(normal, e1), normal]) + 0.0)

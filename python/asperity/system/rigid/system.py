@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.system import time_functions
 from asperity.system.rigid import rotation
@@ -19,7 +20,7 @@ from asperity.system.rigid.pairs import Pair
 from asperity.system.rigid.springs import Spring
 
 if TYPE_CHECKING:
-    from asperity.trajectory import Trajectory
+    from asperity.runs.trajectory import Trajectory
 
 
 _Part = TypeVar("_Part", Pair, Spring)
@@ -87,8 +88,8 @@ class RigidBodies(Value):
             bodies=listed,
             pairs=_parts(pairs, "pairs", Pair, planar),
             springs=_parts(springs, "springs", Spring, planar),
-            gravity=_arrays.read_only(
-                _arrays.array(down if gravity is None else gravity, "gravity", (len(down),))
+            gravity=arrays.read_only(
+                arrays.array(down if gravity is None else gravity, "gravity", (len(down),))
             ),
         )
         core = _core.RigidBodies(
@@ -209,7 +210,7 @@ class RigidBodies(Value):
         self._states(trajectory)
         point = np.zeros(3)
         if about is not None:
-            point[: self._space] = _arrays.array(about, "about", (self._space,))
+            point[: self._space] = arrays.array(about, "about", (self._space,))
         momentum = self._core.angular_momentum(trajectory.q, trajectory.u, point)
         return momentum[:, 2] if self.planar else momentum
 
@@ -254,7 +255,7 @@ class RigidBodies(Value):
         >>> system.contact_forces(motion, frame="world")[-1].sum(axis=0).round(6)[2].item()
         19.62
         """
-        _arrays.choice(frame, "frame", ["surface", "world", "body"])
+        arrays.choice(frame, "frame", ["surface", "world", "body"])
         self._states(trajectory)
         tangential = trajectory.force[..., : self._space - 1]
         forces = np.concatenate([tangential, trajectory.normal_force[..., None]], axis=-1)
@@ -319,7 +320,7 @@ def _turned(matrices: Array, vectors: Array) -> Array:
 
 
 def _bodies(bodies: Sequence[Any]) -> tuple[Any, ...]:
-    listed = _arrays.several(bodies, "bodies")
+    listed = arrays.several(bodies, "bodies")
     if not listed:
         raise DimensionError("bodies", "must not be empty")
     kind = PlanarBody if isinstance(listed[0], PlanarBody) else Body
@@ -333,7 +334,7 @@ def _parts(
     parts: Sequence[_Part], argument: str, kind: type[_Part], planar: bool
 ) -> tuple[_Part, ...]:
     """Return pairs or springs that fit the bodies."""
-    listed = _arrays.several(parts, argument)
+    listed = arrays.several(parts, argument)
     for number, part in enumerate(listed):
         if not isinstance(part, kind):
             raise ParameterError(argument, f"must hold {kind.__name__} objects, got {part!r}")
