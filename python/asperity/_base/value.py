@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Any, NoReturn, Self
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, dataclass_transform
 
 import numpy as np
+
+from asperity._base.arrays import read_only
 
 
 class Value:
@@ -69,6 +72,52 @@ class Value:
             else:
                 parts.append(f"{name}={_text(value)}")
         return f"{type(self).__name__}({', '.join(parts)})"
+
+
+@dataclass_transform(frozen_default=True)
+class Record(Value):
+    """Base of values that hold what they are given: annotations are the only list of parameters.
+
+    Integers and floats become Python's, arrays refuse writing.
+    """
+
+    def __init_subclass__(cls, *, kw_only: bool = False) -> None:
+        place = (
+            inspect.Parameter.KEYWORD_ONLY if kw_only else inspect.Parameter.POSITIONAL_OR_KEYWORD
+        )
+        parameters = []
+        for name, kind in inspect.get_annotations(cls).items():
+            default = cls.__dict__.get(name, inspect.Parameter.empty)
+            if name in cls.__dict__:
+                delattr(cls, name)
+            parameters.append(inspect.Parameter(name, place, default=default, annotation=kind))
+        cls.__signature__ = inspect.Signature(parameters)
+
+    __signature__: ClassVar[inspect.Signature]
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        signature = type(self).__signature__
+        given = signature.bind(*args, **kwargs)
+        given.apply_defaults()
+        self._set(
+            **{
+                name: _HELD.get(signature.parameters[name].annotation, _as_it_is)(value)
+                for name, value in given.arguments.items()
+            }
+        )
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+# By the annotation, which is a text.
+_HELD: dict[str, Callable[[Any], Any]] = {
+    "int": int,
+    "float": float,
+    "bool": bool,
+    "Array": read_only,
+}
 
 
 def _build(cls: type[Value], parameters: dict[str, Any]) -> Value:
