@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from inspect import Parameter
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, dataclass_transform
 
 import numpy as np
@@ -66,8 +67,8 @@ class Value:
             value = self._parameters[name]
             if _is_default(value, parameter):
                 continue
-            positional = parameter.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD
-            if positional and parameter.default is inspect.Parameter.empty:
+            positional = parameter.kind is Parameter.POSITIONAL_OR_KEYWORD
+            if positional and parameter.default is Parameter.empty:
                 parts.append(_text(value))
             else:
                 parts.append(f"{name}={_text(value)}")
@@ -82,15 +83,13 @@ class Record(Value):
     """
 
     def __init_subclass__(cls, *, kw_only: bool = False) -> None:
-        place = (
-            inspect.Parameter.KEYWORD_ONLY if kw_only else inspect.Parameter.POSITIONAL_OR_KEYWORD
-        )
+        place = Parameter.KEYWORD_ONLY if kw_only else Parameter.POSITIONAL_OR_KEYWORD
         parameters = []
         for name, kind in inspect.get_annotations(cls).items():
-            default = cls.__dict__.get(name, inspect.Parameter.empty)
+            default = cls.__dict__.get(name, Parameter.empty)
             if name in cls.__dict__:
                 delattr(cls, name)
-            parameters.append(inspect.Parameter(name, place, default=default, annotation=kind))
+            parameters.append(Parameter(name, place, default=default, annotation=kind))
         cls.__signature__ = inspect.Signature(parameters)
 
     __signature__: ClassVar[inspect.Signature]
@@ -101,18 +100,18 @@ class Record(Value):
         given.apply_defaults()
         self._set(
             **{
-                name: _HELD.get(signature.parameters[name].annotation, _as_it_is)(value)
+                name: _CONVERTERS.get(signature.parameters[name].annotation, _unchanged)(value)
                 for name, value in given.arguments.items()
             }
         )
 
 
-def _as_it_is(value: Any) -> Any:
+def _unchanged(value: Any) -> Any:
     return value
 
 
 # By the annotation, which is a text.
-_HELD: dict[str, Callable[[Any], Any]] = {
+_CONVERTERS: dict[str, Callable[[Any], Any]] = {
     "int": int,
     "float": float,
     "bool": bool,
@@ -124,12 +123,12 @@ def _build(cls: type[Value], parameters: dict[str, Any]) -> Value:
     return cls(**parameters)
 
 
-def _is_default(value: Any, parameter: inspect.Parameter) -> bool:
+def _is_default(value: Any, parameter: Parameter) -> bool:
     default = parameter.default
     if isinstance(value, np.ndarray) and isinstance(default, tuple):
         return np.array_equal(value, default)
     return (
-        default is not inspect.Parameter.empty
+        default is not Parameter.empty
         and type(value) is type(default)
         and (value is default or _same(value, default))
     )
