@@ -19,13 +19,14 @@ fn rider(spin: f64, radius: f64, feet: &[[f64; 3]], load: f64) -> RigidBodies {
         position: [radius, 0.0, -feet[0][2]],
         velocity: [0.0, spin * radius, 0.0],
         angular_velocity: [0.0, 0.0, spin],
-        force: [0.0, 0.0, -load],
+        force: [0.0, 0.0, -load].into(),
         inertia: [[2e-4, 1e-5, 2e-5], [1e-5, 3e-4, -3e-5], [2e-5, -3e-5, 4e-4]],
         ..Body::new(1.0, [1.0; 3])
     };
-    let plane = Plane { spin, ..Plane::floor() };
-    let pair =
-        |&point: &[f64; 3]| Pair::new(Shape::PointPlane { body: 0, point, plane }, disk(2.0));
+    let plane = Plane { spin: spin.into(), ..Plane::floor() };
+    let pair = |&point: &[f64; 3]| {
+        Pair::new(Shape::PointPlane { body: 0, point, plane: plane.clone() }, disk(2.0))
+    };
     let pairs: Vec<Pair> = feet.iter().map(pair).collect();
     RigidBodies::new(vec![body], &pairs, vec![], [0.0, 0.0, -G]).unwrap()
 }
@@ -135,7 +136,7 @@ fn a_ball_rolls_on_a_turntable_in_circles() {
         angular_velocity: [spin * 0.2 / radius, (v + spin * 0.1) / radius, 0.7],
         ..Body::ball(0.3, radius)
     };
-    let table = Plane { spin, ..Plane::floor() };
+    let table = Plane { spin: spin.into(), ..Plane::floor() };
     let pair = Pair::new(sphere(0, radius, table), disk(5.0));
     let system = RigidBodies::new(vec![body], &[pair], vec![], [0.0, 0.0, -G]).unwrap();
     let rate = 2.0 / 7.0 * spin;
@@ -169,10 +170,11 @@ fn bodies_that_stick_together_turn_as_one() {
     };
     let top = Plane { point: [0.0, 0.0, 0.02], body: Some(0), ..Plane::floor() };
     let held = Plane::new([0.0, 0.0, -0.02], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
-    let foot = |body, point| Pair::new(Shape::PointPlane { body, point, plane: top }, disk(2.0));
+    let foot =
+        |body, point| Pair::new(Shape::PointPlane { body, point, plane: top.clone() }, disk(2.0));
     let mut pairs: Vec<Pair> = [[0.2, 0.2], [-0.2, 0.2], [0.0, -0.25]]
         .map(|[x, y]| {
-            let shape = Shape::PointPlane { body: 0, point: [x, y, -0.02], plane: held };
+            let shape = Shape::PointPlane { body: 0, point: [x, y, -0.02], plane: held.clone() };
             Pair::new(shape, disk(1e-9))
         })
         .to_vec();
