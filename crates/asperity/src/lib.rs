@@ -17,7 +17,7 @@
 //! assert!((force.x + 9.3 * 0.54).abs() < 1e-12 && force.y.abs() < 1e-12);
 //! # Ok::<(), asperity::set::SetError>(())
 //! ```
-#![deny(missing_docs)]
+#![deny(missing_docs, clippy::missing_errors_doc)]
 
 pub use asperity_set as set;
 pub use integrator::{event, midpoint as stepper};

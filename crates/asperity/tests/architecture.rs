@@ -72,10 +72,11 @@ fn module_of(file: &Path) -> Vec<String> {
     path
 }
 
-/// The code of a file without comments.
+/// The code of a file without comments and attributes.
 fn code(file: &Path) -> String {
     let text = fs::read_to_string(file).unwrap();
-    let code = text.lines().map(|line| line.split("//").next().unwrap_or(""));
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("#["));
+    let code = lines.map(|line| line.split("//").next().unwrap_or(""));
     code.collect::<Vec<_>>().join("\n")
 }
 
@@ -218,7 +219,8 @@ fn re_exports(file: &Path) -> BTreeMap<String, String> {
         let Some((child, names)) = path.split_once("::") else { continue };
         for name in names.trim_matches(['{', '}']).split(',') {
             let name = name.rsplit([' ', ':']).next().unwrap_or("").trim();
-            found.insert(name.to_owned(), child.to_owned());
+            // Of features that exclude each other the first one counts.
+            found.entry(name.to_owned()).or_insert_with(|| child.to_owned());
         }
     }
     found
