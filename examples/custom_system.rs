@@ -32,9 +32,9 @@ impl System for Puck {
         Ok(())
     }
 
-    fn forces(&self, _t: f64, q: &[f64], u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
-        h[0] = q[0] * u[1] * u[1];
-        h[1] = -2.0 * q[0] * u[0] * u[1];
+    fn forces(&self, at: &Configuration<'_>, u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
+        h[0] = at.q[0] * u[1] * u[1];
+        h[1] = -2.0 * at.q[0] * u[0] * u[1];
         Ok(())
     }
 

@@ -14,7 +14,7 @@ from collections import Counter
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.grading import proves_no_solution
+from asperity.contact.grading import proves_no_solution
 
 T_END = 0.4
 STEPS = (4e-3, 2e-3, 1e-3)
@@ -95,21 +95,22 @@ def run(call):
     "failed", all other errors; "late", more than `SECONDS` of processor time.
     """
     started = time.process_time()
+    found, ended, message, raised = None, "", "", None
     try:
-        found, ended, message = call(), "", ""
-    except asp.NoSolutionError as error:
-        proven = error.infeasibility is not None
-        holds = proven and proves_no_solution(error.problem, error.infeasibility)
-        ended = "no solution" if holds else "false" if proven else "unsolved"
-        found, message = None, str(error)
+        found = call()
     except asp.AsperityError as error:
-        unsolved = isinstance(error, asp.ConvergenceError) and error.residual is not None
-        unsolved = unsolved or "were not found" in str(error)
-        ended = "events" if "max_events" in str(error) else "unsolved" if unsolved else "failed"
-        found, message = None, str(error)
+        raised, message = error, str(error)
     seconds = time.process_time() - started
     if seconds > SECONDS:
         ended, message = "late", f"{seconds:.1f} s: {message}"
+    elif isinstance(raised, asp.NoSolutionError):
+        proven = raised.infeasibility is not None
+        holds = proven and proves_no_solution(raised.problem, raised.infeasibility)
+        ended = "no solution" if holds else "false" if proven else "unsolved"
+    elif raised is not None:
+        unsolved = isinstance(raised, asp.ConvergenceError) and raised.residual is not None
+        unsolved = unsolved or "were not found" in message
+        ended = "events" if "max_events" in message else "unsolved" if unsolved else "failed"
     return found, ended, message
 
 

@@ -1,5 +1,7 @@
 """Systems: shapes, equilibrium, checks of subclasses."""
 
+import inspect
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -153,15 +155,6 @@ def test_missing_kinematics_are_named_before_the_first_step():
 
     with pytest.raises(TypeError, match=r"must define the method normal\(self, t, q, contact\)"):
         asp.simulate(Unfinished(), dt=0.1, t_end=1.0)
-
-
-def test_wrong_shapes_from_a_callback_are_named():
-    class Wrong(Block):
-        def forces(self, t, q, u):
-            return np.zeros(3)
-
-    with pytest.raises(asp.DimensionError, match="forces"):
-        asp.simulate(Wrong(), dt=0.1, t_end=1.0)
 
 
 def test_exceptions_in_a_callback_come_back_with_their_traceback():
@@ -336,3 +329,109 @@ def test_blocks_that_do_not_fit_are_named(changes, message):
     system = type("Wrong", (RowInBlocks,), changes)(3)
     with pytest.raises(asp.ParameterError, match=message):
         asp.simulate(system, dt=0.1, t_end=1.0)
+
+
+class Thrown(asp.System):
+    """A mass above a floor, with every method that a system may have but `advance`."""
+
+    dof = 2
+    blocks = (1, 1)
+    contacts = (asp.ContactLaw(LINE),)
+
+    def block_mass(self, q, block):
+        return np.eye(1)
+
+    def touched(self, contact):
+        return [0, 1]
+
+    def forces(self, t, q, u):
+        return np.array([0.0, -9.81])
+
+    def direction(self, t, q, contact):
+        return np.array([[1.0], [0.0]])
+
+    def velocity(self, t, q, contact):
+        return np.zeros(1)
+
+    def normal(self, t, q, contact):
+        return np.array([0.0, 1.0])
+
+    def gap(self, t, q, contact):
+        return q[1]
+
+
+class InOne(Thrown):
+    """The same without blocks."""
+
+    blocks = None
+    block_mass, touched = asp.System.block_mass, asp.System.touched
+
+    def mass(self, q):
+        return np.eye(2)
+
+
+class Advancing(Thrown):
+    """The same, advanced by itself."""
+
+    def advance(self, q, u, dt):
+        return q + dt * u
+
+
+FAULTS = {
+    "raises": (ZeroDivisionError, "in the user's code"),
+    "nan": (asp.ParameterError, "{}: must return finite numbers"),
+    "shape": (asp.DimensionError, "{}: must return shape"),
+}
+
+
+def spoiled(kind, method, fault):
+    """Return a system of which one method fails from the beginning."""
+    right = getattr(kind, method)
+
+    def wrong(*arguments):
+        if fault == "raises":
+            raise ZeroDivisionError("in the user's code")
+        if fault == "shape":
+            return np.zeros((3, 3))
+        return np.nan * np.asarray(right(*arguments))
+
+    # The signature is checked when the class is defined.
+    wrong.__signature__ = inspect.signature(right)
+    return type("Spoiled", (kind,), {method: wrong})()
+
+
+@pytest.mark.parametrize("run", ["simulate", "integrate"])
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize(
+    ("kind", "method"),
+    [
+        (InOne, "mass"),
+        (Thrown, "block_mass"),
+        (Thrown, "touched"),
+        (Thrown, "forces"),
+        (Thrown, "direction"),
+        (Thrown, "velocity"),
+        (Thrown, "normal"),
+        (Thrown, "gap"),
+        (Advancing, "advance"),
+    ],
+)
+def test_what_fails_in_a_method_is_what_is_reported(kind, method, fault, run):
+    if (method, run) == ("advance", "integrate"):
+        pytest.skip("integrate refuses systems that advance themselves")
+    system = spoiled(kind, method, fault)
+    error, message = FAULTS[fault]
+    if method == "touched" and fault != "raises":
+        error, message = asp.ParameterError, "{}: must return numbers of blocks"
+    options = {"dt": 0.1} if run == "simulate" else {}
+    with pytest.raises(error, match=message.format(method)) as caught:
+        getattr(asp, run)(system, t_end=1.0, q0=[0.0, 0.0], **options)
+    if method == "touched":
+        return
+    # The part before is there, whether or not it has a sample.
+    part = caught.value.trajectory
+    assert part.q.shape[1:] == part.u.shape[1:] == (2,)
+    assert part.slip.shape[1:] == (1, 1)
+    assert f"{len(part)} samples" in repr(part)
+    when = "after t = 0 s" if len(part) else "at the start"
+    assert any(when in note for note in caught.value.__notes__)

@@ -12,10 +12,11 @@ experimental verification and instability phenomenon*, Nonlinear Dynamics (2019)
 Outcome.AT_REST
 """
 
-from typing import Any as _Any
+from importlib import import_module as _import_module
+from types import ModuleType as _ModuleType
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 from asperity._core import __version__
-from asperity.comparison import PathComparison, compare_path
 from asperity.contact import (
     Certificate,
     ContactProblem,
@@ -25,9 +26,10 @@ from asperity.contact import (
     LocalSolution,
     Stage,
 )
-from asperity.cycle import BifurcationDiagram, LimitCycle, bifurcation_diagram, limit_cycle
+from asperity.cycles import BifurcationDiagram, LimitCycle, bifurcation_diagram, limit_cycle
 from asperity.errors import (
     AsperityError,
+    ConfigurationError,
     ConvergenceError,
     DimensionError,
     DivergenceError,
@@ -38,10 +40,19 @@ from asperity.errors import (
     RecordError,
     SimulationInterrupted,
 )
-from asperity.integrate import integrate
-from asperity.law import FlowReport, FrictionLaw
-from asperity.motion import Event, EventKind, Motion, Section
-from asperity.rate import Stribeck
+from asperity.law import FlowReport, FrictionLaw, Stribeck
+from asperity.runs import (
+    Event,
+    EventKind,
+    Motion,
+    PathComparison,
+    Section,
+    State,
+    Trajectory,
+    compare_path,
+    integrate,
+    simulate,
+)
 from asperity.sets import (
     Ball,
     Box,
@@ -62,10 +73,10 @@ from asperity.sets import (
     Superellipse,
     SupportCurve,
     Union,
+    Verdict,
     WedgeAsperity,
     star_shape,
 )
-from asperity.simulate import simulate
 from asperity.solvers import (
     ADMM,
     Auto,
@@ -77,7 +88,8 @@ from asperity.solvers import (
     SemismoothNewton,
     Solver,
 )
-from asperity.stability import (
+from asperity.status import Outcome, Phase, Status
+from asperity.steady_sliding import (
     Equilibrium,
     Stability,
     critical_directions,
@@ -88,8 +100,6 @@ from asperity.stability import (
     incremental_distance,
     stability,
 )
-from asperity.state import State
-from asperity.status import Outcome, Phase, Status
 from asperity.system import (
     Body,
     BodyAxis,
@@ -101,8 +111,11 @@ from asperity.system import (
     MassOnBelt,
     PlanarBody,
     Plane,
+    PlaneMotion,
     PointPlane,
     RigidBodies,
+    Signal,
+    Sine,
     SlidingDisk,
     SlidingPoint,
     SpherePlane,
@@ -110,8 +123,13 @@ from asperity.system import (
     Spring,
     System,
 )
-from asperity.trajectory import Trajectory
-from asperity.verdict import Verdict
+
+if _TYPE_CHECKING:
+    from asperity import identify as identify
+    from asperity import mechanisms as mechanisms
+    from asperity import plot as plot
+    from asperity import problems as problems
+    from asperity import track as track
 
 __all__ = [
     "ADMM",
@@ -126,6 +144,7 @@ __all__ = [
     "CappedRectangle",
     "Certificate",
     "Cone",
+    "ConfigurationError",
     "Contact",
     "ContactLaw",
     "ContactProblem",
@@ -165,6 +184,7 @@ __all__ = [
     "Phase",
     "PlanarBody",
     "Plane",
+    "PlaneMotion",
     "PointPlane",
     "PolarCurve",
     "Polygon",
@@ -176,7 +196,9 @@ __all__ = [
     "RigidBodies",
     "Section",
     "SemismoothNewton",
+    "Signal",
     "SimulationInterrupted",
+    "Sine",
     "SlidingDisk",
     "SlidingPoint",
     "Solver",
@@ -213,10 +235,15 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> _Any:
-    # Matplotlib and SciPy are imported by the first use of these modules, not before.
-    if name in ("identify", "mechanisms", "plot", "problems", "track"):
-        from importlib import import_module
+# Matplotlib and SciPy are imported by the first use of these rooms, not before.
+_ROOMS = ("identify", "mechanisms", "plot", "problems", "track")
 
-        return import_module(f"asperity.{name}")
+
+def __getattr__(name: str) -> _ModuleType:
+    if name in _ROOMS:
+        return _import_module(f"asperity.{name}")
     raise AttributeError(f"module 'asperity' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*__all__, *_ROOMS})

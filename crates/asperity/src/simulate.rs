@@ -218,7 +218,7 @@ pub fn resume(
         return Err(OptionsError { argument: "save_every", message });
     }
     let Options { dt, tolerance, solver, .. } = *options;
-    let mut trajectory = Trajectory::default();
+    let mut trajectory = Trajectory::empty(system);
     let mut stepper = match Stepper::from_state(system, solver, tolerance, dt, start) {
         Ok(stepper) => stepper,
         Err(StepError::Options(error)) => return Err(error),
@@ -226,21 +226,19 @@ pub fn resume(
         Err(error) => return Ok(Run { trajectory, end: None, outcome: Outcome::Error(error) }),
     };
     let watch = Watch { clock: RefCell::new(Clock::new()), observer: RefCell::new(observer) };
-    let outcome = run(system, options, &mut stepper, &mut trajectory, &watch);
+    let outcome = run(options, &mut stepper, &mut trajectory, &watch);
     let end = Some(stepper.state()).filter(State::is_finite);
     Ok(Run { trajectory, end, outcome: outcome.unwrap_or_else(Outcome::Error) })
 }
 
 /// The loop, and a sample of where it has ended.
 fn run(
-    system: &dyn System,
     options: &Options,
     stepper: &mut Stepper<'_>,
     trajectory: &mut Trajectory,
     watch: &Watch<'_, '_>,
 ) -> Result<Outcome, StepError> {
-    let contacts = system.contacts().len();
-    *trajectory = Trajectory::new(stepper, contacts)?;
+    trajectory.begin(stepper)?;
     let mut last = None;
     let outcome = steps(options, stepper, trajectory, watch, &mut last);
     let recorded = match (&outcome, last) {

@@ -5,6 +5,7 @@ use crate::contact::Phase;
 use crate::integrator::data::{Checked, checked};
 use crate::integrator::midpoint::{StepError, Stepper};
 use crate::integrator::samples::{ContactSample, Samples};
+use crate::system::System;
 
 /// Samples of a run. Sample 0 is the initial state, which no step has led to: forces NaN, phases unknown.
 ///
@@ -46,17 +47,21 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    pub(crate) fn new(stepper: &mut Stepper<'_>, contacts: usize) -> Result<Self, StepError> {
-        let dimensions: Vec<usize> = (0..contacts).map(|i| stepper.dimension(i)).collect();
-        let samples = Samples::new(stepper.q().len(), stepper.u().len(), &dimensions);
-        let phase_counts = vec![0; 3 * contacts];
-        let mut trajectory = Self { samples, phase_counts, ..Self::default() };
-        trajectory.record(stepper, 0, f64::NAN)?;
-        let samples = &mut trajectory.samples;
-        samples.force.fill(f64::NAN);
-        samples.normal_force.fill(f64::NAN);
-        samples.phase.fill(Phase::Unknown as i8);
-        Ok(trajectory)
+    /// A trajectory of a system, without samples.
+    pub(crate) fn empty(system: &dyn System) -> Self {
+        let contacts = system.contacts();
+        let dimensions: Vec<usize> = contacts.iter().map(|c| c.law.dimension()).collect();
+        let samples = Samples::new(system.coordinates(), system.dof(), &dimensions);
+        Self { samples, phase_counts: vec![0; 3 * contacts.len()], ..Self::default() }
+    }
+
+    /// Appends the initial state as the first sample.
+    pub(crate) fn begin(&mut self, stepper: &mut Stepper<'_>) -> Result<(), StepError> {
+        self.record(stepper, 0, f64::NAN)?;
+        self.samples.force.fill(f64::NAN);
+        self.samples.normal_force.fill(f64::NAN);
+        self.samples.phase.fill(Phase::Unknown as i8);
+        Ok(())
     }
 
     /// Counts a step that was made.

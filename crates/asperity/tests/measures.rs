@@ -553,3 +553,33 @@ fn large_percussions_of_stacks_are_solutions() {
         }
     }
 }
+
+/// A light body between the ground and a heavy one that comes down: `G` in double precision does not know any more that
+/// the heavy body can be moved, but its percussions `(M, 0, M, 0)` solve the problem exactly.
+#[test]
+fn heavy_bodies_that_the_operator_has_lost_are_never_said_to_have_no_solution() {
+    for heavy in [1e15, 1e16, 1e17, 1e20, 1e25, 1e30] {
+        let masses = [1.0, 1.0, heavy, heavy];
+        let mass =
+            Csr::new("mass", (4, 4), (0..=4).collect(), (0..4).collect(), masses.to_vec()).unwrap();
+        // Rows: light on ground, normal and along; heavy on light likewise. Velocities (x, y) of both bodies.
+        let (starts, columns) = (vec![0, 1, 2, 4, 6], vec![1, 0, 1, 3, 0, 2]);
+        let values = vec![1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
+        let directions = Csr::new("directions", (4, 4), starts, columns, values).unwrap();
+        let factored = Factored::new(mass, directions, &[2, 2]).unwrap();
+        let law = || Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap());
+        let contacts = [0, 1].map(|_| (law(), NormalForce::Unilateral));
+        let free = vec![0.0, 0.0, -1.0, 0.0];
+        let problem = ContactProblem::new(Delassus::from(factored), free, contacts).unwrap();
+        for solver in [
+            Solver::Exact { max_sweeps: 200 },
+            Solver::Auto { interior_point: true, threads: 1 },
+            Solver::InteriorPoint { max_iterations: 200 },
+        ] {
+            let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
+            let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
+            assert_ne!(report.status.name(), "no_solution", "{heavy:e} {solver:?}");
+            assert!(workspace.infeasibility().is_none(), "{heavy:e} {solver:?}");
+        }
+    }
+}

@@ -461,7 +461,12 @@ impl System for Own {
         Ok(())
     }
 
-    fn forces(&self, _t: f64, _q: &[f64], _u: &[f64], out: &mut [f64]) -> Result<(), SystemError> {
+    fn forces(
+        &self,
+        _at: &Configuration<'_>,
+        _u: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), SystemError> {
         out.fill(self.force);
         Ok(())
     }
@@ -643,7 +648,7 @@ fn rigid_bodies_are_checked_where_they_are_made() {
         other_point: [0.0; 3],
         stiffness: 1.0,
         damping: 0.0,
-        length: 0.0,
+        length: 0.0.into(),
     };
     for spring in
         [spring(1, None), spring(0, Some(1)), Spring { stiffness: NAN, ..spring(0, None) }]

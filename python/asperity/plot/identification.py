@@ -9,7 +9,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity import _arrays
+from asperity._base import arrays
 from asperity.errors import FitError, ParameterError
 from asperity.plot.look import BLUE, DIRECTION, GREY, INK, ORANGE, RESERVOIR, axes_or_new
 from asperity.plot.sets import plot_set
@@ -47,7 +47,7 @@ def plot_fitted_sets(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Ar
     _, means = fit.means
     look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
     artists: list[Artist] = list(ax.plot(*means.T, label="measured", **{**look, **kwargs}))
-    e = _arrays.unit_vectors(_DIRECTIONS)
+    e = arrays.unit_vectors(_DIRECTIONS)
     _, low, high = fit.radius_band(_DIRECTIONS)
     if np.isfinite(low).all():
         ring = np.concatenate([low[:, None] * e, (high[:, None] * e)[::-1]])
@@ -78,7 +78,7 @@ def plot_fitted_forces(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[
     _check(fit)
     ax = axes_or_new(ax)
     phi, means = fit.means
-    e = _arrays.unit_vectors(phi)
+    e = arrays.unit_vectors(phi)
     measured = (means * e).sum(axis=1), means[:, 1] * e[:, 0] - means[:, 0] * e[:, 1]
     bands = fit.bands(_DIRECTIONS)
     look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
@@ -113,7 +113,7 @@ def plot_residuals(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Arti
     ax = axes_or_new(ax)
     phi, means = fit.means
     left = means - fit.forces(phi)
-    e = _arrays.unit_vectors(phi)
+    e = arrays.unit_vectors(phi)
     parts = (left * e).sum(axis=1), left[:, 1] * e[:, 0] - left[:, 0] * e[:, 1]
     artists: list[Artist] = []
     names = (("against sliding", BLUE), ("across sliding", ORANGE))

@@ -7,7 +7,7 @@ use asperity_set::{
     largest_scale_inside,
 };
 
-use super::{LawError, Stribeck, WalkTable};
+use super::{Bounds, LawError, Stribeck, WalkTable};
 
 /// The law `γ ∈ N_D(−αλ)`, `α(x) = 1/(k_D(x) − k_C(x) + 1)` at `x = −λ` (\[WL19\] (55), (56)), for
 /// unit normal force.
@@ -39,15 +39,6 @@ pub struct FrictionLaw<const P: usize> {
     table: OnceLock<Box<WalkTable>>,
     /// Coefficient of isotropic friction.
     isotropic: Option<f64>,
-}
-
-/// Bounds over the boundaries of both sets, for the one-contact solver.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds {
-    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*.
-    pub smallest_sine: f64,
-    /// Largest radius of *C*.
-    pub largest_radius: f64,
 }
 
 /// The boundary of a direction set as a table; of isotropic laws, that of the unit disk.
@@ -296,12 +287,8 @@ impl FrictionLaw<2> {
     #[inline]
     pub(crate) fn bounds(&self) -> Bounds {
         match self.isotropic {
-            Some(mu) => Bounds { smallest_sine: 1.0, largest_radius: mu },
-            None => {
-                let table = self.table();
-                let (smallest_sine, largest_radius) = (table.smallest_sine, table.largest_radius);
-                Bounds { smallest_sine, largest_radius }
-            }
+            Some(mu) => Bounds { smallest_sine: 1.0, largest_radius: mu, largest_advance: mu },
+            None => self.table().bounds,
         }
     }
 

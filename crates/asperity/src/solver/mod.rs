@@ -255,7 +255,7 @@ impl Solver {
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         forget_runaways(&task, &mut iterate, groups);
         let once = self.sweeps_once(problem);
-        let (iterations, ended) = if once {
+        let (mut iterations, mut ended) = if once {
             (1, sweeper.solve_uncoupled(&task, &mut iterate))
         } else {
             // What sweeps find depends on the memory, not on what the workspace has seen before.
@@ -263,8 +263,16 @@ impl Solver {
             sweeper.renew_efforts();
             self.run(&task, &mut iterate, sweeper, methods, next)
         };
-        let residual = iterate.measure(&task);
+        let mut residual = iterate.measure(&task);
         let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
+        if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
+            let methods = methods.get_or_insert_default();
+            (iterations, ended) = methods.from_candidate(task, iterate.reborrow(), sweeper, &start);
+            residual = iterate.measure(&task);
+            if residual.value <= stop.tolerance {
+                findings = findings::judge(&task, ended, residual, &mut iterate, groups);
+            }
+        }
         // Who has cancelled does not wait for a search of all contacts.
         let left = residual.value > stop.tolerance && stop.early();
         if left || problem.delassus().is_matrix_free() {

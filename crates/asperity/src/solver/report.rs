@@ -66,7 +66,7 @@ impl SolveReport {
         findings: Findings,
         tolerance: f64,
     ) -> Self {
-        let Findings { running, without_solution, ambiguous } = findings;
+        let Findings { running, without_solution, ambiguous, .. } = findings;
         let worst = residual.worst_contact;
         let (status, worst_contact) = match (ended, without_solution, running) {
             (_, Some(contact), _) => (Status::NoSolution, contact),
@@ -87,12 +87,14 @@ impl SolveReport {
 }
 
 /// What was found out about the percussions in which a solve ended.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Findings {
     /// The contact that percussions run away from.
     pub(crate) running: Option<usize>,
     /// The contact of a proof that there is no solution.
     pub(crate) without_solution: Option<usize>,
+    /// Percussions near which a solution may be that the method has not found.
+    pub(crate) candidate: Option<Vec<f64>>,
     /// Whether some contact has several solutions.
     pub(crate) ambiguous: bool,
 }

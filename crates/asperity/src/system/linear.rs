@@ -209,10 +209,15 @@ impl System for LinearSystem {
     }
 
     #[inline]
-    fn forces(&self, _t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
+    fn forces(
+        &self,
+        at: &Configuration<'_>,
+        u: &[f64],
+        forces: &mut [f64],
+    ) -> Result<(), SystemError> {
         forces.clone_from_slice(&self.force);
         for &(i, j, k, b) in &self.internal {
-            forces[i] += k * q[j] + b * u[j];
+            forces[i] += k * at.q[j] + b * u[j];
         }
         Ok(())
     }

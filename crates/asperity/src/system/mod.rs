@@ -4,6 +4,8 @@ mod linear;
 pub(crate) mod mass;
 mod models;
 pub mod rigid;
+mod signal;
+mod time_function;
 
 use std::error::Error;
 use std::fmt::Debug;
@@ -14,6 +16,8 @@ use thiserror::Error as ThisError;
 pub use linear::{Contact, LinearSystem, Normal};
 pub use models::{mass_on_belt, sliding_point};
 pub use rigid::RigidBodies;
+pub use signal::{Break, Derivative, Interpolation, Moment, Signal, Smoothness};
+pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
 use crate::law::Law;
 
@@ -144,6 +148,8 @@ impl Blocks {
 pub struct Configuration<'a> {
     /// Time in s.
     pub t: f64,
+    /// A time in s of the smooth piece by which functions of time are continued to `t`, see [`Moment`].
+    pub piece: f64,
     /// Coordinates.
     pub q: &'a [f64],
     /// What [`System::derive`] makes of them, or nothing.
@@ -153,7 +159,13 @@ pub struct Configuration<'a> {
 impl<'a> Configuration<'a> {
     /// A configuration from which nothing is derived yet.
     pub fn new(t: f64, q: &'a [f64]) -> Self {
-        Self { t, q, derived: &[] }
+        Self { t, piece: t, q, derived: &[] }
+    }
+
+    /// The time, for functions of time.
+    #[inline]
+    pub fn moment(&self) -> Moment {
+        Moment { t: self.t, piece: self.piece }
     }
 }
 
@@ -187,7 +199,7 @@ impl Midpoint {
     /// Where the system is there.
     #[inline]
     pub fn configuration(&self) -> Configuration<'_> {
-        Configuration { t: self.t, q: &self.q, derived: &self.derived }
+        Configuration { t: self.t, piece: self.t, q: &self.q, derived: &self.derived }
     }
 }
 
@@ -274,7 +286,19 @@ pub trait System: Debug + Sync {
     /// # Errors
     ///
     /// [`SystemError::Foreign`] if what the user has written fails.
-    fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError>;
+    fn forces(
+        &self,
+        at: &Configuration<'_>,
+        u: &[f64],
+        forces: &mut [f64],
+    ) -> Result<(), SystemError>;
+
+    /// The first time after `t` at which forces, gaps, rows or χ are not smooth functions of time; none by default.
+    /// Event-driven integration ends its steps there, and evaluates the system within steps as it is continued smoothly
+    /// from [`Configuration::piece`].
+    fn next_break(&self, _t: f64) -> Option<Break> {
+        None
+    }
 
     /// What follows from the coordinates and is asked for again and again, contact by contact, such as the attitudes
     /// of bodies; nothing by default. Every method that is given a [`Configuration`] must do without it, too.
@@ -303,6 +327,22 @@ pub trait System: Debug + Sync {
         rows: &mut [f64],
         velocity: &mut [f64],
     ) -> Result<f64, SystemError>;
+
+    /// What the rows of a contact change by in a step whose velocities do not: `correction` such that
+    /// `W(q_M)ᵀũ + χ + correction` are its mean velocities from this midpoint to the next, which
+    /// `q_M ⊕ Δt ũ` is. The velocities ũ are those with which the motion would go on as it was before the step, with
+    /// the velocities `u`; `rows` are those at the midpoint. Contacts that stay closed ask for it: without it they are
+    /// of first order. Returns whether there is any; none by default.
+    fn chord(
+        &self,
+        _midpoint: &Midpoint,
+        (_u, _dt): (&[f64], f64),
+        _contact: usize,
+        _rows: &[f64],
+        _correction: &mut [f64],
+    ) -> bool {
+        false
+    }
 
     /// What a motion carries from step to step besides coordinates and velocities, as it follows from these; nothing
     /// unless the system steps momenta.
@@ -333,7 +373,8 @@ pub trait System: Debug + Sync {
         self.advance(q, u, 0.5 * dt, &mut midpoint.q);
         self.derive(&midpoint.q, &mut midpoint.derived);
         midpoint.before.copy_from_slice(u);
-        self.forces(t, &midpoint.q, u, &mut midpoint.forces)
+        let at = Configuration { t, piece: t, q: &midpoint.q, derived: &midpoint.derived };
+        self.forces(&at, u, &mut midpoint.forces)
     }
 
     /// The second half: `u` and `q = q_M ⊕ ½Δt u` from the velocities `after` all forces and percussions have acted.

@@ -190,7 +190,7 @@ fn a_box_tips_over_an_edge() {
     let motion = run(&system, &options);
     let energy = |k: usize| {
         let (q, u) = sample(&motion, k);
-        system.kinetic_energy(u) + system.potential_energy(q)
+        system.kinetic_energy(u) + system.potential_energy(0.0, q)
     };
     let falls = first(&motion, EventKind::Impact).time;
     let before = (0..motion.samples.len()).take_while(|&k| motion.samples.t[k] < falls);

@@ -224,6 +224,24 @@ impl BlockMatrix {
     /// Adds `Σ_j G_ij P_j` to the first entries of `sum`, without `j = i` unless `with_own`.
     #[inline]
     pub(crate) fn add_row(&self, i: usize, percussion: &[f64], with_own: bool, sum: &mut [f64; 4]) {
+        self.add_terms(i, percussion, with_own, sum, |g, p| g * p);
+    }
+
+    /// Adds `Σ_j |G_ij P_j|` to the first entries of `sum`.
+    #[inline]
+    pub(crate) fn add_magnitudes(&self, i: usize, percussion: &[f64], sum: &mut [f64; 4]) {
+        self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
+    }
+
+    #[inline(always)]
+    fn add_terms(
+        &self,
+        i: usize,
+        percussion: &[f64],
+        with_own: bool,
+        sum: &mut [f64; 4],
+        term: impl Fn(f64, f64) -> f64,
+    ) {
         let size = self.size(i);
         for k in self.starts[i]..self.starts[i + 1] {
             let j = self.columns[k];
@@ -237,12 +255,13 @@ impl BlockMatrix {
             // Contacts in the plane, the bulk of all, with loops that the compiler unrolls.
             if let (Ok(g), Ok(p)) = (<&[f64; 9]>::try_from(block), <&[f64; 3]>::try_from(p)) {
                 for a in 0..3 {
-                    sum[a] += g[3 * a] * p[0] + g[3 * a + 1] * p[1] + g[3 * a + 2] * p[2];
+                    sum[a] +=
+                        term(g[3 * a], p[0]) + term(g[3 * a + 1], p[1]) + term(g[3 * a + 2], p[2]);
                 }
                 continue;
             }
             for (value, row) in sum.iter_mut().zip(block.chunks_exact(columns)) {
-                *value += row.iter().zip(p).map(|(g, p)| g * p).sum::<f64>();
+                *value += row.iter().zip(p).map(|(g, p)| term(*g, *p)).sum::<f64>();
             }
         }
     }

@@ -23,6 +23,8 @@ pub enum EventKind {
     ImpactWithoutCollision,
     /// The motion crosses the section.
     Section,
+    /// A load or the motion of a surface jumps, or its rate does.
+    Kink,
 }
 
 impl EventKind {
@@ -35,6 +37,7 @@ impl EventKind {
             Self::Impact => "impact",
             Self::ImpactWithoutCollision => "impact_without_collision",
             Self::Section => "section",
+            Self::Kink => "kink",
         }
     }
 }
@@ -47,7 +50,7 @@ impl EventKind {
 pub struct Event {
     /// Time in s.
     pub time: f64,
-    /// The contact; none of a section.
+    /// The contact; none of a section and of a kink.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub contact: Option<usize>,
     /// What happened.

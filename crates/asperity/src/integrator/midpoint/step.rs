@@ -52,6 +52,7 @@ impl Stepper<'_> {
         self.keep_outputs();
         let state = (self.q.as_mut_slice(), self.u.as_mut_slice());
         self.assembly.finish(self.system, &self.memory.percussion, self.dt, state);
+        self.closed.settle();
         self.steps += 1;
         self.check_finite()?;
         Ok(Attempt::Made(report))

@@ -39,9 +39,8 @@ const ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// Percussions over those that normal loads call for, `Σ s_j |P_j|` over `max_i |b_Ni|/s_i`, from which on they are no
 /// solution: with all digits of `G`, contacts are proven to close that do so with a hundred-thousandth of the loads.
 pub(crate) const HUGE: f64 = 1e10;
-/// Largest part of the weights that moves bodies. Its square is what they change of `G d`: where masses differ by
-/// more than `G` can hold, this tells what that cannot.
-pub(crate) const MOVED: f64 = 1e-10;
+/// Errors of the weights relative to the largest one: what projections onto the kernel of `G` leave over.
+const MOVED: f64 = 1e-10;
 /// Smallest closing velocity relative to the free velocities of the contacts, in their normal rows.
 const MARGIN: f64 = 1e-12;
 /// Weights below this part of the largest are none.
@@ -194,13 +193,13 @@ fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasi
             residual = residual.max(velocity.abs() / (row_scale(problem, j, row) * largest));
         }
     }
-    let moved = match problem.delassus() {
-        Delassus::Factored(factored) => moved(factored, &direction) / largest,
-        _ => 0.0,
+    let rests = match problem.delassus() {
+        Delassus::Factored(factored) => keeps_bodies_at_rest(factored, &direction),
+        _ => true,
     };
     // The comparisons also turn away NaN.
     let closes = closing > MARGIN * loads && closing >= HUGE * residual * largest * called_for;
-    let proves = closes && residual * largest <= ROUNDING * terms && moved <= MOVED;
+    let proves = closes && residual * largest <= ROUNDING * terms && rests;
     let kind = InfeasibilityKind::Closing;
     proves.then_some(Infeasibility {
         kind,
@@ -212,18 +211,29 @@ fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasi
     })
 }
 
-/// `max_k |(W d)_k|/√M_kk`: how fast the weights as percussions would move bodies.
-pub(crate) fn moved(factored: &Factored, direction: &[f64]) -> f64 {
-    let (mass, directions) = (factored.mass(), factored.directions());
-    let mut momentum = vec![0.0; mass.rows()];
-    for (row, d) in direction.iter().enumerate().filter(|(_, d)| **d > 0.0) {
+/// Whether weights as percussions move no body: whether every momentum `(W d)_k` is what errors of the weights, each of
+/// a part [`MOVED`] of the largest weight in scaled rows, explain.
+///
+/// `W d = 0` makes `G d = 0` whatever the masses. `G` alone does not tell: beside a body of the mass 1 it holds nothing
+/// of one of the mass 10¹⁷, which percussions move nevertheless.
+pub(crate) fn keeps_bodies_at_rest(factored: &Factored, weights: &[f64]) -> bool {
+    let (directions, blocks) = (factored.directions(), factored.blocks());
+    let own = |i: usize| {
+        let (size, block) = (blocks.size(i), blocks.diagonal(i));
+        (0..size).map(move |a| block[a * size + a].sqrt())
+    };
+    let scales: Vec<f64> = (0..blocks.contacts()).flat_map(own).collect();
+    let largest = weights.iter().zip(&scales).fold(0.0_f64, |m, (d, s)| m.max(s * d.abs()));
+    let mut momentum = vec![0.0; directions.columns()];
+    let mut explained = vec![0.0; directions.columns()];
+    for (row, (d, scale)) in
+        weights.iter().zip(&scales).enumerate().filter(|(_, (d, _))| **d != 0.0)
+    {
         let (columns, values) = directions.row(row);
-        columns.iter().zip(values).for_each(|(&k, w)| momentum[k] += w * d);
+        for (&k, w) in columns.iter().zip(values) {
+            momentum[k] += w * d;
+            explained[k] += w.abs() / scale;
+        }
     }
-    let scaled = momentum.iter().enumerate().map(|(k, p)| {
-        let (columns, values) = mass.row(k);
-        let own = columns.iter().zip(values).filter(|(column, _)| **column == k);
-        p.abs() / own.map(|(_, m)| m).sum::<f64>().sqrt()
-    });
-    scaled.fold(0.0, f64::max)
+    momentum.iter().zip(&explained).all(|(p, w)| p.abs() <= MOVED * largest * w)
 }

@@ -151,14 +151,8 @@ fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64
             }
         }
         other => {
-            let Some(blocks) = other.blocks() else { return loads };
-            for (j, block) in blocks.row(i) {
-                let first = problem.contacts()[j].offset;
-                let columns = problem.contacts()[j].len();
-                for (load, row) in loads.iter_mut().zip(block.chunks_exact(columns)) {
-                    let terms = row.iter().zip(&percussion[first..]);
-                    *load += terms.map(|(g, p)| (g * p).abs()).sum::<f64>();
-                }
+            if let Some(blocks) = other.blocks() {
+                blocks.add_magnitudes(i, percussion, &mut loads);
             }
         }
     }

@@ -21,8 +21,7 @@ const PATIENCE: usize = 25;
 pub(crate) struct Goal {
     /// `ε`, in units of `G`.
     pub(crate) epsilon: f64,
-    /// Regularisation of the matrices only, relative to the mean diagonal entry of the contact's own block: it
-    /// changes the steps, not where they lead.
+    /// Regularisation of the matrices only, in units of `1/ρ` of the contact: it changes the steps, not where they lead.
     pub(crate) shift: f64,
     /// `‖F‖` that will do, a percussion.
     pub(crate) tolerance: f64,
@@ -120,6 +119,23 @@ impl Newton {
         }));
     }
 
+    /// Sets the prox parameter of every contact to that with which its velocity weighs as much as its percussion, at
+    /// most `largest` times the one that its own block gives.
+    pub(crate) fn match_rho(&mut self, problem: &ContactProblem, percussion: &[f64], largest: f64) {
+        problem.velocity(percussion, &mut self.xi);
+        self.scale_rho(problem, 1.0);
+        for (rows, rho) in problem.contacts().iter().zip(&mut self.rho) {
+            let own = |values: &[f64]| norm(&values[rows.rows()]);
+            let velocity = self.xi[rows.rows()].iter().zip(&problem.restitution()[rows.rows()]);
+            let xi = velocity.map(|(gamma, e)| (gamma + e) * (gamma + e)).sum::<f64>().sqrt();
+            let matching = own(percussion) / (rho.tangent * xi);
+            // Not a number where nothing pushes and nothing moves.
+            let factor = if matching > 1.0 { matching.min(largest) } else { 1.0 };
+            rho.normal *= factor;
+            rho.tangent *= factor;
+        }
+    }
+
     /// Solves from `percussion`, which receives the best iterate; `‖F‖` there and the iterations.
     pub(crate) fn solve(
         &mut self,
@@ -174,7 +190,7 @@ impl Newton {
             let rows = &problem.contacts()[i];
             let at = point(rows, rho[i], percussion, xi);
             rows.law.natural_map_jet(at, &mut f[..rows.len()], (&mut *a, &mut *b));
-            *a += *b * (goal.epsilon + goal.shift / problem.rho(i));
+            *a += *b * (goal.epsilon + goal.shift / rho[i].tangent);
         };
         let jets = Jets { first: 0, f: own, a, b };
         if threads.serve(jets.f.len()) {

@@ -5,10 +5,12 @@
 //! body's), so that the mass matrix is constant. A planar body has `(x, y, φ)` and their rates.
 
 mod body;
+mod chord;
 mod contact;
 mod measures;
 mod motion;
 mod pair;
+mod plane_motion;
 mod rotation;
 mod spring;
 mod structure;
@@ -19,12 +21,15 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 pub use body::{Bodies, Body, PlanarBody};
 pub use contact::ContactGeometry;
 pub use pair::{Pair, Shape};
+pub use plane_motion::PlaneMotion;
 pub use spring::Spring;
 pub use surface::{Field, Frame, Plane};
 
-use super::{Blocks, ContactLaw, SystemError};
-use body::{Inertial, Parts, check};
+use super::{Blocks, ContactLaw, Moment, SystemError};
+pub(in crate::system) use body::check;
+use body::{Inertial, Parts, TimedLoad};
 use contact::Contact;
+use surface::Timed;
 
 /// A system of rigid bodies.
 ///
@@ -48,6 +53,8 @@ pub struct RigidBodies {
     planar: bool,
     blocks: Blocks,
     inertial: Vec<Inertial>,
+    timed_loads: Vec<TimedLoad>,
+    timed_planes: Vec<Timed>,
     gravity: Vector3<f64>,
     springs: Vec<Spring>,
     contacts: Vec<Contact>,
@@ -115,7 +122,7 @@ impl RigidBodies {
     ) -> Result<Self, SystemError> {
         let bodies = bodies.into();
         let planar = matches!(bodies, Bodies::Planar(_));
-        let Parts { inertial, q0, u0 } = bodies.parts()?;
+        let Parts { inertial, timed_loads, q0, u0 } = bodies.parts()?;
         check("gravity", &gravity)?;
         if planar && gravity[2] != 0.0 {
             return Err(SystemError::argument("gravity", "must have z = 0 in planar systems"));
@@ -135,13 +142,14 @@ impl RigidBodies {
                 labels.push((i, k));
             }
         }
+        let timed_planes = pairs.iter().filter_map(|pair| pair.shape.timed()).collect();
         let given = |&contact: &usize| laws[contact].normal_force.is_some();
         let prescribed = (0..laws.len()).filter(given).collect();
         let (gravity, size) = (gravity.into(), if planar { 3 } else { 6 });
         let blocks = Blocks::new(std::iter::repeat_n(size, inertial.len()));
         #[rustfmt::skip]
         let bodies =
-            Self { planar, blocks, inertial, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
+            Self { planar, blocks, inertial, timed_loads, timed_planes, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
         Ok(bodies)
     }
 
@@ -175,11 +183,17 @@ impl RigidBodies {
         (self.contacts[contact].body, self.contacts[contact].other)
     }
 
-    /// Gap, place and directions of a contact in the world.
-    pub fn contact_geometry(&self, q: &[f64], contact: usize) -> ContactGeometry {
+    /// Gap, place and directions of a contact in the world at the time `t`.
+    pub fn contact_geometry(&self, t: f64, q: &[f64], contact: usize) -> ContactGeometry {
         let contact = &self.contacts[contact];
         let second = contact.other.map(|body| self.pose(q, body));
-        contact.geometry(&self.pose(q, contact.body), second.as_ref())
+        contact.geometry(Moment::new(t), &self.pose(q, contact.body), second.as_ref())
+    }
+
+    /// Whether loads, springs or planes depend on time.
+    pub fn depends_on_time(&self) -> bool {
+        let springs = self.springs.iter().any(|spring| spring.length.constant().is_none());
+        springs || !self.timed_loads.is_empty() || !self.timed_planes.is_empty()
     }
 
     /// Number of coordinates and of velocities per body.
