@@ -27,6 +27,9 @@ pub mod contact;
 pub mod integrator;
 pub mod law;
 mod linear;
+#[cfg(test)]
+#[path = "../tests/common/random.rs"]
+mod random;
 pub mod simulate;
 pub mod solver;
 pub mod system;
