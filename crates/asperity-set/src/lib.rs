@@ -16,6 +16,8 @@
 //! ```
 //!
 //! The definitions are those of Walker & Leine (2019), §2.1, cited as \[WL19\].
+//!
+//! With the feature `serde`, [`Star`] and [`Convex`] are data: `{ type = "Ellipse", a = 0.54, b = 0.48 }`.
 #![deny(missing_docs, clippy::missing_errors_doc)]
 
 mod any;
