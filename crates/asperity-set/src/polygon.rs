@@ -23,6 +23,10 @@ impl Polygon {
     ///
     /// Refused with a witness point if it crosses itself, does not hold the origin in its interior, or is
     /// not star-shaped.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Shape`] with the point that is wrong.
     pub fn new(vertices: &[Vector<2>]) -> Result<Self, SetError> {
         let refuse = |message| Err(SetError::Shape { argument: "vertices", message });
         if let Some(bad) = vertices.iter().find(|v| !v.iter().all(|x| x.is_finite())) {

@@ -1,5 +1,7 @@
 //! One operator in all its forms: the same products, the same solutions.
 
+mod common;
+
 use std::sync::Arc;
 
 use asperity::contact::{
@@ -11,28 +13,11 @@ use asperity::solver::{
     Certificate, InfeasibilityKind, ProxStep, SolveReport, Solver, Status, Stop, Workspace,
     natural_map, natural_residual, solutions,
 };
+use common::random::random;
 use nalgebra::DMatrix;
 
 const CONTACTS: usize = 6;
 const DOF: usize = 24;
-
-/// Reproducible numbers in (−1, 1).
-fn random(seed: &mut u64) -> f64 {
-    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-}
-
-fn csr(argument: &'static str, matrix: &DMatrix<f64>) -> Csr {
-    let (mut starts, mut indices, mut values) = (vec![0], vec![], vec![]);
-    for row in matrix.row_iter() {
-        for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
-            indices.push(j);
-            values.push(*value);
-        }
-        starts.push(indices.len());
-    }
-    Csr::new(argument, matrix.shape(), starts, indices, values).unwrap()
-}
 
 #[derive(Debug)]
 struct Products(DMatrix<f64>);
@@ -75,8 +60,13 @@ fn forms() -> Vec<(&'static str, Delassus)> {
     let (mass, directions) = bodies();
     let dense = &directions * mass.clone().try_inverse().unwrap() * directions.transpose();
     let sizes = [3; CONTACTS];
-    let factored = Factored::new(csr("mass", &mass), csr("directions", &directions), &sizes);
-    let blocks = BlockMatrix::from_csr(&csr("delassus", &dense), &sizes).unwrap();
+    let factored = Factored::new(
+        Csr::from_dense("mass", &mass).unwrap(),
+        Csr::from_dense("directions", &directions).unwrap(),
+        &sizes,
+    );
+    let blocks =
+        BlockMatrix::from_csr(&Csr::from_dense("delassus", &dense).unwrap(), &sizes).unwrap();
     let free = MatrixFree::new(Arc::new(Products(dense.clone())), &sizes).unwrap();
     vec![
         ("dense", dense.into()),
@@ -152,7 +142,10 @@ fn bad_operators_are_named() {
     named(pattern(&[5], &[vec![0]]), "delassus");
     let (mass, directions) = bodies();
     let factored = |mass: &DMatrix<f64>, directions: &DMatrix<f64>| {
-        let (mass, directions) = (csr("mass", mass), csr("directions", directions));
+        let (mass, directions) = (
+            Csr::from_dense("mass", mass).unwrap(),
+            Csr::from_dense("directions", directions).unwrap(),
+        );
         Factored::new(mass, directions, &[3; CONTACTS]).map(|_| ())
     };
     named(factored(&-&mass, &directions), "mass");

@@ -5,6 +5,8 @@ use super::{ContactProblem, ProblemError};
 
 /// What a contact does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[repr(i8)]
 pub enum Phase {
     /// Nothing is known yet.

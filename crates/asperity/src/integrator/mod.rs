@@ -7,8 +7,12 @@
 //! | `samples.rs` | what both integrators return: states, slips and forces over time |
 //! | `options.rs` | what options of integrators are checked for |
 
+#[cfg(feature = "serde")]
+pub mod data;
 pub mod event;
 pub mod midpoint;
+#[cfg(feature = "serde")]
+pub(crate) mod numbers;
 pub(crate) mod options;
 pub(crate) mod samples;
 

@@ -64,6 +64,11 @@ fn refuse<T>(argument: &'static str, message: String) -> Result<T, SetError> {
 ///
 /// Refused if some force does not oppose sliding, if `|ln closure|` exceeds `closure_tolerance` or if θ turns
 /// back by more than `convexity_tolerance` in rad; smaller defects are repaired and reported.
+///
+/// # Errors
+///
+/// [`SetError::Shape`] as said, and if there is not one finite force per direction, or the directions do not rise within
+/// a turn without gaps above π/2.
 pub fn flow_sets(
     phi: &[f64],
     force: &[Vector<2>],

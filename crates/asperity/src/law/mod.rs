@@ -4,6 +4,8 @@ mod ambiguity;
 mod answers;
 mod boundary;
 mod classify;
+#[cfg(feature = "serde")]
+pub mod data;
 mod error;
 mod extended;
 mod flow;

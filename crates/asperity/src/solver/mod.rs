@@ -45,6 +45,23 @@ use one_contact::solve::{OneContact, Settled};
 use report::{Ended, Findings};
 
 /// A solver and its options.
+///
+/// ```
+/// use asperity::contact::{ContactProblem, Memory, NormalForce};
+/// use asperity::law::FrictionLaw;
+/// use asperity::nalgebra::DMatrix;
+/// use asperity::solver::{Solver, Status, Stop, Workspace};
+///
+/// let contact = (FrictionLaw::<1>::isotropic(0.5)?.into(), NormalForce::Prescribed(2.0));
+/// let problem = ContactProblem::new(DMatrix::identity(1, 1), vec![3.0], [contact])?;
+/// // Many solves share their buffers and remember what contacts have done.
+/// let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+/// let solver = Solver::Exact { max_sweeps: 100 };
+/// let report = solver.solve(&problem, Stop::default(), &mut memory, &mut workspace);
+/// assert_eq!(report.status, Status::Converged);
+/// assert_eq!((&memory.percussion[..], workspace.velocity()), (&[-1.0][..], &[2.0][..]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Solver {

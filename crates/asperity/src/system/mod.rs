@@ -210,7 +210,8 @@ impl Midpoint {
 /// a step of many bodies costs in proportion to their number. A system without such structure has one block, which
 /// every contact touches.
 ///
-/// Immutable: everything that changes lives in the buffers that the methods fill.
+/// Immutable: everything that changes lives in the buffers that the methods fill. Who calls them gives states and buffers
+/// of the system's sizes; the integrators do, and the methods need not look.
 pub trait System: Debug + Sync {
     /// The blocks of the velocities.
     fn blocks(&self) -> &Blocks;
@@ -252,6 +253,10 @@ pub trait System: Debug + Sync {
     }
 
     /// Brings initial coordinates to their normal form: quaternions to the length one.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Argument`] if the coordinates have no normal form.
     fn normalise(&self, _q0: &mut [f64]) -> Result<(), SystemError> {
         Ok(())
     }
@@ -270,9 +275,17 @@ pub trait System: Debug + Sync {
     }
 
     /// The mass matrix `M(q)` of a block, symmetric positive definite, column by column.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
     fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError>;
 
     /// Forces `h(t, q, u)` without those of the contacts.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
     fn forces(
         &self,
         at: &Configuration<'_>,
@@ -292,6 +305,10 @@ pub trait System: Debug + Sync {
     fn derive(&self, _q: &[f64], _derived: &mut Vec<f64>) {}
 
     /// Gap `g_N` of a unilateral contact.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
     fn gap(&self, _at: &Configuration<'_>, _contact: usize) -> Result<f64, SystemError> {
         Err(SystemError::argument("contacts", "a unilateral contact needs a gap function"))
     }
@@ -299,6 +316,10 @@ pub trait System: Debug + Sync {
     /// Directions of one contact: the rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ`, one after another, each with
     /// the velocities of the blocks that it touches; and χ_N and χ into `velocity`. Returns the gap, zero where the
     /// normal force is given.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
     fn rows(
         &self,
         at: &Configuration<'_>,
@@ -336,6 +357,10 @@ pub trait System: Debug + Sync {
 
     /// The first half of a step of length `dt` with the midpoint at the time `t`: `q_M = q ⊕ ½Δt u`, and the forces
     /// there.
+    ///
+    /// # Errors
+    ///
+    /// As [`forces`](Self::forces).
     #[inline]
     fn begin(
         &self,
@@ -367,6 +392,10 @@ pub trait System: Debug + Sync {
 }
 
 /// The rows of a contact with all velocities of the system, as methods with matrices of its size need them; its gap.
+///
+/// # Errors
+///
+/// As [`System::rows`].
 pub fn full_rows(
     system: &dyn System,
     at: &Configuration<'_>,

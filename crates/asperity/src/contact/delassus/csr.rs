@@ -1,5 +1,7 @@
 //! Sparse matrices, compressed by rows.
 
+use nalgebra::DMatrix;
+
 use crate::contact::ProblemError;
 use crate::contact::error::check_finite;
 
@@ -49,6 +51,23 @@ impl Csr {
         }
         check_finite(argument, &values)?;
         Ok(Self { rows, columns, starts, indices, values })
+    }
+
+    /// The entries of a matrix that are not zero; `argument` is named in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::Value`] if an entry is not finite.
+    pub fn from_dense(argument: &'static str, matrix: &DMatrix<f64>) -> Result<Self, ProblemError> {
+        let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+        for row in matrix.row_iter() {
+            for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                indices.push(j);
+                values.push(*value);
+            }
+            starts.push(indices.len());
+        }
+        Self::new(argument, matrix.shape(), starts, indices, values)
     }
 
     /// Number of rows.

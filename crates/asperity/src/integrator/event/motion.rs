@@ -7,6 +7,8 @@ use crate::integrator::samples::{ContactSample, Samples};
 
 /// What happens at an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum EventKind {
     /// A contact begins to stick.
@@ -42,15 +44,19 @@ impl EventKind {
 
 /// Something that happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct Event {
     /// Time in s.
     pub time: f64,
     /// The contact; none of a section and of a kink.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub contact: Option<usize>,
     /// What happened.
     pub kind: EventKind,
     /// What the contact does afterwards.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub phase: Option<Phase>,
     /// Whether the contacts might have done something else.
     pub ambiguous: bool,
@@ -58,6 +64,8 @@ pub struct Event {
 
 /// Samples of a motion, and its events. An event gives two samples where all steps are kept, before and after it.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(remote = "Self", deny_unknown_fields))]
 #[non_exhaustive]
 pub struct Motion {
     /// States, slips and forces.

@@ -23,6 +23,10 @@ pub struct ContactSolution {
 /// counter-clockwise along bdry *D*.
 ///
 /// There must be such a contact with p = 1 or 2, one percussion per row, and an operator with entries.
+///
+/// # Errors
+///
+/// [`ProblemError`] if one of these does not hold.
 pub fn solutions(
     problem: &ContactProblem,
     contact: usize,

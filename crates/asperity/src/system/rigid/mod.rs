@@ -33,6 +33,20 @@ use surface::Timed;
 
 /// A system of rigid bodies.
 ///
+/// ```
+/// use asperity::law::FrictionLaw;
+/// use asperity::system::RigidBodies;
+/// use asperity::system::rigid::{Body, Pair, Plane, Shape};
+///
+/// let half = [0.1, 0.1, 0.05];
+/// let block = Body { position: [0.0, 0.0, 0.05], ..Body::cuboid(1.0, half) };
+/// let shape = Shape::BoxPlane { body: 0, half_sizes: half, plane: Plane::floor() };
+/// let pair = Pair::new(shape, FrictionLaw::<2>::isotropic(0.5)?);
+/// let system = RigidBodies::new(vec![block], &[pair], vec![], [0.0, 0.0, -9.81])?;
+/// assert_eq!(system.q0()[..3], [0.0, 0.0, 0.05]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// Contacts are numbered pair after pair, the corners of a box one after another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidBodies {
@@ -96,6 +110,10 @@ fn angular(twist: &Twist) -> Vector3<f64> {
 
 impl RigidBodies {
     /// A system of bodies, all in space or all in the plane `z = 0`, with gravity in m/s².
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Argument`] that says of which body, pair or spring a number or index is out of its range.
     pub fn new(
         bodies: impl Into<Bodies>,
         pairs: &[Pair],

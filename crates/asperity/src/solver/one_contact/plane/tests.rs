@@ -95,10 +95,7 @@ fn a_slip_that_is_certain_is_the_only_solution() {
         FrictionLaw::new(ellipse(0.3, 1.0, 0.0).into(), ellipse(1.0, 0.7, 0.0)).unwrap(),
     ];
     let mut seed = 1_u64;
-    let mut unit = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut unit = || 0.5 * (crate::random::random(&mut seed) + 1.0);
     let mut turn = || (std::f64::consts::TAU * unit()).sin_cos();
     for law in laws {
         let law = Law::from(law);
