@@ -56,12 +56,7 @@ impl System for Puck {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let ellipse: Convex<2> = Ellipse::new(Vector::<2>::new(0.4, 0.3))?.into();
-    let contact = ContactLaw {
-        law: FrictionLaw::associated(ellipse).into(),
-        normal_force: Some(9.81),
-        normal_restitution: 0.0,
-        tangential_restitution: 0.0,
-    };
+    let contact = ContactLaw::new(FrictionLaw::associated(ellipse), Some(9.81))?;
     let (dt, steps, solver) = (1e-4, 3_000, Solver::Exact { max_sweeps: 1 });
     let (q0, u0, tolerance, save_every) = (vec![1.0, 0.0], vec![1.0, 1.0], 1e-10, steps);
     let (until_rest, stop_on_failure) = (false, true);

@@ -18,9 +18,7 @@ impl From<SystemError> for OptionsError {
     fn from(error: SystemError) -> Self {
         match error {
             SystemError::Argument { argument, message } => Self { argument, message },
-            foreign @ SystemError::Foreign(_) => {
-                Self { argument: "system", message: foreign.to_string() }
-            }
+            other => Self { argument: "system", message: other.to_string() },
         }
     }
 }

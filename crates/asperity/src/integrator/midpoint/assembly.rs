@@ -106,7 +106,7 @@ impl Assembly {
     pub(super) fn new(system: &dyn System, q: &[f64], u: &[f64], momenta: Vec<f64>) -> Self {
         let (dof, constancy) = (system.dof(), system.constancy());
         let momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
-        let given = |contact: &ContactLaw| contact.normal_force.is_some();
+        let given = |contact: &ContactLaw| contact.normal_force().is_some();
         Self {
             fixed: constancy.contacts && system.contacts().iter().all(given),
             midpoint: Midpoint {
@@ -222,7 +222,7 @@ impl Assembly {
         dt: f64,
         new_mass: bool,
         closed: &mut Closed,
-    ) -> Result<(bool, bool), SystemError> {
+    ) -> Result<(bool, bool), StepError> {
         closed.found.clear();
         closed.gaps.clear();
         let (mut same, mut changed) = (closed.ready, new_mass);
@@ -231,11 +231,14 @@ impl Assembly {
             // What was closed most probably still is.
             let was_closed = closed.was_closed(contact);
             let known = was_closed && !constant;
-            let gap = match law.normal_force {
+            let gap = match law.normal_force() {
                 _ if known => self.evaluate(system, contact)?,
                 Some(_) => 0.0,
                 None => system.gap(&self.midpoint.configuration(), contact)?,
             };
+            if !gap.is_finite() {
+                return Err(StepError::NotFiniteContact { time: self.midpoint.t, contact });
+            }
             if gap > 0.0 && !(was_closed && gap <= self.lift(system, dt, contact, known)?) {
                 continue;
             }
@@ -435,7 +438,7 @@ impl Assembly {
         percussion: &[f64],
         dt: f64,
         state: (&mut [f64], &mut [f64]),
-    ) {
+    ) -> Result<(), SystemError> {
         for rows in &self.contacts {
             for (k, &p) in percussion[rows.first..rows.first + rows.len].iter().enumerate() {
                 let response = rows.row(k, &self.responses);
@@ -447,7 +450,7 @@ impl Assembly {
                 }
             }
         }
-        system.finish(&mut self.midpoint, &self.free, dt, state);
+        system.finish(&mut self.midpoint, &self.free, dt, state)
     }
 }
 

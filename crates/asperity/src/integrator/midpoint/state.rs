@@ -1,7 +1,7 @@
 //! What a run hands over to one that continues it.
 
 use crate::contact::ContactState;
-use crate::system::{System, SystemError};
+use crate::system::{self, System, SystemError};
 
 /// What a contact hands over to the next step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -23,16 +23,17 @@ pub struct State {
     pub origin: f64,
     /// Number of steps since then.
     pub steps: usize,
-    /// Their length in s, not a number while there has been none.
-    pub dt: f64,
+    /// Their length in s; none while there has been no step.
+    pub dt: Option<f64>,
     /// Coordinates.
     pub q: Vec<f64>,
     /// Velocities.
     pub u: Vec<f64>,
     /// One per contact; none if nothing is known of them.
     pub contacts: Vec<ContactMemory>,
-    /// What the system carries besides coordinates and velocities ([`System::momenta`]), of rigid bodies their angular
-    /// momenta in the world's axes, one after another; nothing if they follow from the velocities.
+    /// What the system carries besides coordinates and velocities ([`System::momenta`]): of rigid bodies the angular
+    /// momenta of those of unequal moments in the world's axes, one after another. Nothing if they follow from the
+    /// velocities.
     pub momenta: Vec<f64>,
 }
 
@@ -42,7 +43,7 @@ impl State {
         Self {
             origin: time,
             steps: 0,
-            dt: f64::NAN,
+            dt: None,
             q: q.to_vec(),
             u: u.to_vec(),
             contacts: Vec::new(),
@@ -52,17 +53,17 @@ impl State {
 
     /// Time in s.
     pub fn time(&self) -> f64 {
-        if self.steps == 0 { self.origin } else { self.origin + self.steps as f64 * self.dt }
+        self.dt.map_or(self.origin, |dt| self.origin + self.steps as f64 * dt)
     }
 
     /// The same state as the beginning of steps of another length.
     ///
     /// Percussions are forces times the step; what the contacts remember of their slip stays.
     pub(super) fn in_steps_of(&self, dt: f64) -> Self {
-        if self.dt == dt {
+        if self.dt == Some(dt) {
             return self.clone();
         }
-        let scale = if self.dt > 0.0 { dt / self.dt } else { 1.0 };
+        let scale = self.dt.map_or(1.0, |before| dt / before);
         let scaled = |contact: &ContactMemory| ContactMemory {
             percussion: contact.percussion.map(|p| p * scale),
             ..*contact
@@ -70,7 +71,7 @@ impl State {
         Self {
             origin: self.time(),
             steps: 0,
-            dt,
+            dt: Some(dt),
             contacts: self.contacts.iter().map(scaled).collect(),
             ..self.clone()
         }
@@ -90,18 +91,16 @@ impl State {
                 return Err(SystemError::argument(argument, message));
             }
         }
+        if self.dt.is_some_and(|dt| !(dt.is_finite() && dt > 0.0))
+            || self.dt.is_none() && self.steps > 0
+        {
+            let message = "must have the finite and positive length of its steps";
+            return Err(SystemError::argument("start", message));
+        }
         let refuse = |message: String| Err(SystemError::argument("start", message));
         let (contacts, known) = (system.contacts().len(), self.contacts.len());
         if known != 0 && known != contacts {
             return refuse(format!("must be a state of {contacts} contacts, is one of {known}"));
-        }
-        let momenta = self.momenta.len();
-        if momenta != 0 {
-            let expected = system.momenta(&self.q, &self.u).len();
-            if momenta != expected {
-                let message = format!("must carry {expected} components of momenta, has {momenta}");
-                return refuse(message);
-            }
         }
         if !self.is_finite() {
             return refuse("must be finite".into());
@@ -124,7 +123,7 @@ impl State {
     }
 }
 
-/// Steps of this length to this accuracy, and the contacts of the system, as far as their ranges are known.
+/// Steps of this length to this accuracy, of a system that is put together as it should be.
 pub(super) fn check_options(
     system: &dyn System,
     tolerance: f64,
@@ -136,21 +135,5 @@ pub(super) fn check_options(
             return Err(SystemError::argument(argument, message));
         }
     }
-    for (number, contact) in system.contacts().iter().enumerate() {
-        for (argument, value) in [
-            ("normal_restitution", contact.normal_restitution),
-            ("tangential_restitution", contact.tangential_restitution),
-        ] {
-            if !(0.0..=1.0).contains(&value) {
-                let message = format!("must lie in [0, 1], is {value} at contact {number}");
-                return Err(SystemError::argument(argument, message));
-            }
-        }
-        if let Some(force) = contact.normal_force.filter(|f| !(f.is_finite() && *f >= 0.0)) {
-            let message =
-                format!("must be finite and not negative, is {force} at contact {number}");
-            return Err(SystemError::argument("normal_force", message));
-        }
-    }
-    Ok(())
+    system::check(system)
 }
