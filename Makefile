@@ -18,9 +18,11 @@ test: test-rust test-python
 
 test-rust:
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo test --locked --quiet
-	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked --quiet
+	cargo clippy --workspace --all-targets --features asperity/serde --locked -- -D warnings
+	cargo clippy -p asperity --no-default-features --all-targets --locked -- -D warnings
+	cargo test --features asperity/serde,asperity-set/serde --locked --quiet
+	cargo test -p asperity --no-default-features --lib --test features --test methods --locked --quiet
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --features asperity/serde --locked --quiet
 	cd fuzz && cargo fmt --check
 	cd fuzz && cargo clippy --all-targets --locked --target-dir ../target -- -D warnings
 	cd fuzz && cargo test --locked --quiet --target-dir ../target

@@ -40,17 +40,8 @@ fn disk() -> LinearSystem {
 }
 
 fn run(system: &LinearSystem, u0: [f64; 2], steps: usize, save_every: usize) -> f64 {
-    let options = Options {
-        dt: DT,
-        steps,
-        q0: vec![0.0; 2],
-        u0: u0.to_vec(),
-        solver: Solver::Exact { max_sweeps: 1 },
-        tolerance: 1e-10,
-        save_every,
-        until_rest: false,
-        stop_on_failure: true,
-    };
+    let options = Options::new(DT, DT).unwrap().with_steps(steps).with_save_every(save_every);
+    let options = options.with_start(&[0.0; 2], &u0).with_solver(Solver::Exact { max_sweeps: 1 });
     let run = simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
     assert!(matches!(run.outcome, Outcome::Finished));
     run.trajectory.samples.q[2]

@@ -40,7 +40,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     for solver in solvers {
         let mut memory = Memory::new(problem.rows(), problem.contacts().len());
         let mut workspace = Workspace::default();
-        workspace.prepare(&problem);
         let stop = Stop::at(1e-12);
         let report = solver.solve(&problem, stop, &mut memory, &mut workspace);
         println!("{solver:?}");

@@ -10,7 +10,6 @@ use std::sync::Arc;
 use asperity::law::FrictionLaw;
 use asperity::set::{CustomStar, Star, StarSet, Vector};
 use asperity::simulate::{Options, simulate};
-use asperity::solver::Solver;
 use asperity::system::sliding_point;
 
 const GRAVITY: f64 = 9.81;
@@ -32,17 +31,8 @@ impl StarSet<2> for Lobes {
 /// Distance that a point mass slides with 1 m/s at the start.
 fn distance(law: FrictionLaw<2>, direction: f64) -> Result<f64, Box<dyn Error>> {
     let point = sliding_point(1.0, law, GRAVITY)?;
-    let options = Options {
-        dt: 1e-4,
-        steps: 20_000,
-        q0: vec![0.0; 2],
-        u0: vec![direction, 0.0],
-        solver: Solver::Exact { max_sweeps: 1 },
-        tolerance: 1e-10,
-        save_every: 20_000,
-        until_rest: true,
-        stop_on_failure: true,
-    };
+    let options = Options::new(1e-4, 2.0)?.with_start(&[0.0; 2], &[direction, 0.0]);
+    let options = options.with_save_every(20_000).until_rest();
     let run = simulate(&point, &options, &mut |_, _| ControlFlow::Continue(()))?;
     let q = &run.trajectory.samples.q;
     Ok(q[q.len() - 2].hypot(q[q.len() - 1]))

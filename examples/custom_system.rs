@@ -9,7 +9,6 @@ use std::ops::ControlFlow;
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::simulate::{Options, simulate};
-use asperity::solver::Solver;
 use asperity::system::{Blocks, Configuration, ContactLaw, System, SystemError};
 
 /// A puck of 1 kg; coordinates (r, φ).
@@ -33,9 +32,9 @@ impl System for Puck {
         Ok(())
     }
 
-    fn forces(&self, _t: f64, q: &[f64], u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
-        h[0] = q[0] * u[1] * u[1];
-        h[1] = -2.0 * q[0] * u[0] * u[1];
+    fn forces(&self, at: &Configuration<'_>, u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
+        h[0] = at.q[0] * u[1] * u[1];
+        h[1] = -2.0 * at.q[0] * u[0] * u[1];
         Ok(())
     }
 
@@ -57,11 +56,9 @@ impl System for Puck {
 fn main() -> Result<(), Box<dyn Error>> {
     let ellipse: Convex<2> = Ellipse::new(Vector::<2>::new(0.4, 0.3))?.into();
     let contact = ContactLaw::new(FrictionLaw::associated(ellipse), Some(9.81))?;
-    let (dt, steps, solver) = (1e-4, 3_000, Solver::Exact { max_sweeps: 1 });
-    let (q0, u0, tolerance, save_every) = (vec![1.0, 0.0], vec![1.0, 1.0], 1e-10, steps);
-    let (until_rest, stop_on_failure) = (false, true);
-    let options =
-        Options { dt, steps, q0, u0, solver, tolerance, save_every, until_rest, stop_on_failure };
+    let options = Options::new(1e-4, 0.3)?.with_start(&[1.0, 0.0], &[1.0, 1.0]);
+    let last_only = options.steps;
+    let options = options.with_save_every(last_only);
     let run = simulate(&Puck { blocks: Blocks::one(2), contact }, &options, &mut |_, _| {
         ControlFlow::Continue(())
     })?;

@@ -10,7 +10,6 @@ use asperity::contact::Phase;
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::simulate::{Options, simulate};
-use asperity::solver::Solver;
 use asperity::system::{Contact, LinearSystem, Normal};
 use nalgebra::DMatrix;
 
@@ -41,17 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         vec![0.0, 0.0, -MASS * GRAVITY],
         vec![guide, floor],
     )?;
-    let options = Options {
-        dt: 1e-4,
-        steps: 10_000,
-        q0: vec![0.0, 0.0, HEIGHT],
-        u0: vec![1.0, 0.5, 0.0],
-        solver: Solver::Exact { max_sweeps: 1000 },
-        tolerance: 1e-10,
-        save_every: 1,
-        until_rest: false,
-        stop_on_failure: true,
-    };
+    let options = Options::new(1e-4, 1.0)?.with_start(&[0.0, 0.0, HEIGHT], &[1.0, 0.5, 0.0]);
     let run = simulate(&block, &options, &mut |_, _| ControlFlow::Continue(()))?;
     let path = &run.trajectory.samples;
     let last = path.len() - 1;

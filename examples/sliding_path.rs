@@ -8,7 +8,6 @@ use std::ops::ControlFlow;
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Superellipse, Vector};
 use asperity::simulate::{Options, simulate};
-use asperity::solver::Solver;
 use asperity::system::sliding_point;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -18,17 +17,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let law = FrictionLaw::new(reservoir.into(), direction)?;
     let disk = sliding_point(0.018, law, 9.81)?;
     let (sine, cosine) = 32f64.to_radians().sin_cos();
-    let options = Options {
-        dt: 1e-4,
-        steps: 10_000,
-        q0: vec![0.0; 2],
-        u0: vec![1.52 * cosine, 1.52 * sine],
-        solver: Solver::Exact { max_sweeps: 1 },
-        tolerance: 1e-10,
-        save_every: 10,
-        until_rest: true,
-        stop_on_failure: true,
-    };
+    let options = Options::new(1e-4, 1.0)?.with_start(&[0.0; 2], &[1.52 * cosine, 1.52 * sine]);
+    let options = options.with_save_every(10).until_rest();
     let run = simulate(&disk, &options, &mut |_, _| ControlFlow::Continue(()))?;
     let path = &run.trajectory.samples;
     let (x, y) = (path.q[path.q.len() - 2], path.q[path.q.len() - 1]);

@@ -25,7 +25,7 @@ with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
     machine.write(folder)  # readings, calibration, records without load; tribometer.toml
     configuration = identify.Configuration.load(folder / "tribometer.toml")
-    data = configuration.process(configuration.read([folder / "run_1.csv"]))
+    data = identify.process(configuration.read([folder / "run_1.csv"]))
 fit = identify.fit_law(data)
 for parameter, estimate in fit.parameters.items():
     print(f"{parameter:<20} {estimate}")

@@ -76,7 +76,8 @@ def figure():
 
 
 def figure_data():
-    from asperity.paper.data import Curves, write_columns
+    from asperity._base.tables import write_columns
+    from asperity.paper.data import Curves
 
     def curves(n):
         data = Curves()
@@ -123,7 +124,7 @@ def video():
 
 def _campaign(folder, mu):
     from asperity import identify
-    from asperity.identify.files import write_raw
+    from asperity.identify import write_raw
 
     machine = identify.VirtualTribometer(
         asp.FrictionLaw.isotropic(mu),
@@ -137,7 +138,7 @@ def _campaign(folder, mu):
 
 
 def raw_data():
-    from asperity.identify.files import write_raw
+    from asperity.identify import write_raw
 
     with tempfile.TemporaryDirectory() as folder:
         first, second = (_campaign(Path(folder), mu)[0] for mu in (0.3, 0.5))
@@ -154,11 +155,11 @@ def report():
 
 
 def _quiet(*arguments):
-    from asperity import cli
+    from asperity.commands.main import main
 
     told = io.StringIO()
     with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
-        code = cli.main(list(map(str, arguments)))
+        code = main(list(map(str, arguments)))
     if code == 2:
         raise OSError(errno.EIO, told.getvalue().strip().splitlines()[-1])
 
@@ -204,13 +205,13 @@ def command_solve():
 
 def folder():
     """Files of megabytes that belong together, as commands write them."""
-    from asperity._files import all_or_none
+    from asperity._base.files import ResultFolder
 
     names = [f"{k}.bin" for k in range(5)]
 
     def writer(letter):
         def write(out):
-            with all_or_none(out, names) as place:
+            with ResultFolder(out, names).filled() as place:
                 for name in names:
                     (place / name).write_bytes(letter * 200_000)
 

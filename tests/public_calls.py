@@ -10,14 +10,14 @@ from pathlib import Path
 
 import asperity as asp
 import numpy as np
-from asperity import grading, identify, mechanisms, plot, problems, track
-from asperity.contact import files
+from asperity import identify, mechanisms, plot, problems, track
+from asperity.contact import files, grading
 from filmed import RUN, SMALL
 from matplotlib.figure import Figure
 from test_values import CYCLE, VALUES
 
 MODULES = (asp, identify, track, problems, problems.scenes, mechanisms, plot, grading, files)
-_NUMBERS = re.compile(r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b")
+_NUMBERS = re.compile(r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b|\bTimeFunction\b")
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.5), asp.Ellipse(3.0, 1.0))
 DISK = asp.Disk(0.5)
@@ -149,7 +149,7 @@ ARGUMENTS = {
     },
     "certificate": {"percussion": [1.0, 0.0, 0.1]},
     "natural_map": {"percussion": [1.0, 0.0, 0.1]},
-    "grading.natural_map": {"problem": PROBLEM, "percussion": [1.0, 0.0, 0.1]},
+    "contact.grading.natural_map": {"problem": PROBLEM, "percussion": [1.0, 0.0, 0.1]},
     "residual": {"percussion": [1.0, 0.0, 0.1]},
     "solutions": {"contact": 0},
     "solve": {},
@@ -159,6 +159,14 @@ ARGUMENTS = {
     "Body.cylinder": {"mass": 1.0, "radius": 0.1, "height": 0.2},
     "PlanarBody.box": {"mass": 1.0, "half_sizes": (0.1, 0.2)},
     "PlanarBody.disk": {"mass": 1.0, "radius": 0.1},
+    "Signal.__call__": {"t": 0.5},
+    "Signal.derivative": {"t": 0.5},
+    "Signal.integral": {"start": 0.0, "end": 1.0},
+    "Signal.breaks": {"start": 0.0, "end": 1.0},
+    "Sine.__call__": {"t": 0.5},
+    "Sine.derivative": {"t": 0.5},
+    "Sine.integral": {"start": 0.0, "end": 1.0},
+    "Sine.breaks": {"start": 0.0, "end": 1.0},
     "RigidBodies.angular_momentum": {"trajectory": RUN_OF_BODIES},
     "simulate": {"system": BELT, "dt": 0.1, "t_end": 1.0, "q0": [0.0, 0.0], "u0": [0.0, 0.0]},
     "integrate": {"system": BELT, "t_end": 1.0, "q0": [0.0, 0.0], "u0": [0.0, 0.0]},

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import asperity as asp
 import numpy as np
+from asperity.grading import natural_map
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -212,6 +213,48 @@ class Masses:
             "tolerance": self.tolerance,
         } | options
         return asp.simulate(self.system(), q0=self.q0, u0=self.u0, **settings)
+
+    def residual(self, run: asp.Trajectory, k: int, contacts: Array) -> float:
+        """What is wrong with the step of a run from its sample `k`, without factors of the speed.
+
+        The natural map of its percussions in a contact problem that is put together here, and how
+        far its velocities are from what these percussions make of those before. `contacts` tells
+        those that are closed.
+        """
+        q, u, force, push = run.q[k], run.u[k], run.force[k + 1], run.normal_force[k + 1]
+        mass = np.repeat(self.mass, 2)
+        forces = self.force - self.stiffness @ (q + 0.5 * self.dt * u) - self.damping * mass * u
+        free = u + self.dt * forces / mass
+        rows: list[Array] = []
+        given: list[Array] = []
+        known: list[Array] = []
+        loads: list[float | None] = []
+        laws: list[asp.FrictionLaw] = []
+        for i, contact in enumerate((*self.rubs, *self.stops)):
+            if not contacts[i]:
+                continue
+            at = slice(2 * contact.point, 2 * contact.point + 2)
+            every = np.zeros((2, len(u)))
+            if isinstance(contact, Rub):
+                every[:, at], change = np.eye(2), -contact.belt
+                loads.append(contact.load * self.dt)
+                known.append(self.dt * force[i])
+            else:
+                every[:, at] = contact.normal, contact.tangent
+                bounce = contact.restitution * min(0.0, float(contact.normal @ u[at]))
+                change = np.array([bounce, 0.0])
+                loads.append(None)
+                known.append(self.dt * np.array([push[i], force[i, 0]]))
+            rows.append(every)
+            given.append(every @ free + change)
+            laws.append(contact.law)
+        directions, percussion = np.vstack(rows), np.concatenate(known)
+        problem = asp.ContactProblem(
+            directions / mass @ directions.T, np.concatenate(given), laws, normal_force=loads
+        )
+        reached = free + directions.T @ percussion / mass
+        error = float(np.abs(reached - run.u[k + 1]).max()) / float(np.abs(free).max())
+        return max(natural_map(problem, percussion), error)
 
     def moved(self, matrix: Array) -> Masses:
         """The scene turned or mirrored by an orthogonal `matrix`."""

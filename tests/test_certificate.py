@@ -4,7 +4,8 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import Certificate, Status
-from asperity.grading import natural_map, proves_no_solution
+from asperity.contact.grading import natural_map, proves_no_solution
+from asperity.errors import NoSolutionError
 from samples import LAWS, identify, random_problem
 from scipy.optimize import linprog
 
@@ -315,6 +316,13 @@ def test_verdicts_are_those_of_linear_programming():
     assert counts["friction"] > 0
 
 
+def test_verdicts_that_were_missed():
+    # Contacts that close slowly, cases with columns that depend on each other, a solution that only
+    # the search by cases leads to.
+    seeds = (6227, 314, 704, 1697, 3682, 5264, 6752, 8130, 5557)
+    assert check_random_systems(seeds) == {"converged": 1, "closing": 1, "friction": 7}
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("first", range(0, 10_000, 500))
 def test_ten_thousand_verdicts_are_those_of_linear_programming(first):
@@ -538,3 +546,35 @@ def test_bodies_that_the_operator_has_lost_are_asked_as_well(mass):
         # They are proofs where nothing is known but G.
         assert proves_no_solution(problem.replace(delassus=problem.delassus), proof)
         assert not proves_no_solution(problem, proof)
+
+
+def close_jaws(sliding, squeeze=1e-3):
+    """Two opposite walls and one body between them that slides along."""
+    block = np.diag([1.0, 1.0, 1.0])
+    operator = np.block([[block, block], [block, block]])
+    for i, j in [(0, 3), (3, 0)]:
+        operator[i, j] = -1.0
+    free = np.array([-squeeze, sliding, 0.0, -squeeze, sliding, 0.0])
+    return asp.ContactProblem(operator, free, LAW)
+
+
+@pytest.mark.parametrize("sliding", [0.0, 1.0, 1e3])
+@pytest.mark.parametrize("solver", [asp.Auto(), asp.ProximalPoint()], ids=repr)
+def test_squeezed_body_has_no_solution_however_fast_it_slides(solver, sliding):
+    problem = close_jaws(sliding)
+    solution = problem.solve(solver, tolerance=1e-8, time_limit=20.0, on_failure="record")
+    assert not solution.converged
+    assert solution.certificate.penetration_velocity > 1e-4
+
+
+def test_a_start_that_was_no_solution_does_no_harm():
+    lost = close_jaws(1.0).solve(tolerance=1e-8, on_failure="record")
+    feasible = close_jaws(1.0).replace(free_velocity=[-1e-3, 1.0, 0.0, 1e-3, 1.0, 0.0])
+    solution = feasible.solve(start=lost)
+    assert np.abs(solution.percussion).max() < 1e-1
+    assert np.abs(solution.velocity).max() < 2.0
+
+
+def test_no_solution_error_needs_growth_not_only_an_approach():
+    with pytest.raises(NoSolutionError):
+        close_jaws(0.0, squeeze=1.0).solve(tolerance=1e-8)

@@ -5,7 +5,7 @@ import sys
 
 import asperity as asp
 import pytest
-from asperity import cli
+from asperity.commands.main import main
 from asperity.paper import demo, redraw
 from asperity.paper.checks import Check
 
@@ -43,7 +43,7 @@ def test_demo_writes_figures_and_tables_and_passes(tmp_path):
 
 def test_a_check_that_is_off_exits_with_1(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(demo, "run", lambda folder: [Check("period", 28.703, 28.6, 0.02)])
-    assert cli.main(["demo", "--out", str(tmp_path)]) == 1
+    assert main(["demo", "--out", str(tmp_path)]) == 1
     assert "OFF" in capsys.readouterr().out
 
 
@@ -64,7 +64,7 @@ def test_figures_are_drawn_with_data_and_checks(tmp_path):
 def test_all_figures_are_the_default(tmp_path, monkeypatch, capsys):
     asked = []
     monkeypatch.setattr(redraw, "run", lambda folder, chosen: asked.extend(chosen) or [CHECK])
-    assert cli.main(["figures", "--out", str(tmp_path)]) == 0
+    assert main(["figures", "--out", str(tmp_path)]) == 0
     assert asked == list(range(1, 28))
     assert "is not redrawn" in capsys.readouterr().out
 
@@ -73,7 +73,7 @@ def test_a_statement_that_is_off_exits_with_1(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(
         redraw, "run", lambda folder, chosen: [CHECK, Check("wrong", 1.0, 0.0, 0.0)]
     )
-    assert cli.main(["figures", "--out", str(tmp_path)]) == 1
+    assert main(["figures", "--out", str(tmp_path)]) == 1
     assert "2 checks, 1 off" in capsys.readouterr().out
 
 
@@ -82,7 +82,7 @@ def test_a_statement_that_is_off_exits_with_1(tmp_path, monkeypatch, capsys):
     [("9", "is not redrawn"), ("28", "must name figures"), ("x", "ranges like 1-4,7")],
 )
 def test_figures_that_cannot_be_drawn_exit_with_2(tmp_path, capsys, only, words):
-    assert cli.main(["figures", "--only", only, "--out", str(tmp_path / "new")]) == 2
+    assert main(["figures", "--only", only, "--out", str(tmp_path / "new")]) == 2
     assert words in capsys.readouterr().err
     assert not (tmp_path / "new").exists()
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import asperity as asp
 import numpy as np
 import pytest
-from asperity import comparison
+from asperity.runs import comparison
 
 MU, SPEED = 0.5, 1.2
 BLOCK = asp.SlidingPoint(0.018, asp.FrictionLaw.isotropic(MU))

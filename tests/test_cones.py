@@ -6,6 +6,7 @@ import pytest
 from samples import (
     BEAN,
     CONVEX,
+    CORNERED,
     PENTAGON,
     STAR_PLANE,
     STAR_POLYGON,
@@ -175,3 +176,57 @@ def test_reentrant_corners_have_tangent_cones_of_more_than_a_half_turn():
     smooth = BEAN.tangent_cone(dent, tolerance=1e-9)
     assert smooth.is_convex
     assert smooth.contains([[1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]], tolerance=1e-2).all()
+
+
+def unit(angle):
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def test_cones_at_the_origin_of_wedges():
+    wedges = asp.WedgeAsperity(0.5, 0.6)
+    around = unit(np.arange(8) * np.pi / 4)
+    normal = wedges.normal_cone([0.0, 0.0])
+    assert not normal.is_empty
+    assert normal.generators.shape == (0, 2)
+    for cone in (wedges.tangent_cone([0.0, 0.0]), asp.WedgeAsperity(1.2, 0.5).tangent_cone([0, 0])):
+        assert cone.contains(around, tolerance=0.0).all()
+
+
+CORNERS = [
+    (CORNERED, [2.0, 1.0]),
+    (
+        (asp.Rectangle(1.0, 1.0) & asp.Rectangle(1.0, 2.0)) + asp.Rectangle(1.0, 1.0),
+        [2.0, 2.0],
+    ),
+]
+
+
+@pytest.mark.parametrize(("convex", "corner"), CORNERS, ids=["curve", "sum"])
+def test_normal_cone_of_a_corner_has_the_normals_of_both_sides(convex, corner):
+    cone = convex.normal_cone(corner)
+    assert cone.contains(np.eye(2)).all()
+    assert not cone.contains(-np.eye(2)).any()
+
+
+@pytest.mark.parametrize("exponent", [0.5, 0.9, 0.99])
+@pytest.mark.parametrize("turn", [0.0, 0.3, 2.0])
+def test_tangent_cone_of_a_cusp_is_a_ray(exponent, turn):
+    star = asp.Superellipse(1.0, 1.0, exponent).rotated(turn)
+    tip = unit(np.array(turn))
+    cone = star.tangent_cone(tip)
+    assert cone.contains(-tip)
+    np.testing.assert_allclose(cone.project(unit(turn + np.pi + 0.1)), -np.cos(0.1) * tip)
+    np.testing.assert_allclose(cone.project(tip), 0.0, atol=1e-12)
+    assert not cone.contains(unit(turn + np.pi + np.array([-1e-3, 1e-3]))).any()
+
+
+def test_narrow_cones_hold_what_is_inside():
+    cone = asp.Cone([[[1.0, 0.0, 0.0], [1.0, 1e-4, 0.0], [1.0, 0.0, 1e-4]]])
+    assert cone.contains([3.0, 1e-4, 1e-4])
+    assert not cone.contains([3.0, -1e-4, 1e-4])
+
+
+def test_cones_refuse_numbers_by_name():
+    with pytest.raises(asp.DimensionError) as caught:
+        asp.Cone([[[1.0, 0.0]]]).contains(1.0)
+    assert caught.value.argument == "y"

@@ -4,6 +4,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import Phase, Status
+from asperity.errors import ParameterError
 
 ISOTROPIC = asp.FrictionLaw.isotropic(0.5)
 LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
@@ -438,3 +439,45 @@ def test_drilling_contacts_do_not_panic(seed, contacts, dof):
         solution = problem.solve(solver, on_failure="record")
         assert solution.status in Status
         assert np.isfinite(solution.percussion).all()
+
+
+ISO = asp.FrictionLaw.isotropic(0.3)
+
+
+def test_light_contact_does_not_hide_the_defect_of_heavy_ones():
+    light, heavy = 1e6, 1e-6
+    pair = heavy * np.array([[1.0, 0.9], [0.9, 1.0]])
+    delassus = np.zeros((6, 6))
+    delassus[np.ix_([0, 2], [0, 2])] = pair
+    delassus[np.ix_([1, 3], [1, 3])] = pair
+    delassus[4, 4] = delassus[5, 5] = light
+    free = [1.0, 0.2, 0.5, -0.3, 1.0, 0.5]
+    normal = [10 * light, 10 * light, 10 * heavy]
+    alone = asp.ContactProblem(delassus[:4, :4], free[:4], ISO, normal_force=normal[:2]).solve()
+    problem = asp.ContactProblem(delassus, free, ISO, normal_force=normal)
+    for solver in (asp.Exact(), asp.ProxGaussSeidel(), asp.ProxJacobi()):
+        together = problem.solve(solver)
+        np.testing.assert_allclose(together.percussion[:4], alone.percussion, rtol=1e-7)
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_singular_block_sticks(dimension):
+    law = asp.FrictionLaw.isotropic(0.3, dimension=dimension)
+    rows = dimension + 1
+    problem = asp.ContactProblem(np.ones((rows, rows)) + 0.0, -np.ones(rows), law)
+    for solution in problem.solutions(0):
+        assert problem.residual(solution.percussion) < 1e-12
+    assert problem.solve().converged
+
+
+def test_continuum_of_stick_is_ambiguous():
+    problem = asp.ContactProblem(np.ones((2, 2)), [-0.1, -0.1], ISO, normal_force=1.0)
+    assert problem.solve().ambiguous
+    assert [one.degenerate for one in problem.solutions(0)] == [True]
+
+
+def test_solutions_with_drilling_are_not_called_none():
+    law = asp.FrictionLaw.associated(asp.CoulombContensou(0.3))
+    problem = asp.ContactProblem(np.eye(4), [-1.0, 0.1, 0.0, 0.0], law)
+    with pytest.raises(ParameterError, match="p = 3"):
+        problem.solutions(0)

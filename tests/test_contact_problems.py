@@ -10,7 +10,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity.contact.files import percussions
-from asperity.grading import natural_map
+from asperity.contact.grading import natural_map
 from scipy.sparse import csr_array
 
 VARIABLE = "ASPERITY_CONTACT_PROBLEMS"

@@ -230,3 +230,25 @@ def test_extreme_shapes_and_distances(ratio):
     steep = asp.Superellipse(2.0, 1.0, 1e3)
     np.testing.assert_allclose(steep.gauge([4.0, 0.5]), 2.0, rtol=1e-12)
     np.testing.assert_allclose(steep.project([1e6, 0.0]), [2.0, 0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("convex", CONVEX, ids=identify)
+def test_the_origin_is_its_own_projection(convex):
+    np.testing.assert_array_equal(convex.project(np.zeros(convex.dimension)), 0.0)
+
+
+@pytest.mark.parametrize("convex", CONVEX, ids=identify)
+def test_inner_points_are_their_own_projections_to_the_bit(convex):
+    rng = np.random.default_rng(11)
+    rays = random_directions(rng, 200, convex.dimension)
+    z = rays / convex.gauge(rays)[:, None] * rng.uniform(0.0, 0.999, size=(200, 1))
+    np.testing.assert_array_equal(convex.project(z), z)
+
+
+@pytest.mark.parametrize("matrix", [np.diag([2.0, 1.0]), [[2.0, 0.0], [0.7, 1.0]]])
+def test_hessian_of_a_mapped_flat_is_infinite(matrix):
+    image = asp.Rectangle(2.0, 1.0).mapped(matrix)
+    # The normal of the mapped side is A⁻ᵀ e₂.
+    hessian = image.support_hessian(np.linalg.solve(np.transpose(matrix), [0.0, 1.0]))
+    assert np.isinf(hessian).any()
+    assert not np.isnan(hessian).any()

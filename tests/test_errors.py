@@ -357,3 +357,55 @@ def test_exception_hierarchy():
     assert issubclass(asp.NoSolutionError, asp.ConvergenceError)
     assert issubclass(asp.SimulationInterrupted, KeyboardInterrupt)
     assert not issubclass(asp.SimulationInterrupted, Exception)
+
+
+ISO = asp.FrictionLaw.isotropic(0.3)
+
+
+def test_numbers_beyond_all_reason_are_named():
+    problem = asp.ContactProblem(np.eye(2), [0.1, 0.0], ISO, normal_force=1.0)
+    assert problem.solve(time_limit=1e30).converged
+    with pytest.raises(asp.ParameterError, match="max_sweeps"):
+        asp.Exact(max_sweeps=2**70)
+    block = asp.SlidingPoint(1.0, ISO)
+    with pytest.raises(asp.ParameterError, match="save_every"):
+        asp.simulate(block, dt=0.1, t_end=1.0, save_every=2**70)
+    with pytest.raises(asp.ParameterError, match="dt"):
+        asp.simulate(block, dt=1e-300, t_end=1.0)
+
+
+LONG = asp.Polygon(asp.Disk(1.0).boundary(2000))
+
+
+STAR = asp.Superellipse(1.0, 1.0, 0.5) | LONG
+
+
+QUOTES = {
+    "support": lambda: STAR.support([1.0, 0.0]),
+    "direction": lambda: asp.FrictionLaw(LONG, STAR),
+    "sum": lambda: LONG + STAR,
+    "dimension of D": lambda: asp.FrictionLaw(asp.Ball(1.0), LONG),
+    "dimension of &": lambda: asp.Ball(1.0) & LONG,
+    "dimension of outer": lambda: asp.Ball(1.0).scale_inside(LONG),
+    "number": lambda: asp.Disk(LONG),
+    "point": lambda: LONG.gauge(LONG),
+    "f": lambda: asp.FrictionLaw.from_flow_rule(LONG),
+    "rate": lambda: asp.FrictionLaw(LONG, LONG, rate=LONG),
+    "report": lambda: asp.FrictionLaw(LONG, LONG, report=LONG),
+    "other": lambda: LAW.dissipates_at_least(LONG),
+    "contact": lambda: asp.Contact(LONG, np.eye(2), normal_force=1.0),
+    "problem": lambda: asp.ContactProblem(np.eye(2), [1.0, 0.0], LONG, normal_force=1.0),
+    "system": lambda: asp.simulate(LONG, dt=0.1, t_end=1.0),
+    "solver": lambda: asp.simulate(
+        asp.SlidingPoint(1.0, LAW), dt=0.1, t_end=1.0, u0=[1.0, 0.0], solver=LONG
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", QUOTES.values(), ids=QUOTES.keys())
+def test_messages_that_quote_a_set_are_short(mistake):
+    with pytest.raises((asp.ParameterError, asp.DimensionError)) as caught:
+        mistake()
+    # Not in the assertion itself: pytest would quote the message.
+    length = len(str(caught.value))
+    assert length < 300

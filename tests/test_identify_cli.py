@@ -5,8 +5,10 @@ import re
 
 import numpy as np
 import pytest
-from asperity import Ellipse, FrictionLaw, cli, identify_files
-from asperity.identify import Fit, MeasuredSets, VirtualTribometer, write_raw
+from asperity import Ellipse, FrictionLaw
+from asperity.commands.main import main
+from asperity.identify import MeasuredSets, VirtualTribometer, write_raw
+from asperity.identify.campaign import FILES
 from asperity.paper import table1
 from scipy.stats import t
 
@@ -25,15 +27,13 @@ def campaign(tmp_path_factory):
 
 def identify(folder, *files, out, config="tribometer.toml", options=()):
     paths = [str(folder / name) for name in files]
-    return cli.main(
-        ["identify", *paths, "--config", str(folder / config), "--out", str(out), *options]
-    )
+    return main(["identify", *paths, "--config", str(folder / config), "--out", str(out), *options])
 
 
 def test_a_law_is_identified_from_files(campaign, tmp_path, capsys):
     out = tmp_path / "new" / "out"
     assert identify(campaign, "run_1.csv", out=out) == 0
-    assert sorted(file.name for file in out.iterdir()) == sorted(identify_files.FILES)
+    assert sorted(file.name for file in out.iterdir()) == sorted(FILES)
     printed = capsys.readouterr().out
     for words in (
         "4 turns",
@@ -209,7 +209,7 @@ def test_results_are_replaced_all_or_none(campaign, tmp_path, monkeypatch):
 
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "sets.png").write_text("old")
-    monkeypatch.setattr(Fit, "report", fails)
+    monkeypatch.setattr("asperity.identify.campaign.write_report", fails)
     for out in (tmp_path / "old", tmp_path / "new" / "out"):
         assert identify(campaign, "run_1.csv", out=out) == 2
     assert [path.read_text() for path in (tmp_path / "old").iterdir()] == ["old"]
@@ -251,9 +251,7 @@ def test_errors_that_no_record_tells_are_not_known(campaign, tmp_path, capsys, s
     # Seven coordinates, and the sentence.
     assert report.count("<td>not known</td>") == 7
     assert f"the error of the {what} is not known" in report
-    assert sorted(path.name for path in (tmp_path / "less").iterdir()) == sorted(
-        identify_files.FILES
-    )
+    assert sorted(path.name for path in (tmp_path / "less").iterdir()) == sorted(FILES)
 
 
 def test_half_a_turn_beside_a_good_run_is_named(campaign, tmp_path, capsys):
@@ -278,5 +276,5 @@ def test_one_turn_is_fitted_without_bands(tmp_path, capsys):
 def test_radii_on_the_axes_are_those_of_the_reservoir():
     phi = 2.0 * np.pi * (np.arange(360) + 0.5) / 360
     sets = MeasuredSets(phi, -LAW.force(np.stack([np.cos(phi), np.sin(phi)], axis=1)))
-    found = identify_files.radii_on_axes(sets)
+    found = sets.radii_on_axes
     assert found == pytest.approx((4.99 / 9.3, 4.25 / 9.3), rel=5e-3)

@@ -19,10 +19,10 @@ from asperity.identify import (
     fit_law,
     process,
 )
-from asperity.identify.bins import grouped
-from asperity.identify.covariance import _pulls
-from asperity.identify.samples import by_sense
-from asperity.identify.sums import Family
+from asperity.identify.fitting.data.bins import grouped
+from asperity.identify.fitting.data.samples import by_sense
+from asperity.identify.fitting.least_squares.normal_equations import Family
+from asperity.identify.fitting.uncertainty.covariance import _pulls
 from scipy.optimize import least_squares
 from table_1 import TABLE_1, TRUTH, sampled, turned_law
 

@@ -5,7 +5,7 @@ from contextlib import suppress
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.errors import ParameterError, RecordError
+from asperity.errors import ConfigurationError, ParameterError, RecordError
 from asperity.identify import (
     Configuration,
     VirtualTribometer,
@@ -14,8 +14,8 @@ from asperity.identify import (
     read_raw,
     write_raw,
 )
-from asperity.identify.files import _SECTIONS, blaming
-from asperity.identify.units import factors
+from asperity.identify.records.configuration import SCHEMA
+from asperity.identify.records.units import factors
 
 LAW = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.3))
 NAMES = ("time", "angle", "tangential", "radial", "normal")
@@ -147,7 +147,9 @@ def test_time_that_is_rounded_or_out_of_order(run, write):
     table = columns(run)
     table[:, 0] = table[:, 0].round(2)
     path = write(lines_of(table))
-    with pytest.raises(RecordError, match=r"rounded .* or out of order after lines"):
+    with pytest.raises(
+        RecordError, match=r"rounded or out of order after lines .*; see sample_rate, on_defect"
+    ):
         read_csv(path)
     table[:, 0] = run.time
     table[[30, 31]] = table[[31, 30]]
@@ -211,7 +213,10 @@ GARBAGE = {
     "empty": ("", "is empty"),
     "header only": (",".join(NAMES) + "\n", "holds no numbers"),
     "prose": ("It was a dark\nand stormy, night\n" * 9, "has no column 'time'"),
-    "wrong delimiter": (",".join(NAMES) + "\n" + "1;2;3;4;5\n" * 9, "check delimiter="),
+    "wrong delimiter": (
+        ",".join(NAMES) + "\n" + "1;2;3;4;5\n" * 9,
+        "see delimiter, decimal, header",
+    ),
     "missing channel": ("time,angle,tangential,radial\n1,2,3,4\n", "has no column 'normal'"),
     "constant": (
         "\n".join(
@@ -331,7 +336,7 @@ def test_a_configuration_says_how_to_read_and_process(run, write, tmp_path):
     table = columns(run) * [1.0, 180.0 / np.pi, 2.0, 2.0, 2.0]
     path = write(lines_of(table, header=(), delimiter=";", decimal=","))
     configuration = Configuration.load(tmp_path / "rig.toml")
-    data = configuration.process(configuration.read(path))
+    data = process(configuration.read(path))
     expected = process(asp.identify.RawData([run]), cut_off=30.0, grid_angle=0.1)
     np.testing.assert_allclose(data.force, expected.force, atol=1e-12)
     np.testing.assert_allclose(data.phi, expected.phi, atol=1e-12)
@@ -345,11 +350,11 @@ OPTIONS = {
 
 
 def test_every_option_of_processing_is_tried():
-    assert set(OPTIONS) == set(_SECTIONS["processing"])
+    assert set(OPTIONS) == set(SCHEMA["processing"])
 
 
 @pytest.mark.parametrize("key", OPTIONS)
-def test_both_doors_process_as_the_configuration_says(tmp_path, key):
+def test_what_is_read_is_processed_as_the_configuration_says(tmp_path, key):
     text, value = OPTIONS[key]
     machine = VirtualTribometer(
         asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.4)),
@@ -365,10 +370,10 @@ def test_both_doors_process_as_the_configuration_says(tmp_path, key):
         file.write(f"\n[processing]\n{key} = {text}\n")
     raw = read_raw(path, config)
     expected = process(machine.record(), **{key: value})
-    for data in (process(raw), Configuration.load(config).process(raw)):
-        assert (data.force == expected.force).all()
-        assert (data.phi == expected.phi).all()
-        assert (data.normal_force == expected.normal_force).all()
+    data = process(raw)
+    assert (data.force == expected.force).all()
+    assert (data.phi == expected.phi).all()
+    assert (data.normal_force == expected.normal_force).all()
     assert any(
         (getattr(expected, name) != getattr(plain, name)).any() for name in ("phi", "normal_force")
     )
@@ -381,11 +386,7 @@ def test_both_doors_process_as_the_configuration_says(tmp_path, key):
 
 
 @pytest.mark.parametrize("none", ["false", "'none'"])
-def test_a_configuration_can_switch_the_filter_off(run, tmp_path, none):
-    (tmp_path / "rig.toml").write_text(f"[processing]\ncut_off = {none}\n")
-    raw = asp.identify.RawData([run])
-    data = Configuration.load(tmp_path / "rig.toml").process(raw)
-    assert (data.normal_force == process(raw, cut_off=None).normal_force).all()
+def test_a_configuration_can_switch_the_filter_off(tmp_path, none):
     VirtualTribometer(
         asp.FrictionLaw.isotropic(0.2), normal_force=9.3, turns=3, turn_rate=1.0, sample_rate=200.0
     ).write(tmp_path)
@@ -398,28 +399,37 @@ def test_a_configuration_can_switch_the_filter_off(run, tmp_path, none):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[file", "is no TOML"),
-        ("[camera]\nfps = 3", "camera: is no section"),
-        ("[units]\nvelocity = 'm'", r"units\.velocity: is not known"),
-        ("units = 3", "units: must be a section"),
-        ("[file]\nencoding = 5", r"file\.encoding: must be a text, got 5"),
-        ("[file]\ncheck_units = 'no'", r"file\.check_units: must be true or false"),
-        ("[file]\nheader = true", r"file\.header: must be a whole number"),
-        ("[no_load]\nfiles = 5", r"no_load\.files: must be a name or several"),
-        ("[no_load]\nfiles = [5]", r"no_load\.files: must be a name or several"),
-        ("[columns]\ntime = [1]", r"columns\.time: must be a name or a number"),
-        ("[units]\ntime = 5", r"units\.time: must be a text"),
-        ("[calibration]\nfile = 5", r"calibration\.file: must be a text"),
-        ("[calibration]\nloads = [['x']]", r"calibration\.loads: must be numbers"),
-        ("[tribometer]\nradius = '5 cm'", r"tribometer\.radius: must be a number"),
-        ("[processing]\ncut_off = true", r"processing\.cut_off: must be a number"),
+        ("[file", r"rig\.toml.*: is no TOML"),
+        (
+            "\ufeffdelimiter = ';'",
+            r"line 1: delimiter: is not known here, it belongs into \[file\]",
+        ),
+        ("\n[camera]\nfps = 3", r"line 2: camera: is not known; known are file, columns"),
+        ("[unit]\ntime = 's'", r"line 1: unit: is not known, did you mean 'units'\?"),
+        ("[units]\nvelocity = 'm'", r"line 2: \[units\] velocity: is not known; known are time"),
+        ("[file]\n\ndelimeter = ';'", r"line 3: \[file\] delimeter: .* did you mean 'delimiter'"),
+        ("[units]\ndecimal = ','", r"line 2: \[units\] decimal: .* belongs into \[file\]"),
+        ("units = 3", r"line 1: \[units\]: must be a section"),
+        ("[file]\nencoding = 5", r"\[file\] encoding: must be a text, got 5"),
+        ("file.encoding = 5", r"\[file\] encoding: must be a text, got 5"),
+        ("[file]\ncheck_units = 'no'", r"\[file\] check_units: must be true or false"),
+        ("[file]\nheader = true", r"\[file\] header: must be a whole number"),
+        ("[no_load]\nfiles = 5", r"\[no_load\] files: must be a text or several"),
+        ("[no_load]\nfiles = [5]", r"\[no_load\] files: must be a text or several"),
+        ("[columns]\ntime = [1]", r"\[columns\] time: must be a name or a number"),
+        ("[units]\ntime = 5", r"\[units\] time: must be a text"),
+        ("[calibration]\nfile = 5", r"\[calibration\] file: must be a text"),
+        ("[calibration]\nloads = [['x']]", r"\[calibration\] loads: must be numbers"),
+        ("[tribometer]\nradius = '5 cm'", r"\[tribometer\] radius: must be a number"),
+        ("[processing]\ncut_off = true", r"\[processing\] cut_off: must be a number"),
     ],
 )
-def test_wrong_configurations(tmp_path, text, message):
+def test_wrong_configurations_name_line_and_key(tmp_path, text, message):
     path = tmp_path / "rig.toml"
     path.write_text(text)
-    with pytest.raises(RecordError, match=message):
+    with pytest.raises(ConfigurationError, match=message) as caught:
         Configuration.load(path)
+    assert caught.value.file == str(path)
 
 
 def test_wrong_calibration_files(run, write):
@@ -519,23 +529,40 @@ def test_a_given_load_that_no_channel_shows_comes_back(run, tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[file]\nsample_rate = -1", r"rig\.toml: \[file\] sample_rate"),
-        ("[processing]\norder = 0", r"rig\.toml: \[processing\] order"),
-        ("[columns]\nradial = 'tangential'", "columns: give the same column for tangential and ra"),
-        ("[columns]\ntime = 99", r"run\.csv: has no column 99 \(time\), 5 columns"),
+        ("[file]\nsample_rate = -1", r"rig\.toml, line 2: \[file\] sample_rate"),
+        ("[processing]\norder = 0", r"rig\.toml, line 2: \[processing\] order"),
+        (
+            "\n[columns]\nradial = 'tangential'",
+            r"rig\.toml, line 2: \[columns\]: give the same column for tangential and radial",
+        ),
+        (
+            "[columns]\ntime = 99",
+            r"run\.csv: has no column 99 \(time\), 5 columns; see \[columns\] in .*rig\.toml",
+        ),
+        ("[columns]\ntime = 't'", r"has no column 't', only .*; see \[columns\] in .*rig\.toml"),
+        (
+            "[file]\ndelimiter = ';'\nheader = 0\n[columns]\ntime = 0\nangle = 1\n"
+            "tangential = 2\nradial = 3\nnormal = 4",
+            r"run\.csv: is not a table of numbers: line 1 reads .*; "
+            r"see \[file\] delimiter, \[file\] decimal, \[file\] header in .*rig\.toml",
+        ),
+        (
+            "[units]\nnormal = 'kN'",
+            r"wrong unit\?; see \[units\], \[file\] check_units in .*rig\.toml",
+        ),
+        ("[file]\nencoding = 'utf-16'", r"is not utf-16 text.*; see \[file\] encoding in .*rig\.t"),
+        (
+            "[calibration]\nloads = [[1, 2, 3]]",
+            r"rig\.toml, line 1: \[calibration\]: must give file",
+        ),
     ],
 )
 def test_wrong_options_name_file_and_section(run, write, text, message):
     path = write(lines_of(columns(run)))
     config = write([text], "rig.toml")
 
-    def read_and_process():
-        configuration = Configuration.load(config)
-        with blaming(config):
-            configuration.process(configuration.read(path))
-
-    with pytest.raises(RecordError, match=message):
-        read_and_process()
+    with pytest.raises((ConfigurationError, RecordError), match=message):
+        read_raw(path, config)
 
 
 def test_one_sample_is_no_run(run, write):

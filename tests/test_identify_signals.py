@@ -16,9 +16,9 @@ from asperity.identify import (
     process,
     speed_dependence,
 )
-from asperity.identify.signals import butterworth
-from asperity.identify.turns import turn_numbers
-from asperity.identify.zero import batch_covariance
+from asperity.identify.forces.filters import butterworth
+from asperity.identify.forces.turns import turn_numbers
+from asperity.identify.forces.zero import batch_covariance
 from scipy.signal import sosfreqz
 
 LAW = asp.FrictionLaw(

@@ -1,6 +1,9 @@
 """What imports what."""
 
 import ast
+import importlib
+import inspect
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,70 +13,94 @@ import pytest
 
 PACKAGE = Path(asp.__file__).parent
 LAYERS = [
-    {"errors", "_files", "_archive"},
-    {"_arrays", "_value", "_progress", "status", "_core"},
-    {"verdict", "rate"},
+    {"errors"},
+    {"_base", "_core", "status"},
     {"sets"},
     {"law", "solvers"},
-    {"contact", "system", "state"},
-    {"trajectory", "_trajectory_file", "grading"},
-    {"solve_files"},
-    {"simulate", "integrate", "motion"},
-    {"stability"},
-    {"cycle", "track"},
-    {"comparison"},
-    {"identify", "mechanisms", "plot", "problems"},
-    {"paper", "track_video", "identify_files"},
-    {"cli"},
+    {"contact", "system"},
+    {"runs"},
+    {"steady_sliding"},
+    {"cycles"},
+    {"identify", "mechanisms", "plot", "problems", "track"},
+    {"paper"},
+    {"commands"},
 ]
+# Imported at first use.
+ROOMS = {"identify", "mechanisms", "plot", "problems", "track"}
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
-MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "trajectory", "simulate"}
-MAY_CALL_THE_CORE |= {"_trajectory_file", "integrate", "stability", "cycle", "cli"}
+# Rooms within a room; what stands at its door may use them all.
+ROOMS_WITHIN = {
+    "identify": ["records", "forces", "fitting"],
+    "identify/fitting": ["models", "data", "least_squares", "uncertainty"],
+}
+MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "runs"}
+MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "commands"}
 MODULES = [path for path in PACKAGE.rglob("*.py") if path.name not in ("__main__.py",)]
 
 
-def part(dotted):
-    """Return the part of the package a dotted name belongs to."""
-    pieces = dotted.split(".")
-    return pieces[1] if len(pieces) > 1 else None
-
-
 def imported(path):
-    """Return the parts a module imports at run time."""
+    """Return the modules of the package that a module imports at run time, as tuples of names."""
     found = set()
     tree = ast.parse(path.read_text())
     for node in ast.walk(tree):
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
             node.body = []
     for node in ast.walk(tree):
+        names = []
         if isinstance(node, ast.Import):
-            found |= {
-                part(alias.name) for alias in node.names if alias.name.startswith("asperity.")
-            }
-        elif isinstance(node, ast.ImportFrom) and node.module == "asperity":
-            found |= {alias.name for alias in node.names if alias.name in RANK}
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("asperity."):
-            found.add(part(node.module))
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        pieces = (tuple(name.split(".")) for name in names)
+        found |= {one[1:] for one in pieces if one[0] == "asperity" and len(one) > 1}
     return found
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_imports_go_one_way(path):
     own = path.relative_to(PACKAGE).with_suffix("").parts[0]
+    others = {names[0] for names in imported(path)} - {own}
     if own == "__init__":
-        assert not imported(path) & {"plot", "problems", "paper", "cli"}
+        assert not others & {"plot", "problems", "identify", "paper", "commands"}
         return
     assert own in RANK
-    for other in imported(path) - {own}:
+    # What is no part is a name of the package itself, such as its version.
+    for other in others & set(RANK):
         assert RANK[other] <= RANK[own], f"{own} imports {other}"
     if own not in MAY_CALL_THE_CORE:
-        assert "_core" not in imported(path)
+        assert "_core" not in others
+
+
+@pytest.mark.parametrize("house", ROOMS_WITHIN)
+def test_rooms_within_a_room_go_one_way(house):
+    rooms, parts = ROOMS_WITHIN[house], tuple(house.split("/"))
+    for rank, room in enumerate(rooms):
+        for path in (PACKAGE / house / room).rglob("*.py"):
+            inside = {n[len(parts) :] for n in imported(path) if n[: len(parts)] == parts}
+            assert {n[0] for n in inside} <= set(rooms[: rank + 1]), path
+
+
+def test_no_function_hides_a_module():
+    """A folder or file of a function's name would be hidden by it, or hide it."""
+    for module in pkgutil.walk_packages(asp.__path__, "asperity."):
+        if module.name != "asperity.__main__":
+            importlib.import_module(module.name)
+    files = [path for path in MODULES if "paper" not in path.parts]
+    names = {path.stem for path in files} | {path.parent.name for path in files}
+    rooms = [asp, *(getattr(asp, room) for room in ROOMS)]
+    functions = {n for room in rooms for n in room.__all__ if inspect.isfunction(getattr(room, n))}
+    assert sorted(functions & names) == []
+    for name, module in list(sys.modules.items()):
+        above, _, last = name.rpartition(".")
+        if above.startswith("asperity"):
+            assert getattr(sys.modules[above], last) is module, name
 
 
 def test_importing_the_package_is_light():
     script = (
         "import sys, asperity; "
-        "print(sorted({m.split('.')[0] for m in sys.modules} & {'matplotlib', 'scipy', 'tqdm'}))"
+        "heavy = {'jinja2', 'matplotlib', 'scipy', 'tqdm'}; "
+        "print(sorted({m.split('.')[0] for m in sys.modules} & heavy))"
     )
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=120
@@ -90,6 +117,6 @@ def test_plot_is_imported_by_its_first_use():
         _ = asp.nothing
 
 
-def test_public_names_exist_and_are_sorted():
-    assert asp.__all__ == sorted(asp.__all__)
+def test_public_names_exist_and_are_of_one_room():
+    assert len(set(asp.__all__)) == len(asp.__all__)
     assert all(hasattr(asp, name) for name in asp.__all__)

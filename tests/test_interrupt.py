@@ -137,3 +137,27 @@ def test_interrupt_ends_a_long_question_to_a_set(question):
     assert found.lines == ["interrupted"]
     assert found.code == 42
     assert found.seconds < PROMPT
+
+
+INTERRUPTED = """
+import asperity as asp, numpy as np
+problem = asp.problems.wall(12, 12)
+rng = np.random.default_rng(0)
+free = problem.free_velocity * (1 + 1e-2 * rng.normal(size=problem.free_velocity.size))
+problem = problem.replace(free_velocity=free)
+print("ready", flush=True)
+try:
+    while True:
+        problem.solve({solver}, tolerance=1e-15, on_failure="record")
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends SIGINT")
+@pytest.mark.parametrize("solver", ["asp.Auto()", "asp.ProximalPoint()", "asp.Exact()"])
+def test_ctrl_c_ends_every_phase(solver):
+    found = run_interrupted(INTERRUPTED.format(solver=solver), after=1.0)
+    assert found.lines == ["interrupted"]
+    assert found.code == 0
+    assert found.seconds < 5.0

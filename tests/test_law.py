@@ -157,3 +157,37 @@ def test_forces_beyond_the_reservoir_are_refused_by_a_readable_number(size):
         asp.FrictionLaw.isotropic(0.5).slip_direction([size, 0.0], 1.0)
     assert float(str(caught.value).split()[-1]) == pytest.approx(2.0 * size)
     assert len(str(caught.value)) < 80
+
+
+def test_direction_that_is_the_reservoir_scaled_is_the_associated_law():
+    reservoir = asp.Ellipse(3.0, 1.0, angle=0.5)
+    law = asp.FrictionLaw(reservoir, asp.Ellipse(6.0, 2.0, angle=0.5))
+    assert law.direction == reservoir
+    assert law == asp.FrictionLaw.associated(reservoir)
+
+
+def test_alpha_min_of_thin_sets():
+    law = asp.FrictionLaw(asp.Ellipse(1e6, 1.0, angle=0.7), asp.Superellipse(1.0, 0.3, 7.0))
+    # Along the long axis of C: r_C = 1e6.
+    expected = law.direction.radius(0.7) / 1e6
+    assert law.alpha_min == pytest.approx(expected, rel=1e-6)
+
+
+ISO = asp.FrictionLaw.isotropic(0.3)
+
+
+def test_tiny_slips_have_forces():
+    assert ISO.force([1e-200, 0.0]).tolist() == [-0.3, 0.0]
+    with pytest.raises(asp.ParameterError, match="normal_force"):
+        ISO.slip_direction([0.1, 0.0], 0.0)
+    # The force jumps where D is flat.
+    rectangle = asp.FrictionLaw.associated(asp.Rectangle(1.0, 0.5))
+    assert rectangle.jacobian([1.0, 0.0]).tolist() == [[0.0, 0.0], [0.0, -np.inf]]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_direction_set_stays_inside_a_ragged_reservoir(seed):
+    theta = 2.0 * np.pi * np.arange(720) / 720
+    ragged = 1.0 + 0.2 * np.random.default_rng(seed).uniform(size=720)
+    law = asp.FrictionLaw(asp.PolarCurve(theta, ragged), asp.Disk(1.0))
+    assert law.reservoir.gauge(law.direction.boundary(20_001)).max() < 1.0 + 1e-6

@@ -3,6 +3,7 @@
 import asperity as asp
 import numpy as np
 import pytest
+from asperity import Stribeck
 from samples import FOURTH_ORDER, PLANE_LAWS, SMOOTH_LAWS, TILTED_ELLIPSES, identify, random_problem
 
 PHI = 2.0 * np.pi * np.arange(720) / 720 + 0.001
@@ -265,3 +266,79 @@ def test_solvers_agree_on_laws_from_samples():
             unique += 1
             np.testing.assert_allclose(prox.percussion, exact.percussion, atol=1e-7)
     assert unique > 50
+
+
+DENSE = 2.0 * np.pi * np.arange(20_000) / 20_000 + 1e-5
+
+
+def test_flow_rule_of_a_thin_tensor_is_resolved():
+    def rule(phi):
+        return unit(phi) * [1.0, 1e-3]
+
+    law, f = asp.FrictionLaw.from_flow_rule(rule), rule(DENSE)
+    error = np.linalg.norm(-law.force(unit(DENSE)) - f, axis=1)
+    assert (error < 1e-3 * np.linalg.norm(f, axis=1)).all()
+
+
+def test_flow_rules_that_cannot_be_resolved_or_called_are_refused_by_name():
+    for f in (lambda phi: unit(phi) * [1.0, 1e-4], 3):
+        with pytest.raises(asp.ParameterError) as caught:
+            asp.FrictionLaw.from_flow_rule(f)
+        assert caught.value.argument == "f"
+
+
+NEGATIVE = -0.3 * np.eye(2)
+
+
+TURNING = [[0.0, -0.3], [0.3, 0.0]]
+
+
+@pytest.mark.parametrize(
+    ("argument", "make"),
+    [
+        ("second_order", lambda: asp.FrictionLaw.tensor(NEGATIVE)),
+        ("second_order", lambda: asp.FrictionLaw.tensor(TURNING)),
+        ("second_order", lambda: asp.FrictionLaw.tensor([[0.3, -0.05], [0.05, 0.1]])),
+        ("tensor", lambda: asp.FrictionLaw.tensor_function([(NEGATIVE, np.zeros((2, 2)))])),
+        ("tensor", lambda: asp.FrictionLaw.tensor_function(lambda phi: np.ones((3, 3)))),
+        ("tensor", lambda: asp.FrictionLaw.tensor_function(3)),
+        ("weights", lambda: asp.FrictionLaw.asperity(0.3, (0.3, 0.6), (0.0, 1.0))),
+        ("beta", lambda: asp.FrictionLaw.asperity(1.2, (0.2, 0.8))),
+        ("f", lambda: asp.FrictionLaw.from_flow_rule(lambda phi: -unit(phi))),
+        ("f", lambda: asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi)[:5])),
+    ],
+)
+def test_constructors_name_their_own_argument(argument, make):
+    with pytest.raises((asp.ParameterError, asp.DimensionError)) as caught:
+        make()
+    assert caught.value.argument == argument
+
+
+def test_repeated_directions_are_averaged():
+    phi = 2.0 * np.pi * np.arange(72) / 72
+    exact = -TILTED_ELLIPSES.force(unit(phi))
+    shift = 0.01 * np.random.default_rng(5).normal(size=(72, 2))
+    once = asp.FrictionLaw.from_samples(phi, exact)
+    twice = asp.FrictionLaw.from_samples(
+        np.concatenate([phi, phi + 2.0 * np.pi]), np.concatenate([exact + shift, exact - shift])
+    )
+    slip = unit(DENSE[::50])
+    np.testing.assert_allclose(twice.force(slip), once.force(slip), atol=1e-12)
+
+
+def test_exact_samples_of_a_rectangle_return_it():
+    rectangle = asp.Rectangle(0.6, 0.2, angle=0.3)
+    phi = 2.0 * np.pi * np.arange(360) / 360
+    force = -asp.FrictionLaw.associated(rectangle).force(unit(phi))
+    law = asp.FrictionLaw.from_samples(phi, force)
+    theta = DENSE[::20]
+    np.testing.assert_allclose(law.reservoir.radius(theta), rectangle.radius(theta), rtol=1e-9)
+
+
+def test_report_is_dropped_with_other_sets_and_kept_by_turning():
+    law = asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi) * [0.3, 0.1])
+    assert law.report is not None
+    assert law.replace(direction=asp.Disk(1.0)).report is None
+    assert law.replace(reservoir=asp.Disk(1.0)).report is None
+    assert law.rotated(0.3).report == law.report
+    assert law.replace(rate=Stribeck(0.1)).report == law.report

@@ -192,3 +192,37 @@ def test_unstable_directions_point_into_the_tangent_cone():
         cone = law.reservoir.tangent_cone(x)
         unstable = bool(law.trace_criterion(phi) < 0.0)
         assert bool(cone.contains(unit(phi), tolerance=1e-12)) == unstable
+
+
+@pytest.mark.parametrize(
+    "direction", [asp.Ellipse(0.6, 0.2 * (1 + 1e-6)), asp.Ellipse(0.6, 0.2, 1e-6)]
+)
+def test_nearly_associated_laws_are_not_associated(direction):
+    law = asp.FrictionLaw(asp.Ellipse(0.6, 0.2), direction)
+    assert not law.is_associated
+    assert_breaks_monotonicity(law, law.is_maximal_monotone)
+
+
+FLAT = asp.FrictionLaw(asp.Superellipse(0.54, 0.46, 2.94), asp.Superellipse(1.84, 1.19, 2.94))
+
+
+def test_flats_make_the_jacobian_infinite_and_spare_the_batch():
+    phi = np.array([0.0, 0.3, 1.0, 2.0])
+    jacobian, trace = FLAT.jacobian(unit(phi)), FLAT.trace_criterion(phi)
+    assert np.isinf(jacobian[0]).any()
+    assert not np.isnan(jacobian).any()
+    assert trace[0] == np.inf
+    assert np.isfinite(jacobian[1:]).all()
+    assert np.isfinite(trace[1:]).all()
+
+
+@pytest.mark.parametrize(("angle", "loss"), [(1e-5, 3.0e-5), (4e-4, 0.0446)])
+def test_shortfall_of_dissipation_at_a_thin_end_is_seen(angle, loss):
+    thin = asp.Ellipse(1.0, 1e-3, angle=angle)
+    law, collinear = asp.FrictionLaw(thin, asp.Ellipse(1.0, 0.5)), asp.FrictionLaw.collinear(thin)
+    slip = unit(np.linspace(-1e-3, 1e-3, 200_001))
+    shortfall = (1.0 - law.dissipation(slip) / collinear.dissipation(slip)).max()
+    assert shortfall == pytest.approx(loss, rel=1e-2)
+    verdict = law.dissipates_at_least(collinear)
+    assert not verdict
+    assert verdict.defect == pytest.approx(shortfall, rel=1e-2)

@@ -3,7 +3,8 @@
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.grading import natural_map
+from asperity.contact.grading import natural_map
+from asperity.errors import ParameterError
 from samples import CORNERED_LAWS, LINE_LAWS, PLANE_LAWS, SPACE_LAWS, identify
 from scipy.sparse import block_diag, csr_array
 
@@ -405,3 +406,85 @@ def test_same_input_same_bits_on_any_number_of_threads(problem):
     for solution in threaded:
         np.testing.assert_array_equal(first.percussion, solution.percussion)
         np.testing.assert_array_equal(first.phase, solution.phase)
+
+
+LAW = asp.FrictionLaw.isotropic(0.5)
+
+
+def test_contact_of_bodies_without_directions():
+    directions = np.zeros((6, 6))
+    directions[:3, :3] = np.eye(3)
+    operator = np.diag([1.0, 1.0, 1.0, 1e-8, 1e-8, 1e-8])
+    problem = asp.ContactProblem.from_bodies(
+        np.eye(6), directions, [-1.0, 0.2, 0.0, -1e-9, 0.0, 0.0], LAW, delassus=operator
+    )
+    for solver in (asp.Auto(), asp.ProximalPoint(), asp.InteriorPoint()):
+        found = problem.solve(solver, tolerance=1e-6, on_failure="record")
+        assert np.isfinite(found.percussion).all()
+
+
+@pytest.mark.parametrize("coupling", [1.2, 1.3])
+def test_sweeps_solve_contacts_that_friction_can_pull_to_the_surface(coupling):
+    block = np.array([[1.0, coupling, 0.0], [coupling, 3.0, 0.0], [0.0, 0.0, 3.0]])
+    operator = np.kron(np.eye(2), block) + 0.05 * np.ones((6, 6))
+    law = asp.FrictionLaw.isotropic(0.8)
+    problem = asp.ContactProblem(operator, [-1.0, 0.5, 0.1, -1.0, 0.2, 0.3], law)
+    solution = problem.solve()
+    assert [stage.method for stage in solution.stages] == ["gauss_seidel"]
+
+
+@pytest.mark.parametrize("solver", [asp.Exact(), asp.ProxGaussSeidel(), asp.Auto()], ids=repr)
+def test_a_loose_tolerance_is_no_paradox(solver):
+    problem = asp.problems.wall(5, 5)
+    assert problem.solve(solver, tolerance=1e-2).residual <= 1e-2
+
+
+def test_masses_that_couple_everything_are_refused():
+    from scipy.sparse import diags_array
+
+    n = 2000
+    mass = diags_array([np.full(n, 2.0), *2 * [np.full(n - 1, -0.5)]], offsets=[0, 1, -1])
+    directions = np.zeros((n, 3))
+    directions[:3] = np.eye(3)
+    with pytest.raises(ParameterError, match="mass: must couple"):
+        asp.ContactProblem.from_bodies(mass, directions, [-1.0, 0.0, 0.0], LAW).solve()
+
+
+@pytest.mark.parametrize("solver", [asp.InteriorPoint(), asp.ADMM()], ids=repr)
+def test_asymmetric_intervals_are_no_cones(solver):
+    law = asp.FrictionLaw.associated(asp.Interval(-0.1, 0.9))
+    problem = asp.ContactProblem(np.eye(4) + 0.1, [-1.0, 3.0, -1.0, -3.0], law)
+    with pytest.raises(ParameterError, match="solver"):
+        problem.solve(solver)
+    assert problem.solve().converged
+
+
+@pytest.mark.parametrize("solver", [asp.ProxGaussSeidel(), asp.ProxJacobi()], ids=repr)
+def test_moving_contacts_are_not_said_to_stick(solver):
+    rng = np.random.default_rng(3)
+    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.2), asp.Ellipse(0.2, 0.5))
+    for _ in range(50):
+        root = rng.normal(size=(6, 6))
+        problem = asp.ContactProblem(root @ root.T + 0.1 * np.eye(6), rng.normal(size=6), law)
+        solution = problem.solve(solver, tolerance=1e-6, on_failure="record")
+        slips = np.linalg.norm(solution.velocity.reshape(2, 3)[:, 1:], axis=1)
+        sticking = solution.phase == int(asp.Phase.STICK)
+        assert not (sticking & (slips > 1e-3)).any()
+
+
+def test_default_solver_follows_the_rule_of_selection():
+    law = asp.FrictionLaw(asp.Ellipse(0.3, 0.1, np.deg2rad(30.0)), asp.Ellipse(3.0, 1.0))
+    rng = np.random.default_rng(5)
+    ambiguous = different = 0
+    for _ in range(300):
+        operator = np.eye(4)
+        operator[:2, 2:] = operator[2:, :2] = 1e-6 * np.eye(2)
+        before = rng.normal(size=4) * 0.4
+        problem = asp.ContactProblem(operator, before, law, normal_force=1.0)
+        first = problem.solve(asp.Exact())
+        then = problem.replace(free_velocity=before + 0.05 * rng.normal(size=4))
+        exact, auto = (then.solve(solver, start=first) for solver in (asp.Exact(), asp.Auto()))
+        ambiguous += exact.ambiguous
+        different += np.abs(exact.percussion - auto.percussion).max() > 1e-6
+    assert ambiguous > 0
+    assert different == 0

@@ -11,7 +11,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import mechanisms
-from asperity.integrate import integrate
+from asperity.runs.event_driven import integrate
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 

@@ -9,9 +9,9 @@ import pytest
 
 mpl.use("Agg")
 
+from asperity._base.tables import write_columns
 from asperity.paper import convexity, fig17, fig27, nonassociated, redraw, table1
 from asperity.paper.checks import Check, table
-from asperity.paper.data import write_columns
 from asperity.paper.statements import (
     never_positive,
     proposition_1,

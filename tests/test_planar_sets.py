@@ -3,7 +3,7 @@
 import asperity as asp
 import numpy as np
 import pytest
-from samples import PENTAGON, STAR_POLYGON, identify
+from samples import DOTTED, PENTAGON, STAR_POLYGON, identify
 from scipy.integrate import quad
 
 THETA = np.linspace(0.0, 2.0 * np.pi, 721)
@@ -252,3 +252,80 @@ def test_support_samples_of_no_convex_set_are_refused_with_the_direction():
     with pytest.raises(asp.ParameterError, match=r"convex.* rad"):
         asp.SupportCurve(phi, support)
     asp.SupportCurve(phi, 1.0 + 0.2 * np.cos(2 * phi))
+
+
+SPIKE = 2.0 * np.pi * np.arange(360) / 360
+
+
+EVEN = np.arange(8) * np.pi / 4
+
+
+@pytest.mark.parametrize(
+    ("angle", "radius", "low", "high"),
+    [
+        (SPIKE, np.where(np.abs(SPIKE - np.pi) < 0.05, 5.0, 0.3), 0.15, 10.1),
+        (EVEN, [1, 1, 1, 0.1, 3, 3, 0.1, 1], 0.0, np.inf),
+        ([0.0, 1.5, 3.0, 4.5], [1, 50, 50, 1], 0.0, np.inf),
+    ],
+    ids=["spike", "eight", "four"],
+)
+def test_curves_through_wild_radii_do_not_swing(angle, radius, low, high):
+    curve = asp.PolarCurve(angle, radius)
+    found = curve.radius(np.linspace(0.0, 2.0 * np.pi, 10_000))
+    assert np.isfinite(found).all()
+    assert found.min() > low
+    assert found.max() < high
+    np.testing.assert_allclose(curve.radius(angle), radius, rtol=1e-9)
+
+
+NORMALS = np.array([0.5, 1.5, 2.5, 3.6, 4.7, 5.7])
+
+
+def unit(angle):
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def test_support_curve_that_nearly_passes_the_origin_holds_it():
+    # The values are those of a disk whose centre is 1.05 radii off, not one of them negative.
+    curve = asp.SupportCurve(NORMALS, 1.0 - 1.05 * np.cos(NORMALS))
+    gauge = curve.gauge(unit(np.linspace(0.0, 2.0 * np.pi, 10_000)))
+    assert np.isfinite(gauge).all()
+    assert gauge.min() > 0.0
+
+
+FACE_WITH_POINTS = [[-1, -1], [1, -1], [1, 1], [0.9, 1], [0.8, 1], [-1, 1]]
+
+
+@pytest.mark.parametrize("turn", np.arange(61) * 2.0 * np.pi / 61)
+def test_points_on_the_edges_leave_a_polygon_convex(turn):
+    for polygon in (DOTTED, asp.Polygon(FACE_WITH_POINTS)):
+        assert polygon.is_convex
+        assert polygon.rotated(turn).is_convex
+
+
+def test_support_point_of_a_face_with_points_on_it_is_its_middle():
+    np.testing.assert_array_equal(asp.Polygon(FACE_WITH_POINTS).support_point([0.0, 1.0]), [0, 1])
+
+
+def test_outlines_of_fewer_than_three_points_are_refused():
+    for outline in (np.empty((0, 2)), [[1.0, 0.0]]):
+        with pytest.raises(asp.ParameterError) as caught:
+            asp.star_shape(outline)
+        assert caught.value.argument == "vertices"
+
+
+def test_first_vertex_may_be_repeated_at_the_end():
+    square = [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]
+    assert asp.star_shape([*square, square[0]])
+    closed = asp.Polygon([*square, square[0]])
+    theta = np.linspace(0.0, 6.0, 50)
+    np.testing.assert_allclose(closed.radius(theta), asp.Polygon(square).radius(theta), rtol=1e-14)
+
+
+def test_origin_on_an_edge_up_to_rounding_is_the_fault_named():
+    outline = [[-0.3, -0.1], [0.6, 0.2], [0.0, 2.0]]
+    verdict = asp.star_shape(outline)
+    assert not verdict
+    np.testing.assert_allclose(verdict.witness, 0.0, atol=1e-15)
+    with pytest.raises(asp.ParameterError, match="vertices: must hold the origin in its interior"):
+        asp.Polygon(outline)

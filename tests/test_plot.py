@@ -7,7 +7,6 @@ import pytest
 
 mpl.use("Agg")
 
-from asperity.integrate import integrate
 from asperity.plot import (
     look,
     plot_cones,
@@ -22,6 +21,7 @@ from asperity.plot import (
     plot_set,
     save_figure,
 )
+from asperity.runs.event_driven import integrate
 from matplotlib.artist import Artist
 from matplotlib.patches import Polygon
 from matplotlib.quiver import Quiver

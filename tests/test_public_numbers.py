@@ -13,8 +13,8 @@ SPOILT = {"nan": NAN, "infinity": INFINITY, "masked": np.ma.masked, "complex": 1
 # A path has gaps, a chart has places without an answer; eigenvalues are complex. Percussions that
 # are graded may be those of a solver that failed.
 ALLOWED = {
-    ("grading.natural_map", "percussion", "nan"),
-    ("grading.natural_map", "percussion", "infinity"),
+    ("contact.grading.natural_map", "percussion", "nan"),
+    ("contact.grading.natural_map", "percussion", "infinity"),
     ("track.MeasuredPath", "position", "nan"),
     ("track.MeasuredPath", "position_error", "nan"),
     ("plot.plot_growth_chart", "growth", "nan"),

@@ -325,3 +325,33 @@ def test_a_falling_factor_still_costs_one_solve():
     falling = asp.FrictionLaw.isotropic(0.5).replace(rate=Stribeck(0.1, 0.4))
     motion = asp.simulate(asp.SlidingPoint(1.0, falling), dt=1e-3, t_end=0.1, u0=[1.0, 0.0])
     assert motion.iterations.max() == 1
+
+
+@pytest.mark.parametrize("solver", [asp.Exact(), asp.ProxJacobi(), asp.ProxGaussSeidel()])
+def test_friction_that_underflows_lets_slide(solver):
+    law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(0.01))
+    point = asp.SlidingPoint(1.0, law)
+    motion = asp.simulate(point, dt=1e-2, t_end=0.2, u0=[10.0, 0.0], solver=solver)
+    np.testing.assert_allclose(motion.u, [[10.0, 0.0]] * len(motion.u), rtol=1e-9, atol=1e-9)
+    assert (motion.phase[1:] == asp.Phase.SLIP).all()
+
+
+@pytest.mark.parametrize("speed", 10.0 ** np.arange(-8.0, 4.0))
+@pytest.mark.parametrize("shape", ["exponential", "hyperbolic"])
+def test_falling_rates_are_never_monotone(speed, shape):
+    for ratio, exponent in ((0.0, 1.0), (0.9, 2.0), (0.5, 0.5)):
+        rate = Stribeck(speed, ratio, shape=shape, exponent=exponent)
+        law = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2)).replace(rate=rate)
+        assert_breaks_monotonicity(law, law.is_maximal_monotone)
+
+
+def test_rising_rates_do_not_make_a_law_monotone():
+    law = TILTED_ELLIPSES.replace(rate=Stribeck(0.1, 1.0, viscous=0.5))
+    assert_breaks_monotonicity(law, law.is_maximal_monotone)
+
+
+def test_jacobian_at_high_speeds_is_finite():
+    law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(1.0, exponent=300.0))
+    jacobian = law.jacobian([[1e3, 0.0], [0.0, -1e3], [0.999, 0.0], [1e-3, 0.0]])
+    assert np.isfinite(jacobian).all()
+    assert np.isfinite(law.force([1e3, 0.0])).all()

@@ -500,3 +500,86 @@ def test_a_block_dragged_against_a_stop_fails_in_no_step():
         forces = forces + motion.normal_force[-1, 1] * normal
         if not motion.u[-1].any():
             np.testing.assert_allclose(forces, 0.0, atol=1e-9)
+
+
+ISO = asp.FrictionLaw.isotropic(0.3)
+
+
+def table(height=-0.3, half=0.5):
+    """A rigid table on four feet: horizontal motion, height and two tilts; unit mass."""
+    contacts = []
+    for x, y in [(half, half), (-half, half), (-half, -half), (half, -half)]:
+        normal = [0.0, 0.0, 1.0, y, -x]
+        direction = np.array([[1, 0], [0, 1], [0, 0], [0, -height], [height, 0]], dtype=float)
+        contacts.append(asp.Contact(ISO, direction, normal=normal))
+    mass = np.diag([1.0, 1.0, 1.0, 0.1, 0.1])
+    return asp.LinearSystem(mass, force=[0.0, 0.0, -9.81, 0.0, 0.0], contacts=contacts)
+
+
+@pytest.mark.parametrize("dt", [1e-2, 1e-3])
+def test_resting_contacts_do_not_open_by_rounding(dt):
+    motion = asp.simulate(table(), dt=dt, t_end=1.0, u0=[1.0, 0.3, 0.0, 0.0, 0.0])
+    assert motion.phase_counts[:, asp.Phase.OPEN].tolist() == [0, 0, 0, 0]
+    assert np.abs(motion.q[:, 2]).max() < 1e-10
+    distance = np.hypot(1.0, 0.3) ** 2 / (2 * 0.3 * 9.81)
+    assert np.hypot(*motion.q[-1, :2]) == pytest.approx(distance, abs=2 * dt)
+
+
+def test_lifted_contact_opens():
+    lift = asp.LinearSystem(
+        np.eye(3),
+        force=[0.0, 0.0, 1.0],
+        contacts=[asp.Contact(ISO, np.eye(3)[:, :2], normal=[0.0, 0.0, 1.0])],
+    )
+    motion = asp.simulate(lift, dt=1e-3, t_end=0.1)
+    assert motion.phase[-1, 0] == asp.Phase.OPEN
+    assert motion.q[-1, 2] == pytest.approx(0.5 * 0.1**2, rel=1e-2)
+
+
+@pytest.mark.parametrize(("dt", "error"), [(1e-3, 2e-2), (1e-4, 2e-3)])
+def test_bouncing_point_comes_to_rest(dt, error):
+    # It rests at t₁ (1 + e)/(1 − e) after a first impact at t₁ = √(2h/g).
+    height, e = 0.9, 0.5
+    ball = asp.LinearSystem(
+        np.eye(2),
+        force=[0.0, -9.81],
+        contacts=[
+            asp.Contact(
+                asp.FrictionLaw.isotropic(0.3, dimension=1),
+                [1.0, 0.0],
+                normal=[0.0, 1.0],
+                normal_restitution=e,
+            )
+        ],
+    )
+    motion = asp.simulate(ball, dt=dt, t_end=2.0, q0=[0.0, height])
+    first = np.sqrt(2 * height / 9.81)
+    closed = np.flatnonzero(motion.phase[:, 0] > asp.Phase.OPEN)
+    assert motion.t[closed[0]] == pytest.approx(first, abs=2 * dt)
+    moving = np.flatnonzero(np.abs(motion.u[:, 1]) > 2e-3)
+    assert motion.t[moving[-1]] == pytest.approx(first * (1 + e) / (1 - e), abs=error)
+
+
+def test_directions_must_move_something():
+    silent = asp.LinearSystem(
+        np.eye(2), contacts=[asp.Contact(ISO, np.zeros((2, 2)), normal_force=1.0)]
+    )
+    with pytest.raises(asp.ParameterError, match="direction"):
+        asp.simulate(silent, dt=0.1, t_end=1.0)
+
+
+def test_exceptions_of_the_user_keep_the_part_before():
+    class Fragile(asp.System):
+        dof = 1
+
+        def mass(self, q):
+            return np.eye(1)
+
+        def forces(self, t, q, u):
+            if t > 0.5:
+                raise LookupError("no data")
+            return np.zeros(1)
+
+    with pytest.raises(LookupError) as caught:
+        asp.simulate(Fragile(), dt=0.1, t_end=1.0, u0=[1.0])
+    assert caught.value.trajectory.steps == 5

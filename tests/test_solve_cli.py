@@ -5,8 +5,10 @@ import csv
 import asperity as asp
 import numpy as np
 import pytest
-from asperity import cli, solve_files
-from asperity.grading import natural_map
+from asperity.commands.main import main
+from asperity.contact import batch
+from asperity.contact.batch import COLUMNS
+from asperity.contact.grading import natural_map
 from samples import LAWS, random_problem
 from scipy.sparse import csr_array
 
@@ -30,7 +32,7 @@ def folder(tmp_path):
 
 
 def run(capsys, *arguments):
-    code = cli.main(["solve", *map(str, arguments)])
+    code = main(["solve", *map(str, arguments)])
     captured = capsys.readouterr()
     return code, captured.out.splitlines(), captured.err
 
@@ -38,7 +40,7 @@ def run(capsys, *arguments):
 def test_the_table_has_a_row_per_problem_small_ones_first(capsys, folder):
     code, lines, _ = run(capsys, folder)
     assert code == 0
-    assert lines[0].split() == " ".join(solve_files.COLUMNS).split()
+    assert lines[0].split() == " ".join(COLUMNS).split()
     assert [line.split()[0] for line in lines[1:-1]] == [f"{n}_contacts" for n in (1, 3, 5)]
     for line, contacts in zip(lines[1:-1], (1, 3, 5), strict=True):
         cells = line.split()
@@ -68,7 +70,7 @@ def test_the_table_as_csv(capsys, folder):
     assert run(capsys, folder, "--csv", out)[0] == 0
     with out.open(newline="") as file:
         rows = list(csv.reader(file))
-    assert tuple(rows[0]) == solve_files.COLUMNS
+    assert tuple(rows[0]) == COLUMNS
     assert [row[1] for row in rows[1:]] == ["1", "3", "5"]
 
 
@@ -79,7 +81,7 @@ def test_an_unsolved_problem_exits_with_1(capsys, folder):
 
 
 def test_the_grader_does_not_believe_the_solver(capsys, folder, monkeypatch):
-    monkeypatch.setattr(solve_files, "natural_map", lambda problem, percussion: 1e-3)
+    monkeypatch.setattr(batch, "natural_map", lambda problem, percussion: 1e-3)
     code, lines, _ = run(capsys, folder)
     assert code == 1
     assert all(line.split()[2] == "off" for line in lines[1:-1])
@@ -104,7 +106,7 @@ def test_options_must_be_positive(capsys, folder, option):
 def test_a_folder_without_problems_exits_with_2(capsys, tmp_path):
     code, _, error = run(capsys, tmp_path)
     assert code == 2
-    assert "must hold .npz" in error
+    assert "holds no .npz" in error
 
 
 def test_grader_by_hand():

@@ -137,3 +137,13 @@ def test_same_input_same_bits(solver):
     for problem in problems(5, 10):
         first, second = (problem.solve(solver, on_failure="record") for _ in range(2))
         assert first == second
+
+
+def test_thin_reservoirs_say_that_rounding_limits_them():
+    law = asp.FrictionLaw.associated(asp.Ellipse(1.0, 1e-8, angle=0.3))
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        problem = asp.ContactProblem(np.eye(2), rng.normal(size=2), law, normal_force=1.0)
+        solution = problem.solve(on_failure="record")
+        assert solution.status in (asp.Status.CONVERGED, asp.Status.INEXACT)
+        assert solution.residual < 1e-7

@@ -7,7 +7,7 @@ import pickle
 import asperity as asp
 import numpy as np
 import pytest
-from asperity._value import Value
+from asperity._base.value import Value
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 from scipy.sparse import coo_array, csc_array, csr_array, csr_matrix
 
@@ -19,6 +19,8 @@ BELT = asp.MassOnBelt(
     1.0, 1.0, asp.FrictionLaw.isotropic(1.0).replace(rate=asp.Stribeck(0.1)), 1.0, [0.1, 0.2]
 )
 CYCLE = asp.limit_cycle(BELT)
+SIGNAL = asp.Signal([0.0, 1.0, 2.0], [0.5, 1.0, 0.5], interpolation="cubic", periodic=True)
+SHAKER = asp.Sine([0.0, 1e-3, 0.0], 50.0, phase=[0.1, 0.0, 0.0], offset=0.1)
 SUMMARISED = (
     asp.PathComparison,
     asp.Trajectory,
@@ -101,6 +103,14 @@ VALUES = [
     asp.BoxPlane(0, (0.1, 0.2, 0.3), asp.Plane(), LAW, normal_restitution=0.3),
     asp.SphereSphere(0, 0.1, 1, 0.2, LAW, center=(0.1, 0.0, 0.0)),
     asp.Spring(0, (0.1, 0.0), stiffness=2.0),
+    SIGNAL,
+    SHAKER,
+    asp.Sine(1.0, 2.0),
+    asp.PlaneMotion(displacement=SHAKER, rotation=SHAKER),
+    asp.Plane(velocity=asp.Sine([1.0, 0.0], 2.0), spin=SIGNAL, motion=asp.PlaneMotion()),
+    asp.Line(motion=asp.PlaneMotion(rotation=SIGNAL)),
+    asp.Body.ball(1.0, 0.1, force=SHAKER),
+    asp.Spring(0, (0.1, 0.0), stiffness=2.0, length=asp.Sine(0.1, 1.0, offset=0.2)),
     asp.compare_path(MOTION, MOTION),
     asp.RigidBodies(
         [asp.Body.ball(1.0, 0.1), asp.Body.ball(2.0, 0.2)],

@@ -128,3 +128,20 @@ def test_verdicts_are_conditions_and_are_kept():
     with pytest.raises(asp.ParameterError, match="holds"):
         asp.Verdict(1, exact=True, tolerance=0.0, defect=0.0, witness=None)
     assert len({star.is_convex for star in LINE + SPACE}) <= 3
+
+
+def test_short_straight_parts_are_found_exactly():
+    star = asp.Disk(1.0) + asp.Rectangle(1e-3, 1e-3)
+    verdict = star.is_strictly_convex
+    assert not verdict
+    assert verdict.exact
+    a, b = verdict.witness
+    assert np.linalg.norm(a - b) > 1e-3
+    np.testing.assert_allclose(star.gauge([a, b, 0.5 * (a + b)]), 1.0, rtol=1e-12)
+
+
+def test_interval_that_is_nearly_symmetric_is_not():
+    verdict = asp.Interval(-1.0, 1.0 + 1e-12).is_symmetric
+    assert not verdict
+    assert verdict.exact
+    assert asp.Interval(-1.0, 1.0).is_symmetric.exact

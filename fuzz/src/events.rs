@@ -17,16 +17,9 @@ const PATIENCE: usize = 40;
 pub fn check(data: &[u8]) {
     let mut source = Source::new(data);
     let Some(scene) = systems::scene(&mut source, true) else { return };
-    let options = Options {
-        t_end: 0.2 * source.size(Range::Narrow).min(20.0),
-        q0: scene.q0.clone(),
-        u0: scene.u0.clone(),
-        tolerance: [1e-6, 1e-9][source.below(2)],
-        sample: None,
-        max_step: None,
-        section: None,
-        max_events: 200,
-    };
+    let Ok(options) = Options::new(0.2 * source.size(Range::Narrow).min(20.0)) else { return };
+    let options = options.with_start(&scene.q0, &scene.u0).with_max_events(200);
+    let options = options.with_tolerance([1e-6, 1e-9][source.below(2)]);
     let mut calls = 0;
     let result = integrate(&scene.system, &options, &mut |_| {
         calls += 1;

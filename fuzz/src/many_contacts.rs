@@ -54,7 +54,6 @@ pub fn check(data: &[u8]) {
     }
     let ordinary = scene.contacts.iter().all(|(law, _)| laws::is_ordinary(law));
     let mut workspace = Workspace::default();
-    workspace.prepare(&problem);
     for solver in solvers(&mut source) {
         let mut own = memory.clone();
         let report = solver.solve(&problem, Stop::at(TOLERANCE), &mut own, &mut workspace);
@@ -107,7 +106,6 @@ fn solvers(source: &mut Source<'_>) -> [Solver; 2] {
 
 fn limit(solver: &Solver) -> Option<usize> {
     match *solver {
-        Solver::Auto { .. } => None,
         Solver::Exact { max_sweeps } => Some(max_sweeps),
         Solver::Newton { max_iterations }
         | Solver::ProximalPoint { max_iterations }
@@ -115,6 +113,7 @@ fn limit(solver: &Solver) -> Option<usize> {
         | Solver::Admm { max_iterations }
         | Solver::ProxJacobi { max_iterations, .. }
         | Solver::ProxGaussSeidel { max_iterations, .. } => Some(max_iterations),
+        _ => None,
     }
 }
 

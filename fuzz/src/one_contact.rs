@@ -40,7 +40,6 @@ pub fn check(data: &[u8]) {
         ContactState::new(phase, [source.signed(), source.signed(), source.signed()]);
     memory.percussion.fill_with(|| source.signed());
     let mut workspace = Workspace::default();
-    workspace.prepare(&problem);
     let solver = Solver::Exact { max_sweeps: 1 };
     let report = solver.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
     let ordinary = laws::is_ordinary(&scene.contacts[0].0);

@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use asperity::simulate::{Options, Outcome, simulate};
-use asperity::solver::Solver;
 
 use crate::decode::{Range, Source};
 use crate::systems::{self, Forces};
@@ -12,17 +11,9 @@ use crate::systems::{self, Forces};
 pub fn check(data: &[u8]) {
     let mut source = Source::new(data);
     let Some(scene) = systems::scene(&mut source, true) else { return };
-    let options = Options {
-        dt: 0.01 * source.size(Range::Narrow),
-        steps: 30,
-        q0: scene.q0.clone(),
-        u0: scene.u0.clone(),
-        solver: Solver::Auto { interior_point: true, threads: 1 },
-        tolerance: 1e-10,
-        save_every: 1,
-        until_rest: false,
-        stop_on_failure: true,
-    };
+    let dt = 0.01 * source.size(Range::Narrow);
+    let Ok(options) = Options::new(dt, dt) else { return };
+    let options = options.with_steps(30).with_start(&scene.q0, &scene.u0);
     let result = simulate(&scene.system, &options, &mut |_, _| ControlFlow::Continue(()));
     let Ok(run) = result else { return };
     let path = &run.trajectory.samples;

@@ -10,9 +10,23 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from asperity.contact.certificate import Infeasibility
     from asperity.contact.problem import ContactProblem
-    from asperity.motion import Motion
-    from asperity.trajectory import Trajectory
+    from asperity.runs.run import Run
+    from asperity.runs.trajectory import Trajectory
 
+
+__all__ = [
+    "AsperityError",
+    "ConfigurationError",
+    "ConvergenceError",
+    "DimensionError",
+    "DivergenceError",
+    "FitError",
+    "NoCycleError",
+    "NoSolutionError",
+    "ParameterError",
+    "RecordError",
+    "SimulationInterrupted",
+]
 
 _LONGEST = 250
 
@@ -54,16 +68,41 @@ class RecordError(AsperityError, ValueError):
 
     Attributes:
         source: the file or record.
-        message: rows and column, what is wrong with them, what to do.
+        message: rows and column, what is wrong with them.
+        options: of the reader that may help; where a configuration set them, their places in it.
     """
 
-    def __init__(self, source: str, message: str) -> None:
-        super().__init__(source, message)
+    def __init__(self, source: str, message: str, options: tuple[str, ...] = ()) -> None:
+        super().__init__(source, message, options)
         self.source = source
         self.message = message
+        self.options = options
 
     def __str__(self) -> str:
-        return f"{self.source}: {self.message}" if self.source else self.message
+        text = f"{self.source}: {self.message}" if self.source else self.message
+        return f"{text}; see {', '.join(self.options)}" if self.options else text
+
+
+class ConfigurationError(AsperityError, ValueError):
+    """A file of configuration cannot be used as it is.
+
+    Attributes:
+        file: its path.
+        message: what is wrong, what is allowed.
+        key: what is meant, as ``"[section] key"``, or empty.
+        line: where it stands, from 1; ``None`` if that is not known.
+    """
+
+    def __init__(self, file: str, message: str, key: str = "", line: int | None = None) -> None:
+        super().__init__(file, message, key, line)
+        self.file = file
+        self.message = message
+        self.key = key
+        self.line = line
+
+    def __str__(self) -> str:
+        place = self.file if self.line is None else f"{self.file}, line {self.line}"
+        return ": ".join(part for part in (place, self.key, self.message) if part)
 
 
 class ConvergenceError(AsperityError, RuntimeError):
@@ -87,7 +126,7 @@ class ConvergenceError(AsperityError, RuntimeError):
         contact: int | None = None,
         residual: float | None = None,
         advice: str = "",
-        trajectory: Trajectory | Motion | None = None,
+        trajectory: Run | None = None,
     ) -> None:
         super().__init__(message, step, time, contact, residual, advice, trajectory)
         self.message = message
@@ -127,7 +166,7 @@ class NoSolutionError(ConvergenceError):
         contact: int | None = None,
         residual: float | None = None,
         advice: str = "",
-        trajectory: Trajectory | Motion | None = None,
+        trajectory: Run | None = None,
         infeasibility: Infeasibility | None = None,
         problem: ContactProblem | None = None,
     ) -> None:
@@ -165,7 +204,7 @@ class SimulationInterrupted(KeyboardInterrupt):
         trajectory: the part computed so far.
     """
 
-    def __init__(self, trajectory: Trajectory | Motion) -> None:
+    def __init__(self, trajectory: Run) -> None:
         super().__init__(trajectory)
         self.trajectory = trajectory
 

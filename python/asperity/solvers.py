@@ -4,9 +4,22 @@ from __future__ import annotations
 
 from typing import Literal
 
-from asperity import _arrays, _core
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.value import Value
 from asperity.errors import ParameterError
+
+__all__ = [
+    "ADMM",
+    "Auto",
+    "Exact",
+    "InteriorPoint",
+    "ProxGaussSeidel",
+    "ProxJacobi",
+    "ProximalPoint",
+    "SemismoothNewton",
+    "Solver",
+]
 
 
 class Solver(Value):
@@ -38,7 +51,7 @@ class Auto(Solver):
     threads: int
 
     def __init__(self, *, interior_point: bool = True, threads: int = 1) -> None:
-        interior_point, threads = bool(interior_point), _arrays.count(threads, "threads")
+        interior_point, threads = bool(interior_point), arrays.count(threads, "threads")
         self._set(interior_point=interior_point, threads=threads)
         self._keep(_core=_core.Solver.auto(interior_point, threads))
 
@@ -67,7 +80,7 @@ class Exact(Solver):
     max_sweeps: int
 
     def __init__(self, *, max_sweeps: int = 10_000) -> None:
-        max_sweeps = _arrays.count(max_sweeps, "max_sweeps")
+        max_sweeps = arrays.count(max_sweeps, "max_sweeps")
         self._set(max_sweeps=max_sweeps)
         self._keep(_core=_core.Solver.exact(max_sweeps))
 
@@ -99,7 +112,7 @@ class ProxJacobi(Solver):
         self, *, r: float | Literal["adaptive"] = "adaptive", max_iterations: int = 100_000
     ) -> None:
         number = _step_length(r)
-        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(r="adaptive" if number is None else number, max_iterations=max_iterations)
         self._keep(_core=_core.Solver.prox_jacobi(number, max_iterations))
 
@@ -125,7 +138,7 @@ class ProxGaussSeidel(Solver):
         self, *, r: float | Literal["adaptive"] = "adaptive", max_iterations: int = 100_000
     ) -> None:
         number = _step_length(r)
-        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(r="adaptive" if number is None else number, max_iterations=max_iterations)
         self._keep(_core=_core.Solver.prox_gauss_seidel(number, max_iterations))
 
@@ -151,7 +164,7 @@ class SemismoothNewton(Solver):
     max_iterations: int
 
     def __init__(self, *, max_iterations: int = 200) -> None:
-        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(max_iterations=max_iterations)
         self._keep(_core=_core.Solver.newton(max_iterations))
 
@@ -176,7 +189,7 @@ class ProximalPoint(Solver):
     max_iterations: int
 
     def __init__(self, *, max_iterations: int = 1000) -> None:
-        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(max_iterations=max_iterations)
         self._keep(_core=_core.Solver.proximal_point(max_iterations))
 
@@ -204,7 +217,7 @@ class InteriorPoint(Solver):
     max_iterations: int
 
     def __init__(self, *, max_iterations: int = 100) -> None:
-        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(max_iterations=max_iterations)
         self._keep(_core=_core.Solver.interior_point(max_iterations))
 
@@ -226,7 +239,7 @@ class ADMM(Solver):
     max_iterations: int
 
     def __init__(self, *, max_iterations: int = 2000) -> None:
-        max_iterations = _arrays.count(max_iterations, "max_iterations")
+        max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(max_iterations=max_iterations)
         self._keep(_core=_core.Solver.admm(max_iterations))
 
@@ -245,7 +258,7 @@ def chosen(solver: Solver | None) -> Solver:
 
 def named(name: str) -> Solver:
     """Return the solver of a name such as ``"auto"`` or ``"proximal-point"``, with its defaults."""
-    return NAMES[_arrays.choice(name, "solver", tuple(NAMES))]()
+    return NAMES[arrays.choice(name, "solver", tuple(NAMES))]()
 
 
 NAMES: dict[str, type[Solver]] = {
@@ -263,6 +276,6 @@ NAMES: dict[str, type[Solver]] = {
 def _step_length(r: float | str) -> float | None:
     """Return the number, ``None`` for the adaptive choice."""
     if isinstance(r, str):
-        _arrays.choice(r, "r", ["adaptive"])
+        arrays.choice(r, "r", ["adaptive"])
         return None
-    return _arrays.positive(r, "r")
+    return arrays.positive(r, "r")

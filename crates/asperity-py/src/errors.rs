@@ -7,6 +7,7 @@ use asperity::law::LawError;
 use asperity::set::SetError;
 use asperity::stepper::StepError;
 use asperity::system::SystemError;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 /// `asperity.errors.<kind>(*arguments)`.
@@ -31,6 +32,11 @@ pub fn parameter(argument: &str, message: &str) -> PyErr {
 /// The shape of an argument is wrong.
 pub fn dimension(argument: &str, message: &str) -> PyErr {
     make("DimensionError", (argument, message))
+}
+
+/// The core has answered what this binding does not know: the two have not been built together.
+pub fn unknown(answer: &str) -> PyErr {
+    PyRuntimeError::new_err(format!("the core answers what the binding does not know: {answer}"))
 }
 
 /// The core writes `argument: message`; Python keeps the two apart.
@@ -75,9 +81,7 @@ impl From<ProblemError> for Failure {
                 let message = text.strip_prefix(argument).unwrap_or(&text);
                 Self(dimension(argument, message.trim_start_matches(": ")))
             }
-            ProblemError::Value { .. } | ProblemError::Structure { .. } | ProblemError::Rated => {
-                Self(split(argument, &text))
-            }
+            _ => Self(split(argument, &text)),
         }
     }
 }
@@ -94,6 +98,7 @@ impl From<EvaluationError> for Failure {
         match error {
             EvaluationError::System(error) => error.into(),
             EvaluationError::SingularMass { .. } => Self(split("mass", &text)),
+            _ => Self(unknown(&text)),
         }
     }
 }
@@ -108,6 +113,7 @@ impl From<SystemError> for Failure {
                 Ok(error) => *error,
                 Err(other) => parameter("system", &other.to_string()),
             },
+            other => unknown(&other.to_string()),
         })
     }
 }
@@ -116,12 +122,14 @@ impl From<StepError> for Failure {
     fn from(error: StepError) -> Self {
         let text = error.to_string();
         match error {
+            StepError::Options(error) => error.into(),
             StepError::System(error) => error.into(),
             StepError::SingularMass { .. } => Self(split("mass", &text)),
             StepError::NotFinite { .. } | StepError::NotFiniteContact { .. } => {
                 Self(make("DivergenceError", (text,)))
             }
             StepError::Cancelled { .. } => Self(make("ConvergenceError", (text,))),
+            _ => Self(unknown(&text)),
         }
     }
 }

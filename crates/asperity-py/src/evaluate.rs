@@ -54,7 +54,7 @@ fn state<'py>(
         }
     }
     let mut forces = vec![0.0; n];
-    system.forces(t, q, u, &mut forces)?;
+    system.forces(&Configuration::new(t, q), u, &mut forces)?;
     let contacts = PyList::empty(py);
     for contact in 0..system.contacts().len() {
         contacts.append(kinematics(py, system, t, q, contact)?)?;

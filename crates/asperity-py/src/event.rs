@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use asperity::event::{Motion, Options, Outcome, Run, Section, Stagnation, integrate as run_core};
+use asperity::event::{Motion, Options, Outcome, Run, Section, integrate as run_core};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::{Numbers, numbers};
-use crate::errors::Failure;
+use crate::errors::{Failure, unknown};
 use crate::outcome::without_solution;
 use crate::samples::sample_arrays;
 use crate::system::{raised as raised_meanwhile, with_system};
@@ -34,7 +34,9 @@ pub fn integrate<'py>(
     });
     let (q0, u0) = (numbers(&q0, "q0")?.to_vec(), numbers(&u0, "u0")?.to_vec());
     let section = section.transpose()?;
-    let options = Options { t_end, q0, u0, tolerance, sample, max_step, section, max_events };
+    let mut options = Options::new(t_end)?.with_start(&q0, &u0).with_tolerance(tolerance);
+    (options.sample, options.max_step, options.section) = (sample, max_step, section);
+    options.max_events = max_events;
     let mut raised = None;
     let mut observer = |t: f64| {
         let answer = Python::attach(|py| {
@@ -49,7 +51,7 @@ pub fn integrate<'py>(
             ControlFlow::Continue,
         )
     };
-    let Run { motion, outcome } =
+    let Run { motion, outcome, .. } =
         with_system(system, |system| py.detach(|| run_core(system, &options, &mut observer)))??;
     let out = dictionary(py, motion)?;
     let (name, contact, error) = match outcome {
@@ -62,17 +64,9 @@ pub fn integrate<'py>(
             out.set_item("unsolvable", proven)?;
             ("no_solution", Some(contact), None)
         }
-        Outcome::Stagnated { cause, contact } => {
-            let name = match cause {
-                Stagnation::Step => "step",
-                Stagnation::Rejections => "rejections",
-                Stagnation::Events => "events",
-                Stagnation::NoImpact => "no_impact",
-                Stagnation::Unsolved => "unsolved",
-            };
-            (name, contact, None)
-        }
+        Outcome::Stagnated { cause, contact } => (cause.name(), contact, None),
         Outcome::Error(error) => ("failed", None, Some(Failure::from(error).0)),
+        other => ("failed", None, Some(unknown(&format!("{other:?}")))),
     };
     out.set_item("ended", name)?;
     out.set_item("contact", contact)?;

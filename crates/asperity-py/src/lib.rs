@@ -16,6 +16,7 @@ mod samples;
 mod set;
 mod simulate;
 mod system;
+mod time_function;
 
 use pyo3::prelude::*;
 
@@ -42,6 +43,8 @@ mod _core {
     use crate::simulate::simulate;
     #[pymodule_export]
     use crate::system::{CallbackSystem, LinearSystem};
+    #[pymodule_export]
+    use crate::time_function::Signal;
     use pyo3::prelude::*;
 
     #[pymodule_init]

@@ -8,6 +8,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::errors::Failure;
 use crate::problem::Problem;
 
 /// A solution with its report.
@@ -26,11 +27,13 @@ impl Outcome {
     pub fn new(
         problem: Py<Problem>,
         memory: Memory,
-        workspace: Workspace,
+        workspace: &Workspace,
         report: SolveReport,
     ) -> Self {
         // The rest of the workspace, factors above all, is not kept.
-        let Workspace { velocity, ambiguous, stages, infeasibility, .. } = workspace;
+        let (velocity, ambiguous) = (workspace.velocity().to_vec(), workspace.ambiguous().to_vec());
+        let (stages, infeasibility) =
+            (workspace.stages().to_vec(), workspace.infeasibility().cloned());
         Self { problem, memory, velocity, ambiguous, stages, infeasibility, report }
     }
 }
@@ -152,8 +155,9 @@ impl Outcome {
     }
 
     #[getter]
-    fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        certified(py, &Certificate::new(&self.problem.get().0, &self.memory.percussion))
+    fn certificate<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
+        let found = Certificate::new(&self.problem.get().0, &self.memory.percussion)?;
+        Ok(certified(py, &found)?)
     }
 }
 

@@ -157,7 +157,7 @@ impl Problem {
                 let phases = phases.into_iter().map(|k| Phase::from_number(k).unwrap_or_default());
                 let percussion = numbers(&percussion, "start")?;
                 let velocity = numbers(&velocity, "start")?;
-                Memory::from_solution(problem, percussion, velocity, phases)
+                Memory::from_solution(problem, percussion, velocity, phases)?
             }
         };
         let mut workspace = Workspace::default();
@@ -165,21 +165,20 @@ impl Problem {
             // A limit beyond the range of the clock is none.
             let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
             let deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
-            workspace.prepare(problem);
             let signals = Signals::default();
             let cancelled = || signals.pending();
-            let stop = Stop { tolerance, measure, deadline, cancelled: Some(&cancelled) };
+            let mut stop = Stop::at(tolerance).with_measure(measure).unless(&cancelled);
+            stop.deadline = deadline;
             let report = solver.0.solve(problem, stop, &mut memory, &mut workspace);
             signals.raised.into_inner().map_or(Ok(report), Err)
         })?;
-        Ok(Outcome::new(slf.clone().unbind(), memory, workspace, report))
+        Ok(Outcome::new(slf.clone().unbind(), memory, &workspace, report))
     }
 
     fn natural_map(&self, percussion: Numbers<'_>) -> Result<f64, Failure> {
         let percussion = numbers(&percussion, "percussion")?;
-        let mut velocity = vec![0.0; percussion.len()];
-        self.0.velocity(percussion, &mut velocity);
-        Ok(solver::natural_map(&self.0, percussion, &velocity))
+        let velocity = self.0.velocities(percussion)?;
+        Ok(solver::natural_map(&self.0, percussion, &velocity)?)
     }
 
     fn certificate<'py>(
@@ -188,7 +187,7 @@ impl Problem {
         percussion: Numbers<'_>,
     ) -> Result<Bound<'py, PyDict>, Failure> {
         let percussion = numbers(&percussion, "percussion")?;
-        Ok(certified(py, &Certificate::new(&self.0, percussion))?)
+        Ok(certified(py, &Certificate::new(&self.0, percussion)?)?)
     }
 
     fn spectrum(&self, py: Python<'_>) -> Result<(f64, f64), Failure> {
@@ -197,9 +196,8 @@ impl Problem {
 
     fn residual(&self, percussion: Numbers<'_>) -> Result<(f64, usize), Failure> {
         let percussion = numbers(&percussion, "percussion")?;
-        let mut velocity = vec![0.0; percussion.len()];
-        self.0.velocity(percussion, &mut velocity);
-        let residual = solver::natural_residual(&self.0, percussion, &velocity);
+        let velocity = self.0.velocities(percussion)?;
+        let residual = solver::natural_residual(&self.0, percussion, &velocity)?;
         Ok((residual.value, residual.worst_contact))
     }
 

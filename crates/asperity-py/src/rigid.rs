@@ -1,9 +1,11 @@
 //! Rigid bodies as data; frames may be functions of Python.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, PoisonError};
 
 use asperity::system::System;
-use asperity::system::rigid::{self, Bodies, Body, Frame, Pair, PlanarBody, Plane, Shape, Spring};
+use asperity::system::rigid::{
+    self, Bodies, Body, Frame, Pair, PlanarBody, Plane, PlaneMotion, Shape, Spring,
+};
 use nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
@@ -12,6 +14,7 @@ use pyo3::types::PyDict;
 use crate::convert::{Numbers, Points, numbers, rows};
 use crate::errors::{Failure, dimension, parameter};
 use crate::system::{item, law, restitution};
+use crate::time_function::{Raised, keep, time_function};
 
 /// A system of rigid bodies, and what a frame of Python has raised.
 #[pyclass(frozen, module = "asperity._core")]
@@ -19,9 +22,6 @@ pub struct RigidBodies {
     pub system: rigid::RigidBodies,
     raised: Raised,
 }
-
-/// The first exception of a function that cannot return one.
-type Raised = Arc<Mutex<Option<PyErr>>>;
 
 /// Points and axes of contacts.
 type Geometry<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray4<f64>>);
@@ -48,36 +48,56 @@ fn index(part: &Bound<'_, PyDict>, key: &str) -> PyResult<usize> {
 }
 
 /// A plane, or a line where there is no axis.
-fn plane(pair: &Bound<'_, PyDict>) -> PyResult<Plane> {
+fn plane(pair: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Plane> {
     let given = item(pair, "plane")?;
     let given = given.cast::<PyDict>()?;
     let (point, normal) = (place(given, "point")?, place(given, "normal")?);
     let body = item(given, "body")?.extract()?;
+    let velocity = item(given, "velocity")?;
+    let motion: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)> = item(given, "motion")?.extract()?;
     if !given.contains("axis")? {
+        let motion = motion.map(|(displacement, rotation)| -> PyResult<PlaneMotion> {
+            let displacement = time_function(&displacement, "displacement", true, raised)?;
+            let rotation = time_function(&rotation, "rotation", true, raised)?;
+            Ok(PlaneMotion::planar(&displacement, &rotation))
+        });
+        let velocity = time_function::<1>(&velocity, "velocity", false, raised)?.spread([0]);
         let line = Plane::line([point[0], point[1]], [normal[0], normal[1]]);
-        return Ok(Plane { velocity: [number(given, "velocity")?, 0.0], body, ..line });
+        return Ok(Plane { velocity, motion: motion.transpose()?, body, ..line });
     }
-    let [v1, v2, _] = place(given, "velocity")?;
-    let plane = Plane::new(point, normal, place(given, "axis")?);
-    Ok(Plane { velocity: [v1, v2], spin: number(given, "spin")?, body, ..plane })
+    let motion = motion.map(|(displacement, rotation)| -> PyResult<PlaneMotion> {
+        Ok(PlaneMotion {
+            displacement: time_function(&displacement, "displacement", true, raised)?,
+            rotation: time_function(&rotation, "rotation", true, raised)?,
+        })
+    });
+    Ok(Plane {
+        velocity: time_function(&velocity, "velocity", false, raised)?,
+        spin: time_function(&item(given, "spin")?, "spin", false, raised)?,
+        motion: motion.transpose()?,
+        body,
+        ..Plane::new(point, normal, place(given, "axis")?)
+    })
 }
 
-fn shape(pair: &Bound<'_, PyDict>) -> PyResult<Shape> {
+fn shape(pair: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Shape> {
     let body = index(pair, "body")?;
     let kind = item(pair, "kind")?;
     Ok(match kind.extract::<&str>()? {
         "point_plane" => {
-            Shape::PointPlane { body, point: place(pair, "point")?, plane: plane(pair)? }
+            Shape::PointPlane { body, point: place(pair, "point")?, plane: plane(pair, raised)? }
         }
         "sphere_plane" => Shape::SpherePlane {
             body,
             centre: place(pair, "center")?,
             radius: number(pair, "radius")?,
-            plane: plane(pair)?,
+            plane: plane(pair, raised)?,
         },
-        "box_plane" => {
-            Shape::BoxPlane { body, half_sizes: place(pair, "half_sizes")?, plane: plane(pair)? }
-        }
+        "box_plane" => Shape::BoxPlane {
+            body,
+            half_sizes: place(pair, "half_sizes")?,
+            plane: plane(pair, raised)?,
+        },
         _ => Shape::SphereSphere {
             body,
             centre: place(pair, "center")?,
@@ -108,7 +128,7 @@ fn frame(given: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<Frame> {
         });
         angle.unwrap_or_else(|error| {
             // The run ends by what is not a number; the exception says why.
-            raised.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+            keep(&raised, error);
             f64::NAN
         })
     })))
@@ -117,7 +137,7 @@ fn frame(given: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<Frame> {
 fn pair(given: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Pair> {
     let (normal_restitution, tangential_restitution) = restitution(given)?;
     Ok(Pair {
-        shape: shape(given)?,
+        shape: shape(given, raised)?,
         law: law(given)?,
         frame: frame(&item(given, "frame")?, raised)?,
         normal_force: item(given, "normal_force")?.extract()?,
@@ -127,7 +147,7 @@ fn pair(given: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Pair> {
     })
 }
 
-fn spring(given: &Bound<'_, PyDict>) -> PyResult<Spring> {
+fn spring(given: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Spring> {
     Ok(Spring {
         body: index(given, "body")?,
         point: place(given, "point")?,
@@ -135,16 +155,22 @@ fn spring(given: &Bound<'_, PyDict>) -> PyResult<Spring> {
         other_point: place(given, "other_point")?,
         stiffness: number(given, "stiffness")?,
         damping: number(given, "damping")?,
-        length: number(given, "length")?,
+        length: time_function(&item(given, "length")?, "length", false, raised)?,
     })
 }
 
-/// Bodies from one row each: mass, inertia, force and torque. Their initial states stay in Python.
+/// Force and torque of a body, by its number, at least one of which depends on time.
+type TimedLoad<'py> = (usize, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// Bodies from one row each: mass, inertia, force and torque; `timed` has the loads of those that have others. Their
+/// initial states stay in Python.
 fn bodies(
     planar: bool,
     mass: &Numbers<'_>,
     inertia: &Points<'_>,
     load: &Points<'_>,
+    timed: &[TimedLoad<'_>],
+    raised: &Raised,
 ) -> PyResult<Bodies> {
     let mass = numbers(mass, "mass")?;
     let (inertia, load) = (inertia.as_array(), load.as_array());
@@ -154,40 +180,62 @@ fn bodies(
     }
     if planar {
         let body = |i: usize| PlanarBody {
-            force: [load[[i, 0]], load[[i, 1]]],
-            torque: load[[i, 2]],
+            force: [load[[i, 0]], load[[i, 1]]].into(),
+            torque: load[[i, 2]].into(),
             ..PlanarBody::new(mass[i], inertia[[i, 0]])
         };
-        return Ok((0..n).map(body).collect::<Vec<_>>().into());
+        let mut bodies: Vec<_> = (0..n).map(body).collect();
+        for (number, force, torque) in timed {
+            let body = bodies.get_mut(*number).ok_or_else(|| dimension("bodies", "are fewer"))?;
+            body.force = time_function(force, "force", false, raised)?;
+            body.torque = time_function(torque, "torque", false, raised)?;
+        }
+        return Ok(bodies.into());
     }
-    let three = |i: usize, first: usize| std::array::from_fn(|k| load[[i, first + k]]);
+    let three =
+        |i: usize, first: usize| -> [f64; 3] { std::array::from_fn(|k| load[[i, first + k]]) };
     let body = |i: usize| Body {
         inertia: std::array::from_fn(|k| std::array::from_fn(|l| inertia[[i, 3 * k + l]])),
-        force: three(i, 0),
-        torque: three(i, 3),
+        force: three(i, 0).into(),
+        torque: three(i, 3).into(),
         ..Body::new(mass[i], [1.0; 3])
     };
-    Ok((0..n).map(body).collect::<Vec<_>>().into())
+    let mut bodies: Vec<_> = (0..n).map(body).collect();
+    for (number, force, torque) in timed {
+        let body = bodies.get_mut(*number).ok_or_else(|| dimension("bodies", "are fewer"))?;
+        body.force = time_function(force, "force", false, raised)?;
+        body.torque = time_function(torque, "torque", false, raised)?;
+    }
+    Ok(bodies.into())
 }
 
 #[pymethods]
 impl RigidBodies {
     #[new]
+    #[allow(clippy::too_many_arguments)] // The Python side calls it in one place, by position.
     fn new(
         planar: bool,
         mass: Numbers<'_>,
         inertia: Points<'_>,
         load: Points<'_>,
+        timed_loads: Vec<TimedLoad<'_>>,
         pairs: Vec<Bound<'_, PyDict>>,
         springs: Vec<Bound<'_, PyDict>>,
         gravity: Numbers<'_>,
     ) -> Result<Self, Failure> {
         let raised = Raised::default();
-        let bodies = bodies(planar, &mass, &inertia, &load)?;
+        let bodies = bodies(planar, &mass, &inertia, &load, &timed_loads, &raised)?;
         let pairs = pairs.iter().map(|given| pair(given, &raised)).collect::<PyResult<Vec<_>>>()?;
-        let springs = springs.iter().map(spring).collect::<PyResult<_>>()?;
+        let springs =
+            springs.iter().map(|given| spring(given, &raised)).collect::<PyResult<_>>()?;
         let gravity = padded(numbers(&gravity, "gravity")?, "gravity")?;
         Ok(Self { system: rigid::RigidBodies::new(bodies, &pairs, springs, gravity)?, raised })
+    }
+
+    /// Whether loads, springs or planes depend on time.
+    #[getter]
+    fn depends_on_time(&self) -> bool {
+        self.system.depends_on_time()
     }
 
     /// Coordinates after moving with the velocities for `dt`, row by row.
@@ -209,12 +257,17 @@ impl RigidBodies {
     fn energy<'py>(
         &self,
         py: Python<'py>,
+        t: Numbers<'py>,
         q: Points<'py>,
         u: Points<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let system = &self.system;
-        let energy = |(q, u)| system.kinetic_energy(u) + system.potential_energy(q);
-        Ok(PyArray1::from_iter(py, self.states(&q, &u)?.map(energy)))
+        let (system, t) = (&self.system, numbers(&t, "t")?);
+        let energy = |(&t, (q, u))| system.kinetic_energy(u) + system.potential_energy(t, q);
+        let energies: Vec<f64> = t.iter().zip(self.states(&q, &u)?).map(energy).collect();
+        match self.raised() {
+            Some(error) => Err(error),
+            None => Ok(PyArray1::from_vec(py, energies)),
+        }
     }
 
     fn momentum<'py>(
@@ -239,12 +292,18 @@ impl RigidBodies {
     }
 
     /// Contact points `(n_t, n_c, 3)` and the rows e₁, e₂, n, `(n_t, n_c, 3, 3)`.
-    fn contact_geometry<'py>(&self, py: Python<'py>, q: Points<'py>) -> PyResult<Geometry<'py>> {
+    fn contact_geometry<'py>(
+        &self,
+        py: Python<'py>,
+        t: Numbers<'py>,
+        q: Points<'py>,
+    ) -> PyResult<Geometry<'py>> {
         let (n_t, n_c) = (q.as_array().nrows(), self.system.contacts().len());
         let (mut points, mut axes) = (Vec::new(), Vec::new());
-        for q in samples(&q, self.system.coordinates(), "q")? {
+        let states = samples(&q, self.system.coordinates(), "q")?;
+        for (&t, q) in numbers(&t, "t")?.iter().zip(states) {
             for contact in 0..n_c {
-                let geometry = self.system.contact_geometry(q, contact);
+                let geometry = self.system.contact_geometry(t, q, contact);
                 points.extend_from_slice(geometry.point.as_slice());
                 for axis in [geometry.e1, geometry.e2, geometry.normal] {
                     axes.extend_from_slice(axis.as_slice());

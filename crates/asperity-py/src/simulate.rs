@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::{Numbers, Points, numbers};
-use crate::errors::{Failure, dimension, parameter};
+use crate::errors::{Failure, dimension, parameter, unknown};
 use crate::outcome::without_solution;
 use crate::problem::Solver;
 use crate::samples::sample_arrays;
@@ -107,17 +107,9 @@ pub fn simulate<'py>(
     progress: Option<Py<PyAny>>,
 ) -> Result<(Bound<'py, PyDict>, Option<Py<PyBaseException>>), Failure> {
     let start = state(clock, (&q0, &u0), &contacts, &momenta)?;
-    let options = Options {
-        dt,
-        steps,
-        q0: Vec::new(),
-        u0: Vec::new(),
-        solver: solver.0,
-        tolerance,
-        save_every,
-        until_rest,
-        stop_on_failure: raise_on_failure,
-    };
+    let mut options = Options::new(dt, dt)?.with_steps(steps).with_save_every(save_every);
+    options = options.with_solver(solver.0).with_tolerance(tolerance);
+    (options.until_rest, options.stop_on_failure) = (until_rest, raise_on_failure);
     let mut raised = None;
     let mut observer = |step: usize, steps: usize| {
         let answer = Python::attach(|py| {
@@ -132,7 +124,7 @@ pub fn simulate<'py>(
             ControlFlow::Continue,
         )
     };
-    let Run { trajectory, end, outcome } = with_system(system, |system| {
+    let Run { trajectory, end, outcome, .. } = with_system(system, |system| {
         py.detach(|| resume(system, &start, &options, &mut observer))
     })??;
     let (status, failure, error) = match outcome {
@@ -141,6 +133,7 @@ pub fn simulate<'py>(
         Outcome::Interrupted => ("interrupted", None, raised),
         Outcome::Failed(failure) => ("failed", Some(failure), None),
         Outcome::Error(error) => ("failed", None, Some(Failure::from(error).0)),
+        other => ("failed", None, Some(unknown(&format!("{other:?}")))),
     };
     let error = raised_meanwhile(system).or(error);
     if let Some(f) = progress.as_ref().filter(|_| error.is_none()) {

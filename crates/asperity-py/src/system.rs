@@ -153,7 +153,7 @@ pub fn raised(system: &Bound<'_, PyAny>) -> Option<PyErr> {
 }
 
 /// What a callback returned, as a float64 array in C order of the given shape, all finite.
-fn returned<'py>(
+pub fn returned<'py>(
     value: &Bound<'py, PyAny>,
     method: &str,
     shape: &[usize],
@@ -276,10 +276,15 @@ impl System for CallbackSystem {
         self.call("mass", &[n, n], |py| Ok(vec![array(py, q)]), receive)
     }
 
-    fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
+    fn forces(
+        &self,
+        at: &Configuration<'_>,
+        u: &[f64],
+        forces: &mut [f64],
+    ) -> Result<(), SystemError> {
         let arguments = |py: Python<'_>| {
-            let t = t.into_pyobject(py)?.into_any().unbind();
-            Ok(vec![t, array(py, q), array(py, u)])
+            let t = at.t.into_pyobject(py)?.into_any().unbind();
+            Ok(vec![t, array(py, at.q), array(py, u)])
         };
         self.call("forces", &[self.dof()], arguments, |values| forces.copy_from_slice(values))
     }

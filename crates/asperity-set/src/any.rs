@@ -30,7 +30,18 @@ impl<const P: usize> PartialEq for CustomStar<P> {
     }
 }
 
-/// Any convex set.
+/// Any convex set. It is closed, as [`Star`] is: whoever matches it is told of a kind that is new, and the `Custom` arm
+/// takes the sets of users.
+///
+/// ```
+/// use asperity_set::{Convex, ConvexSet, Ellipse, StarSet, Vector};
+///
+/// let ellipse: Convex<2> = Ellipse::new(Vector::<2>::new(3.0, 1.0))?.into();
+/// let turned = ellipse.rotated(0.5)?.scaled(2.0)?;
+/// let far = Vector::<2>::new(9.0, 1.0);
+/// assert!((turned.gauge(&turned.project(&far)) - 1.0).abs() < 1e-12);
+/// # Ok::<(), asperity_set::SetError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Convex<const P: usize> {
     /// Ball, disk.
@@ -56,6 +67,17 @@ pub enum Convex<const P: usize> {
 }
 
 /// Any star-shaped set.
+///
+/// ```
+/// use asperity_set::{Convex, Cuboid, Disk, Star, StarSet, Vector};
+///
+/// let bar: Star<2> = Convex::from(Cuboid::symmetric(Vector::<2>::new(2.0, 0.5))?).into();
+/// let disk: Star<2> = Convex::from(Disk::new(1.0)?).into();
+/// let union = Star::union(&[bar, disk])?;
+/// assert!(union.as_convex().is_none());
+/// assert_eq!(union.gauge(&Vector::<2>::new(4.0, 0.0)), 2.0);
+/// # Ok::<(), asperity_set::SetError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Star<const P: usize> {
     /// A convex set.
@@ -114,6 +136,10 @@ macro_rules! each_star {
 
 impl<const P: usize> Convex<P> {
     /// The set scaled by `factor > 0`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the factor is not finite and positive, or if the set gets a size that none may have.
     pub fn scaled(&self, factor: f64) -> Result<Self, SetError> {
         let factor = positive("factor", factor)?;
         Ok(match self {
@@ -129,6 +155,11 @@ impl<const P: usize> Convex<P> {
     }
 
     /// The image under a regular linear map; images of balls and ellipsoids are ellipsoids.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::SingularMap`] if the map is not finite and regular, [`SetError::Parameter`] if the image has a size that
+    /// none may have.
     pub fn mapped(&self, map: &Matrix<P>) -> Result<Self, SetError> {
         let image = Image::new(self.clone(), *map)?;
         Ok(match self {
@@ -144,6 +175,10 @@ impl<const P: usize> Convex<P> {
 
 impl<const P: usize> Star<P> {
     /// The set scaled by `factor > 0`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the factor is not finite and positive, or if the set gets a size that none may have.
     pub fn scaled(&self, factor: f64) -> Result<Self, SetError> {
         let factor = positive("factor", factor)?;
         match self {
@@ -154,6 +189,11 @@ impl<const P: usize> Star<P> {
     }
 
     /// The image under a regular linear map.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::SingularMap`] if the map is not finite and regular, [`SetError::Parameter`] if the image has a size that
+    /// none may have.
     pub fn mapped(&self, map: &Matrix<P>) -> Result<Self, SetError> {
         match self {
             Self::Convex(set) => Ok(Self::Convex(set.mapped(map)?)),
@@ -173,6 +213,10 @@ impl<const P: usize> Star<P> {
     }
 
     /// The intersection of some sets; convex if all are.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if there are no sets.
     pub fn intersection(sets: &[Self]) -> Result<Self, SetError> {
         let convex: Option<Vec<Convex<P>>> = sets.iter().map(|s| s.as_convex().cloned()).collect();
         Ok(match convex {
@@ -182,11 +226,19 @@ impl<const P: usize> Star<P> {
     }
 
     /// The union of some sets.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if there are no sets.
     pub fn union(sets: &[Self]) -> Result<Self, SetError> {
         Ok(Self::Union(Box::new(Union::new(sets.to_vec())?)))
     }
 
     /// The Minkowski sum of some convex sets.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::NotConvex`] if a set is star-shaped only, another [`SetError`] if there are none.
     pub fn minkowski_sum(sets: &[Self]) -> Result<Self, SetError> {
         let convex: Option<Vec<Convex<P>>> = sets.iter().map(|s| s.as_convex().cloned()).collect();
         let reason = String::from("the sum of star-shaped sets is not star-shaped in general");
@@ -206,6 +258,10 @@ fn rotation(angle: f64) -> Result<Matrix<2>, SetError> {
 
 impl Convex<2> {
     /// The set turned counter-clockwise by `angle` in rad.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if the angle is not finite.
     pub fn rotated(&self, angle: f64) -> Result<Self, SetError> {
         let rotation = rotation(angle)?;
         match self {
@@ -220,6 +276,10 @@ impl Convex<2> {
 
 impl Star<2> {
     /// The set turned counter-clockwise by `angle` in rad.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if the angle is not finite.
     pub fn rotated(&self, angle: f64) -> Result<Self, SetError> {
         match self {
             Self::Convex(set) => Ok(Self::Convex(set.rotated(angle)?)),

@@ -16,6 +16,10 @@ impl Ball {
     pub const UNIT: Self = Self { radius: 1.0 };
 
     /// Ball of the given radius.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if the radius is not between 1e-60 and 1e60.
     pub fn new(radius: f64) -> Result<Self, SetError> {
         Ok(Self { radius: size("radius", radius)? })
     }

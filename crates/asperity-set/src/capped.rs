@@ -14,9 +14,18 @@ pub struct CappedRectangle {
 
 impl CappedRectangle {
     /// Half-length `a` and half-width `b` of the rectangle, semi-axis `cap` of the half-ellipses along it.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if a length is not between 1e-60 and 1e60.
     pub fn new(a: f64, b: f64, cap: f64) -> Result<Self, SetError> {
         let (a, b, cap) = (size("a", a)?, size("b", b)?, size("cap", cap)?);
         Ok(Self { a, b, cap, ellipse: Ellipse::new(Vector::<2>::new(cap, b))? })
+    }
+
+    /// Half-length `a` and half-width `b` of the rectangle, and the semi-axis of the half-ellipses along it.
+    pub fn parameters(&self) -> [f64; 3] {
+        [self.a, self.b, self.cap]
     }
 
     /// Two points of the upper flat side, whose middle is on the boundary.

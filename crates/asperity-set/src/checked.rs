@@ -28,6 +28,10 @@ pub struct Checked<'a, S: ?Sized>(pub &'a S);
 
 impl<S: ?Sized> Checked<'_, S> {
     /// The gauge, see [`StarSet::gauge`].
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the argument is not finite, or the answer beyond the range of numbers.
     #[inline]
     pub fn gauge<const P: usize>(&self, x: &Vector<P>) -> Result<f64, SetError>
     where
@@ -40,6 +44,10 @@ impl<S: ?Sized> Checked<'_, S> {
     }
 
     /// The gradient of the gauge, see [`StarSet::gauge_gradient`]; refused at the origin.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the argument is not finite; [`SetError::Origin`] at the origin.
     #[inline]
     pub fn gauge_gradient<const P: usize>(&self, x: &Vector<P>) -> Result<Vector<P>, SetError>
     where
@@ -52,6 +60,10 @@ impl<S: ?Sized> Checked<'_, S> {
     }
 
     /// The support function, see [`ConvexSet::support`].
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the argument is not finite, or the answer beyond the range of numbers.
     #[inline]
     pub fn support<const P: usize>(&self, y: &Vector<P>) -> Result<f64, SetError>
     where
@@ -64,6 +76,10 @@ impl<S: ?Sized> Checked<'_, S> {
     }
 
     /// The support point, see [`ConvexSet::support_point`]; the origin for `y = 0`, where every point is farthest.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the argument is not finite.
     #[inline]
     pub fn support_point<const P: usize>(&self, y: &Vector<P>) -> Result<Vector<P>, SetError>
     where
@@ -77,6 +93,11 @@ impl<S: ?Sized> Checked<'_, S> {
     }
 
     /// The Hessian of the support function, see [`ConvexSet::support_hessian`]; refused for `y = 0`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the argument is not finite, or the answer beyond the range of numbers;
+    /// [`SetError::NoDirection`] for `y = 0`.
     pub fn support_hessian<const P: usize>(&self, y: &Vector<P>) -> Result<Matrix<P>, SetError>
     where
         S: ConvexSet<P>,
@@ -95,6 +116,10 @@ impl<S: ?Sized> Checked<'_, S> {
     }
 
     /// The proximal point, see [`ConvexSet::project`]; refused beyond 1e80.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the argument is not finite, or larger than 1e80.
     #[inline]
     pub fn project<const P: usize>(&self, z: &Vector<P>) -> Result<Vector<P>, SetError>
     where
@@ -114,6 +139,10 @@ impl<S: ?Sized> Checked<'_, S> {
     }
 
     /// The normal cone, see [`ConvexSet::normal_cone`].
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the argument is not finite.
     pub fn normal_cone<const P: usize>(
         &self,
         x: &Vector<P>,
@@ -149,6 +178,10 @@ impl<S: ?Sized> Checked<'_, S> {
 
 impl<const P: usize> Checked<'_, Star<P>> {
     /// The tangent cone, see [`tangent_cone`].
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if the argument is not finite.
     pub fn tangent_cone(
         &self,
         x: &Vector<P>,

@@ -6,6 +6,7 @@ use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size, polar, pr
 
 /// How the normal pressure is spread over the contact's disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Pressure {
     /// `p ∝ √(1 − r²/R²)`: an elastic ball on a plane.
     Hertz,
@@ -40,8 +41,17 @@ struct Characteristic {
 
 impl CoulombContensou {
     /// The set for friction coefficient `mu`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if `mu` is not between 1e-60 and 1e60.
     pub fn new(mu: f64, pressure: Pressure) -> Result<Self, SetError> {
         Ok(Self { meridian: Meridian { mu: size("mu", mu)?, pressure } })
+    }
+
+    /// Friction coefficient and distribution of the pressure.
+    pub fn parameters(&self) -> (f64, Pressure) {
+        (self.meridian.mu, self.meridian.pressure)
     }
 
     pub(crate) fn scaled(&self, factor: f64) -> Result<Self, SetError> {

@@ -15,6 +15,11 @@ pub type Interval = Cuboid<1>;
 
 impl<const P: usize> Cuboid<P> {
     /// Box between two opposite corners, the origin strictly inside.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if a corner is not finite, does not have the origin strictly inside, or has a size that none
+    /// may have.
     pub fn new(lower: Vector<P>, upper: Vector<P>) -> Result<Self, SetError> {
         let refuse =
             |argument, allowed, value| Err(SetError::Parameter { argument, allowed, value });
@@ -36,6 +41,10 @@ impl<const P: usize> Cuboid<P> {
     }
 
     /// Box `|xᵢ| ≤ half_widthsᵢ`.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
     pub fn symmetric(half_widths: Vector<P>) -> Result<Self, SetError> {
         Self::new(-half_widths, half_widths)
     }

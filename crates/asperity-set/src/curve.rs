@@ -59,6 +59,23 @@ pub(crate) struct CurveJet {
     pub(crate) rho: f64,
 }
 
+/// Angles and values, as they were given.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Samples {
+    angle: Arc<[f64]>,
+    value: Arc<[f64]>,
+}
+
+impl Samples {
+    pub(crate) fn new(angle: &[f64], value: &[f64]) -> Self {
+        Self { angle: angle.into(), value: value.into() }
+    }
+
+    pub(crate) fn as_slices(&self) -> (&[f64], &[f64]) {
+        (&self.angle, &self.value)
+    }
+}
+
 impl Curve {
     /// The curve through positive samples at angles in rad, in any order, within one turn.
     ///

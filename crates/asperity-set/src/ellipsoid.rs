@@ -21,12 +21,16 @@ pub type Ellipse = Ellipsoid<2>;
 
 impl<const P: usize> Ellipsoid<P> {
     /// Ellipsoid with semi-axes along the coordinate axes.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if a semi-axis is not between 1e-60 and 1e60.
     pub fn new(semi_axes: Vector<P>) -> Result<Self, SetError> {
         Self::along(semi_axes, Matrix::identity())
     }
 
     /// Ellipsoid with semi-axes along the columns of a rotation.
-    fn along(semi_axes: Vector<P>, axes: Matrix<P>) -> Result<Self, SetError> {
+    pub(crate) fn along(semi_axes: Vector<P>, axes: Matrix<P>) -> Result<Self, SetError> {
         for &a in semi_axes.iter() {
             size("semi_axes", a)?;
         }
@@ -103,6 +107,10 @@ fn orthogonalise<const P: usize>(columns: &mut Matrix<P>, i: usize, j: usize) ->
 impl Ellipse {
     /// Semi-axes `(a, b)` and angle in rad of `k² = (x₁/n₁)² + (x₂/n₂)² + ν x₁x₂`, `|ν| < 2/(n₁n₂)`
     /// (\[WL19\] (115)); `a` is the axis in the first or fourth quadrant that lies nearer to `e₁`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if an intercept is not between 1e-60 and 1e60, or `nu` out of its range.
     pub fn from_intercepts(n1: f64, n2: f64, nu: f64) -> Result<(f64, f64, f64), SetError> {
         let (p, q) = (1.0 / size("n1", n1)?.powi(2), 1.0 / size("n2", n2)?.powi(2));
         // det = (1/(n₁n₂) − ν/2)(1/(n₁n₂) + ν/2) keeps the small eigenvalue accurate near the limit.

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 /// A set could not be made, or a question has no answer.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SetError {
     /// A parameter lies outside its range.
     #[error("{argument}: must be {allowed}, got {value:?}")]

@@ -16,6 +16,11 @@ pub struct Image<S, const P: usize> {
 
 impl<S: StarSet<P>, const P: usize> Image<S, P> {
     /// The image of `set` under `map`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::SingularMap`] if the map is not finite and regular, [`SetError::Parameter`] if the image has a size that
+    /// none may have.
     pub fn new(set: S, map: Matrix<P>) -> Result<Self, SetError> {
         // The determinant of a map of size one is neither too large nor too small for a number.
         let (unit, size) = (map / map.amax(), map.amax());

@@ -16,7 +16,9 @@
 //! ```
 //!
 //! The definitions are those of Walker & Leine (2019), §2.1, cited as \[WL19\].
-#![deny(missing_docs)]
+//!
+//! With the feature `serde`, [`Star`] and [`Convex`] are data: `{ type = "Ellipse", a = 0.54, b = 0.48 }`.
+#![deny(missing_docs, clippy::missing_errors_doc)]
 
 mod any;
 mod ball;
@@ -30,6 +32,8 @@ mod convex;
 mod cuboid;
 mod curve;
 mod cyclic;
+#[cfg(feature = "serde")]
+pub mod data;
 mod ellipsoid;
 mod error;
 mod from;

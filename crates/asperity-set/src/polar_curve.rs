@@ -1,6 +1,6 @@
 //! Star-shaped sets whose boundary is measured or computed point by point.
 
-use crate::curve::Curve;
+use crate::curve::{Curve, Samples};
 use crate::error::{SIZES, size_error};
 use crate::plane::quarter_turn;
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
@@ -12,10 +12,16 @@ use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarCurve {
     inverse_radius: Curve,
+    samples: Samples,
 }
 
 impl PolarCurve {
     /// The curve through radii at angles in rad, in any order, within one turn.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Shape`] if there is not one finite and positive radius per angle, if angles come twice or leave a gap
+    /// above 3 rad, or if a radius is one that no set may have.
     pub fn new(angle: &[f64], radius: &[f64]) -> Result<Self, SetError> {
         if let Some(bad) = radius.iter().find(|r| !(r.is_finite() && **r > 0.0)) {
             let message = format!("must be finite and positive, holds {bad}");
@@ -25,7 +31,13 @@ impl PolarCurve {
             return Err(size_error("radius", bad));
         }
         let inverse: Vec<f64> = radius.iter().map(|r| 1.0 / r).collect();
-        Ok(Self { inverse_radius: Curve::new(angle, &inverse, "radius")? })
+        let inverse_radius = Curve::new(angle, &inverse, "radius")?;
+        Ok(Self { inverse_radius, samples: Samples::new(angle, radius) })
+    }
+
+    /// Angles in rad and radii, as they were given.
+    pub fn samples(&self) -> (&[f64], &[f64]) {
+        self.samples.as_slices()
     }
 
     /// Whether `w + w″ ≥ 0`.

@@ -23,6 +23,10 @@ impl Polygon {
     ///
     /// Refused with a witness point if it crosses itself, does not hold the origin in its interior, or is
     /// not star-shaped.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Shape`] with the point that is wrong.
     pub fn new(vertices: &[Vector<2>]) -> Result<Self, SetError> {
         let refuse = |message| Err(SetError::Shape { argument: "vertices", message });
         if let Some(bad) = vertices.iter().find(|v| !v.iter().all(|x| x.is_finite())) {
@@ -99,6 +103,7 @@ impl Polygon {
 
 /// What keeps a closed outline from being that of a star-shaped set, and where.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum OutlineFault {
     /// Two edges meet at a point that is not a corner they share.
     Crossing(Vector<2>),

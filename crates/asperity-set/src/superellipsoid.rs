@@ -56,6 +56,10 @@ impl<const P: usize> PowerSum<P> {
 
 impl<const P: usize> Superellipsoid<P> {
     /// Superellipsoid with semi-axes along the coordinate axes and exponent `s ≥ 0.01`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if a semi-axis is not between 1e-60 and 1e60, or the exponent not finite and at least 0.01.
     pub fn new(semi_axes: Vector<P>, exponent: f64) -> Result<Self, SetError> {
         for &a in semi_axes.iter() {
             size("semi_axes", a)?;

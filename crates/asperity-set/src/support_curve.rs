@@ -1,6 +1,6 @@
 //! Convex sets whose support function is measured or computed.
 
-use crate::curve::Curve;
+use crate::curve::{Curve, Samples};
 use crate::error::{SIZES, size_error};
 use crate::plane::quarter_turn;
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
@@ -12,16 +12,22 @@ use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
 #[derive(Debug, Clone, PartialEq)]
 pub struct SupportCurve {
     support: Curve,
+    samples: Samples,
 }
 
 impl SupportCurve {
     /// The curve through values of the support function at normal angles in rad, in any order, within one
     /// turn; refused where `h + h″ < 0`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Shape`] as [`PolarCurve::new`](crate::PolarCurve::new), and if the curve is not that of a convex set.
     pub fn new(angle: &[f64], support: &[f64]) -> Result<Self, SetError> {
         let positive = support.iter().filter(|h| h.is_finite() && **h > 0.0);
         if let Some(&bad) = positive.into_iter().find(|h| !SIZES.contains(h)) {
             return Err(size_error("support", bad));
         }
+        let samples = Samples::new(angle, support);
         let support = Curve::new(angle, support, "support")?;
         let (rho, at) = support.lowest();
         if rho < 0.0 {
@@ -31,7 +37,12 @@ impl SupportCurve {
             );
             return Err(SetError::Shape { argument: "support", message });
         }
-        Ok(Self { support })
+        Ok(Self { support, samples })
+    }
+
+    /// Normal angles in rad and values of the support function, as they were given.
+    pub fn samples(&self) -> (&[f64], &[f64]) {
+        self.samples.as_slices()
     }
 
     /// The ends of a straight piece of the boundary, where the support function has a corner.

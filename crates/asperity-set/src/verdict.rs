@@ -321,6 +321,10 @@ pub fn symmetry_unless<const P: usize>(set: &Star<P>, cancelled: Cancelled<'_>) 
 ///
 /// The witness is a point of the set that the origin does not see, the nearest point of the outline if
 /// the origin is not inside, or a point where the outline crosses itself.
+///
+/// # Errors
+///
+/// [`SetError::Shape`] if the outline holds less than three different points.
 pub fn star_shape(outline: &[Vector<2>]) -> Result<Verdict<2>, SetError> {
     let outline = distinct(outline);
     if outline.len() < 3 {

@@ -18,6 +18,10 @@ pub struct WedgeAsperity {
 
 impl WedgeAsperity {
     /// Wedges of inclination `beta` in rad with friction coefficient `mu`, `0 ≤ β`, `μ tan β < 1`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if a number is out of its range.
     pub fn new(mu: f64, beta: f64) -> Result<Self, SetError> {
         size("mu", mu)?;
         let refuse = |allowed| Err(SetError::Parameter { argument: "beta", allowed, value: beta });

@@ -17,7 +17,38 @@
 //! assert!((force.x + 9.3 * 0.54).abs() < 1e-12 && force.y.abs() < 1e-12);
 //! # Ok::<(), asperity::set::SetError>(())
 //! ```
-#![deny(missing_docs)]
+//!
+//! # Features
+//!
+//! | feature | what it adds |
+//! |---|---|
+//! | `parallel`, by default | threads for work that is done contact by contact, where a [`Solver`](solver::Solver) is given some |
+//! | `sparse`, by default | sparse factorisations for the methods of many contacts; else dense ones, up to 4,000 rows |
+//! | `serde` | sets ([`set::Star`], [`set::Convex`]), laws, contact problems, trajectories and motions as data |
+//!
+//! No result depends on `parallel`, and only those on `sparse` for which a matrix of several contacts is factored: they
+//! differ by rounding. What `serde` reads goes through the constructors, so that nothing comes out that these would
+//! refuse. The words are those of the Python package; a law is written as
+//!
+//! ```toml
+//! [reservoir]
+//! type = "Superellipse"
+//! a = 0.5366
+//! b = 0.457
+//! exponent = 2.94
+//!
+//! [direction]
+//! type = "Ellipse"
+//! a = 0.46
+//! b = 0.3
+//! angle = 0.1
+//!
+//! [rate]
+//! speed = 0.02
+//! ratio = 0.7
+//! shape = "exponential"
+//! ```
+#![deny(missing_docs, clippy::missing_errors_doc)]
 
 pub use asperity_set as set;
 pub use integrator::{event, midpoint as stepper};
@@ -27,6 +58,9 @@ pub mod contact;
 pub mod integrator;
 pub mod law;
 mod linear;
+#[cfg(test)]
+#[path = "../tests/common/random.rs"]
+mod random;
 pub mod simulate;
 pub mod solver;
 pub mod system;

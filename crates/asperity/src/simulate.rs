@@ -6,35 +6,113 @@ use std::time::{Duration, Instant};
 
 pub use crate::integrator::OptionsError;
 use crate::integrator::midpoint::{Attempt, State, StepError, Stepper};
+use crate::integrator::options::check_positive;
 use crate::solver::{SolveReport, Solver, Status, Unsolvable};
-use crate::system::{System, SystemError};
+use crate::system::{InitialState, System, SystemError};
 use crate::trajectory::Trajectory;
 
-/// What to simulate.
+/// What to simulate. What is not given has the value that stands beside it.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// Step in s.
     pub dt: f64,
     /// Number of steps.
     pub steps: usize,
-    /// Initial coordinates; not asked for where a run is continued.
-    pub q0: Vec<f64>,
-    /// Initial velocities; likewise.
-    pub u0: Vec<f64>,
-    /// Contact solver.
+    /// Where to start; by default in the system's own state, [`System::initial_state`]. Not asked for where a run is
+    /// continued.
+    pub start: Option<InitialState>,
+    /// Contact solver; [`Solver::default`].
     pub solver: Solver,
-    /// Largest natural residual of a step.
+    /// Largest natural residual of a step; 1e-10.
     pub tolerance: f64,
-    /// Every how many steps a sample is kept; the last state always is.
+    /// Every how many steps a sample is kept; the last state always is. By default all are.
     pub save_every: usize,
-    /// Whether to stop as soon as everything rests.
+    /// Whether to stop as soon as everything rests; not by default.
     pub until_rest: bool,
-    /// Whether to stop at a step whose contact problem is not solved, or to count it and go on.
+    /// Whether to stop at a step whose contact problem is not solved, as by default, or to count it and go on.
     pub stop_on_failure: bool,
+}
+
+/// Difference of `t_end` from a multiple of the step that counts as rounding, as a part.
+const MULTIPLE: f64 = 1e-9;
+
+impl Options {
+    /// Steps of length `dt` up to the time `t_end`, both in s; the last one may lead beyond it.
+    ///
+    /// # Errors
+    ///
+    /// [`OptionsError`] if one of both is not finite and positive, or if there are more steps than can be counted.
+    pub fn new(dt: f64, t_end: f64) -> Result<Self, OptionsError> {
+        check_positive("dt", dt)?;
+        check_positive("t_end", t_end)?;
+        let ratio = t_end / dt;
+        // Beyond 2⁵³ the numbers of two steps have the same floating-point number.
+        if !(ratio < 2f64.powi(53)) {
+            let message = format!("is too small for t_end = {t_end}, got {dt}");
+            return Err(OptionsError { argument: "dt", message });
+        }
+        let nearest = ratio.round();
+        let steps =
+            if (ratio - nearest).abs() <= MULTIPLE * nearest { nearest } else { ratio.ceil() };
+        Ok(Self {
+            dt,
+            steps: steps as usize,
+            start: None,
+            solver: Solver::default(),
+            tolerance: 1e-10,
+            save_every: 1,
+            until_rest: false,
+            stop_on_failure: true,
+        })
+    }
+
+    /// The same for so many steps.
+    #[must_use]
+    pub fn with_steps(self, steps: usize) -> Self {
+        Self { steps, ..self }
+    }
+
+    /// The same from these coordinates and velocities.
+    #[must_use]
+    pub fn with_start(self, q0: &[f64], u0: &[f64]) -> Self {
+        Self { start: Some(InitialState { q: q0.to_vec(), u: u0.to_vec() }), ..self }
+    }
+
+    /// The same with another contact solver.
+    #[must_use]
+    pub fn with_solver(self, solver: Solver) -> Self {
+        Self { solver, ..self }
+    }
+
+    /// The same to another tolerance.
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
+
+    /// The same with a sample every so many steps.
+    #[must_use]
+    pub fn with_save_every(self, save_every: usize) -> Self {
+        Self { save_every, ..self }
+    }
+
+    /// The same, but stopped as soon as everything rests.
+    #[must_use]
+    pub fn until_rest(self) -> Self {
+        Self { until_rest: true, ..self }
+    }
+
+    /// The same, but failed steps are counted and the run goes on.
+    #[must_use]
+    pub fn counting_failures(self) -> Self {
+        Self { stop_on_failure: false, ..self }
+    }
 }
 
 /// Why the loop ended.
 #[derive(Debug)]
+#[non_exhaustive]
 #[must_use = "a simulation may end before its time"]
 pub enum Outcome {
     /// All steps were made.
@@ -51,6 +129,7 @@ pub enum Outcome {
 
 /// A contact problem that was not solved.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Failure {
     /// Step, counted from 1.
     pub step: usize,
@@ -68,6 +147,7 @@ pub struct Failure {
 
 /// The part computed so far, and why the loop ended; the first is there whatever the second says.
 #[derive(Debug)]
+#[non_exhaustive]
 #[must_use = "a simulation may end before its time"]
 pub struct Run {
     /// The samples; the last one is the state of the last step that was made.
@@ -89,16 +169,44 @@ const MOST_UNSEEN: u32 = 64;
 /// Simulates `system` with Moreau's midpoint scheme.
 ///
 /// `observer(step, steps)` is called about every 50 ms, within long steps, too, and may stop the run.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use asperity::law::FrictionLaw;
+/// use asperity::simulate::{Options, Outcome, simulate};
+/// use asperity::system::sliding_point;
+///
+/// let point = sliding_point(1.0, FrictionLaw::isotropic(0.5)?, 10.0)?;
+/// let options = Options::new(1e-3, 1.0)?.with_start(&[0.0, 0.0], &[1.0, 0.0]).until_rest();
+/// let run = simulate(&point, &options, &mut |_, _| ControlFlow::Continue(()))?;
+/// assert!(matches!(run.outcome, Outcome::AtRest));
+/// // The path is v₀²/(2μg) = 0.1 m.
+/// let path = &run.trajectory.samples;
+/// assert!((path.q[path.q.len() - 2] - 0.1).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// [`OptionsError`] if an option or the state at the beginning is out of range. Whatever happens later is the
+/// [`Outcome`] of the run.
 pub fn simulate(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Run, OptionsError> {
-    resume(system, &State::new(0.0, &options.q0, &options.u0), options, observer)
+    let own = || system.initial_state();
+    let InitialState { q, u } = options.start.clone().unwrap_or_else(own);
+    resume(system, &State::new(0.0, &q, &u), options, observer)
 }
 
 /// Goes on from where another run ended, as if it had not ended: with the same options what follows is the
 /// same to the bit.
+///
+/// # Errors
+///
+/// As [`simulate`], and if the state is not one of this system.
 pub fn resume(
     system: &dyn System,
     start: &State,
@@ -113,6 +221,7 @@ pub fn resume(
     let mut trajectory = Trajectory::empty(system);
     let mut stepper = match Stepper::from_state(system, solver, tolerance, dt, start) {
         Ok(stepper) => stepper,
+        Err(StepError::Options(error)) => return Err(error),
         Err(StepError::System(error @ SystemError::Argument { .. })) => return Err(error.into()),
         Err(error) => return Ok(Run { trajectory, end: None, outcome: Outcome::Error(error) }),
     };

@@ -1,18 +1,40 @@
 //! What a simulation returns.
 
 use crate::contact::Phase;
+#[cfg(feature = "serde")]
+use crate::integrator::data::{Checked, checked};
 use crate::integrator::midpoint::{StepError, Stepper};
 use crate::integrator::samples::{ContactSample, Samples};
 use crate::system::System;
 
 /// Samples of a run. Sample 0 is the initial state, which no step has led to: forces NaN, phases unknown.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use asperity::law::FrictionLaw;
+/// use asperity::simulate::{Options, simulate};
+/// use asperity::system::sliding_point;
+///
+/// let point = sliding_point(1.0, FrictionLaw::isotropic(0.5)?, 10.0)?;
+/// let options = Options::new(1e-2, 0.1)?.with_start(&[0.0, 0.0], &[1.0, 0.0]);
+/// let run = simulate(&point, &options, &mut |_, _| ControlFlow::Continue(()))?;
+/// let samples = &run.trajectory.samples;
+/// assert_eq!((samples.len(), samples.dof, run.trajectory.failed_steps), (11, 2, 0));
+/// assert!((samples.u[2 * 10] - 0.5).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(remote = "Self", deny_unknown_fields))]
+#[non_exhaustive]
 pub struct Trajectory {
     /// States, slips and forces.
     pub samples: Samples,
     /// Iterations `(n_t)`.
     pub iterations: Vec<i64>,
     /// Residuals `(n_t)`.
+    #[cfg_attr(feature = "serde", serde(with = "crate::integrator::numbers"))]
     pub residual: Vec<f64>,
     /// Steps made.
     pub steps: usize,
@@ -79,3 +101,19 @@ impl Trajectory {
         Ok(())
     }
 }
+
+#[cfg(feature = "serde")]
+impl Checked for Trajectory {
+    fn fault(&self) -> Option<&'static str> {
+        let n = self.samples.len();
+        let counts = self.samples.contacts.checked_mul(3);
+        let fits = self.iterations.len() == n
+            && self.residual.len() == n
+            && Some(self.phase_counts.len()) == counts;
+        (!fits)
+            .then_some("trajectory: must have one entry per sample, and three counts per contact")
+    }
+}
+
+#[cfg(feature = "serde")]
+checked!(Trajectory);

@@ -5,19 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules and what they may use.
-const MODULES: [(&str, &[&str]); 8] = [
-    ("law", &[]),
-    ("contact", &["law"]),
-    ("linear", &["contact"]),
-    ("solver", &["law", "contact", "linear"]),
-    ("system", &["law", "contact"]),
-    ("integrator", &["law", "contact", "linear", "solver", "system"]),
-    ("trajectory", &["contact", "integrator"]),
-    ("simulate", &["integrator", "solver", "system", "trajectory"]),
-];
-
-/// The rooms of the solvers, likewise.
+/// The rooms of the solvers and what they may use.
 const SOLVER: [(&str, &[&str]); 9] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
@@ -72,10 +60,11 @@ fn module_of(file: &Path) -> Vec<String> {
     path
 }
 
-/// The code of a file without comments.
+/// The code of a file without comments and attributes.
 fn code(file: &Path) -> String {
     let text = fs::read_to_string(file).unwrap();
-    let code = text.lines().map(|line| line.split("//").next().unwrap_or(""));
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("#["));
+    let code = lines.map(|line| line.split("//").next().unwrap_or(""));
     code.collect::<Vec<_>>().join("\n")
 }
 
@@ -124,17 +113,97 @@ fn used(file: &Path) -> Vec<Vec<String>> {
     found
 }
 
+/// What stands to the left of every name in a picture like `a ← { b ← c, d } ← e`: what it may use.
+fn picture(text: &str) -> BTreeMap<String, Vec<String>> {
+    let (mut found, mut left) = (BTreeMap::new(), vec![Vec::<String>::new()]);
+    // At the beginning of every group: what stands to the left of it.
+    let mut outside: Vec<Vec<String>> = Vec::new();
+    let spaced = text.replace('{', " { ").replace('}', " } ").replace(',', " , ");
+    for word in spaced.split_whitespace() {
+        match word {
+            "←" => {}
+            "{" => {
+                let here = left.last().unwrap().clone();
+                outside.push(here.clone());
+                left.push(here);
+            }
+            "," => *left.last_mut().unwrap() = outside.last().unwrap().clone(),
+            "}" => {
+                left.pop();
+                let before = outside.pop().unwrap();
+                // All that the group has is to the left of what follows.
+                let names = found.iter().filter(|(_, uses): &(&String, &Vec<String>)| {
+                    before.iter().all(|name| uses.contains(name))
+                });
+                let names: Vec<String> = names.map(|(name, _)| name.clone()).collect();
+                left.last_mut().unwrap().extend(names);
+            }
+            name => {
+                let here = left.last_mut().unwrap();
+                found.insert(name.to_owned(), here.clone());
+                here.push(name.to_owned());
+            }
+        }
+    }
+    found
+}
+
+/// The picture in `ARCHITECTURE.md` that begins with these words, up to the end of the line or of the code.
+fn drawn(beginning: &str) -> String {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ARCHITECTURE.md");
+    let page = fs::read_to_string(page).unwrap();
+    let (_, rest) = page.split_once(beginning).unwrap_or_else(|| panic!("no picture: {beginning}"));
+    let rest = rest.split(['\n', '`']).next().unwrap_or("");
+    // What the words name last belongs to the picture.
+    format!(
+        "{} {rest}",
+        beginning.rsplit(' ').find(|word| *word != "←" && !word.is_empty()).unwrap()
+    )
+}
+
 #[test]
-fn modules_depend_in_one_direction() {
-    for (module, allowed) in MODULES {
-        let folder = root().join(module);
-        let place = if folder.is_dir() { folder } else { root().join(module).with_extension("rs") };
-        for file in sources(&place) {
-            for path in used(&file) {
+fn pictures_are_read() {
+    let found = picture("a ← { b ← c, d } ← e");
+    let uses = |name: &str| found[name].join(" ");
+    assert_eq!(["a", "b", "c", "d", "e"].map(uses), ["", "a", "a b", "a", "a b c d"]);
+}
+
+#[test]
+fn modules_depend_as_the_picture_says() {
+    let allowed = picture(&drawn("    law ←"));
+    for entry in fs::read_dir(root()).unwrap() {
+        let place = entry.unwrap().path();
+        let module = place.file_stem().unwrap().to_str().unwrap().to_owned();
+        if module == "lib" {
+            continue;
+        }
+        let Some(allowed) = allowed.get(&module) else { panic!("{module} is not in the picture") };
+        for file in sources(&place).iter().filter(|file| !is_test(file)) {
+            for path in used(file) {
                 let Some(name) = path.first() else { continue };
-                let known = name == module || allowed.contains(&name.as_str());
+                let known = *name == module || allowed.contains(name);
                 assert!(known, "{} uses crate::{name}", file.display());
             }
+        }
+    }
+}
+
+#[test]
+fn pictures_of_rooms_agree_with_what_is_checked() {
+    let event = picture(drawn("integrator::event: dynamics ←").trim());
+    let place = |name: &str| EVENT.iter().position(|room| *room == name);
+    for (room, before) in &event {
+        assert!(place(room).is_some(), "{room} is drawn, but there is no such room");
+        assert!(before.iter().all(|other| place(other) < place(room)), "{room}");
+    }
+    for drawing in ["`measure ←", "`newton_matrix ←"] {
+        for (room, before) in picture(drawn(drawing).trim_matches(['`', ' '])) {
+            let allowed = |of: &str| SOLVER.iter().find(|(name, _)| *name == of).unwrap().1;
+            for other in &before {
+                assert!(!allowed(other).contains(&room.as_str()), "{other} may use {room}");
+            }
+            let Some(last) = before.last() else { continue };
+            assert!(allowed(&room).contains(&last.as_str()), "{room} may not use {last}");
         }
     }
 }
@@ -218,7 +287,8 @@ fn re_exports(file: &Path) -> BTreeMap<String, String> {
         let Some((child, names)) = path.split_once("::") else { continue };
         for name in names.trim_matches(['{', '}']).split(',') {
             let name = name.rsplit([' ', ':']).next().unwrap_or("").trim();
-            found.insert(name.to_owned(), child.to_owned());
+            // Of features that exclude each other the first one counts.
+            found.entry(name.to_owned()).or_insert_with(|| child.to_owned());
         }
     }
     found

@@ -112,7 +112,6 @@ fn solve(problem: &ContactProblem, state: ContactState) -> (SolveReport, Memory)
     let mut memory = Memory::new(problem.rows(), 1);
     memory.states[0] = state;
     let mut workspace = Workspace::default();
-    workspace.prepare(problem);
     let solver = Solver::Exact { max_sweeps: 1 };
     let report = solver.solve(problem, Stop::at(1e-11), &mut memory, &mut workspace);
     (report, memory)
@@ -132,9 +131,9 @@ fn failures(count: usize) -> usize {
                     [Phase::Unknown, Phase::Stick, Phase::Slip][(3.0 * random.unit()) as usize];
                 let slip = [random.normal(), random.normal(), random.normal()];
                 let (_, memory) = solve(&problem, ContactState::new(phase, slip));
-                let mut velocity = vec![0.0; problem.rows()];
-                problem.velocity(&memory.percussion, &mut velocity);
-                let residual = natural_residual(&problem, &memory.percussion, &velocity).value;
+                let velocity = problem.velocities(&memory.percussion).unwrap();
+                let residual =
+                    natural_residual(&problem, &memory.percussion, &velocity).unwrap().value;
                 failed += usize::from(!(residual <= 1e-11));
                 if !(residual <= 1e-11) {
                     let (delassus, free) = (problem.delassus(), problem.free_velocity());

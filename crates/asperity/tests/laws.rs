@@ -148,7 +148,7 @@ fn rates_are_their_formulae() {
             let x = f64::powf(v / speed, exponent);
             let s = match fall {
                 Fall::Exponential => (-x).exp(),
-                Fall::Hyperbolic => 1.0 / (1.0 + x),
+                _ => 1.0 / (1.0 + x),
             };
             assert!((rate.factor(v) - (0.6 + 0.4 * s + 0.3 * v)).abs() < 1e-15);
             let h = 1e-6 * v;

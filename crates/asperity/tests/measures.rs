@@ -37,15 +37,13 @@ fn unilateral(law: Law, g: [f64; 3], free: [f64; 3]) -> ContactProblem {
 }
 
 fn residual(problem: &ContactProblem, percussion: &[f64]) -> f64 {
-    let mut velocity = vec![0.0; problem.rows()];
-    problem.velocity(percussion, &mut velocity);
-    natural_residual(problem, percussion, &velocity).value
+    let velocity = problem.velocities(percussion).unwrap();
+    natural_residual(problem, percussion, &velocity).unwrap().value
 }
 
 fn map(problem: &ContactProblem, percussion: &[f64]) -> f64 {
-    let mut velocity = vec![0.0; problem.rows()];
-    problem.velocity(percussion, &mut velocity);
-    natural_map(problem, percussion, &velocity)
+    let velocity = problem.velocities(percussion).unwrap();
+    natural_map(problem, percussion, &velocity).unwrap()
 }
 
 #[track_caller]
@@ -160,10 +158,9 @@ fn the_worst_contact_is_named() {
     let contacts = [1e6, 1.0].map(|load| (law(), NormalForce::Prescribed(load)));
     let delassus = DMatrix::from_row_slice(2, 2, &[1e-6, 0.0, 0.0, 1.0]);
     let problem = ContactProblem::new(delassus, vec![0.3, 0.3], contacts).unwrap();
-    let mut velocity = vec![0.0; 2];
     let percussion = [-3e5, -0.2];
-    problem.velocity(&percussion, &mut velocity);
-    let found = natural_residual(&problem, &percussion, &velocity);
+    let velocity = problem.velocities(&percussion).unwrap();
+    let found = natural_residual(&problem, &percussion, &velocity).unwrap();
     assert_eq!(found.worst_contact, 1);
     close(velocity[1], 0.1);
     // The load is counted once as b and once as G P.
@@ -205,21 +202,21 @@ fn restitution_enters_the_phases() {
         .unwrap();
     let percussion = [1.5, -0.3, 0.0];
     close(residual(&problem, &percussion), 0.0);
-    assert_eq!(Certificate::new(&problem, &percussion).phases, [0, 1, 0]);
+    assert_eq!(Certificate::new(&problem, &percussion).unwrap().phases, [0, 1, 0]);
     // Faster it slips, to the same side: ξ_T = 0.15 − 0.1·0.75.
     let problem = unilateral(isotropic(0.5), [1.0, 0.1, 0.1], [-1.0, 0.1, 0.0])
         .with_restitution(&[0.5], &[0.5], &[-1.0, 0.1, 0.0])
         .unwrap();
     let percussion = [1.5, -0.75, 0.0];
     close(residual(&problem, &percussion), 0.0);
-    assert_eq!(Certificate::new(&problem, &percussion).phases, [0, 0, 1]);
+    assert_eq!(Certificate::new(&problem, &percussion).unwrap().phases, [0, 0, 1]);
 }
 
 #[test]
 fn certificates_are_in_physical_units() {
     let problem = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [-2.0, 1.0, 0.0]);
     // P_N too small by 0.5, friction outside the cone by 0.25.
-    let found = Certificate::new(&problem, &[1.5, -1.0, 0.0]);
+    let found = Certificate::new(&problem, &[1.5, -1.0, 0.0]).unwrap();
     close(found.penetration_velocity, 0.5);
     close(found.complementarity, 0.75);
     close(found.tension, 0.0);
@@ -229,7 +226,7 @@ fn certificates_are_in_physical_units() {
     close(found.natural_map, map(&problem, &[1.5, -1.0, 0.0]));
     close(found.contact_residual, residual(&problem, &[1.5, -1.0, 0.0]));
     assert_eq!(found.worst_contact, 0);
-    let pulls = Certificate::new(&problem, &[-0.5, 0.0, 0.1]);
+    let pulls = Certificate::new(&problem, &[-0.5, 0.0, 0.1]).unwrap();
     close(pulls.tension, 0.5);
     close(pulls.penetration_velocity, 2.5);
     close(pulls.complementarity, 1.25);
@@ -239,7 +236,7 @@ fn certificates_are_in_physical_units() {
     assert_eq!(pulls.phases, [1, 0, 0]);
     // What is in order has none of it.
     let open = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [1.0, 1.0, 0.0]);
-    let found = Certificate::new(&open, &[0.0; 3]);
+    let found = Certificate::new(&open, &[0.0; 3]).unwrap();
     assert_eq!(
         (found.penetration_velocity, found.complementarity, found.cone_violation),
         (0.0, 0.0, 0.0)
@@ -253,7 +250,8 @@ fn certificates_count_phases() {
     let contacts = [0.5; 3].map(|mu| (isotropic(mu), NormalForce::Unilateral));
     let free = vec![1.0, 0.0, 0.0, -2.0, 0.2, 0.0, -2.0, 3.0, 0.0];
     let problem = ContactProblem::new(DMatrix::identity(9, 9), free, contacts).unwrap();
-    let found = Certificate::new(&problem, &[0.0, 0.0, 0.0, 2.0, -0.2, 0.0, 2.0, -1.0, 0.0]);
+    let found =
+        Certificate::new(&problem, &[0.0, 0.0, 0.0, 2.0, -0.2, 0.0, 2.0, -1.0, 0.0]).unwrap();
     assert_eq!(found.phases, [1, 1, 1]);
     close(found.contact_residual, 0.0);
     // And with given normal forces, of every dimension.
@@ -272,7 +270,7 @@ fn certificates_count_phases() {
         laws.map(|law| (law, NormalForce::Prescribed(2.0))),
     )
     .unwrap();
-    let found = Certificate::new(&problem, &[-1.0, -0.1, -0.2, -1.0, 0.0, 0.0]);
+    let found = Certificate::new(&problem, &[-1.0, -0.1, -0.2, -1.0, 0.0, 0.0]).unwrap();
     assert_eq!(found.phases, [0, 1, 2]);
     close(found.direction_violation, 0.0);
 }
@@ -298,7 +296,7 @@ fn walls_that_close_on_a_body_are_proven_to_have_no_solution() {
                 let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
                 let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
                 assert_eq!(report.status.name(), "no_solution", "{solver:?} {mass} {first}");
-                let proof = workspace.infeasibility.unwrap();
+                let proof = workspace.infeasibility().unwrap();
                 assert_eq!(proof.kind, InfeasibilityKind::Closing);
                 let weights = [0.5, 0.0, 0.5, 0.0];
                 for (d, expected) in proof.direction.iter().zip(weights) {
@@ -313,7 +311,7 @@ fn walls_that_close_on_a_body_are_proven_to_have_no_solution() {
                 let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
                 let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
                 assert_eq!(report.status.name(), "converged", "{solver:?} {mass} {second}");
-                assert!(workspace.infeasibility.is_none());
+                assert!(workspace.infeasibility().is_none());
             }
         }
     }
@@ -332,7 +330,7 @@ fn a_rod_that_friction_presses_down_is_proven_to_have_no_solution() {
             let (mut memory, mut workspace) = (Memory::new(2, 1), Workspace::default());
             let solver = Solver::Exact { max_sweeps: 1 };
             let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
-            (report.status.name(), workspace.infeasibility)
+            (report.status.name(), workspace.infeasibility().cloned())
         };
         let (status, proof) = solve(0.8, -1.0);
         assert_eq!(status, "no_solution");
@@ -366,7 +364,7 @@ fn percussions_of_one_contact_do_not_run_away_from_a_vanishing_load() {
 #[test]
 fn phases_switch_where_the_natural_map_does() {
     let phase = |problem: &ContactProblem, percussion: &[f64]| {
-        let phases = Certificate::new(problem, percussion).phases;
+        let phases = Certificate::new(problem, percussion).unwrap().phases;
         phases.iter().position(|&count| count == 1).unwrap()
     };
     // ρ = ¾: open from P_N ≤ ¾ (2 P_N + b_N), 1 ≤ ¾ (2 + b_N).
@@ -460,7 +458,7 @@ fn proofs_have_the_weights_of_the_balance_of_forces() {
                     let (mut memory, mut workspace) = (Memory::new(8, 4), Workspace::default());
                     let report = solver.solve(problem, Stop::at(1e-9), &mut memory, &mut workspace);
                     assert_eq!(report.status.name(), "no_solution", "{name} {masses:?} {solver:?}");
-                    let proof = workspace.infeasibility.as_ref().unwrap();
+                    let proof = workspace.infeasibility().unwrap();
                     assert_eq!(proof.kind, InfeasibilityKind::Closing);
                     assert_eq!(report.worst_contact, proof.contact);
                     close(weights[proof.contact], largest);
@@ -474,7 +472,7 @@ fn proofs_have_the_weights_of_the_balance_of_forces() {
                     let (mut memory, mut workspace) = (Memory::new(8, 4), Workspace::default());
                     solver.solve(open, Stop::at(1e-9), &mut memory, &mut workspace);
                     let closing = |proof: &Infeasibility| proof.kind == InfeasibilityKind::Closing;
-                    assert!(!workspace.infeasibility.as_ref().is_some_and(closing), "{name}");
+                    assert!(!workspace.infeasibility().is_some_and(closing), "{name}");
                 }
             }
         }
@@ -511,7 +509,7 @@ fn proofs_among_many_walls_can_be_checked() {
             let solver = Solver::Auto { interior_point: true, threads: 1 };
             let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
             assert_eq!(report.status.name(), "no_solution", "{count}");
-            let proof = workspace.infeasibility.unwrap();
+            let proof = workspace.infeasibility().unwrap();
             let d = nalgebra::DVector::from_column_slice(&proof.direction);
             close(d.sum(), 1.0);
             assert!(d.iter().enumerate().all(|(i, d)| *d >= 0.0 && (i % 2 == 0 || *d == 0.0)));
@@ -581,7 +579,7 @@ fn heavy_bodies_that_the_operator_has_lost_are_never_said_to_have_no_solution() 
             let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
             let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
             assert_ne!(report.status.name(), "no_solution", "{heavy:e} {solver:?}");
-            assert!(workspace.infeasibility.is_none(), "{heavy:e} {solver:?}");
+            assert!(workspace.infeasibility().is_none(), "{heavy:e} {solver:?}");
         }
     }
 }

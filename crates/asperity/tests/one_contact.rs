@@ -141,7 +141,7 @@ fn bisect(equation: &Equation<'_>, mut a: BoundaryPoint, mut b: BoundaryPoint) -
 }
 
 fn residual(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
-    natural_residual(problem, &solution.percussion, &solution.velocity).value
+    natural_residual(problem, &solution.percussion, &solution.velocity).unwrap().value
 }
 
 /// How much larger the terms of the normal row are than its load: where they nearly cancel (den close to
@@ -208,7 +208,6 @@ fn check_selection(
     let mut memory = Memory::new(problem.rows(), 1);
     memory.states[0] = ContactState::new(phase, direction);
     let mut workspace = Workspace::default();
-    workspace.prepare(problem);
     let solver = Solver::Exact { max_sweeps: 1 };
     let report = solver.solve(problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
     if listed.is_empty() {
@@ -315,7 +314,7 @@ fn solutions_do_not_know_units() {
                         })
                         .collect();
                 if report.status.name() == "converged" {
-                    let velocity = scaled(&workspace.velocity, speed);
+                    let velocity = scaled(workspace.velocity(), speed);
                     let chosen = scaled(&memory.percussion, kg * speed);
                     all.push((memory.states[0].phase, chosen, velocity));
                 }
@@ -624,7 +623,6 @@ fn solve_deficient(count: usize) -> [usize; 4] {
         let problem = ContactProblem::new(delassus, free, contacts).unwrap();
         let mut memory = Memory::new(problem.rows(), 1);
         let mut workspace = Workspace::default();
-        workspace.prepare(&problem);
         let solver = solvers[k / laws.len() % 2];
         let report = solver.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
         let status = report.status.name();
@@ -889,7 +887,11 @@ fn of_a_continuum_the_shortest_percussions_are_taken() {
             let report = exact.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
             assert_eq!(report.status, Status::Converged, "{mu} {dimension}: {report:?}");
             assert_eq!(memory.states[0].phase, Phase::Stick);
-            assert!(workspace.velocity.iter().all(|v| v.abs() < 1e-12), "{:?}", workspace.velocity);
+            assert!(
+                workspace.velocity().iter().all(|v| v.abs() < 1e-12),
+                "{:?}",
+                workspace.velocity()
+            );
         }
     }
 }
@@ -926,7 +928,7 @@ fn contacts_side_by_side_do_what_they_do_alone() {
         let auto = Solver::Auto { interior_point: true, threads };
         let report = auto.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
         assert_eq!((report.status, report.iterations), (Status::Converged, 1));
-        (memory, workspace.ambiguous)
+        (memory, workspace.ambiguous().to_vec())
     };
     let (one, flags) = solve(1);
     assert_eq!(solve(3), (one.clone(), flags.clone()));
@@ -945,7 +947,7 @@ fn contacts_side_by_side_do_what_they_do_alone() {
     }
     // Who cancels gets an answer, and what was not looked at stays as it was.
     let (mut memory, mut workspace) = (Memory::new(2 * count, count), Workspace::default());
-    let stop = Stop { cancelled: Some(&|| true), ..Stop::at(TOLERANCE) };
+    let stop = Stop::at(TOLERANCE).unless(&|| true);
     let exact = Solver::Exact { max_sweeps: 10 };
     let report = exact.solve(&problem, stop, &mut memory, &mut workspace);
     assert_eq!(report.status, Status::TimeLimit);
@@ -983,7 +985,7 @@ fn contacts_that_meet_are_marked_one_by_one() {
         let auto = Solver::Auto { interior_point: true, threads };
         let report = auto.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
         assert_eq!(report.status, Status::Converged, "{report:?}");
-        (memory, workspace.ambiguous)
+        (memory, workspace.ambiguous().to_vec())
     };
     let (memory, flags) = solve(1);
     assert_eq!(solve(2), (memory.clone(), flags.clone()));
@@ -1016,7 +1018,7 @@ fn sweeps_are_counted() {
     assert_eq!(report.status, Status::Converged);
     // To a tenth of the tolerance: 0.25^k is at most 1e-7 at k = 12.
     assert!((10..=13).contains(&report.iterations) && report.residual <= 1e-7, "{report:?}");
-    let stop = Stop { cancelled: Some(&|| true), ..Stop::at(1e-12) };
+    let stop = Stop::at(1e-12).unless(&|| true);
     let (mut memory, mut workspace) = (Memory::new(2, 2), Workspace::default());
     let report = exact.solve(&problem, stop, &mut memory, &mut workspace);
     assert_eq!((report.status, report.iterations), (Status::TimeLimit, 1));
@@ -1051,17 +1053,7 @@ fn friction_that_rises_is_that_of_the_speed_at_the_end() {
             .unwrap();
             let speed = 10f64.powf(random.within(-2.5, 0.0));
             let before = V::new(random.normal(), random.normal()).normalize() * speed;
-            let options = Options {
-                dt,
-                steps: 1,
-                q0: vec![0.0; 2],
-                u0: vec![before.x, before.y],
-                solver: Solver::Auto { interior_point: true, threads: 1 },
-                tolerance: 1e-10,
-                save_every: 1,
-                until_rest: false,
-                stop_on_failure: true,
-            };
+            let options = Options::new(dt, dt).unwrap().with_start(&[0.0; 2], before.as_slice());
             let run = simulate(&system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
             assert!(matches!(run.outcome, Outcome::Finished), "{name} {k}: {:?}", run.outcome);
             let u = &run.trajectory.samples.u;
@@ -1131,7 +1123,8 @@ fn contacts_that_hardly_meet_are_solved_by_a_few_sweeps() {
             let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
             let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
             assert_eq!(report.status, Status::Converged, "{k} {solver:?} {report:?}");
-            let stages: Vec<_> = workspace.stages.iter().map(|stage| stage.method.name()).collect();
+            let stages: Vec<_> =
+                workspace.stages().iter().map(|stage| stage.method.name()).collect();
             assert_eq!(stages, ["gauss_seidel"], "{k} {solver:?}");
             assert!(report.iterations <= 8, "{k} {solver:?} {report:?}");
             let normal = problem.contacts().iter().map(|rows| rows.offset);

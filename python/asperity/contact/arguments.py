@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 
@@ -57,17 +57,17 @@ def normal_forces(normal_force: Any, contacts: int) -> tuple[float | None, ...]:
             "normal_force", f"must have one entry per contact ({contacts}), got {len(listed)}"
         )
     return tuple(
-        None if force is None else _arrays.non_negative(force, "normal_force") for force in listed
+        None if force is None else arrays.non_negative(force, "normal_force") for force in listed
     )
 
 
 def fractions(value: ArrayLike, argument: str, contacts: int) -> Array:
     """Return one number between 0 and 1 per contact."""
-    converted = _arrays.array(value, argument)
+    converted = arrays.array(value, argument)
     if converted.ndim == 0:
         converted = np.full(contacts, converted)
-    converted = _arrays.array(converted, argument, (contacts,))
+    converted = arrays.array(converted, argument, (contacts,))
     outside = (converted < 0.0) | (converted > 1.0)
     if outside.any():
-        _arrays.fraction(converted[outside.argmax()], argument)
-    return _arrays.read_only(converted)
+        arrays.fraction(converted[outside.argmax()], argument)
+    return arrays.read_only(converted)

@@ -7,15 +7,16 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.tables import aligned
+from asperity._base.value import Record, Value
 from asperity.errors import ParameterError
 
 InfeasibilityKind = Literal["closing", "one_contact", "cases"]
 
 
-class Certificate(Value):
+class Certificate(Record, kw_only=True):
     """Largest defects of the contact laws over all contacts, each in its own unit.
 
     ``str()`` prints them as a table. A solution to rounding has all defects at zero; an approximate
@@ -56,33 +57,6 @@ class Certificate(Value):
     slip: int
     open: int
 
-    def __init__(
-        self,
-        *,
-        worst_contact: int,
-        natural_map: float,
-        penetration_velocity: float,
-        complementarity: float,
-        tension: float,
-        cone_violation: float,
-        direction_violation: float,
-        stick: int,
-        slip: int,
-        open: int,
-    ) -> None:
-        self._set(
-            worst_contact=int(worst_contact),
-            natural_map=float(natural_map),
-            penetration_velocity=float(penetration_velocity),
-            complementarity=float(complementarity),
-            tension=float(tension),
-            cone_violation=float(cone_violation),
-            direction_violation=float(direction_violation),
-            stick=int(stick),
-            slip=int(slip),
-            open=int(open),
-        )
-
     def __str__(self) -> str:
         defects = [
             ("natural map", self.natural_map, ""),
@@ -92,9 +66,9 @@ class Certificate(Value):
             ("friction beyond C", self.cone_violation, "N s"),
             ("friction off direction", self.direction_violation, "N s"),
         ]
-        lines = [f"{name:<22} {value:9.2e} {unit}".rstrip() for name, value, unit in defects]
+        lines = [(name, f"{value:.2e} {unit}") for name, value, unit in defects]
         counts = f"{self.stick} stick, {self.slip} slip, {self.open} open"
-        return "\n".join([*lines, f"{'contacts':<22} {counts}; worst {self.worst_contact}"])
+        return aligned([*lines, ("contacts", f"{counts}; worst {self.worst_contact}")])
 
 
 class InfeasibleCase(Value):
@@ -121,13 +95,13 @@ class InfeasibleCase(Value):
 
         def read(state: str | tuple[float, float]) -> str | tuple[float, float]:
             if isinstance(state, str):
-                return _arrays.choice(state, "states", names)
-            first, last = _arrays.array(state, "states", (2,))
+                return arrays.choice(state, "states", names)
+            first, last = arrays.array(state, "states", (2,))
             return float(first), float(last)
 
         self._set(
             states=tuple(read(state) for state in states),
-            direction=_arrays.read_only(_arrays.array(direction, "direction", (None,))),
+            direction=arrays.read_only(arrays.array(direction, "direction", (None,))),
         )
 
 
@@ -146,7 +120,7 @@ class Infeasibility(Value):
     a hinge, have no solution together. Everything that they can do is divided into cases, each of
     which is impossible by Farkas' lemma, see `InfeasibleCase`.
 
-    `asperity.grading.proves_no_solution` checks all of them without a solver.
+    `asperity.contact.grading.proves_no_solution` checks all of them without a solver.
 
     Attributes:
         kind: ``"closing"``, ``"one_contact"`` or ``"cases"``.
@@ -190,10 +164,10 @@ class Infeasibility(Value):
             if not isinstance(case, InfeasibleCase):
                 raise ParameterError("cases", f"must hold InfeasibleCase objects, got {case!r}")
         self._set(
-            kind=_arrays.choice(kind, "kind", ("closing", "one_contact", "cases")),
-            contact=_arrays.count(contact, "contact", least=0),
-            direction=_arrays.read_only(_arrays.array(direction, "direction", (None,))),
-            closing_velocity=_arrays.non_negative(closing_velocity, "closing_velocity"),
-            residual=_arrays.non_negative(residual, "residual"),
+            kind=arrays.choice(kind, "kind", ("closing", "one_contact", "cases")),
+            contact=arrays.count(contact, "contact", least=0),
+            direction=arrays.read_only(arrays.array(direction, "direction", (None,))),
+            closing_velocity=arrays.non_negative(closing_velocity, "closing_velocity"),
+            residual=arrays.non_negative(residual, "residual"),
             cases=tuple(cases),
         )

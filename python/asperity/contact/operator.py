@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def operator(value: Any, argument: str, shape: Sequence[int | None]) -> Array | 
     """Return a read-only dense array, or a canonical CSR array of what is sparse."""
     if hasattr(value, "tocsr"):
         return sparse(value, argument, shape)
-    return _arrays.read_only(_arrays.array(value, argument, shape))
+    return arrays.read_only(arrays.array(value, argument, shape))
 
 
 def parameters(delassus: Any, mass: Any, directions: Any, rows: int) -> dict[str, Any]:
@@ -69,15 +69,15 @@ def sparse(value: Any, argument: str, shape: Sequence[int | None]) -> csr_array:
     from scipy.sparse import csr_array
 
     if not hasattr(value, "tocsr"):
-        value = _arrays.array(value, argument, (None, None))
+        value = arrays.array(value, argument, (None, None))
     elif value.dtype.kind not in "iufb":
         raise ParameterError(argument, f"must hold real numbers, has dtype {value.dtype}")
     else:
-        _arrays.check_shape(value, argument, shape)
+        arrays.check_shape(value, argument, shape)
         _check_indices(value, argument)
     matrix: csr_array = csr_array(value, dtype=np.float64, copy=True)
-    _arrays.check_shape(matrix, argument, shape)
-    _arrays.array(matrix.data, argument)
+    arrays.check_shape(matrix, argument, shape)
+    arrays.array(matrix.data, argument)
     matrix.sum_duplicates()
     # SciPy's type of index depends on the content; one type makes equal matrices equal bytes.
     matrix.indices = matrix.indices.astype(np.int64)

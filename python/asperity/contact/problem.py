@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.contact import operator
 from asperity.contact.arguments import fractions, listed_laws, normal_forces, sizes
 from asperity.contact.certificate import Certificate
@@ -85,23 +86,23 @@ class ContactProblem(Value):
         mass: ArrayLike | sparray | spmatrix | None = None,
         directions: ArrayLike | sparray | spmatrix | None = None,
     ) -> None:
-        free = _arrays.array(free_velocity, "free_velocity", (None,))
+        free = arrays.array(free_velocity, "free_velocity", (None,))
         chosen_laws = listed_laws(laws, free.size, normal_force)
         contacts = len(chosen_laws)
         normal = normal_forces(normal_force, contacts)
         rows = sum(sizes(chosen_laws, normal))
-        free = _arrays.array(free, "free_velocity", (rows,))
+        free = arrays.array(free, "free_velocity", (rows,))
         initial = np.zeros(rows) if initial_velocity is None else initial_velocity
         self._set(
             **operator.parameters(delassus, mass, directions, rows),
-            free_velocity=_arrays.read_only(free),
+            free_velocity=arrays.read_only(free),
             laws=chosen_laws,
             normal_force=normal,
             normal_restitution=fractions(normal_restitution, "normal_restitution", contacts),
             tangential_restitution=fractions(
                 tangential_restitution, "tangential_restitution", contacts
             ),
-            initial_velocity=_arrays.read_only(_arrays.array(initial, "initial_velocity", (rows,))),
+            initial_velocity=arrays.read_only(arrays.array(initial, "initial_velocity", (rows,))),
         )
         core = _core.Problem(
             operator.for_core(self._parameters["delassus"], self.mass, self.directions),
@@ -209,13 +210,13 @@ class ContactProblem(Value):
             ConvergenceError: if the tolerance is not reached.
             ParameterError: if the solver does not take such laws.
         """
-        _arrays.choice(on_failure, "on_failure", ("raise", "record"))
+        arrays.choice(on_failure, "on_failure", ("raise", "record"))
         found = self._core.solve(
             chosen(solver)._core,
-            _arrays.positive(tolerance, "tolerance"),
-            None if time_limit is None else _arrays.positive(time_limit, "time_limit"),
+            arrays.positive(tolerance, "tolerance"),
+            None if time_limit is None else arrays.positive(time_limit, "time_limit"),
             None if start is None else starting(start, self),
-            _arrays.choice(measure, "measure", ("contact", "global")),
+            arrays.choice(measure, "measure", ("contact", "global")),
         )
         solution = ContactSolution._of(found)
         if not found.converged and on_failure == "raise":
@@ -317,7 +318,7 @@ class ContactProblem(Value):
         >>> [solution.phase for solution in problem.solutions(0)]
         [Phase.STICK]
         """
-        number = _arrays.count(contact, "contact", 0)
+        number = arrays.count(contact, "contact", 0)
         if number >= len(self.laws):
             raise ParameterError("contact", f"must be below {len(self.laws)}, got {number}")
         if self.laws[number].dimension > 2:
@@ -329,7 +330,7 @@ class ContactProblem(Value):
         return [LocalSolution(**solution) for solution in found]
 
     def _percussion(self, percussion: ArrayLike) -> Array:
-        return _arrays.array(percussion, "percussion", (self.free_velocity.size,))
+        return arrays.array(percussion, "percussion", (self.free_velocity.size,))
 
 
 def _failure(

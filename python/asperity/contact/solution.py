@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Record, Value
 from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
 from asperity.errors import DimensionError, ParameterError
 from asperity.status import Phase, Status
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 _STATUS = {status.value: status for status in Status}
 
 
-class Stage(Value):
+class Stage(Record):
     """One method's part of a solve, see `ContactSolution.stages`.
 
     Attributes:
@@ -38,14 +39,6 @@ class Stage(Value):
     iterations: int
     factorizations: int
     residual: float
-
-    def __init__(self, method: str, iterations: int, factorizations: int, residual: float) -> None:
-        self._set(
-            method=str(method),
-            iterations=int(iterations),
-            factorizations=int(factorizations),
-            residual=float(residual),
-        )
 
 
 class ContactSolution(Value):
@@ -95,13 +88,13 @@ class ContactSolution(Value):
                 "infeasibility", f"must be an Infeasibility or None, got {infeasibility!r}"
             )
         self._keep(
-            percussion=_arrays.read_only(np.asarray(percussion, dtype=np.float64)),
-            velocity=_arrays.read_only(np.asarray(velocity, dtype=np.float64)),
-            phase=_arrays.read_only(np.asarray(phase, dtype=np.int64)),
+            percussion=arrays.read_only(np.asarray(percussion, dtype=np.float64)),
+            velocity=arrays.read_only(np.asarray(velocity, dtype=np.float64)),
+            phase=arrays.read_only(np.asarray(phase, dtype=np.int64)),
             status=Status(status),
             residual=float(residual),
             iterations=int(iterations),
-            ambiguous_contacts=_arrays.read_only(np.asarray(ambiguous_contacts, dtype=np.bool_)),
+            ambiguous_contacts=arrays.read_only(np.asarray(ambiguous_contacts, dtype=np.bool_)),
             worst_contact=int(worst_contact),
             natural_map=float(natural_map),
             stages=tuple(stages),
@@ -218,8 +211,8 @@ class LocalSolution(Value):
     ) -> None:
         self._set(
             phase=Phase(phase),
-            percussion=_arrays.read_only(np.asarray(percussion, dtype=np.float64)),
-            velocity=_arrays.read_only(np.asarray(velocity, dtype=np.float64)),
+            percussion=arrays.read_only(np.asarray(percussion, dtype=np.float64)),
+            velocity=arrays.read_only(np.asarray(velocity, dtype=np.float64)),
             degenerate=bool(degenerate),
         )
 
@@ -229,7 +222,7 @@ def starting(
 ) -> tuple[Array, list[int], Array]:
     """Return percussions, phases and velocities from which a solve starts."""
     if not isinstance(start, ContactSolution):
-        percussion = _arrays.array(start, "start", problem.free_velocity.shape)
+        percussion = arrays.array(start, "start", problem.free_velocity.shape)
         unknown = [int(Phase.NONE)] * len(problem.laws)
         return percussion, unknown, problem.delassus @ percussion + problem.free_velocity
     same = start.percussion.shape == problem.free_velocity.shape

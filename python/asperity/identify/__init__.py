@@ -10,32 +10,33 @@ True
 Reference: [WL19] §5.2.
 """
 
-from asperity.identify.averaged import Averaged
-from asperity.identify.bands import Bands
-from asperity.identify.calibration import Calibration
-from asperity.identify.coordinates import Estimate
-from asperity.identify.dependence import Dependence, load_dependence, speed_dependence
-from asperity.identify.direction_models import (
+from asperity.identify.estimation import fit_law
+from asperity.identify.fit import Fit
+from asperity.identify.fitting.models.coordinates import Estimate
+from asperity.identify.fitting.models.directions import (
     CircleDirection,
     FourierDirection,
     SuperellipseDirection,
 )
-from asperity.identify.files import Configuration, read_raw, write_raw
-from asperity.identify.fit import Fit
-from asperity.identify.fitting import fit_law
-from asperity.identify.process import ProcessedData, process
-from asperity.identify.reading import read_csv
-from asperity.identify.record import Processing, RawData, Recording
-from asperity.identify.reservoir_models import (
+from asperity.identify.fitting.models.reservoirs import (
     CircleReservoir,
     FourierReservoir,
     SuperellipseReservoir,
 )
-from asperity.identify.selection import Candidate, Comparison, compare_models
-from asperity.identify.sets import ConvexDirection, MeasuredSets
-from asperity.identify.signals import low_pass
+from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
+from asperity.identify.fitting.uncertainty.bands import Bands
+from asperity.identify.forces.averaged import Averaged
+from asperity.identify.forces.dependence import Dependence, load_dependence, speed_dependence
+from asperity.identify.forces.filters import low_pass
+from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
+from asperity.identify.forces.processing import ProcessedData, process
+from asperity.identify.forces.turns import TurnAverage, average_turns
+from asperity.identify.records.calibration import Calibration
+from asperity.identify.records.configuration import Configuration, read_raw
+from asperity.identify.records.reading import read_csv
+from asperity.identify.records.record import Processing, RawData, Recording
+from asperity.identify.records.writing import write_raw
 from asperity.identify.tribometer import VirtualTribometer
-from asperity.identify.turns import TurnAverage, average_turns
 
 __all__ = [
     "Averaged",

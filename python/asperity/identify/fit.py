@@ -11,31 +11,31 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
-from asperity.identify import defects
-from asperity.identify.bands import Bands
-from asperity.identify.bins import Bins, grouped
-from asperity.identify.causes import Causes, means_of, weighty
-from asperity.identify.checks import at_bounds, gaps, warnings_of
-from asperity.identify.coordinates import Estimate, Scale
-from asperity.identify.covariance import Covariance, estimate, has_angle
-from asperity.identify.defects import Defect
-from asperity.identify.descent import Descent
-from asperity.identify.drift import Drift, drift
-from asperity.identify.loss import Loss
-from asperity.identify.models import name_of
-from asperity.identify.outliers import Outliers, outliers
-from asperity.identify.resolution import Steps, coarse_channels
-from asperity.identify.samples import Samples, frozen, runs_of, samples_of
-from asperity.identify.sets import MeasuredSets
-from asperity.identify.sums import Family
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
+from asperity.identify.diagnostics import at_bounds, gaps, warnings_of
+from asperity.identify.fitting.data import defects
+from asperity.identify.fitting.data.bins import Bins, grouped
+from asperity.identify.fitting.data.defects import Defect
+from asperity.identify.fitting.data.drift import Drift, drift
+from asperity.identify.fitting.data.samples import Samples, frozen, runs_of, samples_of
+from asperity.identify.fitting.least_squares.descent import Descent
+from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.normal_equations import Family
+from asperity.identify.fitting.least_squares.outliers import Outliers, outliers
+from asperity.identify.fitting.models.coordinates import Estimate, Scale
+from asperity.identify.fitting.models.names import name_of
+from asperity.identify.fitting.uncertainty.bands import Bands
+from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
+from asperity.identify.fitting.uncertainty.covariance import Covariance, estimate, has_angle
+from asperity.identify.forces.measured_sets import MeasuredSets
+from asperity.identify.records.resolution import Steps, coarse_channels
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
 
 if TYPE_CHECKING:
-    from asperity.identify.selection import Comparison
+    from asperity.identify.fitting.selection import Comparison
 
 # Means for figures are taken over half a degree.
 _WIDTH = 5
@@ -93,7 +93,7 @@ class Fit(Value):
             held=bool(held),
         )
         self._keep(
-            coordinates=_arrays.read_only(descent.p),
+            coordinates=arrays.read_only(descent.p),
             _samples=samples_of(self.data) if samples is None else samples,
             _family=family,
             _descent=descent,
@@ -259,14 +259,14 @@ class Fit(Value):
 
     def forces(self, phi: ArrayLike) -> Array:
         """Return −λ/λ_N of the model while sliding along φ in rad, ``(n, 2)``."""
-        angles = _arrays.array(phi, "phi", (None,))
+        angles = arrays.array(phi, "phi", (None,))
         return self._family.forces(angles, self.coordinates)[0]
 
     def bands(self, phi: ArrayLike) -> Bands:
         """Return the model forces at sliding directions φ in rad with their bands."""
-        angles = _arrays.array(phi, "phi", (None,))
+        angles = arrays.array(phi, "phi", (None,))
         force, derivative = self._family.forces(angles, self.coordinates)
-        e = _arrays.unit_vectors(angles)
+        e = arrays.unit_vectors(angles)
         turned = np.stack([-e[:, 1], e[:, 0]], axis=-1)
 
         def widths(first: Array, second: Array) -> Array:
@@ -284,7 +284,7 @@ class Fit(Value):
 
     def radius_band(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
         """Return r_C at angles θ in rad and the ends of its band, each ``(n,)``."""
-        angles = _arrays.array(theta, "theta", (None,))
+        angles = arrays.array(theta, "theta", (None,))
         part = slice(0, self._family.split)
         log_radius, _, by = self._family.reservoir.log_radius(
             np.cos(angles), np.sin(angles), self.coordinates[part]
@@ -300,7 +300,7 @@ class Fit(Value):
         given: Comparison | None = self._parameters["comparison"]
         if given is not None:
             return given
-        from asperity.identify.selection import compare_models
+        from asperity.identify.fitting.selection import compare_models
 
         return compare_models(self.data, loss=self.loss.kind)
 

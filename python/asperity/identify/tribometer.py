@@ -8,12 +8,13 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.identify.calibration import Calibration
-from asperity.identify.record import RawData, Recording
+from asperity.identify.records.calibration import Calibration
+from asperity.identify.records.record import RawData, Recording
+from asperity.identify.records.writing import write_raw
 from asperity.law import FrictionLaw
 
 _CHUNK = 1 << 18
@@ -101,33 +102,33 @@ class VirtualTribometer(Value):
     ) -> None:
         if not isinstance(law, FrictionLaw) or law.dimension != 2:
             raise ParameterError("law", f"must be a FrictionLaw of the plane, got {law!r}")
-        rate = _arrays.number(turn_rate, "turn_rate")
+        rate = arrays.number(turn_rate, "turn_rate")
         if rate == 0.0:
             raise ParameterError("turn_rate", "must not vanish")
-        mixed = _arrays.array(crosstalk, "crosstalk")
+        mixed = arrays.array(crosstalk, "crosstalk")
         self._set(
             law=law,
-            normal_force=_arrays.positive(normal_force, "normal_force"),
-            turns=_arrays.positive(turns, "turns"),
+            normal_force=arrays.positive(normal_force, "normal_force"),
+            turns=arrays.positive(turns, "turns"),
             turn_rate=rate,
-            sample_rate=_arrays.positive(sample_rate, "sample_rate"),
-            start_angle=_arrays.number(start_angle, "start_angle"),
-            radius=_arrays.positive(radius, "radius"),
-            noise=_arrays.non_negative(noise, "noise"),
+            sample_rate=arrays.positive(sample_rate, "sample_rate"),
+            start_angle=arrays.number(start_angle, "start_angle"),
+            radius=arrays.positive(radius, "radius"),
+            noise=arrays.non_negative(noise, "noise"),
             noise_bandwidth=None
             if noise_bandwidth is None
-            else _arrays.positive(noise_bandwidth, "noise_bandwidth"),
-            crosstalk=_arrays.non_negative(float(mixed), "crosstalk")
+            else arrays.positive(noise_bandwidth, "noise_bandwidth"),
+            crosstalk=arrays.non_negative(float(mixed), "crosstalk")
             if mixed.ndim == 0
-            else _arrays.read_only(_arrays.array(mixed, "crosstalk", (3, 3))),
-            calibration_loads=_arrays.count(calibration_loads, "calibration_loads", least=0),
-            reading_error=_arrays.non_negative(reading_error, "reading_error"),
-            no_load_time=_arrays.non_negative(no_load_time, "no_load_time"),
-            zero=_arrays.non_negative(zero, "zero"),
-            load_ripple=_arrays.fraction(load_ripple, "load_ripple"),
-            drift=_arrays.non_negative(drift, "drift"),
-            bits=None if bits is None else _arrays.count(bits, "bits"),
-            seed=_arrays.count(seed, "seed", least=0),
+            else arrays.read_only(arrays.array(mixed, "crosstalk", (3, 3))),
+            calibration_loads=arrays.count(calibration_loads, "calibration_loads", least=0),
+            reading_error=arrays.non_negative(reading_error, "reading_error"),
+            no_load_time=arrays.non_negative(no_load_time, "no_load_time"),
+            zero=arrays.non_negative(zero, "zero"),
+            load_ripple=arrays.fraction(load_ripple, "load_ripple"),
+            drift=arrays.non_negative(drift, "drift"),
+            bits=None if bits is None else arrays.count(bits, "bits"),
+            seed=arrays.count(seed, "seed", least=0),
         )
 
     @classmethod
@@ -196,13 +197,11 @@ class VirtualTribometer(Value):
         Returns:
             Names of the files, the run first, ``tribometer.toml`` last.
         """
-        from asperity.identify.files import write_raw
-
         return write_raw(self.record(), folder)
 
     def _levels(self) -> Array:
         phi = 2.0 * math.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-        friction = np.linalg.norm(self.law.force(_arrays.unit_vectors(phi)), axis=1).mean()
+        friction = np.linalg.norm(self.law.force(arrays.unit_vectors(phi)), axis=1).mean()
         return self.normal_force * np.array([friction, friction, 1.0])
 
     def _mixing(self, random: np.random.Generator) -> Array:
@@ -228,7 +227,7 @@ class VirtualTribometer(Value):
         forces = np.empty((len(angle), 3))
         for start in range(0, len(angle), _CHUNK):
             rows = slice(start, start + _CHUNK)
-            e = _arrays.unit_vectors(angle[rows])
+            e = arrays.unit_vectors(angle[rows])
             normal = self.normal_force * (1.0 + self.load_ripple * np.sin(angle[rows] + phase))
             x, y = -self.law.force(speed * e, normal_force=normal).T
             forces[rows, 0] = e[:, 0] * x + e[:, 1] * y

@@ -2,5 +2,6 @@
 
 from asperity.law.flow import FlowReport
 from asperity.law.friction import FrictionLaw
+from asperity.law.rate import Stribeck
 
-__all__ = ["FlowReport", "FrictionLaw"]
+__all__ = ["FlowReport", "FrictionLaw", "Stribeck"]

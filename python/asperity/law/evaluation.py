@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.rate import Stribeck
+from asperity.law.rate import Stribeck
 from asperity.sets import StarSet
 
 
@@ -53,7 +54,7 @@ class Evaluation(Value):
         [-3.0, -4.0]
         """
         flat, normal, lead = self._loaded(slip, "slip", normal_force)
-        return _arrays.unflatten(self._core.force(flat, normal), lead)
+        return arrays.unflatten(self._core.force(flat, normal), lead)
 
     def slip_direction(
         self, force: ArrayLike, normal_force: ArrayLike = 1.0, *, tolerance: float = 1e-9
@@ -81,8 +82,8 @@ class Evaluation(Value):
         [[0.0, 1.0], [0.0, 0.0]]
         """
         flat, normal, lead = self._loaded(force, "force", normal_force)
-        tolerance = _arrays.non_negative(tolerance, "tolerance")
-        return _arrays.unflatten(self._core.slip_direction(flat, normal, tolerance), lead)
+        tolerance = arrays.non_negative(tolerance, "tolerance")
+        return arrays.unflatten(self._core.slip_direction(flat, normal, tolerance), lead)
 
     def jacobian(self, slip: ArrayLike, normal_force: ArrayLike = 1.0) -> Array:
         """Return ∂λ/∂γ of the sliding contact: −∂λ/∂γ = λ_N/k_C(z) (I − L) H.
@@ -107,7 +108,7 @@ class Evaluation(Value):
         """
         flat, normal, lead = self._loaded(slip, "slip", normal_force)
         # Adding zero clears the sign of negative zeros.
-        return _arrays.unflatten(self._core.jacobian(flat, normal) + 0.0, lead)
+        return arrays.unflatten(self._core.jacobian(flat, normal) + 0.0, lead)
 
     def dissipation(self, slip: ArrayLike, normal_force: ArrayLike = 1.0) -> Array:
         """Return the dissipated power D = −λᵀγ; it is unique even where the force is not.
@@ -126,12 +127,12 @@ class Evaluation(Value):
         25.0
         """
         flat, normal, lead = self._loaded(slip, "slip", normal_force)
-        return _arrays.unflatten(self._core.dissipation(flat, normal), lead)
+        return arrays.unflatten(self._core.dissipation(flat, normal), lead)
 
     def _loaded(
         self, vectors: ArrayLike, argument: str, normal_force: ArrayLike
     ) -> tuple[Array, Array, tuple[int, ...]]:
-        flat, normal, lead = _arrays.points_with_scalars(
+        flat, normal, lead = arrays.points_with_scalars(
             vectors, argument, self.dimension, normal_force, "normal_force"
         )
         if normal.min(initial=0.0) < 0.0:

@@ -9,9 +9,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.sets import Ellipse, PolarCurve, SupportCurve
 
@@ -69,14 +70,14 @@ class FlowReport(Value):
         noise: float = 0.0,
     ) -> None:
         self._set(
-            closure=_arrays.positive(closure, "closure"),
-            convexity_defect=_arrays.non_negative(convexity_defect, "convexity_defect"),
-            smallest_resistance=_arrays.number(smallest_resistance, "smallest_resistance"),
-            repair=_arrays.non_negative(repair, "repair"),
-            misfit=_arrays.non_negative(misfit, "misfit"),
-            samples=_arrays.count(samples, "samples"),
-            order=None if order is None else _arrays.count(order, "order"),
-            noise=_arrays.non_negative(noise, "noise"),
+            closure=arrays.positive(closure, "closure"),
+            convexity_defect=arrays.non_negative(convexity_defect, "convexity_defect"),
+            smallest_resistance=arrays.number(smallest_resistance, "smallest_resistance"),
+            repair=arrays.non_negative(repair, "repair"),
+            misfit=arrays.non_negative(misfit, "misfit"),
+            samples=arrays.count(samples, "samples"),
+            order=None if order is None else arrays.count(order, "order"),
+            noise=arrays.non_negative(noise, "noise"),
         )
 
 
@@ -129,18 +130,18 @@ def between(f: FlowRule, phi: Array, argument: str) -> tuple[Array, Array]:
 def _values(f: FlowRule, phi: Array, argument: str) -> Array:
     if not callable(f):
         raise ParameterError(argument, f"must be a function of the direction, got {f!r}")
-    return _arrays.array(f(phi), argument, (len(phi), 2))
+    return arrays.array(f(phi), argument, (len(phi), 2))
 
 
 def wedges(mu: float, beta: ArrayLike, weights: ArrayLike | None) -> FlowRule:
     """Return the mean force of springs on rising and falling flanks of unequal inclination."""
-    slopes = _arrays.array(beta, "beta", (2,))
+    slopes = arrays.array(beta, "beta", (2,))
     if slopes.min() <= 0.0:
         raise ParameterError("beta", f"must be positive, got {slopes.tolist()}")
     if mu * np.tan(slopes).max() >= 1.0 or slopes.max() >= 0.5 * math.pi:
         raise ParameterError("beta", f"must keep mu*tan(beta) below 1, got {slopes.tolist()}")
     # Each flank's share of the profile's length: a frictionless surface then carries no mean force.
-    shares = 1.0 / np.tan(slopes) if weights is None else _arrays.array(weights, "weights", (2,))
+    shares = 1.0 / np.tan(slopes) if weights is None else arrays.array(weights, "weights", (2,))
     if shares.min() < 0.0 or shares.sum() <= 0.0:
         raise ParameterError("weights", f"must not be negative nor all 0, got {shares.tolist()}")
     rising, falling = shares / shares.sum()
@@ -168,7 +169,7 @@ def tensor(second_order: Array, fourth_order: Array | None) -> FlowRule:
     """Return f = F n + K[n, n, n], n = (cos φ, sin φ)."""
 
     def force(phi: Array) -> Array:
-        n = _arrays.unit_vectors(phi)
+        n = arrays.unit_vectors(phi)
         linear = n @ second_order.T
         if fourth_order is None:
             return linear
@@ -183,7 +184,7 @@ def tensor_function(given: Any) -> FlowRule:
     if callable(given):
         matrices = given
     else:
-        pairs = _arrays.array(given, "tensor", (None, 2, 2, 2))
+        pairs = arrays.array(given, "tensor", (None, 2, 2, 2))
 
         def matrices(phi: Array) -> Array:
             angles = np.multiply.outer(phi, np.arange(len(pairs)))
@@ -192,8 +193,8 @@ def tensor_function(given: Any) -> FlowRule:
             return values
 
     def force(phi: Array) -> Array:
-        values = _arrays.array(matrices(phi), "tensor", (len(phi), 2, 2))
-        product: Array = np.einsum("nij,nj->ni", values, _arrays.unit_vectors(phi))
+        values = arrays.array(matrices(phi), "tensor", (len(phi), 2, 2))
+        product: Array = np.einsum("nij,nj->ni", values, arrays.unit_vectors(phi))
         return product
 
     return force
@@ -203,7 +204,7 @@ def ellipses(tensor: Array) -> tuple[Ellipse, Ellipse]:
     """Return C and D of a symmetric friction tensor: x = F n on bdry C, z ∝ F n on bdry D."""
     difference = tensor[0, 0] - tensor[1, 1]
     angle = 0.5 * math.atan2(math.copysign(1.0, difference) * 2.0 * tensor[0, 1], abs(difference))
-    axes = _arrays.rotation(angle)
+    axes = arrays.rotation(angle)
     mu = np.diag(axes.T @ tensor @ axes)
     if mu.min() <= 0.0:
         raise ParameterError(

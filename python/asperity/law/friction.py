@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.law import flow, samples
 from asperity.law.questions import Questions
-from asperity.rate import Stribeck
+from asperity.law.rate import Stribeck
 from asperity.sets import Ball, Disk, Ellipse, Interval, StarSet, WedgeAsperity
 from asperity.sets.star import checked_set, same_dimension
 
@@ -90,7 +91,7 @@ class FrictionLaw(Questions):
         >>> FrictionLaw.isotropic(0.3)
         FrictionLaw(Disk(0.3), Disk(0.3))
         """
-        return cls.associated(_round(_arrays.positive(mu, "mu"), dimension))
+        return cls.associated(_round(arrays.positive(mu, "mu"), dimension))
 
     @classmethod
     def associated(cls, reservoir: StarSet) -> FrictionLaw:
@@ -154,12 +155,12 @@ class FrictionLaw(Questions):
         >>> law.force([[1.0, 0.0], [0.0, 1.0]]).round(6).tolist()
         [[-7.643276, -0.0], [-0.0, -1.483282]]
         """
-        slopes = _arrays.array(beta, "beta")
+        slopes = arrays.array(beta, "beta")
         if slopes.ndim == 0 and weights is None:
             reservoir = WedgeAsperity(mu, float(slopes))
             return cls(reservoir, Ellipse(1.0, math.cos(reservoir.beta)))
         pair = np.full(2, slopes) if slopes.ndim == 0 else slopes
-        rule = flow.wedges(_arrays.positive(mu, "mu"), pair, weights)
+        rule = flow.wedges(arrays.positive(mu, "mu"), pair, weights)
         return cls._from_rule(rule, _DIRECTIONS, "weights" if weights is not None else "beta")
 
     @classmethod
@@ -183,12 +184,12 @@ class FrictionLaw(Questions):
         >>> law.reservoir, round(law.direction.a / law.direction.b, 7)
         (Ellipse(0.3, 0.1), 1.7320508)
         """
-        linear = _arrays.array(second_order, "second_order", (2, 2))
+        linear = arrays.array(second_order, "second_order", (2, 2))
         if fourth_order is None and linear[0, 1] == linear[1, 0]:
             return cls(*flow.ellipses(linear))
         cubic = None
         if fourth_order is not None:
-            cubic = _arrays.array(fourth_order, "fourth_order", (2, 2, 2, 2))
+            cubic = arrays.array(fourth_order, "fourth_order", (2, 2, 2, 2))
         argument = "second_order" if cubic is None else "fourth_order"
         return cls._from_rule(flow.tensor(linear, cubic), _DIRECTIONS, argument)
 
@@ -242,7 +243,7 @@ class FrictionLaw(Questions):
         >>> law.reservoir.radius([0.0, np.pi / 2]).round(6).tolist()
         [0.3, 0.1]
         """
-        return cls._from_rule(f, _arrays.count(n, "n", least=8), "f")
+        return cls._from_rule(f, arrays.count(n, "n", least=8), "f")
 
     @classmethod
     def _from_rule(cls, f: flow.FlowRule, n: int, argument: str) -> FrictionLaw:
@@ -299,14 +300,14 @@ class FrictionLaw(Questions):
         >>> abs(law.report.closure - 1.0) < 1e-9, law.report.order
         (True, None)
         """
-        angles = _arrays.array(phi, "phi", (None,))
-        forces = _arrays.array(force, "force", (angles.size, 2))
+        angles = arrays.array(phi, "phi", (None,))
+        forces = arrays.array(force, "force", (angles.size, 2))
         data = samples.prepared(angles, forces, smoothing)
         *sets, numbers = flow.sets_of(
             data.phi,
             data.force,
-            _arrays.non_negative(closure_tolerance, "closure_tolerance"),
-            _arrays.non_negative(convexity_tolerance, "convexity_tolerance"),
+            arrays.non_negative(closure_tolerance, "closure_tolerance"),
+            arrays.non_negative(convexity_tolerance, "convexity_tolerance"),
         )
         report = flow.FlowReport(
             *numbers,
@@ -318,7 +319,7 @@ class FrictionLaw(Questions):
         return cls(*sets, report=report)
 
     def _misfit(self, phi: Array, force: Array) -> float:
-        error = np.linalg.norm(-self.force(_arrays.unit_vectors(phi)) - force, axis=-1)
+        error = np.linalg.norm(-self.force(arrays.unit_vectors(phi)) - force, axis=-1)
         return float(error.max() / np.linalg.norm(force, axis=-1).max())
 
     def replace(self, **changes: Any) -> FrictionLaw:

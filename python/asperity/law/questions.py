@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.law.evaluation import Evaluation
 from asperity.sets.gauge import directions
-from asperity.verdict import Verdict, verdict
+from asperity.sets.verdict import Verdict, verdict
 
 _DIRECTIONS = 3600
 _ROUNDING = 1e-9
@@ -217,4 +217,4 @@ class Questions(Evaluation):
             raise DimensionError(
                 "law", f"must be planar for this, this one has dimension {self.dimension}"
             )
-        return _arrays.unit_vectors(_arrays.array(phi, "phi"))
+        return arrays.unit_vectors(arrays.array(phi, "phi"))

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 
 # Forces with less noise than this, relative to their size, are interpolated.
@@ -48,7 +48,7 @@ def prepared(phi: Array, force: Array, smoothing: str | int | None) -> Samples:
         return Samples(angles, forces, None, 0.0)
     if isinstance(smoothing, str):
         raise ParameterError("smoothing", f"must be 'auto', an order or None, got {smoothing!r}")
-    order = _arrays.count(smoothing, "smoothing")
+    order = arrays.count(smoothing, "smoothing")
     if 2 * order + 1 >= len(angles):
         raise ParameterError(
             "smoothing", f"must be below half the number of directions, got {order}"
@@ -81,7 +81,7 @@ def _walk(phi: Array, force: Array) -> tuple[Array, Array]:
 
     Over φ alone the force jumps where D is nearly flat, over θ it does where D has a corner.
     """
-    sliding = _arrays.unit_vectors(phi)
+    sliding = arrays.unit_vectors(phi)
     along = (force * sliding).sum(axis=1)
     across = sliding[:, 0] * force[:, 1] - sliding[:, 1] * force[:, 0]
     if along.min() <= 0.0:
@@ -95,7 +95,7 @@ def _walk(phi: Array, force: Array) -> tuple[Array, Array]:
 def _forces(walk: Array, shape: Array) -> tuple[Array, Array]:
     """Return sliding directions, rising, and forces of deflection and ln r along the walk."""
     half = 0.5 * shape[:, 0]
-    return walk - half, np.exp(shape[:, 1])[:, None] * _arrays.unit_vectors(walk + half)
+    return walk - half, np.exp(shape[:, 1])[:, None] * arrays.unit_vectors(walk + half)
 
 
 def noise(phi: Array, force: Array) -> float:

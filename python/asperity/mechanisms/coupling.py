@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from asperity import _arrays
+from asperity._base import arrays
 from asperity.law import FrictionLaw
 from asperity.system import Contact, LinearSystem
 
@@ -51,19 +51,19 @@ def mode_coupling(
     >>> mechanisms.mode_coupling(0.9).stiffness.round(9).tolist()
     [[2.0, 1.0, 0.0], [1.0, 0.666666667, 0.0], [0.0, 0.0, 1.333333333]]
     """
-    axes = _arrays.unit_vectors(_arrays.array(angles, "angles", (2,)))
+    axes = arrays.unit_vectors(arrays.array(angles, "angles", (2,)))
     springs = np.zeros((3, 3))
-    springs[:2, :2] = axes.T @ np.diag(_arrays.array(stiffness, "stiffness", (2,))) @ axes
-    springs[2, 2] = _arrays.number(belt_stiffness, "belt_stiffness")
-    normal_force = _arrays.positive(normal_force, "normal_force")
+    springs[:2, :2] = axes.T @ np.diag(arrays.array(stiffness, "stiffness", (2,))) @ axes
+    springs[2, 2] = arrays.number(belt_stiffness, "belt_stiffness")
+    normal_force = arrays.positive(normal_force, "normal_force")
     contact = Contact(
         FrictionLaw.isotropic(mu, dimension=1),
         [1.0, 0.0, 0.0],
         normal=[0.0, 1.0, -1.0],
-        velocity=[_arrays.positive(belt_velocity, "belt_velocity")],
+        velocity=[arrays.positive(belt_velocity, "belt_velocity")],
     )
     return LinearSystem(
-        [mass, mass, _arrays.positive(belt_mass, "belt_mass")],
+        [mass, mass, arrays.positive(belt_mass, "belt_mass")],
         springs,
         [damping, damping, 0.0],
         [mu * normal_force, -normal_force, normal_force],

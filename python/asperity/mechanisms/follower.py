@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.law import FrictionLaw
 from asperity.system import ContactLaw, System
 
@@ -75,12 +75,12 @@ class FollowerPendulum(Value, System):
         law = FrictionLaw.isotropic(mu, dimension=1)
         self._set(
             mu=float(mu),
-            normal_force=_arrays.non_negative(normal_force, "normal_force"),
-            tip_mass=_arrays.positive(tip_mass, "tip_mass"),
-            length=_arrays.positive(length, "length"),
-            stiffness=_arrays.number(stiffness, "stiffness"),
-            damping=_arrays.number(damping, "damping"),
-            belt_velocity=_arrays.positive(belt_velocity, "belt_velocity"),
+            normal_force=arrays.non_negative(normal_force, "normal_force"),
+            tip_mass=arrays.positive(tip_mass, "tip_mass"),
+            length=arrays.positive(length, "length"),
+            stiffness=arrays.number(stiffness, "stiffness"),
+            damping=arrays.number(damping, "damping"),
+            belt_velocity=arrays.positive(belt_velocity, "belt_velocity"),
         )
         self._keep(contacts=(ContactLaw(law, normal_force=self.normal_force),))
 

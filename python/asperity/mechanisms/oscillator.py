@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.system import Contact, ContactLaw, LinearSystem, System
@@ -83,10 +83,10 @@ class FrictionalImpactOscillator(Value, System):
         belt_velocity: float = 1.0,
         normal_restitution: float = 0.0,
     ) -> None:
-        angle = _arrays.positive(angle, "angle")
+        angle = arrays.positive(angle, "angle")
         if angle >= 0.5 * math.pi:
             raise ParameterError("angle", f"must lie below π/2, got {angle!r}")
-        both = _arrays.array(masses, "masses", (2,))
+        both = arrays.array(masses, "masses", (2,))
         if both.min() <= 0.0:
             raise ParameterError("masses", f"must be positive, got {both.tolist()}")
         law = ContactLaw(
@@ -95,12 +95,12 @@ class FrictionalImpactOscillator(Value, System):
         self._set(
             mu=float(mu),
             angle=angle,
-            normal_force=_arrays.positive(normal_force, "normal_force"),
-            masses=_arrays.read_only(both),
-            length=_arrays.positive(length, "length"),
-            stiffness=_arrays.read_only(_arrays.array(stiffness, "stiffness", (2,))),
-            damping=_arrays.read_only(_arrays.array(damping, "damping", (2,))),
-            belt_velocity=_arrays.positive(belt_velocity, "belt_velocity"),
+            normal_force=arrays.positive(normal_force, "normal_force"),
+            masses=arrays.read_only(both),
+            length=arrays.positive(length, "length"),
+            stiffness=arrays.read_only(arrays.array(stiffness, "stiffness", (2,))),
+            damping=arrays.read_only(arrays.array(damping, "damping", (2,))),
+            belt_velocity=arrays.positive(belt_velocity, "belt_velocity"),
             normal_restitution=law.normal_restitution,
         )
         self._keep(contacts=(law,), _rest=self.equilibrium)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from asperity import _arrays
+from asperity._base import arrays
 from asperity.law import FrictionLaw
 from asperity.system import Line, PlanarBody, PointPlane, RigidBodies
 
@@ -43,14 +43,14 @@ def painleve_rod(
     >>> slide.u[[-7, -1], 0].round(1).tolist()  # before and after t = 0.8145 s
     [12.2, 6.2]
     """
-    s = _arrays.positive(half_length, "half_length")
-    phi = _arrays.number(angle, "angle")
+    s = arrays.positive(half_length, "half_length")
+    phi = arrays.number(angle, "angle")
     rod = PlanarBody(
         mass,
-        _arrays.positive(mass, "mass") * s**2 / 3.0,
+        arrays.positive(mass, "mass") * s**2 / 3.0,
         position=(0.0, s * math.sin(phi)),
         angle=-phi,
-        velocity=(_arrays.number(speed, "speed"), 0.0),
+        velocity=(arrays.number(speed, "speed"), 0.0),
     )
     tip = PointPlane(0, (s, 0.0), Line(), FrictionLaw.isotropic(mu, dimension=1))
-    return RigidBodies([rod], [tip], gravity=(0.0, -_arrays.number(gravity, "gravity")))
+    return RigidBodies([rod], [tip], gravity=(0.0, -arrays.number(gravity, "gravity")))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from asperity import _arrays
+from asperity._base import arrays
 from asperity.law import FrictionLaw
-from asperity.rate import Stribeck
+from asperity.law.rate import Stribeck
 from asperity.system import Contact, LinearSystem
 
 _DROP = Stribeck(1.0 / 3.0, shape="hyperbolic")
@@ -41,6 +41,6 @@ def stribeck_block(
     1.13
     """
     law = FrictionLaw.isotropic(mu, dimension=1).replace(rate=rate)
-    speed = _arrays.positive(belt_velocity, "belt_velocity")
+    speed = arrays.positive(belt_velocity, "belt_velocity")
     belt = Contact(law, [1.0], normal_force=normal_force, velocity=[-speed])
     return LinearSystem(mass, stiffness, contacts=[belt])

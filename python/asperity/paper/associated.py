@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from asperity._arrays import unit_vectors
+from asperity._base.arrays import unit_vectors
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
@@ -44,10 +44,10 @@ from asperity.plot.look import (
     style,
 )
 from asperity.plot.sets import closed_outline
+from asperity.runs.time_stepping import simulate
+from asperity.runs.trajectory import Trajectory
 from asperity.sets import CappedRectangle, Disk, Ellipse, Rectangle, Superellipse
-from asperity.simulate import simulate
 from asperity.system import SlidingPoint
-from asperity.trajectory import Trajectory
 
 MU = 0.3
 """Friction coefficient of Fig. 4."""

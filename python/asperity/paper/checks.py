@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from asperity._base.tables import aligned
+
 
 @dataclass(frozen=True)
 class Check:
@@ -37,17 +39,20 @@ def table(checks: Sequence[Check]) -> str:
 
     >>> from asperity.paper.checks import Check, table
     >>> print(table([Check("period", 28.703, 28.6, 0.02, "s")]))
-    quantity    expected    computed    error  tolerance
-    period     28.703000   28.600000 -1.0e-01    2.0e-02  s  OFF
+    quantity   expected   computed     error  tolerance
+    period    28.703000  28.600000  -1.0e-01    2.0e-02  s  OFF
     """
-    width = max(len("quantity"), *(len(check.quantity) for check in checks))
-    units = max(len(check.unit) for check in checks)
-    lines = [f"{'quantity':<{width}}  {'expected':>10}  {'computed':>10}    error  tolerance"]
-    for check in checks:
-        numbers = f"{check.expected:>10.6f}  {check.computed:>10.6f} {check.error:>8.1e}"
-        verdict = "ok" if check.ok else "OFF"
-        lines.append(
-            f"{check.quantity:<{width}}  {numbers}  {check.tolerance:>9.1e}  "
-            f"{check.unit:<{units}}  {verdict}"
+    rows = [
+        (
+            check.quantity,
+            f"{check.expected:.6f}",
+            f"{check.computed:.6f}",
+            f"{check.error:.1e}",
+            f"{check.tolerance:.1e}",
+            check.unit,
+            "ok" if check.ok else "OFF",
         )
-    return "\n".join(lines)
+        for check in checks
+    ]
+    header = ("quantity", "expected", "computed", "error", "tolerance")
+    return aligned([header, *rows], right=range(1, 5))

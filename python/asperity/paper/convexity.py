@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.path import Path
 
-from asperity._arrays import Array, unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
 from asperity.paper.redrawn import Redrawn, panels, record, shared_legend

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 import numpy as np
 
-from asperity._arrays import Array
-from asperity._files import write_csv
+from asperity._base.arrays import Array
 
 
 class Curves:
@@ -49,8 +47,3 @@ class Curves:
     def columns(self) -> dict[str, list[str | float | None]]:
         """Return the columns by name."""
         return {name: [row[name] for row in self._rows] for name in self._names}
-
-
-def write_columns(target: Path, columns: Mapping[str, Iterable[object]]) -> None:
-    """Write columns of one length; the file is complete or not there."""
-    write_csv(target, columns, zip(*columns.values(), strict=True))

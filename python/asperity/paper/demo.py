@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from asperity._base.tables import write_columns
 from asperity.paper import fig17, fig27
 from asperity.paper.checks import Check
-from asperity.paper.data import write_columns
 
 
 def run(folder: Path) -> list[Check]:

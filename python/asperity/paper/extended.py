@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 from scipy.integrate import cumulative_simpson
 
-from asperity._arrays import Array, unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check

@@ -15,7 +15,7 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 
 from asperity import mechanisms
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.paper import mechanism_sketches as sketches
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
@@ -23,10 +23,10 @@ from asperity.paper.redrawn import OWN, Redrawn, heading, record
 from asperity.paper.statements import truth, vanishes
 from asperity.plot import plot_growth_chart, plot_root_locus
 from asperity.plot.look import BLUE, INK, SLIP, STICK, style
-from asperity.simulate import simulate
-from asperity.stability import Stability, stability
+from asperity.runs.time_stepping import simulate
+from asperity.runs.trajectory import Trajectory
 from asperity.status import Phase
-from asperity.trajectory import Trajectory
+from asperity.steady_sliding import Stability, stability
 
 FLUTTER, DIVERGENCE = 3.5 - 2.0**0.5, 3.5 + 2.0**0.5
 """Loads p = Pl/c at which the pendulum of Fig. 13d begins to flutter and to diverge."""

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
+from asperity.runs.time_stepping import simulate
+from asperity.runs.trajectory import Trajectory
 from asperity.sets import Ellipse
-from asperity.simulate import simulate
 from asperity.status import Phase
 from asperity.system import MassOnBelt
-from asperity.trajectory import Trajectory
 
 LAW = FrictionLaw(Ellipse(30.0, 10.0, angle=np.deg2rad(30.0)), Ellipse(3.0, 1.0))
 """Reservoir C with semi-axes 30 N and 10 N at ζ = 30°, direction set D 3:1 along e₁."""

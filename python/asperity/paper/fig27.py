@@ -10,9 +10,9 @@ import numpy as np
 from asperity.law import FrictionLaw
 from asperity.paper import table1
 from asperity.paper.checks import Check
-from asperity.simulate import simulate
+from asperity.runs.time_stepping import simulate
+from asperity.runs.trajectory import Trajectory
 from asperity.system import SlidingPoint
-from asperity.trajectory import Trajectory
 
 MASS = 0.018
 """Mass of the disk in kg; it cancels."""

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from asperity.paper import fig17, fig27
 from asperity.plot import plot_forces_in_reservoir, plot_path, plot_phase
 from asperity.plot.look import GREY, style
-from asperity.trajectory import Trajectory
+from asperity.runs.trajectory import Trajectory
 
 
 def draw_fig17(cycle: fig17.LimitCycle) -> Figure:

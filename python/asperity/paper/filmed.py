@@ -7,13 +7,13 @@ from functools import cache
 
 import numpy as np
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.law import FrictionLaw
 from asperity.paper.pairings import PVC
-from asperity.simulate import simulate
+from asperity.runs.time_stepping import simulate
+from asperity.runs.trajectory import Trajectory
 from asperity.system import SlidingDisk
 from asperity.track import MeasuredPath, Scene, Track, VirtualCamera, track_mark
-from asperity.trajectory import Trajectory
 
 SYNTHETIC = "synthetic data: virtual camera"
 """What a figure with such data says of them."""

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from asperity.identify import Fit, ProcessedData, fit_law
-from asperity.identify_files import radii_on_axes
 from asperity.law import FrictionLaw
 from asperity.paper import table1
 from asperity.paper.checks import Check
@@ -47,7 +46,7 @@ class Identified:
 def identified() -> Identified:
     """Identify the law once."""
     data = processed(PVC)
-    return Identified(data, Ellipse(*radii_on_axes(data.sets)), fit_law(data))
+    return Identified(data, Ellipse(*data.sets.radii_on_axes), fit_law(data))
 
 
 def fig26() -> Redrawn:

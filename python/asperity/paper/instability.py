@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Arc
 
-from asperity._arrays import Array, rotation, unit_vectors
-from asperity.cycle import BifurcationDiagram, bifurcation_diagram
+from asperity._base.arrays import Array, rotation, unit_vectors
+from asperity.cycles import BifurcationDiagram, bifurcation_diagram
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
@@ -31,7 +31,7 @@ from asperity.plot import plot_bifurcation, plot_cones, plot_growth_chart, plot_
 from asperity.plot.look import BLUE, DIRECTION, INK, ORANGE, PURPLE, SLIDING, draw_arrows, style
 from asperity.plot.sets import closed_outline
 from asperity.sets import Ellipse
-from asperity.stability import (
+from asperity.steady_sliding import (
     critical_directions,
     critical_rotation,
     ellipses_can_be_unstable,

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from asperity.cycle import LimitCycle, limit_cycle
+from asperity.cycles import LimitCycle, limit_cycle
 from asperity.paper import fig17 as stepped
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
 from asperity.paper.redrawn import Redrawn, panels, record
 from asperity.plot import plot_forces_in_reservoir, plot_phase
 from asperity.plot.look import INK, SLIDING, draw_arrows, style
-from asperity.simulate import simulate
+from asperity.runs.time_stepping import simulate
 from asperity.status import Phase
 
 # Crosses on the orbit and arrows at the forces, evenly spaced in time.

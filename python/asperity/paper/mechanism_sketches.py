@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Polygon, Rectangle
 from numpy.typing import ArrayLike
 
-from asperity._arrays import Array, unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity.paper import parts
 from asperity.paper.redrawn import bare
 from asperity.plot.look import BLUE, GREEN, GREY, INK, PURPLE

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity._arrays import Array, unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves

@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.identify import ProcessedData, RawData, VirtualTribometer, process
 from asperity.law import FrictionLaw
 from asperity.paper import table1

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 from numpy.typing import ArrayLike
 
-from asperity._arrays import Array, unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity.plot.look import GREEN, GREY, INK, draw_arrows
 
 METAL, PLATE = "#C9CED6", "#DCE6F0"

@@ -8,6 +8,7 @@ from pathlib import Path
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 
+from asperity._base.tables import write_columns
 from asperity.errors import ParameterError
 from asperity.paper import (
     associated,
@@ -24,7 +25,6 @@ from asperity.paper import (
     validation,
 )
 from asperity.paper.checks import Check
-from asperity.paper.data import write_columns
 from asperity.paper.redrawn import Redrawn
 from asperity.plot import save_figure
 

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.quiver import Quiver
 from matplotlib.text import Annotation
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.law import FrictionLaw
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves

@@ -8,15 +8,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.comparison import PathComparison, compare_path
 from asperity.identify import Fit, VirtualTribometer, fit_law, process
 from asperity.law import FrictionLaw
 from asperity.paper import table1
 from asperity.paper.checks import Check
 from asperity.paper.filmed import ANGLE, SPEED, Filmed, film, slide
 from asperity.plot.look import INK
-from asperity.simulate import simulate
-from asperity.trajectory import Trajectory
+from asperity.runs.comparison import PathComparison, compare_path
+from asperity.runs.time_stepping import simulate
+from asperity.runs.trajectory import Trajectory
 
 LAW = FrictionLaw(table1.SUPERELLIPSE_C, table1.SUPERELLIPSE_D)
 """The law that is measured virtually: Table 1."""

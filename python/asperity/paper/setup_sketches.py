@@ -10,7 +10,7 @@ from matplotlib.patches import Arc, Circle, Ellipse, FancyArrowPatch, Polygon, R
 from matplotlib.path import Path
 from numpy.typing import ArrayLike
 
-from asperity._arrays import Array, unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity.paper import parts
 from asperity.paper.redrawn import bare
 from asperity.plot.look import BLUE, GREEN, GREY, INK, ORANGE, PURPLE

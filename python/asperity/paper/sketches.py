@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 
-from asperity._arrays import Array, unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity.paper.redrawn import bare, note
 from asperity.plot.look import BLUE, GREEN, GREY, INK, PURPLE, draw_arrows
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.paper import setup_sketches
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
@@ -16,7 +16,7 @@ from asperity.paper.pairings import PVC
 from asperity.paper.redrawn import Redrawn, panels, record
 from asperity.paper.statements import truth
 from asperity.plot.look import GREY, INK, ORANGE, style
-from asperity.trajectory import Trajectory
+from asperity.runs.trajectory import Trajectory
 
 SPEEDS = (0.62, 0.95, 1.25, 1.49)
 """Initial speeds of Fig. 19a in m/s; own."""

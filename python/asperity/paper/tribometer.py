@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from asperity._arrays import Array, unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity.identify import ProcessedData
-from asperity.identify_files import radii_on_axes
 from asperity.paper import setup_sketches
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
@@ -163,7 +162,7 @@ def fig23() -> Redrawn:
 def fig24() -> Redrawn:
     """Draw forces and sets of a PVC pin on surface ground steel."""
     data = processed(PVC)
-    across, along = radii_on_axes(data.sets)
+    across, along = data.sets.radii_on_axes
     return _forces_and_sets(
         24,
         PVC,
@@ -178,7 +177,7 @@ def fig24() -> Redrawn:
 def fig25() -> Redrawn:
     """Draw forces and sets of a steel pin on surface ground steel."""
     data = processed(STEEL)
-    across, along = radii_on_axes(data.sets)
+    across, along = data.sets.radii_on_axes
     against = _resistance(data)[:, 0]
     highest = float(np.rad2deg(data.sets.phi[against.argmax()])) % 180.0
     return _forces_and_sets(

@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 from matplotlib.axes import Axes
 
-from asperity.comparison import PathComparison, compare_path
 from asperity.paper import filmed
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
@@ -16,9 +15,10 @@ from asperity.paper.identified import Identified, identified
 from asperity.paper.redrawn import Redrawn, panels, record
 from asperity.paper.statements import truth
 from asperity.plot.look import BLUE, GREEN, INK, ORANGE, PURPLE, style
-from asperity.simulate import simulate
+from asperity.runs.comparison import PathComparison, compare_path
+from asperity.runs.time_stepping import simulate
+from asperity.runs.trajectory import Trajectory
 from asperity.system import SlidingPoint
-from asperity.trajectory import Trajectory
 
 _EXTENDED = "extended, superellipses C, D"
 _STEP = 1e-4

@@ -11,7 +11,7 @@ from asperity.plot.identification import plot_fitted_forces, plot_fitted_sets, p
 from asperity.plot.law import plot_law
 from asperity.plot.look import save_figure, style
 from asperity.plot.sets import plot_set
-from asperity.plot.stability import plot_bifurcation, plot_growth_chart, plot_root_locus
+from asperity.plot.steady_sliding import plot_bifurcation, plot_growth_chart, plot_root_locus
 from asperity.plot.tracking import plot_motion, plot_track
 from asperity.plot.trajectory import plot_forces_in_reservoir, plot_path, plot_phase
 

@@ -7,8 +7,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.plot import look
 from asperity.plot.sets import closed_outline, planar_set
@@ -56,8 +56,8 @@ def plot_cones(
     6
     """
     reach = float(np.linalg.norm(closed_outline(set), axis=1).max())
-    size = 0.5 * reach if size is None else _arrays.positive(size, "size")
-    point = _arrays.array(x, "x", (2,))
+    size = 0.5 * reach if size is None else arrays.positive(size, "size")
+    point = arrays.array(x, "x", (2,))
     if not set.contains(point, tolerance=1e-9):
         raise ParameterError("x", f"must lie in the set, got {point.tolist()}")
     normals = set.normal_cone(point) if normal else None
@@ -95,7 +95,7 @@ def _draw_tangents(ax: Axes, point: Array, parts: tuple[Array, ...], size: float
         for sector in sectors
     ]
     for edge in _outer_edges(sectors):
-        ends = np.stack([point, point + size * _arrays.unit_vectors(edge)])
+        ends = np.stack([point, point + size * arrays.unit_vectors(edge)])
         artists += ax.plot(*ends.T, color=look.TANGENT, linewidth=1.2)
     return artists
 
@@ -138,7 +138,7 @@ def plot_projection(set: StarSet, z: ArrayLike, ax: Axes | None = None) -> list[
     [[2.0, 0.5], [2.0, 1.0]]
     """
     planar = planar_set(set)
-    points, _ = _arrays.points(z, "z", 2)
+    points, _ = arrays.points(z, "z", 2)
     feet = planar.project(points)
     ax = look.axes_or_new(ax)
     artists: list[Artist] = []

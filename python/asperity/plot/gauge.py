@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.plot import look
 from asperity.plot.sets import closed_outline
@@ -42,7 +42,7 @@ def plot_gauge(set: StarSet, ax: Axes | None = None, *, height: float = 1.3) -> 
     >>> surface.axes.name
     '3d'
     """
-    height = _arrays.positive(height, "height")
+    height = arrays.positive(height, "height")
     outline = closed_outline(set)
     space: Any = look.axes_or_new(ax, projection="3d")
     if space.name != "3d":

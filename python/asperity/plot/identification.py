@@ -9,9 +9,9 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity import _arrays
+from asperity._base import arrays
 from asperity.errors import FitError, ParameterError
-from asperity.plot.look import BLUE, DIRECTION, GREY, INK, ORANGE, RESERVOIR, axes_or_new
+from asperity.plot.look import BLUE, DIRECTION, GREY, INK, ORANGE, RESERVOIR, axes_or_new, style
 from asperity.plot.sets import plot_set
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def plot_fitted_sets(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Ar
     _, means = fit.means
     look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
     artists: list[Artist] = list(ax.plot(*means.T, label="measured", **{**look, **kwargs}))
-    e = _arrays.unit_vectors(_DIRECTIONS)
+    e = arrays.unit_vectors(_DIRECTIONS)
     _, low, high = fit.radius_band(_DIRECTIONS)
     if np.isfinite(low).all():
         ring = np.concatenate([low[:, None] * e, (high[:, None] * e)[::-1]])
@@ -78,7 +78,7 @@ def plot_fitted_forces(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[
     _check(fit)
     ax = axes_or_new(ax)
     phi, means = fit.means
-    e = _arrays.unit_vectors(phi)
+    e = arrays.unit_vectors(phi)
     measured = (means * e).sum(axis=1), means[:, 1] * e[:, 0] - means[:, 0] * e[:, 1]
     bands = fit.bands(_DIRECTIONS)
     look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
@@ -113,7 +113,7 @@ def plot_residuals(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Arti
     ax = axes_or_new(ax)
     phi, means = fit.means
     left = means - fit.forces(phi)
-    e = _arrays.unit_vectors(phi)
+    e = arrays.unit_vectors(phi)
     parts = (left * e).sum(axis=1), left[:, 1] * e[:, 0] - left[:, 0] * e[:, 1]
     artists: list[Artist] = []
     names = (("against sliding", BLUE), ("across sliding", ORANGE))
@@ -126,25 +126,18 @@ def plot_residuals(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Arti
     return artists
 
 
-def sets_figure(fit: Fit) -> Figure:
-    """Return the figure of `plot_fitted_sets`."""
-    figure = Figure(figsize=(6.4, 5.6), layout="constrained")
-    plot_fitted_sets(fit, figure.add_subplot())
-    return figure
-
-
-def forces_figure(fit: Fit) -> Figure:
-    """Return the figure of `plot_fitted_forces`."""
-    figure = Figure(figsize=(8.0, 4.0), layout="constrained")
-    plot_fitted_forces(fit, figure.add_subplot())
-    return figure
-
-
-def residuals_figure(fit: Fit) -> Figure:
-    """Return the figure of `plot_residuals`."""
-    figure = Figure(figsize=(8.0, 3.2), layout="constrained")
-    plot_residuals(fit, figure.add_subplot())
-    return figure
+def report_figures(fit: Fit) -> dict[str, Figure]:
+    """Return the figures of a report by their headings."""
+    figures = {}
+    with style():
+        for name, size, plot in (
+            ("Sets", (6.4, 5.6), plot_fitted_sets),
+            ("Forces over the sliding direction", (8.0, 4.0), plot_fitted_forces),
+            ("Residuals", (8.0, 3.2), plot_residuals),
+        ):
+            figures[name] = Figure(figsize=size, layout="constrained")
+            plot(fit, figures[name].add_subplot())
+    return figures
 
 
 def _check(fit: Fit) -> None:

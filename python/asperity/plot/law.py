@@ -9,8 +9,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.law import FrictionLaw
 from asperity.plot import look
 from asperity.plot.cones import draw_normals
@@ -56,7 +56,7 @@ def plot_law(
     >>> artists[0].get_label()
     'reservoir $C$'
     """
-    _arrays.choice(forces, "forces", ("dots", "arrows"))
+    arrays.choice(forces, "forces", ("dots", "arrows"))
     theta = _polar_angles(closed_outline(look.planar_law(law).reservoir), angles)
     ax = look.axes_or_new(ax)
     force, feet = (_on_boundary(set, theta) for set in (law.reservoir, law.direction))
@@ -93,8 +93,8 @@ def _draw_sets(ax: Axes, law: FrictionLaw) -> list[Artist]:
 
 def _polar_angles(outline: Array, angles: int | ArrayLike) -> Array:
     if np.ndim(angles):
-        return _arrays.array(angles, "angles", (None,))
-    n = _arrays.count(angles, "angles")
+        return arrays.array(angles, "angles", (None,))
+    n = arrays.count(angles, "angles")
     lengths = np.linalg.norm(np.diff(outline, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(lengths)])
     turned = np.unwrap(np.arctan2(outline[:, 1], outline[:, 0]))
@@ -103,7 +103,7 @@ def _polar_angles(outline: Array, angles: int | ArrayLike) -> Array:
 
 
 def _on_boundary(set: StarSet, theta: Array) -> Array:
-    return set.radius(theta)[:, None] * _arrays.unit_vectors(theta)
+    return set.radius(theta)[:, None] * arrays.unit_vectors(theta)
 
 
 def _draw_forces(ax: Axes, force: Array, *, arrows: bool) -> Artist:

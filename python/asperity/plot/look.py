@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -17,12 +18,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.quiver import Quiver
 
-from asperity._arrays import Array, positive, unit_vectors
-from asperity._files import atomic
+from asperity._base.arrays import Array, positive, unit_vectors
+from asperity._base.files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
-from asperity.motion import Motion
-from asperity.trajectory import Trajectory
+from asperity.runs.run import Run
 
 # Okabe and Ito's palette, distinguishable with every kind of colour vision.
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
@@ -86,9 +86,9 @@ def planar_law(law: FrictionLaw) -> FrictionLaw:
     return law
 
 
-def checked_trajectory(trajectory: Trajectory | Motion) -> Trajectory | Motion:
+def checked_trajectory(trajectory: Run) -> Run:
     """Return `trajectory` if it is one."""
-    if not isinstance(trajectory, Trajectory | Motion):
+    if not isinstance(trajectory, Run):
         raise ParameterError("trajectory", f"must be a Trajectory or a Motion, got {trajectory!r}")
     return trajectory
 
@@ -114,6 +114,13 @@ def draw_sector(
     ax.add_patch(sector)
     ax.autoscale_view()
     return sector
+
+
+def png(figure: Figure, dpi: float = 110) -> bytes:
+    """Return a figure as the bytes of a PNG file."""
+    file = io.BytesIO()
+    figure.savefig(file, dpi=dpi, format="png")
+    return file.getvalue()
 
 
 def save_figure(figure: Figure, path: str | os.PathLike[str], *, dpi: float = 150) -> None:

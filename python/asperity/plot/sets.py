@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.errors import DimensionError
 from asperity.plot import look
 from asperity.sets import StarSet

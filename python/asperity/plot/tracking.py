@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from asperity import _arrays
+from asperity._base import arrays
 from asperity.errors import ParameterError
 from asperity.plot import look
 from asperity.track import MeasuredPath, Sight, Track
@@ -59,7 +59,7 @@ def plot_track(
     """
     if not isinstance(track, Track):
         raise ParameterError("track", f"must be a Track, got {track!r}")
-    every = _arrays.count(every, "every")
+    every = arrays.count(every, "every")
     if image is not None and (np.ma.isMaskedArray(image) or np.asarray(image).dtype != np.uint8):
         raise ParameterError("image", "must be an array of uint8, (rows, columns, 3)")
     ax = look.axes_or_new(ax)
@@ -171,5 +171,5 @@ def _last_circle(track: Track, ax: Axes) -> list[Artist]:
         return []
     last = known[-1]
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    rim = track.position[last] + 0.5 * track.diameter[last] * _arrays.unit_vectors(turn)
+    rim = track.position[last] + 0.5 * track.diameter[last] * arrays.unit_vectors(turn)
     return list(ax.plot(*track.scene.to_pixels(rim).T, color="#FFFFFF", linewidth=1.0))

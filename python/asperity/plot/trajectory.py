@@ -9,15 +9,14 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
-from asperity.motion import Motion
 from asperity.plot import look
 from asperity.plot.sets import plot_set
+from asperity.runs.run import Run
 from asperity.status import Phase
-from asperity.trajectory import Trajectory
 
 _LOOK = {
     Phase.STICK: (look.STICK, "stick"),
@@ -27,7 +26,7 @@ _LOOK = {
 
 
 def plot_path(
-    trajectory: Trajectory | Motion | Motion,
+    trajectory: Run,
     ax: Axes | None = None,
     *,
     coordinates: tuple[int, int] = (0, 1),
@@ -61,7 +60,7 @@ def plot_path(
 
 
 def plot_phase(
-    trajectory: Trajectory | Motion | Motion,
+    trajectory: Run,
     ax: Axes | None = None,
     *,
     coordinates: tuple[int, int] = (0, 1),
@@ -102,7 +101,7 @@ def plot_phase(
 
 
 def plot_forces_in_reservoir(
-    trajectory: Trajectory | Motion | Motion,
+    trajectory: Run,
     law: FrictionLaw,
     ax: Axes | None = None,
     *,
@@ -147,21 +146,19 @@ def plot_forces_in_reservoir(
     return artists
 
 
-def _two(
-    trajectory: Trajectory | Motion | Motion, coordinates: tuple[int, int]
-) -> tuple[Array, Array]:
+def _two(trajectory: Run, coordinates: tuple[int, int]) -> tuple[Array, Array]:
     shown = look.checked_trajectory(trajectory).q
     i, j = (
-        _arrays.count(index, "coordinates", 0) for index in _arrays.pair(coordinates, "coordinates")
+        arrays.count(index, "coordinates", 0) for index in arrays.pair(coordinates, "coordinates")
     )
     if max(i, j) >= shown.shape[1]:
         raise DimensionError("coordinates", f"must be below {shown.shape[1]}, got {coordinates}")
     return shown[:, i], shown[:, j]
 
 
-def _contact(trajectory: Trajectory | Motion | Motion, contact: int) -> int:
+def _contact(trajectory: Run, contact: int) -> int:
     contacts = trajectory.phase.shape[1]
-    if _arrays.count(contact, "contact", 0) >= contacts:
+    if arrays.count(contact, "contact", 0) >= contacts:
         raise ParameterError("contact", f"must be below {contacts}, got {contact}")
     return contact
 

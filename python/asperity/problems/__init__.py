@@ -17,12 +17,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
+from asperity._base import arrays
 from asperity.contact import ContactProblem
 from asperity.law import FrictionLaw
 from asperity.problems import scenes
+from asperity.problems.independent import sliders
 from asperity.problems.scene import GROUND, Scene
-from asperity.problems.sliders import sliders
 
 __all__ = [
     "GROUND",
@@ -207,6 +207,6 @@ def pile(
     return scene.problem(law, velocity=_random(scene, speed, seed), dt=dt, gravity=gravity)
 
 
-def _random(scene: Scene, speed: float, seed: int) -> _arrays.Array:
-    random = np.random.default_rng(_arrays.count(seed, "seed", 0))
-    return _arrays.non_negative(speed, "speed") * random.normal(size=(len(scene.mass), 6))
+def _random(scene: Scene, speed: float, seed: int) -> arrays.Array:
+    random = np.random.default_rng(arrays.count(seed, "seed", 0))
+    return arrays.non_negative(speed, "speed") * random.normal(size=(len(scene.mass), 6))

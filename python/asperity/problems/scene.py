@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array, csr_array
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.contact import ContactProblem
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
@@ -62,23 +62,23 @@ class Scene(Value):
         point: ArrayLike,
         frame: ArrayLike,
     ) -> None:
-        masses = _arrays.array(mass, "mass", (None,))
+        masses = arrays.array(mass, "mass", (None,))
         if masses.size == 0 or masses.min() <= 0.0:
             raise ParameterError("mass", "must hold positive numbers, one per body")
-        points = _arrays.array(point, "point", (None, 3))
+        points = arrays.array(point, "point", (None, 3))
         bodies, contacts = len(masses), len(points)
         below = _bodies(lower, "lower", bodies, contacts)
         above = _bodies(upper, "upper", bodies, contacts)
         if (below == above).any():
             raise ParameterError("upper", "must differ from lower: a body cannot touch itself")
         self._set(
-            mass=_arrays.read_only(masses),
-            inertia=_arrays.read_only(_inertia(inertia, bodies)),
-            center=_arrays.read_only(_arrays.array(center, "center", (bodies, 3))),
-            lower=_arrays.read_only(below),
-            upper=_arrays.read_only(above),
-            point=_arrays.read_only(points),
-            frame=_arrays.read_only(_frames(frame, contacts)),
+            mass=arrays.read_only(masses),
+            inertia=arrays.read_only(_inertia(inertia, bodies)),
+            center=arrays.read_only(arrays.array(center, "center", (bodies, 3))),
+            lower=arrays.read_only(below),
+            upper=arrays.read_only(above),
+            point=arrays.read_only(points),
+            frame=arrays.read_only(_frames(frame, contacts)),
         )
 
     @cached_property
@@ -122,10 +122,10 @@ class Scene(Value):
             gravity: along −z, in m/s².
         """
         motion = np.array(self._velocity(velocity))
-        pull = np.zeros(3) if force is None else _arrays.array(force, "force", (len(motion), 3))
-        dt = _arrays.positive(dt, "dt")
+        pull = np.zeros(3) if force is None else arrays.array(force, "force", (len(motion), 3))
+        dt = arrays.positive(dt, "dt")
         motion[:, :3] += dt * pull / self.mass[:, None]
-        motion[:, 2] -= dt * _arrays.number(gravity, "gravity")
+        motion[:, 2] -= dt * arrays.number(gravity, "gravity")
         return motion.ravel()
 
     def problem(
@@ -167,14 +167,14 @@ class Scene(Value):
         force = np.zeros((len(self.mass), 3))
         # The last body is −1, as in a list.
         last = len(self.mass) - 1
-        if not -last - 1 <= (number := _arrays.count(body, "body", least=-last - 1)) <= last:
+        if not -last - 1 <= (number := arrays.count(body, "body", least=-last - 1)) <= last:
             raise ParameterError("body", f"must lie in {-last - 1}..{last}, got {number}")
-        force[number, 0] = _arrays.number(push, "push")
+        force[number, 0] = arrays.number(push, "push")
         return force
 
     def _velocity(self, velocity: ArrayLike | None) -> Array:
         shape = (len(self.mass), 6)
-        return np.zeros(shape) if velocity is None else _arrays.array(velocity, "velocity", shape)
+        return np.zeros(shape) if velocity is None else arrays.array(velocity, "velocity", shape)
 
 
 def plane_laws(
@@ -183,7 +183,7 @@ def plane_laws(
     """Return laws for contacts that have a plane each."""
     if law is None:
         return FrictionLaw.isotropic(0.5)
-    listed = (law,) if isinstance(law, FrictionLaw) else _arrays.several(law, "law")
+    listed = (law,) if isinstance(law, FrictionLaw) else arrays.several(law, "law")
     if not isinstance(law, FrictionLaw) and len(listed) != contacts:
         raise ParameterError("law", f"must be one or one per contact ({contacts})")
     for one in listed:
@@ -193,7 +193,7 @@ def plane_laws(
 
 
 def _bodies(value: ArrayLike, argument: str, bodies: int, contacts: int) -> NDArray[np.int64]:
-    numbers = _arrays.array(value, argument, (contacts,))
+    numbers = arrays.array(value, argument, (contacts,))
     whole = numbers.astype(np.int64)
     if (whole != numbers).any() or (whole < GROUND).any() or (whole >= bodies).any():
         raise ParameterError(argument, f"must hold body numbers below {bodies}, or {GROUND}")
@@ -201,7 +201,7 @@ def _bodies(value: ArrayLike, argument: str, bodies: int, contacts: int) -> NDAr
 
 
 def _inertia(value: ArrayLike, bodies: int) -> Array:
-    inertia = _arrays.array(value, "inertia", (bodies, 3, 3))
+    inertia = arrays.array(value, "inertia", (bodies, 3, 3))
     if not np.allclose(inertia, np.swapaxes(inertia, 1, 2), atol=1e-12 * np.abs(inertia).max()):
         raise ParameterError("inertia", "must be symmetric")
     if np.linalg.eigvalsh(inertia).min() <= 0.0:
@@ -210,7 +210,7 @@ def _inertia(value: ArrayLike, bodies: int) -> Array:
 
 
 def _frames(value: ArrayLike, contacts: int) -> Array:
-    frame = _arrays.array(value, "frame", (contacts, 3, 3))
+    frame = arrays.array(value, "frame", (contacts, 3, 3))
     if not np.allclose(frame @ np.swapaxes(frame, 1, 2), np.eye(3), atol=1e-12):
         raise ParameterError("frame", "must hold orthonormal rows: normal, t1, t2")
     return frame

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.problems.scene import GROUND, Scene
 
 UPRIGHT = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -28,14 +28,14 @@ def stack(boxes: int, *, half_sizes: ArrayLike = (0.5, 0.5, 0.5), mass: float = 
     >>> len(scenes.stack(20).point)
     80
     """
-    count, half = _arrays.count(boxes, "boxes"), _half_sizes(half_sizes)
+    count, half = arrays.count(boxes, "boxes"), _half_sizes(half_sizes)
     level = np.arange(count)
     center = np.zeros((count, 3))
     center[:, 2] = (2 * level + 1) * half[2]
     point = np.zeros((count, 4, 3))
     point[..., :2] = CORNERS * half[:2]
     point[..., 2] = 2 * half[2] * level[:, None]
-    masses = np.full(count, _arrays.positive(mass, "mass"))
+    masses = np.full(count, arrays.positive(mass, "mass"))
     sides = np.broadcast_to(half, (count, 3))
     upper = level.repeat(4)
     return _upright(masses, _box_inertia(masses, sides), center, upper - 1, upper, point)
@@ -60,8 +60,8 @@ def wall(
     >>> len(wall.mass), len(wall.point)
     (14, 84)
     """
-    rows, columns = _arrays.count(rows, "rows"), _arrays.count(columns, "columns")
-    half, mass = _half_sizes(half_sizes), _arrays.positive(mass, "mass")
+    rows, columns = arrays.count(rows, "rows"), arrays.count(columns, "columns")
+    half, mass = _half_sizes(half_sizes), arrays.positive(mass, "mass")
     # Joints of a row in units of half a brick.
     joints = (2 * np.arange(columns + 1), np.r_[0, 2 * np.arange(columns) + 1, 2 * columns])
     bricks = [np.column_stack([joints[r % 2][:-1], joints[r % 2][1:]]) for r in range(rows)]
@@ -113,14 +113,14 @@ def table(
     >>> scenes.table([[-1, -1], [1, -1], [0, 1]]).point[:, 2].tolist()
     [0.0, 0.0, 0.0]
     """
-    radius, mass = _arrays.positive(radius, "radius"), _arrays.positive(mass, "mass")
+    radius, mass = arrays.positive(radius, "radius"), arrays.positive(mass, "mass")
     if np.ndim(feet) == 0:
-        count = _arrays.count(feet, "feet")
-        places = radius * _arrays.unit_vectors(2.0 * np.pi * np.arange(count) / count)
+        count = arrays.count(feet, "feet")
+        places = radius * arrays.unit_vectors(2.0 * np.pi * np.arange(count) / count)
     else:
-        places = _arrays.array(feet, "feet", (None, 2))
+        places = arrays.array(feet, "feet", (None, 2))
     point = np.column_stack([places, np.zeros(len(places))])
-    center = np.array([[0.0, 0.0, _arrays.positive(height, "height")]])
+    center = np.array([[0.0, 0.0, arrays.positive(height, "height")]])
     inertia = 0.25 * mass * radius**2 * np.diag([1.0, 1.0, 2.0])[None]
     lower = np.full(len(point), GROUND)
     return _upright(np.array([mass]), inertia, center, lower, np.zeros(len(point)), point)
@@ -143,10 +143,10 @@ def arch(blocks: int, *, thickness: float = 0.15, depth: float = 0.3, mass: floa
     >>> scenes.arch(7).point.shape
     (32, 3)
     """
-    count, mass = _arrays.count(blocks, "blocks"), _arrays.positive(mass, "mass")
-    depth = _arrays.positive(depth, "depth")
+    count, mass = arrays.count(blocks, "blocks"), arrays.positive(mass, "mass")
+    depth = arrays.positive(depth, "depth")
     # The inner radius 1 − t/2 must stay positive.
-    thick = 2.0 * _arrays.fraction(0.5 * _arrays.positive(thickness, "thickness"), "thickness")
+    thick = 2.0 * arrays.fraction(0.5 * arrays.positive(thickness, "thickness"), "thickness")
     inner, outer, half = 1.0 - 0.5 * thick, 1.0 + 0.5 * thick, 0.5 * np.pi / count
     centroid = 2.0 / 3.0 * (outer**3 - inner**3) / (outer**2 - inner**2) * np.sin(half) / half
     along, across, spread = _voussoir(inner, outer, half, centroid)
@@ -210,8 +210,8 @@ def columns(
     >>> len(scenes.columns(4, 3).point), len(scenes.columns(4, 3, touching=False).point)
     (24, 12)
     """
-    count, tall = _arrays.count(n_columns, "n_columns"), _arrays.count(height, "height")
-    radius = _arrays.positive(radius, "radius")
+    count, tall = arrays.count(n_columns, "n_columns"), arrays.count(height, "height")
+    radius = arrays.positive(radius, "radius")
     side = int(np.ceil(np.sqrt(count)))
     column, level = np.arange(count).repeat(tall), np.tile(np.arange(tall), count)
     place = np.column_stack([column % side, column // side, level]).astype(float)
@@ -240,7 +240,7 @@ def pile(layers: int, *, radius: float = 0.5, mass: float = 1.0) -> Scene:
     >>> len(scenes.pile(2).point)  # four on the ground, four pairs, one sphere on four
     12
     """
-    count, radius = _arrays.count(layers, "layers"), _arrays.positive(radius, "radius")
+    count, radius = arrays.count(layers, "layers"), arrays.positive(radius, "radius")
     sizes = list(range(count, 0, -1))
     first = [sum(size**2 for size in sizes[:level]) for level in range(count)]
     center, lower, upper = [], [np.full(count**2, GROUND)], [np.arange(count**2)]
@@ -273,7 +273,7 @@ def _spheres(
     first = np.cross(np.cross(normal, axis), normal)
     first /= np.linalg.norm(first, axis=1)[:, None]
     frame = np.stack([normal, first, np.cross(normal, first)], axis=1)
-    masses = np.full(len(center), _arrays.positive(mass, "mass"))
+    masses = np.full(len(center), arrays.positive(mass, "mass"))
     inertia = 0.4 * masses[:, None, None] * radius**2 * np.eye(3)
     point = center[upper] - radius * normal
     return Scene(masses, inertia, center, lower, upper, point, frame)
@@ -295,5 +295,5 @@ def _box_inertia(mass: Array, half: Array) -> Array:
 
 
 def _half_sizes(value: ArrayLike) -> Array:
-    half = _arrays.extents(value, "half_sizes")
-    return _arrays.array(half, "half_sizes", (3,))
+    half = arrays.extents(value, "half_sizes")
+    return arrays.array(half, "half_sizes", (3,))

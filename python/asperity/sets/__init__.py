@@ -8,6 +8,7 @@ from asperity.sets.drilling import CoulombContensou
 from asperity.sets.mapped import Mapped
 from asperity.sets.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse
 from asperity.sets.star import StarSet
+from asperity.sets.verdict import Verdict
 from asperity.sets.wedge import WedgeAsperity
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "Superellipse",
     "SupportCurve",
     "Union",
+    "Verdict",
     "WedgeAsperity",
     "star_shape",
 ]

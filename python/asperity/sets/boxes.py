@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.sets.star import StarSet
 from asperity.sets.turned import TurnedSet
@@ -28,16 +29,16 @@ class Interval(StarSet):
     upper: float
 
     def __init__(self, lower: float, upper: float) -> None:
-        lower, upper = _arrays.number(lower, "lower"), _arrays.number(upper, "upper")
+        lower, upper = arrays.number(lower, "lower"), arrays.number(upper, "upper")
         if lower >= 0.0:
             raise ParameterError("lower", f"must be negative, got {lower!r}")
-        _arrays.positive(upper, "upper")
+        arrays.positive(upper, "upper")
         core = _core.Set.cuboid(np.array([lower]), np.array([upper]))
         self._set_core(core, lower=lower, upper=upper)
 
     def scaled(self, factor: float) -> Interval:
         """Return the set {s x : x ∈ C}."""
-        factor = _arrays.positive(factor, "factor")
+        factor = arrays.positive(factor, "factor")
         return Interval(factor * self.lower, factor * self.upper)
 
 
@@ -57,12 +58,12 @@ class Box(StarSet):
     half_widths: Array
 
     def __init__(self, half_widths: ArrayLike) -> None:
-        widths = _arrays.extents(half_widths, "half_widths")
-        self._set_core(_core.Set.cuboid(-widths, widths), half_widths=_arrays.read_only(widths))
+        widths = arrays.extents(half_widths, "half_widths")
+        self._set_core(_core.Set.cuboid(-widths, widths), half_widths=arrays.read_only(widths))
 
     def scaled(self, factor: float) -> Box:
         """Return the set {s x : x ∈ C}."""
-        return Box(_arrays.positive(factor, "factor") * self.half_widths)
+        return Box(arrays.positive(factor, "factor") * self.half_widths)
 
 
 class Rectangle(TurnedSet):
@@ -81,7 +82,7 @@ class Rectangle(TurnedSet):
     """
 
     def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
-        a, b = _arrays.size(a, "a"), _arrays.size(b, "b")
+        a, b = arrays.size(a, "a"), arrays.size(b, "b")
         upright = _core.Set.cuboid(np.array([-a, -b]), np.array([a, b]))
         self._set_angled(upright, angle, a=a, b=b)
 
@@ -109,12 +110,12 @@ class CappedRectangle(TurnedSet):
     cap: float
 
     def __init__(self, a: float, b: float, cap: float, angle: float = 0.0) -> None:
-        a, b = _arrays.size(a, "a"), _arrays.size(b, "b")
-        cap = _arrays.size(cap, "cap")
+        a, b = arrays.size(a, "a"), arrays.size(b, "b")
+        cap = arrays.size(cap, "cap")
         upright = _core.Set.capped_rectangle(a, b, cap)
         self._set_angled(upright, angle, a=a, b=b, cap=cap)
 
     def scaled(self, factor: float) -> CappedRectangle:
         """Return the set {s x : x ∈ C}."""
-        factor = _arrays.positive(factor, "factor")
+        factor = arrays.positive(factor, "factor")
         return self.replace(a=factor * self.a, b=factor * self.b, cap=factor * self.cap)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Self
 
-from asperity import _arrays, _core
+from asperity import _core
+from asperity._base import arrays
 from asperity._core import Set as CoreSet
 from asperity.errors import DimensionError
 from asperity.sets.star import StarSet, same_dimension
@@ -19,7 +20,7 @@ class CombinedSet(StarSet):
     def _combine(
         self, combine: Callable[[Sequence[CoreSet]], CoreSet], sets: Iterable[StarSet]
     ) -> None:
-        listed = same_dimension(_arrays.several(sets, "sets"), "sets")
+        listed = same_dimension(arrays.several(sets, "sets"), "sets")
         if not listed:
             raise DimensionError("sets", "must hold at least one set")
         flat: list[StarSet] = []
@@ -100,7 +101,7 @@ class MinkowskiSum(CombinedSet):
     """
 
     def __init__(self, sets: Iterable[StarSet]) -> None:
-        listed = same_dimension(_arrays.several(sets, "sets"), "sets")
+        listed = same_dimension(arrays.several(sets, "sets"), "sets")
         for one in listed:
             one._convex("a Minkowski sum", "sets")
         self._combine(_core.Set.minkowski_sum, listed)

@@ -7,9 +7,10 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 
 
@@ -36,20 +37,19 @@ class Cone(Value):
     dimension: int
 
     def __init__(self, parts: Iterable[ArrayLike], *, dimension: int | None = None) -> None:
-        listed = [_arrays.array(part, "parts") for part in _arrays.several(parts, "parts")]
+        listed = [arrays.array(part, "parts") for part in arrays.several(parts, "parts")]
         if dimension is None:
             if not listed or listed[0].ndim != 2:
                 raise DimensionError("dimension", "must be given unless the first part tells it")
             dimension = listed[0].shape[1]
-        dimension = _arrays.count(dimension, "dimension")
+        dimension = arrays.count(dimension, "dimension")
         if dimension > 3:
             raise DimensionError("dimension", f"must be 1, 2 or 3, got {dimension}")
         # An empty list has lost the width of its rows.
         shaped = [part.reshape(-1, dimension) if part.size == 0 else part for part in listed]
         self._set(
             parts=tuple(
-                _arrays.read_only(_arrays.array(part, "parts", (None, dimension)))
-                for part in shaped
+                arrays.read_only(arrays.array(part, "parts", (None, dimension))) for part in shaped
             ),
             dimension=dimension,
         )
@@ -84,10 +84,8 @@ class Cone(Value):
         [True, False]
         """
         distance = self.distance(y)
-        length = _arrays.lengths(_arrays.array(y, "y"))
-        inside: NDArray[np.bool_] = distance <= length * _arrays.non_negative(
-            tolerance, "tolerance"
-        )
+        length = arrays.lengths(arrays.array(y, "y"))
+        inside: NDArray[np.bool_] = distance <= length * arrays.non_negative(tolerance, "tolerance")
         return inside
 
     def distance(self, y: ArrayLike) -> Array:
@@ -103,8 +101,8 @@ class Cone(Value):
         >>> float(Disk(1.0).tangent_cone([1.0, 0.0]).distance([0.5, 7.0]))
         0.5
         """
-        flat, lead = _arrays.points(y, "y", self.dimension)
-        return _arrays.unflatten(self._nearest(flat)[0], lead)
+        flat, lead = arrays.points(y, "y", self.dimension)
+        return arrays.unflatten(self._nearest(flat)[0], lead)
 
     def project(self, y: ArrayLike) -> Array:
         """Return the element nearest to y, one of them if the cone is not convex.
@@ -122,10 +120,10 @@ class Cone(Value):
         >>> Disk(1.0).tangent_cone([1.0, 0.0]).project([0.5, 7.0]).tolist()
         [0.0, 7.0]
         """
-        flat, lead = _arrays.points(y, "y", self.dimension)
+        flat, lead = arrays.points(y, "y", self.dimension)
         if self.is_empty:
             raise ParameterError("cone", "must not be empty to project onto it")
-        return _arrays.unflatten(self._nearest(flat)[1], lead)
+        return arrays.unflatten(self._nearest(flat)[1], lead)
 
     def polar(self) -> Cone:
         """Return the polar cone {y : yᵀx ≤ 0 ∀x in the cone} of a convex one.
@@ -150,7 +148,7 @@ class Cone(Value):
         distance, nearest = np.full(len(y), np.inf), np.zeros_like(y)
         for part in self.parts:
             found = _core.cone_projection(part, y)
-            away = _arrays.lengths(y - found)
+            away = arrays.lengths(y - found)
             closer = away < distance
             distance[closer], nearest[closer] = away[closer], found[closer]
         return distance, nearest

@@ -7,12 +7,13 @@ from typing import ClassVar, Self
 
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity._core import Set as CoreSet
 from asperity.errors import ParameterError
 from asperity.sets.star import StarSet
-from asperity.verdict import Verdict, verdict
+from asperity.sets.verdict import Verdict, verdict
 
 
 class Polygon(StarSet):
@@ -34,16 +35,16 @@ class Polygon(StarSet):
     vertices: Array
 
     def __init__(self, vertices: ArrayLike) -> None:
-        points = _arrays.array(vertices, "vertices", (None, 2))
-        self._set_core(_core.Set.polygon(points), vertices=_arrays.read_only(points))
+        points = arrays.array(vertices, "vertices", (None, 2))
+        self._set_core(_core.Set.polygon(points), vertices=arrays.read_only(points))
 
     def rotated(self, angle: float) -> Polygon:
         """Return the polygon turned counter-clockwise by `angle` in rad."""
-        return Polygon(self.vertices @ _arrays.rotation(_arrays.number(angle, "angle")).T)
+        return Polygon(self.vertices @ arrays.rotation(arrays.number(angle, "angle")).T)
 
     def scaled(self, factor: float) -> Polygon:
         """Return the set {s x : x ∈ C}."""
-        return Polygon(_arrays.positive(factor, "factor") * self.vertices)
+        return Polygon(arrays.positive(factor, "factor") * self.vertices)
 
 
 class CurveSet(StarSet):
@@ -55,20 +56,20 @@ class CurveSet(StarSet):
     def _set_curve(
         self, make: Callable[[Array, Array], CoreSet], angle: ArrayLike, values: ArrayLike
     ) -> None:
-        angles = _arrays.array(angle, "angle", (None,))
-        numbers = _arrays.array(values, self._values, (angles.size,))
+        angles = arrays.array(angle, "angle", (None,))
+        numbers = arrays.array(values, self._values, (angles.size,))
         if numbers.min(initial=1.0) <= 0.0:
             raise ParameterError(self._values, f"must be positive, got {numbers.min()}")
-        parameters = {"angle": _arrays.read_only(angles), self._values: _arrays.read_only(numbers)}
+        parameters = {"angle": arrays.read_only(angles), self._values: arrays.read_only(numbers)}
         self._set_core(make(angles, numbers), **parameters)
 
     def rotated(self, angle: float) -> Self:
         """Return the set turned counter-clockwise by `angle` in rad."""
-        return self.replace(angle=self.angle + _arrays.number(angle, "angle"))
+        return self.replace(angle=self.angle + arrays.number(angle, "angle"))
 
     def scaled(self, factor: float) -> Self:
         """Return the set {s x : x ∈ C}."""
-        values = _arrays.positive(factor, "factor") * self._parameters[self._values]
+        values = arrays.positive(factor, "factor") * self._parameters[self._values]
         return self.replace(**{self._values: values})
 
 
@@ -157,4 +158,4 @@ def star_shape(vertices: ArrayLike) -> Verdict:
     >>> bool(star_shape([[2.0, 0.0], [1.0, 2.0], [3.0, 2.0], [3.0, 3.0], [-1.0, 0.0], [0.0, -1.0]]))
     False
     """
-    return verdict(_core.star_shape(_arrays.array(vertices, "vertices", (None, 2))))
+    return verdict(_core.star_shape(arrays.array(vertices, "vertices", (None, 2))))

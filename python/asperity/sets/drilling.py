@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-from asperity import _arrays, _core
+from asperity import _core
+from asperity._base import arrays
 from asperity.sets.star import StarSet
 
 Pressure = Literal["hertz", "uniform"]
@@ -33,10 +34,10 @@ class CoulombContensou(StarSet):
     pressure: Pressure
 
     def __init__(self, mu: float, pressure: Pressure = "hertz") -> None:
-        mu = _arrays.positive(mu, "mu")
-        pressure = _arrays.choice(pressure, "pressure", ("hertz", "uniform"))
+        mu = arrays.positive(mu, "mu")
+        pressure = arrays.choice(pressure, "pressure", ("hertz", "uniform"))
         self._set_core(_core.Set.coulomb_contensou(mu, pressure), mu=mu, pressure=pressure)
 
     def scaled(self, factor: float) -> CoulombContensou:
         """Return the set {s x : x ∈ C}."""
-        return self.replace(mu=_arrays.positive(factor, "factor") * self.mu)
+        return self.replace(mu=arrays.positive(factor, "factor") * self.mu)

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity._core import Set as CoreSet
-from asperity._value import Value
 from asperity.errors import DimensionError
 
 _GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
@@ -46,8 +46,8 @@ class GaugeMethods(Value):
         >>> float(Ellipse(3.0, 1.0).gauge([6.0, 0.0]))
         2.0
         """
-        flat, lead = _arrays.points(x, "x", self.dimension)
-        return _arrays.unflatten(self._core.gauge(flat), lead)
+        flat, lead = arrays.points(x, "x", self.dimension)
+        return arrays.unflatten(self._core.gauge(flat), lead)
 
     def gauge_gradient(self, x: ArrayLike) -> Array:
         """Return the gradient ∇k_C(x), an outward normal of the boundary.
@@ -67,8 +67,8 @@ class GaugeMethods(Value):
         >>> Disk(2.0).gauge_gradient([3.0, 4.0]).tolist()
         [0.3, 0.4]
         """
-        flat, lead = _arrays.points(x, "x", self.dimension)
-        return _arrays.unflatten(self._core.gauge_gradient(flat), lead)
+        flat, lead = arrays.points(x, "x", self.dimension)
+        return arrays.unflatten(self._core.gauge_gradient(flat), lead)
 
     def radius(self, theta: ArrayLike) -> Array:
         """Return the radius r_C(θ) = 1/k_C(cos θ, sin θ) of a planar set.
@@ -85,7 +85,7 @@ class GaugeMethods(Value):
         2.0
         """
         self._require_plane("radius")
-        return 1.0 / self.gauge(_arrays.unit_vectors(_arrays.array(theta, "theta")))
+        return 1.0 / self.gauge(arrays.unit_vectors(arrays.array(theta, "theta")))
 
     def contains(self, x: ArrayLike, *, tolerance: float = 1e-12) -> NDArray[np.bool_]:
         """Return whether k_C(x) ≤ 1 + `tolerance`.
@@ -101,7 +101,7 @@ class GaugeMethods(Value):
         >>> Disk(1.0).contains([[0.5, 0.5], [1.0, 1.0]]).tolist()
         [True, False]
         """
-        inside: NDArray[np.bool_] = self.gauge(x) <= 1.0 + _arrays.non_negative(
+        inside: NDArray[np.bool_] = self.gauge(x) <= 1.0 + arrays.non_negative(
             tolerance, "tolerance"
         )
         return inside
@@ -120,7 +120,7 @@ class GaugeMethods(Value):
         >>> Disk(2.0).boundary(4).round(12).tolist()[:2]
         [[2.0, 0.0], [0.0, 2.0]]
         """
-        rays = directions(self.dimension, _arrays.count(n, "n"))
+        rays = directions(self.dimension, arrays.count(n, "n"))
         return rays / self.gauge(rays)[:, None]
 
     def indicator(self, x: ArrayLike, *, tolerance: float = 1e-12) -> Array:
@@ -155,7 +155,7 @@ def directions(dimension: int, n: int) -> Array:
         return np.array([[-1.0], [1.0]])
     k = np.arange(n)
     if dimension == 2:
-        return _arrays.unit_vectors(2.0 * np.pi * k / n)
+        return arrays.unit_vectors(2.0 * np.pi * k / n)
     height = 1.0 - (2.0 * k + 1.0) / n
     ring = np.sqrt(1.0 - height**2)
     return np.stack(

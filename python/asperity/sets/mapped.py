@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.sets.star import StarSet, checked_set
 
 
@@ -32,10 +32,10 @@ class Mapped(StarSet):
 
     def __init__(self, set: StarSet, matrix: ArrayLike) -> None:
         set = checked_set(set, "set")
-        converted = _arrays.array(matrix, "matrix", (set.dimension, set.dimension))
-        self._set_core(set._core.mapped(converted), set=set, matrix=_arrays.read_only(converted))
+        converted = arrays.array(matrix, "matrix", (set.dimension, set.dimension))
+        self._set_core(set._core.mapped(converted), set=set, matrix=arrays.read_only(converted))
 
     def mapped(self, matrix: ArrayLike) -> Mapped:
         """Return the image under a further map; the two matrices are multiplied."""
-        outer = _arrays.array(matrix, "matrix", (self.dimension, self.dimension))
+        outer = arrays.array(matrix, "matrix", (self.dimension, self.dimension))
         return Mapped(self.set, outer @ self.matrix)

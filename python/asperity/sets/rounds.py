@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import DimensionError
 from asperity.sets.star import StarSet
 from asperity.sets.turned import TurnedSet
@@ -25,20 +26,20 @@ class Ball(StarSet):
     """
 
     def __init__(self, radius: float, *, dimension: int = 3) -> None:
-        radius = _arrays.positive(radius, "radius")
-        dimension = _arrays.count(dimension, "dimension")
+        radius = arrays.positive(radius, "radius")
+        dimension = arrays.count(dimension, "dimension")
         if dimension > 3:
             raise DimensionError("dimension", f"must be 1, 2 or 3, got {dimension}")
         self._set_core(_core.Set.ball(dimension, radius), radius=radius, dimension=dimension)
 
     def rotated(self, angle: float) -> Ball:
         """Return the ball itself."""
-        _arrays.number(angle, "angle")
+        arrays.number(angle, "angle")
         return self
 
     def scaled(self, factor: float) -> Ball:
         """Return the set {s x : x ∈ C}."""
-        factor = _arrays.positive(factor, "factor")
+        factor = arrays.positive(factor, "factor")
         return self.replace(radius=factor * self._parameters["radius"])
 
 
@@ -56,17 +57,17 @@ class Disk(StarSet):
     """
 
     def __init__(self, radius: float) -> None:
-        radius = _arrays.positive(radius, "radius")
+        radius = arrays.positive(radius, "radius")
         self._set_core(_core.Set.ball(2, radius), radius=radius)
 
     def rotated(self, angle: float) -> Disk:
         """Return the disk itself."""
-        _arrays.number(angle, "angle")
+        arrays.number(angle, "angle")
         return self
 
     def scaled(self, factor: float) -> Disk:
         """Return the set {s x : x ∈ C}."""
-        return Disk(_arrays.positive(factor, "factor") * self._parameters["radius"])
+        return Disk(arrays.positive(factor, "factor") * self._parameters["radius"])
 
 
 class Ellipse(TurnedSet):
@@ -85,7 +86,7 @@ class Ellipse(TurnedSet):
     """
 
     def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
-        a, b = _arrays.size(a, "a"), _arrays.size(b, "b")
+        a, b = arrays.size(a, "a"), arrays.size(b, "b")
         upright = _core.Set.ellipsoid(np.array([a, b]))
         self._set_angled(upright, angle, a=a, b=b)
 
@@ -110,7 +111,7 @@ class Ellipse(TurnedSet):
         """
         return cls(
             *_core.Set.ellipse_from_intercepts(
-                _arrays.positive(n1, "n1"), _arrays.positive(n2, "n2"), _arrays.number(nu, "nu")
+                arrays.positive(n1, "n1"), arrays.positive(n2, "n2"), arrays.number(nu, "nu")
             )
         )
 
@@ -131,12 +132,12 @@ class Ellipsoid(StarSet):
     semi_axes: Array
 
     def __init__(self, semi_axes: ArrayLike) -> None:
-        axes = _arrays.extents(semi_axes, "semi_axes")
-        self._set_core(_core.Set.ellipsoid(axes), semi_axes=_arrays.read_only(axes))
+        axes = arrays.extents(semi_axes, "semi_axes")
+        self._set_core(_core.Set.ellipsoid(axes), semi_axes=arrays.read_only(axes))
 
     def scaled(self, factor: float) -> Ellipsoid:
         """Return the set {s x : x ∈ C}."""
-        return Ellipsoid(_arrays.positive(factor, "factor") * self.semi_axes)
+        return Ellipsoid(arrays.positive(factor, "factor") * self.semi_axes)
 
 
 class Superellipse(TurnedSet):
@@ -163,7 +164,7 @@ class Superellipse(TurnedSet):
     exponent: float
 
     def __init__(self, a: float, b: float, exponent: float, angle: float = 0.0) -> None:
-        a, b = _arrays.size(a, "a"), _arrays.size(b, "b")
-        exponent = _arrays.positive(exponent, "exponent")
+        a, b = arrays.size(a, "a"), arrays.size(b, "b")
+        exponent = arrays.positive(exponent, "exponent")
         upright = _core.Set.superellipsoid(np.array([a, b]), exponent)
         self._set_angled(upright, angle, a=a, b=b, exponent=exponent)

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
+from asperity._base import arrays
 from asperity.errors import DimensionError, ParameterError
 from asperity.sets.cone import Cone
 from asperity.sets.support import SupportMethods
-from asperity.verdict import Verdict, verdict
+from asperity.sets.verdict import Verdict, verdict
 
 if TYPE_CHECKING:
     from asperity.sets.combined import Intersection, MinkowskiSum, Union
@@ -101,8 +101,8 @@ class StarSet(SupportMethods):
         >>> cone.contains([[-1.0, 0.0], [-1.0, 0.1]]).tolist()
         [True, False]
         """
-        point = _arrays.array(x, "x", (self.dimension,))
-        parts = self._core.tangent_cone(point, _arrays.non_negative(tolerance, "tolerance"))
+        point = arrays.array(x, "x", (self.dimension,))
+        parts = self._core.tangent_cone(point, arrays.non_negative(tolerance, "tolerance"))
         return Cone(parts or (), dimension=self.dimension)
 
     def scale_inside(self, outer: StarSet) -> float:
@@ -146,7 +146,7 @@ class StarSet(SupportMethods):
         Ellipse(3.0, 1.0, angle=0.5)
         """
         self._require_plane("rotated")
-        return self.mapped(_arrays.rotation(_arrays.number(angle, "angle")))
+        return self.mapped(arrays.rotation(arrays.number(angle, "angle")))
 
     def scaled(self, factor: float) -> StarSet:
         """Return the set {s x : x ∈ C}.
@@ -158,7 +158,7 @@ class StarSet(SupportMethods):
         >>> Disk(1.5).scaled(2.0)
         Disk(3.0)
         """
-        return self.mapped(np.eye(self.dimension) * _arrays.positive(factor, "factor"))
+        return self.mapped(np.eye(self.dimension) * arrays.positive(factor, "factor"))
 
     def mapped(self, matrix: ArrayLike) -> Mapped:
         """Return the image {A x : x ∈ C}; see `preimage` for {x : A x ∈ C}.
@@ -186,7 +186,7 @@ class StarSet(SupportMethods):
         >>> Disk(1.0).preimage([[2.0, 0.0], [0.0, 1.0]]).radius([0.0]).tolist()
         [0.5]
         """
-        return self.mapped(_arrays.inverse(matrix, "matrix", self.dimension))
+        return self.mapped(arrays.inverse(matrix, "matrix", self.dimension))
 
     def __and__(self, other: StarSet) -> Intersection:
         from asperity.sets.combined import Intersection

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity._core import Set as CoreSet
 from asperity.errors import ParameterError
 from asperity.sets.cone import Cone
@@ -33,8 +33,8 @@ class SupportMethods(GaugeMethods):
         >>> float(Ellipse(3.0, 1.0).support([2.0, 0.0]))
         6.0
         """
-        flat, lead = _arrays.points(y, "y", self.dimension)
-        return _arrays.unflatten(self._convex("support").support(flat), lead)
+        flat, lead = arrays.points(y, "y", self.dimension)
+        return arrays.unflatten(self._convex("support").support(flat), lead)
 
     def support_point(self, y: ArrayLike) -> Array:
         """Return the point ∇Ψ*_C(y) of a convex set that is farthest in direction y.
@@ -54,8 +54,8 @@ class SupportMethods(GaugeMethods):
         >>> Rectangle(2.0, 1.0).support_point([1.0, -1.0]).tolist()
         [2.0, -1.0]
         """
-        flat, lead = _arrays.points(y, "y", self.dimension)
-        return _arrays.unflatten(self._convex("support_point").support_point(flat), lead)
+        flat, lead = arrays.points(y, "y", self.dimension)
+        return arrays.unflatten(self._convex("support_point").support_point(flat), lead)
 
     def support_hessian(self, y: ArrayLike) -> Array:
         """Return the Hessian ∇²Ψ*_C(y) of a convex set; it holds ∇²Ψ*_C(y) y = 0.
@@ -77,8 +77,8 @@ class SupportMethods(GaugeMethods):
         >>> Disk(2.0).support_hessian([0.0, 4.0]).tolist()
         [[0.5, 0.0], [0.0, 0.0]]
         """
-        flat, lead = _arrays.points(y, "y", self.dimension)
-        return _arrays.unflatten(self._convex("support_hessian").support_hessian(flat), lead)
+        flat, lead = arrays.points(y, "y", self.dimension)
+        return arrays.unflatten(self._convex("support_hessian").support_hessian(flat), lead)
 
     def project(self, z: ArrayLike) -> Array:
         """Return the proximal point prox_C(z) = argmin{‖z − x‖ : x ∈ C} of a convex set.
@@ -98,8 +98,8 @@ class SupportMethods(GaugeMethods):
         >>> Rectangle(2.0, 1.0).project([5.0, 0.5]).tolist()
         [2.0, 0.5]
         """
-        flat, lead = _arrays.points(z, "z", self.dimension)
-        return _arrays.unflatten(self._convex("project").project(flat), lead)
+        flat, lead = arrays.points(z, "z", self.dimension)
+        return arrays.unflatten(self._convex("project").project(flat), lead)
 
     def normal_cone(self, x: ArrayLike, *, tolerance: float = 1e-9) -> Cone:
         """Return the normal cone N_C(x) = {y : yᵀ(x* − x) ≤ 0 ∀x* ∈ C} of a convex set.
@@ -123,8 +123,8 @@ class SupportMethods(GaugeMethods):
         >>> Rectangle(2.0, 1.0).normal_cone([2.0, 1.5]).is_empty
         True
         """
-        point = _arrays.array(x, "x", (self.dimension,))
-        tolerance = _arrays.non_negative(tolerance, "tolerance")
+        point = arrays.array(x, "x", (self.dimension,))
+        tolerance = arrays.non_negative(tolerance, "tolerance")
         generators = self._convex("normal_cone").normal_cone(point, tolerance)
         return Cone(() if generators is None else (generators,), dimension=self.dimension)
 
@@ -148,7 +148,7 @@ class SupportMethods(GaugeMethods):
         >>> Rectangle(2.0, 1.0).fenchel_gap([2.0, 0.5], [[3.0, 0.0], [0.0, 3.0]]).tolist()
         [0.0, 1.5]
         """
-        x, y = _arrays.point_pairs(x, "x", y, "y", self.dimension)
+        x, y = arrays.point_pairs(x, "x", y, "y", self.dimension)
         gap: Array = self.indicator(x, tolerance=tolerance) + self.support(y) - (x * y).sum(-1)
         return gap
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Self
 
-from asperity import _arrays
+from asperity._base import arrays
 from asperity._core import Set as CoreSet
 from asperity.sets.star import StarSet
 
@@ -15,13 +15,13 @@ class AngledSet(StarSet):
     angle: float
 
     def _set_angled(self, upright: CoreSet, angle: float, **parameters: Any) -> None:
-        angle = _arrays.number(angle, "angle")
+        angle = arrays.number(angle, "angle")
         core = upright.rotated(angle) if angle else upright
         self._set_core(core, angle=angle, **parameters)
 
     def rotated(self, angle: float) -> Self:
         """Return the set turned counter-clockwise by `angle` in rad."""
-        return self.replace(angle=self.angle + _arrays.number(angle, "angle"))
+        return self.replace(angle=self.angle + arrays.number(angle, "angle"))
 
 
 class TurnedSet(AngledSet):
@@ -32,5 +32,5 @@ class TurnedSet(AngledSet):
 
     def scaled(self, factor: float) -> Self:
         """Return the set {s x : x ∈ C}."""
-        factor = _arrays.positive(factor, "factor")
+        factor = arrays.positive(factor, "factor")
         return self.replace(a=factor * self.a, b=factor * self.b)

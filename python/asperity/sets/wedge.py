@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from asperity import _arrays, _core
+from asperity import _core
+from asperity._base import arrays
 from asperity.sets.turned import AngledSet
 
 
@@ -35,5 +36,5 @@ class WedgeAsperity(AngledSet):
     beta: float
 
     def __init__(self, mu: float, beta: float, angle: float = 0.0) -> None:
-        mu, beta = _arrays.positive(mu, "mu"), _arrays.non_negative(beta, "beta")
+        mu, beta = arrays.positive(mu, "mu"), arrays.non_negative(beta, "beta")
         self._set_angled(_core.Set.wedge_asperity(mu, beta), angle, mu=mu, beta=beta)

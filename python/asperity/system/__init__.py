@@ -11,6 +11,7 @@ from asperity.system.rigid import (
     Line,
     PlanarBody,
     Plane,
+    PlaneMotion,
     PointPlane,
     RigidBodies,
     SpherePlane,
@@ -18,6 +19,7 @@ from asperity.system.rigid import (
     Spring,
 )
 from asperity.system.sliding_disk import SlidingDisk
+from asperity.system.time_functions import Signal, Sine
 
 __all__ = [
     "Body",
@@ -30,8 +32,11 @@ __all__ = [
     "MassOnBelt",
     "PlanarBody",
     "Plane",
+    "PlaneMotion",
     "PointPlane",
     "RigidBodies",
+    "Signal",
+    "Sine",
     "SlidingDisk",
     "SlidingPoint",
     "SpherePlane",

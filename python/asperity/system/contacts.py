@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 
@@ -103,19 +103,19 @@ class Contact(Value):
             )
         if normal is None and gap:
             raise ParameterError("gap", "needs a unilateral contact: give normal")
-        columns = _arrays.array(direction, "direction")
+        columns = arrays.array(direction, "direction")
         if columns.ndim == 1 and law.dimension == 1:
             columns = columns[:, None]
-        columns = _arrays.array(columns, "direction", (None, law.dimension))
+        columns = arrays.array(columns, "direction", (None, law.dimension))
         belt = np.zeros(law.dimension) if velocity is None else velocity
         self._set(
             **laws,
-            direction=_arrays.read_only(columns),
+            direction=arrays.read_only(columns),
             normal=None
             if normal is None
-            else _arrays.read_only(_arrays.array(normal, "normal", (len(columns),))),
-            gap=_arrays.number(gap, "gap"),
-            velocity=_arrays.read_only(_arrays.array(belt, "velocity", (law.dimension,))),
+            else arrays.read_only(arrays.array(normal, "normal", (len(columns),))),
+            gap=arrays.number(gap, "gap"),
+            velocity=arrays.read_only(arrays.array(belt, "velocity", (law.dimension,))),
         )
 
     @property
@@ -140,9 +140,7 @@ def checked_laws(
         "law": law,
         "normal_force": None
         if normal_force is None
-        else _arrays.non_negative(normal_force, "normal_force"),
-        "normal_restitution": _arrays.fraction(normal_restitution, "normal_restitution"),
-        "tangential_restitution": _arrays.fraction(
-            tangential_restitution, "tangential_restitution"
-        ),
+        else arrays.non_negative(normal_force, "normal_force"),
+        "normal_restitution": arrays.fraction(normal_restitution, "normal_restitution"),
+        "tangential_restitution": arrays.fraction(tangential_restitution, "tangential_restitution"),
     }

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.system.contacts import ContactLaw
 
@@ -126,7 +127,7 @@ class System:
         blocks, touched = self._blocks(len(listed))
         coordinates = self.coordinates
         if coordinates is not None:
-            coordinates = _arrays.count(coordinates, "coordinates")
+            coordinates = arrays.count(coordinates, "coordinates")
             _require(cls, "advance")
         elif self._advances:
             coordinates = sum(blocks)
@@ -141,11 +142,11 @@ class System:
 
     def _blocks(self, contacts: int) -> tuple[list[int], list[list[int]] | None]:
         """Return the sizes of the blocks, and the blocks of every contact if there are any."""
-        dof = _arrays.count(getattr(self, "dof", None), "dof")
+        dof = arrays.count(getattr(self, "dof", None), "dof")
         if self.blocks is None:
             _require(type(self), "mass")
             return [dof], None
-        blocks = [_arrays.count(size, "blocks") for size in self.blocks]
+        blocks = [arrays.count(size, "blocks") for size in self.blocks]
         if dof != sum(blocks):
             raise ParameterError("dof", f"must be {sum(blocks)}, the sum of blocks, got {dof}")
         _require(type(self), "block_mass")

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.system.contacts import Contact
 
@@ -60,13 +61,13 @@ class LinearSystem(Value):
             mass=_matrix(mass, "mass", n),
             stiffness=_matrix(stiffness, "stiffness", n),
             damping=_matrix(damping, "damping", n),
-            force=_arrays.read_only(
-                _arrays.array(np.zeros(n) if force is None else force, "force", (n,))
+            force=arrays.read_only(
+                arrays.array(np.zeros(n) if force is None else force, "force", (n,))
             ),
             contacts=listed,
         )
         for contact in listed:
-            _arrays.array(contact.direction, "direction", (n, contact.law.dimension))
+            arrays.array(contact.direction, "direction", (n, contact.law.dimension))
         core = _core.LinearSystem(
             self.mass,
             self.stiffness,
@@ -91,7 +92,7 @@ def _contacts(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
 
 
 def _dof(mass: ArrayLike, contacts: Sequence[Contact]) -> int:
-    converted = _arrays.array(mass, "mass")
+    converted = arrays.array(mass, "mass")
     if converted.ndim:
         if converted.size == 0:
             raise DimensionError("mass", "must not be empty")
@@ -100,4 +101,4 @@ def _dof(mass: ArrayLike, contacts: Sequence[Contact]) -> int:
 
 
 def _matrix(value: ArrayLike | None, argument: str, n: int) -> Array:
-    return _arrays.read_only(_arrays.square(0.0 if value is None else value, argument, n))
+    return arrays.read_only(arrays.square(0.0 if value is None else value, argument, n))

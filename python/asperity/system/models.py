@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.system.contacts import Contact
@@ -37,7 +38,7 @@ class SlidingPoint(Value):
     linear: LinearSystem
 
     def __init__(self, mass: float, law: FrictionLaw, *, gravity: float = 9.81) -> None:
-        mass, gravity = _arrays.positive(mass, "mass"), _arrays.positive(gravity, "gravity")
+        mass, gravity = arrays.positive(mass, "mass"), arrays.positive(gravity, "gravity")
         _check_law(law)
         self._set(mass=mass, law=law, gravity=gravity)
         contact = Contact(law, np.eye(law.dimension), normal_force=mass * gravity)
@@ -91,18 +92,18 @@ class MassOnBelt(Value):
         normal_force: float,
         belt_velocity: ArrayLike,
     ) -> None:
-        mass = _arrays.positive(mass, "mass")
+        mass = arrays.positive(mass, "mass")
         _check_law(law)
         p = law.dimension
-        belt = _arrays.array(belt_velocity, "belt_velocity", (p,))
-        normal_force = _arrays.positive(normal_force, "normal_force")
-        springs = _arrays.square(stiffness, "stiffness", p)
+        belt = arrays.array(belt_velocity, "belt_velocity", (p,))
+        normal_force = arrays.positive(normal_force, "normal_force")
+        springs = arrays.square(stiffness, "stiffness", p)
         self._set(
             mass=mass,
-            stiffness=_arrays.read_only(springs),
+            stiffness=arrays.read_only(springs),
             law=law,
             normal_force=normal_force,
-            belt_velocity=_arrays.read_only(belt),
+            belt_velocity=arrays.read_only(belt),
         )
         contact = Contact(law, np.eye(p), normal_force=normal_force, velocity=-belt)
         self._keep(linear=LinearSystem(mass, springs, contacts=[contact]))
@@ -115,7 +116,7 @@ class MassOnBelt(Value):
             position = np.linalg.solve(self.stiffness, force)
         except np.linalg.LinAlgError:
             raise ParameterError("stiffness", "must be regular for an equilibrium") from None
-        return _arrays.array(position, "equilibrium")
+        return arrays.array(position, "equilibrium")
 
     @property
     def dof(self) -> int:

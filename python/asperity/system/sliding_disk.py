@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array, unit_vectors
+from asperity._base import arrays
+from asperity._base.arrays import Array, unit_vectors
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.system.rigid import Body, Plane, PointPlane, RigidBodies
 
 if TYPE_CHECKING:
-    from asperity.trajectory import Trajectory
+    from asperity.runs.trajectory import Trajectory
 
 PADS = 3
 """Number of pads, equally spaced on a circle; their contacts are the first."""
@@ -99,22 +99,22 @@ class SlidingDisk(RigidBodies):
     ) -> None:
         if not isinstance(law, FrictionLaw) or law.dimension != 2:
             raise ParameterError("law", f"must be a planar FrictionLaw, got {law!r}")
-        start = _arrays.read_only(_arrays.array(velocity, "velocity", (2,)))
-        place = _arrays.read_only(_arrays.array(position, "position", (2,)))
+        start = arrays.read_only(arrays.array(velocity, "velocity", (2,)))
+        place = arrays.read_only(arrays.array(position, "position", (2,)))
         given = {
-            "spin": _arrays.number(spin, "spin"),
-            "angle": _arrays.number(angle, "angle"),
-            "mass": _arrays.positive(mass, "mass"),
-            "diameter": _arrays.positive(diameter, "diameter"),
-            "height": _arrays.positive(height, "height"),
-            "pad_circle": _arrays.positive(pad_circle, "pad_circle"),
-            "pad_height": _arrays.positive(pad_height, "pad_height"),
+            "spin": arrays.number(spin, "spin"),
+            "angle": arrays.number(angle, "angle"),
+            "mass": arrays.positive(mass, "mass"),
+            "diameter": arrays.positive(diameter, "diameter"),
+            "height": arrays.positive(height, "height"),
+            "pad_circle": arrays.positive(pad_circle, "pad_circle"),
+            "pad_height": arrays.positive(pad_height, "pad_height"),
         }
         if pad_circle > diameter:
             raise ParameterError("pad_circle", f"must be at most {diameter!r}, got {pad_circle!r}")
         if pad_height >= height:
             raise ParameterError("pad_height", f"must be below {height!r}, got {pad_height!r}")
-        down = _arrays.array(gravity, "gravity", (3,))
+        down = arrays.array(gravity, "gravity", (3,))
         if down[2] >= 0.0:
             raise ParameterError("gravity", f"must press the disk on the plane, got {gravity!r}")
         body = Body.cylinder(

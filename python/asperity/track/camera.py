@@ -11,17 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._files import atomic
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.files import atomic
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
-from asperity.motion import Motion
+from asperity.runs.run import Run
 from asperity.track.config import config_text
 from asperity.track.frames import Pixels
 from asperity.track.scene import Scene
 from asperity.track.segmentation import Mark
-from asperity.trajectory import Trajectory
 
 _Image = NDArray[np.float32]
 
@@ -74,7 +73,7 @@ class VirtualCamera(Value):
     ((240, 320, 3), 13)
     """
 
-    run: Trajectory | Motion
+    run: Run
     fps: float
     coordinates: tuple[int, int]
     size: tuple[int, int]
@@ -93,7 +92,7 @@ class VirtualCamera(Value):
 
     def __init__(
         self,
-        run: Trajectory | Motion,
+        run: Run,
         *,
         fps: float = 500.0,
         coordinates: tuple[int, int] = (0, 1),
@@ -109,26 +108,26 @@ class VirtualCamera(Value):
         rest: float = 0.02,
         seed: int = 0,
     ) -> None:
-        if not isinstance(run, Trajectory | Motion):
+        if not isinstance(run, Run):
             raise ParameterError("run", f"must be a Trajectory or a Motion, got {run!r}")
         mark = mark or Mark(diameter=0.01)
         if mark.diameter is None:
             raise ParameterError("mark", "must have a diameter")
         self._set(
             run=run,
-            fps=_arrays.positive(fps, "fps"),
+            fps=arrays.positive(fps, "fps"),
             coordinates=_two(coordinates, run.q.shape[1]),
             size=_size(size),
             scene=scene,
-            tilt=_arrays.number(tilt, "tilt"),
+            tilt=arrays.number(tilt, "tilt"),
             mark=mark,
-            disk_diameter=_arrays.positive(disk_diameter, "disk_diameter"),
-            defocus=_arrays.non_negative(defocus, "defocus"),
-            exposure=_arrays.non_negative(exposure, "exposure"),
-            noise=_arrays.non_negative(noise, "noise"),
-            glare=_arrays.non_negative(glare, "glare"),
-            rest=_arrays.non_negative(rest, "rest"),
-            seed=_arrays.count(seed, "seed", least=0),
+            disk_diameter=arrays.positive(disk_diameter, "disk_diameter"),
+            defocus=arrays.non_negative(defocus, "defocus"),
+            exposure=arrays.non_negative(exposure, "exposure"),
+            noise=arrays.non_negative(noise, "noise"),
+            glare=arrays.non_negative(glare, "glare"),
+            rest=arrays.non_negative(rest, "rest"),
+            seed=arrays.count(seed, "seed", least=0),
         )
         if len(run) < 2:
             raise ParameterError("run", f"must hold at least two samples, got {len(run)}")
@@ -141,9 +140,9 @@ class VirtualCamera(Value):
         view = scene or self._facing(tilt)
         self._keep(
             view=view,
-            time=_arrays.read_only(time),
-            position=_arrays.read_only(position),
-            pixel=_arrays.read_only(view.to_pixels(position)),
+            time=arrays.read_only(time),
+            position=arrays.read_only(position),
+            pixel=arrays.read_only(view.to_pixels(position)),
         )
 
     def __len__(self) -> int:
@@ -178,7 +177,7 @@ class VirtualCamera(Value):
 
     def config(self, *, point_error: float = 0.1) -> str:
         """Return the text of ``track.toml``."""
-        point_error = _arrays.non_negative(point_error, "point_error")
+        point_error = arrays.non_negative(point_error, "point_error")
         columns, rows = self.size
         share = np.array([0.1, 0.5, 0.9])
         pixel = np.stack(np.meshgrid(columns * share, rows * share), axis=-1).reshape(-1, 2)
@@ -282,14 +281,14 @@ def _part(image: _Image, middle: Array, reach: float) -> tuple[int, int, _Image]
 
 
 def _two(coordinates: ArrayLike, count: int) -> tuple[int, int]:
-    pair = tuple(_arrays.count(one, "coordinates", least=0) for one in np.ravel(coordinates))
+    pair = tuple(arrays.count(one, "coordinates", least=0) for one in np.ravel(coordinates))
     if len(pair) != 2 or max(pair) >= count:
         raise DimensionError("coordinates", f"must be two of 0..{count - 1}, got {coordinates!r}")
     return pair
 
 
 def _size(size: ArrayLike) -> tuple[int, int]:
-    pair = tuple(_arrays.count(one, "size", least=16) for one in np.ravel(size))
+    pair = tuple(arrays.count(one, "size", least=16) for one in np.ravel(size))
     if len(pair) != 2:
         raise DimensionError("size", f"must be (columns, rows), got {size!r}")
     return pair

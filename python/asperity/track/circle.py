@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 
 _ITERATIONS = 30
@@ -49,11 +49,11 @@ class Circle(Value):
         coverage: float,
     ) -> None:
         self._set(
-            centre=_arrays.read_only(_arrays.array(centre, "centre", (2,))),
-            radius=_arrays.positive(radius, "radius"),
-            covariance=_arrays.read_only(_arrays.array(covariance, "covariance", (3, 3))),
-            rms=_arrays.non_negative(rms, "rms"),
-            coverage=_arrays.fraction(coverage, "coverage"),
+            centre=arrays.read_only(arrays.array(centre, "centre", (2,))),
+            radius=arrays.positive(radius, "radius"),
+            covariance=arrays.read_only(arrays.array(covariance, "covariance", (3, 3))),
+            rms=arrays.non_negative(rms, "rms"),
+            coverage=arrays.fraction(coverage, "coverage"),
         )
 
 
@@ -78,10 +78,10 @@ def fit_circle(points: ArrayLike, *, robust: bool = False, resolution: float = 0
     >>> circle.centre.round(9).tolist(), round(circle.radius, 9)
     ([1.0, 1.0], 2.0)
     """
-    outline = _arrays.array(points, "points", (None, 2))
+    outline = arrays.array(points, "points", (None, 2))
     if len(outline) < _FEWEST:
         raise DimensionError("points", f"must hold at least {_FEWEST} points, got {len(outline)}")
-    resolution = _arrays.non_negative(resolution, "resolution")
+    resolution = arrays.non_negative(resolution, "resolution")
     # In units of their own spread about their own mean, no digits are lost.
     middle = outline.mean(axis=0)
     spread = float(np.sqrt(np.mean((outline - middle) ** 2)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 
 _DEGREE = 3

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.track.circle import Circle, fit_circle
 from asperity.track.frames import Frame

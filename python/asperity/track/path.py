@@ -7,10 +7,10 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._files import atomic
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.tables import write_columns
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.track.cubics import local_cubics, noise, resting
 
@@ -85,7 +85,7 @@ class MeasuredPath(Value):
         bandwidth: float | None = None,
         section: tuple[float, float] | None = None,
     ) -> None:
-        t = _arrays.array(time, "time", (None,))
+        t = arrays.array(time, "time", (None,))
         x = _with_gaps(position, "position", len(t))
         error = _with_gaps(position_error, "position_error", len(t))
         if (np.diff(t) <= 0.0).any():
@@ -101,9 +101,9 @@ class MeasuredPath(Value):
         moves = _section(section, t) if section is not None else _moving(t[seen], x[seen], limit)
         h = _usual(t[seen], moves) if bandwidth is None else _bandwidth(bandwidth, t[seen])
         self._set(
-            time=_arrays.read_only(t),
-            position=_arrays.read_only(x),
-            position_error=_arrays.read_only(error),
+            time=arrays.read_only(t),
+            position=arrays.read_only(x),
+            position_error=arrays.read_only(error),
             bandwidth=h,
             section=moves,
         )
@@ -111,10 +111,10 @@ class MeasuredPath(Value):
         derived = local_cubics(t, x, h, bounds)
         first, place = resting(x[seen], limit)
         self._keep(
-            seen=_arrays.read_only(seen),
+            seen=arrays.read_only(seen),
             comes_to_rest=_rests(t, x, seen, len(x[seen]) - first, limit),
-            _end=_arrays.read_only(place),
-            **{name: _arrays.read_only(values) for name, values in derived.items()},
+            _end=arrays.read_only(place),
+            **{name: arrays.read_only(values) for name, values in derived.items()},
         )
 
     def __len__(self) -> int:
@@ -168,19 +168,19 @@ class MeasuredPath(Value):
             "acceleration": "a{} [m/s2]",
             "acceleration_error": "a{}_error [m/s2]",
         }
-        header = ["t [s]", *(title.format(i) for title in names.values() for i in (1, 2))]
-        table = np.column_stack([self.time, *(getattr(self, name) for name in names)])
-        with atomic(path) as file:
-            np.savetxt(
-                file, table, fmt="%.10g", delimiter=",", header=",".join(header), comments=""
-            )
+        columns = {
+            title.format(k + 1): getattr(self, name)[:, k]
+            for name, title in names.items()
+            for k in (0, 1)
+        }
+        write_columns(path, {"t [s]": self.time, **columns}, digits=10)
 
 
 def _with_gaps(value: ArrayLike, argument: str, length: int) -> Array:
     """Return an array (n, 2) that may hold NaN, in whole rows."""
-    converted = np.array(_arrays.with_gaps(value, argument, (length, 2)))
+    converted = np.array(arrays.with_gaps(value, argument, (length, 2)))
     missing = np.isnan(converted).any(axis=1)
-    _arrays.array(converted[~missing], argument)
+    arrays.array(converted[~missing], argument)
     converted[missing] = np.nan
     return converted
 
@@ -203,7 +203,7 @@ def _moving(t: Array, x: Array, limit: float) -> tuple[float, float]:
 
 
 def _section(section: tuple[float, float], t: Array) -> tuple[float, float]:
-    start, stop = _arrays.array(section, "section", (2,)).tolist()
+    start, stop = arrays.array(section, "section", (2,)).tolist()
     if not t[0] <= start < stop <= t[-1]:
         raise ParameterError(
             "section", f"must ascend within {t[0]:.6g} and {t[-1]:.6g} s, got {start:g}, {stop:g}"
@@ -217,7 +217,7 @@ def _usual(seen: Array, section: tuple[float, float]) -> float:
 
 
 def _bandwidth(value: float, seen: Array) -> float:
-    bandwidth = _arrays.positive(value, "bandwidth")
+    bandwidth = arrays.positive(value, "bandwidth")
     duration, interval = float(seen[-1] - seen[0]), float(np.median(np.diff(seen)))
     if not interval < bandwidth <= max(duration, _FEWEST * interval):
         raise ParameterError(

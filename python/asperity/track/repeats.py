@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 from asperity.track.frames import Frame
 from asperity.track.sight import Sight, Sighting
 

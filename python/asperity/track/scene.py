@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 
 _ROUNDING = 1e-9
@@ -34,9 +34,9 @@ class Scene(Value):
     _inverse: Array
 
     def __init__(self, homography: ArrayLike) -> None:
-        matrix = _arrays.array(homography, "homography", (3, 3))
-        inverse = _arrays.inverse(matrix, "homography", 3)
-        self._set(homography=_arrays.read_only(matrix))
+        matrix = arrays.array(homography, "homography", (3, 3))
+        inverse = arrays.inverse(matrix, "homography", 3)
+        self._set(homography=arrays.read_only(matrix))
         self._keep(_inverse=inverse)
 
     @classmethod
@@ -50,10 +50,10 @@ class Scene(Value):
             origin: pixel (column, row) where x₁ = x₂ = 0.
             angle: from the rows, rightwards, to e₁, counter-clockwise as seen in the image, in rad.
         """
-        scale = _arrays.positive(metres_per_pixel, "metres_per_pixel")
-        column, row = _arrays.array(origin, "origin", (2,))
+        scale = arrays.positive(metres_per_pixel, "metres_per_pixel")
+        column, row = arrays.array(origin, "origin", (2,))
         # Rows are counted downwards: the image is left-handed.
-        turn = scale * _arrays.rotation(-_arrays.number(angle, "angle")) @ np.diag([1.0, -1.0])
+        turn = scale * arrays.rotation(-arrays.number(angle, "angle")) @ np.diag([1.0, -1.0])
         shift = -turn @ [column, row]
         return cls(np.vstack([np.column_stack([turn, shift]), [0.0, 0.0, 1.0]]))
 
@@ -74,8 +74,8 @@ class Scene(Value):
         >>> scene.to_plane([930.0, 40.0]).round(9).tolist()
         [0.1, 0.1]
         """
-        image = _arrays.array(pixels, "pixels", (None, 2))
-        points = _arrays.array(plane, "plane", (len(image), 2))
+        image = arrays.array(pixels, "pixels", (None, 2))
+        points = arrays.array(plane, "plane", (len(image), 2))
         if len(image) < 4:
             raise DimensionError("pixels", f"must hold at least 4 points, got {len(image)}")
         to_unit, back = _normalisation(image, "pixels"), _normalisation(points, "plane")
@@ -104,16 +104,16 @@ class Scene(Value):
             focal_length: in pixels.
             size: columns and rows of the image.
         """
-        eye = _arrays.array(position, "position", (3,))
-        aim = np.append(_arrays.array(target, "target", (2,)), 0.0)
-        focal = _arrays.positive(focal_length, "focal_length")
+        eye = arrays.array(position, "position", (3,))
+        aim = np.append(arrays.array(target, "target", (2,)), 0.0)
+        focal = arrays.positive(focal_length, "focal_length")
         if eye[2] <= 0.0:
             raise ParameterError("position", f"must be above the plane, got {eye.tolist()}")
         forward = (aim - eye) / np.linalg.norm(aim - eye)
         right = np.cross(forward, [0.0, 1.0, 0.0])
         right /= np.linalg.norm(right)
         down = np.cross(forward, right)
-        columns, rows = (_arrays.count(part, "size") for part in _arrays.pair(size, "size"))
+        columns, rows = (arrays.count(part, "size") for part in arrays.pair(size, "size"))
         inner = np.array(
             [[focal, 0.0, 0.5 * (columns - 1)], [0.0, focal, 0.5 * (rows - 1)], [0.0, 0.0, 1.0]]
         )
@@ -122,22 +122,22 @@ class Scene(Value):
 
     def to_plane(self, pixels: ArrayLike) -> Array:
         """Return the points in m, shape ``(..., 2)``, of pixels (column, row)."""
-        return _mapped(self.homography, _arrays.array(pixels, "pixels"))
+        return _mapped(self.homography, arrays.array(pixels, "pixels"))
 
     def to_pixels(self, points: ArrayLike) -> Array:
         """Return the pixels (column, row), shape ``(..., 2)``, of points in m."""
-        return _mapped(self._inverse, _arrays.array(points, "points"))
+        return _mapped(self._inverse, arrays.array(points, "points"))
 
     def pixel_size(self, pixel: ArrayLike) -> float:
         """Return the length of a pixel in m at a pixel (column, row): the root of its area."""
-        column, row = _arrays.array(pixel, "pixel", (2,))
+        column, row = arrays.array(pixel, "pixel", (2,))
         depth = self.homography[2] @ [column, row, 1.0]
         return math.sqrt(abs(float(np.linalg.det(self.homography)) / depth**3))
 
     def mismatch(self, pixels: ArrayLike, plane: ArrayLike) -> float:
         """Return how far known points are off in the image, root mean square in pixels."""
-        known = _arrays.array(plane, "plane", (None, 2))
-        off = self.to_pixels(known) - _arrays.array(pixels, "pixels", known.shape)
+        known = arrays.array(plane, "plane", (None, 2))
+        off = self.to_pixels(known) - arrays.array(pixels, "pixels", known.shape)
         return float(np.sqrt(np.mean(np.sum(off**2, axis=-1))))
 
 

@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.track.frames import Pixels
 
@@ -74,13 +74,13 @@ class Mark(Value):
         blur_limit: float = 0.25,
     ) -> None:
         self._set(
-            colour=_arrays.choice(colour, "colour", list(_COLOURS)),
-            diameter=None if diameter is None else _arrays.positive(diameter, "diameter"),
-            threshold=_at_most(_STRONGEST, _arrays.positive(threshold, "threshold"), "threshold"),
+            colour=arrays.choice(colour, "colour", list(_COLOURS)),
+            diameter=None if diameter is None else arrays.positive(diameter, "diameter"),
+            threshold=_at_most(_STRONGEST, arrays.positive(threshold, "threshold"), "threshold"),
             smoothing=_at_most(
-                _SMOOTHEST, _arrays.non_negative(smoothing, "smoothing"), "smoothing"
+                _SMOOTHEST, arrays.non_negative(smoothing, "smoothing"), "smoothing"
             ),
-            blur_limit=_arrays.positive(blur_limit, "blur_limit"),
+            blur_limit=arrays.positive(blur_limit, "blur_limit"),
         )
 
     def strength(self, pixels: Pixels) -> NDArray[np.float32]:

@@ -7,7 +7,7 @@ from enum import IntFlag
 
 import numpy as np
 
-from asperity._arrays import Array
+from asperity._base.arrays import Array
 
 
 class Sight(IntFlag):

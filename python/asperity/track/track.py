@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._files import atomic
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.tables import write_columns
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.track import repeats
 from asperity.track.follower import Follower
@@ -77,10 +77,10 @@ class Track(Value):
             "coverage": coverage,
         }
         self._set(
-            fps=_arrays.positive(fps, "fps"),
+            fps=arrays.positive(fps, "fps"),
             scene=scene,
-            **{n: _arrays.read_only(np.asarray(v, dtype=np.float64)) for n, v in series.items()},
-            status=_arrays.read_only(np.asarray(status, dtype=np.int64)),
+            **{n: arrays.read_only(np.asarray(v, dtype=np.float64)) for n, v in series.items()},
+            status=arrays.read_only(np.asarray(status, dtype=np.int64)),
         )
 
     def __len__(self) -> int:
@@ -125,8 +125,8 @@ class Track(Value):
         if start is not None or stop is not None:
             first, last = found.section
             section = (
-                first if start is None else _arrays.number(start, "start"),
-                last if stop is None else _arrays.number(stop, "stop"),
+                first if start is None else arrays.number(start, "start"),
+                last if stop is None else arrays.number(stop, "stop"),
             )
             found = MeasuredPath(self.time, self.position, self.position_error, section=section)
         return found if bandwidth is None else found.replace(bandwidth=bandwidth)
@@ -134,16 +134,13 @@ class Track(Value):
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a table with one row per frame; the status is in words, `+` between several."""
         header = (
-            "frame,t [s],column [px],row [px],x1 [m],x2 [m],x1_error [m],x2_error [m],"
-            "diameter [m],blur [px],filling [-],coverage [-],status"
-        )
-        columns = np.column_stack([self.time, *(getattr(self, name) for name in _SERIES[:-1])])
-        lines = [
-            ",".join([str(k), *(f"{x:.10g}" for x in row), str(Sight(int(status)))])
-            for k, (row, status) in enumerate(zip(columns, self.status, strict=True))
-        ]
-        with atomic(path) as file:
-            file.write("\n".join([header, *lines, ""]).encode())
+            "frame", "t [s]", "column [px]", "row [px]", "x1 [m]", "x2 [m]", "x1_error [m]",
+            "x2_error [m]", "diameter [m]", "blur [px]", "filling [-]", "coverage [-]", "status",
+        )  # fmt: skip
+        numbers = np.column_stack([self.time, *(getattr(self, name) for name in _SERIES[:-1])]).T
+        words = [str(Sight(status)) for status in self.status.tolist()]
+        columns = zip(header, [np.arange(len(self)), *numbers, words], strict=True)
+        write_columns(path, dict(columns), digits=10)
 
 
 def track_mark(
@@ -187,7 +184,7 @@ def track_mark(
     >>> (track.pixel[8] - track.pixel[0]).round(3).tolist()
     [24.0, 0.0]
     """
-    fps = _arrays.positive(fps, "fps")
+    fps = arrays.positive(fps, "fps")
     if not isinstance(scene, Scene):
         raise ParameterError("scene", f"must be a Scene, got {scene!r}")
     source = open_frames(frames)

@@ -9,8 +9,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from asperity import _arrays
-from asperity._files import replaced
+from asperity._base import arrays
+from asperity._base.files import replaced
 from asperity.errors import ParameterError
 from asperity.track.frames import Frame, Pixels
 
@@ -197,7 +197,7 @@ def write_video(
     """
     import av
 
-    quality = _arrays.count(quality, "quality", least=0)
+    quality = arrays.count(quality, "quality", least=0)
     # The ending of the name tells the format of the container.
     ending = f".tmp{os.path.splitext(path)[1]}"
     with replaced(path, ending) as temporary, av.open(os.fspath(temporary), "w") as container:

@@ -15,6 +15,10 @@ pub struct Intersection<S, const P: usize> {
 
 impl<const P: usize, S: StarSet<P>> Intersection<S, P> {
     /// The intersection of some sets.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if there are no sets.
     pub fn new(sets: Vec<S>) -> Result<Self, SetError> {
         some(&sets)?;
         let corners = seams(&sets, f64::max);

@@ -13,6 +13,10 @@ pub struct MinkowskiSum<const P: usize> {
 
 impl<const P: usize> MinkowskiSum<P> {
     /// The sum of some sets.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if there are no sets.
     pub fn new(sets: Vec<Convex<P>>) -> Result<Self, SetError> {
         some(&sets)?;
         let corners = sums_of_corners(&sets);

@@ -13,6 +13,10 @@ pub struct Union<const P: usize> {
 
 impl<const P: usize> Union<P> {
     /// The union of some sets.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError`] if there are no sets.
     pub fn new(sets: Vec<Star<P>>) -> Result<Self, SetError> {
         some(&sets)?;
         let corners = seams(&sets, f64::min);

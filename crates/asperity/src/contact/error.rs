@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// A contact problem could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ProblemError {
     /// An array has the wrong length.
     #[error("{argument}: must have {expected} entries, has {got}")]

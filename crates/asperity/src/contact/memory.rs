@@ -1,9 +1,12 @@
 //! What a contact remembers from one solve to the next.
 
-use super::ContactProblem;
+use super::error::check_length;
+use super::{ContactProblem, ProblemError};
 
 /// What a contact does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[repr(i8)]
 pub enum Phase {
     /// Nothing is known yet.
@@ -144,12 +147,20 @@ impl Memory {
     }
 
     /// What is remembered of an earlier solution.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::Length`] if there are not as many percussions and velocities as rows and phases as contacts.
     pub fn from_solution(
         problem: &ContactProblem,
         percussion: &[f64],
         velocity: &[f64],
         phases: impl IntoIterator<Item = Phase>,
-    ) -> Self {
+    ) -> Result<Self, ProblemError> {
+        problem.check_rows("percussion", percussion)?;
+        problem.check_rows("velocity", velocity)?;
+        let phases: Vec<Phase> = phases.into_iter().collect();
+        check_length("phases", problem.contacts().len(), phases.len())?;
         let states = problem.contacts().iter().zip(phases).map(|(rows, phase)| {
             let mut slip = [0.0; 3];
             if phase == Phase::Slip {
@@ -159,6 +170,6 @@ impl Memory {
             }
             ContactState::new(phase, slip)
         });
-        Self { percussion: percussion.to_vec(), states: states.collect() }
+        Ok(Self { percussion: percussion.to_vec(), states: states.collect() })
     }
 }

@@ -1,5 +1,7 @@
 //! The one-step contact problem as data.
 
+#[cfg(feature = "serde")]
+pub mod data;
 mod delassus;
 mod error;
 mod memory;

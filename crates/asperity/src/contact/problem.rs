@@ -1,6 +1,8 @@
 //! Delassus operator, free velocities and laws in; percussions out.
 
+use std::num::NonZeroU64;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::{ProblemError, check_finite, check_length};
 use super::{BlockMatrix, Delassus};
@@ -100,7 +102,7 @@ fn number_rows(
 
 /// `γ_E = G P + b` with the contact laws between the percussions `P` and `ξ = γ_E + e γ_B`
 /// (\[WL19\] (19), restitution as usual). Nothing in it knows the mechanical system.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct ContactProblem {
     /// `G`, not necessarily symmetric.
     delassus: Delassus,
@@ -111,10 +113,35 @@ pub struct ContactProblem {
     contacts: Vec<ContactRows>,
     /// `ρ = rows/tr G` of every contact's own block, the prox parameter of the residual.
     rho: Vec<f64>,
+    /// What tells the operator and the laws from those of other problems. Clones share it, as neither ever changes; a
+    /// problem whose operator an integrator refills has none.
+    identity: Option<NonZeroU64>,
+}
+
+impl PartialEq for ContactProblem {
+    /// Whether the data are the same, whoever has made them.
+    fn eq(&self, other: &Self) -> bool {
+        self.delassus == other.delassus
+            && self.free_velocity == other.free_velocity
+            && self.restitution == other.restitution
+            && self.contacts == other.contacts
+    }
+}
+
+/// A number that no other problem of this process has.
+fn new_identity() -> Option<NonZeroU64> {
+    static LAST: AtomicU64 = AtomicU64::new(0);
+    NonZeroU64::new(LAST.fetch_add(1, Ordering::Relaxed).wrapping_add(1))
 }
 
 impl ContactProblem {
     /// A problem without restitution.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError`] if `free_velocity` or the operator has not one row per row of the contacts, if a number is not
+    /// finite, a prescribed normal percussion is negative or the diagonal of the operator is not positive, if numbers
+    /// are so large that their squares are none, or if a law depends on the sliding speed.
     pub fn new(
         delassus: impl Into<Delassus>,
         free_velocity: Vec<f64>,
@@ -147,7 +174,8 @@ impl ContactProblem {
         }
         check_sizes(&delassus, &free_velocity, &contacts)?;
         let (restitution, rho) = (vec![0.0; offset], vec![0.0; contacts.len()]);
-        let mut problem = Self { delassus, free_velocity, restitution, contacts, rho };
+        let identity = new_identity();
+        let mut problem = Self { delassus, free_velocity, restitution, contacts, rho, identity };
         problem.update_rho();
         Ok(problem)
     }
@@ -163,7 +191,8 @@ impl ContactProblem {
         let (contacts, rows) = number_rows(contacts);
         let (velocities, rho) = (vec![0.0; rows], vec![0.0; contacts.len()]);
         let restitution = velocities.clone();
-        let mut problem = Self { delassus, free_velocity: velocities, restitution, contacts, rho };
+        let (free_velocity, identity) = (velocities, None);
+        let mut problem = Self { delassus, free_velocity, restitution, contacts, rho, identity };
         problem.update_rho();
         problem
     }
@@ -177,6 +206,11 @@ impl ContactProblem {
 
     /// The problem with restitution: coefficients `e_N`, `e_T` per contact and velocities `γ_B` before,
     /// row by row.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError`] if there are not as many coefficients as contacts and velocities as rows, or if a number is not
+    /// finite or its product too large to be squared.
     pub fn with_restitution(
         mut self,
         normal: &[f64],
@@ -407,23 +441,50 @@ impl ContactProblem {
         }
     }
 
-    /// Velocities `γ_E = G P + b`.
+    /// Velocities `γ_E = G P + b` in m/s of percussions in N s, row by row.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::Length`] if there is not one percussion per row.
+    pub fn velocities(&self, percussion: &[f64]) -> Result<Vec<f64>, ProblemError> {
+        self.check_rows("percussion", percussion)?;
+        let mut velocity = vec![0.0; self.rows()];
+        self.velocity(percussion, &mut velocity);
+        Ok(velocity)
+    }
+
+    /// Refuses what has not one number per row.
+    pub(crate) fn check_rows(
+        &self,
+        argument: &'static str,
+        values: &[f64],
+    ) -> Result<(), ProblemError> {
+        check_length(argument, self.rows(), values.len())
+    }
+
+    /// What tells the operator and the laws from those of other problems, if they never change.
     #[inline]
-    pub fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
+    pub(crate) fn identity(&self) -> Option<NonZeroU64> {
+        self.identity
+    }
+
+    /// `velocity ← G P + b`.
+    #[inline]
+    pub(crate) fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
+        let free = &self.free_velocity[..];
+        // The rows of one contact stay in registers.
+        if self.contacts.len() == 1 && !self.delassus.is_matrix_free() {
+            return match free.len() {
+                1 => velocity_of::<1>(&self.delassus, percussion, free, velocity),
+                2 => velocity_of::<2>(&self.delassus, percussion, free, velocity),
+                3 => velocity_of::<3>(&self.delassus, percussion, free, velocity),
+                _ => velocity_of::<4>(&self.delassus, percussion, free, velocity),
+            };
+        }
         if let Delassus::Dense(g) = &self.delassus {
-            let (entries, rows) = (g.as_slice(), self.rows());
-            let free = &self.free_velocity;
-            // The rows of one contact stay in registers.
-            match rows {
-                1 => return velocity_of::<1>(entries, percussion, free, velocity),
-                2 => return velocity_of::<2>(entries, percussion, free, velocity),
-                3 => return velocity_of::<3>(entries, percussion, free, velocity),
-                4 => return velocity_of::<4>(entries, percussion, free, velocity),
-                _ => {}
-            }
-            velocity.copy_from_slice(&self.free_velocity);
+            velocity.copy_from_slice(free);
             // There is nothing to add where there is no contact.
-            for (column, p) in entries.chunks_exact(rows.max(1)).zip(percussion) {
+            for (column, p) in g.as_slice().chunks_exact(self.rows().max(1)).zip(percussion) {
                 for (value, g) in velocity.iter_mut().zip(column) {
                     *value += g * p;
                 }
@@ -431,24 +492,26 @@ impl ContactProblem {
             return;
         }
         self.delassus.apply(percussion, velocity);
-        for (value, free) in velocity.iter_mut().zip(&self.free_velocity) {
+        for (value, free) in velocity.iter_mut().zip(free) {
             *value += free;
         }
     }
 }
 
-/// `γ_E = G P + b` of `N` rows.
+/// `γ_E = G P + b` of one contact with `N` rows.
 #[inline(always)]
 fn velocity_of<const N: usize>(
-    columns: &[f64],
+    delassus: &Delassus,
     percussion: &[f64],
     free: &[f64],
     velocity: &mut [f64],
 ) {
+    let (entries, percussion) = (&delassus.entries()[..N * N], &percussion[..N]);
+    let (row, column) = if let Delassus::Dense(_) = delassus { (1, N) } else { (N, 1) };
     let mut sums: [f64; N] = std::array::from_fn(|i| free[i]);
-    for (column, p) in columns.chunks_exact(N).zip(percussion) {
+    for j in 0..N {
         for i in 0..N {
-            sums[i] += column[i] * p;
+            sums[i] += entries[i * row + j * column] * percussion[j];
         }
     }
     velocity.copy_from_slice(&sums);

@@ -7,9 +7,13 @@
 //! | `samples.rs` | what both integrators return: states, slips and forces over time |
 //! | `options.rs` | what options of integrators are checked for |
 
+#[cfg(feature = "serde")]
+pub mod data;
 pub mod event;
 pub mod midpoint;
-mod options;
+#[cfg(feature = "serde")]
+pub(crate) mod numbers;
+pub(crate) mod options;
 pub(crate) mod samples;
 
 pub use options::OptionsError;

@@ -4,6 +4,9 @@ use crate::contact::Phase;
 
 /// Samples of a motion, time first. Vectors of contacts whose law has less than `p` dimensions are padded with NaN.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(remote = "Self", deny_unknown_fields))]
+#[non_exhaustive]
 pub struct Samples {
     /// Number of coordinates.
     pub coordinates: usize,
@@ -14,16 +17,22 @@ pub struct Samples {
     /// Largest dimension of the laws.
     pub p: usize,
     /// Times in s.
+    #[cfg_attr(feature = "serde", serde(with = "crate::integrator::numbers"))]
     pub t: Vec<f64>,
     /// Coordinates `(n_t, coordinates)`.
+    #[cfg_attr(feature = "serde", serde(with = "crate::integrator::numbers"))]
     pub q: Vec<f64>,
     /// Velocities `(n_t, dof)`.
+    #[cfg_attr(feature = "serde", serde(with = "crate::integrator::numbers"))]
     pub u: Vec<f64>,
     /// Slip velocities γ `(n_t, n_c, p)`.
+    #[cfg_attr(feature = "serde", serde(with = "crate::integrator::numbers"))]
     pub slip: Vec<f64>,
     /// Friction forces λ `(n_t, n_c, p)`.
+    #[cfg_attr(feature = "serde", serde(with = "crate::integrator::numbers"))]
     pub force: Vec<f64>,
     /// Normal forces λ_N `(n_t, n_c)`.
+    #[cfg_attr(feature = "serde", serde(with = "crate::integrator::numbers"))]
     pub normal_force: Vec<f64>,
     /// Phases `(n_t, n_c)`.
     pub phase: Vec<i8>,

@@ -11,6 +11,7 @@ use super::extended::FrictionLaw;
 use super::lorentz::{self, LorentzCone};
 use super::natural_map::{self, ContactMatrix, ContactPoint};
 use super::rate::Stribeck;
+use super::table::Bounds;
 
 /// A shared friction law of any dimension.
 #[derive(Debug, Clone)]
@@ -89,6 +90,17 @@ pub(crate) struct AtPoint {
 }
 
 impl Law {
+    /// Whether both are the same object, so that nobody has to compare their sets.
+    #[cfg(feature = "serde")]
+    pub(crate) fn is_the_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::One(a), Self::One(b)) => Arc::ptr_eq(a, b),
+            (Self::Two(a), Self::Two(b)) => Arc::ptr_eq(a, b),
+            (Self::Three(a), Self::Three(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+
     /// Number of components of the friction force.
     #[inline]
     pub fn dimension(&self) -> usize {
@@ -169,20 +181,12 @@ impl Law {
         answer!(self, law => strictly(law))
     }
 
-    /// Largest radius of *C*, of laws whose boundary is walked along.
-    pub(crate) fn largest_radius(&self) -> Option<f64> {
+    /// Bounds of laws whose boundary is walked along.
+    pub(crate) fn bounds(&self) -> Option<Bounds> {
         match self {
-            Self::One(law) => Some(law.largest_radius()),
-            Self::Two(law) => Some(law.bounds().largest_radius),
+            Self::One(law) => Some(Bounds::on_a_line(law.largest_radius())),
+            Self::Two(law) => Some(law.bounds()),
             Self::Three(_) => None,
-        }
-    }
-
-    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*, of laws in the plane.
-    pub(crate) fn smallest_sine(&self) -> Option<f64> {
-        match self {
-            Self::Two(law) => Some(law.bounds().smallest_sine),
-            Self::One(_) | Self::Three(_) => None,
         }
     }
 

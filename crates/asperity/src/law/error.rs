@@ -5,6 +5,7 @@ use thiserror::Error;
 
 /// A law could not be made, or has no answer.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum LawError {
     /// A set is unusable.
     #[error(transparent)]

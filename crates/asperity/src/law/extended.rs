@@ -7,13 +7,28 @@ use asperity_set::{
     largest_scale_inside,
 };
 
-use super::{LawError, Stribeck, WalkTable};
+use super::{Bounds, LawError, Stribeck, WalkTable};
 
 /// The law `γ ∈ N_D(−αλ)`, `α(x) = 1/(k_D(x) − k_C(x) + 1)` at `x = −λ` (\[WL19\] (55), (56)), for
 /// unit normal force.
 ///
 /// The scale of *D* is irrelevant to the law but decides the convergence of prox iterations: *D* is
 /// kept at the largest scale with `D ⊆ C`.
+///
+/// ```
+/// use asperity::law::FrictionLaw;
+/// use asperity::set::{Convex, Ellipse, Star, Superellipse, Vector};
+///
+/// let reservoir: Star<2> = Superellipse::new(Vector::<2>::new(0.54, 0.46), 2.9)?.into();
+/// let direction: Convex<2> = Ellipse::new(Vector::<2>::new(3.0, 2.0))?.into();
+/// let law = FrictionLaw::new(reservoir, direction)?;
+/// let slip = Vector::<2>::new(1.0, 1.0);
+/// let force = law.force(&slip, 9.3)?;
+/// // Sliding dissipates, and the force tells the direction of the slip.
+/// assert!(law.dissipation(&slip, 9.3) > 0.0);
+/// assert!((law.slip_direction(&force, 9.3, 1e-9)? - slip.normalize()).norm() < 1e-12);
+/// # Ok::<(), asperity::law::LawError>(())
+/// ```
 #[derive(Debug)]
 pub struct FrictionLaw<const P: usize> {
     reservoir: Star<P>,
@@ -24,15 +39,6 @@ pub struct FrictionLaw<const P: usize> {
     table: OnceLock<Box<WalkTable>>,
     /// Coefficient of isotropic friction.
     isotropic: Option<f64>,
-}
-
-/// Bounds over the boundaries of both sets, for the one-contact solver.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds {
-    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*.
-    pub smallest_sine: f64,
-    /// Largest radius of *C*.
-    pub largest_radius: f64,
 }
 
 /// The boundary of a direction set as a table; of isotropic laws, that of the unit disk.
@@ -52,6 +58,11 @@ impl<const P: usize> PartialEq for FrictionLaw<P> {
 
 impl<const P: usize> FrictionLaw<P> {
     /// The law with reservoir `C` and direction set `D`; `D` is rescaled to the largest set inside `C`.
+    ///
+    /// # Errors
+    ///
+    /// [`LawError::Set`] if a set of a user is flat, unbounded or undefined in some direction, or if the scale of `D`
+    /// is none that a set may have.
     pub fn new(reservoir: Star<P>, direction: Convex<P>) -> Result<Self, LawError> {
         check_size("reservoir", &reservoir)?;
         check_size("direction", &direction)?;
@@ -95,11 +106,19 @@ impl<const P: usize> FrictionLaw<P> {
     }
 
     /// The collinear law (\[WL19\] Def. 15): `D` is a ball, the force opposes the sliding velocity.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
     pub fn collinear(reservoir: Star<P>) -> Result<Self, LawError> {
         Self::new(reservoir, Ball::new(1.0)?.into())
     }
 
     /// Isotropic Coulomb friction (\[WL19\] (33)).
+    ///
+    /// # Errors
+    ///
+    /// [`LawError::Set`] if `mu` is not finite and positive.
     pub fn isotropic(mu: f64) -> Result<Self, LawError> {
         Ok(Self::associated(Ball::new(mu)?.into()))
     }
@@ -155,12 +174,14 @@ impl<const P: usize> FrictionLaw<P> {
 
     /// Friction force λ while sliding with `slip` γ: `−λ = λ_N z/k_C(z)`, `z = ∇Ψ*_D(γ)`
     /// (\[WL19\] (84)), times the factor of the speed.
+    ///
+    /// # Errors
+    ///
+    /// [`LawError::AtRest`] for `γ = 0`, [`LawError::Set`] if an argument is not finite.
     pub fn force(&self, slip: &Vector<P>, normal_force: f64) -> Result<Vector<P>, LawError> {
-        if slip.amax() == 0.0 {
-            return Err(LawError::AtRest);
-        }
         // Only the direction counts; scaled, tiny slips do not underflow.
-        let z = self.direction.support_point(&(slip / slip.amax()));
+        let size = size_of_slip(slip, normal_force)?;
+        let z = self.direction.support_point(&(slip / size));
         let factor = self.rate.map_or(1.0, |rate| rate.factor(slip.norm()));
         Ok(z * (-normal_force * factor / self.reservoir.gauge(&z)))
     }
@@ -168,6 +189,11 @@ impl<const P: usize> FrictionLaw<P> {
     /// Unit sliding direction that goes with the friction force λ, or zero where it sticks.
     ///
     /// Forces within `tolerance` of the reservoir's boundary count as sliding.
+    ///
+    /// # Errors
+    ///
+    /// [`LawError::OutsideReservoir`] if the contact cannot transmit the force, [`LawError::SpeedUnknown`] for a law
+    /// with a factor of the speed, [`LawError::Set`] if a force is not finite or the normal force not positive.
     pub fn slip_direction(
         &self,
         force: &Vector<P>,
@@ -180,6 +206,10 @@ impl<const P: usize> FrictionLaw<P> {
         }
         if self.rate.is_some() {
             return Err(LawError::SpeedUnknown);
+        }
+        if let Some(&value) = force.iter().find(|v| !v.is_finite()) {
+            let (argument, allowed) = ("force", "finite");
+            return Err(SetError::Parameter { argument, allowed, value }.into());
         }
         let x = -force / normal_force;
         let gauge = self.reservoir.gauge(&x);
@@ -195,11 +225,13 @@ impl<const P: usize> FrictionLaw<P> {
 
     /// `∂λ/∂γ` while sliding: `−λ_N/k_C(z) (I − z∇k_C(z)ᵀ/k_C(z)) ∇²Ψ*_D(γ)` (\[WL19\] (87), (88)), and
     /// with a factor `f` of the speed `f` times that and `f′/f λ γᵀ/‖γ‖`. Infinite where *D* is flat.
+    ///
+    /// # Errors
+    ///
+    /// As [`force`](Self::force), and [`LawError::Set`] if the slip is so small that the answer is beyond the range of
+    /// numbers.
     pub fn jacobian(&self, slip: &Vector<P>, normal_force: f64) -> Result<Matrix<P>, LawError> {
-        if slip.amax() == 0.0 {
-            return Err(LawError::AtRest);
-        }
-        let size = slip.amax();
+        let size = size_of_slip(slip, normal_force)?;
         let (z, hessian) = self.direction.support_jet(&(slip / size));
         let (gauge, gradient) = self.reservoir.gauge_jet(&z);
         let across = Matrix::identity() - z * gradient.transpose() / gauge;
@@ -221,9 +253,14 @@ impl<const P: usize> FrictionLaw<P> {
         }))
     }
 
-    /// Dissipation rate `−λᵀγ = λ_N Ψ*_D(γ)/k_C(z)` (\[WL19\] Prop. 5), zero at rest.
+    /// Dissipation rate `−λᵀγ = λ_N Ψ*_D(γ)/k_C(z)` (\[WL19\] Prop. 5), zero at rest; not a number where an argument is
+    /// none.
     pub fn dissipation(&self, slip: &Vector<P>, normal_force: f64) -> f64 {
-        self.force(slip, normal_force).map_or(0.0, |force| -force.dot(slip))
+        match self.force(slip, normal_force) {
+            Ok(force) => -force.dot(slip),
+            Err(LawError::AtRest) => 0.0,
+            Err(_) => f64::NAN,
+        }
     }
 }
 
@@ -237,6 +274,10 @@ impl FrictionLaw<1> {
 
 impl FrictionLaw<2> {
     /// The law turned counter-clockwise by `angle` in rad.
+    ///
+    /// # Errors
+    ///
+    /// [`LawError::Set`] if the angle is not finite.
     pub fn rotated(&self, angle: f64) -> Result<Self, LawError> {
         let turned = Self::new(self.reservoir.rotated(angle)?, self.direction.rotated(angle)?)?;
         Ok(Self { rate: self.rate, ..turned })
@@ -246,12 +287,8 @@ impl FrictionLaw<2> {
     #[inline]
     pub(crate) fn bounds(&self) -> Bounds {
         match self.isotropic {
-            Some(mu) => Bounds { smallest_sine: 1.0, largest_radius: mu },
-            None => {
-                let table = self.table();
-                let (smallest_sine, largest_radius) = (table.smallest_sine, table.largest_radius);
-                Bounds { smallest_sine, largest_radius }
-            }
+            Some(mu) => Bounds { smallest_sine: 1.0, largest_radius: mu, largest_advance: mu },
+            None => self.table().bounds,
         }
     }
 
@@ -273,6 +310,31 @@ impl FrictionLaw<2> {
         });
         Walk { table, direction }
     }
+}
+
+/// The largest component of a slip velocity, of which the law has an answer.
+#[inline]
+fn size_of_slip<const P: usize>(slip: &Vector<P>, normal_force: f64) -> Result<f64, LawError> {
+    let refuse = |argument, value| {
+        let allowed = "finite";
+        Err(SetError::Parameter { argument, allowed, value }.into())
+    };
+    let (mut size, mut sum) = (0.0, 0.0);
+    for component in slip.iter().map(|v| v.abs()) {
+        size = f64::max(size, component);
+        sum += component;
+    }
+    if size == 0.0 && sum == 0.0 {
+        return Err(LawError::AtRest);
+    }
+    // The sum of numbers that are finite may be infinite, but is a number.
+    if sum.is_nan() || size.is_infinite() {
+        return refuse("slip", if sum.is_nan() { sum } else { size });
+    }
+    if !normal_force.is_finite() {
+        return refuse("normal_force", normal_force);
+    }
+    Ok(size)
 }
 
 /// `across ∇²h factor` where the curvature of a planar *D* vanishes and `∇²h = ∞ t tᵀ`; a number is not

@@ -28,6 +28,7 @@ const GAUSS: [(f64, f64); 3] = [
 
 /// How well measured or assumed forces fit a pair of sets.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct FlowReport {
     /// `r_D(2π)/r_D(0)`, one for a law that has a direction set.
     pub closure: f64,
@@ -41,6 +42,7 @@ pub struct FlowReport {
 
 /// The sets of a flow rule, as samples: the reservoir `(θ, r_C)`, the direction set `(φ, h_D)`.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct FlowSets {
     /// Polar angles of *C*, rising.
     pub theta: Vec<f64>,
@@ -62,6 +64,11 @@ fn refuse<T>(argument: &'static str, message: String) -> Result<T, SetError> {
 ///
 /// Refused if some force does not oppose sliding, if `|ln closure|` exceeds `closure_tolerance` or if θ turns
 /// back by more than `convexity_tolerance` in rad; smaller defects are repaired and reported.
+///
+/// # Errors
+///
+/// [`SetError::Shape`] as said, and if there is not one finite force per direction, or the directions do not rise within
+/// a turn without gaps above π/2.
 pub fn flow_sets(
     phi: &[f64],
     force: &[Vector<2>],

@@ -4,6 +4,8 @@ mod ambiguity;
 mod answers;
 mod boundary;
 mod classify;
+#[cfg(feature = "serde")]
+pub mod data;
 mod error;
 mod extended;
 mod flow;
@@ -24,4 +26,4 @@ pub use flow::{FlowReport, FlowSets, flow_sets};
 pub(crate) use natural_map::{ContactMatrix, ContactPoint, ContactVector, Rho, map as natural_map};
 pub(crate) use node::Node;
 pub use rate::{Fall, Stribeck};
-pub(crate) use table::{COARSE, Cell, WalkTable};
+pub(crate) use table::{Bounds, COARSE, Cell, Columns, WalkTable};

@@ -4,6 +4,7 @@ use asperity_set::SetError;
 
 /// How the rest of the friction falls from its value at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Fall {
     /// `s(x) = e^−x`.
     Exponential,
@@ -24,6 +25,10 @@ pub struct Stribeck {
 
 impl Stribeck {
     /// The characteristic with `speed > 0` in m/s, `ratio ≥ 0`, `exponent > 0` and `viscous ≥ 0` in s/m.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::Parameter`] if a number is out of its range or not finite.
     pub fn new(
         fall: Fall,
         speed: f64,
@@ -43,6 +48,26 @@ impl Stribeck {
         check("exponent", exponent, true)?;
         check("viscous", viscous, false)?;
         Ok(Self { fall, speed, ratio, exponent, viscous })
+    }
+
+    /// How the rest of the friction falls.
+    pub fn fall(&self) -> Fall {
+        self.fall
+    }
+
+    /// Friction at high speed over that at rest, without the viscous part.
+    pub fn ratio(&self) -> f64 {
+        self.ratio
+    }
+
+    /// Exponent of the speed.
+    pub fn exponent(&self) -> f64 {
+        self.exponent
+    }
+
+    /// Viscous part in s/m.
+    pub fn viscous(&self) -> f64 {
+        self.viscous
     }
 
     /// Speed in m/s over which the friction falls.

@@ -35,12 +35,34 @@ pub(crate) struct Cell {
     pub position: f64,
 }
 
-/// Columns whose linear combinations are `n × v` and `n · v` at the coarse nodes.
+/// Columns whose linear combinations are `n × v` and `n · v` at the coarse nodes, and their bounds over the coarse cells.
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
     pub(crate) n: [[f64; COARSE]; 2],
     /// `nx[i][j]` is `nᵢ xⱼ`.
     pub(crate) nx: [[[f64; COARSE]; 2]; 2],
+    /// `F` and `n·v` differ from their chords by at most `|c₀| normal + |A| product`, see [`Cell`].
+    pub(crate) normal: [f64; COARSE],
+    pub(crate) product: [f64; COARSE],
+}
+
+/// Bounds over the boundaries of both sets, for the one-contact solver.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*: 1 for associated laws, negative where
+    /// the sliding velocity may point into the reservoir.
+    pub smallest_sine: f64,
+    /// Largest radius of *C*.
+    pub largest_radius: f64,
+    /// Largest way of `x` along bdry *C* per angle by which the normal of *D* turns; infinite where no bound is known.
+    pub largest_advance: f64,
+}
+
+impl Bounds {
+    /// Of a set on a line, where nothing turns.
+    pub(crate) fn on_a_line(largest_radius: f64) -> Self {
+        Self { smallest_sine: 0.0, largest_radius, largest_advance: f64::INFINITY }
+    }
 }
 
 /// See the module page.
@@ -51,15 +73,10 @@ pub(crate) struct WalkTable {
     /// Number of fine cells in a coarse one.
     pub(crate) fine_per_coarse: usize,
     pub(crate) fine: Vec<Cell>,
-    pub(crate) coarse: Vec<Cell>,
     pub(crate) columns: Box<Columns>,
-    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*: 1 for associated laws,
-    /// negative where the sliding velocity may point into the reservoir.
-    pub(crate) smallest_sine: f64,
+    pub(crate) bounds: Bounds,
     /// Loads that may have several solutions with `A ∝ I`.
     ambiguous: AmbiguousLoads,
-    /// Largest radius of *C*.
-    pub(crate) largest_radius: f64,
 }
 
 impl WalkTable {
@@ -83,38 +100,32 @@ impl WalkTable {
                 deviation(&pair[0], &pair[1], &inner, margin)
             })
             .collect();
-        let coarse = (0..COARSE)
-            .map(|i| {
-                let range = i * fine_per_coarse..=(i + 1) * fine_per_coarse;
-                let (first, last) = (nodes[*range.start()], nodes[*range.end()]);
-                let own = deviation(&first, &last, &nodes[range.clone()], margin);
-                let within = &fine[*range.start()..*range.end()];
-                Cell {
-                    normal: own.normal + within.iter().map(|c| c.normal).fold(0.0, f64::max),
-                    product: own.product + within.iter().map(|c| c.product).fold(0.0, f64::max),
-                    position: own.position + within.iter().map(|c| c.position).fold(0.0, f64::max),
-                }
-            })
-            .collect();
+        let coarse: [Cell; COARSE] = std::array::from_fn(|i| {
+            let range = i * fine_per_coarse..=(i + 1) * fine_per_coarse;
+            let (first, last) = (nodes[*range.start()], nodes[*range.end()]);
+            let own = deviation(&first, &last, &nodes[range.clone()], margin);
+            let within = &fine[*range.start()..*range.end()];
+            Cell {
+                normal: own.normal + within.iter().map(|c| c.normal).fold(0.0, f64::max),
+                product: own.product + within.iter().map(|c| c.product).fold(0.0, f64::max),
+                position: own.position + within.iter().map(|c| c.position).fold(0.0, f64::max),
+            }
+        });
         let at = |i: usize| nodes[i * fine_per_coarse];
         let column = |f: &dyn Fn(Node) -> f64| std::array::from_fn(|i| f(at(i)));
         let columns = Box::new(Columns {
             n: [0, 1].map(|i| column(&|node| node.point.normal[i])),
             nx: [0, 1].map(|i| [0, 1].map(|j| column(&|node| node.point.normal[i] * node.x[j]))),
+            normal: coarse.map(|cell| cell.normal),
+            product: coarse.map(|cell| cell.product),
         });
-        let largest_radius = nodes.iter().map(|node| node.x.norm()).fold(0.0, f64::max);
-        let smallest_sine = smallest_sine(&nodes);
+        let bounds = Bounds {
+            smallest_sine: smallest_sine(&nodes),
+            largest_radius: nodes.iter().map(|node| node.x.norm()).fold(0.0, f64::max),
+            largest_advance: margin * largest_stretch(&nodes) * largest_curvature_radius(direction),
+        };
         let ambiguous = AmbiguousLoads::new(&nodes, reservoir, direction);
-        Self {
-            nodes,
-            fine_per_coarse,
-            fine,
-            coarse,
-            columns,
-            smallest_sine,
-            ambiguous,
-            largest_radius,
-        }
+        Self { nodes, fine_per_coarse, fine, columns, bounds, ambiguous }
     }
 
     /// Whether a load `y = c₀/a` with gauge `k_C(y)` may have several solutions with `A = aI`.
@@ -251,6 +262,24 @@ fn deviation(first: &Node, last: &Node, inner: &[Node], margin: f64) -> Cell {
         product: margin * cell.product,
         position: margin * cell.position,
     }
+}
+
+/// Largest radius of curvature of bdry *D*, where a closed form bounds it.
+fn largest_curvature_radius(direction: &Convex<2>) -> f64 {
+    match direction {
+        Convex::Ball(disk) => disk.size(),
+        Convex::Ellipsoid(ellipse) => ellipse.semi_axes().max().powi(2) / ellipse.semi_axes().min(),
+        _ => f64::INFINITY,
+    }
+}
+
+/// Largest way along bdry *C* per way along bdry *D*.
+fn largest_stretch(nodes: &[Node]) -> f64 {
+    let ratio = |pair: &[Node]| {
+        let way = (pair[1].point.position - pair[0].point.position).norm();
+        if way > 0.0 { (pair[1].x - pair[0].x).norm() / way } else { 0.0 }
+    };
+    nodes.windows(2).map(ratio).fold(0.0, f64::max)
 }
 
 /// Smallest `n × t` with `t` the unit tangent of bdry *C*, taken as the chords next to every node.

@@ -4,12 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{Numeric, Symbolic};
 use crate::contact::{BlockMatrix, Delassus};
-
-/// Reproducible numbers in (−1, 1).
-fn random(seed: &mut u64) -> f64 {
-    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-}
+use crate::random::random;
 
 /// A matrix of random blocks whose pattern is a chain with random chords.
 fn example(nodes: usize, chords: usize, seed: &mut u64) -> BlockMatrix {

@@ -1,8 +1,9 @@
 //! The order in which [`Solver::Auto`](super::Solver::Auto) asks the methods, and each of them alone.
 //!
-//! Sweeps end most problems and give the others a start; Newton's method ends those of full rank; the
-//! interior point method, where the laws allow it, and the proximal point iteration end the rest. Everything
-//! is cheap against sweeps because a factorisation costs as much as some tens of them.
+//! Sweeps end most problems and give the others a start; Newton's method ends those of full rank and, with other prox
+//! parameters, those in which contacts creep; the interior point method, where the laws allow it, and the proximal
+//! point iteration end the rest. Everything is cheap against sweeps because a factorisation costs as much as some tens
+//! of them.
 
 use crate::contact::{ContactState, Phase};
 use crate::solver::infeasibility::prove_one_contact;
@@ -20,10 +21,14 @@ const WORTHWHILE: f64 = 250.0;
 /// Newton iterations of a step of the first attempt: enough where `G` has full rank, and soon over where it has not.
 const ATTEMPT: usize = 6;
 const INTERIOR: usize = 40;
+/// Newton iterations from where the search by cases leads.
+const FROM_CANDIDATE: usize = 50;
 /// Outer steps of the last phase.
 const OUTER: usize = 5000;
 /// Natural map below which Newton's method finds the digits that rounding keeps from the interior point method.
 const POLISHED: f64 = 1e-4;
+/// Natural map below which contacts that creep may be all that is left to be found.
+const CREEPING: f64 = 1e-3;
 /// Natural map at which the interior point method, whose digits end there, hands over.
 const INTERIOR_GOAL: f64 = 1e-7;
 
@@ -68,6 +73,9 @@ impl Methods {
             matrix.prepare(task.problem);
             proximal.attempt(&mut progress, matrix, ATTEMPT);
         }
+        if !progress.is_over() && progress.best_grade() < CREEPING {
+            proximal.attempt_matched(&mut progress, matrix);
+        }
         if !progress.is_over() && with_interior && cones.read(task.problem) {
             interior.iterate(&mut progress, cones, matrix, INTERIOR, INTERIOR_GOAL);
         }
@@ -78,6 +86,23 @@ impl Methods {
         if progress.is_solved() && task.history.iter().any(known) {
             progress.continue_states(TRIAL_SWEEPS);
         }
+        progress.finish(false)
+    }
+
+    /// Newton's method from percussions near which there may be a solution; without success those before stay.
+    #[cold]
+    pub(crate) fn from_candidate(
+        &mut self,
+        task: Task<'_>,
+        iterate: Iterate<'_>,
+        sweeper: &mut Sweeper,
+        start: &[f64],
+    ) -> (usize, Ended) {
+        let Self { buffers, matrix, proximal, .. } = self;
+        let mut progress = Progress::new(task, iterate, sweeper, buffers);
+        proximal.prepare(task.problem);
+        matrix.prepare(task.problem);
+        proximal.newton_from(&mut progress, matrix, start, FROM_CANDIDATE);
         progress.finish(false)
     }
 

@@ -1,6 +1,6 @@
 //! What is found out about the percussions in which a method ended.
 
-use super::infeasibility::{prove_by_cases, prove_closing, prove_one_contact};
+use super::infeasibility::{ByCases, prove_closing, prove_one_contact, search_cases};
 use super::measure::growth::{self, Groups, GrowthKind};
 use super::measure::natural_residual::{ROUNDED, Residual};
 use super::method::{Iterate, Task};
@@ -25,8 +25,11 @@ pub(crate) fn judge(
     let growth = growth::of(problem, percussion, velocity, groups);
     let running = growth.and_then(|growth| growth.running());
     // Velocities are as far off as the residual, relative to what percussions bring.
-    let hidden = growth.is_some_and(|growth| growth.factor * residual.value > HIDDEN);
-    let suspicious = hidden || growth.is_some_and(|growth| growth.kind >= GrowthKind::Suspicious);
+    let hides = growth.is_some_and(|growth| growth.factor * residual.value > HIDDEN);
+    let kind = growth.map(|growth| growth.kind);
+    let suspicious = hides || kind >= Some(GrowthKind::Suspicious);
+    // Where percussions have not grown much, it takes contacts that close on each other to hide something.
+    let hidden = hides && kind != Some(GrowthKind::Grown);
     let small = residual.value <= stop.tolerance;
     if small && !suspicious {
         **infeasibility = None;
@@ -49,9 +52,14 @@ pub(crate) fn judge(
     let early = matches!(ended, Ended::TimeLimit | Ended::NotApplicable | Ended::MaxIterations);
     // What rounding explains needs no other reason.
     let rounded = running.is_none() && residual.value <= ROUNDED && !hidden;
+    let mut candidate = None;
     if infeasibility.is_none() && (small || !early) && !rounded && !stop.early() {
-        **infeasibility = prove_by_cases(problem, stop, contact);
+        match search_cases(problem, stop, contact) {
+            ByCases::NoSolution(proof) => **infeasibility = Some(proof),
+            ByCases::Candidate(percussion) if !small => candidate = Some(percussion),
+            _ => {}
+        }
     }
     let without_solution = infeasibility.as_ref().map(|proof| proof.contact);
-    Findings { running, without_solution, ambiguous: false }
+    Findings { running, without_solution, candidate, ambiguous: false }
 }

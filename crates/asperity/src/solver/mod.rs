@@ -34,6 +34,8 @@ pub use one_contact::solutions::{ContactSolution, solutions};
 pub use report::{Method, SolveReport, Stage, Status};
 pub use solution::Solution;
 
+use std::num::NonZeroU64;
+
 use crate::contact::{ContactProblem, ContactState, Memory};
 use auto::Methods;
 use measure::growth::{self, Groups};
@@ -43,7 +45,25 @@ use one_contact::solve::{OneContact, Settled};
 use report::{Ended, Findings};
 
 /// A solver and its options.
+///
+/// ```
+/// use asperity::contact::{ContactProblem, Memory, NormalForce};
+/// use asperity::law::FrictionLaw;
+/// use asperity::nalgebra::DMatrix;
+/// use asperity::solver::{Solver, Status, Stop, Workspace};
+///
+/// let contact = (FrictionLaw::<1>::isotropic(0.5)?.into(), NormalForce::Prescribed(2.0));
+/// let problem = ContactProblem::new(DMatrix::identity(1, 1), vec![3.0], [contact])?;
+/// // Many solves share their buffers and remember what contacts have done.
+/// let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+/// let solver = Solver::Exact { max_sweeps: 100 };
+/// let report = solver.solve(&problem, Stop::default(), &mut memory, &mut workspace);
+/// assert_eq!(report.status, Status::Converged);
+/// assert_eq!((&memory.percussion[..], workspace.velocity()), (&[-1.0][..], &[2.0][..]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Solver {
     /// Block Gauss–Seidel whose one-contact solve is exact; one contact needs one sweep.
     Exact {
@@ -93,17 +113,20 @@ pub enum Solver {
     },
 }
 
-/// Buffers that live as long as the problem keeps its size.
+/// Buffers, and what was found at the last call besides percussions and states.
+///
+/// What it holds of one problem is found again as long as that is solved; for another one it is prepared anew.
 #[derive(Debug, Clone, Default)]
 pub struct Workspace {
-    /// `γ_E` at the last call.
-    pub velocity: Vec<f64>,
-    /// Contacts that had more than one solution at the last call.
-    pub ambiguous: Vec<bool>,
-    /// The proof, where the last call ended as [`Status::NoSolution`].
-    pub infeasibility: Option<Infeasibility>,
-    /// What [`Solver::Auto`] and its phases did at the last call.
-    pub stages: Vec<Stage>,
+    /// `γ_E`.
+    pub(crate) velocity: Vec<f64>,
+    /// Contacts that had more than one solution.
+    ambiguous: Vec<bool>,
+    /// The proof that there is no solution.
+    pub(crate) infeasibility: Option<Infeasibility>,
+    stages: Vec<Stage>,
+    /// The problem that the buffers were prepared for, if it never changes.
+    prepared_for: Option<NonZeroU64>,
     /// What was remembered before the last call.
     before: Memory,
     sweeper: Sweeper,
@@ -114,9 +137,30 @@ pub struct Workspace {
 }
 
 impl Workspace {
+    /// Velocities `γ_E = G P + b` in m/s at the last call, row by row.
+    pub fn velocity(&self) -> &[f64] {
+        &self.velocity
+    }
+
+    /// Whether each contact had more than one solution at the last call, while the others were held.
+    pub fn ambiguous(&self) -> &[bool] {
+        &self.ambiguous
+    }
+
+    /// The proof, where the last call ended as [`Status::NoSolution`].
+    pub fn infeasibility(&self) -> Option<&Infeasibility> {
+        self.infeasibility.as_ref()
+    }
+
+    /// What the methods did at the last call.
+    pub fn stages(&self) -> &[Stage] {
+        &self.stages
+    }
+
     /// Buffers for this problem; to be called again whenever its Delassus operator or its laws change.
-    pub fn prepare(&mut self, problem: &ContactProblem) {
+    pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
         let contacts = problem.contacts().len();
+        self.prepared_for = problem.identity();
         self.velocity.resize(problem.rows(), 0.0);
         self.ambiguous.resize(contacts, false);
         self.groups.resize(contacts);
@@ -136,9 +180,23 @@ impl Workspace {
 impl Solver {
     /// Solves `problem` from the percussions and states in `memory`, which receives the new ones.
     ///
-    /// `workspace` holds the velocities afterwards. It must be prepared again whenever entries of the operator
-    /// or laws change; one of another size is prepared here, and a memory of another size is forgotten.
+    /// `workspace` holds the velocities afterwards; it may be that of any problem, and is fastest with that of the last
+    /// call. A memory of another size is forgotten.
     pub fn solve(
+        &self,
+        problem: &ContactProblem,
+        stop: Stop<'_>,
+        memory: &mut Memory,
+        workspace: &mut Workspace,
+    ) -> SolveReport {
+        if problem.identity().is_none() || problem.identity() != workspace.prepared_for {
+            workspace.prepare(problem);
+        }
+        self.solve_prepared(problem, stop, memory, workspace)
+    }
+
+    /// The same with a workspace that has been prepared since the operator or the laws were changed.
+    pub(crate) fn solve_prepared(
         &self,
         problem: &ContactProblem,
         stop: Stop<'_>,
@@ -197,7 +255,7 @@ impl Solver {
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         forget_runaways(&task, &mut iterate, groups);
         let once = self.sweeps_once(problem);
-        let (iterations, ended) = if once {
+        let (mut iterations, mut ended) = if once {
             (1, sweeper.solve_uncoupled(&task, &mut iterate))
         } else {
             // What sweeps find depends on the memory, not on what the workspace has seen before.
@@ -205,8 +263,16 @@ impl Solver {
             sweeper.renew_efforts();
             self.run(&task, &mut iterate, sweeper, methods, next)
         };
-        let residual = iterate.measure(&task);
+        let mut residual = iterate.measure(&task);
         let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
+        if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
+            let methods = methods.get_or_insert_default();
+            (iterations, ended) = methods.from_candidate(task, iterate.reborrow(), sweeper, &start);
+            residual = iterate.measure(&task);
+            if residual.value <= stop.tolerance {
+                findings = findings::judge(&task, ended, residual, &mut iterate, groups);
+            }
+        }
         // Who has cancelled does not wait for a search of all contacts.
         let left = residual.value > stop.tolerance && stop.early();
         if left || problem.delassus().is_matrix_free() {

@@ -4,6 +4,7 @@ use super::measure::natural_residual::{ROUNDED, Residual};
 
 /// Status of a solve; the text says what to try.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Status {
     /// The residual is below the tolerance.
     Converged,
@@ -42,6 +43,7 @@ impl Status {
 
 /// What a solver says of its result.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SolveReport {
     /// How it ended.
     pub status: Status,
@@ -64,7 +66,7 @@ impl SolveReport {
         findings: Findings,
         tolerance: f64,
     ) -> Self {
-        let Findings { running, without_solution, ambiguous } = findings;
+        let Findings { running, without_solution, ambiguous, .. } = findings;
         let worst = residual.worst_contact;
         let (status, worst_contact) = match (ended, without_solution, running) {
             (_, Some(contact), _) => (Status::NoSolution, contact),
@@ -85,12 +87,14 @@ impl SolveReport {
 }
 
 /// What was found out about the percussions in which a solve ended.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Findings {
     /// The contact that percussions run away from.
     pub(crate) running: Option<usize>,
     /// The contact of a proof that there is no solution.
     pub(crate) without_solution: Option<usize>,
+    /// Percussions near which a solution may be that the method has not found.
+    pub(crate) candidate: Option<Vec<f64>>,
     /// Whether some contact has several solutions.
     pub(crate) ambiguous: bool,
 }
@@ -116,6 +120,7 @@ pub(crate) enum Ended {
 
 /// A method that is a phase of [`Solver::Auto`](super::Solver::Auto).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Method {
     /// Sweeps of exact one-contact solves.
     GaussSeidel,
@@ -147,6 +152,7 @@ impl Method {
 
 /// What a phase did.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Stage {
     /// Its method.
     pub method: Method,

@@ -2,6 +2,7 @@
 
 use super::infeasibility::Infeasibility;
 use super::measure::certificate::Certificate;
+use super::measure::natural_residual::Measured;
 use super::measure::stop::Stop;
 use super::report::{SolveReport, Stage};
 use super::{Solver, Workspace};
@@ -11,6 +12,7 @@ use crate::contact::{ContactProblem, ContactState, Memory};
 /// it; the certificate says by how much they break the laws, whoever has found them.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "the report in it says whether the problem is solved"]
+#[non_exhaustive]
 pub struct Solution {
     /// Percussions `P` in N s, row by row.
     pub percussion: Vec<f64>,
@@ -76,7 +78,8 @@ impl ContactProblem {
         let report = solver.solve(self, stop, &mut memory, &mut workspace);
         let Memory { percussion, states } = memory;
         let Workspace { velocity, ambiguous, stages, infeasibility, .. } = workspace;
-        let certificate = Certificate::new(self, &percussion);
+        let measured = Measured { problem: self, percussion: &percussion, velocity: &velocity };
+        let certificate = Certificate::of(&measured);
         Solution {
             percussion,
             velocity,

@@ -7,6 +7,7 @@ use crate::law::Law;
 
 /// Normal direction of a contact of a linear system.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Normal {
     /// The normal force is given, in N.
     Force(f64),
@@ -45,6 +46,22 @@ impl Contact {
 }
 
 /// `M q̈ + B q̇ + K q = f + W_N λ_N + W λ`.
+///
+/// ```
+/// use asperity::law::FrictionLaw;
+/// use asperity::nalgebra::DMatrix;
+/// use asperity::system::{Contact, LinearSystem, Normal, System};
+///
+/// // A block on a floor: x along it, z above it.
+/// let column = |x: f64, z: f64| DMatrix::from_column_slice(2, 1, &[x, z]);
+/// let law = FrictionLaw::<1>::isotropic(0.3)?;
+/// let normal = Normal::Gap { direction: vec![0.0, 1.0], gap: 0.0 };
+/// let contact = Contact { normal, ..Contact::with_force(law, column(1.0, 0.0), 0.0) };
+/// let (mass, zero) = (DMatrix::identity(2, 2) * 2.0, DMatrix::zeros(2, 2));
+/// let block = LinearSystem::new(mass, zero.clone(), zero, vec![0.0, -19.6], vec![contact])?;
+/// assert_eq!((block.dof(), block.contacts().len()), (2, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearSystem {
     blocks: Blocks,
@@ -68,6 +85,11 @@ struct LinearContact {
 
 impl LinearSystem {
     /// A linear system; `mass` symmetric positive definite, all matrices `n × n`.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Argument`] if a matrix or vector has another shape or is not finite, if `mass` is not symmetric positive
+    /// definite, or if a number of a contact is out of its range.
     pub fn new(
         mass: DMatrix<f64>,
         stiffness: DMatrix<f64>,
@@ -173,10 +195,15 @@ impl System for LinearSystem {
     }
 
     #[inline]
-    fn forces(&self, _t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
+    fn forces(
+        &self,
+        at: &Configuration<'_>,
+        u: &[f64],
+        forces: &mut [f64],
+    ) -> Result<(), SystemError> {
         forces.clone_from_slice(&self.force);
         for &(i, j, k, b) in &self.internal {
-            forces[i] += k * q[j] + b * u[j];
+            forces[i] += k * at.q[j] + b * u[j];
         }
         Ok(())
     }

@@ -4,6 +4,8 @@ mod linear;
 pub(crate) mod mass;
 mod models;
 pub mod rigid;
+mod signal;
+mod time_function;
 
 use std::error::Error;
 use std::fmt::Debug;
@@ -14,6 +16,8 @@ use thiserror::Error as ThisError;
 pub use linear::{Contact, LinearSystem, Normal};
 pub use models::{mass_on_belt, sliding_point};
 pub use rigid::RigidBodies;
+pub use signal::{Break, Derivative, Interpolation, Moment, Signal, Smoothness};
+pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
 use crate::law::Law;
 
@@ -115,6 +119,7 @@ impl ContactLaw {
 
 /// A system could not be made or evaluated.
 #[derive(Debug, ThisError)]
+#[non_exhaustive]
 pub enum SystemError {
     /// An argument is out of range.
     #[error("{argument}: {message}")]
@@ -205,6 +210,8 @@ impl Blocks {
 pub struct Configuration<'a> {
     /// Time in s.
     pub t: f64,
+    /// A time in s of the smooth piece by which functions of time are continued to `t`, see [`Moment`].
+    pub piece: f64,
     /// Coordinates.
     pub q: &'a [f64],
     /// What [`System::derive`] makes of them, or nothing.
@@ -214,8 +221,23 @@ pub struct Configuration<'a> {
 impl<'a> Configuration<'a> {
     /// A configuration from which nothing is derived yet.
     pub fn new(t: f64, q: &'a [f64]) -> Self {
-        Self { t, q, derived: &[] }
+        Self { t, piece: t, q, derived: &[] }
     }
+
+    /// The time, for functions of time.
+    #[inline]
+    pub fn moment(&self) -> Moment {
+        Moment { t: self.t, piece: self.piece }
+    }
+}
+
+/// Coordinates and velocities to start from.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct InitialState {
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Velocities.
+    pub u: Vec<f64>,
 }
 
 /// A system at the midpoint of a step.
@@ -239,7 +261,7 @@ impl Midpoint {
     /// Where the system is there.
     #[inline]
     pub fn configuration(&self) -> Configuration<'_> {
-        Configuration { t: self.t, q: &self.q, derived: &self.derived }
+        Configuration { t: self.t, piece: self.t, q: &self.q, derived: &self.derived }
     }
 }
 
@@ -250,7 +272,8 @@ impl Midpoint {
 /// a step of many bodies costs in proportion to their number. A system without such structure has one block, which
 /// every contact touches.
 ///
-/// Immutable: everything that changes lives in the buffers that the methods fill.
+/// Immutable: everything that changes lives in the buffers that the methods fill. Who calls them gives states and buffers
+/// of the system's sizes; the integrators do, and the methods need not look.
 pub trait System: Debug + Sync {
     /// The blocks of the velocities.
     fn blocks(&self) -> &Blocks;
@@ -280,7 +303,22 @@ pub trait System: Debug + Sync {
         Vec::new()
     }
 
+    /// The state to start from where none is given: all coordinates and velocities zero, and no rotation.
+    fn initial_state(&self) -> InitialState {
+        let mut q = vec![0.0; self.coordinates()];
+        for rotation in self.rotations() {
+            if let Some(w) = q.get_mut(rotation.coordinate) {
+                *w = 1.0;
+            }
+        }
+        InitialState { q, u: vec![0.0; self.dof()] }
+    }
+
     /// Brings initial coordinates to their normal form: quaternions to the length one.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Argument`] if the coordinates have no normal form.
     fn normalise(&self, _q0: &mut [f64]) -> Result<(), SystemError> {
         Ok(())
     }
@@ -299,16 +337,40 @@ pub trait System: Debug + Sync {
     }
 
     /// The mass matrix `M(q)` of a block, symmetric positive definite, column by column.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
     fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError>;
 
     /// Forces `h(t, q, u)` without those of the contacts.
-    fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError>;
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
+    fn forces(
+        &self,
+        at: &Configuration<'_>,
+        u: &[f64],
+        forces: &mut [f64],
+    ) -> Result<(), SystemError>;
+
+    /// The first time after `t` at which forces, gaps, rows or χ are not smooth functions of time; none by default.
+    /// Event-driven integration ends its steps there, and evaluates the system within steps as it is continued smoothly
+    /// from [`Configuration::piece`].
+    fn next_break(&self, _t: f64) -> Option<Break> {
+        None
+    }
 
     /// What follows from the coordinates and is asked for again and again, contact by contact, such as the attitudes
     /// of bodies; nothing by default. Every method that is given a [`Configuration`] must do without it, too.
     fn derive(&self, _q: &[f64], _derived: &mut Vec<f64>) {}
 
     /// Gap `g_N` of a unilateral contact.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
     fn gap(&self, _at: &Configuration<'_>, _contact: usize) -> Result<f64, SystemError> {
         Err(SystemError::argument("contacts", "a unilateral contact needs a gap function"))
     }
@@ -316,6 +378,10 @@ pub trait System: Debug + Sync {
     /// Directions of one contact: the rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ`, one after another, each with
     /// the velocities of the blocks that it touches; and χ_N and χ into `velocity`. Returns the gap, zero where the
     /// normal force is given.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
     fn rows(
         &self,
         at: &Configuration<'_>,
@@ -323,6 +389,22 @@ pub trait System: Debug + Sync {
         rows: &mut [f64],
         velocity: &mut [f64],
     ) -> Result<f64, SystemError>;
+
+    /// What the rows of a contact change by in a step whose velocities do not: `correction` such that
+    /// `W(q_M)ᵀũ + χ + correction` are its mean velocities from this midpoint to the next, which
+    /// `q_M ⊕ Δt ũ` is. The velocities ũ are those with which the motion would go on as it was before the step, with
+    /// the velocities `u`; `rows` are those at the midpoint. Contacts that stay closed ask for it: without it they are
+    /// of first order. Returns whether there is any; none by default.
+    fn chord(
+        &self,
+        _midpoint: &Midpoint,
+        (_u, _dt): (&[f64], f64),
+        _contact: usize,
+        _rows: &[f64],
+        _correction: &mut [f64],
+    ) -> bool {
+        false
+    }
 
     /// What a motion carries from step to step besides coordinates and velocities, as it follows from these; nothing
     /// unless the system steps momenta.
@@ -340,6 +422,10 @@ pub trait System: Debug + Sync {
 
     /// The first half of a step of length `dt` with the midpoint at the time `t`: `q_M = q ⊕ ½Δt u`, and the forces
     /// there.
+    ///
+    /// # Errors
+    ///
+    /// As [`forces`](Self::forces).
     #[inline]
     fn begin(
         &self,
@@ -352,7 +438,8 @@ pub trait System: Debug + Sync {
         self.advance(q, u, 0.5 * dt, &mut midpoint.q);
         self.derive(&midpoint.q, &mut midpoint.derived);
         midpoint.before.copy_from_slice(u);
-        self.forces(t, &midpoint.q, u, &mut midpoint.forces)
+        let at = Configuration { t, piece: t, q: &midpoint.q, derived: &midpoint.derived };
+        self.forces(&at, u, &mut midpoint.forces)
     }
 
     /// The second half: `u` and `q = q_M ⊕ ½Δt u` from the velocities `after` all forces and percussions have acted.
@@ -374,27 +461,11 @@ pub trait System: Debug + Sync {
     }
 }
 
-/// Refuses systems that are not put together as [`System`] says, once where a run is made.
-pub(crate) fn check(system: &dyn System) -> Result<(), SystemError> {
-    let blocks = system.blocks();
-    let count = blocks.count();
-    if count == 0 || (0..count).any(|block| blocks.range(block).is_empty()) {
-        return Err(SystemError::argument("blocks", "must be of one velocity at least"));
-    }
-    for contact in 0..system.contacts().len() {
-        let touched = system.touched(contact);
-        let ascending = touched.windows(2).all(|pair| pair[0] < pair[1]);
-        if !(ascending && touched.last().is_some_and(|&last| last < count)) {
-            let message = format!(
-                "must be ascending numbers of blocks below {count}, is {touched:?} for contact {contact}"
-            );
-            return Err(SystemError::argument("touched", message));
-        }
-    }
-    Ok(())
-}
-
 /// The rows of a contact with all velocities of the system, as methods with matrices of its size need them; its gap.
+///
+/// # Errors
+///
+/// As [`System::rows`].
 pub fn full_rows(
     system: &dyn System,
     at: &Configuration<'_>,

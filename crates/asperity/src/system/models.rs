@@ -6,6 +6,10 @@ use super::{Contact, LinearSystem, Normal, SystemError};
 use crate::law::{FrictionLaw, Law};
 
 /// A point mass sliding on a plane under its weight (\[WL19\] §5.3).
+///
+/// # Errors
+///
+/// [`SystemError::Argument`] if mass or gravity is not finite and positive.
 pub fn sliding_point(
     mass: f64,
     law: FrictionLaw<2>,
@@ -29,6 +33,10 @@ pub fn sliding_point(
 }
 
 /// A mass on springs that rubs on a belt moving with `belt_velocity` v: χ = −v (\[WL19\] §4.3).
+///
+/// # Errors
+///
+/// As [`LinearSystem::new`].
 pub fn mass_on_belt(
     mass: f64,
     stiffness: Matrix2<f64>,

@@ -1,41 +1,20 @@
 //! Random contact problems and the laws they are tested with.
 #![allow(dead_code)] // Every test binary uses its own part.
 
-use asperity::contact::{ContactProblem, NormalForce};
+pub mod random;
+
 use std::f64::consts::PI;
 
+use asperity::contact::{ContactProblem, NormalForce};
 use asperity::law::{FrictionLaw, Law, flow_sets};
 use asperity::set::{
     Ball, CappedRectangle, Convex, Cuboid, Ellipse, PolarCurve, Polygon, Star, Superellipse,
     SupportCurve, Vector, WedgeAsperity,
 };
 use nalgebra::DMatrix;
+pub use random::Random;
 
 pub type V = Vector<2>;
-
-/// A 64-bit linear congruential generator: reproducible everywhere.
-pub struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-    }
-
-    /// Uniform in [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// Standard normal, by the sum of twelve.
-    pub fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
-    }
-}
 
 fn ellipse(a: f64, b: f64, degrees: f64) -> Convex<2> {
     let ellipse = Convex::from(Ellipse::new(V::new(a, b)).unwrap());

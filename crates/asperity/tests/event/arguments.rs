@@ -18,18 +18,21 @@ fn refused(system: &dyn System, options: &Options) -> String {
 fn bad_options_are_named() {
     let system = sliding_point(1.0, FrictionLaw::isotropic(0.5).unwrap(), 10.0).unwrap();
     let good = options(&[0.0; 2], &[0.0; 2], 1.0);
-    let section = |normal: Vec<f64>, level| Some(Section { normal, level, after: 0.0 });
+    let section = |normal: Vec<f64>, level| Section { normal, level, after: 0.0 };
+    let mut backwards = good.clone();
+    backwards.t_end = -1.0;
     let cases = [
-        ("t_end", Options { t_end: -1.0, ..good.clone() }),
-        ("q0", Options { q0: vec![0.0], ..good.clone() }),
-        ("u0", Options { u0: vec![0.0, f64::NAN], ..good.clone() }),
-        ("tolerance", Options { tolerance: 0.0, ..good.clone() }),
-        ("tolerance", Options { tolerance: 1.0, ..good.clone() }),
-        ("dt", Options { sample: Some(0.0), ..good.clone() }),
-        ("section", Options { section: section(vec![1.0], 0.0), ..good.clone() }),
-        ("section", Options { section: section(vec![1.0; 4], f64::NAN), ..good.clone() }),
-        ("max_events", Options { max_events: 0, ..good.clone() }),
+        ("t_end", backwards),
+        ("q0", good.clone().with_start(&[0.0], &[0.0; 2])),
+        ("u0", good.clone().with_start(&[0.0; 2], &[0.0, f64::NAN])),
+        ("tolerance", good.clone().with_tolerance(0.0)),
+        ("tolerance", good.clone().with_tolerance(1.0)),
+        ("dt", good.clone().with_sample(0.0)),
+        ("section", good.clone().with_section(section(vec![1.0], 0.0))),
+        ("section", good.clone().with_section(section(vec![1.0; 4], f64::NAN))),
+        ("max_events", good.clone().with_max_events(0)),
     ];
+    assert!(Options::new(f64::NAN).unwrap_err().to_string().starts_with("t_end"));
     for (argument, options) in cases {
         let message = refused(&system, &options);
         assert!(message.starts_with(argument), "{message}");
@@ -61,7 +64,7 @@ fn systems_that_cannot_be_integrated_are_refused() {
 fn runs_stop_when_they_are_told_to() {
     let system = sliding_point(1.0, FrictionLaw::isotropic(0.5).unwrap(), 10.0).unwrap();
     let good = options(&[0.0; 2], &[1.0, 0.0], 1.0);
-    let few = Options { max_events: 1, ..good };
+    let few = good.with_max_events(1);
     let run = integrate(&system, &few, &mut |_| ControlFlow::Continue(())).unwrap();
     assert!(matches!(run.outcome, Outcome::TooManyEvents));
     assert_eq!(run.motion.events.len(), 1);

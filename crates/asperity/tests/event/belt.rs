@@ -1,6 +1,6 @@
 //! Limit cycles on belts.
 
-use asperity::event::{EventKind, Options};
+use asperity::event::EventKind;
 use asperity::law::{Fall, FrictionLaw, Stribeck};
 use asperity::set::{Convex, Ellipse, Star, Vector};
 use asperity::system::{Contact, LinearSystem, Normal, mass_on_belt};
@@ -65,7 +65,7 @@ fn the_mass_on_the_belt_finds_its_cycle() {
 #[test]
 fn event_times_converge() {
     let events = |tolerance| {
-        let options = Options { tolerance, ..options(&[20.2, 2.7], &[0.0; 2], 38.0) };
+        let options = options(&[20.2, 2.7], &[0.0; 2], 38.0).with_tolerance(tolerance);
         run(&ellipses(), &options).events
     };
     let exact = events(3e-14);

@@ -91,14 +91,14 @@ fn a_block_rocks_as_housner_says() {
         close(ratio(time), 1.0 - 1.5 * (b / h).atan().sin().powi(2), 1e-8);
     }
     // Turning points are where the angular velocity vanishes.
-    let (mut start, mut sign) = (from_start(&block, 1.0), -1.0);
+    let (mut q, mut u, mut sign) = (block.q0().to_vec(), block.u0().to_vec(), -1.0);
     for amplitude in [6.071_83, 4.767_91, 3.808_77] {
         // A quarter of the way on it is far from the section.
-        let on = run(&block, &Options { t_end: 0.02, ..start.clone() });
-        start = Options { q0: last_q(&on).to_vec(), u0: last_u(&on).to_vec(), ..start };
+        let on = run(&block, &options(&q, &u, 0.02));
+        let start = options(last_q(&on), last_u(&on), 1.0);
         let (_, state) = cross(&block, &start, &[0.0, 0.0, 0.0, 0.0, 0.0, sign], 0.0);
         close(state[2].abs().to_degrees(), amplitude, 1e-5);
-        start = Options { q0: state[..3].to_vec(), u0: state[3..].to_vec(), ..start };
+        (q, u) = (state[..3].to_vec(), state[3..].to_vec());
         sign = -sign;
     }
 }

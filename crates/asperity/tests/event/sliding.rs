@@ -1,6 +1,6 @@
 //! Motions of one phase: the order of the method, blocks that come to rest, paths that bend.
 
-use asperity::event::{EventKind, Options};
+use asperity::event::EventKind;
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Ball, Convex, Ellipse, Star, Superellipse, Vector};
 use asperity::system::{Contact, LinearSystem, sliding_point};
@@ -14,7 +14,7 @@ fn an_oscillator_keeps_its_phase() {
     let one = DMatrix::identity(1, 1);
     let system = LinearSystem::new(one.clone(), one.clone(), 0.0 * one, vec![0.0], vec![]).unwrap();
     for (tolerance, bound) in [(1e-6, 1e-5), (1e-9, 1e-8), (1e-12, 2e-11)] {
-        let motion = run(&system, &Options { tolerance, ..options(&[1.0], &[0.0], 100.0) });
+        let motion = run(&system, &options(&[1.0], &[0.0], 100.0).with_tolerance(tolerance));
         close(last_q(&motion)[0], 100f64.cos(), bound);
         close(last_u(&motion)[0], -(100f64.sin()), bound);
     }
@@ -73,7 +73,7 @@ fn bent_paths_keep_their_invariants() {
 fn samples_lie_on_the_motion() {
     let law = FrictionLaw::isotropic(0.5).unwrap();
     let system = sliding_point(1.0, law, 10.0).unwrap();
-    let grid = Options { sample: Some(0.07), ..options(&[0.0; 2], &[2.0, 0.0], 0.5) };
+    let grid = options(&[0.0; 2], &[2.0, 0.0], 0.5).with_sample(0.07);
     let motion = run(&system, &grid);
     assert_eq!(motion.samples.t.len(), 9);
     assert_eq!(*motion.samples.t.last().unwrap(), 0.5);

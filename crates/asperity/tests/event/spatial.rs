@@ -6,7 +6,6 @@ use asperity::event::{EventKind, Motion, Options, Outcome, integrate};
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::simulate;
-use asperity::solver::Solver;
 use asperity::system::rigid::{Body, Pair, Plane, RigidBodies, Shape};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -31,17 +30,8 @@ fn sample(motion: &Motion, k: usize) -> (&[f64], &[f64]) {
 /// Steps of this length to the end of a motion; the largest difference of its coordinates.
 fn step_error(system: &RigidBodies, motion: &Motion, t_end: f64, dt: f64) -> f64 {
     let steps = (t_end / dt).round() as usize;
-    let options = simulate::Options {
-        dt,
-        steps,
-        q0: system.q0().to_vec(),
-        u0: system.u0().to_vec(),
-        solver: Solver::Auto { interior_point: true, threads: 1 },
-        tolerance: 1e-11,
-        save_every: steps,
-        until_rest: false,
-        stop_on_failure: true,
-    };
+    let options = simulate::Options::new(dt, t_end).unwrap();
+    let options = options.with_steps(steps).with_tolerance(1e-11).with_save_every(steps);
     let run = simulate::simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
     assert!(matches!(run.outcome, simulate::Outcome::Finished), "{:?}", run.outcome);
     let samples = &run.trajectory.samples;
@@ -72,7 +62,7 @@ fn a_free_symmetric_top_turns_as_the_closed_form_says() {
     };
     let system = RigidBodies::new(vec![body], &[], vec![], [0.0; 3]).unwrap();
     let t_end = 20.0;
-    let motion = run(&system, &Options { sample: Some(0.5), ..own_start(&system, t_end) });
+    let motion = run(&system, &own_start(&system, t_end).with_sample(0.5));
     let momentum = start * Vector3::new(a * spin.x, a * spin.y, c * spin.z);
     for k in 0..motion.samples.len() {
         let t = motion.samples.t[k];
@@ -200,7 +190,7 @@ fn a_box_tips_over_an_edge() {
     let motion = run(&system, &options);
     let energy = |k: usize| {
         let (q, u) = sample(&motion, k);
-        system.kinetic_energy(u) + system.potential_energy(q)
+        system.kinetic_energy(u) + system.potential_energy(0.0, q)
     };
     let falls = first(&motion, EventKind::Impact).time;
     let before = (0..motion.samples.len()).take_while(|&k| motion.samples.t[k] < falls);
@@ -211,7 +201,8 @@ fn a_box_tips_over_an_edge() {
     let (q, u) = sample(&motion, motion.samples.len() - 1);
     close(q[2], half[0], 1e-9);
     assert!(u.iter().all(|u| u.abs() < 1e-9), "{u:?}");
-    let until = Options { t_end: 0.9 * falls, ..options };
+    let mut until = options;
+    until.t_end = 0.9 * falls;
     let falling = run(&system, &until);
     check_first_order(&system, &falling, 0.9 * falls, 0.9 * falls / 250.0);
 }
@@ -228,10 +219,11 @@ fn sections_are_those_of_the_system() {
     close(t, std::f64::consts::PI / 6.0, 1e-11);
     close(state[6], 0.5, 1e-12);
     // An orientation of length zero is refused, of any other one normalised.
-    let refused = Options { q0: vec![0.0; 7], ..own_start(&system, 1.0) };
+    let refused = own_start(&system, 1.0).with_start(&[0.0; 7], system.u0());
     let error = integrate(&system, &refused, &mut |_| ControlFlow::Continue(())).unwrap_err();
     assert_eq!(error.argument, "q0");
-    let twice = Options { q0: vec![0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0], ..own_start(&system, 1.0) };
+    let twice =
+        own_start(&system, 1.0).with_start(&[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0], system.u0());
     let result = integrate(&system, &twice, &mut |_| ControlFlow::Continue(())).unwrap();
     assert!(matches!(result.outcome, Outcome::Finished));
     close(last_q(&result.motion)[3], 1.0_f64.cos(), 1e-11);

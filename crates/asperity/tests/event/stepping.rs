@@ -6,7 +6,6 @@ use asperity::event::Options;
 use asperity::law::Law;
 use asperity::set::{Star, strict_convexity};
 use asperity::simulate;
-use asperity::solver::Solver;
 use asperity::system::{Contact, LinearSystem, Normal};
 use nalgebra::DMatrix;
 
@@ -52,19 +51,12 @@ fn random_system(
 
 fn stepped(system: &LinearSystem, start: &Options, dt: f64) -> (Vec<f64>, usize) {
     let steps = (T_END / dt).round() as usize;
-    let options = simulate::Options {
-        dt,
-        steps,
-        q0: start.q0.clone(),
-        u0: start.u0.clone(),
-        solver: Solver::Auto { interior_point: true, threads: 1 },
-        tolerance: 1e-11,
-        save_every: steps,
-        until_rest: false,
-        stop_on_failure: false,
-    };
+    let mut options = simulate::Options::new(dt, T_END).unwrap();
+    options.start.clone_from(&start.start);
+    let options = options.with_steps(steps).with_tolerance(1e-11).with_save_every(steps);
+    let options = options.counting_failures();
     let run = simulate::simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
-    let n = start.q0.len();
+    let n = run.trajectory.samples.coordinates;
     (run.trajectory.samples.q[n..].to_vec(), run.trajectory.ambiguous_steps)
 }
 
@@ -84,7 +76,7 @@ fn time_stepping_converges_to_the_motion() {
                 let system = random_system(&law, contacts, false, &mut random);
                 let n = 2 * contacts + 1;
                 let u0: Vec<f64> = (0..n).map(|_| random.normal()).collect();
-                let start = Options { tolerance: 1e-10, ..options(&vec![0.0; n], &u0, T_END) };
+                let start = options(&vec![0.0; n], &u0, T_END).with_tolerance(1e-10);
                 let motion = run(&system, &start);
                 let (a, several) = stepped(&system, &start, 2e-2);
                 let (b, more) = stepped(&system, &start, 2e-3);
@@ -111,7 +103,7 @@ fn motions_with_impacts_are_near_too() {
             let system = random_system(&law, contacts, true, &mut random);
             let n = 2 * contacts + 1;
             let u0: Vec<f64> = (0..n).map(|_| random.normal()).collect();
-            let start = Options { tolerance: 1e-10, ..options(&vec![0.0; n], &u0, T_END) };
+            let start = options(&vec![0.0; n], &u0, T_END).with_tolerance(1e-10);
             let motion = run(&system, &start);
             let (q, _) = stepped(&system, &start, 5e-4);
             let off = distance(&q, last_q(&motion));

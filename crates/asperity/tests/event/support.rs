@@ -7,16 +7,7 @@ use asperity::system::System;
 
 /// Options that matter seldom.
 pub fn options(q0: &[f64], u0: &[f64], t_end: f64) -> Options {
-    Options {
-        t_end,
-        q0: q0.to_vec(),
-        u0: u0.to_vec(),
-        tolerance: 1e-12,
-        sample: None,
-        max_step: None,
-        section: None,
-        max_events: 10_000,
-    }
+    Options::new(t_end).unwrap().with_start(q0, u0).with_tolerance(1e-12)
 }
 
 /// A motion that comes to its end.
@@ -29,8 +20,8 @@ pub fn run(system: &dyn System, options: &Options) -> Motion {
 
 /// The state in which the hyperplane is crossed.
 pub fn cross(system: &dyn System, from: &Options, normal: &[f64], level: f64) -> (f64, Vec<f64>) {
-    let section = Some(Section { normal: normal.to_vec(), level, after: 0.0 });
-    let motion = run(system, &Options { section, ..from.clone() });
+    let section = Section { normal: normal.to_vec(), level, after: 0.0 };
+    let motion = run(system, &from.clone().with_section(section));
     assert_eq!(motion.events.last().unwrap().kind, EventKind::Section);
     let state = [last_q(&motion), last_u(&motion)].concat();
     (*motion.samples.t.last().unwrap(), state)

@@ -46,7 +46,7 @@ fn oblique_impacts_of_spheres_stick_or_slip() {
         let mut geometry = None;
         let state = run(&system, dt, 0.12, |s| {
             if geometry.is_none() && s.problem().rows() > 0 {
-                geometry = Some(system.contact_geometry(s.q(), 0));
+                geometry = Some(system.contact_geometry(s.time(), s.q(), 0));
             }
         });
         // Where the centres are .2 apart: sin of the angle is ½.

@@ -73,7 +73,7 @@ fn a_sliding_disk_stops_to_spin_and_slide_together() {
 /// A turntable takes a body on its axis along.
 #[test]
 fn a_turntable_spins_a_disk_up() {
-    let table = Plane { spin: 5.0, ..Plane::floor() };
+    let table = Plane { spin: 5.0.into(), ..Plane::floor() };
     let system = spinning(Pressure::Uniform, 0.0, 0.0, table);
     let state = run(&system, 1e-3, 1.0, |_| {});
     assert!((state.u[5] - 5.0).abs() < 1e-9, "{:?}", state.u);

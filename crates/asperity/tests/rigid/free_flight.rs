@@ -94,9 +94,10 @@ fn bodies_on_a_spring_oscillate() {
         other_point: [0.0; 3],
         stiffness: 9.0,
         damping: 0.0,
-        length: 0.0,
+        length: 0.0.into(),
     };
-    let system = RigidBodies::new(vec![at(1.0), at(-1.0)], &[], vec![spring], [0.0; 3]).unwrap();
+    let system =
+        RigidBodies::new(vec![at(1.0), at(-1.0)], &[], vec![spring.clone()], [0.0; 3]).unwrap();
     let start = energy(&system, system.q0(), system.u0());
     assert!((start - 0.5 * 9.0 * 4.0).abs() < 1e-12);
     let state = run(&system, 1e-3, 2.0, |_| {});
@@ -105,7 +106,7 @@ fn bodies_on_a_spring_oscillate() {
     assert!((state.q[7] + 6.0_f64.cos()).abs() < 1e-5);
     assert!((energy(&system, &state.q, &state.u) / start - 1.0).abs() < 1e-5);
     // A pull off the centre of mass turns: momenta about the world's origin are still kept.
-    let spring = Spring { point: [0.1, 0.4, -0.2], damping: 0.3, length: 0.5, ..spring };
+    let spring = Spring { point: [0.1, 0.4, -0.2], damping: 0.3, length: 0.5.into(), ..spring };
     let bodies = vec![Body { angular_velocity: [0.3, 0.2, 1.0], ..at(1.0) }, at(-1.0)];
     let system = RigidBodies::new(bodies, &[], vec![spring], [0.0; 3]).unwrap();
     let about = Vector3::zeros();
@@ -187,9 +188,9 @@ fn runs_of_slender_bodies_go_on_from_their_end() {
 /// Momenta are carried where they are stepped: those of bodies of unequal moments.
 #[test]
 fn states_carry_the_momenta_that_are_stepped() {
-    let torque = [0.0, 0.0, 1.0];
-    let ball = Body { torque, ..Body::new(1.0, [0.004; 3]) };
-    let top = Body { torque, ..Body::new(1.0, [0.2, 0.4, 0.5]) };
+    let torque = || [0.0, 0.0, 1.0].into();
+    let ball = Body { torque: torque(), ..Body::new(1.0, [0.004; 3]) };
+    let top = Body { torque: torque(), ..Body::new(1.0, [0.2, 0.4, 0.5]) };
     let system = RigidBodies::new(vec![ball.clone(), top], &[], vec![], [0.0; 3]).unwrap();
     let mut both = stepper(&system, 1e-2);
     run_on(&mut both, 1.0, &mut |_| {});

@@ -85,9 +85,9 @@ fn a_box_slides_down_an_incline() {
 #[test]
 fn moving_surfaces_carry_bodies_along() {
     let body = Body { position: [0.2, 0.0, 0.0], ..Body::new(1.0, [0.1; 3]) };
-    let belt = Plane { velocity: [0.5, 0.2], ..Plane::floor() };
+    let belt = Plane { velocity: [0.5, 0.2].into(), ..Plane::floor() };
     let law = Pair::new(point(0, belt), disk(0.4));
-    let system = RigidBodies::new(vec![body], &[law], vec![], GRAVITY).unwrap();
+    let system = RigidBodies::new(vec![body.clone()], &[law], vec![], GRAVITY).unwrap();
     let mut sticks = f64::NAN;
     let state = run(&system, 1e-3, 1.0, |s| {
         if sticks.is_nan() && s.phase(0) == Phase::Stick {
@@ -98,10 +98,10 @@ fn moving_surfaces_carry_bodies_along() {
     assert!((state.u[0] - 0.5).abs() < 1e-12 && (state.u[1] - 0.2).abs() < 1e-12);
 
     // ω²r = .8 < μg: it stays on its circle once it has the speed.
-    let table = Plane { spin: 2.0, ..Plane::floor() };
+    let table = Plane { spin: 2.0.into(), ..Plane::floor() };
     let body = Body { velocity: [0.0, 0.4, 0.0], ..body };
-    let law = Pair::new(point(0, table), disk(0.4));
-    let system = RigidBodies::new(vec![body], &[law], vec![], GRAVITY).unwrap();
+    let law = Pair::new(point(0, table.clone()), disk(0.4));
+    let system = RigidBodies::new(vec![body.clone()], &[law], vec![], GRAVITY).unwrap();
     let radius = |dt: f64| {
         let state = run(&system, dt, 3.0, |s| assert_eq!(s.phase(0), Phase::Stick));
         let (x, y) = (state.q[0], state.q[1]);

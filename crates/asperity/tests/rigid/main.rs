@@ -10,4 +10,5 @@ mod free_flight;
 mod friction;
 mod impacts;
 mod stepping;
+mod sticking;
 mod support;

@@ -4,20 +4,27 @@ use asperity::contact::{Delassus, Factored};
 use asperity::stepper::Stepper;
 use asperity::system::rigid::{Body, Pair, PlanarBody, Plane, RigidBodies, Shape};
 use asperity::system::{
-    Blocks, Configuration, Constancy, ContactLaw, System, SystemError, full_rows,
+    Blocks, Configuration, Constancy, ContactLaw, Midpoint, System, SystemError, full_rows,
 };
 use nalgebra::Vector3;
 
 use crate::support::*;
 
-/// Rigid bodies whose velocities are one block, stepped by the midpoint rule as it stands.
+/// Rigid bodies in their own blocks or in one, stepped by the midpoint rule as it stands, with or without chords.
 #[derive(Debug)]
-struct OneBlock {
+struct Plain {
     blocks: Blocks,
     bodies: RigidBodies,
+    chords: bool,
 }
 
-impl System for OneBlock {
+impl Plain {
+    fn is_one_block(&self) -> bool {
+        self.blocks.count() == 1
+    }
+}
+
+impl System for Plain {
     fn blocks(&self) -> &Blocks {
         &self.blocks
     }
@@ -33,7 +40,13 @@ impl System for OneBlock {
     fn constancy(&self) -> Constancy {
         self.bodies.constancy()
     }
-    fn mass(&self, q: &[f64], _block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
+    fn touched(&self, contact: usize) -> &[usize] {
+        if self.is_one_block() { &[0] } else { self.bodies.touched(contact) }
+    }
+    fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
+        if !self.is_one_block() {
+            return self.bodies.mass(q, block, mass);
+        }
         mass.fill(0.0);
         for block in 0..self.bodies.bodies() {
             let range = self.bodies.blocks().range(block);
@@ -46,8 +59,8 @@ impl System for OneBlock {
         }
         Ok(())
     }
-    fn forces(&self, t: f64, q: &[f64], u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
-        self.bodies.forces(t, q, u, h)
+    fn forces(&self, at: &Configuration<'_>, u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
+        self.bodies.forces(at, u, h)
     }
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         self.bodies.gap(at, contact)
@@ -59,7 +72,20 @@ impl System for OneBlock {
         rows: &mut [f64],
         chi: &mut [f64],
     ) -> Result<f64, SystemError> {
-        full_rows(&self.bodies, at, contact, rows, chi)
+        if self.is_one_block() {
+            return full_rows(&self.bodies, at, contact, rows, chi);
+        }
+        self.bodies.rows(at, contact, rows, chi)
+    }
+    fn chord(
+        &self,
+        midpoint: &Midpoint,
+        start: (&[f64], f64),
+        contact: usize,
+        rows: &[f64],
+        correction: &mut [f64],
+    ) -> bool {
+        self.chords && self.bodies.chord(midpoint, start, contact, rows, correction)
     }
 }
 
@@ -100,19 +126,28 @@ fn planar_boxes() -> RigidBodies {
 
 #[test]
 fn bodies_move_as_in_one_block() {
-    for (system, dt) in [(balls(), 1e-3), (planar_boxes(), 1e-3)] {
-        let blocks = Blocks::one(system.dof());
-        let one_block = OneBlock { blocks, bodies: system.clone() };
-        let (q0, u0) = (system.q0(), system.u0());
-        let mut one = Stepper::new(&system, EXACT, 1e-13, dt, q0, u0).unwrap();
-        let mut two = Stepper::new(&one_block, EXACT, 1e-13, dt, q0, u0).unwrap();
-        for step in 0..300 {
-            one.step().unwrap();
-            two.step().unwrap();
-            let apart = one.q().iter().zip(two.q()).map(|(a, b)| (a - b).abs());
-            let apart = apart.fold(0.0, f64::max);
-            assert!(apart < 1e-9, "step {step}: {apart:e}");
-        }
+    for bodies in [balls(), planar_boxes()] {
+        let plain = |blocks: &Blocks, chords: bool| {
+            let (blocks, bodies) = (blocks.clone(), bodies.clone());
+            Plain { blocks, bodies, chords }
+        };
+        let one_block = Blocks::one(bodies.dof());
+        agree(&bodies, &plain(bodies.blocks(), true));
+        // In a step with an impact no contact of the struck blocks has a chord, and one block is always struck.
+        agree(&plain(bodies.blocks(), false), &plain(&one_block, false));
+    }
+}
+
+fn agree(one: &dyn System, other: &Plain) {
+    let (q0, u0) = (other.bodies.q0(), other.bodies.u0());
+    let mut one = Stepper::new(one, EXACT, 1e-13, 1e-3, q0, u0).unwrap();
+    let mut two = Stepper::new(other, EXACT, 1e-13, 1e-3, q0, u0).unwrap();
+    for step in 0..300 {
+        one.step().unwrap();
+        two.step().unwrap();
+        let apart = one.q().iter().zip(two.q()).map(|(a, b)| (a - b).abs());
+        let apart = apart.fold(0.0, f64::max);
+        assert!(apart < 1e-9, "step {step}: {apart:e}");
     }
 }
 
@@ -159,8 +194,8 @@ fn a_given_normal_force_acts() {
     let body = Body { velocity: [2.0, 0.0, 0.0], ..Body::new(2.0, [0.1; 3]) };
     let shape = Shape::PointPlane { body: 0, point: [0.0; 3], plane: Plane::floor() };
     let clamp = |force: f64| {
-        let pair = Pair { normal_force: Some(force), ..Pair::new(shape, disk(0.3)) };
-        RigidBodies::new(vec![body], &[pair], vec![], [0.0, 0.0, -G]).unwrap()
+        let pair = Pair { normal_force: Some(force), ..Pair::new(shape.clone(), disk(0.3)) };
+        RigidBodies::new(vec![body.clone()], &[pair], vec![], [0.0, 0.0, -G]).unwrap()
     };
     let state = run(&clamp(2.0 * G), 1e-3, 0.5, |_| {});
     assert!(state.u[2].abs() < 1e-13 && (state.u[0] - 2.0 + 0.15 * G).abs() < 1e-12);
@@ -179,7 +214,7 @@ fn contact_forces_carry_the_weight() {
     let mut forces = [Vector3::zeros(); 2];
     for contact in 0..16 {
         let output = stepper.output(contact).unwrap();
-        let geometry = system.contact_geometry(stepper.q(), contact);
+        let geometry = system.contact_geometry(0.0, stepper.q(), contact);
         let [f1, f2, _] = output.force;
         let (body, other) = system.partners(contact);
         let force = geometry.world([f1, f2, output.normal_force]);

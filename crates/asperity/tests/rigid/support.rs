@@ -71,5 +71,5 @@ pub fn order(errors: [f64; 2]) -> f64 {
 /// Kinetic and potential energy.
 pub fn energy(system: &RigidBodies, q: &[f64], u: &[f64]) -> f64 {
     assert_eq!(q.len(), system.coordinates());
-    system.kinetic_energy(u) + system.potential_energy(q)
+    system.kinetic_energy(u) + system.potential_energy(0.0, q)
 }

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.contact import operator
 from asperity.contact.files import laws as law_files
 from asperity.contact.problem import ContactProblem
@@ -161,7 +161,7 @@ def read_coefficients(source: Source, key: str, rows: int, dimension: int) -> di
 
 def numbers(source: Source, key: str) -> Array:
     """Return a vector of finite numbers."""
-    return _arrays.array(source[key], key, (None,))
+    return arrays.array(source[key], key, (None,))
 
 
 def text(source: Source, key: str) -> str:

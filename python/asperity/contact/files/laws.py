@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from asperity import sets
-from asperity._value import Value
+from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FlowReport, FrictionLaw
-from asperity.rate import Stribeck
+from asperity.law.rate import Stribeck
 
 # Only these are called, with parameters that are numbers, words, lists or each other.
 _CONSTRUCTORS: dict[str, type[Value]] = {

@@ -2,6 +2,7 @@
 
 from asperity.system.rigid.bodies import Body, PlanarBody
 from asperity.system.rigid.pairs import BoxPlane, PointPlane, SpherePlane, SphereSphere
+from asperity.system.rigid.plane_motion import PlaneMotion
 from asperity.system.rigid.springs import Spring
 from asperity.system.rigid.surfaces import BodyAxis, Line, Plane
 from asperity.system.rigid.system import ContactLabel, RigidBodies
@@ -14,6 +15,7 @@ __all__ = [
     "Line",
     "PlanarBody",
     "Plane",
+    "PlaneMotion",
     "PointPlane",
     "RigidBodies",
     "SpherePlane",

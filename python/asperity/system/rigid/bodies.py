@@ -1,18 +1,21 @@
-"""Rigid bodies: mass, inertia, initial state and constant loads."""
+"""Rigid bodies: mass, inertia, initial state and loads."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Self, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
+from asperity.system import time_functions
 from asperity.system.rigid import rotation
 from asperity.system.rigid.rotation import Orientation
+from asperity.system.time_functions import Signal, TimeFunction
 
 # Relative tolerance within which a tensor in turned axes counts as symmetric.
 _SYMMETRY = 1e-12
@@ -21,25 +24,25 @@ _MOMENTS = 1e-9
 
 
 class State(TypedDict, total=False):
-    """Initial state and constant loads of a `Body`."""
+    """Initial state and loads of a `Body`."""
 
     position: ArrayLike
     orientation: Orientation
     velocity: ArrayLike
     angular_velocity: ArrayLike
-    force: ArrayLike
-    torque: ArrayLike
+    force: TimeFunction
+    torque: TimeFunction
 
 
 class PlanarState(TypedDict, total=False):
-    """Initial state and constant loads of a `PlanarBody`."""
+    """Initial state and loads of a `PlanarBody`."""
 
     position: ArrayLike
     angle: float
     velocity: ArrayLike
     angular_velocity: float
-    force: ArrayLike
-    torque: float
+    force: TimeFunction
+    torque: TimeFunction
 
 
 class Body(Value):
@@ -54,8 +57,9 @@ class Body(Value):
             quaternion (w, x, y, z), which is normalised. SciPy's own order is (x, y, z, w).
         velocity: of the centre of mass in m/s, shape ``(3,)``.
         angular_velocity: ω in rad/s in the world's axes, shape ``(3,)``.
-        force: constant force on the centre of mass in N besides gravity, in the world's axes.
-        torque: constant torque in N m in the world's axes.
+        force: on the centre of mass in N besides gravity, in the world's axes: shape ``(3,)``, or a
+            `Signal` or a function of t in s with such values.
+        torque: in N m in the world's axes, likewise.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -75,8 +79,8 @@ class Body(Value):
     orientation: Array
     velocity: Array
     angular_velocity: Array
-    force: Array
-    torque: Array
+    force: Array | Signal | Callable[[float], ArrayLike]
+    torque: Array | Signal | Callable[[float], ArrayLike]
 
     def __init__(
         self,
@@ -87,18 +91,18 @@ class Body(Value):
         orientation: Orientation = (1.0, 0.0, 0.0, 0.0),
         velocity: ArrayLike = (0.0, 0.0, 0.0),
         angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
-        force: ArrayLike = (0.0, 0.0, 0.0),
-        torque: ArrayLike = (0.0, 0.0, 0.0),
+        force: TimeFunction = (0.0, 0.0, 0.0),
+        torque: TimeFunction = (0.0, 0.0, 0.0),
     ) -> None:
         self._set(
-            mass=_arrays.positive(mass, "mass"),
+            mass=arrays.positive(mass, "mass"),
             inertia=_inertia(inertia),
             position=_vector(position, "position", 3),
             orientation=rotation.quaternion(orientation, "orientation"),
             velocity=_vector(velocity, "velocity", 3),
             angular_velocity=_vector(angular_velocity, "angular_velocity", 3),
-            force=_vector(force, "force", 3),
-            torque=_vector(torque, "torque", 3),
+            force=time_functions.checked(force, "force", (3,)),
+            torque=time_functions.checked(torque, "torque", (3,)),
         )
 
     @classmethod
@@ -111,7 +115,7 @@ class Body(Value):
             **state: as of `Body`.
         """
         squares = positive_vector(half_sizes, "half_sizes", 3) ** 2
-        return cls(mass, _arrays.positive(mass, "mass") / 3.0 * (squares.sum() - squares), **state)
+        return cls(mass, arrays.positive(mass, "mass") / 3.0 * (squares.sum() - squares), **state)
 
     @classmethod
     def ball(cls, mass: float, radius: float, **state: Unpack[State]) -> Self:
@@ -122,8 +126,8 @@ class Body(Value):
             radius: R > 0 in m.
             **state: as of `Body`.
         """
-        square = _arrays.positive(radius, "radius") ** 2
-        return cls(mass, np.full(3, 0.4 * _arrays.positive(mass, "mass") * square), **state)
+        square = arrays.positive(radius, "radius") ** 2
+        return cls(mass, np.full(3, 0.4 * arrays.positive(mass, "mass") * square), **state)
 
     @classmethod
     def cylinder(cls, mass: float, radius: float, height: float, **state: Unpack[State]) -> Self:
@@ -135,9 +139,9 @@ class Body(Value):
             height: h > 0 in m.
             **state: as of `Body`.
         """
-        mass = _arrays.positive(mass, "mass")
-        square = _arrays.positive(radius, "radius") ** 2
-        across = mass * (3.0 * square + _arrays.positive(height, "height") ** 2) / 12.0
+        mass = arrays.positive(mass, "mass")
+        square = arrays.positive(radius, "radius") ** 2
+        across = mass * (3.0 * square + arrays.positive(height, "height") ** 2) / 12.0
         return cls(mass, [across, across, 0.5 * mass * square], **state)
 
     @property
@@ -162,8 +166,9 @@ class PlanarBody(Value):
         angle: φ in rad, counter-clockwise.
         velocity: of the centre of mass in m/s, shape ``(2,)``.
         angular_velocity: ω in rad/s.
-        force: constant force on the centre of mass in N besides gravity, shape ``(2,)``.
-        torque: constant torque in N m.
+        force: on the centre of mass in N besides gravity: shape ``(2,)``, or a `Signal` or a
+            function of t in s with such values.
+        torque: in N m: a number, or a `Signal` or a function of t in s.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -179,8 +184,8 @@ class PlanarBody(Value):
     angle: float
     velocity: Array
     angular_velocity: float
-    force: Array
-    torque: float
+    force: Array | Signal | Callable[[float], ArrayLike]
+    torque: float | Signal | Callable[[float], ArrayLike]
 
     def __init__(
         self,
@@ -191,18 +196,18 @@ class PlanarBody(Value):
         angle: float = 0.0,
         velocity: ArrayLike = (0.0, 0.0),
         angular_velocity: float = 0.0,
-        force: ArrayLike = (0.0, 0.0),
-        torque: float = 0.0,
+        force: TimeFunction = (0.0, 0.0),
+        torque: TimeFunction = 0.0,
     ) -> None:
         self._set(
-            mass=_arrays.positive(mass, "mass"),
-            inertia=_arrays.positive(inertia, "inertia"),
+            mass=arrays.positive(mass, "mass"),
+            inertia=arrays.positive(inertia, "inertia"),
             position=_vector(position, "position", 2),
-            angle=_arrays.number(angle, "angle"),
+            angle=arrays.number(angle, "angle"),
             velocity=_vector(velocity, "velocity", 2),
-            angular_velocity=_arrays.number(angular_velocity, "angular_velocity"),
-            force=_vector(force, "force", 2),
-            torque=_arrays.number(torque, "torque"),
+            angular_velocity=arrays.number(angular_velocity, "angular_velocity"),
+            force=time_functions.checked(force, "force", (2,)),
+            torque=time_functions.checked(torque, "torque", ()),
         )
 
     @classmethod
@@ -215,7 +220,7 @@ class PlanarBody(Value):
             **state: as of `PlanarBody`.
         """
         squares = positive_vector(half_sizes, "half_sizes", 2) ** 2
-        return cls(mass, _arrays.positive(mass, "mass") / 3.0 * squares.sum(), **state)
+        return cls(mass, arrays.positive(mass, "mass") / 3.0 * squares.sum(), **state)
 
     @classmethod
     def disk(cls, mass: float, radius: float, **state: Unpack[PlanarState]) -> Self:
@@ -226,8 +231,8 @@ class PlanarBody(Value):
             radius: R > 0 in m.
             **state: as of `PlanarBody`.
         """
-        square = _arrays.positive(radius, "radius") ** 2
-        return cls(mass, 0.5 * _arrays.positive(mass, "mass") * square, **state)
+        square = arrays.positive(radius, "radius") ** 2
+        return cls(mass, 0.5 * arrays.positive(mass, "mass") * square, **state)
 
     @property
     def coordinates(self) -> Array:
@@ -242,19 +247,19 @@ class PlanarBody(Value):
 
 def positive_vector(value: ArrayLike, argument: str, size: int) -> Array:
     """Return a vector with entries above zero."""
-    vector = _arrays.array(value, argument, (size,))
+    vector = arrays.array(value, argument, (size,))
     if vector.min() <= 0.0:
         raise ParameterError(argument, f"must be positive, got {vector.tolist()}")
-    return _arrays.read_only(vector)
+    return arrays.read_only(vector)
 
 
 def _vector(value: ArrayLike, argument: str, size: int) -> Array:
-    return _arrays.read_only(_arrays.array(value, argument, (size,)))
+    return arrays.read_only(arrays.array(value, argument, (size,)))
 
 
 def _inertia(value: ArrayLike) -> Array:
     """Return J; no body has a principal moment above the sum of the other two."""
-    inertia = _arrays.square(value, "inertia", 3)
+    inertia = arrays.square(value, "inertia", 3)
     if np.abs(inertia - inertia.T).max() > _SYMMETRY * np.abs(inertia).max():
         raise ParameterError("inertia", "must be symmetric")
     inertia = 0.5 * (inertia + inertia.T)
@@ -266,4 +271,4 @@ def _inertia(value: ArrayLike) -> Array:
             "inertia",
             f"must have no principal moment above the sum of the others, {moments.tolist()}",
         )
-    return _arrays.read_only(inertia)
+    return arrays.read_only(inertia)

@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.system.contacts import checked_laws
@@ -155,7 +155,7 @@ class SpherePlane(PlanePair):
         self._set(
             **_on_plane(body, plane, law, frame, patch_radius),
             **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
-            radius=_arrays.positive(radius, "radius"),
+            radius=arrays.positive(radius, "radius"),
             center=_vector(center, "center", len(plane.point)),
         )
 
@@ -267,15 +267,15 @@ class SphereSphere(Pair):
         frame = BodyAxis((1.0, 0.0, 0.0)) if frame is None else frame
         if not isinstance(frame, BodyAxis):
             raise ParameterError("frame", f"must be a BodyAxis between spheres, got {frame!r}")
-        body, other = _arrays.count(body, "body", 0), _arrays.count(other, "other", 0)
+        body, other = arrays.count(body, "body", 0), arrays.count(other, "other", 0)
         if body == other:
             raise ParameterError("other", f"must be another body than {body}")
         self._set(
             **checked,
             body=body,
-            radius=_arrays.positive(radius, "radius"),
+            radius=arrays.positive(radius, "radius"),
             other=other,
-            other_radius=_arrays.positive(other_radius, "other_radius"),
+            other_radius=arrays.positive(other_radius, "other_radius"),
             center=_vector(center, "center", size),
             other_center=_vector(other_center, "other_center", size),
             frame=frame,
@@ -299,7 +299,7 @@ def _on_plane(
         words = " or ".join(map(str, allowed))
         kind = type(plane).__name__
         raise DimensionError("law", f"must have dimension {words} on a {kind}, has {law.dimension}")
-    body = _arrays.count(body, "body", 0)
+    body = arrays.count(body, "body", 0)
     if plane.body == body:
         raise ParameterError("plane", f"must not be fixed to the body {body} that touches it")
     return {
@@ -313,9 +313,9 @@ def _on_plane(
 def _patch_radius(value: float | None, law: FrictionLaw) -> float | None:
     if (law.dimension == 3) != (value is not None):
         raise ParameterError("patch_radius", "goes with a law of dimension 3 and only with one")
-    return None if value is None else _arrays.positive(value, "patch_radius")
+    return None if value is None else arrays.positive(value, "patch_radius")
 
 
 def _vector(value: ArrayLike | None, argument: str, size: int) -> Array:
     given = np.zeros(size) if value is None else value
-    return _arrays.read_only(_arrays.array(given, argument, (size,)))
+    return arrays.read_only(arrays.array(given, argument, (size,)))

@@ -7,8 +7,8 @@ from typing import Protocol, TypeAlias, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
 
 # What is a unit vector to rounding stays as it is, so that normalising twice changes no bit.
@@ -50,11 +50,11 @@ def _wxyz(rotation: Rotation, argument: str) -> Array:
 
 def normalised(value: ArrayLike, argument: str, size: int) -> Array:
     """Return a vector of length 1."""
-    vector = _arrays.array(value, argument, (size,))
+    vector = arrays.array(value, argument, (size,))
     length = float(np.linalg.norm(vector))
     if length == 0.0:
         raise ParameterError(argument, "must not vanish")
-    return _arrays.read_only(vector if abs(length - 1.0) <= _UNIT else vector / length)
+    return arrays.read_only(vector if abs(length - 1.0) <= _UNIT else vector / length)
 
 
 def matrices(quaternions: Array) -> Array:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
+from asperity.system import time_functions
+from asperity.system.time_functions import Signal, TimeFunction
 
 
 class Spring(Value):
@@ -25,8 +28,8 @@ class Spring(Value):
         other_point: in the axes of the other body or of the world in m. Default 0.
         stiffness: k ≥ 0 in N/m.
         damping: d ≥ 0 in N s/m.
-        length: l₀ ≥ 0 in m, at which the spring is relaxed. If l₀ > 0, there is no force while the
-            ends coincide.
+        length: l₀ ≥ 0 in m, at which the spring is relaxed; a number, or a `Signal` or a function
+            of t in s. If l₀ > 0, there is no force while the ends coincide.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -43,7 +46,7 @@ class Spring(Value):
     other_point: Array
     stiffness: float
     damping: float
-    length: float
+    length: float | Signal | Callable[[float], ArrayLike]
 
     def __init__(
         self,
@@ -54,24 +57,24 @@ class Spring(Value):
         *,
         stiffness: float,
         damping: float = 0.0,
-        length: float = 0.0,
+        length: TimeFunction = 0.0,
     ) -> None:
-        body = _arrays.count(body, "body", 0)
-        other = None if other is None else _arrays.count(other, "other", 0)
+        body = arrays.count(body, "body", 0)
+        other = None if other is None else arrays.count(other, "other", 0)
         if body == other:
             raise ParameterError("other", f"must be another body than {body}")
-        near = _arrays.array(point, "point", (None,))
+        near = arrays.array(point, "point", (None,))
         if len(near) not in (2, 3):
             raise DimensionError("point", f"must have 2 or 3 entries, got {len(near)}")
         far = np.zeros(len(near)) if other_point is None else other_point
         self._set(
             body=body,
-            point=_arrays.read_only(near),
+            point=arrays.read_only(near),
             other=other,
-            other_point=_arrays.read_only(_arrays.array(far, "other_point", near.shape)),
-            stiffness=_arrays.non_negative(stiffness, "stiffness"),
-            damping=_arrays.non_negative(damping, "damping"),
-            length=_arrays.non_negative(length, "length"),
+            other_point=arrays.read_only(arrays.array(far, "other_point", near.shape)),
+            stiffness=arrays.non_negative(stiffness, "stiffness"),
+            damping=arrays.non_negative(damping, "damping"),
+            length=_length(length),
         )
 
     @property
@@ -80,4 +83,10 @@ class Spring(Value):
         return len(self.point) == 2
 
     def _core_data(self) -> dict[str, Any]:
-        return self._parameters
+        return {**self._parameters, "length": time_functions.core(self.length)}
+
+
+def _length(given: TimeFunction) -> Any:
+    if time_functions.depends_on_time(given):
+        return time_functions.checked(given, "length", ())
+    return arrays.non_negative(given, "length")

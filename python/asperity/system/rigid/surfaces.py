@@ -8,12 +8,15 @@ from typing import Any, Literal, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.system.rigid import rotation
+from asperity.system import time_functions
+from asperity.system.rigid import plane_motion, rotation
+from asperity.system.rigid.plane_motion import PlaneMotion
 from asperity.system.rigid.rotation import Orientation
+from asperity.system.time_functions import Signal, TimeFunction
 
 # Sine of the smallest angle between an axis and the normal it is projected along.
 _PARALLEL = 1e-12
@@ -23,15 +26,18 @@ class Plane(Value):
     """A plane with the axes e₁, e₂ = n × e₁ and the normal n that points to the touching bodies.
 
     Its surface may move in itself: a belt with `velocity`, a turntable with `spin` about the normal
-    through `point`. The grooves of such a surface stand still; for grooves that turn along, fix the
-    plane to a body.
+    through `point`; plane and grooves then stay where they are. With `motion` the plane itself
+    moves with its grooves: a shaken table.
 
     Args:
         point: a point of the plane in m, shape ``(3,)``; origin of the coordinates (x₁, x₂).
         normal: n, of any length, shape ``(3,)``.
         axis: e₁ after projection on the plane, shape ``(3,)``.
-        velocity: v of the surface along e₁ and e₂ in m/s, shape ``(2,)``; enters γ as −v.
-        spin: angular velocity of the surface about n in rad/s.
+        velocity: v of the surface along e₁ and e₂ in m/s; enters γ as −v. Shape ``(2,)``, or a
+            `Signal` or a function of t in s with such values.
+        spin: angular velocity of the surface about n in rad/s: a number, or a `Signal` or a
+            function of t in s.
+        motion: how the plane moves; ``None``: it rests.
         body: number of the body that the plane is fixed to, in whose axes all the above is then
             given, from its centre of mass; ``None``: fixed to the world.
 
@@ -46,8 +52,9 @@ class Plane(Value):
     point: Array
     normal: Array
     axis: Array
-    velocity: Array
-    spin: float
+    velocity: Array | Signal | Callable[[float], ArrayLike]
+    spin: float | Signal | Callable[[float], ArrayLike]
+    motion: PlaneMotion | None
     body: int | None
     axes: Array
 
@@ -57,17 +64,19 @@ class Plane(Value):
         point: ArrayLike = (0.0, 0.0, 0.0),
         normal: ArrayLike = (0.0, 0.0, 1.0),
         axis: ArrayLike = (1.0, 0.0, 0.0),
-        velocity: ArrayLike = (0.0, 0.0),
-        spin: float = 0.0,
+        velocity: TimeFunction = (0.0, 0.0),
+        spin: TimeFunction = 0.0,
+        motion: PlaneMotion | None = None,
         body: int | None = None,
     ) -> None:
         self._set(
-            point=_arrays.read_only(_arrays.array(point, "point", (3,))),
+            point=arrays.read_only(arrays.array(point, "point", (3,))),
             normal=rotation.normalised(normal, "normal", 3),
             axis=rotation.normalised(axis, "axis", 3),
-            velocity=_arrays.read_only(_arrays.array(velocity, "velocity", (2,))),
-            spin=_arrays.number(spin, "spin"),
-            body=None if body is None else _arrays.count(body, "body", 0),
+            velocity=time_functions.checked(velocity, "velocity", (2,)),
+            spin=time_functions.checked(spin, "spin", ()),
+            motion=plane_motion.checked(motion, ((3,), (3,))),
+            body=None if body is None else arrays.count(body, "body", 0),
         )
         self._keep(axes=_axes(self.normal, self.axis))
 
@@ -77,7 +86,7 @@ class Plane(Value):
 
         Args:
             orientation: a `Rotation` of SciPy, or a quaternion (w, x, y, z), which is normalised.
-            **options: ``point``, ``velocity``, ``spin``, ``body``, as of `Plane`.
+            **options: ``point``, ``velocity``, ``spin``, ``motion``, ``body``, as of `Plane`.
 
         Raises:
             DimensionError, ParameterError: naming the argument.
@@ -91,7 +100,12 @@ class Plane(Value):
         return cls(normal=axes[:, 2], axis=axes[:, 0], **options)
 
     def _core_data(self) -> dict[str, Any]:
-        return self._parameters
+        return {
+            **self._parameters,
+            "velocity": time_functions.core(self.velocity),
+            "spin": time_functions.core(self.spin),
+            "motion": plane_motion.core_data(self.motion, (np.zeros(3), np.zeros(3))),
+        }
 
 
 class Line(Value):
@@ -100,7 +114,9 @@ class Line(Value):
     Args:
         point: a point of the line in m, shape ``(2,)``.
         normal: n, of any length, towards the touching bodies, shape ``(2,)``.
-        velocity: v of the surface along e₁ = (n₂, −n₁) in m/s; enters γ as −v.
+        velocity: v of the surface along e₁ = (n₂, −n₁) in m/s; enters γ as −v. A number, or a
+            `Signal` or a function of t in s.
+        motion: how the line moves; ``None``: it rests.
         body: number of the body that the line is fixed to, in whose axes all the above is then
             given, from its centre of mass; ``None``: fixed to the world.
 
@@ -114,7 +130,8 @@ class Line(Value):
 
     point: Array
     normal: Array
-    velocity: float
+    velocity: float | Signal | Callable[[float], ArrayLike]
+    motion: PlaneMotion | None
     body: int | None
     axes: Array
 
@@ -123,21 +140,27 @@ class Line(Value):
         *,
         point: ArrayLike = (0.0, 0.0),
         normal: ArrayLike = (0.0, 1.0),
-        velocity: float = 0.0,
+        velocity: TimeFunction = 0.0,
+        motion: PlaneMotion | None = None,
         body: int | None = None,
     ) -> None:
         self._set(
-            point=_arrays.read_only(_arrays.array(point, "point", (2,))),
+            point=arrays.read_only(arrays.array(point, "point", (2,))),
             normal=rotation.normalised(normal, "normal", 2),
-            velocity=_arrays.number(velocity, "velocity"),
-            body=None if body is None else _arrays.count(body, "body", 0),
+            velocity=time_functions.checked(velocity, "velocity", ()),
+            motion=plane_motion.checked(motion, ((2,), ())),
+            body=None if body is None else arrays.count(body, "body", 0),
         )
         n1, n2 = self.normal.tolist()
         # Adding zero turns −0 into 0.
-        self._keep(axes=_arrays.read_only(np.array([[n2, -n1], [n1, n2]]) + 0.0))
+        self._keep(axes=arrays.read_only(np.array([[n2, -n1], [n1, n2]]) + 0.0))
 
     def _core_data(self) -> dict[str, Any]:
-        return self._parameters
+        return {
+            **self._parameters,
+            "velocity": time_functions.core(self.velocity),
+            "motion": plane_motion.core_data(self.motion, (np.zeros(2), 0.0)),
+        }
 
 
 class BodyAxis(Value):
@@ -186,4 +209,4 @@ def _axes(normal: Array, axis: Array) -> Array:
     if length <= _PARALLEL:
         raise ParameterError("axis", "must not be parallel to normal")
     e1 = projected / length
-    return _arrays.read_only(np.stack([e1, np.cross(normal, e1), normal]) + 0.0)
+    return arrays.read_only(np.stack([e1, np.cross(normal, e1), normal]) + 0.0)

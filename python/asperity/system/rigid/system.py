@@ -8,17 +8,19 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _arrays, _core
-from asperity._arrays import Array
-from asperity._value import Value
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
+from asperity.system import time_functions
 from asperity.system.rigid import rotation
 from asperity.system.rigid.bodies import Body, PlanarBody
 from asperity.system.rigid.pairs import Pair
 from asperity.system.rigid.springs import Spring
 
 if TYPE_CHECKING:
-    from asperity.trajectory import Trajectory
+    from asperity.runs.trajectory import Trajectory
 
 
 _Part = TypeVar("_Part", Pair, Spring)
@@ -86,15 +88,20 @@ class RigidBodies(Value):
             bodies=listed,
             pairs=_parts(pairs, "pairs", Pair, planar),
             springs=_parts(springs, "springs", Spring, planar),
-            gravity=_arrays.read_only(
-                _arrays.array(down if gravity is None else gravity, "gravity", (len(down),))
+            gravity=arrays.read_only(
+                arrays.array(down if gravity is None else gravity, "gravity", (len(down),))
             ),
         )
         core = _core.RigidBodies(
             planar,
             np.array([body.mass for body in listed]),
             np.array([np.ravel(body.inertia) for body in listed]),
-            np.array([np.append(body.force, body.torque) for body in listed]),
+            np.array([_constant_load(body, planar) for body in listed]),
+            [
+                (number, time_functions.core(body.force), time_functions.core(body.torque))
+                for number, body in enumerate(listed)
+                if _is_timed(body)
+            ],
             [pair._core_data() for pair in self.pairs],
             [spring._core_data() for spring in self.springs],
             self.gravity,
@@ -120,6 +127,11 @@ class RigidBodies(Value):
     def coordinates(self) -> int:
         """Number of coordinates: 7, planar 3, per body."""
         return len(self.bodies) * (3 if self.planar else 7)
+
+    @property
+    def depends_on_time(self) -> bool:
+        """Whether loads, lengths of springs or surfaces depend on time."""
+        return self._core.depends_on_time
 
     @property
     def q0(self) -> Array:
@@ -165,7 +177,8 @@ class RigidBodies(Value):
         """Return the kinetic energy plus that of the loads in J, shape ``(n_t,)``.
 
         Loads with a potential are the weight and constant forces, zero for centres of mass at the
-        origin, and springs; constant torques have none.
+        origin, and springs with the lengths of the time; torques, and forces that depend on time,
+        have none.
 
         Args:
             trajectory: of this system.
@@ -176,7 +189,7 @@ class RigidBodies(Value):
         [25.0, 25.0]
         """
         self._states(trajectory)
-        return self._core.energy(trajectory.q, trajectory.u)
+        return self._core.energy(trajectory.t, trajectory.q, trajectory.u)
 
     def momentum(self, trajectory: Trajectory) -> Array:
         """Return Σ m v in N s, shape ``(n_t, 3)``, planar ``(n_t, 2)``.
@@ -197,7 +210,7 @@ class RigidBodies(Value):
         self._states(trajectory)
         point = np.zeros(3)
         if about is not None:
-            point[: self._space] = _arrays.array(about, "about", (self._space,))
+            point[: self._space] = arrays.array(about, "about", (self._space,))
         momentum = self._core.angular_momentum(trajectory.q, trajectory.u, point)
         return momentum[:, 2] if self.planar else momentum
 
@@ -211,7 +224,7 @@ class RigidBodies(Value):
             trajectory: of this system.
         """
         self._states(trajectory)
-        return self._core.contact_geometry(trajectory.q)[0][..., : self._space]
+        return self._core.contact_geometry(trajectory.t, trajectory.q)[0][..., : self._space]
 
     def contact_forces(
         self,
@@ -242,14 +255,15 @@ class RigidBodies(Value):
         >>> system.contact_forces(motion, frame="world")[-1].sum(axis=0).round(6)[2].item()
         19.62
         """
-        _arrays.choice(frame, "frame", ["surface", "world", "body"])
+        arrays.choice(frame, "frame", ["surface", "world", "body"])
         self._states(trajectory)
         tangential = trajectory.force[..., : self._space - 1]
         forces = np.concatenate([tangential, trajectory.normal_force[..., None]], axis=-1)
         if frame == "surface":
             return forces
         middle = self._core.advance(trajectory.q, trajectory.u, -0.5 * trajectory.dt)
-        axes = self._core.contact_geometry(middle)[1][..., self._rows, : self._space]
+        times = trajectory.t - 0.5 * trajectory.dt
+        axes = self._core.contact_geometry(times, middle)[1][..., self._rows, : self._space]
         forces = _turned(np.swapaxes(axes, -1, -2), forces)
         if frame == "world":
             return forces
@@ -289,13 +303,24 @@ class RigidBodies(Value):
         return rotation.matrices(q[..., 3:])
 
 
+def _is_timed(body: Body | PlanarBody) -> bool:
+    return any(map(time_functions.depends_on_time, (body.force, body.torque)))
+
+
+def _constant_load(body: Body | PlanarBody, planar: bool) -> Array:
+    """Return force and torque, zeros if one of them depends on time."""
+    if _is_timed(body):
+        return np.zeros(3 if planar else 6)
+    return time_functions.constants(body.force, body.torque)
+
+
 def _turned(matrices: Array, vectors: Array) -> Array:
     turned: Array = np.einsum("...ij,...j->...i", matrices, vectors)
     return turned
 
 
 def _bodies(bodies: Sequence[Any]) -> tuple[Any, ...]:
-    listed = _arrays.several(bodies, "bodies")
+    listed = arrays.several(bodies, "bodies")
     if not listed:
         raise DimensionError("bodies", "must not be empty")
     kind = PlanarBody if isinstance(listed[0], PlanarBody) else Body
@@ -309,7 +334,7 @@ def _parts(
     parts: Sequence[_Part], argument: str, kind: type[_Part], planar: bool
 ) -> tuple[_Part, ...]:
     """Return pairs or springs that fit the bodies."""
-    listed = _arrays.several(parts, argument)
+    listed = arrays.several(parts, argument)
     for number, part in enumerate(listed):
         if not isinstance(part, kind):
             raise ParameterError(argument, f"must hold {kind.__name__} objects, got {part!r}")

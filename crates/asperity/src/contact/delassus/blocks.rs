@@ -3,6 +3,15 @@
 use super::Csr;
 use crate::contact::ProblemError;
 
+/// Number of rows of contacts with `sizes` rows each.
+pub(super) fn rows_of(sizes: &[usize]) -> Result<usize, ProblemError> {
+    if sizes.iter().any(|size| !(1..=4).contains(size)) {
+        let message = "must have 1 to 4 rows per contact";
+        return Err(ProblemError::Structure { argument: "delassus", message });
+    }
+    Ok(sizes.iter().sum())
+}
+
 /// A sparse matrix of dense blocks `G_ij`, compressed by block rows, one per contact.
 ///
 /// A block has as many rows as contact `i` and as many columns as contact `j`, row-major. Diagonal blocks
@@ -23,14 +32,17 @@ pub struct BlockMatrix {
 
 impl BlockMatrix {
     /// Zeros where contact `i` and the contacts `neighbours[i]`, ascending, meet; contacts have `sizes` rows.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::Structure`] if a contact has not 1 to 4 rows, or if the lists are not one per contact, ascending
+    /// and of contacts that there are.
     pub fn from_pattern(sizes: &[usize], neighbours: &[Vec<usize>]) -> Result<Self, ProblemError> {
         let structure = |message| Err(ProblemError::Structure { argument: "delassus", message });
         if sizes.len() != neighbours.len() {
             return structure("must have one list of neighbours per contact");
         }
-        if sizes.iter().any(|size| !(1..=4).contains(size)) {
-            return structure("must have 1 to 4 rows per contact");
-        }
+        rows_of(sizes)?;
         let ascending = |list: &Vec<usize>| list.windows(2).all(|pair| pair[0] < pair[1]);
         let within = |list: &Vec<usize>| list.iter().all(|&j| j < sizes.len());
         if !neighbours.iter().all(|list| ascending(list) && within(list)) {
@@ -87,8 +99,12 @@ impl BlockMatrix {
     }
 
     /// The blocks of a sparse matrix for contacts with `sizes` rows.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError`] if a contact has not 1 to 4 rows, or the matrix not the rows and columns of all contacts.
     pub fn from_csr(matrix: &Csr, sizes: &[usize]) -> Result<Self, ProblemError> {
-        let rows = sizes.iter().sum();
+        let rows = rows_of(sizes)?;
         for got in [matrix.rows(), matrix.columns()] {
             if got != rows {
                 return Err(ProblemError::Length { argument: "delassus", expected: rows, got });
@@ -139,6 +155,10 @@ impl BlockMatrix {
     }
 
     /// Number of rows of a contact.
+    ///
+    /// # Panics
+    ///
+    /// Like the other methods that are asked for one contact: if there is no such contact.
     #[inline]
     pub fn size(&self, i: usize) -> usize {
         self.offsets[i + 1] - self.offsets[i]
@@ -155,6 +175,7 @@ impl BlockMatrix {
     }
 
     /// Entries of a block counted over all rows.
+    #[cfg(feature = "sparse")]
     #[inline]
     pub(crate) fn block(&self, k: usize, len: usize) -> &[f64] {
         &self.values[self.places[k]..self.places[k] + len]
@@ -191,7 +212,7 @@ impl BlockMatrix {
     }
 
     /// All values, to be changed.
-    pub fn values_mut(&mut self) -> &mut [f64] {
+    pub(crate) fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
 
@@ -202,7 +223,25 @@ impl BlockMatrix {
 
     /// Adds `Σ_j G_ij P_j` to the first entries of `sum`, without `j = i` unless `with_own`.
     #[inline]
-    pub fn add_row(&self, i: usize, percussion: &[f64], with_own: bool, sum: &mut [f64; 4]) {
+    pub(crate) fn add_row(&self, i: usize, percussion: &[f64], with_own: bool, sum: &mut [f64; 4]) {
+        self.add_terms(i, percussion, with_own, sum, |g, p| g * p);
+    }
+
+    /// Adds `Σ_j |G_ij P_j|` to the first entries of `sum`.
+    #[inline]
+    pub(crate) fn add_magnitudes(&self, i: usize, percussion: &[f64], sum: &mut [f64; 4]) {
+        self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
+    }
+
+    #[inline(always)]
+    fn add_terms(
+        &self,
+        i: usize,
+        percussion: &[f64],
+        with_own: bool,
+        sum: &mut [f64; 4],
+        term: impl Fn(f64, f64) -> f64,
+    ) {
         let size = self.size(i);
         for k in self.starts[i]..self.starts[i + 1] {
             let j = self.columns[k];
@@ -216,18 +255,19 @@ impl BlockMatrix {
             // Contacts in the plane, the bulk of all, with loops that the compiler unrolls.
             if let (Ok(g), Ok(p)) = (<&[f64; 9]>::try_from(block), <&[f64; 3]>::try_from(p)) {
                 for a in 0..3 {
-                    sum[a] += g[3 * a] * p[0] + g[3 * a + 1] * p[1] + g[3 * a + 2] * p[2];
+                    sum[a] +=
+                        term(g[3 * a], p[0]) + term(g[3 * a + 1], p[1]) + term(g[3 * a + 2], p[2]);
                 }
                 continue;
             }
             for (value, row) in sum.iter_mut().zip(block.chunks_exact(columns)) {
-                *value += row.iter().zip(p).map(|(g, p)| g * p).sum::<f64>();
+                *value += row.iter().zip(p).map(|(g, p)| term(*g, *p)).sum::<f64>();
             }
         }
     }
 
     /// `velocity ← velocity + Gᵀ P`.
-    pub fn add_transposed(&self, percussion: &[f64], velocity: &mut [f64]) {
+    pub(crate) fn add_transposed(&self, percussion: &[f64], velocity: &mut [f64]) {
         for i in 0..self.contacts() {
             let own = &percussion[self.offsets[i]..self.offsets[i + 1]];
             for (j, block) in self.row(i) {
@@ -242,7 +282,7 @@ impl BlockMatrix {
     }
 
     /// `velocity ← G P`.
-    pub fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
+    pub(crate) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
         for i in 0..self.contacts() {
             let mut sum = [0.0; 4];
             self.add_row(i, percussion, true, &mut sum);

@@ -1,5 +1,7 @@
 //! Sparse matrices, compressed by rows.
 
+use nalgebra::DMatrix;
+
 use crate::contact::ProblemError;
 use crate::contact::error::check_finite;
 
@@ -15,6 +17,11 @@ pub struct Csr {
 
 impl Csr {
     /// The matrix whose row `i` has its entries at `starts[i]..starts[i + 1]`; `argument` is named in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError`] if the lengths do not fit the shape or each other, if starts or columns do not ascend within
+    /// it, or if an entry is not finite.
     pub fn new(
         argument: &'static str,
         (rows, columns): (usize, usize),
@@ -23,8 +30,9 @@ impl Csr {
         values: Vec<f64>,
     ) -> Result<Self, ProblemError> {
         let structure = |message| Err(ProblemError::Structure { argument, message });
-        if starts.len() != rows + 1 {
-            return Err(ProblemError::Length { argument, expected: rows + 1, got: starts.len() });
+        if starts.len().checked_sub(1) != Some(rows) {
+            let (expected, got) = (rows.saturating_add(1), starts.len());
+            return Err(ProblemError::Length { argument, expected, got });
         }
         if indices.len() != values.len() {
             let (expected, got) = (indices.len(), values.len());
@@ -45,6 +53,23 @@ impl Csr {
         Ok(Self { rows, columns, starts, indices, values })
     }
 
+    /// The entries of a matrix that are not zero; `argument` is named in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::Value`] if an entry is not finite.
+    pub fn from_dense(argument: &'static str, matrix: &DMatrix<f64>) -> Result<Self, ProblemError> {
+        let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+        for row in matrix.row_iter() {
+            for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                indices.push(j);
+                values.push(*value);
+            }
+            starts.push(indices.len());
+        }
+        Self::new(argument, matrix.shape(), starts, indices, values)
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows
@@ -56,6 +81,10 @@ impl Csr {
     }
 
     /// Columns and values of a row.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such row.
     pub fn row(&self, i: usize) -> (&[usize], &[f64]) {
         let own = self.starts[i]..self.starts[i + 1];
         (&self.indices[own.clone()], &self.values[own])
@@ -77,25 +106,7 @@ impl Csr {
     }
 
     /// All entries, to be changed.
-    pub fn values_mut(&mut self) -> &mut [f64] {
+    pub(crate) fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
-    }
-
-    /// `y ← A x`.
-    pub fn apply(&self, x: &[f64], y: &mut [f64]) {
-        for (i, value) in y.iter_mut().enumerate() {
-            let (columns, values) = self.row(i);
-            *value = columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum();
-        }
-    }
-
-    /// `y ← y + Aᵀ x`.
-    pub fn add_transposed(&self, x: &[f64], y: &mut [f64]) {
-        for (i, x) in x.iter().enumerate() {
-            let (columns, values) = self.row(i);
-            for (&j, a) in columns.iter().zip(values) {
-                y[j] += a * x;
-            }
-        }
     }
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::blocks::rows_of;
 use super::{BlockMatrix, Csr};
 use crate::contact::ProblemError;
 
@@ -20,12 +21,21 @@ impl Factored {
     /// From the symmetric positive definite `M` and the rows `Wᵀ` of contacts with `sizes` rows.
     ///
     /// `M` may couple few degrees of freedom only: each connected part of it is factored densely.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError`] if the shapes do not fit each other, if a contact has not 1 to 4 rows, or if `M` is not
+    /// symmetric positive definite or couples too many degrees of freedom.
     pub fn new(mass: Csr, directions: Csr, sizes: &[usize]) -> Result<Self, ProblemError> {
         let blocks = assemble(&mass, &directions, sizes)?;
         Self::with_blocks(mass, directions, blocks)
     }
 
     /// With `G` known already.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::Length`] if the shapes do not fit each other.
     pub fn with_blocks(
         mass: Csr,
         directions: Csr,
@@ -51,7 +61,7 @@ impl Factored {
     }
 
     /// All parts, to be refilled: `M`, `Wᵀ` and `G`.
-    pub fn parts_mut(&mut self) -> (&mut [f64], &mut [f64], &mut BlockMatrix) {
+    pub(crate) fn parts_mut(&mut self) -> (&mut [f64], &mut [f64], &mut BlockMatrix) {
         (self.mass.values_mut(), self.directions.values_mut(), &mut self.blocks)
     }
 }
@@ -68,7 +78,7 @@ fn check_shapes(mass: &Csr, directions: &Csr, rows: usize) -> Result<(), Problem
 
 /// `G = Wᵀ M⁻¹ W`: the rows of `Wᵀ` that meet a connected part of `M` couple through it.
 fn assemble(mass: &Csr, directions: &Csr, sizes: &[usize]) -> Result<BlockMatrix, ProblemError> {
-    check_shapes(mass, directions, sizes.iter().sum())?;
+    check_shapes(mass, directions, rows_of(sizes)?)?;
     let part_of = parts(mass);
     let count = part_of.iter().max().map_or(0, |last| last + 1);
     let mut members = vec![Vec::new(); count];

@@ -21,7 +21,7 @@ pub trait DelassusOperator: Debug + Send + Sync {
     /// Number of rows.
     fn rows(&self) -> usize;
 
-    /// `velocity ← G P`.
+    /// `velocity ← G P`, both with one number per row.
     fn apply(&self, percussion: &[f64], velocity: &mut [f64]);
 }
 
@@ -37,8 +37,13 @@ pub struct MatrixFree {
 
 impl MatrixFree {
     /// The operator for contacts with `sizes` rows.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError`] if a contact has not 1 to 4 rows, if the operator has not the rows of all contacts, or if its
+    /// products are not finite.
     pub fn new(operator: Arc<dyn DelassusOperator>, sizes: &[usize]) -> Result<Self, ProblemError> {
-        let (expected, got) = (sizes.iter().sum(), operator.rows());
+        let (expected, got) = (blocks::rows_of(sizes)?, operator.rows());
         if expected != got {
             return Err(ProblemError::Length { argument: "delassus", expected, got });
         }
@@ -63,6 +68,7 @@ impl From<MatrixFree> for Delassus {
 
 /// A Delassus operator `G`, not necessarily symmetric.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum Delassus {
     /// Every entry.
     Dense(DMatrix<f64>),
@@ -116,7 +122,7 @@ impl Delassus {
 
     /// `velocity ← G P`.
     #[inline]
-    pub fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
+    pub(crate) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
         match self {
             Self::Dense(matrix) => {
                 velocity.fill(0.0);

@@ -14,6 +14,10 @@ impl Delassus {
     ///
     /// The largest is good to many digits, the smallest is an upper bound that is good where the spectrum is
     /// not wide; a matrix-free operator is taken as symmetric. An error where an eigenvalue is beyond all numbers.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::Value`] if the products of a matrix-free operator are not finite.
     pub fn spectrum(&self) -> Result<(f64, f64), ProblemError> {
         let rows = self.rows();
         let steps = rows.min(STEPS);

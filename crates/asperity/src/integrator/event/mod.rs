@@ -40,6 +40,7 @@ use crate::system::System;
 
 /// The motion so far, and why it ended; the first is there whatever the second says.
 #[derive(Debug)]
+#[non_exhaustive]
 #[must_use = "an integration may end before its time"]
 pub struct Run {
     /// The motion.
@@ -55,6 +56,23 @@ pub struct Run {
 ///
 /// `observer(t)` is called about every 50 ms and may stop the run.
 ///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use asperity::event::{EventKind, Options, Outcome, integrate};
+/// use asperity::law::FrictionLaw;
+/// use asperity::system::sliding_point;
+///
+/// let point = sliding_point(1.0, FrictionLaw::isotropic(0.5)?, 10.0)?;
+/// let options = Options::new(1.0)?.with_start(&[0.0, 0.0], &[1.0, 0.0]);
+/// let run = integrate(&point, &options, &mut |_| ControlFlow::Continue(()))?;
+/// assert!(matches!(run.outcome, Outcome::Finished));
+/// // The point comes to rest after v₀/(μg) = 0.2 s.
+/// let stick = &run.motion.events[0];
+/// assert!(stick.kind == EventKind::Stick && (stick.time - 0.2).abs() < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 ///
 /// [`OptionsError`] if an option is out of range, if contacts overlap at the beginning, or if the system cannot be
@@ -66,7 +84,9 @@ pub fn integrate(
 ) -> Result<Run, OptionsError> {
     options.check(system)?;
     let mut options = options.clone();
-    system.normalise(&mut options.q0)?;
+    let mut start = options.initial_state(system);
+    system.normalise(&mut start.q)?;
+    options.start = Some(start);
     let (motion, outcome) = integration::run(system, &options, observer)?;
     Ok(Run { motion, outcome })
 }

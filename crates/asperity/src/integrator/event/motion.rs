@@ -7,6 +7,9 @@ use crate::integrator::samples::{ContactSample, Samples};
 
 /// What happens at an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[non_exhaustive]
 pub enum EventKind {
     /// A contact begins to stick.
     Stick,
@@ -20,6 +23,8 @@ pub enum EventKind {
     ImpactWithoutCollision,
     /// The motion crosses the section.
     Section,
+    /// A load or the motion of a surface jumps, or its rate does.
+    Kink,
 }
 
 impl EventKind {
@@ -32,20 +37,26 @@ impl EventKind {
             Self::Impact => "impact",
             Self::ImpactWithoutCollision => "impact_without_collision",
             Self::Section => "section",
+            Self::Kink => "kink",
         }
     }
 }
 
 /// Something that happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+#[non_exhaustive]
 pub struct Event {
     /// Time in s.
     pub time: f64,
-    /// The contact; none of a section.
+    /// The contact; none of a section and of a kink.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub contact: Option<usize>,
     /// What happened.
     pub kind: EventKind,
     /// What the contact does afterwards.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub phase: Option<Phase>,
     /// Whether the contacts might have done something else.
     pub ambiguous: bool,
@@ -53,6 +64,9 @@ pub struct Event {
 
 /// Samples of a motion, and its events. An event gives two samples where all steps are kept, before and after it.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(remote = "Self", deny_unknown_fields))]
+#[non_exhaustive]
 pub struct Motion {
     /// States, slips and forces.
     pub samples: Samples,

@@ -1,7 +1,9 @@
 //! What to integrate, and what is refused.
 
-use crate::integrator::options::{OptionsError, check_entries, check_positive, refuse};
-use crate::system::{self, Rotation, System};
+use crate::integrator::options::{
+    OptionsError, check_entries, check_positive, check_structure, refuse,
+};
+use crate::system::{InitialState, Rotation, System};
 
 /// Latest end, so that no power of a time overflows.
 const LATEST: f64 = 1e60;
@@ -35,33 +37,88 @@ impl Section {
     }
 }
 
-/// What to integrate.
+/// What to integrate. What is not given has the value that stands beside it.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// End time in s.
     pub t_end: f64,
-    /// Initial coordinates.
-    pub q0: Vec<f64>,
-    /// Initial velocities.
-    pub u0: Vec<f64>,
-    /// Error that is aimed at, relative to the largest coordinate and the largest velocity.
+    /// Where to start; by default in the system's own state, [`System::initial_state`].
+    pub start: Option<InitialState>,
+    /// Error that is aimed at, relative to the largest coordinate and the largest velocity; 1e-10.
     pub tolerance: f64,
-    /// Time between samples in s; none keeps every step, before and after events.
+    /// Time between samples in s; none, as by default, keeps every step, before and after events.
     pub sample: Option<f64>,
-    /// Longest step in s. Forces that depend on time are seen at five times of a step: what is shorter than a
+    /// Longest step in s; any by default. Forces that depend on time are seen at five times of a step: what is shorter than a
     /// fifth of it may be missed. At least a ten billionth of the whole time.
     pub max_step: Option<f64>,
-    /// Where to stop.
+    /// Where to stop; nowhere by default.
     pub section: Option<Section>,
-    /// Events after which the integration gives up.
+    /// Events after which the integration gives up; 10,000.
     pub max_events: usize,
 }
 
 impl Options {
+    /// An integration up to the time `t_end` in s.
+    ///
+    /// # Errors
+    ///
+    /// [`OptionsError`] if that is not finite and positive.
+    pub fn new(t_end: f64) -> Result<Self, OptionsError> {
+        check_positive("t_end", t_end)?;
+        let (tolerance, max_events) = (1e-10, 10_000);
+        let (start, sample, max_step, section) = (None, None, None, None);
+        Ok(Self { t_end, start, tolerance, sample, max_step, section, max_events })
+    }
+
+    /// The same from these coordinates and velocities.
+    #[must_use]
+    pub fn with_start(self, q0: &[f64], u0: &[f64]) -> Self {
+        Self { start: Some(InitialState { q: q0.to_vec(), u: u0.to_vec() }), ..self }
+    }
+
+    /// The same to another tolerance.
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
+
+    /// The same with samples at this distance in s.
+    #[must_use]
+    pub fn with_sample(self, sample: f64) -> Self {
+        Self { sample: Some(sample), ..self }
+    }
+
+    /// The same with no step longer than this in s.
+    #[must_use]
+    pub fn with_max_step(self, max_step: f64) -> Self {
+        Self { max_step: Some(max_step), ..self }
+    }
+
+    /// The same, but ended where the motion crosses a section.
+    #[must_use]
+    pub fn with_section(self, section: Section) -> Self {
+        Self { section: Some(section), ..self }
+    }
+
+    /// The same, but given up after so many events.
+    #[must_use]
+    pub fn with_max_events(self, max_events: usize) -> Self {
+        Self { max_events, ..self }
+    }
+
+    /// Where to start in this system.
+    pub(crate) fn initial_state(&self, system: &dyn System) -> InitialState {
+        self.start.clone().unwrap_or_else(|| system.initial_state())
+    }
+
     /// Refuses options, and systems that cannot be integrated from event to event.
     pub(crate) fn check(&self, system: &dyn System) -> Result<(), OptionsError> {
-        system::check(system)?;
+        check_structure(system)?;
         let (n, coordinates) = (system.dof(), system.coordinates());
+        if n == 0 {
+            return refuse("system", "must have velocities");
+        }
         // A rotation of space has four coordinates and three velocities.
         if coordinates != n + system.rotations().len() {
             let message = format!(
@@ -102,9 +159,10 @@ impl Options {
         if self.max_events == 0 {
             return refuse("max_events", "must be at least 1, got 0");
         }
-        check_entries("q0", &self.q0, coordinates)?;
-        check_entries("u0", &self.u0, n)?;
-        if !rates_are_velocities(system, &self.q0) {
+        let InitialState { q, u } = self.initial_state(system);
+        check_entries("q0", &q, coordinates)?;
+        check_entries("u0", &u, n)?;
+        if !rates_are_velocities(system, &q) {
             let message = "must have its velocities as rates of its coordinates but for rotations of space, which `advance` contradicts";
             return refuse("system", message);
         }

@@ -6,6 +6,7 @@ use crate::solver::Unsolvable;
 /// Why the integration ended.
 #[derive(Debug)]
 #[must_use = "an integration may end before its time"]
+#[non_exhaustive]
 pub enum Outcome {
     /// The end time is reached.
     Finished,
@@ -36,6 +37,7 @@ pub enum Outcome {
 
 /// How it shows that a motion does not get on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Stagnation {
     /// Steps have become shorter than time resolves.
     Step,
@@ -48,4 +50,17 @@ pub enum Stagnation {
     NoImpact,
     /// The forces or percussions of the contacts at an event have not been found to the accuracy that is needed.
     Unsolved,
+}
+
+impl Stagnation {
+    /// Name of the cause.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Step => "step",
+            Self::Rejections => "rejections",
+            Self::Events => "events",
+            Self::NoImpact => "no_impact",
+            Self::Unsolved => "unsolved",
+        }
+    }
 }

@@ -24,6 +24,7 @@ pub(crate) fn shortest_step(t: f64) -> f64 {
 
 /// The accelerations cannot be evaluated.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum EvaluationError {
     /// The system failed.
     #[error(transparent)]

@@ -16,6 +16,10 @@ use crate::system::{Configuration, ContactLaw, Midpoint, System, SystemError};
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
 
+/// A contact that slips by more than this multiple of what its directions change by slides. One that sticks has slip of
+/// once as much, and of none where a run begins.
+const SLIDING: f64 = 2.0;
+
 /// The system and its closed contacts at the midpoint.
 #[derive(Debug)]
 pub(super) struct Assembly {
@@ -35,6 +39,10 @@ pub(super) struct Assembly {
     /// χ row by row, and the velocities before the step where they are needed.
     chi: Vec<f64>,
     slip: Vec<f64>,
+    /// What χ changes by on the way to the next midpoint, row by row, of contacts that stay closed.
+    chord: Vec<f64>,
+    /// The blocks that a new contact touches.
+    struck: Vec<bool>,
     factors: Factors,
     /// The contact whose rows were evaluated last.
     evaluated: Evaluated,
@@ -125,6 +133,8 @@ impl Assembly {
             responses: Vec::new(),
             chi: Vec::new(),
             slip: Vec::new(),
+            chord: Vec::new(),
+            struck: vec![false; system.blocks().count()],
             factors: Factors::default(),
             evaluated: Evaluated::default(),
         }
@@ -187,9 +197,9 @@ impl Assembly {
                 self.update_velocities(place, 0.0, closed);
             }
         } else {
-            (same, changed) = self.find_closed(system, dt, new_mass, closed)?;
+            (same, changed) = self.find_closed(system, (u, dt), new_mass, closed)?;
             if !same {
-                self.renew(system, dt, closed)?;
+                self.renew(system, (u, dt), closed)?;
             }
         }
         if self.factors.any() {
@@ -214,17 +224,19 @@ impl Assembly {
     ///
     /// A contact is closed where its gap has vanished. One that was closed in the last step, or at the beginning of a
     /// run, may also have been lifted by rounding and by what the solver leaves over: up to a millionth of the way that
-    /// the contact forces have to make up for in a step. It may close this gap until the next midpoint: else resting
-    /// contacts would creep open.
+    /// the contact forces have to make up for in a step; and while it turns by what is left over of the chord, of which
+    /// the step takes all but a part of O(Δt). It may close this gap until the next midpoint: else resting contacts
+    /// would creep open.
     fn find_closed(
         &mut self,
         system: &dyn System,
-        dt: f64,
+        (u, dt): (&[f64], f64),
         new_mass: bool,
         closed: &mut Closed,
     ) -> Result<(bool, bool), StepError> {
         closed.found.clear();
         closed.gaps.clear();
+        closed.stay.clear();
         let (mut same, mut changed) = (closed.ready, new_mass);
         let constant = system.constancy().contacts;
         for (contact, law) in system.contacts().iter().enumerate() {
@@ -239,19 +251,22 @@ impl Assembly {
             if !gap.is_finite() {
                 return Err(StepError::NotFiniteContact { time: self.midpoint.t, contact });
             }
-            if gap > 0.0 && !(was_closed && gap <= self.lift(system, dt, contact, known)?) {
+            if gap > 0.0 && !(was_closed && gap <= self.lift(system, (u, dt), contact, known)?) {
                 continue;
             }
             let place = closed.found.len();
             closed.found.push(contact);
             closed.gaps.push(gap.max(0.0) / dt);
-            same = same && closed.active.get(place) == Some(&contact);
+            closed.stay.push(was_closed);
+            // What has closed in a step that was given up closes once more.
+            same = same && was_closed && closed.active.get(place) == Some(&contact);
             if same {
                 if !constant {
                     if !known {
                         self.evaluate(system, contact)?;
                     }
                     changed |= self.store(place);
+                    self.update_chord(system, (u, dt), (place, contact), true);
                 }
                 self.update_velocities(place, closed.gaps[place], closed);
             }
@@ -263,7 +278,7 @@ impl Assembly {
     fn lift(
         &mut self,
         system: &dyn System,
-        dt: f64,
+        (u, dt): (&[f64], f64),
         contact: usize,
         known: bool,
     ) -> Result<f64, SystemError> {
@@ -276,7 +291,10 @@ impl Assembly {
             let change = self.free[range.clone()].iter().zip(&self.midpoint.before[range]);
             gained += change.zip(&mut row).map(|((a, b), w)| (w * (a - b)).abs()).sum::<f64>();
         }
-        Ok(ROUNDING * dt * gained)
+        let (law, mut chord) = (&system.contacts()[contact], [0.0; 4]);
+        let (len, rows) = (law.rows(), &self.evaluated.rows);
+        system.chord(&self.midpoint, (u, dt), contact, rows, &mut chord[..len]);
+        Ok(dt * (ROUNDING * gained + chord[0].abs()))
     }
 
     /// Evaluates the rows of a contact at the midpoint; its gap.
@@ -298,7 +316,42 @@ impl Assembly {
         changed
     }
 
+    /// What the rows that were evaluated last change by until the next midpoint.
+    ///
+    /// Contacts of what an impact strikes have no such chord: rotations may jump, and the laws of impact hold in the
+    /// velocities of an instant. Nor have the directions of one that slides: they would be right to second order while
+    /// its force is of first order, friction along them might not take energy, and contacts of one body could not all
+    /// come to stick in one step. A contact that sticks has on average no slip on its way to the midpoint, that is, in
+    /// this instant one as large as the correction.
+    #[inline]
+    fn update_chord(
+        &mut self,
+        system: &dyn System,
+        (u, dt): (&[f64], f64),
+        (place, contact): (usize, usize),
+        undisturbed: bool,
+    ) {
+        let Rows { first, len, width, .. } = self.contacts[place];
+        let (entries, own) = (&self.evaluated.rows[..len * width], first..first + len);
+        let chord = &mut self.chord[own.clone()];
+        if !(undisturbed && system.chord(&self.midpoint, (u, dt), contact, entries, chord)) {
+            chord.fill(0.0);
+            return;
+        }
+        let (rows, tangent) =
+            (&self.contacts[place], system.contacts()[contact].normal_rows()..len);
+        let slip = |k| self.velocity(rows, k, &self.midpoint.before) + self.chi[first + k];
+        let slip = tangent.clone().map(slip).fold(0.0, |sum, v| sum + v * v);
+        let change = tangent.clone().map(|k| self.chord[first + k]).fold(0.0, |s, v| s + v * v);
+        if slip > SLIDING * SLIDING * change {
+            self.chord[own][tangent].fill(0.0);
+        }
+    }
+
     /// Brings the velocities of a contact up to date; `closing` is that with which it closes its gap in a step.
+    ///
+    /// After the step the laws see the mean velocities on the way to the next midpoint, before it those on the way from
+    /// the last one, which to second order differ from those at the midpoint by as much on the other side.
     #[inline]
     fn update_velocities(&mut self, place: usize, closing: f64, closed: &mut Closed) {
         let rows = &self.contacts[place];
@@ -306,9 +359,11 @@ impl Assembly {
         for k in 0..rows.len {
             let row = rows.first + k;
             let chi = if k == 0 { self.chi[row] + closing } else { self.chi[row] };
-            closed.problem.free_velocity_mut()[row] = self.velocity(rows, k, &self.free) + chi;
+            closed.problem.free_velocity_mut()[row] =
+                self.velocity(rows, k, &self.free) + chi + self.chord[row];
             if before {
-                self.slip[row] = self.velocity(rows, k, &self.midpoint.before) + chi;
+                self.slip[row] =
+                    self.velocity(rows, k, &self.midpoint.before) + chi - self.chord[row];
             }
         }
     }
@@ -333,7 +388,7 @@ impl Assembly {
     fn renew(
         &mut self,
         system: &dyn System,
-        dt: f64,
+        (u, dt): (&[f64], f64),
         closed: &mut Closed,
     ) -> Result<(), SystemError> {
         let delassus = Coupling::new(system, &closed.found).pattern(&self.midpoint.q)?;
@@ -358,13 +413,20 @@ impl Assembly {
         for list in [&mut self.directions, &mut self.responses] {
             list.resize(place, 0.0);
         }
-        for list in [&mut self.chi, &mut self.slip] {
+        for list in [&mut self.chi, &mut self.slip, &mut self.chord] {
             list.resize(rows, 0.0);
         }
         self.factors.reset(&closed.problem);
+        self.struck.fill(false);
+        for (&contact, _) in closed.active.iter().zip(&closed.stay).filter(|(_, stays)| !**stays) {
+            system.touched(contact).iter().for_each(|&block| self.struck[block] = true);
+        }
         for place in 0..self.contacts.len() {
-            self.evaluate(system, closed.active[place])?;
+            let contact = closed.active[place];
+            let undisturbed = !system.touched(contact).iter().any(|&block| self.struck[block]);
+            self.evaluate(system, contact)?;
             self.store(place);
+            self.update_chord(system, (u, dt), (place, contact), undisturbed);
             self.update_velocities(place, closed.gaps[place], closed);
         }
         Ok(())

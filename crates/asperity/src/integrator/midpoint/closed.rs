@@ -27,13 +27,17 @@ pub(super) struct Closed {
     pub(super) found: Vec<usize>,
     /// Velocities with which they close what is left of their gaps in a step.
     pub(super) gaps: Vec<f64>,
+    /// Whether they were closed in the last step.
+    pub(super) stay: Vec<bool>,
     /// Whether each contact is in the problem.
     is_active: Vec<bool>,
     /// Whether the contact problem is one of this run and complete.
     pub(super) ready: bool,
-    /// Contacts that were closed before the run, until it has closed contacts of its own; all of them if nothing is
+    /// Contacts that were closed in the last step that was made, be it of the run before; all of them if nothing is
     /// known of what was before.
     closed_before: Vec<bool>,
+    /// Whether other contacts are in the problem since.
+    renewed: bool,
     /// Whether the memory has yet to follow the last change of the closed contacts.
     moved: bool,
     /// `e_N`, `e_T` row by row, and whether any is not zero.
@@ -56,9 +60,11 @@ impl Closed {
             active: Vec::with_capacity(contacts),
             found: Vec::with_capacity(contacts),
             gaps: Vec::with_capacity(contacts),
+            stay: Vec::with_capacity(contacts),
             is_active: vec![false; contacts],
             ready: false,
             closed_before: vec![known.is_empty(); contacts],
+            renewed: false,
             moved: false,
             restitution: Vec::new(),
             bounces: false,
@@ -92,10 +98,18 @@ impl Closed {
         known
     }
 
-    /// Whether a contact was closed in the last step, be it of the run before.
+    /// Whether a contact was closed in the last step that was made, be it of the run before.
     #[inline]
     pub(super) fn was_closed(&self, contact: usize) -> bool {
-        self.is_active[contact] || self.closed_before[contact]
+        self.closed_before[contact]
+    }
+
+    /// The step is made, and its contacts are those that were closed.
+    #[inline]
+    pub(super) fn settle(&mut self) {
+        if std::mem::take(&mut self.renewed) {
+            self.closed_before.copy_from_slice(&self.is_active);
+        }
     }
 
     /// Makes the contacts found closed the active ones, with a problem of zeros to be filled in.
@@ -113,7 +127,6 @@ impl Closed {
         self.before.clear();
         self.before.extend(self.found.iter().copied().zip(old.into_contacts()));
         self.is_active.fill(false);
-        self.closed_before.fill(false);
         self.restitution.clear();
         for (contact, &c) in self.problem.contacts().iter().zip(&self.active) {
             self.is_active[c] = true;
@@ -123,7 +136,7 @@ impl Closed {
             self.restitution.extend(normal.chain(tangential));
         }
         self.bounces = self.restitution.iter().any(|&e| e != 0.0);
-        (self.ready, self.moved) = (true, true);
+        (self.ready, self.moved, self.renewed) = (true, true, true);
     }
 
     /// A memory for the contacts that are closed now: states and percussions of those that stay closed are kept.

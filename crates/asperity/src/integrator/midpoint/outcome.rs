@@ -3,12 +3,17 @@
 use thiserror::Error;
 
 use crate::contact::Phase;
+use crate::integrator::options::OptionsError;
 use crate::solver::SolveReport;
 use crate::system::SystemError;
 
 /// A step could not be made.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StepError {
+    /// An option, the state or what the system says of itself is out of range.
+    #[error(transparent)]
+    Options(#[from] OptionsError),
     /// The system failed.
     #[error(transparent)]
     System(#[from] SystemError),
@@ -55,6 +60,7 @@ pub(crate) enum Attempt {
 
 /// What one contact does after a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ContactOutput {
     /// Phase in the step.
     pub phase: Phase,

@@ -1,7 +1,8 @@
 //! What a run hands over to one that continues it.
 
 use crate::contact::ContactState;
-use crate::system::{self, System, SystemError};
+use crate::integrator::options::{OptionsError, check_entries, refuse};
+use crate::system::System;
 
 /// What a contact hands over to the next step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -78,26 +79,14 @@ impl State {
     }
 
     /// Whether a system can start from it.
-    pub(super) fn check(&self, system: &dyn System) -> Result<(), SystemError> {
-        for (argument, values, expected) in
-            [("q0", &self.q, system.coordinates()), ("u0", &self.u, system.dof())]
-        {
-            if values.len() != expected {
-                let message = format!("must have {expected} entries, has {}", values.len());
-                return Err(SystemError::argument(argument, message));
-            }
-            if let Some(value) = values.iter().find(|v| !v.is_finite()) {
-                let message = format!("must be finite, got {value}");
-                return Err(SystemError::argument(argument, message));
-            }
+    pub(super) fn check(&self, system: &dyn System) -> Result<(), OptionsError> {
+        check_entries("q0", &self.q, system.coordinates())?;
+        check_entries("u0", &self.u, system.dof())?;
+        let refuse = |message: String| refuse("start", message);
+        let counted = self.dt.map_or(self.steps == 0, |dt| dt.is_finite() && dt > 0.0);
+        if !counted {
+            return refuse("must have the finite and positive length of its steps".into());
         }
-        if self.dt.is_some_and(|dt| !(dt.is_finite() && dt > 0.0))
-            || self.dt.is_none() && self.steps > 0
-        {
-            let message = "must have the finite and positive length of its steps";
-            return Err(SystemError::argument("start", message));
-        }
-        let refuse = |message: String| Err(SystemError::argument("start", message));
         let (contacts, known) = (system.contacts().len(), self.contacts.len());
         if known != 0 && known != contacts {
             return refuse(format!("must be a state of {contacts} contacts, is one of {known}"));
@@ -121,19 +110,4 @@ impl State {
         let mut numbers = self.q.iter().chain(&self.u).chain(&self.momenta).copied();
         self.time().is_finite() && numbers.all(f64::is_finite) && remembered.all(f64::is_finite)
     }
-}
-
-/// Steps of this length to this accuracy, of a system that is put together as it should be.
-pub(super) fn check_options(
-    system: &dyn System,
-    tolerance: f64,
-    dt: f64,
-) -> Result<(), SystemError> {
-    for (argument, value) in [("dt", dt), ("tolerance", tolerance)] {
-        if !(value.is_finite() && value > 0.0) {
-            let message = format!("must be finite and positive, got {value}");
-            return Err(SystemError::argument(argument, message));
-        }
-    }
-    system::check(system)
 }

@@ -56,6 +56,7 @@ impl Stepper<'_> {
             return Err(error.into());
         }
         self.keep_outputs();
+        self.closed.settle();
         self.steps += 1;
         self.check_finite()?;
         Ok(Attempt::Made(report))
@@ -86,7 +87,7 @@ impl Stepper<'_> {
             let graded = settled.then(|| solver::grade(&closed.problem, sharp, memory, workspace));
             let mut report = match graded.filter(|report| report.status == Status::Converged) {
                 Some(report) => report,
-                None => solver.solve(&closed.problem, sharp, memory, workspace),
+                None => solver.solve_prepared(&closed.problem, sharp, memory, workspace),
             };
             iterations += report.iterations;
             report.iterations = iterations;

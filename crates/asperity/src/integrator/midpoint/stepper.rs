@@ -3,8 +3,9 @@
 use super::assembly::Assembly;
 use super::closed::Closed;
 use super::outcome::{Attempt, ContactOutput, StepError};
-use super::state::{self, State};
+use super::state::State;
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
+use crate::integrator::options::{self, OptionsError};
 use crate::solver::{SolveReport, Solver, Unsolvable, Workspace};
 use crate::system::System;
 
@@ -34,7 +35,7 @@ impl<'a> Stepper<'a> {
     ///
     /// # Errors
     ///
-    /// [`StepError::System`] if `tolerance` or `dt` is not finite and positive, if the state has not as many finite
+    /// [`StepError::Options`] if `tolerance` or `dt` is not finite and positive, if the state has not as many finite
     /// entries as the system has coordinates and velocities, or if a contact of the system touches blocks that are not
     /// there.
     pub fn new(
@@ -60,7 +61,7 @@ impl<'a> Stepper<'a> {
         dt: f64,
         state: &State,
     ) -> Result<Self, StepError> {
-        state::check_options(system, tolerance, dt)?;
+        options::check_steps(system, tolerance, dt)?;
         state.check(system)?;
         let State { origin, steps, mut q, u, contacts, momenta, .. } = state.in_steps_of(dt);
         system.normalise(&mut q)?;
@@ -131,7 +132,7 @@ impl<'a> Stepper<'a> {
     }
 
     /// Number of components of a contact's friction force.
-    pub fn dimension(&self, contact: usize) -> usize {
+    pub(crate) fn dimension(&self, contact: usize) -> usize {
         self.system.contacts()[contact].law().dimension()
     }
 
@@ -152,7 +153,12 @@ impl<'a> Stepper<'a> {
         self.closed.active.get(place).copied()
     }
 
-    /// One step, whether or not its contact problem is solved to the tolerance.
+    /// One step, whether or not its contact problem is solved to the tolerance: the report says how it was.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError`] if the system fails or its mass matrix is not positive definite, and if the contact problem or the
+    /// new state is not finite.
     pub fn step(&mut self) -> Result<SolveReport, StepError> {
         self.step_unless(&|| false)
     }
@@ -176,15 +182,27 @@ impl<'a> Stepper<'a> {
         Ok(self.assembly.slip(self.system, t, state, contact)?)
     }
 
-    /// Phase of a contact in the last step.
+    /// Phase of a contact in the last step; nothing is known of a contact that the system does not have.
     pub fn phase(&self, contact: usize) -> Phase {
-        self.outputs[contact].map_or(Phase::Open, |output| output.phase)
+        let output = self.outputs.get(contact);
+        output.map_or(Phase::Unknown, |output| output.map_or(Phase::Open, |output| output.phase))
     }
 
     /// What a contact does after the last step.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError::Options`] if the system has no such contact, [`StepError::System`] if the system fails.
     pub fn output(&mut self, contact: usize) -> Result<ContactOutput, StepError> {
-        if let Some(output) = self.outputs[contact] {
-            return Ok(output);
+        match self.outputs.get(contact) {
+            Some(Some(output)) => return Ok(*output),
+            Some(None) => {}
+            None => {
+                let contacts = self.outputs.len();
+                let message =
+                    format!("must be below {contacts}, the number of contacts, got {contact}");
+                return Err(OptionsError { argument: "contact", message }.into());
+            }
         }
         let slip = self.slip(contact)?;
         Ok(ContactOutput { phase: Phase::Open, slip, force: [0.0; 3], normal_force: 0.0 })

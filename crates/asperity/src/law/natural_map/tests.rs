@@ -7,14 +7,14 @@ use asperity_set::{
 
 use super::{ContactMatrix, ContactPoint, Rho};
 use crate::law::{FrictionLaw, Law};
+use crate::random::random;
 
 /// Uniform in [-1, 1), reproducible.
 struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        random(&mut self.0)
     }
 
     fn rows(&mut self) -> [f64; 4] {

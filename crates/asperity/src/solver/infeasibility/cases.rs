@@ -64,21 +64,37 @@ const ROUNDING: f64 = 1e-13;
 /// `(Gᵀz)·P` below this part of its terms is small enough to ask whether `G` holds the masses.
 const NEARLY: f64 = 1e-10;
 
-/// A proof that the contacts that influence `contact` have no solution together.
-pub(crate) fn prove_by_cases(
-    problem: &ContactProblem,
-    stop: Stop<'_>,
-    contact: usize,
-) -> Option<Infeasibility> {
-    let group = Group::new(problem, contact)?;
-    let mut search =
-        Search { group: &group, stop, left: MOST_CASES, found: Vec::new(), residual: 0.0 };
-    search.refute(&mut vec![CaseState::Any; group.members.len()])?;
-    let Search { found, residual, .. } = search;
+/// What a search by cases finds.
+pub(crate) enum ByCases {
+    /// The contacts have no solution together.
+    NoSolution(Infeasibility),
+    /// Percussions of a case that is as narrow as cases get: near a solution, if there is one.
+    Candidate(Vec<f64>),
+    /// Neither.
+    Undecided,
+}
+
+/// Searches a proof that the contacts that influence `contact` have no solution together.
+pub(crate) fn search_cases(problem: &ContactProblem, stop: Stop<'_>, contact: usize) -> ByCases {
+    let Some(group) = Group::new(problem, contact) else { return ByCases::Undecided };
+    let mut search = Search {
+        group: &group,
+        stop,
+        left: MOST_CASES,
+        found: Vec::new(),
+        residual: 0.0,
+        candidate: None,
+    };
+    let refuted = search.refute(&mut vec![CaseState::Any; group.members.len()]);
+    let Search { found, residual, candidate, .. } = search;
+    if refuted.is_none() {
+        let candidate = candidate.map(|scaled| group.percussions(&scaled, problem.rows()));
+        return candidate.map_or(ByCases::Undecided, ByCases::Candidate);
+    }
     let cases = found.into_iter().map(|(states, z)| group.widened(problem, &states, &z)).collect();
     let mut direction = vec![0.0; problem.rows()];
     direction[problem.contacts()[contact].offset] = 1.0;
-    Some(Infeasibility {
+    ByCases::NoSolution(Infeasibility {
         kind: InfeasibilityKind::Cases,
         contact,
         direction,
@@ -110,6 +126,8 @@ struct Group<'a> {
     members: Vec<Member>,
     matrix: DMatrix<f64>,
     load: DVector<f64>,
+    /// The largest load, which is the unit of percussions.
+    unit: f64,
     /// The operator, if it knows the masses.
     delassus: &'a Delassus,
     offsets: Vec<usize>,
@@ -173,7 +191,7 @@ impl<'a> Group<'a> {
         for member in &mut members {
             member.prescribed = member.prescribed.map(|value| value / unit);
         }
-        Some(Self { members, matrix, load, delassus: problem.delassus(), offsets })
+        Some(Self { members, matrix, load, unit, delassus: problem.delassus(), offsets })
     }
 
     /// States and vector of the group on all contacts and rows.
@@ -183,6 +201,18 @@ impl<'a> Group<'a> {
             all[member.contact] = *state;
         }
         Case { states: all, direction: self.on_rows(z, problem.rows()) }
+    }
+
+    /// Percussions of the group on the rows of the problem, zero at other contacts.
+    fn percussions(&self, scaled: &DVector<f64>, rows: usize) -> Vec<f64> {
+        let mut percussion = vec![0.0; rows];
+        for member in &self.members {
+            for k in 0..member.normal + member.tangential {
+                let row = member.first + k;
+                percussion[self.offsets[row]] = self.unit * scaled[row] / member.scale(k);
+            }
+        }
+        percussion
     }
 
     /// `z` on the rows of the problem, with magnitudes that add up to one.
@@ -281,6 +311,8 @@ struct Search<'a, 'b> {
     found: Vec<(Vec<CaseState>, DVector<f64>)>,
     /// Largest part of `(Gᵀz)·P` that is left to rounding.
     residual: f64,
+    /// Percussions of a case that could neither be refuted nor be split.
+    candidate: Option<DVector<f64>>,
 }
 
 /// What the search for a vector finds in a case.
@@ -305,7 +337,10 @@ impl Search<'_, '_> {
             }
             Examined::Hull { percussion, velocity } => (percussion, velocity),
         };
-        let k = self.split(states, &percussion, &velocity)?;
+        let Some(k) = self.split(states, &percussion, &velocity) else {
+            self.candidate = Some(percussion);
+            return None;
+        };
         let whole = states[k];
         for part in self.parts(&self.group.members[k], whole) {
             states[k] = part;

@@ -6,7 +6,7 @@ mod nonnegative;
 mod one_contact;
 mod proof;
 
-pub(crate) use cases::prove_by_cases;
+pub(crate) use cases::{ByCases, search_cases};
 pub(crate) use closing::prove_closing;
 pub(crate) use one_contact::prove_one_contact;
 pub use proof::{Case, CaseState, Infeasibility, InfeasibilityKind, Unsolvable};

@@ -4,17 +4,29 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::linear::LeastNorm;
 
-/// `x ≥ 0` with the least `‖A x − f‖`, by the active sets of \[LawsonHanson1974\]; `None` if they do not settle.
+/// `x ≥ 0` with the least `‖A x − f‖`, by the active sets of \[LawsonHanson1974\]; `None` if `A` is not finite.
+///
+/// Columns that depend on each other leave the active sets to rounding: one that is freed and at once driven back is
+/// not freed again before another one has been. Whoever uses `x` checks what follows from it, so that it may be the best
+/// so far where the active sets do not settle.
 pub(crate) fn least_squares(a: &DMatrix<f64>, f: &DVector<f64>) -> Option<Vec<f64>> {
     let n = a.ncols();
     let (mut x, mut free) = (vec![0.0; n], Vec::new());
+    let mut driven_back = vec![false; n];
     let small = 1e-12 * a.norm() * f.norm();
     for _ in 0..3 * n {
         let gradient = a.tr_mul(&(f - a * DVector::from_column_slice(&x)));
-        let held = (0..n).filter(|j| !free.contains(j));
+        let held = (0..n).filter(|j| !free.contains(j) && !driven_back[*j]);
         let steepest = held.max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]));
-        let Some(next) = steepest.filter(|&j| gradient[j] > small) else { return Some(x) };
+        let Some(next) = steepest.filter(|&j| gradient[j] > small) else { break };
         free.push(next);
+        let solved = LeastNorm::new(a.select_columns(&free), 1e-14)?.solve(f);
+        if !(solved[free.len() - 1] > 0.0) {
+            free.pop();
+            driven_back[next] = true;
+            continue;
+        }
+        driven_back.fill(false);
         loop {
             let solved = LeastNorm::new(a.select_columns(&free), 1e-14)?.solve(f);
             if solved.iter().all(|v| *v > 0.0) {
@@ -33,5 +45,5 @@ pub(crate) fn least_squares(a: &DMatrix<f64>, f: &DVector<f64>) -> Option<Vec<f6
             }
         }
     }
-    None
+    Some(x)
 }

@@ -4,6 +4,7 @@ use crate::contact::ContactProblem;
 
 /// Why a problem has no solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum InfeasibilityKind {
     /// Contacts close on each other whatever the percussions: a convex combination of their normal velocities
     /// does not depend on percussions and is negative.
@@ -29,6 +30,7 @@ impl InfeasibilityKind {
 
 /// A proof that a problem has no solution, which can be checked without a solver.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Infeasibility {
     /// What kind of proof.
     pub kind: InfeasibilityKind,
@@ -67,6 +69,7 @@ impl Unsolvable {
 
 /// What a contact is taken to do in a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum CaseState {
     /// Anything that friction can do, slipping or not.
     Any,

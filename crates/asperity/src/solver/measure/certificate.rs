@@ -1,13 +1,14 @@
 //! What is wrong with percussions, in physical units.
 
-use super::natural_map::natural_map;
-use super::natural_residual::{Measured, natural_residual};
+use super::natural_map;
+use super::natural_residual::{self, Measured};
 use super::phase::phase_of;
-use crate::contact::{ContactProblem, NormalForce, Phase};
+use crate::contact::{ContactProblem, NormalForce, Phase, ProblemError};
 use crate::law::{Friction, Law};
 
 /// The violations of the contact laws by percussions `P`, found from the problem alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Certificate {
     /// Natural map of the whole problem, see [`natural_map`](crate::solver::natural_map).
     pub natural_map: f64,
@@ -32,17 +33,25 @@ pub struct Certificate {
 
 impl Certificate {
     /// The violations of the laws by `percussion`.
-    pub fn new(problem: &ContactProblem, percussion: &[f64]) -> Self {
-        let mut velocity = vec![0.0; problem.rows()];
-        problem.velocity(percussion, &mut velocity);
-        let residual = natural_residual(problem, percussion, &velocity);
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError::Length`] if there is not one percussion per row.
+    pub fn new(problem: &ContactProblem, percussion: &[f64]) -> Result<Self, ProblemError> {
+        let velocity = problem.velocities(percussion)?;
+        Ok(Self::of(&Measured { problem, percussion, velocity: &velocity }))
+    }
+
+    /// The violations of the laws by percussions whose velocities are known.
+    pub(crate) fn of(measured: &Measured<'_>) -> Self {
+        let Measured { problem, percussion, .. } = *measured;
+        let residual = natural_residual::residual(measured);
         let mut out = Self {
-            natural_map: natural_map(problem, percussion, &velocity),
+            natural_map: natural_map::map(measured),
             contact_residual: residual.value,
             worst_contact: residual.worst_contact,
             ..Self::default()
         };
-        let measured = Measured { problem, percussion, velocity: &velocity };
         for (i, rows) in problem.contacts().iter().enumerate() {
             if rows.normal == NormalForce::Unilateral {
                 let (p, xi) = (percussion[rows.offset], measured.xi(rows.offset));
@@ -54,7 +63,7 @@ impl Certificate {
             raise(&mut out.cone_violation, excess(&rows.law, &friction));
             let direction = rows.law.inclusion_defect(friction, problem.rho(i)).sqrt();
             raise(&mut out.direction_violation, direction);
-            match phase_of(&measured, i).0 {
+            match phase_of(measured, i).0 {
                 Phase::Slip => out.phases[2] += 1,
                 Phase::Stick => out.phases[1] += 1,
                 _ => out.phases[0] += 1,

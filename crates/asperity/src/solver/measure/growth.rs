@@ -20,8 +20,7 @@ use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
 /// and less implies the former.
 const APPROACHING: f64 = 1e-2;
 const CLOSING: f64 = 0.1;
-/// Growth beyond which contacts that approach at all are looked at more closely. Contacts that close on each other
-/// by less than this times the tolerance are within it.
+/// Growth beyond which contacts that approach at all are looked at more closely, whatever the residual.
 const SUSPICIOUS: f64 = 1e4;
 /// Growth beyond which rounding leaves too little of velocities to say whether contacts approach. Two contacts of
 /// opposite normals, which close, ended as solved with percussions that this hides.
@@ -51,6 +50,8 @@ pub(crate) struct Growth {
 /// What contacts do whose percussions have grown; the later, the worse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum GrowthKind {
+    /// Contacts approach by no more than what a residual may leave: whether that is all depends on the residual.
+    Grown,
     /// They separate with percussions: an iteration has passed the solution.
     Separating,
     /// They approach a little, or may do so within rounding: their percussions are those of a solution, or grow
@@ -111,7 +112,11 @@ impl Powers {
             let hidden = brought > UNRESOLVED * load && load > NO_LOAD * largest;
             // What rounding explains may be an approach nevertheless.
             let approaches = counts(approach, 0.0) || approach > f64::min(little, closing);
-            (brought > SUSPICIOUS * load && approaches || hidden).then_some(GrowthKind::Suspicious)
+            if brought > SUSPICIOUS * load && approaches || hidden {
+                Some(GrowthKind::Suspicious)
+            } else {
+                approaches.then_some(GrowthKind::Grown)
+            }
         }
     }
 }

@@ -1,18 +1,31 @@
 //! The natural map of a whole problem, one number for all contacts.
 
 use super::natural_residual::Measured;
-use crate::contact::{ContactProblem, ContactRows, NormalForce};
+use crate::contact::{ContactProblem, ContactRows, NormalForce, ProblemError};
 
 /// `‖P − prox(P − ρξ)‖ / max(‖P‖, ρ‖b‖)` with `ρ = rows/tr G` for the whole problem, independent of units.
 ///
 /// Isotropic unilateral contacts enter with the projection onto their friction cone, `ξ_N` enlarged by
 /// `μ‖ξ_T‖` (\[DeSaxceFeng1998\], \[AcaryBremondHuber2018\]); others with the inclusions of normal and tangential
 /// percussion, as in [`natural_residual`](crate::solver::natural_residual).
-pub fn natural_map(problem: &ContactProblem, percussion: &[f64], velocity: &[f64]) -> f64 {
-    let (rho, measured) = (problem.global_rho(), Measured { problem, percussion, velocity });
-    let mut defect = 0.0;
+///
+/// # Errors
+///
+/// [`ProblemError::Length`] if there is not one percussion and one velocity `γ_E` per row.
+pub fn natural_map(
+    problem: &ContactProblem,
+    percussion: &[f64],
+    velocity: &[f64],
+) -> Result<f64, ProblemError> {
+    Ok(map(&Measured::checked(problem, percussion, velocity)?))
+}
+
+/// See [`natural_map`].
+pub(crate) fn map(measured: &Measured<'_>) -> f64 {
+    let Measured { problem, percussion, .. } = *measured;
+    let (rho, mut defect) = (problem.global_rho(), 0.0);
     for contact in problem.contacts() {
-        defect += contact_defect(&measured, contact, rho);
+        defect += contact_defect(measured, contact, rho);
     }
     let squares = percussion.iter().map(|p| p * p).sum::<f64>();
     let scale = f64::max(squares, (rho * problem.load_norm()).powi(2));

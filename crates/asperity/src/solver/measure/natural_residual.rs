@@ -1,10 +1,11 @@
 //! The natural residual, which no solver owns.
 
-use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
+use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce, ProblemError};
 use crate::law::Friction;
 
 /// Natural residual of a problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Residual {
     /// The largest relative defect of a contact, independent of units.
     pub value: f64,
@@ -25,6 +26,17 @@ pub(crate) struct Measured<'a> {
 }
 
 impl<'a> Measured<'a> {
+    /// Percussions and velocities that nobody has looked at.
+    pub(crate) fn checked(
+        problem: &'a ContactProblem,
+        percussion: &'a [f64],
+        velocity: &'a [f64],
+    ) -> Result<Self, ProblemError> {
+        problem.check_rows("percussion", percussion)?;
+        problem.check_rows("velocity", velocity)?;
+        Ok(Self { problem, percussion, velocity })
+    }
+
     /// `ξ = γ_E + e γ_B` of a row.
     #[inline]
     pub(crate) fn xi(&self, row: usize) -> f64 {
@@ -73,12 +85,21 @@ impl<'a> Measured<'a> {
 /// It vanishes exactly at solutions: the second is zero iff `k_C(−P/P_N) ≤ 1` and `γ ∈ N_D(z)`. The
 /// defect of a contact is taken relative to its own percussion and loads, so that a light contact
 /// cannot hide the defect of a heavy one.
+///
+/// # Errors
+///
+/// [`ProblemError::Length`] if there is not one percussion and one velocity `γ_E` per row.
 pub fn natural_residual(
     problem: &ContactProblem,
     percussion: &[f64],
     velocity: &[f64],
-) -> Residual {
-    let measured = Measured { problem, percussion, velocity };
+) -> Result<Residual, ProblemError> {
+    Ok(residual(&Measured::checked(problem, percussion, velocity)?))
+}
+
+/// See [`natural_residual`].
+pub(crate) fn residual(measured: &Measured<'_>) -> Residual {
+    let Measured { problem, percussion, velocity } = *measured;
     let (mut worst, mut worst_contact) = (-1.0, 0);
     for (i, contact) in problem.contacts().iter().enumerate() {
         let defect = measured.defect(contact, problem.rho(i));
@@ -130,14 +151,8 @@ fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64
             }
         }
         other => {
-            let Some(blocks) = other.blocks() else { return loads };
-            for (j, block) in blocks.row(i) {
-                let first = problem.contacts()[j].offset;
-                let columns = problem.contacts()[j].len();
-                for (load, row) in loads.iter_mut().zip(block.chunks_exact(columns)) {
-                    let terms = row.iter().zip(&percussion[first..]);
-                    *load += terms.map(|(g, p)| (g * p).abs()).sum::<f64>();
-                }
+            if let Some(blocks) = other.blocks() {
+                blocks.add_magnitudes(i, percussion, &mut loads);
             }
         }
     }

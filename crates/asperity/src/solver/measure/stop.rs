@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
-use super::natural_map::natural_map;
-use super::natural_residual::{Residual, natural_residual};
+use super::natural_map;
+use super::natural_residual::{self, Measured, Residual};
 use crate::contact::ContactProblem;
 
 /// What decides whether a problem is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Measure {
     /// [`natural_residual`](crate::solver::natural_residual): the largest relative defect of a contact.
     Contact,
@@ -16,7 +17,19 @@ pub enum Measure {
 }
 
 /// When a solver stops.
+///
+/// ```
+/// use std::time::{Duration, Instant};
+///
+/// use asperity::solver::{Measure, Stop};
+///
+/// let soon = Instant::now() + Duration::from_secs(1);
+/// let stop = Stop::at(1e-8).with_measure(Measure::Global).with_deadline(soon);
+/// assert_eq!(stop.tolerance, 1e-8);
+/// assert_eq!(Stop::default().tolerance, 1e-10);
+/// ```
 #[derive(Clone, Copy)]
+#[non_exhaustive]
 pub struct Stop<'a> {
     /// Largest residual that counts as solved.
     pub tolerance: f64,
@@ -28,10 +41,29 @@ pub struct Stop<'a> {
     pub cancelled: Option<&'a dyn Fn() -> bool>,
 }
 
-impl Stop<'_> {
-    /// Stops at the tolerance only.
+impl<'a> Stop<'a> {
+    /// Stops at the tolerance only, by the largest relative defect of a contact.
     pub fn at(tolerance: f64) -> Self {
         Self { tolerance, measure: Measure::Contact, deadline: None, cancelled: None }
+    }
+
+    /// The same by another measure.
+    #[must_use]
+    pub fn with_measure(self, measure: Measure) -> Self {
+        Self { measure, ..self }
+    }
+
+    /// The same, but not later than at a time.
+    #[must_use]
+    pub fn with_deadline(self, deadline: Instant) -> Self {
+        Self { deadline: Some(deadline), ..self }
+    }
+
+    /// The same, unless `cancelled` says that nobody waits any longer: it is asked again and again, and should be quick
+    /// to answer.
+    #[must_use]
+    pub fn unless(self, cancelled: &'a dyn Fn() -> bool) -> Self {
+        Self { cancelled: Some(cancelled), ..self }
     }
 
     /// The residual that decides.
@@ -41,11 +73,12 @@ impl Stop<'_> {
         percussion: &[f64],
         velocity: &[f64],
     ) -> Residual {
-        let contact = natural_residual(problem, percussion, velocity);
+        let measured = Measured { problem, percussion, velocity };
+        let contact = natural_residual::residual(&measured);
         match self.measure {
             Measure::Contact => contact,
             Measure::Global => {
-                let value = natural_map(problem, percussion, velocity);
+                let value = natural_map::map(&measured);
                 Residual { value, ..contact }
             }
         }

@@ -4,10 +4,8 @@
 //! (\[AlartCurnier1991\]), for `ε > 0` one step of the proximal point iteration from the centre `c`, which is
 //! well posed even where `G` has no full rank.
 
-use rayon::prelude::*;
-
 use super::task::Task;
-use super::threads::LEAF;
+use super::threads::{LEAF, join};
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{ContactMatrix, ContactPoint, Rho};
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -23,8 +21,7 @@ const PATIENCE: usize = 25;
 pub(crate) struct Goal {
     /// `ε`, in units of `G`.
     pub(crate) epsilon: f64,
-    /// Regularisation of the matrices only, relative to the mean diagonal entry of the contact's own block: it
-    /// changes the steps, not where they lead.
+    /// Regularisation of the matrices only, in units of `1/ρ` of the contact: it changes the steps, not where they lead.
     pub(crate) shift: f64,
     /// `‖F‖` that will do, a percussion.
     pub(crate) tolerance: f64,
@@ -51,6 +48,41 @@ pub(crate) struct Newton {
     norms: Vec<f64>,
     /// Factorisations so far.
     pub(crate) factorizations: usize,
+}
+
+/// `F` with its derivatives of contacts that follow each other.
+struct Jets<'a> {
+    first: usize,
+    f: &'a mut [[f64; 4]],
+    a: &'a mut [ContactMatrix],
+    b: &'a mut [ContactMatrix],
+}
+
+/// Computes those of one contact.
+trait Jet: Fn(usize, &mut [f64; 4], &mut ContactMatrix, &mut ContactMatrix) + Sync {}
+
+impl<F: Fn(usize, &mut [f64; 4], &mut ContactMatrix, &mut ContactMatrix) + Sync> Jet for F {}
+
+impl Jets<'_> {
+    #[inline(always)]
+    fn each(self, jet: &impl Jet) {
+        let parts = self.f.iter_mut().zip(self.a).zip(self.b).enumerate();
+        parts.for_each(|(i, ((f, a), b))| jet(self.first + i, f, a, b));
+    }
+
+    /// The same by several threads.
+    fn in_halves(self, jet: &impl Jet) {
+        if self.f.len() <= LEAF {
+            return self.each(jet);
+        }
+        let Self { first, f, a, b } = self;
+        let half = f.len() / 2;
+        let (f, other_f) = f.split_at_mut(half);
+        let (a, other_a) = a.split_at_mut(half);
+        let (b, other_b) = b.split_at_mut(half);
+        let others = Jets { first: first + half, f: other_f, a: other_a, b: other_b };
+        join(|| Jets { first, f, a, b }.in_halves(jet), || others.in_halves(jet));
+    }
 }
 
 impl Newton {
@@ -85,6 +117,23 @@ impl Newton {
             let normal = if first == 1 { factor / diagonal(0) } else { 0.0 };
             Rho { normal, tangent: factor * (rows.len() - first) as f64 / tangent }
         }));
+    }
+
+    /// Sets the prox parameter of every contact to that with which its velocity weighs as much as its percussion, at
+    /// most `largest` times the one that its own block gives.
+    pub(crate) fn match_rho(&mut self, problem: &ContactProblem, percussion: &[f64], largest: f64) {
+        problem.velocity(percussion, &mut self.xi);
+        self.scale_rho(problem, 1.0);
+        for (rows, rho) in problem.contacts().iter().zip(&mut self.rho) {
+            let own = |values: &[f64]| norm(&values[rows.rows()]);
+            let velocity = self.xi[rows.rows()].iter().zip(&problem.restitution()[rows.rows()]);
+            let xi = velocity.map(|(gamma, e)| (gamma + e) * (gamma + e)).sum::<f64>().sqrt();
+            let matching = own(percussion) / (rho.tangent * xi);
+            // Not a number where nothing pushes and nothing moves.
+            let factor = if matching > 1.0 { matching.min(largest) } else { 1.0 };
+            rho.normal *= factor;
+            rho.tangent *= factor;
+        }
     }
 
     /// Solves from `percussion`, which receives the best iterate; `‖F‖` there and the iterations.
@@ -141,17 +190,13 @@ impl Newton {
             let rows = &problem.contacts()[i];
             let at = point(rows, rho[i], percussion, xi);
             rows.law.natural_map_jet(at, &mut f[..rows.len()], (&mut *a, &mut *b));
-            *a += *b * (goal.epsilon + goal.shift / problem.rho(i));
+            *a += *b * (goal.epsilon + goal.shift / rho[i].tangent);
         };
-        if threads.serve(own.len()) {
-            threads.run(|| {
-                let parts = own.par_iter_mut().zip(a.par_iter_mut()).zip(b.par_iter_mut());
-                let parts = parts.with_min_len(LEAF).enumerate();
-                parts.for_each(|(i, ((f, a), b))| jet(i, f, a, b));
-            });
+        let jets = Jets { first: 0, f: own, a, b };
+        if threads.serve(jets.f.len()) {
+            threads.run(|| jets.in_halves(&jet));
         } else {
-            let parts = own.iter_mut().zip(a).zip(b).enumerate();
-            parts.for_each(|(i, ((f, a), b))| jet(i, f, a, b));
+            jets.each(&jet);
         }
         for (rows, own) in problem.contacts().iter().zip(&self.own) {
             self.f[rows.rows()].copy_from_slice(&own[..rows.len()]);

@@ -8,8 +8,8 @@ use super::sweep::Sweeper;
 use super::task::{Iterate, Task};
 use crate::solver::infeasibility::prove_closing;
 use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
-use crate::solver::measure::natural_map::natural_map;
-use crate::solver::measure::natural_residual::natural_residual;
+use crate::solver::measure::natural_map;
+use crate::solver::measure::natural_residual::{self, Measured};
 use crate::solver::measure::stop::Measure;
 use crate::solver::one_contact::solve::Policy;
 use crate::solver::report::{Ended, Method, Stage};
@@ -191,14 +191,15 @@ impl<'a> Progress<'a> {
         let Task { problem, stop, .. } = self.task;
         problem.velocity(percussion, &mut self.buffers.velocity);
         let velocity = &self.buffers.velocity;
-        let grade = natural_map(problem, percussion, velocity);
+        let measured = Measured { problem, percussion, velocity };
+        let grade = natural_map::map(&measured);
         let goal = 0.5 * stop.tolerance;
         let small = match stop.measure {
             Measure::Global => grade <= goal,
             // The measure of contacts is the dearer one; it is not looked at where the other is far off.
             Measure::Contact => {
                 grade <= 1e3 * goal * (problem.contacts().len() as f64).sqrt()
-                    && natural_residual(problem, percussion, velocity).value <= goal
+                    && natural_residual::residual(&measured).value <= goal
             }
         };
         let better = small && !self.solved || grade < self.grade && small >= self.solved;

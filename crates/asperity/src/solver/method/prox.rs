@@ -14,6 +14,7 @@ use crate::solver::report::Ended;
 
 /// Prox parameter of the friction rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum ProxStep {
     /// `r = α_k r̃` with `r̃` the reciprocal of the largest row sum of `|G|` over the contact's rows: the
     /// scale of *D* drops out of the step. All `r̃` are halved when the residual has stopped falling.

@@ -7,8 +7,6 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::task::{Iterate, Task};
 use super::threads;
 use crate::contact::{ContactProblem, ContactState, Phase};
@@ -230,7 +228,7 @@ impl<'a> Uncoupled<'a> {
         }
         let half = self.contacts.len() / 2;
         let (left, right) = self.split(problem, half);
-        let (left, right) = rayon::join(
+        let (left, right) = threads::join(
             || left.solve_in_halves(problem, history, blocks),
             || right.solve_in_halves(problem, history, blocks),
         );
@@ -277,12 +275,7 @@ pub(crate) fn mark_ambiguous(task: &Task<'_>, iterate: &mut Iterate<'_>, sweeper
             batch.fill(false);
         } else if threads.serve(count) {
             threads.run(|| {
-                batch.par_chunks_mut(threads::LEAF).enumerate().for_each(|(chunk, part)| {
-                    let mut candidates = Candidates::default();
-                    for (k, flag) in part.iter_mut().enumerate() {
-                        *flag = mark(first + chunk * threads::LEAF + k, &mut candidates);
-                    }
-                });
+                threads::each(first, batch, &|i, flag, candidates| *flag = mark(i, candidates));
             });
         } else {
             for (k, flag) in batch.iter_mut().enumerate() {

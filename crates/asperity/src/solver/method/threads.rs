@@ -1,21 +1,14 @@
-//! Threads for loops over contacts that do not influence each other.
+//! Threads for loops over contacts that do not influence each other; without the feature `parallel` there are none.
 //!
 //! Every contact is computed by itself, whoever computes it, and nothing is summed across threads: results are
 //! the same to the bit for any number of threads.
 
-use std::sync::{Arc, Mutex};
-
-use rayon::{ThreadPool, ThreadPoolBuilder};
-
 /// Contacts that one thread takes at a time.
 pub(crate) const LEAF: usize = 512;
 
-/// Pools of this process, by their number of threads; a forked child must not use its parent's.
-static POOLS: Mutex<Vec<(u32, usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
-
 /// A pool, or none for one thread.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Threads(Option<Arc<ThreadPool>>);
+pub(crate) struct Threads(Option<pool::Pool>);
 
 impl Threads {
     /// No other threads.
@@ -27,19 +20,7 @@ impl Threads {
             return Self(None);
         }
         let available = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let count = count.min(available.max(4));
-        let process = std::process::id();
-        let Ok(mut pools) = POOLS.lock() else { return Self(None) };
-        pools.retain(|(id, ..)| *id == process);
-        if let Some((_, _, pool)) = pools.iter().find(|(_, threads, _)| *threads == count) {
-            return Self(Some(pool.clone()));
-        }
-        let Ok(pool) = ThreadPoolBuilder::new().num_threads(count).build() else {
-            return Self(None);
-        };
-        let pool = Arc::new(pool);
-        pools.push((process, count, pool.clone()));
-        Self(Some(pool))
+        Self(pool::of_this_process(count.min(available.max(4))))
     }
 
     /// Whether so many contacts are worth several threads.
@@ -51,8 +32,77 @@ impl Threads {
     /// Runs `work` in the pool.
     pub(crate) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         match &self.0 {
-            Some(pool) => pool.install(work),
+            Some(pool) => pool::install(pool, work),
             None => work(),
         }
+    }
+}
+
+pub(crate) use pool::join;
+
+/// Calls `work` with the number and the flag of every contact, and with buffers that each thread makes for itself.
+pub(crate) fn each<B: Default>(
+    first: usize,
+    flags: &mut [bool],
+    work: &(impl Fn(usize, &mut bool, &mut B) + Sync),
+) {
+    if flags.len() <= LEAF {
+        let mut buffers = B::default();
+        for (k, flag) in flags.iter_mut().enumerate() {
+            work(first + k, flag, &mut buffers);
+        }
+        return;
+    }
+    let half = flags.len() / 2;
+    let (left, right) = flags.split_at_mut(half);
+    join(|| each(first, left, work), || each(first + half, right, work));
+}
+
+#[cfg(feature = "parallel")]
+mod pool {
+    use std::sync::{Arc, Mutex};
+
+    pub(crate) use rayon::join;
+    use rayon::{ThreadPool, ThreadPoolBuilder};
+
+    pub(super) type Pool = Arc<ThreadPool>;
+
+    /// Pools of this process, by their number of threads; a forked child must not use its parent's.
+    static POOLS: Mutex<Vec<(u32, usize, Pool)>> = Mutex::new(Vec::new());
+
+    /// The pool of so many threads, if the system has them to give.
+    pub(super) fn of_this_process(count: usize) -> Option<Pool> {
+        let process = std::process::id();
+        let mut pools = POOLS.lock().ok()?;
+        pools.retain(|(id, ..)| *id == process);
+        if let Some((_, _, pool)) = pools.iter().find(|(_, threads, _)| *threads == count) {
+            return Some(pool.clone());
+        }
+        let pool = Arc::new(ThreadPoolBuilder::new().num_threads(count).build().ok()?);
+        pools.push((process, count, pool.clone()));
+        Some(pool)
+    }
+
+    pub(super) fn install<T: Send>(pool: &Pool, work: impl FnOnce() -> T + Send) -> T {
+        pool.install(work)
+    }
+}
+
+#[cfg(not(feature = "parallel"))]
+mod pool {
+    /// There is none.
+    pub(super) type Pool = std::convert::Infallible;
+
+    pub(super) fn of_this_process(_count: usize) -> Option<Pool> {
+        None
+    }
+
+    pub(super) fn install<T>(pool: &Pool, _work: impl FnOnce() -> T) -> T {
+        match *pool {}
+    }
+
+    /// Both answers, one after the other.
+    pub(crate) fn join<T>(left: impl FnOnce() -> T, right: impl FnOnce() -> T) -> (T, T) {
+        (left(), right())
     }
 }

@@ -5,24 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::NewtonMatrix;
 use crate::contact::{BlockMatrix, ContactProblem, Csr, Delassus, Factored, NormalForce};
 use crate::law::{ContactMatrix, FrictionLaw, Law};
-
-/// Reproducible numbers in (−1, 1).
-fn random(seed: &mut u64) -> f64 {
-    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-}
-
-fn csr(argument: &'static str, matrix: &DMatrix<f64>) -> Csr {
-    let (mut starts, mut indices, mut values) = (vec![0], vec![], vec![]);
-    for row in matrix.row_iter() {
-        for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
-            indices.push(j);
-            values.push(*value);
-        }
-        starts.push(indices.len());
-    }
-    Csr::new(argument, matrix.shape(), starts, indices, values).unwrap()
-}
+use crate::random::random;
 
 fn law(p: usize) -> Law {
     match p {
@@ -59,8 +42,13 @@ fn problems(contacts: usize, bodies: usize, seed: &mut u64) -> Vec<ContactProble
         row += size;
     }
     let dense = &directions * mass.clone().try_inverse().unwrap() * directions.transpose();
-    let blocks = BlockMatrix::from_csr(&csr("delassus", &dense), &sizes).unwrap();
-    let factored = Factored::new(csr("mass", &mass), csr("directions", &directions), &sizes);
+    let blocks =
+        BlockMatrix::from_csr(&Csr::from_dense("delassus", &dense).unwrap(), &sizes).unwrap();
+    let factored = Factored::new(
+        Csr::from_dense("mass", &mass).unwrap(),
+        Csr::from_dense("directions", &directions).unwrap(),
+        &sizes,
+    );
     let forms: [Delassus; 3] = [dense.into(), blocks.into(), factored.unwrap().into()];
     let problem = |g: Delassus| ContactProblem::new(g, vec![0.0; rows], laws.clone()).unwrap();
     forms.map(problem).into()

@@ -3,10 +3,13 @@
 use asperity_set::{Matrix, Vector};
 
 use crate::contact::ContactProblem;
+use crate::law::Bounds;
 
 /// Part of the square of its size that the determinant of a sound block has at least: the inverse then keeps
 /// twelve digits.
 const SOUND: f64 = 1e-4;
+/// Part by which a slip must exceed the one from which on it is certain: far more than rounding.
+const MARGIN: f64 = 1e-6;
 
 /// The diagonal block of `G` for one contact, unused components zero.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +30,9 @@ pub(crate) struct Block {
     /// What is known of the slip equation before the loads are: only where the normal force is
     /// prescribed is its matrix `A` a multiple of `G_TT`.
     pub(crate) shape: Shape,
+    /// Free slip velocity, per approach velocity `−b_N` or prescribed percussion, beyond which the contact has one
+    /// solution, see [`least_certain_slip`](Self::least_certain_slip).
+    pub(crate) certain_slip: f64,
 }
 
 impl Block {
@@ -56,16 +62,52 @@ impl Block {
             (1, true) => Matrix::<2>::new(1.0 / schur.m11, 0.0, 0.0, 0.0),
             (_, true) => schur.try_inverse().unwrap_or_default(),
         };
-        let shape = match rows.law.smallest_sine() {
-            Some(sine) if !unilateral => Shape::new(&g_tt, sine),
-            _ => Shape::General,
-        };
-        let beside = || (t..rows.len()).map(|j| g(0, j) * g(0, j)).sum::<f64>().sqrt();
-        // A contact with drilling friction opens before anything else is asked.
-        let radius = if unilateral { rows.law.largest_radius() } else { None };
-        let pressed = radius.is_some_and(|radius| g_nn > beside() * radius);
         let inverse_nn = if unilateral { 1.0 / g_nn } else { 0.0 };
-        Self { g_nn, inverse_nn, g_nt, g_tn, g_tt, schur_inverse, sound, pressed, shape }
+        let (pressed, shape, certain_slip) = (false, Shape::General, f64::INFINITY);
+        let mut block = Self {
+            g_nn,
+            inverse_nn,
+            g_nt,
+            g_tn,
+            g_tt,
+            schur_inverse,
+            sound,
+            pressed,
+            shape,
+            certain_slip,
+        };
+        // A contact with drilling friction opens before anything else is asked.
+        if let Some(bounds) = rows.law.bounds() {
+            let resistance =
+                if unilateral { g_nn - g_nt.norm() * bounds.largest_radius } else { 1.0 };
+            block.pressed = unilateral && resistance > 0.0;
+            if !unilateral && p == 2 {
+                block.shape = Shape::new(&g_tt, bounds.smallest_sine);
+            }
+            if resistance > 0.0 {
+                block.certain_slip = block.least_certain_slip(&bounds, resistance);
+            }
+        }
+        block
+    }
+
+    /// The free slip velocity `‖b_T‖`, per `−b_N` or prescribed percussion, beyond which there is one solution, a slip.
+    ///
+    /// Under the force `x` the contact slips with `γ(x) = b_T + P_N (G_TN − G_TT x)`, where `P_N = −b_N/den(x)` is at
+    /// most `P = −b_N/den` with the least denominator, the `resistance`. In the disk `‖x‖ ≤ R` about *C*
+    ///
+    /// - `‖γ‖ ≥ ‖b_T‖ − P S` with `S = ‖G_TN‖ + ‖G_TT‖ R`: no force stops the slip if that is positive;
+    /// - `‖∂γ/∂x‖ ≤ P Λ` with `Λ = ‖G_TT‖ + ‖G_NT‖ S/den`.
+    ///
+    /// If `x` moves by at most `L` per angle of the normal `n` of *D*, `γ` turns by less than `n` all along the boundary
+    /// where `P Λ L < ‖b_T‖ − P S`. The angle from `γ` to `n` then never falls, it grows by one turn, since `γ` does not
+    /// vanish within, and it is zero once.
+    fn least_certain_slip(&self, bounds: &Bounds, resistance: f64) -> f64 {
+        let Bounds { largest_radius, largest_advance, .. } = bounds;
+        let tangential = self.g_tt.norm();
+        let brought = self.g_tn.norm() + tangential * largest_radius;
+        let steepness = tangential + self.g_nt.norm() * brought / resistance;
+        (1.0 + MARGIN) * (brought + steepness * largest_advance) / resistance
     }
 }
 

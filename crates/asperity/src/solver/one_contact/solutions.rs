@@ -7,6 +7,7 @@ use crate::contact::{ContactProblem, Phase, ProblemError};
 
 /// One of the solutions of a contact, on the contact's own rows.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ContactSolution {
     /// What the contact does.
     pub phase: Phase,
@@ -22,6 +23,10 @@ pub struct ContactSolution {
 /// counter-clockwise along bdry *D*.
 ///
 /// There must be such a contact with p = 1 or 2, one percussion per row, and an operator with entries.
+///
+/// # Errors
+///
+/// [`ProblemError`] if one of these does not hold.
 pub fn solutions(
     problem: &ContactProblem,
     contact: usize,

@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::system::SystemError;
+use crate::system::{SystemError, TimeFunction};
 
 use super::rotation::unit;
 use super::within;
 
 /// A rigid body in space, described about its centre of mass, with its initial state.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Mass in kg.
     pub mass: f64,
@@ -22,10 +22,10 @@ pub struct Body {
     pub velocity: [f64; 3],
     /// Angular velocity Ω in rad/s in the body's axes.
     pub angular_velocity: [f64; 3],
-    /// Constant force in N at the centre of mass, in the axes of the world.
-    pub force: [f64; 3],
-    /// Constant torque in N m in the axes of the world.
-    pub torque: [f64; 3],
+    /// Force in N at the centre of mass, in the axes of the world.
+    pub force: TimeFunction<3>,
+    /// Torque in N m in the axes of the world.
+    pub torque: TimeFunction<3>,
 }
 
 impl Body {
@@ -39,8 +39,8 @@ impl Body {
             orientation: [1.0, 0.0, 0.0, 0.0],
             velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
-            force: [0.0; 3],
-            torque: [0.0; 3],
+            force: TimeFunction::ZERO,
+            torque: TimeFunction::ZERO,
         }
     }
 
@@ -57,7 +57,7 @@ impl Body {
 }
 
 /// A rigid body of the plane `z = 0`, described about its centre of mass, with its initial state.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PlanarBody {
     /// Mass in kg.
     pub mass: f64,
@@ -71,10 +71,10 @@ pub struct PlanarBody {
     pub velocity: [f64; 2],
     /// Angular velocity in rad/s.
     pub angular_velocity: f64,
-    /// Constant force in N at the centre of mass.
-    pub force: [f64; 2],
-    /// Constant torque in N m.
-    pub torque: f64,
+    /// Force in N at the centre of mass.
+    pub force: TimeFunction<2>,
+    /// Torque in N m.
+    pub torque: TimeFunction<1>,
 }
 
 impl PlanarBody {
@@ -87,8 +87,8 @@ impl PlanarBody {
             angle: 0.0,
             velocity: [0.0; 2],
             angular_velocity: 0.0,
-            force: [0.0; 2],
-            torque: 0.0,
+            force: TimeFunction::ZERO,
+            torque: TimeFunction::ZERO,
         }
     }
 }
@@ -129,19 +129,39 @@ pub(super) struct Inertial {
     pub(super) torque: Vector3<f64>,
 }
 
+/// Force and torque of a body that depend on time.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TimedLoad {
+    pub(super) body: usize,
+    pub(super) force: TimeFunction<3>,
+    pub(super) torque: TimeFunction<3>,
+}
+
+impl TimedLoad {
+    /// The loads as far as they are not constant, if any is.
+    fn new(body: usize, force: TimeFunction<3>, torque: TimeFunction<3>) -> Option<Self> {
+        if force.constant().is_some() && torque.constant().is_some() {
+            return None;
+        }
+        let timed = |load: TimeFunction<3>| match load.constant() {
+            Some(_) => TimeFunction::ZERO,
+            None => load,
+        };
+        Some(Self { body, force: timed(force), torque: timed(torque) })
+    }
+}
+
 impl Inertial {
     fn new(
         mass: f64,
         inertia: Matrix3<f64>,
-        force: [f64; 3],
-        torque: [f64; 3],
+        force: &TimeFunction<3>,
+        torque: &TimeFunction<3>,
     ) -> Result<Self, SystemError> {
         if !(mass.is_finite() && mass > 0.0) {
             let message = format!("must be finite and positive, got {mass}");
             return Err(SystemError::argument("mass", message));
         }
-        check("force", &force)?;
-        check("torque", &torque)?;
         let inverse_inertia = inverse(&inertia)?;
         Ok(Self {
             mass,
@@ -149,8 +169,8 @@ impl Inertial {
             inertia,
             inverse_inertia,
             isotropic: inertia == Matrix3::identity() * inertia.m11,
-            force: force.into(),
-            torque: torque.into(),
+            force: force.constant().unwrap_or_default().into(),
+            torque: torque.constant().unwrap_or_default().into(),
         })
     }
 
@@ -166,6 +186,7 @@ impl Inertial {
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     pub(super) inertial: Vec<Inertial>,
+    pub(super) timed_loads: Vec<TimedLoad>,
     pub(super) q0: Vec<f64>,
     pub(super) u0: Vec<f64>,
 }
@@ -196,8 +217,12 @@ fn planar(body: &PlanarBody, parts: &mut Parts) -> Result<Inertial, SystemError>
     parts.q0.extend([body.position[0], body.position[1], body.angle]);
     parts.u0.extend([body.velocity[0], body.velocity[1], body.angular_velocity]);
     let inertia = Matrix3::identity() * body.inertia;
-    let force = [body.force[0], body.force[1], 0.0];
-    Inertial::new(body.mass, inertia, force, [0.0, 0.0, body.torque])
+    body.force.check("force")?;
+    body.torque.check("torque")?;
+    let (force, torque) = (body.force.spread([0, 1]), body.torque.spread([2]));
+    let inertial = Inertial::new(body.mass, inertia, &force, &torque)?;
+    parts.timed_loads.extend(TimedLoad::new(parts.inertial.len(), force, torque));
+    Ok(inertial)
 }
 
 fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, SystemError> {
@@ -216,7 +241,12 @@ fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, SystemError> {
     parts.u0.extend(body.velocity);
     parts.u0.extend(body.angular_velocity);
     let inertia = symmetric(&Matrix3::from_fn(|i, j| body.inertia[i][j]))?;
-    Inertial::new(body.mass, inertia, body.force, body.torque)
+    body.force.check("force")?;
+    body.torque.check("torque")?;
+    let (force, torque) = (body.force.clone(), body.torque.clone());
+    let inertial = Inertial::new(body.mass, inertia, &force, &torque)?;
+    parts.timed_loads.extend(TimedLoad::new(parts.inertial.len(), force, torque));
+    Ok(inertial)
 }
 
 /// The symmetric part of what is symmetric but for rounding, as tensors in turned axes are.
@@ -250,7 +280,7 @@ fn inverse(inertia: &Matrix3<f64>) -> Result<Matrix3<f64>, SystemError> {
 }
 
 /// Refuses what is not finite.
-pub(super) fn check(argument: &'static str, values: &[f64]) -> Result<(), SystemError> {
+pub(in crate::system) fn check(argument: &'static str, values: &[f64]) -> Result<(), SystemError> {
     match values.iter().find(|v| !v.is_finite()) {
         Some(value) => Err(SystemError::argument(argument, format!("must be finite, got {value}"))),
         None => Ok(()),

@@ -1,9 +1,12 @@
 //! One possible contact: gap, place, directions, and its rows of `W_Nᵀ` and `Wᵀ`.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
-use super::surface::{Frame, Surface, tangent};
+use super::surface::{Frame, Surface, Timed, tangent};
 use super::{Pose, Twist};
+use crate::system::Moment;
 
 /// A possible contact of a body with another one or with the world.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,16 +26,17 @@ pub(super) struct Contact {
 }
 
 /// The two surfaces, each in the axes of its own body.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Touching {
-    /// A sphere, of radius zero for a point, and a plane.
-    Plane { point: Vector3<f64>, radius: f64, surface: Surface },
+    /// A sphere, of radius zero for a point, and a plane, with what of this depends on time.
+    Plane { point: Vector3<f64>, radius: f64, surface: Surface, timed: Option<Arc<Timed>> },
     /// Two spheres.
     Spheres { centres: [Vector3<f64>; 2], radii: [f64; 2] },
 }
 
 /// Where and along which directions a contact acts, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ContactGeometry {
     /// Gap in m.
     pub gap: f64,
@@ -46,6 +50,8 @@ pub struct ContactGeometry {
     pub normal: Vector3<f64>,
     /// Velocity in m/s of a moving surface at the contact point, relative to what it is fixed to.
     pub surface_velocity: Vector3<f64>,
+    /// Its part along the normal, of planes that move themselves.
+    pub surface_normal_velocity: f64,
     /// Angular velocity in rad/s of a moving surface about the normal.
     pub surface_spin: f64,
 }
@@ -72,9 +78,22 @@ impl Contact {
 
     /// Gap and contact point.
     #[inline]
-    pub(super) fn gap(&self, first: &Pose, second: Option<&Pose>) -> (f64, Vector3<f64>) {
+    pub(super) fn gap(
+        &self,
+        at: Moment,
+        first: &Pose,
+        second: Option<&Pose>,
+    ) -> (f64, Vector3<f64>) {
         match &self.touching {
-            Touching::Plane { point, radius, surface } => {
+            Touching::Plane { point, radius, surface, timed } => {
+                let moved;
+                let surface = match timed {
+                    None => surface,
+                    Some(timed) => {
+                        moved = timed.at(surface, at);
+                        &moved
+                    }
+                };
                 let x = first.point(point);
                 let (normal, origin) = match second {
                     Some(pose) => (pose.rotation * surface.normal, pose.point(&surface.point)),
@@ -93,17 +112,37 @@ impl Contact {
 
     /// Everything of the contact but its rows.
     #[inline]
-    pub(super) fn geometry(&self, first: &Pose, second: Option<&Pose>) -> ContactGeometry {
-        let (gap, point) = self.gap(first, second);
+    pub(super) fn geometry(
+        &self,
+        at: Moment,
+        first: &Pose,
+        second: Option<&Pose>,
+    ) -> ContactGeometry {
         match &self.touching {
-            Touching::Plane { surface, .. } => {
-                let surface = second.map_or(*surface, |pose| surface.at(pose));
+            Touching::Plane { point, radius, surface, timed } => {
+                let surface = match timed {
+                    None => *surface,
+                    Some(timed) => timed.at(surface, at),
+                };
+                let surface = second.map_or(surface, |pose| surface.at(pose));
+                let (normal, x) = (surface.normal, first.point(point));
+                let (gap, point) =
+                    (normal.dot(&(x - surface.point)) - radius, x - normal * *radius);
                 let (e1, e2) = self.directions(&surface, &point, first);
-                let (normal, surface_spin) = (surface.normal, surface.spin);
-                let surface_velocity = surface.material_velocity(&point);
-                ContactGeometry { gap, point, e1, e2, normal, surface_velocity, surface_spin }
+                let (surface_velocity, surface_normal_velocity) = surface.material_velocity(&point);
+                ContactGeometry {
+                    gap,
+                    point,
+                    e1,
+                    e2,
+                    normal,
+                    surface_velocity,
+                    surface_normal_velocity,
+                    surface_spin: surface.material_spin(),
+                }
             }
             Touching::Spheres { centres, .. } => {
+                let (gap, point) = self.gap(at, first, second);
                 let [a, b] = [first.point(&centres[0]), place(second, &centres[1])];
                 let (normal, _) = direction(a - b);
                 let e1 = match &self.frame {
@@ -114,9 +153,16 @@ impl Contact {
                     // Planar systems.
                     _ => normal.cross(&Vector3::z()),
                 };
-                let (e2, surface_velocity) = (normal.cross(&e1), Vector3::zeros());
-                let surface_spin = 0.0;
-                ContactGeometry { gap, point, e1, e2, normal, surface_velocity, surface_spin }
+                ContactGeometry {
+                    gap,
+                    point,
+                    e1,
+                    e2: normal.cross(&e1),
+                    normal,
+                    surface_velocity: Vector3::zeros(),
+                    surface_normal_velocity: 0.0,
+                    surface_spin: 0.0,
+                }
             }
         }
     }
@@ -173,7 +219,7 @@ impl Contact {
             chi[k] = -direction.dot(&geometry.surface_velocity);
         }
         if normal {
-            chi[0] = 0.0;
+            chi[0] = -geometry.surface_normal_velocity;
         }
         if p == 3 {
             own[start + 2] = first.wrench(&Vector3::zeros(), &(geometry.normal * self.patch));
@@ -192,7 +238,7 @@ impl Contact {
 
 /// Direction and length; concentric spheres are pushed apart along x.
 #[inline]
-fn direction(v: Vector3<f64>) -> (Vector3<f64>, f64) {
+pub(super) fn direction(v: Vector3<f64>) -> (Vector3<f64>, f64) {
     let length = v.norm();
     if length > 0.0 { (v / length, length) } else { (Vector3::x(), 0.0) }
 }

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{RigidBodies, angular, linear};
+use crate::system::Moment;
 
 impl RigidBodies {
     /// Kinetic energy in J.
@@ -15,14 +16,16 @@ impl RigidBodies {
         (0..self.bodies()).map(energy).sum()
     }
 
-    /// Potential energy in J of the weight, the constant forces and the springs; zero with all centres of
-    /// mass at the origin and all springs at their natural length. Constant torques have none.
-    pub fn potential_energy(&self, q: &[f64]) -> f64 {
+    /// Potential energy in J of the weight, the constant forces and the springs at the time `t`; zero with all
+    /// centres of mass at the origin and all springs at their natural length. Torques and forces that depend on time
+    /// have none.
+    pub fn potential_energy(&self, t: f64, q: &[f64]) -> f64 {
         let weight = |body: usize| {
             let inertial = &self.inertial[body];
             -(self.gravity * inertial.mass + inertial.force).dot(&self.pose(q, body).position)
         };
-        let springs = self.springs.iter().map(|spring| spring.energy(|body| self.pose(q, body)));
+        let pose = |body| self.pose(q, body);
+        let springs = self.springs.iter().map(|spring| spring.energy(Moment::new(t), pose));
         (0..self.bodies()).map(weight).sum::<f64>() + springs.sum::<f64>()
     }
 

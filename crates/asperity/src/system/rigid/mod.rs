@@ -5,10 +5,12 @@
 //! body's), so that the mass matrix is constant. A planar body has `(x, y, φ)` and their rates.
 
 mod body;
+mod chord;
 mod contact;
 mod measures;
 mod motion;
 mod pair;
+mod plane_motion;
 mod rotation;
 mod spring;
 mod structure;
@@ -19,14 +21,31 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 pub use body::{Bodies, Body, PlanarBody};
 pub use contact::ContactGeometry;
 pub use pair::{Pair, Shape};
+pub use plane_motion::PlaneMotion;
 pub use spring::Spring;
 pub use surface::{Field, Frame, Plane};
 
-use super::{Blocks, ContactLaw, SystemError};
-use body::{Inertial, Parts, check};
+use super::{Blocks, ContactLaw, Moment, SystemError};
+pub(in crate::system) use body::check;
+use body::{Inertial, Parts, TimedLoad};
 use contact::Contact;
+use surface::Timed;
 
 /// A system of rigid bodies.
+///
+/// ```
+/// use asperity::law::FrictionLaw;
+/// use asperity::system::RigidBodies;
+/// use asperity::system::rigid::{Body, Pair, Plane, Shape};
+///
+/// let half = [0.1, 0.1, 0.05];
+/// let block = Body { position: [0.0, 0.0, 0.05], ..Body::cuboid(1.0, half) };
+/// let shape = Shape::BoxPlane { body: 0, half_sizes: half, plane: Plane::floor() };
+/// let pair = Pair::new(shape, FrictionLaw::<2>::isotropic(0.5)?);
+/// let system = RigidBodies::new(vec![block], &[pair], vec![], [0.0, 0.0, -9.81])?;
+/// assert_eq!(system.q0()[..3], [0.0, 0.0, 0.05]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// Contacts are numbered pair after pair, the corners of a box one after another.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +55,8 @@ pub struct RigidBodies {
     inertial: Vec<Inertial>,
     /// Bodies of unequal moments, whose angular momenta are what is stepped.
     unequal: Vec<usize>,
+    timed_loads: Vec<TimedLoad>,
+    timed_planes: Vec<Timed>,
     gravity: Vector3<f64>,
     springs: Vec<Spring>,
     contacts: Vec<Contact>,
@@ -91,6 +112,10 @@ fn angular(twist: &Twist) -> Vector3<f64> {
 
 impl RigidBodies {
     /// A system of bodies, all in space or all in the plane `z = 0`, with gravity in m/s².
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Argument`] that says of which body, pair or spring a number or index is out of its range.
     pub fn new(
         bodies: impl Into<Bodies>,
         pairs: &[Pair],
@@ -99,7 +124,7 @@ impl RigidBodies {
     ) -> Result<Self, SystemError> {
         let bodies = bodies.into();
         let planar = matches!(bodies, Bodies::Planar(_));
-        let Parts { inertial, q0, u0 } = bodies.parts()?;
+        let Parts { inertial, timed_loads, q0, u0 } = bodies.parts()?;
         check("gravity", &gravity)?;
         if planar && gravity[2] != 0.0 {
             return Err(SystemError::argument("gravity", "must have z = 0 in planar systems"));
@@ -119,6 +144,7 @@ impl RigidBodies {
                 labels.push((i, k));
             }
         }
+        let timed_planes = pairs.iter().filter_map(|pair| pair.shape.timed()).collect();
         let given = |&contact: &usize| laws[contact].normal_force().is_some();
         let prescribed = (0..laws.len()).filter(given).collect();
         let unequal = (0..inertial.len()).filter(|&body| !inertial[body].isotropic).collect();
@@ -126,7 +152,7 @@ impl RigidBodies {
         let blocks = Blocks::new(std::iter::repeat_n(size, inertial.len()));
         #[rustfmt::skip]
         let bodies =
-            Self { planar, blocks, inertial, unequal, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
+            Self { planar, blocks, inertial, unequal, timed_loads, timed_planes, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
         Ok(bodies)
     }
 
@@ -160,11 +186,17 @@ impl RigidBodies {
         (self.contacts[contact].body, self.contacts[contact].other)
     }
 
-    /// Gap, place and directions of a contact in the world.
-    pub fn contact_geometry(&self, q: &[f64], contact: usize) -> ContactGeometry {
+    /// Gap, place and directions of a contact in the world at the time `t`.
+    pub fn contact_geometry(&self, t: f64, q: &[f64], contact: usize) -> ContactGeometry {
         let contact = &self.contacts[contact];
         let second = contact.other.map(|body| self.pose(q, body));
-        contact.geometry(&self.pose(q, contact.body), second.as_ref())
+        contact.geometry(Moment::new(t), &self.pose(q, contact.body), second.as_ref())
+    }
+
+    /// Whether loads, springs or planes depend on time.
+    pub fn depends_on_time(&self) -> bool {
+        let springs = self.springs.iter().any(|spring| spring.length.constant().is_none());
+        springs || !self.timed_loads.is_empty() || !self.timed_planes.is_empty()
     }
 
     /// Number of coordinates and of velocities per body.

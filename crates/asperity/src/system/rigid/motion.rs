@@ -13,18 +13,18 @@
 //! not be found, and from half a turn on it is none but where Ω hardly changes, which ends the run. (With Ω⁺ in the second half it would be explicit and of first order, and tops would gain
 //! energy.) L is kept from step to step: recovered from Ω, its rounding would add up.
 //!
-//! Closed contacts are of first order: sticking makes γ vanish with the directions of `q_M`, whereas the
-//! velocities act from one midpoint to the next, so that points of turning bodies creep with `½Δt dγ/dt`,
-//! the rate without contact forces.
-//!
-//! The contact laws hold in Ω⁺ at `q_M`. In the world's axes `R_M Ω⁺` and `R_E Ω_E` differ by O(Δt) where
-//! gyroscopic terms act, and so do the γ at the end and the γ_E of the laws; for isotropic inertia, for
-//! planar bodies and at rest they are the same.
+//! The velocities act from one midpoint to the next, and it is on this way, its chord, that the laws of contacts that
+//! stay closed hold (`chord.rs`): points that stick on turning bodies creep with O(Δt²), those that a turntable carries
+//! not at all. Contacts that close, those of the bodies which they strike, and the directions of contacts that slide are
+//! of first order. Their laws hold in Ω⁺ at `q_M`: in the world's axes `R_M Ω⁺` and `R_E Ω_E` differ by O(Δt) where
+//! gyroscopic terms act, and so do the γ at the end and the γ_E of the laws; for isotropic inertia, for planar bodies
+//! and at rest they are the same.
 
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::body::TimedLoad;
 use super::rotation::{differential, matrix, turned, turned_back};
 use super::{Pose, RigidBodies, Twist, angular, twist};
 use crate::system::{Configuration, SystemError};
@@ -143,7 +143,7 @@ impl RigidBodies {
         Err(too_far)
     }
 
-    /// Weight, constant loads, springs and prescribed normal forces, without gyroscopic terms.
+    /// Weight, loads, springs and prescribed normal forces, without gyroscopic terms.
     pub(super) fn loads(&self, at: &Configuration<'_>, u: &[f64], forces: &mut [f64]) {
         for (body, inertial) in self.inertial.iter().enumerate() {
             let force = self.gravity * inertial.mass + inertial.force;
@@ -158,15 +158,19 @@ impl RigidBodies {
             let sum = self.twist(forces, body) + load;
             self.set_twist(forces, body, &sum);
         };
-        let pose = |body| self.pose_at(at, body);
+        let (pose, moment) = (|body| self.pose_at(at, body), at.moment());
+        for TimedLoad { body, force, torque } in &self.timed_loads {
+            let [force, torque] = [force, torque].map(|load| load.value(moment).into());
+            add(*body, pose(*body).wrench(&force, &torque));
+        }
         for spring in &self.springs {
-            spring.load(pose, |body| self.twist(u, body), &mut add);
+            spring.load(moment, pose, |body| self.twist(u, body), &mut add);
         }
         for &i in &self.prescribed {
             let contact = &self.contacts[i];
             let force = self.laws[i].normal_force().unwrap_or(0.0);
             let poses = (pose(contact.body), contact.other.map(pose));
-            let geometry = contact.geometry(&poses.0, poses.1.as_ref());
+            let geometry = contact.geometry(moment, &poses.0, poses.1.as_ref());
             let (mut own, mut other) = ([Twist::zeros()], [Twist::zeros()]);
             let both = (&poses.0, poses.1.as_ref());
             contact.rows_of(&geometry, both, (true, 0), (&mut own, &mut other), &mut [0.0]);

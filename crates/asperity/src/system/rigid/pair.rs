@@ -1,15 +1,18 @@
 //! What may touch what, as it is given; every pair expands to contacts.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::body::check;
 use super::contact::{Contact, Touching};
-use super::surface::{Frame, Plane, Surface, unit};
+use super::surface::{Frame, Plane, Surface, Timed, unit};
 use crate::law::Law;
-use crate::system::{ContactLaw, SystemError};
+use crate::system::{ContactLaw, SystemError, TimeFunction};
 
 /// Two surfaces that may touch; bodies are given by their number, places in their axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Shape {
     /// A point of a body.
     PointPlane {
@@ -62,7 +65,7 @@ pub enum Shape {
 ///
 /// Newton's restitution multiplies every relative velocity before the step by its coefficient. Impacts do
 /// not bring energy in where all coefficients of all contacts that are closed at the same time agree and
-/// lie in \[0, 1\] and no surface moves: with `ξ = γ_E + eγ_B` and `γ_E − γ_B = GP` the energy grows by
+/// lie in \[0, 1\], all of them are contacts of bodies that are struck, and no surface moves: with `ξ = γ_E + eγ_B` and `γ_E − γ_B = GP` the energy grows by
 /// `Pᵀξ/(1+e) − ½ (1−e)/(1+e) PᵀGP ≤ 0`, at the midpoint: what gyroscopic terms change until the end of
 /// the step is O(Δt²), and none for planar bodies and isotropic inertia. Restitution acts in every step in
 /// which a contact is closed. Where they differ (`e_N ≠ e_T` is enough) it may grow, which is
@@ -179,11 +182,21 @@ impl Pair {
 
 impl Shape {
     fn bodies(&self) -> (usize, Option<usize>) {
-        match *self {
+        match self {
             Self::PointPlane { body, plane, .. }
             | Self::SpherePlane { body, plane, .. }
-            | Self::BoxPlane { body, plane, .. } => (body, plane.body),
-            Self::SphereSphere { body, other, .. } => (body, Some(other)),
+            | Self::BoxPlane { body, plane, .. } => (*body, plane.body),
+            Self::SphereSphere { body, other, .. } => (*body, Some(*other)),
+        }
+    }
+
+    /// What of its plane depends on time, if it has one and anything does.
+    pub(super) fn timed(&self) -> Option<Timed> {
+        match self {
+            Self::PointPlane { plane, .. }
+            | Self::SpherePlane { plane, .. }
+            | Self::BoxPlane { plane, .. } => Timed::new(plane),
+            Self::SphereSphere { .. } => None,
         }
     }
 
@@ -193,11 +206,13 @@ impl Shape {
                 let message = "must have a normal and an axis with z = 0 in planar systems";
                 return Err(SystemError::argument("plane", message));
             }
-            if planar && plane.spin != 0.0 {
+            if planar && plane.spin != TimeFunction::ZERO {
                 return Err(SystemError::argument("spin", "must be zero in planar systems"));
             }
+            plane.motion.as_ref().map_or(Ok(()), |motion| motion.check(planar))?;
             Surface::new(plane)
         };
+        let timed = self.timed().map(Arc::new);
         match self {
             Self::PointPlane { point, plane, .. } => {
                 let surface = surface(plane)?;
@@ -205,11 +220,12 @@ impl Shape {
                     point: place("point", *point, planar)?,
                     radius: 0.0,
                     surface,
+                    timed,
                 }])
             }
             Self::SpherePlane { centre, radius, plane, .. } => {
                 let (point, radius) = (place("centre", *centre, planar)?, size("radius", *radius)?);
-                Ok(vec![Touching::Plane { point, radius, surface: surface(plane)? }])
+                Ok(vec![Touching::Plane { point, radius, surface: surface(plane)?, timed }])
             }
             Self::BoxPlane { half_sizes, plane, .. } => {
                 let surface = surface(plane)?;
@@ -220,7 +236,12 @@ impl Shape {
                 }
                 let sign = |k: usize, i: usize| if k >> i & 1 == 1 { 1.0 } else { -1.0 };
                 let corner = |k: usize| Vector3::from_fn(|i, _| sign(k, i) * half[i]);
-                let touching = |k| Touching::Plane { point: corner(k), radius: 0.0, surface };
+                let touching = |k| Touching::Plane {
+                    point: corner(k),
+                    radius: 0.0,
+                    surface,
+                    timed: timed.clone(),
+                };
                 Ok((0..1 << count).map(touching).collect())
             }
             Self::SphereSphere { centre, radius, other_centre, other_radius, .. } => {

@@ -60,6 +60,42 @@ pub(super) fn differential(angle: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() + axis * first + axis * axis * second
 }
 
+/// A rotation `exp(angle)` by what it moves, which keeps its digits where the angle is small.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turn {
+    cosine: f64,
+    axis: Vector3<f64>,
+    sinc: f64,
+}
+
+impl Turn {
+    #[inline]
+    pub(super) fn new(angle: &Vector3<f64>) -> Self {
+        let square = 0.25 * angle.norm_squared();
+        let (cosine, sinc) = if square < 0.25 { series(square) } else { closed(square.sqrt()) };
+        Self { cosine, axis: angle * (0.5 * sinc), sinc }
+    }
+
+    /// The rotation back.
+    #[inline]
+    pub(super) fn inverse(&self) -> Self {
+        Self { axis: -self.axis, ..*self }
+    }
+
+    /// `(exp(angle) − 1) v`.
+    #[inline]
+    pub(super) fn chord(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        let twice = self.axis.cross(v) * 2.0;
+        twice * self.cosine + self.axis.cross(&twice)
+    }
+
+    /// `∫ exp(s angle) v ds` over s from 0 to 1 for `v` across the axis: the mean of what turns along.
+    #[inline]
+    pub(super) fn mean(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        (v * self.cosine + self.axis.cross(v)) * self.sinc
+    }
+}
+
 /// Unit quaternion of a rotation vector; by its series where that is exact to rounding.
 #[inline]
 fn exponential(angle: &Vector3<f64>) -> [f64; 4] {

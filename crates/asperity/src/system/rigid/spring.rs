@@ -4,13 +4,13 @@ use nalgebra::Vector3;
 
 use super::body::check;
 use super::{Pose, Twist};
-use crate::system::SystemError;
+use crate::system::{Moment, SystemError, TimeFunction};
 
 /// A spring with a damper along the line between two points.
 ///
 /// Of natural length zero it pulls with `k d`, like a spring in every direction; of any other it exerts no
 /// force while its ends coincide. It acts explicitly: `Δt d < 2m` and `Δt² k < 4m` with the effective mass.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Spring {
     /// The first body.
     pub body: usize,
@@ -25,7 +25,7 @@ pub struct Spring {
     /// Damping in N s/m.
     pub damping: f64,
     /// Natural length in m.
-    pub length: f64,
+    pub length: TimeFunction<1>,
 }
 
 impl Spring {
@@ -41,8 +41,13 @@ impl Spring {
         if planar && (self.point[2] != 0.0 || self.other_point[2] != 0.0) {
             return Err(SystemError::argument("point", "must have z = 0 in planar systems"));
         }
+        let length = match &self.length {
+            TimeFunction::Constant([length]) => *length,
+            TimeFunction::Signal(signal) if signal.components() == 1 => signal.least(0),
+            length => length.check("length").map(|()| 0.0)?,
+        };
         for (argument, value) in
-            [("stiffness", self.stiffness), ("damping", self.damping), ("length", self.length)]
+            [("stiffness", self.stiffness), ("damping", self.damping), ("length", length)]
         {
             if !(value.is_finite() && value >= 0.0) {
                 let message = format!("must be finite and not negative, got {value}");
@@ -60,14 +65,15 @@ impl Spring {
     }
 
     /// Energy in J.
-    pub(super) fn energy(&self, pose: impl Fn(usize) -> Pose) -> f64 {
-        let extension = self.distance(pose).norm() - self.length;
+    pub(super) fn energy(&self, at: Moment, pose: impl Fn(usize) -> Pose) -> f64 {
+        let extension = self.distance(pose).norm() - self.length.value(at)[0];
         0.5 * self.stiffness * extension * extension
     }
 
     /// Adds its forces to those of the bodies.
     pub(super) fn load(
         &self,
+        at: Moment,
         pose: impl Fn(usize) -> Pose,
         twist: impl Fn(usize) -> Twist,
         add: &mut impl FnMut(usize, Twist),
@@ -76,9 +82,9 @@ impl Spring {
         let length = distance.norm();
         let along = if length > 0.0 { distance / length } else { Vector3::zeros() };
         let row = |body: usize, point: [f64; 3]| {
-            let at = pose(body);
-            let lever = at.rotation * Vector3::from(point);
-            at.wrench(&along, &lever.cross(&along))
+            let pose = pose(body);
+            let lever = pose.rotation * Vector3::from(point);
+            pose.wrench(&along, &lever.cross(&along))
         };
         let own = row(self.body, self.point);
         let other = self.other.map(|body| (body, row(body, self.other_point)));
@@ -86,7 +92,7 @@ impl Spring {
         if let Some((body, row)) = &other {
             rate -= row.dot(&twist(*body));
         }
-        let force = -self.stiffness * (length - self.length) - self.damping * rate;
+        let force = -self.stiffness * (length - self.length.value(at)[0]) - self.damping * rate;
         add(self.body, own * force);
         if let Some((body, row)) = other {
             add(body, row * -force);

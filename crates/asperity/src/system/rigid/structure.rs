@@ -5,7 +5,8 @@ use nalgebra::Vector3;
 use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
 use crate::system::{
-    Blocks, Configuration, Constancy, ContactLaw, Midpoint, Rotation, System, SystemError,
+    Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, System,
+    SystemError,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -31,6 +32,11 @@ impl System for RigidBodies {
     fn rotations(&self) -> Vec<Rotation> {
         let bodies = if self.planar { 0 } else { self.bodies() };
         (0..bodies).map(|k| Rotation { coordinate: 7 * k + 3, velocity: 6 * k + 3 }).collect()
+    }
+
+    /// The state in which the bodies were given.
+    fn initial_state(&self) -> InitialState {
+        InitialState { q: self.q0.clone(), u: self.u0.clone() }
     }
 
     fn normalise(&self, q0: &mut [f64]) -> Result<(), SystemError> {
@@ -80,8 +86,28 @@ impl System for RigidBodies {
         Ok(())
     }
 
-    fn forces(&self, t: f64, q: &[f64], u: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
-        self.loads(&Configuration::new(t, q), u, forces);
+    fn next_break(&self, t: f64) -> Option<Break> {
+        let mut next = None;
+        for load in &self.timed_loads {
+            next = Break::earlier(next, load.force.next_break(t));
+            next = Break::earlier(next, load.torque.next_break(t));
+        }
+        for spring in &self.springs {
+            next = Break::earlier(next, spring.length.next_break(t));
+        }
+        for plane in &self.timed_planes {
+            next = Break::earlier(next, plane.next_break(t));
+        }
+        next
+    }
+
+    fn forces(
+        &self,
+        at: &Configuration<'_>,
+        u: &[f64],
+        forces: &mut [f64],
+    ) -> Result<(), SystemError> {
+        self.loads(at, u, forces);
         for &body in &self.unequal {
             let omega = angular(&self.twist(u, body));
             let gyroscopic = (self.inertial[body].inertia * omega).cross(&omega);
@@ -105,7 +131,7 @@ impl System for RigidBodies {
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let contact = &self.contacts[contact];
         let second = contact.other.map(|body| self.pose_at(at, body));
-        Ok(contact.gap(&self.pose_at(at, contact.body), second.as_ref()).0)
+        Ok(contact.gap(at.moment(), &self.pose_at(at, contact.body), second.as_ref()).0)
     }
 
     fn rows(
@@ -120,7 +146,7 @@ impl System for RigidBodies {
         let second = contact.other.map(|body| self.pose_at(at, body));
         let (mut own, mut others) = ([Twist::zeros(); 4], [Twist::zeros(); 4]);
         let (poses, n) = ((&first, second.as_ref()), self.sizes().1);
-        let geometry = contact.geometry(poses.0, poses.1);
+        let geometry = contact.geometry(at.moment(), poses.0, poses.1);
         let wanted = (contact.unilateral, contact.tangential);
         contact.rows_of(&geometry, poses, wanted, (&mut own, &mut others), velocity);
         let (place, other_place) = contact.places();
@@ -131,6 +157,37 @@ impl System for RigidBodies {
             }
         }
         Ok(if contact.unilateral { geometry.gap } else { 0.0 })
+    }
+
+    fn chord(
+        &self,
+        midpoint: &Midpoint,
+        (u, dt): (&[f64], f64),
+        contact: usize,
+        rows: &[f64],
+        correction: &mut [f64],
+    ) -> bool {
+        let contact = &self.contacts[contact];
+        let twists = (self.twist(u, contact.body), contact.other.map(|body| self.twist(u, body)));
+        let second = twists.1.unwrap_or_default();
+        let rates = [angular(&twists.0).norm(), angular(&second).norm()];
+        if !contact.bends(rates, (linear(&twists.0) - linear(&second)).norm(), dt) {
+            return false;
+        }
+        let first = self.course(midpoint, u, contact.body, dt);
+        let second = contact.other.map(|body| self.course(midpoint, u, body, dt));
+        let bend = contact.bend(midpoint.t, &first, second.as_ref(), dt);
+        let (normal_rows, (place, _)) = (usize::from(contact.unilateral), contact.places());
+        let width = self.sizes().1 * contact.touched().len();
+        for (k, (row, out)) in rows.chunks_exact(width).zip(correction).enumerate() {
+            // The force of a row on the first body is its direction.
+            *out = match (k + 1) - normal_rows {
+                0 => bend.normal,
+                3 => contact.patch * bend.drilling,
+                _ => bend.tangential.dot(&linear(&self.twist(row, place))),
+            };
+        }
+        true
     }
 
     fn momenta(&self, q: &[f64], u: &[f64]) -> Vec<f64> {
@@ -160,7 +217,7 @@ impl System for RigidBodies {
         self.advance(q, u, 0.5 * dt, mid);
         self.derive(mid, derived);
         before.copy_from_slice(u);
-        let at = Configuration { t, q: mid, derived };
+        let at = Configuration { t, piece: t, q: mid, derived };
         for (&body, momentum) in self.unequal.iter().zip(momenta.chunks_exact(3)) {
             let momentum = Vector3::from_column_slice(momentum);
             let spin = self.pose_at(&at, body).rotation.tr_mul(&momentum);
@@ -179,7 +236,7 @@ impl System for RigidBodies {
         (q, u): (&mut [f64], &mut [f64]),
     ) -> Result<(), SystemError> {
         let Midpoint { t, q: mid, derived, before, forces, momenta } = midpoint;
-        let at = Configuration { t: *t, q: mid, derived };
+        let at = Configuration { t: *t, piece: *t, q: mid, derived };
         // Nothing changes unless all are found: until then the place of the forces, which have acted, holds them.
         let ends = forces;
         ends.copy_from_slice(after);

@@ -3,16 +3,18 @@
 use std::fmt;
 use std::sync::Arc;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::body::check;
-use crate::system::SystemError;
+use super::plane_motion::{PlacedMotion, PlaneMotion};
+use super::rotation::Turn;
+use crate::system::{Break, Moment, SystemError, TimeFunction};
 
 /// A plane, fixed to the world or to a body; bodies are on the side that its normal points to.
 ///
-/// Its material may move within it, as a belt with `velocity` or as a turntable with `spin`. The plane
-/// and its axes stay where they are: grooves that turn with a table need a body.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Its material may move within it, as a belt with `velocity` or as a turntable with `spin`, while the plane and its
+/// axes stay where they are. With a `motion` the plane itself moves, with its axes.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
     /// A point of the plane in m, and the centre of the spin.
     pub point: [f64; 3],
@@ -21,9 +23,11 @@ pub struct Plane {
     /// Direction of `e₁`, projected onto the plane; `e₂ = n × e₁`.
     pub axis: [f64; 3],
     /// Velocity of the material in m/s along `e₁`, `e₂`.
-    pub velocity: [f64; 2],
+    pub velocity: TimeFunction<2>,
     /// Angular velocity of the material in rad/s about the normal through `point`.
-    pub spin: f64,
+    pub spin: TimeFunction<1>,
+    /// How the plane moves in the axes in which it is given, if it does.
+    pub motion: Option<PlaneMotion>,
     /// The body that the plane is fixed to, in whose axes it is given then.
     pub body: Option<usize>,
 }
@@ -31,7 +35,8 @@ pub struct Plane {
 impl Plane {
     /// The plane through `point` with this normal and axis, at rest in the world.
     pub fn new(point: [f64; 3], normal: [f64; 3], axis: [f64; 3]) -> Self {
-        Self { point, normal, axis, velocity: [0.0; 2], spin: 0.0, body: None }
+        let (velocity, spin) = (TimeFunction::ZERO, TimeFunction::ZERO);
+        Self { point, normal, axis, velocity, spin, motion: None, body: None }
     }
 
     /// The plane `z = 0` with `e₁` along x.
@@ -48,6 +53,7 @@ impl Plane {
 
 /// What fixes the direction `e₁` in the contact plane; `e₂ = n × e₁`. Planar systems need none.
 #[derive(Clone)]
+#[non_exhaustive]
 pub enum Frame {
     /// The plane's axis.
     Plane,
@@ -88,30 +94,35 @@ impl PartialEq for Frame {
     }
 }
 
-/// A plane with orthonormal axes, in the coordinates of what it is fixed to.
+/// A plane with orthonormal axes at an instant, in the coordinates of what it is fixed to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Surface {
     pub(super) point: Vector3<f64>,
     pub(super) e1: Vector3<f64>,
     pub(super) e2: Vector3<f64>,
     pub(super) normal: Vector3<f64>,
+    /// Velocity of the material within the plane along the axes, and its angular velocity about the normal.
     pub(super) velocity: [f64; 2],
     pub(super) spin: f64,
+    /// Velocity of the point and angular velocity of the plane itself, if it moves.
+    pub(super) motion: Option<[Vector3<f64>; 2]>,
 }
 
 impl Surface {
+    /// The plane as it is given; with what depends on time still zero.
     pub(super) fn new(plane: &Plane) -> Result<Self, SystemError> {
         check("point", &plane.point)?;
-        check("velocity", &plane.velocity)?;
-        check("spin", &[plane.spin])?;
+        plane.velocity.check("velocity")?;
+        plane.spin.check("spin")?;
         let normal = unit("normal", plane.normal)?;
         let axis = unit("axis", plane.axis)?;
         let e1 = tangent(&axis, &normal).ok_or_else(|| {
             SystemError::argument("axis", "must not be parallel to the plane's normal")
         })?;
-        let Plane { velocity, spin, .. } = *plane;
+        let velocity = plane.velocity.constant().unwrap_or_default();
+        let [spin] = plane.spin.constant().unwrap_or_default();
         let e2 = normal.cross(&e1);
-        Ok(Self { point: plane.point.into(), e1, e2, normal, velocity, spin })
+        Ok(Self { point: plane.point.into(), e1, e2, normal, velocity, spin, motion: None })
     }
 
     /// The surface in the world, if what it is fixed to has this pose.
@@ -122,15 +133,143 @@ impl Surface {
             e1: pose.rotation * self.e1,
             e2: pose.rotation * self.e2,
             normal: pose.rotation * self.normal,
+            motion: self.motion.map(|motion| motion.map(|part| pose.rotation * part)),
             ..*self
         }
     }
 
-    /// Velocity of the material at a place `x` of the plane.
+    /// Velocity of the material at a place `x` of the plane, and its part along the normal, which is none but by the
+    /// motion of the plane itself.
     #[inline]
-    pub(super) fn material_velocity(&self, x: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn material_velocity(&self, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let belt = self.e1 * self.velocity[0] + self.e2 * self.velocity[1];
-        belt + self.normal.cross(&(x - self.point)) * self.spin
+        let within = belt + self.normal.cross(&(x - self.point)) * self.spin;
+        let Some([velocity, turning]) = &self.motion else { return (within, 0.0) };
+        let own = velocity + turning.cross(&(x - self.point));
+        (within + own, self.normal.dot(&own))
+    }
+
+    /// Angular velocity of the material about the normal.
+    #[inline]
+    pub(super) fn material_spin(&self) -> f64 {
+        self.spin + self.motion.map_or(0.0, |[_, turning]| self.normal.dot(&turning))
+    }
+
+    /// How plane and material move on for `dt` if nothing depends on time.
+    #[inline]
+    pub(super) fn course(&self, dt: f64) -> SurfaceCourse {
+        let belt = (self.e1 * self.velocity[0] + self.e2 * self.velocity[1]) * dt;
+        SurfaceCourse { belt, angle: self.spin * dt, plane: None }
+    }
+
+    /// The way of the material at a place `x` of the plane along its course, within what the plane is fixed to. The
+    /// velocity of what stays in the material turns with the spin.
+    #[inline]
+    pub(super) fn way(&self, x: &Vector3<f64>, course: &SurfaceCourse) -> Vector3<f64> {
+        let arm = x - self.point;
+        let mut way = course.belt;
+        if course.angle != 0.0 {
+            let angle = self.normal * course.angle;
+            way = Turn::new(&angle).mean(&(way + angle.cross(&arm)));
+        }
+        match &course.plane {
+            None => way,
+            Some(plane) => plane.way(&arm) + plane.rotation * way,
+        }
+    }
+}
+
+/// What happens to a plane and its material in a time, in the axes that the plane has at its beginning or in those of
+/// what it is fixed to.
+pub(super) struct SurfaceCourse {
+    /// Way of the material within the plane, and the angle by which it turns about the normal.
+    belt: Vector3<f64>,
+    pub(super) angle: f64,
+    /// How the plane itself moves, if it does.
+    pub(super) plane: Option<PlaneCourse>,
+}
+
+/// How a plane moves in a time.
+pub(super) struct PlaneCourse {
+    /// Way of its point.
+    shift: Vector3<f64>,
+    pub(super) rotation: Matrix3<f64>,
+}
+
+impl PlaneCourse {
+    /// The rotation vector of its turn.
+    pub(super) fn angle(&self) -> Vector3<f64> {
+        Rotation3::from_matrix_unchecked(self.rotation).scaled_axis()
+    }
+
+    /// The way of what moves along with the plane, the arm from its point given.
+    pub(super) fn way(&self, arm: &Vector3<f64>) -> Vector3<f64> {
+        self.shift + (self.rotation * arm - arm)
+    }
+}
+
+impl SurfaceCourse {
+    /// The course in the axes of the world, if what the plane is fixed to has this attitude.
+    pub(super) fn at(self, rotation: &Matrix3<f64>) -> Self {
+        let plane = self.plane.map(|PlaneCourse { shift, rotation: own }| PlaneCourse {
+            shift: rotation * shift,
+            rotation: rotation * own * rotation.transpose(),
+        });
+        Self { belt: rotation * self.belt, plane, ..self }
+    }
+}
+
+/// What of a plane depends on time.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Timed {
+    velocity: TimeFunction<2>,
+    spin: TimeFunction<1>,
+    motion: Option<PlaneMotion>,
+}
+
+impl Timed {
+    /// What of this plane depends on time, if anything does.
+    pub(super) fn new(plane: &Plane) -> Option<Self> {
+        let constant = plane.velocity.constant().is_some() && plane.spin.constant().is_some();
+        let Plane { velocity, spin, motion, .. } = plane.clone();
+        (!constant || motion.is_some()).then_some(Self { velocity, spin, motion })
+    }
+
+    /// The plane at a time.
+    pub(super) fn at(&self, surface: &Surface, at: Moment) -> Surface {
+        let (velocity, [spin]) = (self.velocity.value(at), self.spin.value(at));
+        let surface = Surface { velocity, spin, ..*surface };
+        let Some(motion) = &self.motion else { return surface };
+        let PlacedMotion { displacement, rotation, velocity, angular_velocity } = motion.at(at);
+        Surface {
+            point: surface.point + displacement,
+            e1: rotation * surface.e1,
+            e2: rotation * surface.e2,
+            normal: rotation * surface.normal,
+            motion: Some([velocity, angular_velocity]),
+            ..surface
+        }
+    }
+
+    /// How plane and material move on from the time `t` for `dt`, where `surface` is the plane at that time.
+    pub(super) fn course(&self, surface: &Surface, t: f64, dt: f64) -> SurfaceCourse {
+        let [v1, v2] = self.velocity.integral(t, t + dt);
+        let [angle] = self.spin.integral(t, t + dt);
+        let plane = self.motion.as_ref().map(|motion| {
+            let [start, end] = [t, t + dt].map(|t| motion.at(Moment::new(t)));
+            PlaneCourse {
+                shift: end.displacement - start.displacement,
+                rotation: end.rotation * start.rotation.transpose(),
+            }
+        });
+        SurfaceCourse { belt: surface.e1 * v1 + surface.e2 * v2, angle, plane }
+    }
+
+    /// The next time at which it is not smooth.
+    pub(super) fn next_break(&self, t: f64) -> Option<Break> {
+        let motion = self.motion.as_ref().and_then(|motion| motion.next_break(t));
+        let belt = Break::earlier(self.velocity.next_break(t), self.spin.next_break(t));
+        Break::earlier(motion, belt)
     }
 }
 

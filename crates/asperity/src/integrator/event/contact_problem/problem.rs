@@ -133,7 +133,6 @@ impl Participants {
         let mut outcome = Outcome::Interrupted;
         for solver in [SOLVER, FALLBACK] {
             let (mut workspace, mut found) = (Workspace::default(), start.clone());
-            workspace.prepare(problem);
             let report = solver.solve(problem, stop, &mut found, &mut workspace);
             // Where percussions run away, or a proof excludes a solution, a small residual says nothing.
             let ended = matches!(report.status, Status::Stalled | Status::Inexact);

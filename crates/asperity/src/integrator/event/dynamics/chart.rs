@@ -35,6 +35,8 @@ pub(crate) struct Chart<'a> {
     /// The coordinates of the system where the chart was placed last, and what is derived from them.
     q: Vec<f64>,
     derived: Vec<f64>,
+    /// A time of the smooth piece of functions of time in which the motion is.
+    pub(crate) piece: f64,
     /// The velocities `D w` of the system, and their part `Ḋ w` of the accelerations.
     u: Vec<f64>,
     rate: Vec<f64>,
@@ -73,6 +75,7 @@ impl<'a> Chart<'a> {
             centre: vec![0.0; q0.len()],
             q: q0.to_vec(),
             derived: Vec::new(),
+            piece: 0.0,
             u: vec![0.0; n],
             rate: vec![0.0; n],
         };
@@ -143,9 +146,13 @@ impl<'a> Chart<'a> {
         u.copy_from_slice(&self.u);
     }
 
+    fn configuration(&self, t: f64) -> Configuration<'_> {
+        Configuration { t, piece: self.piece, q: &self.q, derived: &self.derived }
+    }
+
     /// Gap of a unilateral contact.
     pub(crate) fn gap(&self, t: f64, contact: usize) -> Result<f64, SystemError> {
-        self.system.gap(&Configuration { t, q: &self.q, derived: &self.derived }, contact)
+        self.system.gap(&self.configuration(t), contact)
     }
 
     /// Rows of a contact for the velocities of the system, the normal one first if it is unilateral, and their χ; its
@@ -157,8 +164,7 @@ impl<'a> Chart<'a> {
         rows: &mut [f64],
         chi: &mut [f64],
     ) -> Result<f64, SystemError> {
-        let at = Configuration { t, q: &self.q, derived: &self.derived };
-        full_rows(self.system, &at, contact, rows, chi)
+        full_rows(self.system, &self.configuration(t), contact, rows, chi)
     }
 
     /// Factors the mass matrix for the velocities of the system; false unless it is symmetric positive definite.
@@ -174,10 +180,10 @@ impl<'a> Chart<'a> {
         forces: &mut [f64],
     ) -> Result<(), SystemError> {
         if self.is_trivial() {
-            return self.system.forces(t, &self.q, w, forces);
+            return self.system.forces(&self.configuration(t), w, forces);
         }
         self.push_forward(w);
-        self.system.forces(t, &self.q, &self.u, forces)
+        self.system.forces(&self.configuration(t), &self.u, forces)
     }
 
     /// Makes rows of the system those for the velocities `w`: `Dᵀ` times each.

@@ -16,7 +16,7 @@ const LOWEST: f64 = 1e-13;
 const NO_RESISTANCE: f64 = 1e-12;
 
 /// Whether a unilateral contact touches without being closed, or with it.
-fn touches(contact: &ContactVariables) -> bool {
+pub(crate) fn touches(contact: &ContactVariables) -> bool {
     contact.prescribed.is_none() && contact.gap <= CLOSED_GAP * contact.reach
 }
 

@@ -8,10 +8,12 @@
 //! | `detection.rs`, `location.rs` | event functions along a step; the time of the first event |
 //! | `decision.rs` | the modes after an event |
 //! | `release.rs`, `impact.rs`, `transition.rs` | stick that ends, impacts, all other events |
+//! | `breaks.rs` | times at which functions of time are not smooth |
 //! | `start.rs` | the beginning of the motion |
 //! | `time_loop.rs` | the loop over steps |
 
 mod attempt;
+mod breaks;
 mod decision;
 mod detection;
 mod impact;

@@ -10,6 +10,8 @@ use crate::integrator::event::vectors::{largest, norm};
 impl Integration<'_> {
     /// Refuses contacts that overlap at the beginning.
     pub(crate) fn check_overlap(&mut self) -> Result<Result<(), OptionsError>, EvaluationError> {
+        // Functions of time begin with what holds from there on.
+        self.enter_piece();
         let State { t, q, u } = &self.state;
         self.dynamics.kinematics(*t, q, u)?;
         self.step_size.account_for(&mut self.dynamics, &self.state, 0.0);

@@ -66,6 +66,7 @@ impl Integration<'_> {
         if outcome.is_none() {
             let longest = self.step_size.first_step_limit(self.options.t_end, &self.a0);
             let longest = longest.min(self.dynamics.chart.turn_limit(&self.state, &self.a0));
+            let longest = longest.min(self.end_of_piece());
             let dynamics = &mut self.dynamics;
             self.step_size.h = initial_step(dynamics, &self.state, &self.a0, longest)?;
             self.stale = true;
@@ -87,9 +88,12 @@ impl Integration<'_> {
 
     /// One attempt of a step, and the event in it if there is one.
     fn advance(&mut self, progress: &mut Progress) -> Ending {
-        let left = self.options.t_end - self.state.t;
+        let end = self.end_of_piece();
+        let left = end - self.state.t;
         if left <= UNRESOLVED_END * self.options.t_end {
-            return Ok(Some(self.extrapolate_to_end(left)));
+            self.extrapolate_to(end);
+            let over = end == self.options.t_end;
+            return if over { Ok(Some(Outcome::Finished)) } else { self.pass_break() };
         }
         // Where a slip begins, its first step is made in the chart in which its direction is known.
         if !self.starting && self.dynamics.chart.recentre(&mut self.state, &mut self.a0) {
@@ -103,7 +107,7 @@ impl Integration<'_> {
             self.dynamics.drift_of_all(&self.state)?;
             self.stale = false;
         }
-        let h = self.length_of_attempt(left);
+        let (h, wanted) = (self.length_of_attempt(left), self.step_size.h);
         if let Some(cause) = self.stagnation(h, progress) {
             return Ok(Some(Outcome::Stagnated { cause, contact: self.blocking_contact(cause) }));
         }
@@ -128,8 +132,11 @@ impl Integration<'_> {
                 Ok(self.reject(h))
             }
             Detection::None => {
-                let end = if h == left { self.options.t_end } else { self.state.t + h };
-                self.accept_step(end)?;
+                self.accept_step(if h == left { end } else { self.state.t + h })?;
+                if h == left {
+                    // It was not the error that has made this step short.
+                    self.step_size.h = self.step_size.h.max(wanted);
+                }
                 self.end_slips()
             }
             Detection::Events(bracket) => match self.locate_event(&bracket) {
@@ -168,14 +175,14 @@ impl Integration<'_> {
         !self.step_size.is_unstable(h, growth)
     }
 
-    /// What is left of the time is as short as events are uncertain: velocities and accelerations stay as they are.
-    fn extrapolate_to_end(&mut self, left: f64) -> Outcome {
+    /// What is left of the piece is as short as events are uncertain: velocities and accelerations stay as they are.
+    fn extrapolate_to(&mut self, end: f64) {
+        let left = end - self.state.t;
         if left > 0.0 {
-            self.state.t = self.options.t_end;
+            self.state.t = end;
             add(&mut self.state.q, left, &self.state.u);
             add(&mut self.state.u, left, &self.a0);
         }
-        Outcome::Finished
     }
 
     /// Why there is no hope to get on with a step of length `h`, if there is none.

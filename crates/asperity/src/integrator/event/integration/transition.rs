@@ -74,7 +74,7 @@ impl Integration<'_> {
             self.dynamics.contacts[i].mode = Phase::Stick;
             before[i] = Some(Phase::Unknown);
         }
-        self.state.t = (self.state.t + left).min(self.options.t_end);
+        self.state.t = (self.state.t + left).min(self.end_of_piece());
         add(&mut self.state.q, left, &self.state.u);
         add(&mut self.state.u, left, &self.a0);
         self.decide_modes(&before)

@@ -13,7 +13,7 @@ use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, State, ZERO_VELOCITY};
 use crate::integrator::event::vectors::largest;
-use crate::system::System;
+use crate::system::{Break, System};
 
 /// Why the integration ends here, if it does.
 pub(crate) type Ending = Result<Option<Outcome>, EvaluationError>;
@@ -46,6 +46,10 @@ pub(crate) struct Integration<'a> {
     pub(crate) linearised: Option<f64>,
     /// Whether the dynamics are where a rejected attempt has left them.
     pub(crate) stale: bool,
+    /// The end of the smooth piece of functions of time in which the motion is, if it has one, and how many ends there
+    /// were that are events.
+    pub(crate) next_break: Option<Break>,
+    pub(crate) kinks: usize,
     /// Event functions at the present state, contacts first, then the section; those along the attempt.
     pub(crate) event_values: Vec<f64>,
     pub(crate) stage_values: Vec<[f64; NODES]>,
@@ -63,7 +67,8 @@ impl<'a> Integration<'a> {
         observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
-        let (chart, state) = Chart::new(system, &options.q0, &options.u0);
+        let start = options.initial_state(system);
+        let (chart, state) = Chart::new(system, &start.q, &start.u);
         let dynamics = Dynamics::new(system, chart, options.t_end);
         Self {
             options,
@@ -83,6 +88,8 @@ impl<'a> Integration<'a> {
             smooth: false,
             linearised: None,
             stale: false,
+            next_break: None,
+            kinks: 0,
             event_values: vec![0.0; contacts + 1],
             stage_values: vec![[0.0; NODES]; contacts + 1],
             samples: 1,

@@ -5,7 +5,7 @@ use super::equation::Slip;
 use super::scan::Scan;
 use super::search::{End, Search};
 use crate::contact::Phase;
-use crate::law::{COARSE, Walk};
+use crate::law::Walk;
 
 /// Slip velocities below this part of what cancels in them are rounding, as singular values are in `single.rs`.
 const VANISHING: f64 = 1e-13;
@@ -36,10 +36,7 @@ pub(crate) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) -
     }
     let scan = Scan::new(&slip, table);
     let mut search = Search::new(&slip, direction, out);
-    for i in 0..COARSE {
-        if scan.excluded(&slip, table, i) {
-            continue;
-        }
+    for i in scan.open() {
         for j in i * table.fine_per_coarse..(i + 1) * table.fine_per_coarse {
             let (first, last) = (&table.nodes[j], &table.nodes[j + 1]);
             if !slip.excluded_between(first, last, slip.stray(&table.fine[j])) {

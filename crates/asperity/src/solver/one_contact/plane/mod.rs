@@ -20,7 +20,6 @@ use super::block::Shape;
 use super::effort::Effort;
 use super::local::{Local, LocalSolution, Selection, Stick};
 use crate::contact::{ContactState, Phase};
-use crate::law::COARSE;
 pub(crate) use all::solutions;
 use equation::{Slip, V, cross};
 pub(crate) use proof::proves_no_solution;
@@ -98,11 +97,11 @@ fn ill_conditioned(
     if opens {
         return Some(local.open());
     }
-    let stick = local.any_stick();
-    if stick.is_some() && state.phase != Phase::Slip {
-        return stick;
-    }
-    let found = local.slip_from(&guess).or(stick);
+    let slip = || local.slip_from(&guess);
+    let found = match state.phase {
+        Phase::Slip => slip().or_else(|| local.any_stick()),
+        _ => local.any_stick().or_else(slip),
+    };
     if found.is_some() {
         return found;
     }
@@ -149,8 +148,7 @@ fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>>
         }
         let table = local.law.walk().table;
         let slip = Slip::new(local, bounds.largest_radius);
-        let scan = Scan::new(&slip, table);
-        return (0..COARSE).all(|i| scan.excluded(&slip, table, i)).then_some(solution);
+        return Scan::new(&slip, table).open().next().is_none().then_some(solution);
     }
     let slip = Slip::new(local, bounds.largest_radius);
     let mut found = newton(&slip, &guess());
@@ -178,6 +176,10 @@ fn opens(local: &Local<'_, 2>) -> Option<Option<LocalSolution<2>>> {
 /// Whether the contact certainly has one solution only.
 #[inline(always)]
 fn certain(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
+    let pressure = local.prescribed.unwrap_or(-local.b_n);
+    if local.b_t.norm_squared() > (local.block.certain_slip * pressure).powi(2) {
+        return true;
+    }
     let shape = match local.prescribed {
         Some(_) => local.block.shape,
         None => Shape::new(&local.affine().1, local.law.bounds().smallest_sine),

@@ -2,51 +2,62 @@
 
 use super::equation::{Slip, cross};
 use super::search::MONOTONE;
-use crate::law::{COARSE, WalkTable};
+use crate::law::{COARSE, Columns, WalkTable};
 
-/// `F` and `n·v` at all coarse nodes.
+/// Which coarse cells may hold a solution.
 pub(super) struct Scan {
-    value: [f64; COARSE],
-    along: [f64; COARSE],
+    /// `F` at the coarse nodes, the first one repeated at the end.
+    value: [f64; COARSE + 1],
+    /// How far a cell is from holding a solution; not positive where it may hold one.
+    margin: [f64; COARSE],
 }
 
 impl Scan {
+    /// Evaluates `F` and `n·v` at all coarse nodes: a cell is excluded where `F` keeps away from zero, or `n·v` stays
+    /// below it, by more than they may stray from their chords. The loops have no branches, so that they are compiled
+    /// to vector instructions.
     pub(super) fn new(slip: &Slip<'_, '_>, table: &WalkTable) -> Self {
         let (c0, a) = (&slip.c0, slip.a * slip.scale);
-        let ([n0, n1], [[n0x0, n0x1], [n1x0, n1x1]]) = (&table.columns.n, &table.columns.nx);
-        let (mut value, mut along) = ([0.0; COARSE], [0.0; COARSE]);
+        let Columns { n: [n0, n1], nx: [[n0x0, n0x1], [n1x0, n1x1]], normal, product } =
+            &*table.columns;
+        let (mut value, mut against) = ([0.0; COARSE + 1], [0.0; COARSE + 1]);
         for i in 0..COARSE {
             let v0 = a.m11 * n0x0[i] + a.m12 * n0x1[i];
             let v1 = a.m21 * n1x0[i] + a.m22 * n1x1[i];
-            along[i] = slip.sign * (c0.x * n0[i] + c0.y * n1[i] - v0 - v1);
+            against[i] = -slip.sign * (c0.x * n0[i] + c0.y * n1[i] - v0 - v1);
             let w0 = a.m21 * n0x0[i] + a.m22 * n0x1[i];
             let w1 = a.m11 * n1x0[i] + a.m12 * n1x1[i];
             value[i] = c0.y * n0[i] - c0.x * n1[i] - w0 + w1;
         }
-        Self { value, along }
+        (value[COARSE], against[COARSE]) = (value[0], against[0]);
+        let (by_normal, by_product) = (slip.norm_c, slip.norm_a * slip.scale);
+        let mut margin = [0.0; COARSE];
+        for i in 0..COARSE {
+            let stray = by_normal * normal[i] + by_product * product[i];
+            let (f, g) = (value[i], value[i + 1]);
+            // The lesser magnitude of values of one sign, not positive where the sign changes.
+            let apart = larger(smaller(f, g), smaller(-f, -g));
+            margin[i] = larger(apart, smaller(against[i], against[i + 1])) - stray;
+        }
+        Self { value, margin }
     }
 
-    /// Whether cell `i` certainly holds no solution.
-    #[inline]
-    pub(super) fn excluded(&self, slip: &Slip<'_, '_>, table: &WalkTable, i: usize) -> bool {
-        let next = (i + 1) % COARSE;
-        let stray = slip.stray(&table.coarse[i]);
-        let (f, g) = (self.value[i], self.value[next]);
-        let no_root = (f >= 0.0) == (g >= 0.0) && f.abs().min(g.abs()) > stray;
-        no_root || self.along[i].max(self.along[next]) < -stray
+    /// The cells that may hold a solution; what is not a number excludes nothing.
+    pub(super) fn open(&self) -> impl Iterator<Item = usize> + '_ {
+        self.margin.iter().enumerate().filter_map(|(i, &margin)| (!(margin > 0.0)).then_some(i))
     }
 
     /// Whether exactly one cell is left, and that with a change of sign.
     pub(super) fn has_one_root(&self, slip: &Slip<'_, '_>, table: &WalkTable) -> bool {
-        let mut open = (0..COARSE).filter(|&i| !self.excluded(slip, table, i));
+        let mut open = self.open();
         let Some(cell) = open.next() else { return false };
-        let changes = (self.value[cell] >= 0.0) != (self.value[(cell + 1) % COARSE] >= 0.0);
+        let changes = (self.value[cell] >= 0.0) != (self.value[cell + 1] >= 0.0);
         // One change of sign may still be three roots unless F is monotone within its bound there.
         changes && open.next().is_none() && self.monotone(slip, table, cell)
     }
 
     /// Whether one fine cell holds one root and the others none.
-    pub(super) fn monotone(&self, slip: &Slip<'_, '_>, table: &WalkTable, cell: usize) -> bool {
+    fn monotone(&self, slip: &Slip<'_, '_>, table: &WalkTable, cell: usize) -> bool {
         let range = cell * table.fine_per_coarse..(cell + 1) * table.fine_per_coarse;
         let value = |j: usize| {
             let node = &table.nodes[j];
@@ -68,4 +79,15 @@ impl Scan {
         }
         changes == 1
     }
+}
+
+/// The smaller and the larger of two numbers without the questions about what is none.
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }

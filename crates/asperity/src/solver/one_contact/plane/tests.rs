@@ -80,3 +80,48 @@ fn loads_beside_corners_cost_as_much_as_others() {
         }
     }
 }
+
+/// Beyond the bound that the block knows a slip is the only solution, however strongly normal and tangential rows are
+/// coupled. Half the bound would not do, nor would it without one of its terms.
+#[test]
+fn a_slip_that_is_certain_is_the_only_solution() {
+    let ellipse = |a, b, angle: f64| {
+        Convex::from(Ellipse::new(Vector::<2>::new(a, b)).unwrap()).rotated(angle).unwrap()
+    };
+    let laws = [
+        FrictionLaw::isotropic(1.0).unwrap(),
+        FrictionLaw::associated(ellipse(1.0, 0.2, 0.3)),
+        FrictionLaw::new(ellipse(1.0, 0.2, 0.5).into(), ellipse(1.0, 0.2, 0.0)).unwrap(),
+        FrictionLaw::new(ellipse(0.3, 1.0, 0.0).into(), ellipse(1.0, 0.7, 0.0)).unwrap(),
+    ];
+    let mut seed = 1_u64;
+    let mut unit = || 0.5 * (crate::random::random(&mut seed) + 1.0);
+    let mut turn = || (std::f64::consts::TAU * unit()).sin_cos();
+    for law in laws {
+        let law = Law::from(law);
+        for _ in 0..4000 {
+            let [(s0, c0), (s1, c1), (s2, c2)] = [turn(), turn(), turn()];
+            let coupling = 1.0 - 0.9 * s2.powi(2);
+            let (beside, brought) = (Vector::<2>::new(c0, s0) * coupling, Vector::<2>::new(c2, s2));
+            let mut delassus = DMatrix::identity(3, 3) * (0.05 + 0.5 * s1.abs());
+            delassus[(0, 0)] = 1.0;
+            for i in 0..2 {
+                (delassus[(0, 1 + i)], delassus[(1 + i, 0)]) = (beside[i], brought[i]);
+                (0..2).for_each(|j| delassus[(1 + i, 1 + j)] += beside[i] * beside[j]);
+            }
+            let contacts = [(law.clone(), NormalForce::Unilateral)];
+            let mut problem =
+                ContactProblem::new(delassus, vec![-1.0, 0.0, 0.0], contacts).unwrap();
+            let block = Block::new(&problem, 0);
+            let speed = block.certain_slip * (1.0 + 0.1 * c1.abs());
+            let direction = Vector::<2>::new(c1, s1) * speed;
+            problem.free_velocity_mut()[1..].copy_from_slice(direction.as_slice());
+            let Law::Two(planar) = &law else { panic!("the law is planar") };
+            let local = Local::new(planar, &problem.contacts()[0], &block, &problem.load(0));
+            let mut found = Vec::new();
+            assert!(solutions(&local, &mut found));
+            let single = found.len() == 1 && found[0].phase == Phase::Slip;
+            assert!(single, "{found:?} {problem:?}");
+        }
+    }
+}

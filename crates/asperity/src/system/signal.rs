@@ -1,0 +1,732 @@
+//! Functions of time as data: polynomials between samples, and sines.
+//!
+//! A signal is smooth but at its breaks. Methods of high order must not evaluate it across one, neither beyond the end
+//! of a step that ends there nor before its start; therefore it is evaluated at a [`Moment`], which says besides the time
+//! by which smooth piece it is continued.
+
+use std::f64::consts::TAU;
+
+use super::SystemError;
+
+/// Difference of slopes over the larger one that is rounding: samples on a straight line have no kink.
+const SAME_SLOPE: f64 = 1e-10;
+/// Parts of a period of a sine that no step goes beyond, so that none jumps over an oscillation that does not show in the
+/// accelerations at its beginning. On an eighth of a period polynomials through the stages of a step of `integrate` follow
+/// it to 1e-6 of its amplitude.
+const PARTS_OF_A_PERIOD: f64 = 8.0;
+
+/// A time, and the smooth piece of functions of time that holds there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Time in s.
+    pub t: f64,
+    /// A time in s of the smooth piece by which functions of time are continued to `t`; at a break that of what comes
+    /// next.
+    pub piece: f64,
+}
+
+impl Moment {
+    /// A time as such; at a break what comes next holds.
+    pub fn new(t: f64) -> Self {
+        Self { t, piece: t }
+    }
+
+    /// Another time of the same smooth piece.
+    pub fn at(self, t: f64) -> Self {
+        Self { t, ..self }
+    }
+}
+
+/// How smooth a function of time is at a break.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Smoothness {
+    /// The value, its rate or the rate of this jumps: forces, velocities or accelerations do.
+    Kink,
+    /// Only higher derivatives jump: steps of high order end there, and nothing else happens.
+    Knot,
+}
+
+/// A time at which a function of time is not smooth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Break {
+    /// Time in s.
+    pub time: f64,
+    /// What jumps there.
+    pub smoothness: Smoothness,
+}
+
+impl Break {
+    /// The earlier one; of two at the same time the less smooth one.
+    pub fn earlier(first: Option<Self>, second: Option<Self>) -> Option<Self> {
+        match (first, second) {
+            (Some(a), Some(b)) if a.time == b.time => {
+                Some(Self { smoothness: a.smoothness.min(b.smoothness), ..a })
+            }
+            (Some(a), Some(b)) => Some(if a.time < b.time { a } else { b }),
+            (one, other) => one.or(other),
+        }
+    }
+}
+
+/// What lies between samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Straight lines.
+    Linear,
+    /// Cubic splines with two continuous derivatives; at the ends the third one is continuous, too ("not a knot").
+    Cubic,
+}
+
+/// Which derivative is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Derivative {
+    /// The value itself.
+    Value,
+    /// The first one.
+    First,
+    /// The second one.
+    Second,
+}
+
+/// A function of time with one or more components.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    components: usize,
+    shape: Shape,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Shape {
+    Pieces(Pieces),
+    Sine(Sine),
+}
+
+/// Polynomials between knots; held outside of these, or periodic.
+#[derive(Debug, Clone, PartialEq)]
+struct Pieces {
+    /// Ascending; one more than there are pieces.
+    knots: Vec<f64>,
+    /// Piece by piece and component by component, about the start of the piece.
+    coefficients: Vec<[f64; 4]>,
+    /// Integrals from the first knot to every knot.
+    integrals: Vec<f64>,
+    /// The last values.
+    last: Vec<f64>,
+    breaks: Vec<Break>,
+    periodic: bool,
+}
+
+/// `offset + amplitude sin(ωt + phase)`.
+#[derive(Debug, Clone, PartialEq)]
+struct Sine {
+    angular_frequency: f64,
+    offset: Vec<f64>,
+    amplitude: Vec<f64>,
+    phase: Vec<f64>,
+}
+
+/// A piece, or what holds outside of all.
+enum Place {
+    Before,
+    /// The piece, and how much later than its knots it is.
+    Within(usize, f64),
+    After,
+}
+
+impl Signal {
+    /// A signal through samples: the `values` at the first of the `times` in s, those at the second and so on.
+    ///
+    /// A time given twice is a jump from the first of its values to the second. Before its first and after its last
+    /// time the signal keeps the values there, or it is `periodic`: the last sample is the first one of the next period.
+    /// Cubic splines end at jumps, and periodic ones without jumps go on smoothly.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Argument`] unless there are two different times at least, in ascending order, no time more than
+    /// twice and neither the first nor the last one twice, and equally many finite values for all.
+    pub fn new(
+        times: &[f64],
+        values: &[f64],
+        interpolation: Interpolation,
+        periodic: bool,
+    ) -> Result<Self, SystemError> {
+        let refuse = |argument, message: &str| Err(SystemError::argument(argument, message));
+        if times.len() < 2 {
+            return refuse("times", "must be two at least");
+        }
+        if values.is_empty() || !values.len().is_multiple_of(times.len()) {
+            return refuse("values", "must be as many for every time, and not none");
+        }
+        if !times.iter().chain([&(times[times.len() - 1] - times[0])]).all(|t| t.is_finite()) {
+            return refuse("times", "must be finite");
+        }
+        if !values.iter().all(|value| value.is_finite()) {
+            return refuse("values", "must be finite");
+        }
+        if !times.is_sorted() || times.windows(3).any(|t| t[0] == t[2]) {
+            return refuse(
+                "times",
+                "must ascend, with a time at most twice, where the values jump",
+            );
+        }
+        if times[0] == times[1] || times[times.len() - 2] == times[times.len() - 1] {
+            return refuse("times", "must not begin or end with a jump");
+        }
+        let components = values.len() / times.len();
+        let pieces = Pieces::new(times, values, components, interpolation, periodic);
+        if !pieces.coefficients.iter().flatten().chain(&pieces.integrals).all(|c| c.is_finite()) {
+            return refuse("values", "must not change beyond the range of numbers");
+        }
+        Ok(Self { components, shape: Shape::Pieces(pieces) })
+    }
+
+    /// `offset + amplitude sin(2π frequency t + phase)` with the frequency in Hz, component by component.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Argument`] unless all are finite, the frequency is positive, and there are as many of all others.
+    pub fn sine(
+        frequency: f64,
+        amplitude: &[f64],
+        phase: &[f64],
+        offset: &[f64],
+    ) -> Result<Self, SystemError> {
+        let angular_frequency = TAU * frequency;
+        if !(frequency > 0.0 && angular_frequency.is_finite()) {
+            let message = format!("must be finite and positive, got {frequency}");
+            return Err(SystemError::argument("frequency", message));
+        }
+        for (argument, given) in [("amplitude", amplitude), ("phase", phase), ("offset", offset)] {
+            if given.is_empty() || given.len() != amplitude.len() {
+                return Err(SystemError::argument(argument, "must have an entry per component"));
+            }
+            super::rigid::check(argument, given)?;
+        }
+        let [offset, amplitude, phase] = [offset, amplitude, phase].map(<[f64]>::to_vec);
+        let sine = Sine { angular_frequency, offset, amplitude, phase };
+        Ok(Self { components: sine.offset.len(), shape: Shape::Sine(sine) })
+    }
+
+    /// Number of components.
+    pub fn components(&self) -> usize {
+        self.components
+    }
+
+    /// The period in s, if it has one.
+    pub fn period(&self) -> Option<f64> {
+        match &self.shape {
+            Shape::Pieces(pieces) => pieces.periodic.then(|| pieces.period()),
+            Shape::Sine(sine) => Some(TAU / sine.angular_frequency),
+        }
+    }
+
+    /// The value of a component or one of its derivatives.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such component.
+    pub fn component(&self, at: Moment, component: usize, derivative: Derivative) -> f64 {
+        assert!(component < self.components, "the signal has {} components", self.components);
+        match &self.shape {
+            Shape::Pieces(pieces) => match pieces.place(at.piece) {
+                Place::Within(piece, shift) => {
+                    let [a, b, c, d] = pieces.coefficients[piece * self.components + component];
+                    let x = at.t - shift - pieces.knots[piece];
+                    match derivative {
+                        Derivative::Value => a + x * (b + x * (c + x * d)),
+                        Derivative::First => b + x * (2.0 * c + 3.0 * x * d),
+                        Derivative::Second => 2.0 * c + 6.0 * x * d,
+                    }
+                }
+                _ if derivative != Derivative::Value => 0.0,
+                Place::Before => pieces.coefficients[component][0],
+                Place::After => pieces.last[component],
+            },
+            Shape::Sine(sine) => {
+                let (omega, amplitude) = (sine.angular_frequency, sine.amplitude[component]);
+                let angle = omega * at.t + sine.phase[component];
+                match derivative {
+                    Derivative::Value => sine.offset[component] + amplitude * angle.sin(),
+                    Derivative::First => amplitude * omega * angle.cos(),
+                    Derivative::Second => -amplitude * omega * omega * angle.sin(),
+                }
+            }
+        }
+    }
+
+    /// The integral of a component from one time to another one; jumps between them count.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such component.
+    pub fn integral(&self, from: f64, to: f64, component: usize) -> f64 {
+        assert!(component < self.components, "the signal has {} components", self.components);
+        match &self.shape {
+            Shape::Pieces(pieces) => pieces.integral(from, to, component, self.components),
+            Shape::Sine(sine) => {
+                let (half, middle) = (0.5 * (to - from), 0.5 * (to + from));
+                let (omega, phase) = (sine.angular_frequency, sine.phase[component]);
+                let swing = 2.0 / omega * (omega * half).sin() * (omega * middle + phase).sin();
+                2.0 * half * sine.offset[component] + sine.amplitude[component] * swing
+            }
+        }
+    }
+
+    /// The first break after a time.
+    pub fn next_break(&self, t: f64) -> Option<Break> {
+        match &self.shape {
+            Shape::Pieces(pieces) => pieces.next_break(t),
+            Shape::Sine(sine) => {
+                let part = TAU / (PARTS_OF_A_PERIOD * sine.angular_frequency);
+                let mut number = (t / part).floor();
+                while number * part <= t {
+                    number += 1.0;
+                }
+                // Beyond the resolution of numbers there is none.
+                let time = number * part;
+                time.is_finite().then_some(Break { time, smoothness: Smoothness::Knot })
+            }
+        }
+    }
+
+    /// Whether its values jump somewhere.
+    pub fn jumps(&self) -> bool {
+        match &self.shape {
+            Shape::Pieces(pieces) => pieces.jumps(self.components),
+            Shape::Sine(_) => false,
+        }
+    }
+
+    /// A bound from below on a component at its samples, or of a sine everywhere.
+    pub(super) fn least(&self, component: usize) -> f64 {
+        match &self.shape {
+            Shape::Pieces(pieces) => {
+                let own = pieces.coefficients.iter().skip(component).step_by(self.components);
+                own.map(|c| c[0]).fold(pieces.last[component], f64::min)
+            }
+            Shape::Sine(sine) => sine.offset[component] - sine.amplitude[component].abs(),
+        }
+    }
+
+    /// Whether a component is zero at all times.
+    pub(super) fn vanishes(&self, component: usize) -> bool {
+        match &self.shape {
+            Shape::Pieces(pieces) => {
+                let own = pieces.coefficients.iter().skip(component).step_by(self.components);
+                own.copied().all(|c| c == [0.0; 4]) && pieces.last[component] == 0.0
+            }
+            Shape::Sine(sine) => sine.offset[component] == 0.0 && sine.amplitude[component] == 0.0,
+        }
+    }
+
+    /// The signal with these components, zero where there is none.
+    pub(super) fn spread(&self, components: &[Option<usize>]) -> Self {
+        let width = self.components;
+        let choose = |values: &[f64]| -> Vec<f64> {
+            components.iter().map(|place| place.map_or(0.0, |k| values[k])).collect()
+        };
+        let shape = match &self.shape {
+            Shape::Pieces(pieces) => Shape::Pieces(Pieces {
+                coefficients: pieces
+                    .coefficients
+                    .chunks_exact(width)
+                    .flat_map(|own| components.iter().map(|k| k.map_or([0.0; 4], |k| own[k])))
+                    .collect(),
+                integrals: pieces.integrals.chunks_exact(width).flat_map(choose).collect(),
+                last: choose(&pieces.last),
+                ..pieces.clone()
+            }),
+            Shape::Sine(sine) => Shape::Sine(Sine {
+                angular_frequency: sine.angular_frequency,
+                offset: choose(&sine.offset),
+                amplitude: choose(&sine.amplitude),
+                phase: choose(&sine.phase),
+            }),
+        };
+        Self { components: components.len(), shape }
+    }
+}
+
+impl Pieces {
+    fn new(
+        times: &[f64],
+        values: &[f64],
+        width: usize,
+        interpolation: Interpolation,
+        periodic: bool,
+    ) -> Self {
+        let mut coefficients = Vec::with_capacity(values.len());
+        let mut first = 0;
+        for end in 1..=times.len() {
+            if end < times.len() && times[end] != times[end - 1] {
+                continue;
+            }
+            // A stretch without jumps.
+            let (own, samples) = (&times[first..end], &values[first * width..end * width]);
+            let whole = own.len() == times.len();
+            let closes = samples[..width] == samples[samples.len() - width..];
+            let slopes = match interpolation {
+                Interpolation::Linear => None,
+                Interpolation::Cubic => Some(if whole && periodic && closes {
+                    spline::periodic(own, samples, width)
+                } else {
+                    spline::not_a_knot(own, samples, width)
+                }),
+            };
+            for i in 0..own.len() - 1 {
+                let h = own[i + 1] - own[i];
+                for k in 0..width {
+                    let (y, next) = (samples[i * width + k], samples[(i + 1) * width + k]);
+                    let secant = (next - y) / h;
+                    coefficients.push(match &slopes {
+                        None => [y, secant, 0.0, 0.0],
+                        Some(slopes) => {
+                            let (a, b) = (slopes[i * width + k], slopes[(i + 1) * width + k]);
+                            let bend = (3.0 * secant - 2.0 * a - b) / h;
+                            [y, a, bend, (a + b - 2.0 * secant) / h / h]
+                        }
+                    });
+                }
+            }
+            first = end;
+        }
+        let mut knots = times.to_vec();
+        knots.dedup();
+        let last = values[values.len() - width..].to_vec();
+        let mut pieces = Self {
+            knots,
+            coefficients,
+            integrals: vec![0.0; width],
+            last,
+            breaks: Vec::new(),
+            periodic,
+        };
+        for piece in 0..pieces.knots.len() - 1 {
+            let h = pieces.knots[piece + 1] - pieces.knots[piece];
+            for k in 0..width {
+                let before = pieces.integrals[piece * width + k];
+                let own = primitive(&pieces.coefficients[piece * width + k], h);
+                pieces.integrals.push(before + own);
+            }
+        }
+        pieces.breaks = (0..pieces.knots.len() - usize::from(periodic))
+            .filter_map(|knot| {
+                let smoothness = pieces.smoothness(knot, width)?;
+                Some(Break { time: pieces.knots[knot], smoothness })
+            })
+            .collect();
+        pieces
+    }
+
+    fn period(&self) -> f64 {
+        self.knots[self.knots.len() - 1] - self.knots[0]
+    }
+
+    /// The piece that holds at a time, at a knot the one that begins there.
+    fn place(&self, t: f64) -> Place {
+        let (first, end) = (self.knots[0], self.knots[self.knots.len() - 1]);
+        let shift =
+            if self.periodic { ((t - first) / self.period()).floor() * self.period() } else { 0.0 };
+        let local = t - shift;
+        if !self.periodic && local < first {
+            return Place::Before;
+        }
+        if !self.periodic && local >= end {
+            return Place::After;
+        }
+        let piece = self.knots.partition_point(|knot| *knot <= local).max(1) - 1;
+        Place::Within(piece.min(self.knots.len() - 2), shift)
+    }
+
+    /// Value and derivatives of all components before and after a knot.
+    fn sides(&self, knot: usize, width: usize) -> [Vec<[f64; 3]>; 2] {
+        let pieces = self.knots.len() - 1;
+        let held =
+            |values: &dyn Fn(usize) -> f64| (0..width).map(|k| [values(k), 0.0, 0.0]).collect();
+        let start = |piece: usize| -> Vec<[f64; 3]> {
+            let own = &self.coefficients[piece * width..][..width];
+            own.iter().map(|[a, b, c, _]| [*a, *b, 2.0 * c]).collect()
+        };
+        let end = |piece: usize| -> Vec<[f64; 3]> {
+            let h = self.knots[piece + 1] - self.knots[piece];
+            let own = &self.coefficients[piece * width..][..width];
+            let at = |[a, b, c, d]: &[f64; 4]| {
+                [
+                    a + h * (b + h * (c + h * d)),
+                    b + h * (2.0 * c + 3.0 * h * d),
+                    2.0 * c + 6.0 * h * d,
+                ]
+            };
+            own.iter().map(at).collect()
+        };
+        let before = match knot {
+            0 if self.periodic => end(pieces - 1),
+            0 => held(&|k| self.coefficients[k][0]),
+            _ => end(knot - 1),
+        };
+        let after = if knot < pieces { start(knot) } else { held(&|k| self.last[k]) };
+        [before, after]
+    }
+
+    /// What jumps at a knot, if anything does.
+    fn smoothness(&self, knot: usize, width: usize) -> Option<Smoothness> {
+        let [before, after] = self.sides(knot, width);
+        let pieces = self.knots.len() - 1;
+        let lengths = |piece: usize| self.knots[piece + 1] - self.knots[piece];
+        let left = if knot == 0 { pieces - 1 } else { knot - 1 };
+        let h = lengths(left).min(lengths(knot % pieces));
+        let scale = |k: usize| {
+            let own = self.coefficients.iter().skip(k).step_by(width);
+            own.map(|c| c[0].abs()).fold(self.last[k].abs(), f64::max)
+        };
+        let third = |piece: usize, k: usize| self.coefficients[piece * width + k][3];
+        let (mut kink, mut differs) = (false, false);
+        for k in 0..width {
+            let (a, b, size) = (before[k], after[k], scale(k));
+            // What rounding of the values leaves of differences over the shorter piece.
+            kink |= (0..3).any(|i| {
+                let own = SAME_SLOPE * a[i].abs().max(b[i].abs());
+                (a[i] - b[i]).abs() > own.max(64.0 * f64::EPSILON * size / h.powi(i as i32))
+            });
+            let held = !self.periodic;
+            let left = if held && knot == 0 { 0.0 } else { third(left, k) };
+            let right = if held && knot == pieces { 0.0 } else { third(knot % pieces, k) };
+            differs |= a != b || left != right;
+        }
+        match (kink, differs) {
+            (true, _) => Some(Smoothness::Kink),
+            (false, true) => Some(Smoothness::Knot),
+            _ => None,
+        }
+    }
+
+    fn jumps(&self, width: usize) -> bool {
+        (0..self.knots.len() - usize::from(self.periodic)).any(|knot| {
+            let [before, after] = self.sides(knot, width);
+            // Values at the end of a piece are those of the next one to rounding.
+            before
+                .iter()
+                .zip(&after)
+                .any(|(a, b)| (a[0] - b[0]).abs() > 1e-12 * self.largest().max(f64::MIN_POSITIVE))
+        })
+    }
+
+    fn largest(&self) -> f64 {
+        self.coefficients
+            .iter()
+            .map(|c| c[0].abs())
+            .chain(self.last.iter().map(|v| v.abs()))
+            .fold(0.0, f64::max)
+    }
+
+    fn integral(&self, from: f64, to: f64, component: usize, width: usize) -> f64 {
+        if let (Place::Within(a, shift), Place::Within(b, other)) =
+            (self.place(from), self.place(to))
+            && (a, shift) == (b, other)
+        {
+            // Without the cancellation of what lies before.
+            let [c0, c1, c2, c3] = self.coefficients[a * width + component];
+            let start = from - shift - self.knots[a];
+            let (h, x) = (to - from, start);
+            let moved = [
+                c0 + x * (c1 + x * (c2 + x * c3)),
+                c1 + x * (2.0 * c2 + 3.0 * x * c3),
+                c2 + 3.0 * x * c3,
+                c3,
+            ];
+            return primitive(&moved, h);
+        }
+        let since = |t: f64| {
+            let (first, end) = (self.knots[0], self.knots[self.knots.len() - 1]);
+            let all = self.integrals[self.integrals.len() - width + component];
+            match self.place(t) {
+                Place::Before => (t - first) * self.coefficients[component][0],
+                Place::After => all + (t - end) * self.last[component],
+                Place::Within(piece, shift) => {
+                    let own = &self.coefficients[piece * width + component];
+                    let whole = (shift / self.period()).round() * all;
+                    whole
+                        + self.integrals[piece * width + component]
+                        + primitive(own, t - shift - self.knots[piece])
+                }
+            }
+        };
+        since(to) - since(from)
+    }
+
+    fn next_break(&self, t: f64) -> Option<Break> {
+        if !self.periodic {
+            let next = self.breaks.partition_point(|b| b.time <= t);
+            return self.breaks.get(next).copied();
+        }
+        if self.breaks.is_empty() {
+            return None;
+        }
+        let mut number = ((t - self.knots[0]) / self.period()).floor() - 1.0;
+        loop {
+            // The same numbers whatever the time is that is asked for, so that none is met twice.
+            let shift = number * self.period();
+            if !shift.is_finite() || shift + self.period() == shift {
+                return None;
+            }
+            let mut moved = self.breaks.iter().map(|b| Break { time: b.time + shift, ..*b });
+            if let Some(found) = moved.find(|b| b.time > t) {
+                return Some(found);
+            }
+            number += 1.0;
+        }
+    }
+}
+
+/// The integral of a polynomial from zero to `x`.
+fn primitive([a, b, c, d]: &[f64; 4], x: f64) -> f64 {
+    x * (a + x * (b / 2.0 + x * (c / 3.0 + x * d / 4.0)))
+}
+
+/// Slopes of cubic splines at their samples (\[DeBoor2001\] ch. IV): the equations that make the second derivative
+/// continuous, for all components at once.
+mod spline {
+    /// The slopes with the third derivative continuous at the second and at the last but one sample.
+    pub(super) fn not_a_knot(times: &[f64], values: &[f64], width: usize) -> Vec<f64> {
+        let n = times.len();
+        let (h, secant) = secants(times, values, width);
+        let mut slopes = vec![0.0; n * width];
+        match n {
+            2 => {
+                for k in 0..width {
+                    (slopes[k], slopes[width + k]) = (secant[k], secant[k]);
+                }
+                return slopes;
+            }
+            3 => {
+                // The parabola.
+                for k in 0..width {
+                    let (a, b) = (secant[k], secant[width + k]);
+                    let bend = (b - a) / (h[0] + h[1]);
+                    slopes[k] = a - h[0] * bend;
+                    slopes[width + k] = a + h[0] * bend;
+                    slopes[2 * width + k] = b + h[1] * bend;
+                }
+                return slopes;
+            }
+            _ => {}
+        }
+        let mut rows = Rows { lower: vec![0.0; n], diagonal: vec![0.0; n], upper: vec![0.0; n] };
+        interior(&h, &secant, width, &mut rows, &mut slopes);
+        let (first, last) = (h[0] + h[1], h[n - 2] + h[n - 3]);
+        (rows.diagonal[0], rows.upper[0]) = (h[1], first);
+        (rows.lower[n - 1], rows.diagonal[n - 1]) = (last, h[n - 3]);
+        for k in 0..width {
+            let (a, b) = (secant[k], secant[width + k]);
+            slopes[k] = ((h[0] + 2.0 * first) * h[1] * a + h[0] * h[0] * b) / first;
+            let (a, b) = (secant[(n - 2) * width + k], secant[(n - 3) * width + k]);
+            let end = (h[n - 2] + 2.0 * last) * h[n - 3] * a + h[n - 2] * h[n - 2] * b;
+            slopes[(n - 1) * width + k] = end / last;
+        }
+        rows.solve(&mut slopes, width);
+        slopes
+    }
+
+    /// The slopes with all of it the same at the last sample as at the first one.
+    pub(super) fn periodic(times: &[f64], values: &[f64], width: usize) -> Vec<f64> {
+        let n = times.len() - 1;
+        let (h, secant) = secants(times, values, width);
+        let mut slopes = vec![0.0; n * width];
+        // As many unknowns as intervals; the row of the first sample meets the last interval.
+        let before = |i: usize| (i + n - 1) % n;
+        for i in 0..n {
+            for k in 0..width {
+                let (a, b) = (secant[before(i) * width + k], secant[i * width + k]);
+                slopes[i * width + k] = 3.0 * (h[i] * a + h[before(i)] * b);
+            }
+        }
+        match n {
+            1 => slopes.fill(0.0),
+            2 => {
+                // Both neighbours are the same.
+                let (d, o) = (2.0 * (h[0] + h[1]), h[0] + h[1]);
+                for k in 0..width {
+                    let (a, b) = (slopes[k], slopes[width + k]);
+                    let det = d * d - o * o;
+                    (slopes[k], slopes[width + k]) = ((d * a - o * b) / det, (d * b - o * a) / det);
+                }
+            }
+            _ => {
+                // Sherman and Morrison: the corners are a matrix of rank one.
+                let mut rows = Rows {
+                    lower: h.clone(),
+                    diagonal: (0..n).map(|i| 2.0 * (h[i] + h[before(i)])).collect(),
+                    upper: (0..n).map(|i| h[before(i)]).collect(),
+                };
+                let (corner, other) = (rows.lower[0], rows.upper[n - 1]);
+                let gamma = -rows.diagonal[0];
+                rows.diagonal[0] -= gamma;
+                rows.diagonal[n - 1] -= corner * other / gamma;
+                let mut along = vec![0.0; n];
+                (along[0], along[n - 1]) = (gamma, other);
+                rows.solve(&mut along, 1);
+                rows.solve(&mut slopes, width);
+                let ratio = corner / gamma;
+                let scale = 1.0 + along[0] + ratio * along[n - 1];
+                for k in 0..width {
+                    let part = (slopes[k] + ratio * slopes[(n - 1) * width + k]) / scale;
+                    for i in 0..n {
+                        slopes[i * width + k] -= part * along[i];
+                    }
+                }
+            }
+        }
+        slopes.extend_from_within(..width);
+        slopes
+    }
+
+    /// A matrix of three diagonals.
+    struct Rows {
+        lower: Vec<f64>,
+        diagonal: Vec<f64>,
+        upper: Vec<f64>,
+    }
+
+    impl Rows {
+        /// Solves for `width` right-hand sides at once, without pivots: the rows of splines need none.
+        fn solve(&self, right: &mut [f64], width: usize) {
+            let n = self.diagonal.len();
+            let mut diagonal = self.diagonal.clone();
+            for i in 1..n {
+                let factor = self.lower[i] / diagonal[i - 1];
+                diagonal[i] -= factor * self.upper[i - 1];
+                for k in 0..width {
+                    right[i * width + k] -= factor * right[(i - 1) * width + k];
+                }
+            }
+            for i in (0..n).rev() {
+                for k in 0..width {
+                    let next =
+                        if i + 1 < n { self.upper[i] * right[(i + 1) * width + k] } else { 0.0 };
+                    right[i * width + k] = (right[i * width + k] - next) / diagonal[i];
+                }
+            }
+        }
+    }
+
+    /// The rows of the samples between the first and the last one.
+    fn interior(h: &[f64], secant: &[f64], width: usize, rows: &mut Rows, right: &mut [f64]) {
+        for i in 1..h.len() {
+            rows.lower[i] = h[i];
+            rows.diagonal[i] = 2.0 * (h[i - 1] + h[i]);
+            rows.upper[i] = h[i - 1];
+            for k in 0..width {
+                let (a, b) = (secant[(i - 1) * width + k], secant[i * width + k]);
+                right[i * width + k] = 3.0 * (h[i] * a + h[i - 1] * b);
+            }
+        }
+    }
+
+    /// Lengths of the intervals, and slopes of the straight lines over them.
+    fn secants(times: &[f64], values: &[f64], width: usize) -> (Vec<f64>, Vec<f64>) {
+        let h: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
+        let secant =
+            (0..h.len() * width).map(|i| (values[i + width] - values[i]) / h[i / width]).collect();
+        (h, secant)
+    }
+}

@@ -1,0 +1,119 @@
+"""Results on disk: a file, or the files of a folder, are complete or not there."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO
+
+from asperity.errors import ParameterError
+
+
+@contextmanager
+def atomic(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
+    """Open a temporary file beside `path` that replaces it when the block succeeds.
+
+    Its name is that of `path` between a dot and eight digits with ``.tmp``: what a process that was
+    killed leaves behind can be told and removed.
+
+    Raises:
+        OSError: naming `path`, if it cannot be written.
+    """
+    with replaced(path) as temporary, temporary.open("xb") as file:
+        yield file
+        file.flush()
+        os.fsync(file.fileno())
+
+
+@contextmanager
+def replaced(path: str | os.PathLike[str], ending: str = ".tmp") -> Iterator[Path]:
+    """Yield the name of the temporary file of `atomic`, to writers that open files themselves."""
+    target = Path(path)
+    temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}{ending}")
+    try:
+        yield temporary
+        os.replace(temporary, target)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        # The temporary name, or none, would not tell which file it is about.
+        raise OSError(error.errno, error.strerror, os.fspath(target)) from None
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+class ResultFolder:
+    """A folder for files that belong together: all of them are written, or none.
+
+    Args:
+        out: the folder, made when it is filled.
+        names: of all files.
+
+    Raises:
+        ParameterError: before anything is worked out, if the folder, or one above it, is a file or
+            cannot be written into, or holds a folder of one of the names.
+    """
+
+    def __init__(self, out: Path, names: Sequence[str]) -> None:
+        place = next(one for one in (out, *out.absolute().parents) if one.exists())
+        if not place.is_dir():
+            raise ParameterError("out", f"must name a folder, {place} is a file")
+        if not os.access(place, os.W_OK | os.X_OK):
+            raise ParameterError(
+                "out", f"must be a folder to write into, {place} does not allow it"
+            )
+        for name in names:
+            if (out / name).is_dir():
+                raise ParameterError("out", f"must hold no folder of the name {name}: remove it")
+        self._out = out
+        self._names = names
+
+    @contextmanager
+    def filled(self) -> Iterator[Path]:
+        """Yield a temporary folder, whose files replace those in the folder once all are complete.
+
+        Files of an older result step aside before the first new one comes: whenever a process is
+        killed, what has the names belongs to one result. The temporary folder, ``.asperity-…``, is
+        then left behind with the others and can be removed.
+        """
+        out = self._out
+        made = [place for place in (out, *out.parents) if not place.exists()]
+        out.mkdir(parents=True, exist_ok=True)
+        try:
+            # Inside `out`: renaming works on one file system only.
+            with tempfile.TemporaryDirectory(dir=out, prefix=".asperity-") as folder:
+                fresh, old = Path(folder, "new"), Path(folder, "old")
+                fresh.mkdir()
+                old.mkdir()
+                yield fresh
+                _exchange(fresh, old, out, self._names)
+        except BaseException:
+            for place in made:
+                with suppress(OSError):
+                    place.rmdir()
+            raise
+
+
+def _exchange(fresh: Path, old: Path, out: Path, names: Sequence[str]) -> None:
+    """Put the fresh files in the place of the old ones, or leave those where they are."""
+    for name in names:
+        # What was not written is missed before anything has moved.
+        (fresh / name).stat()
+    try:
+        for name in names:
+            if (out / name).exists():
+                (out / name).replace(old / name)
+        for name in names:
+            (fresh / name).replace(out / name)
+    except BaseException:
+        for name in names:
+            if not (fresh / name).exists():
+                (out / name).unlink(missing_ok=True)
+        for one in old.iterdir():
+            one.replace(out / one.name)
+        raise

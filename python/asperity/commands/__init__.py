@@ -1,0 +1,1 @@
+"""The command ``asperity``: one file for each verb, which reads options and prints."""

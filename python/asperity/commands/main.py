@@ -1,0 +1,49 @@
+"""The command ``asperity``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from asperity import __version__
+from asperity.commands import demo, figures, identify, info, solve, track
+from asperity.commands.options import INTERRUPTED, USER_ERROR
+from asperity.errors import AsperityError, ParameterError
+
+_VERBS = (demo, figures, solve, identify, track, info)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit code (0 good, 1 doubtful, 2 user error)."""
+    options = _parser().parse_args(arguments)
+    try:
+        code: int = options.run(options)
+    except KeyboardInterrupt:
+        print("asperity: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except (AsperityError, OSError, ModuleNotFoundError) as error:
+        print(f"asperity: {_explained(error, options)}", file=sys.stderr)
+        return USER_ERROR
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="asperity", description="Set-valued anisotropic dry friction."
+    )
+    parser.add_argument("--version", action="version", version=f"asperity {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for verb in _VERBS:
+        verb.add(commands).set_defaults(run=verb.run)
+    return parser
+
+
+def _explained(error: Exception, options: argparse.Namespace) -> str:
+    if isinstance(error, ModuleNotFoundError):
+        extra = {"h5py": "data", "av": "video", "PIL": "video"}.get(error.name or "", "plot")
+        return f"{error.name} is missing: pip install 'asperity[{extra}]'"
+    if isinstance(error, ParameterError) and error.argument in vars(options):
+        # In the words of the command line.
+        return f"--{error.argument.replace('_', '-')}: {error.message}"
+    return str(error)

@@ -1,0 +1,366 @@
+"""Second opinions in NumPy on what the core reports: natural map, proofs that nothing solves."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.contact import ContactProblem, Infeasibility, InfeasibleCase
+from asperity.contact.arguments import sizes
+from asperity.errors import ParameterError
+from asperity.law import FrictionLaw
+from asperity.sets import Ball, Disk
+
+__all__ = ["natural_map", "proves_no_solution"]
+
+State = str | tuple[float, float]
+
+# Percussions over those that the loads call for beyond which they are none.
+_HUGE = 5e9
+
+
+def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
+    """Return ‖P − proj(P − ρξ)‖/max(‖P‖, ρ‖b + e∘γ_B‖), ρ = rows/tr G.
+
+    Unilateral contacts with disks or balls are projected onto their cones, with μ‖ξ_T‖ added to
+    ξ_N. Others have the defects P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ_T), z = −αP.
+
+    Args:
+        problem: with any laws.
+        percussion: in N s, shape ``(rows,)``; infinity where they are not finite, as those of a
+            solver may be.
+
+    Reference: [AcaryBremondHuber2018]; [WL19] (12), (69).
+
+    >>> from asperity import ContactProblem, FrictionLaw
+    >>> problem = ContactProblem(np.eye(3), [-1.0, 3.0, 4.0], FrictionLaw.isotropic(0.5))
+    >>> natural_map(problem, np.array([1.0, -0.3, -0.4])) < 1e-12
+    True
+    """
+    _check(problem, "problem", ContactProblem)
+    free = problem.free_velocity + _restitution(problem)
+    rho = free.size / problem.delassus.diagonal().sum()
+    given = arrays.with_gaps(percussion, "percussion", free.shape)
+    # A solver may have ended anywhere.
+    if not np.isfinite(given).all():
+        return math.inf
+    xi = problem.delassus @ given + free
+    squares = 0.0
+    for law, unilateral, rows, normal in _groups(problem):
+        p, v = given[rows], rho * xi[rows]
+        if not unilateral:
+            squares += _tangential(law, normal, p, v)
+            continue
+        if isinstance(law.reservoir, Ball | Disk) and law.reservoir == law.direction:
+            squares += _cone(float(law.reservoir.support(np.eye(law.dimension)[0])), p, v)
+            continue
+        squares += float(((p[:, 0] - np.maximum(0.0, p[:, 0] - v[:, 0])) ** 2).sum())
+        squares += _tangential(law, p[:, 0], p[:, 1:], v[:, 1:])
+    scale = max(_norm(given), float(rho) * _norm(free), float(np.finfo(float).tiny))
+    return math.sqrt(squares) / scale
+
+
+def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
+    """Check the proof that a problem has no solution, from the problem alone.
+
+    A proof of the kind ``"closing"`` has weights d ≥ 0 on normal rows of unilateral contacts with
+    d·(b + e∘γ_B) < 0 and Gᵀd = 0 up to the rounding of the entries of G, |(Gᵀd)ⱼ| ≤ 8 ε sⱼ Σᵢ sᵢdᵢ
+    with s = √diag G. What that leaves, |(Gᵀd)ⱼ| ≤ η sⱼ, bounds the percussions of any solution from
+    below: Σ sⱼ|Pⱼ| ≥ −d·(b + e∘γ_B)/η, which must be 5e9 times the largest |b_N|/s_N of these
+    contacts. Where the problem is one of bodies, these are asked as well, as G may have lost the
+    heavy ones beside the light ones: W d must vanish, up to 2e-10 of the largest weight.
+
+    A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
+    neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions
+    parallel to the direction that the friction belongs to. It is checked for p = 1 and p = 2 and a
+    regular block.
+
+    A proof of the kind ``"cases"`` divides what the contacts can do into cases, which must leave
+    nothing out. Each has a vector z that may be multiplied by no velocity of the case to more than
+    zero, and Gᵀz by no percussion of it to less, in as many directions as above and up to the
+    rounding of the first kind, while z·(b + e∘γ_B) > 0. Where that product of Gᵀz vanishes, W z of
+    bodies must vanish as well. It is checked for p = 1 and p = 2.
+
+    Args:
+        problem: with any laws.
+        proof: what a solver says of it.
+
+    >>> from asperity import ContactProblem, FrictionLaw
+    >>> line = FrictionLaw.isotropic(1.0, dimension=1)
+    >>> paradox = ContactProblem([[1.0, 2.0], [2.0, 3.0]], [-1.0, 5.0], line)
+    >>> proves_no_solution(paradox, paradox.solve(on_failure="record").infeasibility)
+    True
+    """
+    _check(problem, "problem", ContactProblem)
+    _check(proof, "proof", Infeasibility)
+    free = problem.free_velocity + _restitution(problem)
+    if proof.direction.shape != free.shape or not 0 <= proof.contact < len(problem.laws):
+        return False
+    if proof.kind == "one_contact":
+        return _has_none(problem, proof.contact, free)
+    if proof.kind == "cases":
+        whole: tuple[State, ...] = ("any",) * len(problem.laws)
+        possible = [case for case in proof.cases if len(case.states) == len(whole)]
+        return _covers(problem, whole, possible) and all(
+            _is_impossible(problem, case, free) for case in possible
+        )
+    weights, scale = proof.direction, np.sqrt(problem.delassus.diagonal())
+    normal = np.zeros(free.size, dtype=bool)
+    for rows, force in zip(problem.row_slices, problem.normal_force, strict=True):
+        normal[rows.start] = force is None
+    largest = (scale * weights).max()
+    if not largest > 0.0 or (weights < 0.0).any() or (weights[~normal] != 0.0).any():
+        return False
+    changed = np.abs(problem.delassus.T @ weights) / scale
+    closing, sizes_of_load = -weights @ free, weights @ np.abs(free)
+    called_for = (np.abs(free) / scale)[weights > 0.0].max()
+    return bool(
+        changed.max() <= 8.0 * np.finfo(float).eps * (scale * weights).sum()
+        and closing >= _HUGE * changed.max() * called_for
+        and closing > 1e-13 * sizes_of_load
+        and _keeps_bodies_at_rest(problem, weights)
+    )
+
+
+def _keeps_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
+    """Return whether weights as percussions move no body, up to rounding; so if none is known."""
+    if problem.directions is None:
+        return True
+    scale = np.sqrt(problem.delassus.diagonal())
+    explained = abs(problem.directions) @ np.where(weights == 0.0, 0.0, 1.0 / scale)
+    momentum = np.abs(problem.directions @ weights)
+    return bool((momentum <= 2e-10 * (scale * np.abs(weights)).max() * explained).all())
+
+
+def _check(value: object, argument: str, kind: type) -> None:
+    if not isinstance(value, kind):
+        raise ParameterError(argument, f"must be of {kind.__name__}, got {value!r:.60}")
+
+
+def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
+    """Return whether a contact that no other one influences has no solution."""
+    rows, law = problem.row_slices[contact], problem.laws[contact]
+    row = problem.delassus[rows]
+    dense = row if isinstance(row, np.ndarray) else row.toarray()
+    block, b = dense[:, rows], free[rows]
+    alone = np.delete(dense, np.r_[rows], axis=1)
+    if alone.any() or problem.normal_force[contact] is not None or law.dimension > 2:
+        return False
+    if b[0] >= 0.0 or np.linalg.cond(block) > 1e8:
+        return False
+    stick = np.linalg.solve(block, -b)
+    if stick[0] > 0.0 and law.reservoir.gauge(-stick[1:] / stick[0]) <= 1.0 + 1e-9:
+        return False
+    directions, friction = _frictions(law)
+    # P_N = −b_N/resistance; the slip is multiplied by it, so that it has no pole.
+    resistance = block[0, 0] + friction @ block[0, 1:]
+    bare = block[1:, 0] + friction @ block[1:, 1:].T
+    slip = resistance[:, None] * b[1:] - b[0] * bare
+    along = (slip * directions).sum(axis=1)
+    if law.dimension == 1:
+        return not bool(((resistance > 0.0) & (along > 0.0)).any())
+    # Resistance and slip are affine in the friction.
+    across = directions[:, 0] * slip[:, 1] - directions[:, 1] * slip[:, 0]
+    roots = np.flatnonzero(np.sign(across[1:]) != np.sign(across[:-1]))
+    part = across[roots] / (across[roots] - across[roots + 1])
+    ahead = [
+        value[roots] + part * (value[roots + 1] - value[roots]) > -1e-6 * np.abs(value).max()
+        for value in (resistance, along)
+    ]
+    return not bool((ahead[0] & ahead[1]).any())
+
+
+def _covers(
+    problem: ContactProblem, states: tuple[State, ...], cases: list[InfeasibleCase]
+) -> bool:
+    """Return whether contacts that do these things are in one of the cases, whatever they do."""
+    if any(all(map(_contains, case.states, states)) for case in cases):
+        return True
+    every = range(len(states))
+    for k in (k for case in cases for k in every if not _contains(case.states[k], states[k])):
+        parts = _parts_of(states[k], problem.laws[k].dimension, problem.normal_force[k] is None)
+        if parts:
+            break
+    else:
+        return False
+    for part in parts:
+        narrower = (*states[:k], part, *states[k + 1 :])
+        meeting = [
+            case
+            for case in cases
+            if all(
+                _contains(a, b) or _contains(b, a)
+                for a, b in zip(case.states, narrower, strict=True)
+            )
+        ]
+        if not _covers(problem, narrower, meeting):
+            return False
+    return True
+
+
+def _contains(whole: State, part: State) -> bool:
+    """Return whether one state is a special case of another."""
+    if isinstance(whole, tuple):
+        return isinstance(part, tuple) and whole[0] <= part[0] and part[1] <= whole[1]
+    if whole == "closed":
+        return isinstance(part, tuple) or part in ("closed", "stick")
+    return whole in ("any", part)
+
+
+def _parts_of(state: State, dimension: int, unilateral: bool) -> list[State]:
+    """Return the states that a state is divided into; none if it is not."""
+    if isinstance(state, tuple):
+        middle = 0.5 * (state[0] + state[1])
+        narrow = state[1] - state[0] < 1e-6
+        return [] if narrow else [(state[0], middle), (middle, state[1])]
+    if state == "any" and unilateral:
+        return ["open", "closed"]
+    if state not in ("any", "closed"):
+        return []
+    if dimension == 1:
+        return ["stick", (0.0, 0.0), (np.pi, np.pi)]
+    quadrants = [(k * np.pi / 2 - np.pi, (k + 1) * np.pi / 2 - np.pi) for k in range(4)]
+    return ["stick", *quadrants] if dimension == 2 else []
+
+
+def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -> bool:
+    """Return whether z refutes a case."""
+    z, scale = case.direction, np.sqrt(problem.delassus.diagonal())
+    if z.shape != free.shape or not np.isfinite(z).all():
+        return False
+    y = problem.delassus.T @ z
+    largest = (scale * np.abs(z)).max()
+    gap, terms, rounding = z @ free, np.abs(z) @ np.abs(free), 0.0
+    vanishes = False
+    for rows, law, force, state in zip(
+        problem.row_slices, problem.laws, problem.normal_force, case.states, strict=True
+    ):
+        if not (z[rows].any() or y[rows].any()):
+            continue
+        if law.dimension > 2:
+            return False
+        normal = 0 if force is not None else 1
+        along, pulled = z[rows][normal:], y[rows][normal:]
+        if isinstance(state, tuple):
+            ends = np.array([[np.cos(angle), np.sin(angle)] for angle in state])
+            if law.dimension == 1:
+                ends = np.sign(ends[:, :1])
+            if state[1] - state[0] > np.pi / 2 + 1e-9 or (ends @ along > 0.0).any():
+                return False
+        elif state != "stick" and along.any():
+            return False
+        if state in ("any", "open") and normal and z[rows.start] > 0.0:
+            return False
+        if state == "open":
+            continue
+        friction = _friction_of(law, state)
+        most = (friction @ pulled).max()
+        if force is not None:
+            gap, terms = gap - force * most, terms + force * abs(most)
+            continue
+        own = scale[rows]
+        unit = largest * (own[0] + np.sqrt((friction**2).sum(axis=1).max()) * own.max())
+        if y[rows.start] - most < -1e-13 * unit:
+            return False
+        vanishes |= y[rows.start] - most < 1e-10 * unit
+        rounding = max(rounding, (most - y[rows.start]) / own[0])
+    return bool(
+        gap > 1e-10 * terms
+        and gap >= _HUGE * rounding * (np.abs(free) / scale).max()
+        and (not vanishes or _keeps_bodies_at_rest(problem, z))
+    )
+
+
+def _friction_of(law: FrictionLaw, state: State) -> Array:
+    """Return −P_T/P_N of a state, with zero where the contact need not slip."""
+    directions, force = _frictions(law)
+    friction: Array = -force
+    if not isinstance(state, tuple):
+        return np.vstack([friction, np.zeros(law.dimension)])
+    middle, half = 0.5 * (state[0] + state[1]), 0.5 * (state[1] - state[0])
+    if law.dimension == 1:
+        slides: Array = friction[directions[:, 0] * np.cos(middle) > 0.0]
+        return slides
+    turned = np.arctan2(directions[:, 1], directions[:, 0]) - middle
+    inside = np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi) <= half + 1e-12
+    ends = law.direction.support_point([[np.cos(angle), np.sin(angle)] for angle in state])
+    return np.vstack([friction[inside], ends / law.reservoir.gauge(ends)[:, None]])
+
+
+def _frictions(law: FrictionLaw) -> tuple[Array, Array]:
+    """Return slip directions and friction per unit normal force, all around and along flats."""
+    if law.dimension == 1:
+        both = np.array([[1.0], [-1.0]])
+        return both, law.force(both, 1.0)
+    angle = np.linspace(0.0, 2.0 * np.pi, 20_001)
+    directions = np.column_stack([np.cos(angle), np.sin(angle)])
+    ends = law.direction.support_point(directions)
+    steps = np.sqrt((np.diff(ends, axis=0) ** 2).sum(axis=1))
+    flats = np.flatnonzero(steps > 20.0 * steps.mean())
+    part = np.linspace(0.0, 1.0, 1001)[:, None]
+    for k in flats[::-1]:
+        along = ends[k] + part * (ends[k + 1] - ends[k])
+        ends = np.insert(ends, k + 1, along, axis=0)
+        directions = np.insert(directions, k + 1, np.tile(directions[k], (len(part), 1)), axis=0)
+    return directions, -ends / law.reservoir.gauge(ends)[:, None]
+
+
+def _restitution(problem: ContactProblem) -> Array:
+    """Return e∘γ_B."""
+    each = sizes(problem.laws, problem.normal_force)
+    factor = np.repeat(problem.tangential_restitution, each)
+    first = np.cumsum(each) - each
+    closed = np.array([force is None for force in problem.normal_force])
+    factor[first[closed]] = problem.normal_restitution[closed]
+    restitution: Array = factor * problem.initial_velocity
+    return restitution
+
+
+def _groups(
+    problem: ContactProblem,
+) -> list[tuple[FrictionLaw, bool, NDArray[np.int64], Array]]:
+    """Return contacts of one law and kind together: law, kind, their rows, prescribed forces."""
+    each = np.array(sizes(problem.laws, problem.normal_force))
+    first = np.cumsum(each) - each
+    members: dict[tuple[int, bool], list[int]] = {}
+    for i, (law, force) in enumerate(zip(problem.laws, problem.normal_force, strict=True)):
+        members.setdefault((id(law), force is None), []).append(i)
+    groups = []
+    for (_, unilateral), contacts in members.items():
+        rows = first[contacts][:, None] + np.arange(each[contacts[0]])
+        forces = [problem.normal_force[i] or 0.0 for i in contacts]
+        groups.append((problem.laws[contacts[0]], unilateral, rows, np.array(forces)))
+    return groups
+
+
+def _cone(mu: float, p: Array, v: Array) -> float:
+    """Return the squared defect of P = proj_K(P − ρξ̃), ξ̃_N = ξ_N + μ‖ξ_T‖, K the friction cone."""
+    moved = p - v
+    moved[:, 0] -= mu * np.sqrt((v[:, 1:] ** 2).sum(axis=1))
+    normal, tangent = moved[:, 0], moved[:, 1:]
+    length = np.sqrt((tangent**2).sum(axis=1))
+    on_edge = np.maximum((normal + mu * length) / (1.0 + mu**2), 0.0)
+    scale = mu * on_edge / np.where(length > 0.0, length, 1.0)
+    edge = np.column_stack([on_edge, scale[:, None] * tangent])
+    nearest = np.where((length <= mu * normal)[:, None], moved, edge)
+    return float(((p - nearest) ** 2).sum())
+
+
+def _tangential(law: FrictionLaw, normal: Array, p: Array, v: Array) -> float:
+    """Return the squared defect of z = prox_{P_N D}(z + ρξ_T); all of P where P_N ≤ 0."""
+    closed = normal > 0.0
+    open_defect = float((p[~closed] ** 2).sum())
+    force = normal[closed][:, None]
+    x = -p[closed] / force
+    alpha = 1.0 / (law.direction.gauge(x) - law.reservoir.gauge(x) + 1.0)
+    z = alpha[:, None] * x
+    off = (z - law.direction.project(z + v[closed] / force)) * force
+    return open_defect + float((off**2).sum())
+
+
+def _norm(values: Array) -> float:
+    return float(np.sqrt((values**2).sum()))

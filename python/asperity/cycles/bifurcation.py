@@ -1,0 +1,249 @@
+"""Equilibria, their stability and limit cycles over a parameter."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
+from asperity.cycles.continuation import Continuation, Found
+from asperity.cycles.orbit import LimitCycle
+from asperity.errors import ConvergenceError, ParameterError
+from asperity.runs.time_stepping import Model
+from asperity.steady_sliding import Stability, equilibrium, stability
+
+Family = Callable[..., Model]
+
+
+class BifurcationDiagram(Value):
+    """What a family of systems does over a parameter, found by `bifurcation_diagram`.
+
+    Attributes:
+        parameter: its name.
+        values: its values, ascending, shape ``(n,)``.
+        stabilities: of the equilibria; None where there is no steady sliding.
+        cycles: limit cycles; None where none was found.
+        failures: why there is no equilibrium, or why the search for a cycle beside an unstable
+            one failed; empty where all went well.
+    """
+
+    parameter: str
+    values: Array
+    stabilities: tuple[Stability | None, ...]
+    cycles: tuple[LimitCycle | None, ...]
+    failures: tuple[str, ...]
+
+    def __init__(
+        self,
+        parameter: str,
+        values: ArrayLike,
+        stabilities: Sequence[Stability | None],
+        cycles: Sequence[LimitCycle | None],
+        failures: Sequence[str],
+    ) -> None:
+        self._set(
+            parameter=str(parameter),
+            values=arrays.read_only(arrays.array(values, "values", (None,))),
+            stabilities=tuple(stabilities),
+            cycles=tuple(cycles),
+            failures=tuple(failures),
+        )
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @property
+    def equilibria(self) -> Array:
+        """Coordinates of the equilibria, shape ``(n, n_q)``; NaN where there is none."""
+        return self._table([None if s is None else s.equilibrium.q for s in self.stabilities])
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kinds of the equilibria as of `Stability`; ``"none"`` where there is none."""
+        return tuple("none" if s is None else s.kind for s in self.stabilities)
+
+    @property
+    def growth_rates(self) -> Array:
+        """Largest real parts of the eigenvalues in 1/s, shape ``(n,)``; NaN where there is none."""
+        return np.array([np.nan if s is None else s.growth_rate for s in self.stabilities])
+
+    @property
+    def cycle_minima(self) -> Array:
+        """Least coordinates of the cycles, shape ``(n, n_q)``; NaN where there is none."""
+        return self._table([None if c is None else c.minimum for c in self.cycles])
+
+    @property
+    def cycle_maxima(self) -> Array:
+        """Greatest coordinates of the cycles, shape ``(n, n_q)``; NaN where there is none."""
+        return self._table([None if c is None else c.maximum for c in self.cycles])
+
+    @property
+    def cycle_stable(self) -> NDArray[np.bool_]:
+        """Whether there is a cycle and it is stable, shape ``(n,)``."""
+        return np.array([cycle is not None and cycle.is_stable for cycle in self.cycles])
+
+    @property
+    def periods(self) -> Array:
+        """Periods of the cycles in s, shape ``(n,)``; NaN where there is none."""
+        return np.array([np.nan if c is None else c.period for c in self.cycles])
+
+    @property
+    def coexistence(self) -> NDArray[np.bool_]:
+        """Whether a cycle exists beside an equilibrium that is not unstable, shape ``(n,)``."""
+        pairs = zip(self.kinds, self.cycles, strict=True)
+        return np.array([kind not in ("unstable", "none") and c is not None for kind, c in pairs])
+
+    def _table(self, rows: Sequence[Array | None]) -> Array:
+        """Stack rows of coordinates; NaN where there is none."""
+        places = [s.equilibrium.q for s in self.stabilities if s is not None]
+        places += [cycle.minimum for cycle in self.cycles if cycle is not None]
+        none = np.full(len(places[0]) if places else 0, np.nan)
+        stacked = [none if row is None else row for row in rows]
+        return np.array(stacked).reshape(len(rows), len(none))
+
+    def __repr__(self) -> str:
+        found = sum(cycle is not None for cycle in self.cycles)
+        return (
+            f"<BifurcationDiagram: {len(self)} values of {self.parameter} from {self.values[0]:g} "
+            f"to {self.values[-1]:g}, {self.kinds.count('unstable')} unstable equilibria, "
+            f"{found} limit cycles>"
+        )
+
+
+def bifurcation_diagram(
+    family: Family,
+    parameter: str,
+    values: ArrayLike,
+    *,
+    cycles: bool = True,
+    q0: ArrayLike | None = None,
+    t_end: float | None = None,
+    tolerance: float = 1e-8,
+    threads: int = 2,
+) -> BifurcationDiagram:
+    """Find equilibria, their stability and limit cycles over one parameter.
+
+    Equilibria are continued from value to value; where that fails they are searched for afresh. A
+    cycle is searched for in the middle of every interval in which the equilibrium is unstable and
+    continued from value to value to both sides, also past the ends of the interval, until it is
+    lost; so a cycle that coexists with a stable equilibrium is found if it hangs together with an
+    unstable interval. Of several equilibria or cycles at one value one is found; branches are not
+    followed around folds.
+
+    Args:
+        family: function that makes a system; called as ``family(**{parameter: value})``.
+        parameter: name of its argument.
+        values: of the parameter, ascending, shape ``(n,)``; cycles are continued from one to the
+            next, so that they should lie close.
+        cycles: whether to look for limit cycles.
+        q0: coordinates near the equilibrium of the first value, shape ``(n_q,)``. Default as for
+            `equilibrium`.
+        t_end: as for `limit_cycle`.
+        tolerance: of the cycles, as for `limit_cycle`.
+        threads: cycles of so many intervals and directions are continued at a time.
+
+    Returns:
+        The diagram. Systems that cannot be made, equilibria and cycles that are not found are empty
+        places, with the reason among its failures.
+
+    Raises:
+        ParameterError: if the values do not ascend, `family` does not take the argument or another
+            argument is not allowed, as a `q0` that does not fit the systems.
+
+    Reference: [WL19] Fig. 16.
+
+    >>> import numpy as np
+    >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, bifurcation_diagram
+    >>> law = FrictionLaw(Ellipse(30.0, 10.0, angle=np.pi / 6), Ellipse(3.0, 1.0))
+    >>> def belt(phi):
+    ...     return MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(phi), np.sin(phi)])
+    >>> diagram = bifurcation_diagram(belt, "phi", np.deg2rad([40.0, 50.0, 80.0]), cycles=False)
+    >>> diagram.kinds
+    ('neutral', 'unstable', 'neutral')
+    >>> import matplotlib
+    >>> matplotlib.use("Agg")
+    >>> from asperity.plot import plot_bifurcation
+    >>> len(plot_bifurcation(diagram))
+    2
+    """
+    grid = arrays.array(values, "values", (None,))
+    if not grid.size or (np.diff(grid) <= 0.0).any():
+        raise ParameterError("values", "must ascend and not be empty")
+    # Refused at once: of what is wrong at single values the diagram only keeps the reason.
+    start = None if q0 is None else arrays.array(q0, "q0", (None,))
+    duration = None if t_end is None else arrays.positive(t_end, "t_end")
+    sharpness, threads = arrays.positive(tolerance, "tolerance"), arrays.count(threads, "threads")
+    member = _members(family, parameter)
+    stabilities, failures = _equilibria(member, grid, start)
+    found = Found()
+    if cycles:
+        unstable = [s is not None and s.kind == "unstable" for s in stabilities]
+        search = Continuation(member, grid.tolist(), unstable, sharpness, duration)
+        found = search.everywhere(threads)
+    return BifurcationDiagram(
+        parameter,
+        grid,
+        stabilities,
+        [found.cycles.get(i) for i in range(len(grid))],
+        [failure or found.failures.get(i, "") for i, failure in enumerate(failures)],
+    )
+
+
+def _members(family: Family, parameter: str) -> Callable[[float], Model]:
+    """Return the system as a function of the parameter."""
+    try:
+        inspect.signature(family).bind_partial(**{parameter: 0.0})
+    except TypeError:
+        raise ParameterError(
+            "parameter", f"must be an argument of {family!r}, got {parameter!r}"
+        ) from None
+
+    def member(value: float) -> Model:
+        system = family(**{parameter: value})
+        if not isinstance(system, Model):
+            raise ParameterError("family", f"must return a system, returned {system!r}")
+        return system
+
+    return member
+
+
+def _equilibria(
+    member: Callable[[float], Model], grid: Array, q0: ArrayLike | None
+) -> tuple[list[Stability | None], list[str]]:
+    stabilities: list[Stability | None] = []
+    failures: list[str] = []
+    last = q0
+    for value in grid.tolist():
+        try:
+            system = member(value)
+        except ParameterError as error:
+            stabilities.append(None)
+            failures.append(str(error))
+            continue
+        if q0 is not None:
+            # What no member can start from is no failure of a value.
+            arrays.array(q0, "q0", (system.dof,))
+        try:
+            found = _nearest(system, last)
+            stabilities.append(found)
+            failures.append("")
+            last = found.equilibrium.q
+        except (ParameterError, ConvergenceError) as error:
+            stabilities.append(None)
+            failures.append(str(error))
+    return stabilities, failures
+
+
+def _nearest(system: Model, q0: ArrayLike | None) -> Stability:
+    """Return the steady sliding near `q0`, else whichever is found."""
+    try:
+        return stability(system, equilibrium(system, q0=q0))
+    except (ParameterError, ConvergenceError):
+        if q0 is None:
+            raise
+    return stability(system)

@@ -1,0 +1,125 @@
+"""Continuation of limit cycles over the members of a family."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+from asperity.cycles.orbit import LimitCycle
+from asperity.cycles.search import limit_cycle
+from asperity.errors import AsperityError
+from asperity.runs.time_stepping import Model
+
+# A run through an interval of instability ends after so many members in a row without a cycle.
+_GIVE_UP = 3
+# A step of the parameter that loses the cycle is halved so often.
+_HALVINGS = 3
+
+
+@dataclass
+class Found:
+    """Cycles and reasons for their absence, by the number of the member."""
+
+    cycles: dict[int, LimitCycle] = field(default_factory=dict)
+    failures: dict[int, str] = field(default_factory=dict)
+
+    def add(self, other: Found) -> None:
+        """Take over what is not known yet."""
+        self.cycles = {**other.cycles, **self.cycles}
+        failures = {**other.failures, **self.failures}
+        self.failures = {i: why for i, why in failures.items() if i not in self.cycles}
+
+
+@dataclass(frozen=True)
+class Continuation:
+    """The search for the cycles of a family, some of whose members are unstable."""
+
+    member: Callable[[float], Model]
+    values: Sequence[float]
+    unstable: Sequence[bool]
+    tolerance: float
+    t_end: float | None
+
+    def everywhere(self, threads: int) -> Found:
+        """Search from the middle of every interval of instability to both sides.
+
+        What is found does not depend on the number of threads: the runs know nothing of each other
+        and are merged in a fixed order.
+        """
+        found = Found()
+        with ThreadPoolExecutor(threads) as pool:
+            starts = list(pool.map(self._first, self._intervals()))
+            runs = [(start, step) for start in starts for step in (1, -1) if start.cycles]
+            followed = list(pool.map(lambda run: self._follow(*run), runs))
+        for part in [*starts, *followed]:
+            found.add(part)
+        self._fill(found)
+        return found
+
+    def _intervals(self) -> list[range]:
+        flags = [False, *self.unstable, False]
+        edges = [i for i in range(len(flags) - 1) if flags[i] != flags[i + 1]]
+        return [range(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+    def _first(self, interval: range) -> Found:
+        """Search without a neighbour: in the middle of the interval, then nearer its ends."""
+        found = Found()
+        places = [interval[int(share * (len(interval) - 1))] for share in (0.5, 0.25, 0.75)]
+        for index in dict.fromkeys(places):
+            if self._try(index, None, found):
+                break
+        return found
+
+    def _follow(self, start: Found, step: int) -> Found:
+        """Continue from member to member until the cycle is lost."""
+        found = Found()
+        [last] = start.cycles
+        near, missed, index = start.cycles[last], 0, last + step
+        while 0 <= index < len(self.values) and missed < _GIVE_UP:
+            if self._try(index, (last, near), found):
+                last, near, missed = index, found.cycles[index], 0
+            elif not self.unstable[index]:
+                del found.failures[index]
+                break
+            # An unstable equilibrium sends the motion somewhere: perhaps to another cycle.
+            elif self._try(index, None, found):
+                last, near, missed = index, found.cycles[index], 0
+            else:
+                missed += 1
+            index += step
+        return found
+
+    def _fill(self, found: Found) -> None:
+        """Try once more where the equilibrium is unstable, from the neighbours on both sides."""
+        for index, unstable in enumerate(self.unstable):
+            for side in (index + 1, index - 1):
+                if unstable and index not in found.cycles and side in found.cycles:
+                    self._try(index, (side, found.cycles[side]), found)
+
+    def _try(self, index: int, near: tuple[int, LimitCycle] | None, found: Found) -> bool:
+        """Look for the cycle of a member, from that of another one if there is one."""
+        try:
+            if near is None:
+                system = self.member(self.values[index])
+                cycle = limit_cycle(system, tolerance=self.tolerance, t_end=self.t_end)
+            else:
+                start = self.values[near[0]]
+                cycle = self._reach(near[1], start, self.values[index], _HALVINGS)
+        except AsperityError as error:
+            found.failures[index] = str(error)
+            return False
+        found.cycles[index] = cycle
+        found.failures.pop(index, None)
+        return True
+
+    def _reach(self, near: LimitCycle, start: float, end: float, halvings: int) -> LimitCycle:
+        """Continue a cycle from one value to another, by way of the middle if need be."""
+        try:
+            return limit_cycle(self.member(end), near=near, tolerance=self.tolerance)
+        except AsperityError:
+            if not halvings:
+                raise
+        middle = 0.5 * (start + end)
+        near = self._reach(near, start, middle, halvings - 1)
+        return self._reach(near, middle, end, halvings - 1)

@@ -1,0 +1,63 @@
+"""Floquet multipliers, and whether a periodic orbit is isolated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.cycles.shooting import Return, ReturnMap
+from asperity.errors import NoCycleError
+from asperity.runs.motion import Motion
+
+Complex = NDArray[np.complex128]
+
+# The multipliers are found by central differences of motions that are integrated as sharply as
+# this, with steps in parts of the scale of the states.
+_SHARP, _ASIDE = 1e-13, 1e-4
+# A multiplier that is one to this accuracy belongs to a continuum of periodic orbits.
+_ISOLATED = 1e-4
+# Orbits that are by this share smaller or larger are tried; one that returns to within this part of
+# its distance from the first is periodic, too.
+_NEXT, _TURNS, _RETURNED = 0.05, 4, 1e-3
+
+
+def multipliers(returns: ReturnMap, fixed: Return) -> Complex:
+    """Return the multipliers by falling modulus.
+
+    Raises:
+        NoCycleError: if there are periodic orbits next to this one.
+    """
+    sharp = replace(returns, tolerance=_SHARP)
+    ahead, behind = (sharp.jacobian(fixed.state, fixed, step) for step in (_ASIDE, -_ASIDE))
+    known = np.linalg.eigvals(0.5 * (ahead + behind))
+    if np.abs(known - 1.0).min(initial=np.inf) < _ISOLATED or _has_neighbours(returns, fixed):
+        raise NoCycleError(f"periodic orbits form a continuum, of period {fixed.period:.6g} s")
+    # Deviations from contacts that stay closed or stick are gone at the next turn.
+    whole = np.zeros(len(fixed.state) - 1, dtype=complex)
+    whole[: len(known)] = known[np.argsort(-np.abs(known), kind="stable")]
+    return whole
+
+
+def _has_neighbours(returns: ReturnMap, fixed: Return) -> bool:
+    """Whether a slightly smaller or larger orbit is periodic, too.
+
+    The largest of the harmonic motions along γ is the rim of a continuum, where derivatives to
+    both sides differ: multipliers do not show that.
+    """
+    middle, place = _mean(fixed.motion), returns.place(fixed)
+    for share in (1.0 - _NEXT, 1.0 + _NEXT):
+        last = state = place.onto(middle + share * (fixed.state - middle))
+        for _ in range(_TURNS):  # what decays quickly has to be gone
+            last, state = state, returns(state, fixed.period).state
+        if returns.defect(last, state) < _RETURNED * returns.defect(state, fixed.state):
+            return True
+    return False
+
+
+def _mean(motion: Motion) -> NDArray[np.float64]:
+    """Return the mean state of a motion that is sampled densely."""
+    states = np.concatenate([motion.q, motion.u], axis=1)
+    mean: NDArray[np.float64] = np.trapezoid(states, motion.t, axis=0) / motion.t[-1]
+    return mean

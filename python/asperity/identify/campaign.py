@@ -1,0 +1,241 @@
+"""From files of a tribometer to a law, with figures, tables and a report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asperity._base.arrays import unit_vectors
+from asperity._base.files import ResultFolder
+from asperity._base.tables import aligned, write_columns, write_csv
+from asperity.errors import FitError
+from asperity.identify.estimation import fit_law
+from asperity.identify.fit import Fit
+from asperity.identify.forces.averaged import Averaged
+from asperity.identify.forces.measured_sets import MeasuredSets
+from asperity.identify.forces.processing import ProcessedData, process
+from asperity.identify.forces.turns import TurnAverage
+from asperity.identify.records.configuration import read_raw
+from asperity.identify.report import write_report
+
+_PICTURES = ("sets.png", "forces.png", "residuals.png")
+_TABLES = ("parameters.csv", "directions.csv", "turns.csv", "models.csv")
+FILES = (*_PICTURES, *_TABLES, "report.html")
+"""What `identify_campaign` writes."""
+
+STAGES = ("reading", "fitting", "comparing models", "writing")
+"""What it announces."""
+
+_DIRECTIONS = 360
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What a campaign of measurements tells."""
+
+    data: ProcessedData
+    fit: Fit
+
+    @cached_property
+    def averaged(self) -> Averaged:
+        """Means over directions of sliding, so many that each holds samples of every turn."""
+        return self.data.averaged(self.data.full_bins(_DIRECTIONS, each_turn=True))
+
+    @cached_property
+    def sets(self) -> MeasuredSets:
+        """C and D from these means."""
+        means = self.averaged
+        return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
+
+    def summary(self) -> str:
+        """Return a few lines of text: the data, their defects, Table 1 of [WL19], the law."""
+        parts = [aligned(self._facts()), aligned(self._parameters(), right=(1, 2, 3))]
+        names, force = self.fit.parameters, float(self.data.normal_force.mean())
+        if {"reservoir.a", "reservoir.b"} <= set(names):
+            a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
+            parts.append(f"semi-axes of C at {force:.4g} N: {a:.4g} N, {b:.4g} N")
+        if self.fit.turns > 1:
+            best = self.fit.comparison.best
+            pair = best.reservoir, best.direction
+            fitted = pair == (self.fit.reservoir_model, self.fit.direction_model)
+            remedy = "" if fitted else '; fit them with "best" for both'
+            parts.append(f"models: BIC prefers {pair[0]} for C and {pair[1]} for D{remedy}")
+        if self.fit.warnings:
+            parts.append("\n".join(f"warning: {sentence}" for sentence in self.fit.warnings))
+        return "\n\n".join(parts)
+
+    def _facts(self) -> list[tuple[str, str]]:
+        data, sets, raw = self.data, self.sets, self.data.raw
+        calibration = raw.calibration
+        condition = "none" if calibration is None else f"condition {calibration.condition:.4g}"
+        if calibration is not None and data.calibration_covariance is None:
+            condition += "; not in the bands: its error takes a fourth load or reading_error"
+        idle = len(raw.no_load)
+        records = f"{idle} record{'s' * (idle > 1)} without load" if idle else "none"
+        across, along = sets.radii_on_axes
+        return [
+            (
+                "data",
+                f"{data.used} of {len(data.phi)} samples in {data.turns} turns, "
+                f"{len(raw.recordings)} runs",
+            ),
+            ("normal force", f"{data.normal_force.mean():.4g} N"),
+            ("calibration", condition),
+            ("zero", records),
+            ("C on e1, e2", f"{across:.4g}, {along:.4g} per unit normal force"),
+            ("closure of D", f"{sets.closure:.6g}"),
+            ("asymmetry", f"{sets.asymmetry:.3g} of the largest force"),
+            ("convexity defect", f"{sets.convexity_defect:.3g} rad"),
+            ("residuals", f"{self.fit.rms:.4g} N rms"),
+        ]
+
+    def _parameters(self) -> list[tuple[str, ...]]:
+        bands = self.fit.confidence is not None
+        rows: list[tuple[str, ...]] = [("parameter", "estimate", *("from", "to") * bands)]
+        for name, one in self.fit.parameters.items():
+            numbers = [one.value, *(n for n in (one.low, one.high) if np.isfinite(n))]
+            texts = [f"{n:.6g}" for n in numbers] if one.identifiable else ["not identifiable"]
+            rows.append((f"{name} [rad]" if name.endswith(".angle") else name, *texts))
+        return rows
+
+    def write(self, folder: Path, *, title: str) -> None:
+        """Write what `FILES` lists into a folder."""
+        from asperity.plot import save_figure
+        from asperity.plot.identification import report_figures
+
+        figures = report_figures(self.fit)
+        for name, figure in zip(_PICTURES, figures.values(), strict=True):
+            save_figure(figure, folder / name)
+        header = ("parameter", "unit", "estimate", "low", "high", "standard error", "identifiable")
+        estimates = (
+            (
+                name,
+                "rad" if name.endswith(".angle") else "-",
+                *(one.value, one.low, one.high, one.standard_error, one.identifiable),
+            )
+            for name, one in self.fit.parameters.items()
+        )
+        write_csv(folder / "parameters.csv", header, estimates)
+        write_columns(folder / "directions.csv", self._directions())
+        write_csv(folder / "turns.csv", _TURN_COLUMNS, self._turns())
+        write_csv(folder / "models.csv", _MODEL_COLUMNS, self._models())
+        write_report(self.fit, folder / "report.html", title, figures)
+
+    def _directions(self) -> dict[str, Any]:
+        """Return mean measured and modelled forces over directions of sliding, and points of D."""
+        bins = self.averaged
+        force = bins.force / bins.normal_force[:, None]
+        e = unit_vectors(bins.phi)
+        bands = self.fit.bands(bins.phi)
+        return {
+            "phi [rad]": bins.phi,
+            "measured -lambda_1/lambda_N": force[:, 0],
+            "measured -lambda_2/lambda_N": force[:, 1],
+            "measured l_t": np.sum(e * force, axis=1),
+            "measured l_p": e[:, 0] * force[:, 1] - e[:, 1] * force[:, 0],
+            "model l_t": bands.resistance[:, 0],
+            "model l_p": bands.resistance[:, 1],
+            "half width l_t": bands.resistance_half_width[:, 0],
+            "half width l_p": bands.resistance_half_width[:, 1],
+            "D_1": self.sets.direction_by_support[:, 0],
+            "D_2": self.sets.direction_by_support[:, 1],
+        }
+
+    def _models(self) -> list[tuple[object, ...]]:
+        """Return the compared models; none where a single turn cannot be left out."""
+        if self.fit.turns < 2:
+            return []
+        fitted = self.fit.reservoir_model, self.fit.direction_model
+        return [
+            (
+                one.reservoir,
+                one.direction,
+                one.parameters,
+                one.rms,
+                one.bic,
+                one.left_out,
+                one.left_out_error,
+                (one.reservoir, one.direction) == fitted,
+            )
+            for one in self.fit.comparison.candidates
+        ]
+
+    def _turns(self) -> list[tuple[object, ...]]:
+        """Return the mean of each channel over each turn, its offset from all turns, and the drift.
+
+        Low and high are the band of the mean of all turns.
+        """
+        rows: list[tuple[object, ...]] = []
+        for channel, average in self.data.turn_averages(len(self.averaged.phi)).items():
+            level = average.turns.mean(axis=1)
+            all_turns = TurnAverage([0.0], level[:, None], confidence=average.confidence)
+            band = float(all_turns.low[0]), float(all_turns.high[0])
+            for turn, (mean, offset) in enumerate(zip(level, average.offset, strict=True)):
+                rows.append((channel, turn, mean, *band, offset, average.drift))
+        return rows
+
+
+_TURN_COLUMNS = ("channel", "turn", "mean", "low", "high", "offset", "drift per turn")
+_MODEL_COLUMNS = (
+    "reservoir",
+    "direction",
+    "parameters",
+    "residual rms [N]",
+    "BIC minus best",
+    "left out minus best",
+    "left out error",
+    "fitted",
+)
+
+
+def identify_campaign(
+    paths: Sequence[Path],
+    config: Path,
+    out: Path,
+    *,
+    reservoir: str = "superellipse",
+    direction: str = "superellipse",
+    loss: str = "linear",
+    confidence: float = 0.95,
+    announce: Callable[[str], object] = lambda _: None,
+) -> Identification:
+    """Identify a law and write what `FILES` lists into `out`; nothing if something is wrong.
+
+    Args:
+        paths: files of the runs, one or several of a campaign.
+        config: TOML file, see `identify.Configuration`.
+        out: folder; made if it is not there.
+        reservoir: model of C, ``"circle"``, ``"ellipse"``, ``"superellipse"``,
+            ``"fourier"`` or ``"best"`` of those compared, by BIC.
+        direction: model of D, likewise.
+        loss: ``"linear"``, ``"huber"`` or ``"cauchy"``.
+        confidence: of the bands.
+        announce: called with the name of every stage of `STAGES` when it begins.
+
+    Raises:
+        RecordError: if a file cannot be used.
+        ConfigurationError: if the configuration cannot be used.
+        ParameterError: if an option or the folder cannot be used.
+        FitError: if nothing fits, or the fitted D is not convex.
+    """
+    folder = ResultFolder(out, FILES)
+    announce("reading")
+    data = process(read_raw(list(paths), config))
+    announce("fitting")
+    # The bands need two turns.
+    bands = confidence if data.turns > 1 else None
+    found = Identification(data, fit_law(data, reservoir, direction, loss=loss, confidence=bands))
+    if not np.isfinite(found.fit.law.alpha_min):
+        raise FitError("the fitted sets make no law")
+    announce("comparing models")
+    if data.turns > 1:
+        _ = found.fit.comparison
+    announce("writing")
+    with folder.filled() as place:
+        found.write(place, title=f"Friction law of {', '.join(path.name for path in paths)}")
+    return found

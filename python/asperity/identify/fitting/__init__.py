@@ -1,0 +1,1 @@
+"""From forces to sets: models, least squares, uncertainty, comparison of models."""

@@ -1,0 +1,86 @@
+"""What errors of calibration and zeros, which all turns share, can explain of a misfit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.identify.fitting.data.bins import Bins, grouped
+from asperity.identify.fitting.data.samples import Samples, by_sense, reads_normal_force
+from asperity.identify.fitting.least_squares.descent import damped_step
+from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.normal_equations import Family
+from asperity.identify.fitting.least_squares.outliers import without_outliers
+
+_WIDTH = 5
+
+
+class Distortion:
+    """Errors of the entries of T and of the zeros with their covariance, of given data."""
+
+    def __init__(self, samples: Samples, data: Any, *, loss: str = "linear") -> None:
+        covariance = np.zeros((12, 12))
+        for name, part in (
+            ("calibration_covariance", slice(0, 9)),
+            ("zero_covariance", slice(9, 12)),
+        ):
+            known = getattr(data, name, None)
+            if known is not None:
+                covariance[part, part] = known
+        self._parts: list[tuple[Bins, float]] = []
+        if covariance.any():
+            self._read = reads_normal_force(data)
+            self._transform = arrays.array(data.matrix, "data.matrix", (3, 3))
+            for run, sense in by_sense(samples, data):
+                near = run if Loss(loss).is_linear else without_outliers(run)
+                self._parts.append((grouped(near, 1).bins(width=_WIDTH), sense))
+        values, vectors = np.linalg.eigh(covariance)
+        self._root = vectors * np.sqrt(np.maximum(values, 0.0))
+
+    def explained(self, family: Family, p: Array, variance: float) -> float:
+        """Return by how much the sum of squares falls if the errors may be what fits best.
+
+        They are held by their own covariance, in proportion to the variance of uncorrelated
+        residuals. The coordinates p, a minimum without errors, follow.
+        """
+        if not self._parts:
+            return 0.0
+        size = family.size
+        normal, cross, inner, pull = (
+            np.zeros((size, size)),
+            np.zeros((12, size)),
+            np.zeros((12, 12)),
+            np.zeros(12),
+        )
+        for bins, sense in self._parts:
+            force, derivative = family.forces(bins.phi, p)
+            root = np.sqrt(bins.squares)
+            errors = self._root.T @ self._columns(bins, sense, force)
+            slopes = (derivative * root[:, None]).reshape(size, -1)
+            left = ((bins.force - force) * root[:, None]).ravel()
+            normal += slopes @ slopes.T
+            cross += errors @ slopes.T
+            inner += errors @ errors.T
+            pull += errors @ left
+        followed = np.stack([damped_step(normal, row) for row in cross])
+        held = inner - cross @ followed.T + max(variance, np.finfo(float).tiny) * np.eye(12)
+        return float(pull @ np.linalg.solve(held, pull))
+
+    def _columns(self, bins: Bins, sense: float, model: Array) -> Array:
+        """Return what unit errors add to the residuals of the bins, ``(12, 2n)``."""
+        cos, sin = np.cos(bins.phi), np.sin(bins.phi)
+        x, y = bins.force.T
+        channels = np.stack(
+            [sense * (x * cos + y * sin), sense * (y * cos - x * sin), np.ones_like(x)]
+        )
+        along = sense * np.stack([cos, sin], axis=-1)
+        across = sense * np.stack([-sin, cos], axis=-1)
+        unit = np.stack([along, across, -model * self._read])
+        root = np.sqrt(bins.squares)
+        readings = np.linalg.solve(self._transform, channels) * root
+        entries = np.einsum("inc,jn->ijnc", unit, readings).reshape(9, -1)
+        zeros = -np.einsum("inc,ij,n->jnc", unit, self._transform, bins.normal / root)
+        return np.concatenate([entries, zeros.reshape(3, -1)])

@@ -1,0 +1,70 @@
+"""Names of the models of C and D."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from asperity.errors import ParameterError
+from asperity.identify.fitting.models.directions import (
+    CircleDirection,
+    DirectionModel,
+    FourierDirection,
+    SuperellipseDirection,
+)
+from asperity.identify.fitting.models.reservoirs import (
+    CircleReservoir,
+    FourierReservoir,
+    ReservoirModel,
+    SuperellipseReservoir,
+)
+
+ReservoirName: TypeAlias = str | ReservoirModel
+"""``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"``, ``"odd fourier"`` or a model."""
+DirectionName: TypeAlias = str | DirectionModel
+"""``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"``, ``"odd fourier"`` or a model."""
+
+RESERVOIRS: dict[str, ReservoirModel] = {
+    "circle": CircleReservoir(),
+    "ellipse": SuperellipseReservoir(2.0),
+    "superellipse": SuperellipseReservoir(),
+    "fourier": FourierReservoir(),
+    "odd fourier": FourierReservoir(odd=True),
+}
+DIRECTIONS: dict[str, DirectionModel] = {
+    "circle": CircleDirection(),
+    "ellipse": SuperellipseDirection(2.0),
+    "superellipse": SuperellipseDirection(),
+    "fourier": FourierDirection(),
+    "odd fourier": FourierDirection(odd=True),
+}
+
+
+def reservoir_model(name: ReservoirName) -> ReservoirModel:
+    """Return the model of C that is meant."""
+    if isinstance(name, ReservoirModel):
+        return name
+    if name not in RESERVOIRS:
+        raise ParameterError("reservoir", f"must be {_words(RESERVOIRS)} or a model, got {name!r}")
+    return RESERVOIRS[name]
+
+
+def direction_model(name: DirectionName) -> DirectionModel:
+    """Return the model of D that is meant."""
+    if isinstance(name, DirectionModel):
+        return name
+    if name not in DIRECTIONS:
+        raise ParameterError("direction", f"must be {_words(DIRECTIONS)} or a model, got {name!r}")
+    return DIRECTIONS[name]
+
+
+def name_of(model: ReservoirModel | DirectionModel) -> str:
+    """Return the short name of a model, or its constructor call."""
+    for names in (RESERVOIRS, DIRECTIONS):
+        for name, known in names.items():
+            if known == model:
+                return name
+    return repr(model)
+
+
+def _words(names: dict[str, ReservoirModel] | dict[str, DirectionModel]) -> str:
+    return ", ".join(repr(name) for name in names)

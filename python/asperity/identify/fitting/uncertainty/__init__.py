@@ -1,0 +1,1 @@
+"""Covariance of what was fitted, the causes of its errors, confidence bands."""

@@ -1,0 +1,100 @@
+"""Where errors of a fit come from: turns that differ, calibration, zeros; and which none tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from asperity._base.arrays import Array
+from asperity.identify.fitting.data.bins import Bins, grouped
+from asperity.identify.fitting.data.samples import Samples, by_sense, clusters_of
+from asperity.identify.fitting.least_squares.descent import Descent
+from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
+from asperity.identify.fitting.least_squares.outliers import without_outliers
+from asperity.identify.fitting.uncertainty.covariance import (
+    Covariance,
+    scatter_of,
+    sensitivities,
+    shared,
+    shared_degrees,
+    stakes,
+)
+from asperity.identify.fitting.uncertainty.flat_sides import away_from_axes, means_away_from_axes
+
+_PERCENT = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Causes:
+    """What is known of the causes of errors of a fit.
+
+    Attributes:
+        family: the models.
+        descent: where their coordinates ended.
+        loss: of the residuals.
+        data: as for `fit_law`.
+        samples: of the data.
+        bins: means of the samples, without outliers if the loss is robust.
+    """
+
+    family: Family
+    descent: Descent
+    loss: Loss
+    data: Any
+    samples: Samples
+    bins: Bins
+
+    def covariance(self, *, held: bool) -> Covariance:
+        """Return the covariance of the coordinates.
+
+        Where samples on the axes of D hold its angle, the angle's variance is at least that of the
+        samples away from them.
+        """
+        p = self.descent.p
+        covariance = self._covariance(self.descent.sums, away=False)
+        if not held:
+            return covariance
+        sums = self.family.sums(away_from_axes(self.samples, p[-1]), p, self.loss)
+        return covariance.at_least(self._covariance(sums, away=True), -1)
+
+    def missing(self) -> dict[str, tuple[str, Array]]:
+        """Return causes that no record tells, with what is missing and what is at stake."""
+        raw = getattr(self.data, "raw", None)
+        if raw is None:
+            return {}
+        by = sensitivities(self.family, self._means(away=False), self.descent.p, self.data)
+        normal = float(np.mean(self.data.normal_force))
+        moved = stakes(by, self.data.matrix, normal, _PERCENT)
+        causes = {}
+        if self.data.calibration_covariance is None:
+            what = "no calibration" if raw.calibration is None else "a calibration without an error"
+            causes["calibration"] = what, moved.gain
+        if self.data.zero_covariance is None:
+            causes["zeros"] = "no records without load", moved.zero
+        return causes
+
+    def _covariance(self, sums: Sums, *, away: bool) -> Covariance:
+        common = shared(self.family, self._means(away=away), self.descent.p, self.data)
+        scatter, degrees = scatter_of(sums, clusters_of(self.samples, self.data))
+        return Covariance(scatter, *common, (degrees, *shared_degrees(self.data)))
+
+    def _means(self, *, away: bool) -> list[tuple[Bins, float]]:
+        """Return means of the runs in either sense of rotation with that sense."""
+        parts = by_sense(self.samples, self.data)
+        means = [self.bins] if len(parts) == 1 else [means_of(one, self.loss) for one, _ in parts]
+        if away:
+            means = [means_away_from_axes(mean, self.descent.p[-1]) for mean in means]
+        return [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
+
+
+def means_of(samples: Samples, loss: Loss) -> Bins:
+    """Return means over fine bins, without outliers if the loss is robust."""
+    return grouped(weighty(samples, loss), 1).bins()
+
+
+def weighty(samples: Samples, loss: Loss) -> Samples:
+    """Return the samples whose means mean something: without outliers if the loss is robust."""
+    return samples if loss.is_linear else without_outliers(samples)

@@ -1,0 +1,260 @@
+"""Covariance of fitted coordinates: what differs between turns, and what all turns share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.errors import FitError
+from asperity.identify.fitting.data.bins import Bins
+from asperity.identify.fitting.data.samples import reads_normal_force
+from asperity.identify.fitting.least_squares.descent import damped_step
+from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
+from asperity.identify.fitting.models.coordinates import Coordinate, Estimate, Roundness, Scale
+from asperity.identify.forces.zero import _BATCHES
+
+# An angle is told from none at this level.
+_LEVEL = 0.01
+_MOST_DEGREES = 1e9
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance:
+    """Covariance of coordinates: from the scatter of turns, calibration, records without load.
+
+    A part is None where the error that causes it is not known. `degrees` are the degrees of freedom
+    of the parts; infinite where errors are known.
+    """
+
+    scatter: Array
+    calibration: Array | None
+    zero: Array | None
+    degrees: tuple[float, float, float]
+
+    @property
+    def parts(self) -> tuple[Array, Array | None, Array | None]:
+        """The covariances by their causes."""
+        return self.scatter, self.calibration, self.zero
+
+    @property
+    def total(self) -> Array:
+        """Sum of the parts that are known."""
+        total: Array = np.sum([part for part in self.parts if part is not None], axis=0)
+        return total
+
+    def shares(self) -> Array:
+        """Return the parts of each variance from scatter, calibration and zeros, ``(k, 3)``.
+
+        They are NaN where the error is not known.
+        """
+        total = np.diag(self.total)
+        shares = [
+            np.full_like(total, np.nan) if part is None else np.diag(part) for part in self.parts
+        ]
+        return np.stack(shares, axis=-1) / np.where(total > 0.0, total, 1.0)[:, None]
+
+    def of(self, part: slice) -> Covariance:
+        """Return the covariance of some of the coordinates."""
+        return self._each(lambda one, _: one[part, part], self)
+
+    def at_least(self, other: Covariance, at: int) -> Covariance:
+        """Return the covariance whose variance of one coordinate is not below that in another."""
+
+        def raised(part: Array, least: Array) -> Array:
+            result = part.copy()
+            result[at, at] = max(part[at, at], least[at, at])
+            return result
+
+        return self._each(raised, other)
+
+    def _each(self, change: Callable[[Array, Array], Array], other: Covariance) -> Covariance:
+        def changed(mine: Array | None, others: Array | None) -> Array | None:
+            return None if mine is None or others is None else change(mine, others)
+
+        return Covariance(
+            change(self.scatter, other.scatter),
+            changed(self.calibration, other.calibration),
+            changed(self.zero, other.zero),
+            self.degrees,
+        )
+
+    def half_widths(self, directions: Array, confidence: float) -> Array:
+        """Return the half widths of the bands of combinations ``(n, k)`` of coordinates.
+
+        Each part has its own quantile of Student's t, and squares of half widths add up: such bands
+        never hold less than they say (Banerjee 1960), not even where one of two turns repeats the
+        other by chance.
+        """
+        from scipy.stats import t
+
+        squares = np.zeros(len(directions))
+        for part, degrees in zip(self.parts, self.degrees, strict=True):
+            if part is not None:
+                quantile = t.ppf(0.5 + 0.5 * confidence, min(degrees, _MOST_DEGREES))
+                squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
+        return np.sqrt(np.maximum(squares, 0.0))
+
+
+def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, int]:
+    """Return the covariance of an estimate whose gradients differ between clusters (sandwich).
+
+    A residual of one sample tells nothing about the next one: noise is coloured. Turns, or runs of
+    several turns, are nearly independent; the degrees of freedom are one less than their number.
+    """
+    turns = len(sums.cost)
+    if turns < 2:
+        raise FitError(
+            "data: one complete turn has no scatter between turns: record at least 2 turns (10 are "
+            "better), or fit with confidence=None"
+        )
+    matrix = sums.matrix.sum(axis=0)
+    count = int(clusters.max()) + 1
+    gradients = np.zeros((count, len(matrix)))
+    np.add.at(gradients, clusters, sums.gradient)
+    # Their sum is zero but for a coordinate at its bound, or an angle held by samples on an axis.
+    gradients -= gradients.mean(axis=0)
+    steps = np.stack([damped_step(matrix, gradient) for gradient in gradients])
+    return steps.T @ steps * (count / (count - 1.0)), count - 1
+
+
+def shared_degrees(data: Any) -> tuple[float, float]:
+    """Return the degrees of freedom behind the covariances of calibration and zeros."""
+    raw = getattr(data, "raw", None)
+    if raw is None:
+        return math.inf, math.inf
+    known, weighed = math.inf, raw.calibration
+    if weighed is not None and weighed.reading_error is None:
+        known = max(len(weighed.loads) - 3.0 - weighed.fit_zero, 1.0)
+    # A record's mean scatters like those of its batches.
+    batches = min((min(len(record), _BATCHES) for record in raw.no_load), default=math.inf)
+    return known, max(batches - 1.0, 1.0)
+
+
+def shared(
+    family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any
+) -> tuple[Array | None, Array | None]:
+    """Return the covariances that errors of the calibration matrix and of the zeros cause.
+
+    `parts` are means of the runs in either sense of rotation, +1 or −1. A covariance is None where
+    the error is not known.
+    """
+    calibration = getattr(data, "calibration_covariance", None)
+    zero = getattr(data, "zero_covariance", None)
+    if calibration is None and zero is None:
+        return None, None
+    by = sensitivities(family, parts, p, data)
+
+    def caused(covariance: Array | None, by: Array, name: str) -> Array | None:
+        if covariance is None:
+            return None
+        known = arrays.array(covariance, f"data.{name}", 2 * (by.shape[1],))
+        spread: Array = by @ known @ by.T
+        return spread
+
+    return (
+        caused(calibration, by[:, :9], "calibration_covariance"),
+        caused(zero, by[:, 9:], "zero_covariance"),
+    )
+
+
+def sensitivities(family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any) -> Array:
+    """Return the derivatives of the estimates by the entries of T, row by row, and by the zeros.
+
+    Channels keep their axes when the disk turns backwards: `parts` are the means of the runs in
+    either sense of rotation.
+
+    Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
+    is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119). The
+    curvature of a robust loss weighs gradient and matrix alike, and is left out of both.
+    """
+    transform = arrays.array(data.matrix, "data.matrix", (3, 3))
+    # Row 3 of T has no effect where the normal force is given.
+    read = reads_normal_force(data)
+    pulls = np.sum(
+        [_pulls(family, bins, sense, p, transform, read=read) for bins, sense in parts], axis=0
+    )
+    matrix = np.sum([family.sums(bins.samples, p, Loss()).matrix[0] for bins, _ in parts], axis=0)
+    return np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
+
+
+class Stakes(NamedTuple):
+    """How far coordinates move for a small error in any one channel, the farthest of the three.
+
+    Attributes:
+        zero: by a zero error of a part of the mean normal force, ``(k,)``.
+        gain: by an error of a gain of the same part, ``(k,)``.
+    """
+
+    zero: Array
+    gain: Array
+
+
+def stakes(by: Array, transform: Array, normal: float, part: float) -> Stakes:
+    """Return what is at stake where errors are not known, from the `sensitivities`."""
+    # Readings that make a force of one unit in each channel, and rows of T that grow.
+    zeros = by[:, 9:] @ np.linalg.inv(transform) * (part * normal)
+    gains = np.einsum("kij,ij->ki", by[:, :9].reshape(-1, 3, 3), transform) * part
+    return Stakes(np.abs(zeros).max(axis=1), np.abs(gains).max(axis=1))
+
+
+def _pulls(
+    family: Family, bins: Bins, sense: float, p: Array, transform: Array, *, read: bool = True
+) -> Array:
+    """Return the derivatives of the gradient by the entries of T, row by row, and by the zeros."""
+    on_force, on_normal = family.responses(bins.phi, p)
+    cos, sin = np.cos(bins.phi), np.sin(bins.phi)
+    # What one unit in the tangential, radial and normal channel adds to the gradient, per bin.
+    pull = np.stack(
+        [
+            sense * (on_force[..., 0] * cos + on_force[..., 1] * sin),
+            sense * (on_force[..., 1] * cos - on_force[..., 0] * sin),
+            on_normal * read,
+        ],
+        axis=1,
+    )
+    x, y = bins.force.T
+    channels = np.stack([sense * (x * cos + y * sin), sense * (y * cos - x * sin), np.ones_like(x)])
+    readings = np.linalg.solve(transform, channels)
+    by_entry = np.einsum("kin,jn,n->kij", pull, readings, bins.squares).reshape(len(p), 9)
+    by_zero = -np.einsum("kin,n,ij->kj", pull, bins.normal, transform)
+    return np.hstack([by_entry, by_zero])
+
+
+def has_angle(p: Array, roundness: Roundness, covariance: Covariance) -> bool:
+    """Return whether the set differs from one without angle, by Wald's test with Hotelling's T²."""
+    from scipy.stats import f
+
+    off = roundness.matrix @ p - roundness.offset
+    spread = roundness.matrix @ covariance.total @ roundness.matrix.T
+    count, degrees = off.size, int(covariance.degrees[0])
+    if degrees < count:
+        # Too few turns for all at once: the first combination, the ratio of the axes, alone.
+        off, spread, count = off[:1], spread[:1, :1], 1
+    if not off @ off > 1e-18:
+        return False
+    statistic = off @ np.linalg.lstsq(spread, off, rcond=None)[0] if spread.any() else math.inf
+    left = degrees - count + 1
+    return bool(statistic * left / (count * degrees) > f.ppf(1.0 - _LEVEL, count, left))
+
+
+def estimate(
+    x: float, coordinate: Coordinate, half_width: float, standard_error: float, told: bool
+) -> Estimate:
+    """Return a parameter with its band from its coordinate."""
+    scale = coordinate.scale
+    value, low, high = scale.natural(np.array([x, x - half_width, x + half_width]))
+    slope = float(scale.slope(np.array(x)))
+    if not told:
+        # All that is known of what the data cannot tell.
+        angle = scale is Scale.ANGLE
+        ends = (-0.25 * math.pi, 0.25 * math.pi) if angle else (coordinate.low, coordinate.high)
+        low, high = scale.natural(np.array(ends))
+    return Estimate(value, low, high, slope * standard_error, identifiable=told)

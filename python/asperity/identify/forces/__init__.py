@@ -1,0 +1,1 @@
+"""From records to forces over the sliding direction: zero, turns, filters, means, measured sets."""

@@ -1,0 +1,124 @@
+"""How the friction coefficient depends on the normal load and on the speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
+from asperity.errors import ParameterError
+from asperity.identify.forces.processing import ProcessedData
+
+# Runs whose loads or speeds differ by less than this factor tell nothing.
+_LEAST_RATIO = 1.05
+
+
+class Dependence(Value):
+    """The exponent n of μ ∝ xⁿ over runs at different normal loads or speeds x.
+
+    Args:
+        values: λ_N in N or ‖γ‖ in m/s of each run, shape ``(m,)``.
+        coefficients: mean of ‖λ‖/λ_N over the complete turns of each run, shape ``(m,)``.
+        confidence: of the band of n.
+
+    Attributes:
+        exponent: n; 0 where μ does not depend on x, for the load Amontons' law.
+        low, high: band of n from the scatter of the runs about the power, Student's t.
+
+    Raises:
+        ParameterError: with fewer than three runs, or if they hardly differ.
+
+    >>> from asperity.identify import Dependence
+    >>> found = Dependence([5.0, 10.0, 20.0, 40.0], [0.31, 0.30, 0.31, 0.30])
+    >>> found.is_independent, abs(found.exponent) < 0.02
+    (True, True)
+    """
+
+    values: Array
+    coefficients: Array
+    confidence: float
+    exponent: float
+    low: float
+    high: float
+
+    def __init__(
+        self, values: ArrayLike, coefficients: ArrayLike, *, confidence: float = 0.95
+    ) -> None:
+        from scipy.stats import t
+
+        x = arrays.array(values, "values", (None,))
+        y = arrays.array(coefficients, "coefficients", (x.size,))
+        if x.size < 3:
+            raise ParameterError("values", f"must be those of three runs or more, got {x.size}")
+        for name, given in (("values", x), ("coefficients", y)):
+            if given.min() <= 0.0:
+                raise ParameterError(name, f"must be positive, got {given.min()}")
+        if x.max() < _LEAST_RATIO * x.min():
+            raise ParameterError(
+                "values", f"must differ by 5 % or more, lie in {x.min():.4g}..{x.max():.4g}"
+            )
+        level = arrays.fraction(confidence, "confidence")
+        self._set(values=arrays.read_only(x), coefficients=arrays.read_only(y), confidence=level)
+        away = np.log(x) - np.log(x).mean()
+        spread = float(away @ away)
+        exponent = float(away @ np.log(y)) / spread
+        left = np.log(y) - np.log(y).mean() - exponent * away
+        error = math.sqrt(float(left @ left) / (x.size - 2) / spread)
+        half = float(t.ppf(0.5 * (1.0 + level), x.size - 2)) * error
+        self._keep(exponent=exponent, low=exponent - half, high=exponent + half)
+
+    @property
+    def is_independent(self) -> bool:
+        """Whether the band of the exponent holds 0."""
+        return self.low <= 0.0 <= self.high
+
+
+def load_dependence(
+    data: ProcessedData | Iterable[ProcessedData], *, confidence: float = 0.95
+) -> Dependence:
+    """Test Amontons' law: how ‖λ‖/λ_N depends on λ_N over runs at different loads.
+
+    Args:
+        data: processed runs, of one pairing and similar speed.
+        confidence: of the band of the exponent.
+
+    Reference: [WL19] §3.
+    """
+    runs = [run for one in _several(data) for run in _means(one, one.normal_force)]
+    return Dependence(*zip(*runs, strict=True), confidence=confidence)
+
+
+def speed_dependence(
+    data: ProcessedData | Iterable[ProcessedData], *, confidence: float = 0.95
+) -> Dependence:
+    """Test whether ‖λ‖/λ_N depends on the sliding speed over runs at different speeds.
+
+    Args:
+        data: processed runs of raw data with `radius`, of one pairing and similar load.
+        confidence: of the band of the exponent.
+
+    Reference: [WL19] Def. 10.
+    """
+    runs = [run for one in _several(data) for run in _means(one, one.speed)]
+    return Dependence(*zip(*runs, strict=True), confidence=confidence)
+
+
+def _several(data: ProcessedData | Iterable[ProcessedData]) -> tuple[ProcessedData, ...]:
+    return (data,) if isinstance(data, ProcessedData) else arrays.several(data, "data")
+
+
+def _means(data: ProcessedData, values: Array) -> list[tuple[float, float]]:
+    """Return the mean of `values` and of ‖λ‖/λ_N over the complete turns of each run."""
+    found = []
+    for start, stop in zip(data.run, data.run[1:], strict=False):
+        used = data.turn[start:stop] >= 0
+        if used.any():
+            friction = np.hypot(*data.force[start:stop][used].T)
+            coefficient = friction.mean() / data.normal_force[start:stop][used].mean()
+            found.append((float(values[start:stop][used].mean()), float(coefficient)))
+    return found

@@ -1,0 +1,1 @@
+"""What a tribometer wrote: text, tables, units, runs, calibration, configuration."""

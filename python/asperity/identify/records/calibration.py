@@ -1,0 +1,132 @@
+"""Crosstalk: from readings of the channels to forces."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
+from asperity.errors import DimensionError, ParameterError
+
+# Beyond this condition number the digits of the readings are lost.
+_WORST_CONDITION = 1e6
+
+
+class Calibration(Value):
+    """The matrix T of λ = T (F − zero), from readings F under known loads.
+
+    The readings are fitted as F = X λ by least squares over all loads, and T = X⁻¹; three loads
+    along the axes give the inverse of the matrix of readings.
+
+    Args:
+        loads: tangential, radial and normal load of each weighing in N, shape ``(m, 3)``.
+        readings: what the channels read, shape ``(m, 3)``.
+        reading_error: standard error of one reading, a number or one per channel, in the unit of
+            the readings; by default it is estimated from what the fit leaves.
+        fit_zero: whether the readings are not tared and a zero is fitted as well.
+
+    Attributes:
+        matrix: T, shape ``(3, 3)``.
+        condition: condition number of X with its columns scaled to length one.
+        covariance: of the entries of T row by row, shape ``(9, 9)``; NaN if there is neither a
+            reading error nor a redundant load.
+        residuals: F − Xλ, shape ``(m, 3)``.
+
+    Raises:
+        ParameterError: if the loads do not determine the matrix.
+
+    Reference: [WL19] §5.2.
+
+    >>> import numpy as np
+    >>> from asperity.identify import Calibration
+    >>> crosstalk = np.array([[1.0, 0.03, 0.0], [-0.02, 1.1, 0.0], [0.0, 0.05, 0.9]])
+    >>> loads = 5.0 * np.eye(3)
+    >>> calibration = Calibration(loads, loads @ crosstalk.T, reading_error=1e-3)
+    >>> bool(abs(calibration.matrix @ crosstalk - np.eye(3)).max() < 1e-12)
+    True
+    """
+
+    loads: Array
+    readings: Array
+    reading_error: Array | None
+    fit_zero: bool
+    matrix: Array
+    condition: float
+    covariance: Array
+    residuals: Array
+
+    def __init__(
+        self,
+        loads: ArrayLike,
+        readings: ArrayLike,
+        *,
+        reading_error: ArrayLike | None = None,
+        fit_zero: bool = False,
+    ) -> None:
+        given = arrays.array(loads, "loads", (None, 3))
+        read = arrays.array(readings, "readings", (len(given), 3))
+        error = None if reading_error is None else _channels(reading_error)
+        self._set(
+            loads=arrays.read_only(given),
+            readings=arrays.read_only(read),
+            reading_error=None if error is None else arrays.read_only(error),
+            fit_zero=bool(fit_zero),
+        )
+        design = np.hstack([given, np.ones((len(given), 1))]) if fit_zero else given
+        if np.linalg.matrix_rank(design) < design.shape[1]:
+            raise ParameterError(
+                "loads", f"must act along all three axes{' and at two levels' * bool(fit_zero)}"
+            )
+        gains = np.linalg.lstsq(design, read, rcond=None)[0]
+        crosstalk = gains[:3].T
+        columns = np.linalg.norm(crosstalk, axis=0)
+        condition = float(np.linalg.cond(crosstalk / columns)) if columns.all() else np.inf
+        if not condition < _WORST_CONDITION:
+            raise ParameterError(
+                "readings", f"must tell the axes apart, condition number {condition:.3g}"
+            )
+        matrix = np.linalg.inv(crosstalk)
+        residuals = read - design @ gains
+        variance = _variance(residuals, design.shape[1]) if error is None else error**2
+        spread = np.linalg.inv(design.T @ design)[:3, :3]
+        # dT = −T dX T, entries row by row.
+        sensitivity = np.kron(matrix, matrix.T)
+        covariance = sensitivity @ np.kron(np.diag(variance), spread) @ sensitivity.T
+        self._keep(
+            matrix=arrays.read_only(matrix),
+            condition=condition,
+            covariance=arrays.read_only(covariance),
+            residuals=arrays.read_only(residuals),
+        )
+
+    def known_covariance(self, *, is_load_given: bool) -> Array | None:
+        """Return the covariance as far as it matters and is known; None if it is NaN.
+
+        Args:
+            is_load_given: whether λ_N is known otherwise, so that the third row of T is not used.
+        """
+        if not np.isfinite(self.covariance).all():
+            return None
+        used = np.repeat([1.0, 1.0, 0.0 if is_load_given else 1.0], 3)
+        return arrays.read_only(np.outer(used, used) * self.covariance)
+
+
+def _channels(error: ArrayLike) -> Array:
+    values = arrays.array(error, "reading_error")
+    if values.ndim == 0:
+        values = np.full(3, values)
+    if values.shape != (3,):
+        raise DimensionError("reading_error", f"must be one number or three, got {values.shape}")
+    if values.min() < 0.0:
+        raise ParameterError("reading_error", f"must not be negative, got {values.tolist()}")
+    return values
+
+
+def _variance(residuals: Array, parameters: int) -> Array:
+    redundant = len(residuals) - parameters
+    if redundant == 0:
+        return np.full(3, np.nan)
+    variance: Array = (residuals**2).sum(axis=0) / redundant
+    return variance

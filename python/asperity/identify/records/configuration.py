@@ -1,0 +1,221 @@
+"""How the files of a tribometer are read and processed, as a TOML file says it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asperity._base import toml
+from asperity._base.arrays import Array
+from asperity._base.toml import COUNT, NUMBER, NUMBERS, SWITCH, TEXT, Kind, TomlFile
+from asperity._base.value import Value
+from asperity.errors import AsperityError, ParameterError, RecordError
+from asperity.identify.records.calibration import Calibration
+from asperity.identify.records.reading import PathLike, read_csv
+from asperity.identify.records.record import CHANNELS, Processing, RawData, Recording
+from asperity.identify.records.text_table import Format, has_column, read_table
+from asperity.identify.records.units import factors
+
+_FORMAT = ("delimiter", "decimal", "header", "encoding")
+_COLUMN = Kind("a name or a number from 0", lambda value: COUNT.holds(value) or TEXT.holds(value))
+_CUT_OFF = Kind(
+    "a number, or false for none",
+    lambda value: NUMBER.holds(value) or value is False or value == "none",
+)
+SCHEMA: dict[str, dict[str, Kind]] = {
+    "file": {
+        "delimiter": TEXT,
+        "decimal": TEXT,
+        "header": COUNT,
+        "encoding": TEXT,
+        "sample_rate": NUMBER,
+        "turn_rate": NUMBER,
+        "check_units": SWITCH,
+        "on_defect": TEXT,
+    },
+    "columns": dict.fromkeys(("time", "angle", *CHANNELS), _COLUMN),
+    "units": dict.fromkeys(("time", "angle", *CHANNELS), TEXT),
+    "calibration": {
+        "file": TEXT,
+        "loads": NUMBERS,
+        "readings": NUMBERS,
+        "reading_error": NUMBERS,
+        "fit_zero": SWITCH,
+    },
+    "no_load": {"files": TEXT.or_several()},
+    "tribometer": {"normal_load": NUMBER, "radius": NUMBER},
+    "processing": {"cut_off": _CUT_OFF, "order": COUNT, "grid_angle": NUMBER},
+}
+# Crosstalk below this is rounding.
+_NEGLIGIBLE = 1e-9
+LOADS = tuple(f"load_{channel}" for channel in CHANNELS)
+
+
+class Configuration(Value):
+    """How the files of a tribometer are read and processed, as in a TOML file.
+
+    Args:
+        sections: ``file`` (delimiter, decimal, header, encoding, sample_rate, turn_rate,
+            check_units, on_defect), ``columns`` and ``units`` as for `read_csv`, ``calibration``
+            (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files),
+            ``tribometer`` (normal_load, radius), ``processing`` (cut_off, order, grid_angle); all
+            optional. A column of the normal channel is read beside normal_load for its crosstalk.
+        folder: what the names of files are relative to.
+
+    The file of a calibration has columns load_tangential, load_radial, load_normal in N beside the
+    three channels, whose names and units are those of the runs.
+
+    Raises:
+        ParameterError: for a section or key that is not known, or a value of another type.
+
+    >>> from asperity.identify import Configuration
+    >>> Configuration({"units": {"angle": "deg"}}).sections["units"]
+    {'angle': 'deg'}
+    """
+
+    sections: dict[str, Any]
+    folder: str
+    # What it was loaded from: errors name the lines in it.
+    _file: TomlFile | None = None
+
+    def __init__(self, sections: Mapping[str, Any], *, folder: PathLike = ".") -> None:
+        toml.check(sections, SCHEMA)
+        self._set(sections={k: dict(v) for k, v in sections.items()}, folder=os.fspath(folder))
+
+    def __hash__(self) -> int:
+        return hash((repr(self.sections), self.folder))
+
+    @classmethod
+    def load(cls, path: PathLike) -> Configuration:
+        """Read a TOML file; files it names are relative to it.
+
+        Raises:
+            ConfigurationError: with line and key, if it is missing, no TOML, or holds what is not
+                known.
+        """
+        file = TomlFile(path, SCHEMA)
+        loaded = cls(file.values, folder=file.path.parent)
+        loaded._keep(_file=file)
+        return loaded
+
+    def read(self, paths: PathLike | Iterable[PathLike]) -> RawData:
+        """Return the runs in some files, with the calibration, records without load and options.
+
+        `process` finds the options of the section ``processing`` in what is returned.
+
+        Raises:
+            RecordError: as `read_csv`.
+            ConfigurationError: for an option that does not fit, if a file gave it; else
+                ParameterError.
+        """
+        if self._file is None:
+            return self._read(paths)
+        with self._file.blamed():
+            raw = self._read(paths)
+        return raw
+
+    def _read(self, paths: PathLike | Iterable[PathLike]) -> RawData:
+        calibration = self._calibration()
+        files = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
+        constant = self._constant_normal(files)
+        if constant is not None and calibration is not None and _mixes_normal(calibration):
+            raise RecordError(
+                str(files[0]),
+                "normal: the calibration says that the normal load moves the other channels, "
+                "which normal_load cannot replace: give the column of the normal channel as well",
+            )
+        names = self._section("no_load").get("files", [])
+        idle = [Path(self.folder, name) for name in ([names] if isinstance(names, str) else names)]
+        return RawData(
+            self._runs(files, constant, loaded=True),
+            calibration=calibration,
+            no_load=self._runs(idle, constant, loaded=False) if idle else (),
+            processing=Processing(**self._processing()),
+            **self._section("tribometer"),
+        )
+
+    def _processing(self) -> dict[str, Any]:
+        options = self._section("processing")
+        if options.get("cut_off") is False or options.get("cut_off") == "none":
+            options["cut_off"] = None
+        return options
+
+    def _section(self, name: str) -> dict[str, Any]:
+        return dict(self.sections.get(name, {}))
+
+    def _constant_normal(self, files: Sequence[PathLike]) -> float | None:
+        """Return the load that stands for a normal channel; None if the files have one.
+
+        Crosstalk of the normal load is in the other channels whether λ_N is constant or not: it
+        takes the normal channel to remove it.
+        """
+        load = self._section("tribometer").get("normal_load")
+        form = Format(**{k: v for k, v in self._section("file").items() if k in _FORMAT})
+        named = "normal" in self._section("columns")
+        if load is None or named or (files and has_column(files[0], "normal", form)):
+            return None
+        return float(load)
+
+    def _runs(
+        self, paths: Iterable[PathLike], normal_load: float | None, *, loaded: bool
+    ) -> tuple[Recording, ...]:
+        return read_csv(
+            paths,
+            columns=self._section("columns"),
+            units=self._section("units"),
+            normal_load=normal_load,
+            loaded=loaded,
+            **self._section("file"),
+        )
+
+    def _calibration(self) -> Calibration | None:
+        given = self._section("calibration")
+        if not given:
+            return None
+        name = given.pop("file", None)
+        if name is not None:
+            given["loads"], given["readings"] = self._weighings(Path(self.folder, name))
+        if not {"loads", "readings"} <= set(given):
+            raise ParameterError("calibration", "must give file, or loads and readings")
+        try:
+            return Calibration(**given)
+        except AsperityError as error:
+            if name is None:
+                raise
+            raise RecordError(name, str(error)) from None
+
+    def _weighings(self, path: Path) -> tuple[Array, Array]:
+        columns = self._section("columns")
+        wanted = {name: name for name in LOADS} | {n: columns.get(n, n) for n in CHANNELS}
+        form = {key: value for key, value in self._section("file").items() if key in _FORMAT}
+        table = read_table(path, wanted, Format(**form))
+        if not np.isfinite(table.values).all():
+            bad = np.flatnonzero(~np.isfinite(table.values).all(axis=1))
+            raise RecordError(str(path), f"no number in line {table.lines(bad[:1])[0]}")
+        scale = factors(self._section("units"))
+        return table.values[:, :3], table.values[:, 3:] * [scale[name] for name in CHANNELS]
+
+
+def read_raw(paths: PathLike | Iterable[PathLike], config: PathLike) -> RawData:
+    """Return the runs in some files as a configuration file says: `Configuration.read`.
+
+    `process` finds the options of the section ``processing`` in what is returned.
+
+    Args:
+        paths: files of the runs.
+        config: a TOML file, see `Configuration`.
+
+    Raises:
+        RecordError: as `read_csv`.
+        ConfigurationError: for the configuration, naming file, line and key.
+    """
+    return Configuration.load(config).read(paths)
+
+
+def _mixes_normal(calibration: Calibration) -> bool:
+    t = calibration.matrix
+    return bool(abs(t[:2, 2]).max() > _NEGLIGIBLE * abs(t).max())

@@ -1,0 +1,248 @@
+"""What the tribometer recorded: time, rotation of the disk, three force channels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
+from asperity.errors import DimensionError, ParameterError, RecordError
+from asperity.identify.records.calibration import Calibration
+
+CHANNELS = ("tangential", "radial", "normal")
+# A step longer than this many usual ones is a gap.
+GAP = 1.5
+# Between a file and the lines of one of its pieces.
+PIECE = ", lines "
+_LISTED = 5
+
+
+class Recording(Value):
+    """One run of the tribometer: evenly sampled readings of its channels.
+
+    Args:
+        time: t in s, rising, without gaps; shape ``(n,)``.
+        angle: rotation of the disk in rad, not wrapped; shape ``(n,)``.
+        readings: tangential, radial and normal channel as read, in the unit of the calibration's
+            readings or in N without one; shape ``(n, 3)``.
+        source: where it comes from, for messages.
+
+    Raises:
+        RecordError: with row numbers from 1, if a value is not finite or samples are missing.
+        DimensionError: if the lengths differ.
+
+    Reference: [WL19] §5.2.
+
+    >>> from asperity.identify import Recording
+    >>> run = Recording([0.0, 0.1, 0.2], [0.0, 0.5, 1.0], [[1.0, 0.0, 5.0]] * 3)
+    >>> round(run.sample_rate, 9), round(run.turn_rate, 3)
+    (10.0, 0.796)
+    """
+
+    time: Array
+    angle: Array
+    readings: Array
+    source: str
+
+    def __init__(
+        self, time: ArrayLike, angle: ArrayLike, readings: ArrayLike, *, source: str = ""
+    ) -> None:
+        t = _series(time, "time", source, (None,))
+        if len(t) < 2:
+            raise DimensionError("time", f"must hold two samples or more, got {len(t)}")
+        for what, rows in (("rise", standstill_rows(t)), ("go on without gap", gap_rows(t))):
+            if rows.size:
+                raise RecordError(source, f"time: does not {what} after {rows_text(rows + 1)}")
+        self._set(
+            time=t,
+            angle=_series(angle, "angle", source, (len(t),)),
+            readings=_series(readings, "readings", source, (len(t), 3)),
+            source=str(source),
+        )
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Recording: {len(self)} samples, {self.duration:.6g} s, "
+            f"{abs(self.turns):.6g} turns{f', {self.source}' if self.source else ''}>"
+        )
+
+    @property
+    def file(self) -> str:
+        """The source without the lines, for one of the pieces a file was cut into."""
+        return self.source.partition(PIECE)[0]
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last sample in s."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def sample_rate(self) -> float:
+        """Samples per second."""
+        return (len(self) - 1) / self.duration
+
+    @property
+    def turns(self) -> float:
+        """Turns from the first to the last sample, negative if the disk turns backwards."""
+        return float(self.angle[-1] - self.angle[0]) / (2.0 * math.pi)
+
+    @property
+    def turn_rate(self) -> float:
+        """Turns per second, not negative."""
+        return abs(self.turns) / self.duration
+
+
+class Processing(Value):
+    """How raw data become forces over the sliding direction: what `process` does if not told.
+
+    Args:
+        cut_off: cut-off frequency of one pass of the normal force's low-pass filter, in turn rates;
+            None leaves it unfiltered.
+        order: of one pass.
+        grid_angle: angle of the sliding direction from e₁ in rad where the rotation reads 0.
+
+    >>> from asperity.identify import Processing
+    >>> Processing(grid_angle=0.5)
+    Processing(grid_angle=0.5)
+    """
+
+    cut_off: float | None
+    order: int
+    grid_angle: float
+
+    def __init__(
+        self, *, cut_off: float | None = 20.0, order: int = 4, grid_angle: float = 0.0
+    ) -> None:
+        self._set(
+            cut_off=None if cut_off is None else arrays.positive(cut_off, "cut_off"),
+            order=arrays.count(order, "order"),
+            grid_angle=arrays.number(grid_angle, "grid_angle"),
+        )
+
+
+_USUAL = Processing()
+
+
+class RawData(Value):
+    """All that was recorded of one pairing: runs, calibration and records without load.
+
+    Args:
+        recordings: the runs; one or several, none twice.
+        calibration: of the force sensor; None if the readings are forces in N already.
+        no_load: records without contact, on the clock of the runs. The zero of a run is
+            interpolated linearly in time between the nearest before and after it; with records on
+            one side only the nearest is taken, and its drift until the run counts as uncertainty.
+        normal_load: constant λ_N in N that replaces what the normal channel says of λ_N; its
+            crosstalk to the others is removed all the same.
+        radius: distance of the pin from the axis in m, for the sliding speed.
+        processing: what `process` does with it; of `read_raw` the section of the configuration.
+
+    >>> from asperity import FrictionLaw
+    >>> from asperity.identify import VirtualTribometer
+    >>> raw = VirtualTribometer(FrictionLaw.isotropic(0.2), normal_force=10.0, turns=2).record()
+    >>> len(raw.recordings), len(raw.no_load)
+    (1, 2)
+    """
+
+    recordings: tuple[Recording, ...]
+    calibration: Calibration | None
+    no_load: tuple[Recording, ...]
+    normal_load: float | None
+    radius: float | None
+    processing: Processing
+
+    def __init__(
+        self,
+        recordings: Iterable[Recording],
+        *,
+        calibration: Calibration | None = None,
+        no_load: Iterable[Recording] = (),
+        normal_load: float | None = None,
+        radius: float | None = None,
+        processing: Processing = _USUAL,
+    ) -> None:
+        runs = _recordings(recordings, "recordings")
+        if not runs:
+            raise ParameterError("recordings", "must hold at least one recording")
+        if not isinstance(calibration, Calibration | None):
+            raise ParameterError("calibration", f"must be a Calibration or None, got {calibration}")
+        if not isinstance(processing, Processing):
+            raise ParameterError("processing", f"must be a Processing, got {processing!r}")
+        _refuse_copies(runs)
+        self._set(
+            recordings=runs,
+            calibration=calibration,
+            no_load=_recordings(no_load, "no_load"),
+            normal_load=_optional(normal_load, "normal_load"),
+            radius=_optional(radius, "radius"),
+            processing=processing,
+        )
+
+
+def _recordings(values: Any, argument: str) -> tuple[Recording, ...]:
+    found = (values,) if isinstance(values, Recording) else arrays.several(values, argument)
+    for value in found:
+        if not isinstance(value, Recording):
+            raise ParameterError(argument, f"must hold Recordings, got {value!r}")
+    return found
+
+
+def _refuse_copies(runs: tuple[Recording, ...]) -> None:
+    """Refuse a run given twice: bands would be too narrow."""
+    for one, other in combinations(runs, 2):
+        if (
+            len(one) == len(other)
+            and (one.readings[0] == other.readings[0]).all()
+            and np.array_equal(one.readings, other.readings)
+            and np.array_equal(one.angle, other.angle)
+        ):
+            raise RecordError(other.source, f"is the same as {one.source or 'another run'}")
+
+
+def _optional(value: float | None, argument: str) -> float | None:
+    return None if value is None else arrays.positive(value, argument)
+
+
+def _series(values: ArrayLike, name: str, source: str, shape: tuple[int | None, ...]) -> Array:
+    """Return finite numbers that refuse writing; arrays that refuse it already are not copied."""
+    arrays.refuse_masked(values, name)
+    given = np.asarray(values)
+    if given.dtype.kind not in "iufb":
+        raise ParameterError(name, f"must hold real numbers, got {values!r}")
+    arrays.check_shape(given, name, shape)
+    # The sum of finite numbers is finite: no array of flags in the usual case.
+    with np.errstate(all="ignore"):
+        is_finite = math.isfinite(float(given.sum()))
+    if not is_finite and not np.isfinite(given).all():
+        bad = np.flatnonzero(~np.isfinite(given).reshape(len(given), -1).all(axis=1))
+        raise RecordError(source, f"{name}: NaN or infinity in {rows_text(bad + 1)}")
+    kept = given.dtype == np.float64 and given.flags.c_contiguous and not given.flags.writeable
+    return given if kept else arrays.read_only(given.astype(np.float64, copy=False))
+
+
+def gap_rows(time: Array) -> NDArray[np.intp]:
+    """Return the indices of samples that the next one follows too late."""
+    steps = np.diff(time)
+    return np.flatnonzero(steps > GAP * float(np.median(steps)))
+
+
+def standstill_rows(time: Array) -> NDArray[np.intp]:
+    """Return the indices of samples that the next one does not follow in time."""
+    return np.flatnonzero(np.diff(time) <= 0.0)
+
+
+def rows_text(rows: NDArray[np.intp]) -> str:
+    """Return the first of some row numbers and how many there are."""
+    first = ", ".join(str(row) for row in rows[:_LISTED])
+    more = f", … ({len(rows)} rows)" if len(rows) > _LISTED else ""
+    return f"row{'s' * (len(rows) > 1)} {first}{more}"

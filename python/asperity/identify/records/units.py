@@ -1,0 +1,139 @@
+"""Units of the channels, and magnitudes that betray a wrong one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from asperity._base.arrays import Array
+from asperity.errors import ParameterError, RecordError
+from asperity.identify.records.record import CHANNELS, Recording
+
+_TURN = 2.0 * math.pi
+_FORCES = {"N": 1.0, "mN": 1e-3, "cN": 1e-2, "kN": 1e3}
+UNITS: dict[str, dict[str, float]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
+    "angle": {"rad": 1.0, "deg": math.pi / 180.0, "turn": _TURN},
+    **{channel: {**_FORCES, "V": 1.0, "mV": 1e-3, "raw": 1.0} for channel in CHANNELS},
+}
+DEFAULTS = {"time": "s", "angle": "rad", **dict.fromkeys(CHANNELS, "N")}
+
+_RATES, _TURN_RATES, _PER_TURN = (0.5, 2e7), (2e-3, 60.0), 16.0
+_LOADS, _COEFFICIENTS = (1e-4, 1e4), (3e-3, 50.0)
+# An angle is in another unit if the turns of that one explain more than the first share of the
+# friction's variance and leave less than the second of what its own turns leave. Over the third
+# number of turns a drift is not periodic.
+_MUCH, _LEFT, _TURNS = 0.5, 0.3, 2.5
+_FOLDED, _BINS = 200_000, 36
+
+
+def factors(units: Mapping[str, str] | None) -> dict[str, float]:
+    """Return the factors to SI of all columns; a leading minus turns the sign of a channel.
+
+    >>> from asperity.identify.records.units import factors
+    >>> factors({"time": "ms", "normal": "-N"})["normal"]
+    -1.0
+    """
+    found = {}
+    given = {**DEFAULTS, **(units or {})}
+    for column, unit in given.items():
+        if column not in UNITS:
+            raise ParameterError("units", f"has no column {column!r}, only {', '.join(UNITS)}")
+        known = UNITS[column]
+        name = str(unit).removeprefix("-")
+        if name not in known:
+            raise ParameterError("units", f"of {column} must be {', '.join(known)}, got {unit!r}")
+        found[column] = math.copysign(known[name], -1.0 if str(unit).startswith("-") else 1.0)
+    return found
+
+
+def check_wrapping(angle: Array, unit: str, source: str) -> None:
+    """Refuse an angle that jumps back by a turn of another unit; `angle` is as it was read."""
+    jumps = np.abs(np.diff(angle))
+    wraps = jumps[jumps > 0.5 * float(np.ptp(angle))]
+    if not wraps.size or len(angle) < 3:
+        return
+    step = float(np.median(jumps))
+    size = float(np.median(wraps)) + step
+    for name, factor in UNITS["angle"].items():
+        turn = _TURN / factor
+        if abs(size - turn) < 0.02 * turn + step:
+            if name != unit.removeprefix("-"):
+                raise RecordError(
+                    source,
+                    f"angle: jumps by {size:.6g} where it wraps, its unit seems to be {name!r}",
+                    ("units",),
+                )
+            return
+    raise RecordError(source, f"angle: jumps by {size:.6g} {unit}, which is no turn")
+
+
+def check_magnitudes(run: Recording, units: Mapping[str, str]) -> None:
+    """Refuse a run whose magnitudes do not fit a tribometer: a unit is wrong then."""
+    source = run.source
+    _check_folding(run)
+    _inside(run.sample_rate, _RATES, "Hz", source, "time: sample rate of")
+    if run.turns != 0.0:
+        _inside(run.turn_rate, _TURN_RATES, "turns/s", source, "angle or time: turns at")
+        per_turn = len(run) / abs(run.turns)
+        if abs(run.turns) > 1.0 and per_turn < _PER_TURN:
+            raise RecordError(
+                source,
+                f"angle: {per_turn:.3g} samples per turn: wrong unit?",
+                ("units", "check_units"),
+            )
+    if all(units[channel].removeprefix("-") in _FORCES for channel in CHANNELS):
+        size = np.abs(run.readings.mean(axis=0))
+        friction = float(np.hypot(*run.readings[:, :2].T).mean())
+        _inside(float(size[2]), _LOADS, "N", source, "normal channel: mean of")
+        _inside(
+            friction / float(size[2]),
+            _COEFFICIENTS,
+            "",
+            source,
+            "force units: friction coefficient",
+        )
+    _check_folding(run)
+
+
+def _inside(value: float, limits: tuple[float, float], unit: str, source: str, what: str) -> None:
+    low, high = limits
+    if not low <= value <= high:
+        raise RecordError(
+            source,
+            f"{what} {value:.4g} {unit}".rstrip()
+            + f", plausible are {low:g} to {high:g}: wrong unit?",
+            ("units", "check_units"),
+        )
+
+
+def _check_folding(run: Recording) -> None:
+    """Refuse an angle over which friction repeats with the turns of another unit only."""
+    stride = max(1, len(run) // _FOLDED)
+    angle, signal = run.angle[::stride], run.readings[::stride, 0]
+    if np.ptp(signal) == 0.0:
+        return
+    left, degree = 1.0 - _explained(angle, signal), math.pi / 180.0
+    for factor, told in ((degree, "degrees"), (1.0 / degree, "radians"), (_TURN, "turns")):
+        if np.ptp(angle) * factor < _TURNS * _TURN:
+            continue
+        explained = _explained(angle * factor, signal)
+        if explained > _MUCH and 1.0 - explained < _LEFT * left:
+            raise RecordError(
+                run.source,
+                f"angle: friction repeats as if it were given in {told}: wrong unit?",
+                ("units", "check_units"),
+            )
+
+
+def _explained(angle: Array, signal: Array) -> float:
+    """Return the share of the variance that the mean over turns explains."""
+    cell = np.floor(angle * (_BINS / _TURN)).astype(np.int64) % _BINS
+    count = np.maximum(np.bincount(cell, minlength=_BINS), 1)
+    mean = np.bincount(cell, signal, _BINS) / count
+    left = signal - mean[cell]
+    # Each bin takes one degree of freedom.
+    share = float(left @ left) / float(((signal - signal.mean()) ** 2).sum())
+    return 1.0 - share * len(signal) / max(len(signal) - _BINS, 1)

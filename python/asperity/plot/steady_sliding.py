@@ -1,0 +1,307 @@
+"""Plots of what stability depends on: root loci, charts of growth rates, bifurcation diagrams."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import CenteredNorm, LinearSegmentedColormap
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import linear_sum_assignment
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.errors import DimensionError, ParameterError
+from asperity.plot import look
+
+_Complex = NDArray[np.complex128]
+
+_DECAY_TO_GROWTH = LinearSegmentedColormap.from_list(
+    "decay to growth", [look.BLUE, look.SKY, "white", "#F2B58A", look.ORANGE]
+)
+
+_KINDS: dict[str, dict[str, Any]] = {
+    "asymptotically stable": {"linestyle": "-", "label": "stable equilibrium"},
+    "neutral": {"linestyle": (0, (5.0, 1.2)), "label": "neutral equilibrium"},
+    "unstable": {"linestyle": ":", "label": "unstable equilibrium"},
+}
+
+
+class HasEigenvalues(Protocol):
+    """A linearisation, such as `asperity.Stability`."""
+
+    @property
+    def eigenvalues(self) -> _Complex:
+        """Eigenvalues in 1/s."""
+
+
+class Diagram(Protocol):
+    """What `plot_bifurcation` needs of a `asperity.BifurcationDiagram`."""
+
+    @property
+    def parameter(self) -> str:
+        """Name of the parameter."""
+
+    @property
+    def values(self) -> Array:
+        """Its values, shape ``(n,)``."""
+
+    @property
+    def equilibria(self) -> Array:
+        """Coordinates, shape ``(n, n_q)``; NaN where there is no equilibrium."""
+
+    @property
+    def kinds(self) -> Sequence[str]:
+        """Kinds of the equilibria."""
+
+    @property
+    def cycle_stable(self) -> NDArray[np.bool_]:
+        """Whether there is a stable limit cycle, shape ``(n,)``."""
+
+    @property
+    def cycle_minima(self) -> Array:
+        """Least coordinates of the limit cycles, shape ``(n, n_q)``; NaN where there is none."""
+
+    @property
+    def cycle_maxima(self) -> Array:
+        """Greatest coordinates of the limit cycles."""
+
+
+def plot_root_locus(
+    eigenvalues: ArrayLike | Sequence[HasEigenvalues],
+    values: ArrayLike,
+    ax: Axes | None = None,
+    *,
+    label: str = "parameter",
+    colorbar: bool = True,
+) -> list[Artist]:
+    """Draw how eigenvalues move in the complex plane while a parameter changes.
+
+    Branches are followed from value to value by the nearest continuation; the colour is the
+    parameter. The unstable half-plane is shaded.
+
+    Args:
+        eigenvalues: in 1/s, shape ``(n, k)``, or objects with ``.eigenvalues``, n of them.
+        values: of the parameter, ascending or descending, shape ``(n,)``, n ≥ 2.
+        ax: axes; default new ones.
+        label: name of the parameter, beside the colour bar.
+        colorbar: whether to draw the colour bar.
+
+    Returns:
+        The shading, one collection of lines per eigenvalue, and the dots where they start.
+
+    >>> import matplotlib
+    >>> matplotlib.use("Agg")
+    >>> import numpy as np
+    >>> from asperity.plot import plot_root_locus
+    >>> damping = np.linspace(-0.5, 0.5, 11)
+    >>> roots = [np.roots([1.0, d, 1.0]) for d in damping]
+    >>> len(plot_root_locus(roots, damping, label="damping"))
+    4
+    """
+    parameter = arrays.array(values, "values", (None,))
+    branches = _branches(_eigenvalues(eigenvalues, len(parameter)))
+    ax = look.axes_or_new(ax)
+    points = np.stack([branches.real, branches.imag], axis=-1)
+    middle = 0.5 * (parameter[1:] + parameter[:-1])
+    lines: list[Artist] = []
+    for branch in points.swapaxes(0, 1):
+        path = LineCollection(
+            np.stack([branch[:-1], branch[1:]], axis=1).tolist(),
+            array=middle,
+            cmap="viridis",
+            linewidths=2.2,
+            capstyle="round",
+        )
+        path.set_clim(parameter.min(), parameter.max())
+        lines.append(ax.add_collection(path))
+    starts = ax.plot(*points[0].T, "o", color=look.INK, markersize=4.0, markerfacecolor="white")
+    ax.autoscale_view()
+    ax.margins(0.06)
+    ax.axvline(0.0, color=look.GREY, linewidth=0.9, zorder=0.9)
+    left, right = ax.get_xlim()
+    reach = max(right, 0.1 * (right - left))
+    unstable = ax.axvspan(0.0, reach, color=look.ORANGE, alpha=0.07, linewidth=0.0)
+    ax.set_xlim(left, reach)
+    ax.set_xlabel(r"Re $\Lambda$ in 1/s")
+    ax.set_ylabel(r"Im $\Lambda$ in 1/s")
+    if colorbar:
+        _colorbar(ax, lines[0], label)
+    return [unstable, *lines, *starts]
+
+
+def plot_growth_chart(
+    x: ArrayLike,
+    y: ArrayLike,
+    growth: ArrayLike,
+    ax: Axes | None = None,
+    *,
+    tolerance: float = 1e-6,
+    limit: float | None = None,
+    border: bool = True,
+    colorbar: bool = True,
+) -> list[Artist]:
+    """Draw growth rates over two parameters; the border of instability is a line.
+
+    White means neither growth nor decay.
+
+    Args:
+        x: values of the first parameter, shape ``(n_x,)``.
+        y: values of the second, shape ``(n_y,)``.
+        growth: largest real parts of the eigenvalues in 1/s, shape ``(n_x, n_y)``, as of
+            `asperity.growth_chart`; NaN where there is no equilibrium.
+        ax: axes; default new ones.
+        tolerance: growth rate in 1/s up to which a system counts as neutral.
+        limit: growth rate in 1/s of the darkest colours; default the largest magnitude.
+        border: whether to draw the border; between growth and a neutral plateau it follows the
+            grid.
+        colorbar: whether to draw the colour bar.
+
+    Returns:
+        The coloured mesh, and the border if there is one.
+
+    >>> import matplotlib
+    >>> matplotlib.use("Agg")
+    >>> import numpy as np
+    >>> from asperity.plot import plot_growth_chart
+    >>> mu, damping = np.linspace(0.0, 1.0, 30), np.linspace(0.0, 0.5, 20)
+    >>> mesh, border = plot_growth_chart(mu, damping, mu[:, None] - damping)
+    """
+    first, second = (arrays.array(values, name, (None,)) for values, name in ((x, "x"), (y, "y")))
+    for values, name in ((first, "x"), (second, "y")):
+        if not values.size:
+            raise DimensionError(name, "must hold a value")
+    rates = arrays.with_gaps(growth, "growth", (len(first), len(second)))
+    if np.isinf(rates).any():
+        raise ParameterError("growth", "must be finite, or NaN where there is no equilibrium")
+    level = arrays.positive(tolerance, "tolerance")
+    largest = float(np.nanmax(np.abs(rates), initial=level))
+    scale = CenteredNorm(halfrange=largest if limit is None else arrays.positive(limit, "limit"))
+    ax = look.axes_or_new(ax)
+    mesh = ax.pcolormesh(
+        first,
+        second,
+        rates.T,
+        cmap=_DECAY_TO_GROWTH,
+        norm=scale,
+        shading="nearest",
+        rasterized=True,
+    )
+    ax.set_facecolor("#EDEDED")
+    ax.grid(False)
+    artists: list[Artist] = [mesh]
+    # Lines need two values of each parameter; without growth anywhere there is no border.
+    grows, rests = bool((rates > level).any()), bool((rates <= level).any())
+    if border and grows and rests and min(rates.shape) > 1:
+        line = ax.contour(first, second, rates.T, [level], colors=look.INK, linewidths=1.2)
+        artists.append(line)
+    if colorbar:
+        beyond = limit is not None and limit < largest
+        _colorbar(ax, mesh, "growth rate in 1/s", extend="both" if beyond else "neither")
+    return artists
+
+
+def plot_bifurcation(
+    diagram: Diagram, ax: Axes | None = None, *, coordinate: int = 0, legend: bool = True
+) -> list[Artist]:
+    """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
+
+    Stable equilibria and cycles are solid, neutral equilibria broken, unstable ones dotted.
+
+    Args:
+        diagram: as of `asperity.bifurcation_diagram`; with ``diagram.replace(values=…)`` in other
+            units.
+        ax: axes; default new ones.
+        coordinate: number of the coordinate.
+        legend: whether to add a legend.
+
+    Returns:
+        The filling between least and greatest coordinate of the cycles with both lines, if there
+        are cycles, then one line per kind of equilibrium that occurs.
+    """
+    if not all(hasattr(diagram, name) for name in ("values", "equilibria", "kinds")):
+        raise ParameterError("diagram", f"must be a BifurcationDiagram, got {diagram!r}")
+    if not diagram.equilibria.shape[1]:
+        raise ParameterError("diagram", "must hold an equilibrium or a limit cycle")
+    number = arrays.count(coordinate, "coordinate", 0)
+    if number >= diagram.equilibria.shape[1]:
+        raise DimensionError(
+            "coordinate", f"must be below {diagram.equilibria.shape[1]}, got {coordinate}"
+        )
+    ax, values = look.axes_or_new(ax), diagram.values
+    lower, upper = diagram.cycle_minima[:, number], diagram.cycle_maxima[:, number]
+    artists: list[Artist] = []
+    if np.isfinite(lower).any():
+        filling: dict[str, Any] = {"color": look.ORANGE, "alpha": 0.15, "linewidth": 0.0}
+        artists.append(ax.fill_between(values, lower, upper, **filling))
+        artists += _cycle_lines(ax, diagram, lower, upper)
+    rest = diagram.equilibria[:, number]
+    for kind, options in _KINDS.items():
+        shown = _with_next(np.array([found == kind for found in diagram.kinds]))
+        if shown.any():
+            artists += ax.plot(values, np.where(shown, rest, np.nan), color=look.BLUE, **options)
+    ax.margins(x=0.0)
+    ax.set_xlabel(diagram.parameter)
+    ax.set_ylabel(f"$q_{number + 1}$ in m")
+    if legend:
+        ax.legend(frameon=False)
+    return artists
+
+
+def _cycle_lines(ax: Axes, diagram: Diagram, lower: Array, upper: Array) -> list[Artist]:
+    """Draw extremes of cycles, solid where stable and dotted where not."""
+    lines: list[Artist] = []
+    for kind, style in (("stable", "-"), ("unstable", ":")):
+        own = (diagram.cycle_stable == (kind == "stable")) & np.isfinite(lower)
+        shown = _with_next(own)
+        for values, label in ((lower, f"{kind} limit cycle, extremes"), (upper, None)):
+            drawn = np.where(shown, values, np.nan)
+            if np.isfinite(drawn).any():
+                options: dict[str, Any] = {"color": look.ORANGE, "linestyle": style}
+                lines += ax.plot(diagram.values, drawn, label=label, **options)
+    return lines
+
+
+def _eigenvalues(given: Any, n: int) -> _Complex:
+    """Return the eigenvalues as rows, one per value of the parameter."""
+    arrays.refuse_masked(given, "eigenvalues")
+    rows = [getattr(one, "eigenvalues", one) for one in given]
+    try:
+        table = np.array(rows, dtype=np.complex128)
+    except (TypeError, ValueError):
+        raise DimensionError("eigenvalues", "must be as many complex numbers per value") from None
+    if table.ndim != 2 or len(table) != n or n < 2 or table.size == 0:
+        raise DimensionError(
+            "eigenvalues", f"must have shape ({n}, k) with n ≥ 2 as values, got {table.shape}"
+        )
+    if not np.isfinite(table).all():
+        raise ParameterError("eigenvalues", "must be finite")
+    return table
+
+
+def _branches(table: _Complex) -> _Complex:
+    """Return the rows sorted such that each column is one branch."""
+    sorted_rows = [table[0]]
+    for row in table[1:]:
+        last = sorted_rows[-1]
+        expected = 2.0 * last - sorted_rows[-2] if len(sorted_rows) > 1 else last
+        _, order = linear_sum_assignment(np.abs(expected[:, None] - row[None, :]))
+        sorted_rows.append(row[order])
+    return np.array(sorted_rows)
+
+
+def _with_next(shown: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return `shown` grown by one to the left, so that lines of different kinds touch."""
+    grown = shown.copy()
+    grown[:-1] |= shown[1:]
+    return grown
+
+
+def _colorbar(ax: Axes, mappable: Any, label: str, extend: str = "neither") -> None:
+    with look.style():
+        bar = ax.figure.colorbar(mappable, ax=ax, label=label, extend=extend)
+        bar.outline.set_visible(False)

@@ -1,0 +1,168 @@
+"""Event-driven integration: smooth phases, and the events between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from asperity import _core
+from asperity._base import arrays
+from asperity.errors import (
+    ConvergenceError,
+    NoSolutionError,
+    ParameterError,
+)
+from asperity.runs.motion import Event, Motion, Section
+from asperity.runs.time_stepping import Model, initial_state, raise_with, without_solution
+from asperity.status import Outcome, Status
+
+_ENDS = {
+    "finished": Outcome.FINISHED,
+    "section": Outcome.SECTION,
+    "interrupted": Outcome.INTERRUPTED,
+}
+
+_FAILURES = {
+    "too_many_events": (
+        "there were max_events events",
+        "Impacts or stick-slip may follow each other ever faster: try a larger max_events or a "
+        "restitution further from 1",
+    ),
+    "step": (
+        "steps fail however short they are",
+        "Forces may grow without bound, or jump where the method does not know it: try simulate",
+    ),
+    "rejections": (
+        "most steps fail, and time hardly passes",
+        "The motion may change faster than steps resolve, such as where a contact hardly slips: "
+        "try simulate",
+    ),
+    "events": (
+        "events follow each other without time passing",
+        "The contacts may not find what to do, such as when they are redundant: try simulate",
+    ),
+    "unsolved": (
+        "the contact forces or percussions at an event were not found",
+        "The contacts may depend on each other, so that rounding decides what they do: try "
+        "simulate",
+    ),
+    "no_impact": (
+        "no percussion was found that stops the slip without a collision",
+        "Friction and normal force enforce each other (Painlevé), but that no percussion satisfies "
+        "the laws is not proven: try simulate",
+    ),
+    "no_solution": (Status.NO_SOLUTION.message, Status.NO_SOLUTION.advice),
+}
+
+
+def integrate(
+    system: Model,
+    *,
+    t_end: float,
+    q0: ArrayLike | None = None,
+    u0: ArrayLike | None = None,
+    tolerance: float = 1e-10,
+    dt: float | None = None,
+    max_step: float | None = None,
+    section: Section | None = None,
+    max_events: int = 10_000,
+    progress: Callable[[float, float], object] | None = None,
+) -> Motion:
+    """Integrate a system from event to event: M u̇ = h + W_N λ_N + W λ, q̇ = u.
+
+    Between events every contact is open, sticks (γ̇ = 0) or slips (λ = λ_N f(γ)), and the motion is
+    smooth: Radau IIA collocation of order 9. The beginning and the end of stick, opening and
+    impacts are located to rounding; contact problems of accelerations and of impacts decide what
+    comes next, by the rule of selection of `simulate`. What `simulate` converges to for Δt → 0.
+
+    Args:
+        system: a system with as many coordinates as velocities, or `RigidBodies`; the direction
+            sets of its laws must be strictly convex.
+        t_end: end time in s. Of a force that jumps there the limit from the left counts. What is
+            short is told by it: events in its last 2e-14 are not looked for, and the integration
+            gives up where 2000 steps, made or rejected, do not pass 1e-10 of it.
+        q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
+            Quaternions are normalised.
+        u0: initial velocities, shape ``(n,)``; default likewise. At the beginning gaps below
+            2.2e-16 m and velocities below 2.2e-16 m/s count as none: choose units in which the
+            motion is larger.
+        tolerance: error that is aimed at, relative to the largest coordinate and the largest
+            velocity so far; between 1e-14 and 1e-2.
+        dt: time between samples in s. Default: every step of the method, before and after events.
+        max_step: longest step in s. Default: as the error allows. Forces that depend on time are
+            seen at five times of a step: set this to the length of pulses, else they are missed.
+            At least 1e-10 of ``t_end``.
+        section: where to stop.
+        max_events: number of events after which the integration gives up.
+        progress: a function of (t, t_end) called a few times a second.
+
+    Returns:
+        The motion. Bounces that are lower than 1e-13 of the contact's reach, the largest
+        |w_N|ᵀ|q| so far, end a sequence of impacts: the contact stays closed from there.
+
+    Raises:
+        NoSolutionError: no forces or percussions satisfy the laws; it holds the proof.
+        ConvergenceError: too many events, no step succeeds, or no impact was found that ends a
+            Painlevé paradox. Either holds the time, the
+            contact and the part before as ``trajectory``.
+        SimulationInterrupted: on Ctrl-C, with the part before as ``trajectory``.
+
+    Reference: [HairerWanner1996] IV.5, IV.8; [WL19] §4.3, Fig. 17; [LeineNijmeijer2004] ch. 8.
+
+    >>> from asperity import FrictionLaw, SlidingPoint, integrate
+    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> motion = integrate(block, t_end=1.0, u0=[2.0, 0.0])
+    >>> [(event.kind, round(event.time, 12)) for event in motion.events]
+    [(EventKind.STICK, 0.4)]
+    >>> round(float(motion.q[-1, 0]), 12)
+    0.4
+    """
+    if not isinstance(system, Model):
+        raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
+    if getattr(system, "_advances", False):
+        raise ParameterError(
+            "system", "must have its velocities as rates, but has its own `advance`"
+        )
+    if section is not None and not isinstance(section, Section):
+        raise ParameterError("section", f"must be a Section or None, got {section!r}")
+    if progress is not None and not callable(progress):
+        raise ParameterError("progress", f"must be None or a function, got {progress!r}")
+    run, exception = _core.integrate(
+        system._core,
+        arrays.positive(t_end, "t_end"),
+        *initial_state(system, q0, u0),
+        arrays.positive(tolerance, "tolerance"),
+        None if dt is None else arrays.positive(dt, "dt"),
+        None if max_step is None else arrays.positive(max_step, "max_step"),
+        None if section is None else (section.normal, section.level, section.after),
+        arrays.count(max_events, "max_events"),
+        progress,
+    )
+    ended, contact = run.pop("ended"), run.pop("contact")
+    unsolvable = run.pop("unsolvable", None)
+    events = [
+        Event(time, kind, number, phase, ambiguous=ambiguous)
+        for time, number, kind, phase, ambiguous in run.pop("events")
+    ]
+    motion = Motion(**run, events=events, status=_ENDS.get(ended, Outcome.FAILED))
+    if exception is not None:
+        reached = f"after t = {motion.t[-1]:.9g} s" if len(motion) > 0 else "at the start"
+        raise_with(exception, motion, reached)
+    if ended in _FAILURES:
+        raise _failure(ended, contact, motion, without_solution(unsolvable, system))
+    return motion
+
+
+def _failure(ended: str, contact: Any, motion: Motion, proven: dict[str, Any]) -> ConvergenceError:
+    message, advice = _FAILURES[ended]
+    details: dict[str, Any] = {
+        "time": float(motion.t[-1]) if len(motion) else 0.0,
+        "contact": contact,
+        "advice": advice,
+        "trajectory": motion,
+    }
+    if ended == "no_solution":
+        return NoSolutionError(message, **details, **proven)
+    return ConvergenceError(message, **details)

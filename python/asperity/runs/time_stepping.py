@@ -1,0 +1,278 @@
+"""Moreau's midpoint time stepping."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext, suppress
+from typing import Any, Literal, NoReturn, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.contact.problem import ContactProblem
+from asperity.contact.solution import infeasibility
+from asperity.errors import (
+    ConvergenceError,
+    DivergenceError,
+    NoSolutionError,
+    ParameterError,
+    SimulationInterrupted,
+)
+from asperity.runs.run import Run
+from asperity.runs.state import State
+from asperity.runs.trajectory import Trajectory
+from asperity.solvers import Solver, chosen
+from asperity.status import Status
+from asperity.system.rigid import RigidBodies
+
+Progress = Callable[[int, int], object]
+
+# Relative tolerance within which t_end counts as a multiple of dt.
+_MULTIPLE = 1e-9
+
+
+@runtime_checkable
+class Model(Protocol):
+    """What `simulate` needs of a system."""
+
+    @property
+    def dof(self) -> int:
+        """Number n of velocities."""
+
+    @property
+    def contacts(self) -> Sequence[Any]:
+        """The contacts."""
+
+    @property
+    def _core(self) -> _core.LinearSystem | _core.CallbackSystem | _core.RigidBodies: ...
+
+
+def simulate(
+    system: Model,
+    *,
+    dt: float,
+    t_end: float,
+    q0: ArrayLike | None = None,
+    u0: ArrayLike | None = None,
+    start: Trajectory | State | None = None,
+    solver: Solver | None = None,
+    tolerance: float = 1e-10,
+    save_every: int = 1,
+    until_rest: bool = False,
+    on_failure: str = "raise",
+    progress: Literal[True] | Progress | None = None,
+) -> Trajectory:
+    """Integrate a system with Moreau's midpoint scheme.
+
+    q_M = q_B + ½Δt u_B; M (u_E − u_B) − h Δt = W_N P_N + W P at q_M with the contact laws on u_E;
+    q_E = q_M + ½Δt u_E. Steps are counted, t = k Δt. The method is of first order and has no event
+    location: contact changes are resolved to one step.
+
+    Args:
+        system: `LinearSystem`, `SlidingPoint`, `MassOnBelt`, `RigidBodies` or a `System`.
+        dt: step Δt > 0 in s. Rigid bodies of unequal moments should turn by less than about a
+            radian in it; from half a turn on the run ends, unless they spin steadily.
+        t_end: end time in s, after the time of `start`, which is 0 without it; the last step is
+            the first with k Δt ≥ `t_end` (to 1e-9 relative).
+        q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``, whose
+            quaternions are normalised. Default 0, of `RigidBodies` the state of the bodies.
+        u0: initial velocities, shape ``(n,)``; default likewise.
+        start: a trajectory or its ``end`` to go on from, instead of `q0` and `u0`: time, phases,
+            slip directions and percussions are handed over, so that with the same options what
+            follows is what an unbroken run would have had, to the bit. `t_end` is then still the
+            time at the end, counts are those of the new run.
+        solver: contact solver. Default `Auto`.
+        tolerance: of each step's contact problem, see `ContactProblem.solve`.
+        save_every: keep every so-many-th step; the initial and the last state are kept always.
+        until_rest: stop after two steps in which all velocities vanish; a load that starts to act
+            later does not start the motion again.
+        on_failure: ``"raise"``, or ``"record"`` to go on with the best iterate and count the step.
+        progress: a function of (step, steps) called a few times a second, or ``True`` for tqdm.
+
+    Returns:
+        The trajectory.
+
+    Raises:
+        NoSolutionError: a contact has no solution (Painlevé).
+        ConvergenceError: a contact problem was not solved to `tolerance`. Either holds the step,
+            the time, the contact, the residual and the part before as ``trajectory``.
+        DivergenceError: the state is no longer finite, with the part before as ``trajectory``.
+        ParameterError: naming the argument; ``dt`` where a body turns too far in a step.
+        SimulationInterrupted: on Ctrl-C, with the part before as ``trajectory``.
+
+    Reference: [WL19] (19)–(22).
+
+    >>> from asperity import FrictionLaw, SlidingPoint, simulate
+    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> path = simulate(block, dt=0.01, t_end=1.0, u0=[2.0, 0.0], save_every=20)
+    >>> path.u[:, 0].round(9).tolist()
+    [2.0, 1.0, 0.0, 0.0, 0.0, 0.0]
+    """
+    if not isinstance(system, Model):
+        raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
+    arrays.choice(on_failure, "on_failure", ["raise", "record"])
+    dt = arrays.positive(dt, "dt")
+    t_end = arrays.number(t_end, "t_end")
+    if start is None:
+        t_end = arrays.positive(t_end, "t_end")
+        state = State(*initial_state(system, q0, u0))
+    elif q0 is None and u0 is None:
+        state = _beginning(start)
+    else:
+        raise ParameterError("start", "excludes q0 and u0")
+    steps = _steps_from(state, dt, t_end)
+    _check_clock(state, dt, steps)
+    with _reporter(progress, steps) as report:
+        run, exception = _core.simulate(
+            system._core,
+            dt,
+            steps,
+            *state._arguments(),
+            chosen(solver)._core,
+            arrays.positive(tolerance, "tolerance"),
+            arrays.count(save_every, "save_every"),
+            bool(until_rest),
+            on_failure == "raise",
+            report,
+        )
+    failure, end = run.pop("failure"), run.pop("end")
+    trajectory = Trajectory(dt=dt, end=None if end is None else State(**end), **run)
+    if exception is not None:
+        if isinstance(exception, DivergenceError):
+            raise DivergenceError(exception.message, trajectory)
+        reached = "at the start"
+        if len(trajectory) > 0:
+            reached = f"in step {trajectory.steps + 1}, after t = {trajectory.t[-1]:.9g} s"
+        raise_with(exception, trajectory, reached)
+    if failure is not None and on_failure == "raise":
+        raise _failure(failure, trajectory, system)
+    return trajectory
+
+
+def _beginning(start: Trajectory | State) -> State:
+    """Return the state from which a run is to go on."""
+    if isinstance(start, State):
+        return start
+    if not isinstance(start, Trajectory):
+        raise ParameterError("start", f"must be a Trajectory or a State, got {start!r}")
+    if start.end is None:
+        raise ParameterError(
+            "start",
+            "does not know what its contacts did at its end: it was cut, its state was not finite, "
+            "or it is from a file of an earlier version. A fresh start is "
+            "start=State(run.q[-1], run.u[-1], t0=run.t[-1])",
+        )
+    return start.end
+
+
+def _steps_from(state: State, dt: float, t_end: float) -> int:
+    """Return the number of steps that are left until `t_end`."""
+    if state.dt == dt:
+        steps = _step_count(dt, t_end - state.t0) - state.steps
+    else:
+        steps = _step_count(dt, t_end - state.t)
+    if steps < 1:
+        raise ParameterError(
+            "t_end", f"must lie after the time of start, {state.t:.9g} s, got {t_end:.9g}"
+        )
+    return steps
+
+
+def _step_count(dt: float, t_end: float) -> int:
+    ratio = t_end / dt
+    if not ratio < 2.0**53:
+        raise ParameterError("dt", f"is too small for t_end = {t_end!r}, got {dt!r}")
+    nearest = round(ratio)
+    return nearest if abs(ratio - nearest) <= _MULTIPLE * nearest else math.ceil(ratio)
+
+
+def _check_clock(state: State, dt: float, steps: int) -> None:
+    """Refuse steps that the clock cannot count: rounding would give several the same time."""
+    first = state.t0 if state.dt == dt else state.t
+    done = state.steps if state.dt == dt else 0
+    latest = max(abs(first), abs(first + (done + steps) * dt))
+    # k Δt is rounded, and so is its sum with t₀: by half a spacing of numbers each.
+    least = 2.0 * math.ulp(latest)
+    if not dt >= least:
+        raise ParameterError(
+            "dt",
+            f"must be at least {least:.3g} s, twice the spacing of numbers at t = {latest:.9g} s, "
+            f"got {dt!r}",
+        )
+
+
+def initial_state(system: Model, q0: ArrayLike | None, u0: ArrayLike | None) -> tuple[Array, Array]:
+    """Return the initial coordinates and velocities, the system's own where none are given."""
+    if isinstance(system, RigidBodies):
+        q, u = system.q0, system.u0
+    else:
+        q = u = np.zeros(system.dof)
+        coordinates = getattr(system, "coordinates", None)
+        if coordinates is not None:
+            if q0 is None:
+                raise ParameterError("q0", "must be given where a system has its own coordinates")
+            q = np.zeros(coordinates)
+    return (
+        arrays.array(q if q0 is None else q0, "q0", q.shape),
+        arrays.array(u if u0 is None else u0, "u0", u.shape),
+    )
+
+
+def _reporter(
+    progress: Literal[True] | Progress | None, steps: int
+) -> AbstractContextManager[Progress | None]:
+    if progress is True:
+        from asperity._base.progress import bar
+
+        return bar(steps)
+    if progress is not None and not callable(progress):
+        raise ParameterError("progress", f"must be True, None or a function, got {progress!r}")
+    return nullcontext(progress)
+
+
+def raise_with(exception: BaseException, part: Run, when: str) -> NoReturn:
+    """Raise what stopped a run from outside, Ctrl-C or an exception in the user's code.
+
+    It holds the part before as ``trajectory``.
+    """
+    if isinstance(exception, KeyboardInterrupt):
+        raise SimulationInterrupted(part) from exception
+    with suppress(AttributeError):  # an exception of the user's may refuse new attributes
+        exception.trajectory = part  # type: ignore[attr-defined]
+    exception.add_note(f"asperity: raised {when}")
+    raise exception
+
+
+def _failure(failure: dict[str, Any], trajectory: Trajectory, system: Model) -> ConvergenceError:
+    status = Status(failure["status"])
+    details: dict[str, Any] = {
+        "advice": status.advice,
+        "trajectory": trajectory,
+        **{name: failure[name] for name in ("step", "time", "contact", "residual")},
+    }
+    if status is Status.NO_SOLUTION:
+        return NoSolutionError(
+            status.message, **details, **without_solution(failure["unsolvable"], system)
+        )
+    return ConvergenceError(status.message, **details)
+
+
+def without_solution(found: dict[str, Any] | None, system: Model) -> dict[str, Any]:
+    """Return the problem of a motion that has no solution, and the proof, as far as known."""
+    if found is None:
+        return {}
+    laws = [getattr(system.contacts[i], "law", None) for i in found["contacts"]]
+    problem = None
+    if "delassus" in found and None not in laws:
+        # Factors of the speed are in the operator.
+        problem = ContactProblem(
+            found["delassus"],
+            found["free_velocity"],
+            [law.replace(rate=None) for law in laws if law is not None],
+            normal_force=found["normal_force"],
+        )
+    return {"infeasibility": infeasibility(found["infeasibility"]), "problem": problem}

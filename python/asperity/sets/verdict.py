@@ -1,0 +1,73 @@
+"""The answer to a yes-or-no question about a set or a law, with its certainty and a witness."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
+from asperity.errors import ParameterError
+
+Answer: TypeAlias = tuple[bool, bool, float, float, Array | None]
+
+
+class Verdict(Value):
+    """Whether a property holds; true in a condition if it does.
+
+    Args:
+        holds: the answer.
+        exact: whether it was decided by a closed form; otherwise numerically, up to `tolerance`.
+        tolerance: largest defect that still counts as none, dimensionless; 0 if `exact`.
+        defect: how badly the property fails, dimensionless; 0 if it holds exactly.
+        witness: points that show the failure, shape ``(k, p)``; ``None`` if there are none. The
+            property that returns the verdict says what they are.
+
+    >>> from asperity import Rectangle, Superellipse
+    >>> Rectangle(2.0, 1.0).is_convex
+    Verdict(True, exact=True, tolerance=0.0, defect=0.0, witness=None)
+    >>> bool(Superellipse(2.0, 1.0, 0.5).is_convex)
+    False
+    """
+
+    holds: bool
+    exact: bool
+    tolerance: float
+    defect: float
+    witness: Array | None
+
+    def __init__(
+        self,
+        holds: bool,
+        *,
+        exact: bool,
+        tolerance: float,
+        defect: float,
+        witness: ArrayLike | None,
+    ) -> None:
+        points = None if witness is None else arrays.array(witness, "witness", (None, None))
+        self._set(
+            holds=_truth(holds, "holds"),
+            exact=_truth(exact, "exact"),
+            tolerance=arrays.non_negative(tolerance, "tolerance"),
+            defect=arrays.non_negative(defect, "defect"),
+            witness=None if points is None else arrays.read_only(points),
+        )
+
+    def __bool__(self) -> bool:
+        return self.holds
+
+
+def verdict(answer: Answer) -> Verdict:
+    """Return the verdict that the core answers as a tuple."""
+    holds, exact, tolerance, defect, witness = answer
+    return Verdict(holds, exact=exact, tolerance=tolerance, defect=defect, witness=witness)
+
+
+def _truth(value: object, argument: str) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise ParameterError(argument, f"must be True or False, got {value!r}")
+    return bool(value)

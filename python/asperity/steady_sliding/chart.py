@@ -1,0 +1,125 @@
+"""Growth rates over the sliding direction and the rotation of C."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.errors import DimensionError, ParameterError
+from asperity.steady_sliding.pencil import ROUNDING, SAFETY, Complex, Pencil
+from asperity.system import MassOnBelt
+
+# In first-order matrices without entries above this size real parts below and above these parts of
+# it are zero and not zero for sure; the others are judged one by one, which takes ten times longer.
+_EVEN, _NOTHING, _CLEAR = 1e3, 1e-13, 1e-6
+
+
+def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> Array:
+    """Return growth rates of a mass on a belt over the belt's direction and the rotation of C.
+
+    Args:
+        system: mass on a planar belt, of which stiffness, law and speed of the belt are used.
+        phi: directions φ of the belt velocity from e₁ in rad, shape ``(m,)``; the slip of the mass
+            has the direction φ + π, which is what `critical_directions` tells of.
+        zeta: angles ζ in rad by which the reservoir C of the law is turned counter-clockwise, D
+            stays; shape ``(k,)``.
+
+    Returns:
+        Largest real part of an eigenvalue in 1/s, shape ``(m, k)``; 0 where `stability` finds
+        it within errors, NaN where D is flat. The shape of a scalar argument is left out.
+
+    Raises:
+        DimensionError: if the law is not planar.
+        ParameterError: if the belt rests.
+
+    Reference: [WL19] (87), (88), (113).
+
+    >>> import math
+    >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, growth_chart
+    >>> law = FrictionLaw(Ellipse(3.0, 1.0), Ellipse(3.0, 1.0))
+    >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
+    >>> (growth_chart(belt, math.radians(50.0), [0.0, math.radians(30.0)]) > 0.0).tolist()
+    [False, True]
+    """
+    if not isinstance(system, MassOnBelt):
+        raise ParameterError("system", f"must be a MassOnBelt, got {system!r}")
+    if system.dof != 2:
+        raise DimensionError("system", f"must be planar, its law has dimension {system.dof}")
+    speed = float(np.linalg.norm(system.belt_velocity))
+    if speed == 0.0:
+        raise ParameterError("system", "must have a moving belt, its belt_velocity vanishes")
+    angle, turn = arrays.array(phi, "phi"), arrays.array(zeta, "zeta")
+    lead = angle.shape + turn.shape
+    slip = np.broadcast_to(
+        -arrays.unit_vectors(angle).reshape(-1, 1, 2), (angle.size, turn.size, 2)
+    ).reshape(-1, 2)
+    rotation = np.broadcast_to(turn.reshape(1, -1), (angle.size, turn.size)).ravel()
+    damping, error = _damping(system, slip, rotation, speed)
+    return _growth(system.mass, damping, system.stiffness, error).reshape(lead)[()]
+
+
+def _damping(system: MassOnBelt, slip: Array, rotation: Array, speed: float) -> tuple[Array, Array]:
+    """Return −∂λ/∂γ for unit vectors γ and rotations of C, ``(n, 2, 2)``, and its error.
+
+    What the derivative at constant speed is along γ, where it should vanish, tells the error.
+    """
+    law = system.law
+    z, H = law.direction.support_point(slip), law.direction.support_hessian(slip)
+    c, s = np.cos(rotation), np.sin(rotation)
+    R = np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
+    # The gauge of the turned C at z is that of C at z turned back.
+    back = np.einsum("nji,nj->ni", R, z)
+    gauge = law.reservoir.gauge(back)[:, None]
+    slope = np.einsum("nij,nj->ni", R, law.reservoir.gauge_gradient(back))
+    force = z / gauge
+    with np.errstate(invalid="ignore"):
+        matrix = H - force[:, :, None] * np.einsum("ni,nij->nj", slope, H)[:, None, :]
+    factor, drop = _rate(system, speed)
+    matrix *= factor / (gauge[:, :, None] * speed)
+    along = np.linalg.norm(np.einsum("nij,nj->ni", matrix, slip), axis=1)
+    whole: Array = system.normal_force * (matrix + drop * force[:, :, None] * slip[:, None, :])
+    return whole, system.normal_force * along
+
+
+def _rate(system: MassOnBelt, speed: float) -> tuple[float, float]:
+    """Return the rate factor and its derivative in s/m, as the law's Jacobian has it."""
+    if system.law.rate is None:
+        return 1.0, 0.0
+    gamma = -system.belt_velocity
+    dry = system.law.replace(rate=None).force(gamma)
+    drop = system.law.jacobian(gamma) @ gamma @ dry / (speed * float(dry @ dry))
+    return float(system.law.rate(speed)), float(drop)
+
+
+def _growth(mass: float, damping: Array, stiffness: Array, error: Array) -> Array:
+    """Return the largest certain real part of the eigenvalues of m q̈ + B q̇ + K q = 0."""
+    finite = np.asarray(np.isfinite(damping).all(axis=(1, 2)))
+    B, K = damping[finite], np.broadcast_to(stiffness, damping[finite].shape)
+    A = np.zeros((len(B), 4, 4))
+    rate = np.sqrt(np.linalg.norm(stiffness, 2) / mass) or 1.0
+    A[:, :2, 2:] = np.eye(2)
+    A[:, 2:, :2], A[:, 2:, 2:] = -K / (mass * rate**2), -B / (mass * rate)
+    values = np.linalg.eigvals(A).astype(np.complex128)
+    largest, size = values.real.max(axis=1), np.abs(A).max(axis=(1, 2))
+    plain = (size < _EVEN) & (error[finite] <= ROUNDING * np.abs(B).max(axis=(1, 2)))
+    zero, clear = np.abs(largest) <= _NOTHING * size, np.abs(largest) > _CLEAR * size
+    found = np.where(zero, 0.0, rate * largest)
+    open_ = ~(plain & (zero | clear))
+    blur = np.maximum(2.0 * ROUNDING * np.abs(B).max(axis=(1, 2)), SAFETY * error[finite])[open_]
+    found[open_] = _certain(
+        Pencil(mass * np.eye(2), B[open_], K[open_]), rate * values[open_], blur
+    )
+    growth = np.full(len(damping), np.nan)
+    growth[finite] = found
+    return growth
+
+
+def _certain(pencil: Pencil, values: Complex, blur: Array) -> Array:
+    """Return the largest real part, 0 where the eigenvalue may be on the axis."""
+    values = pencil.polished(values)
+    errors = Pencil(*(2.0 * ROUNDING * np.abs(part) for part in pencil))
+    on_axis = pencil.on_axis(errors._replace(damping=errors.damping + blur[:, None, None]), values)
+    largest: Array = np.where(on_axis, np.where(on_axis, 0.0, -np.inf), values.real).max(axis=1)
+    return largest

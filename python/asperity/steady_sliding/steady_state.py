@@ -1,0 +1,184 @@
+"""Steady sliding: equilibria whose contacts slide."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
+from asperity.errors import ConvergenceError, ParameterError
+from asperity.runs.time_stepping import Model
+from asperity.steady_sliding.field import STEP, Field, start
+from asperity.steady_sliding.linearisation import Linearisation, linearisation, total
+
+_ITERATIONS = 50
+# Residual that is rounding.
+_EXACT = 1e-15
+
+
+class Equilibrium(Value):
+    """Steady sliding: u = 0 while the contacts slide with γ = χ, 0 = h + W_N λ_N + W λ.
+
+    Args:
+        q: coordinates, shape ``(coordinates,)``.
+        force: friction forces λ in N, shape ``(n_contact, p)``; NaN where contacts have fewer
+            components than others, 0 in open contacts.
+        normal_force: λ_N in N, shape ``(n_contact,)``.
+        slip: γ in m/s, shape ``(n_contact, p)``.
+        closed: numbers of the closed unilateral contacts.
+        residual: ‖h + W_N λ_N + W λ‖ over the sum of the norms of its parts and of the forces that
+            a displacement by one difference step makes.
+
+    Reference: [WL19] §4.1, (77).
+    """
+
+    q: Array
+    force: Array
+    normal_force: Array
+    slip: Array
+    closed: tuple[int, ...]
+    residual: float
+
+    def __init__(
+        self,
+        q: ArrayLike,
+        force: ArrayLike,
+        normal_force: ArrayLike,
+        slip: ArrayLike,
+        *,
+        closed: Sequence[int] = (),
+        residual: float = 0.0,
+    ) -> None:
+        self._set(
+            q=arrays.read_only(arrays.array(q, "q", (None,))),
+            force=arrays.read_only(np.asarray(force, dtype=np.float64)),
+            normal_force=arrays.read_only(arrays.array(normal_force, "normal_force", (None,))),
+            slip=arrays.read_only(np.asarray(slip, dtype=np.float64)),
+            closed=tuple(int(i) for i in closed),
+            residual=float(residual),
+        )
+
+
+def equilibrium(
+    system: Model,
+    *,
+    q0: ArrayLike | None = None,
+    closed: Sequence[int] | None = None,
+    tolerance: float = 1e-10,
+    step: float = STEP,
+) -> Equilibrium:
+    """Find steady sliding by Newton's method on the branch where all closed contacts slide.
+
+    Args:
+        system: `LinearSystem`, `MassOnBelt`, `RigidBodies` or a `System`, at time 0.
+        q0: coordinates to start from, shape ``(coordinates,)``; default 0, of `RigidBodies` the
+            state of the bodies.
+        closed: numbers of the unilateral contacts that are closed. Default all.
+        tolerance: of the residual, and of closed gaps in m.
+        step: largest displacement for difference quotients in m or rad; linear systems need none.
+
+    Returns:
+        The equilibrium.
+
+    Raises:
+        ParameterError: if a contact would stick, is not smooth along its sliding direction, would
+            open, or penetrates; if the stiffness is singular.
+        ConvergenceError: if Newton's method does not converge.
+
+    Reference: [WL19] §4.1, (77).
+
+    >>> from asperity import FrictionLaw, MassOnBelt, equilibrium
+    >>> belt = MassOnBelt(1.0, 2.0, FrictionLaw.isotropic(0.5), 10.0, [1.0, 0.0])
+    >>> equilibrium(belt).q.round(12).tolist()
+    [2.5, 0.0]
+    """
+    tolerance, step = arrays.positive(tolerance, "tolerance"), arrays.positive(step, "step")
+    of = Field(system, start(system, q0))
+    touching = closed_contacts(of, closed)
+    load = np.array([0.0 if known is None else known for known in of.normal_forces])
+    residual = math.inf
+    for _ in range(_ITERATIONS):
+        near = linearisation(of, load, touching, step=step)
+        gap = np.array([near.contacts[i].state.gap for i in touching])
+        last, residual = residual, _residual(near)
+        balanced = residual <= tolerance and np.abs(gap).max(initial=0.0) <= tolerance
+        # Newton's method goes on for as long as it gains digits.
+        if balanced and not _EXACT < residual < 0.1 * last:
+            return _checked(of, near, load, tolerance)
+        delta, change = _correction(near, gap)
+        of, load = Field(system, of.moved(delta)), load.copy()
+        load[list(touching)] += change
+    raise ConvergenceError(
+        "no steady sliding was found",
+        residual=residual,
+        advice="Start from a nearer q0, or name other closed contacts",
+    )
+
+
+def closed_contacts(of: Field, closed: Sequence[int] | None) -> tuple[int, ...]:
+    """Return the numbers of the closed unilateral contacts."""
+    unilateral = [i for i, known in enumerate(of.normal_forces) if known is None]
+    if closed is None:
+        return tuple(unilateral)
+    numbers = arrays.several(closed, "closed")
+    wanted = tuple(sorted({arrays.count(i, "closed", least=0) for i in numbers}))
+    for i in wanted:
+        if i not in unilateral:
+            raise ParameterError("closed", f"must name unilateral contacts {unilateral}, got {i}")
+    return wanted
+
+
+def _residual(near: Linearisation) -> float:
+    return float(np.linalg.norm(near.imbalance) / near.size) if near.size else 0.0
+
+
+def _correction(near: Linearisation, gap: Array) -> tuple[Array, Array]:
+    """Solve −K δ + E Δλ_N = −imbalance, W_Nᵀδ = −gap."""
+    n, m = near.thrusts.shape
+    if m and np.linalg.matrix_rank(near.normals) < m:
+        raise ParameterError(
+            "closed", "must be contacts with independent normals: their forces are not unique"
+        )
+    matrix = np.block([[total(near.stiffness), -near.thrusts], [near.normals.T, np.zeros((m, m))]])
+    # Rows and columns in units of the matrix itself, so that the condition number is one.
+    scale = np.ones(n + m)
+    for _ in range(5):
+        largest = np.abs(matrix * scale * scale[:, None]).max(axis=1)
+        scale /= np.sqrt(np.where(largest > 0.0, largest, 1.0))
+    scaled = matrix * scale * scale[:, None]
+    if not np.linalg.cond(scaled) < 1e13:
+        raise ParameterError(
+            "system",
+            "has a singular stiffness about steady sliding: its equilibria are not isolated, or "
+            "there is none",
+        )
+    solved = scale * np.linalg.solve(scaled, scale * np.append(near.imbalance, -gap))
+    return solved[:n], solved[n:]
+
+
+def _checked(of: Field, near: Linearisation, load: Array, tolerance: float) -> Equilibrium:
+    for i in near.closed:
+        if load[i] < -tolerance * near.size:
+            raise ParameterError(
+                "system", f"contact {i} would open: steady sliding needs λ_N = {load[i]:.6g} N"
+            )
+    states = of.contacts()
+    for i, state in enumerate(states):
+        if i not in near.contacts and state.gap < -tolerance:
+            raise ParameterError(
+                "closed", f"must name contact {i} too: it penetrates by {-state.gap:.6g} m"
+            )
+    width = max((law.dimension for law in of.laws), default=0)
+    force, slip = np.full((2, len(states), width), np.nan)
+    for i, state in enumerate(states):
+        p = len(state.chi)
+        slip[i, :p] = state.chi
+        force[i, :p] = near.contacts[i].force if i in near.contacts else 0.0
+    return Equilibrium(
+        of.q, force, np.maximum(load, 0.0), slip, closed=near.closed, residual=_residual(near)
+    )

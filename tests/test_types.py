@@ -1,0 +1,41 @@
+"""What editors and type checkers see of the package."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import asperity as asp
+import pytest
+
+ROOMS = ("identify", "mechanisms", "plot", "problems", "track")
+NAMES = [
+    *(f"asp.{name}" for name in asp.__all__),
+    *(f"asp.{room}.{name}" for room in ROOMS for name in getattr(asp, room).__all__),
+]
+
+
+def test_completion_shows_rooms_and_public_names():
+    assert {*ROOMS, *asp.__all__} == set(dir(asp))
+
+
+def test_nothing_public_is_of_any_type(tmp_path):
+    """A name that is Any has no completion, no signature and no check in any editor."""
+    pytest.importorskip("mypy")
+    lines = ["import asperity as asp", *(f"reveal_type({name})" for name in NAMES)]
+    (tmp_path / "user.py").write_text("\n".join(lines))
+    command = [sys.executable, "-m", "mypy", "--config-file", "", "--cache-dir", str(tmp_path)]
+    package = os.fspath(Path(asp.__file__).parents[1])
+    done = subprocess.run(
+        [*command, "user.py"],
+        cwd=tmp_path,
+        env={**os.environ, "MYPYPATH": package},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
+    found = re.findall(r'user\.py:(\d+): note: Revealed type is "(.*)"', done.stdout)
+    types = {NAMES[int(line) - 2]: kind for line, kind in found}
+    assert types.keys() == set(NAMES), done.stdout + done.stderr
+    assert [name for name, kind in types.items() if re.search(r"(^|-> )Any$", kind)] == []
