@@ -31,7 +31,7 @@ pub struct Contact {
     pub velocity: Vec<f64>,
     /// Normal force or gap.
     pub normal: Normal,
-    /// `e_N` and `e_T`.
+    /// `e_N` and `e_T`, both in [0, 1].
     pub restitution: (f64, f64),
 }
 
@@ -113,18 +113,7 @@ impl LinearSystem {
             .filter(|&(_, _, k, b)| k != 0.0 || b != 0.0)
             .collect();
         let checked = contacts.iter().map(|c| linear_contact(c, n)).collect::<Result<_, _>>()?;
-        let laws = contacts
-            .into_iter()
-            .map(|contact| ContactLaw {
-                law: contact.law,
-                normal_force: match contact.normal {
-                    Normal::Force(value) => Some(value),
-                    Normal::Gap { .. } => None,
-                },
-                normal_restitution: contact.restitution.0,
-                tangential_restitution: contact.restitution.1,
-            })
-            .collect();
+        let laws = contacts.into_iter().map(contact_law).collect::<Result<_, _>>()?;
         Ok(Self { blocks: Blocks::one(n), mass, internal, force, contacts: checked, laws })
     }
 }
@@ -133,21 +122,9 @@ fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, SystemEr
     let p = contact.law.dimension();
     check_matrix("direction", &contact.direction, n, p)?;
     check_finite("velocity", &contact.velocity, p)?;
-    for (argument, e) in [
-        ("normal_restitution", contact.restitution.0),
-        ("tangential_restitution", contact.restitution.1),
-    ] {
-        if !(-1.0..=1.0).contains(&e) {
-            return Err(SystemError::argument(argument, format!("must lie in [-1, 1], got {e}")));
-        }
-    }
     let (mut rows, mut velocity, mut gap) = (Vec::new(), Vec::new(), 0.0);
     match &contact.normal {
-        Normal::Force(value) if value.is_finite() && *value >= 0.0 => {}
-        Normal::Force(value) => {
-            let message = format!("must be finite and not negative, got {value}");
-            return Err(SystemError::argument("normal_force", message));
-        }
+        Normal::Force(_) => {}
         Normal::Gap { direction, gap: at_zero } => {
             check_finite("normal", direction, n)?;
             check_finite("gap", &[*at_zero], 1)?;
@@ -160,6 +137,15 @@ fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, SystemEr
     rows.extend(contact.direction.as_slice());
     velocity.extend(&contact.velocity);
     Ok(LinearContact { rows, velocity, gap })
+}
+
+fn contact_law(contact: Contact) -> Result<ContactLaw, SystemError> {
+    let normal_force = match contact.normal {
+        Normal::Force(value) => Some(value),
+        Normal::Gap { .. } => None,
+    };
+    let (normal, tangential) = contact.restitution;
+    ContactLaw::new(contact.law, normal_force)?.with_restitution(normal, tangential)
 }
 
 fn check_matrix(
@@ -236,7 +222,7 @@ impl System for LinearSystem {
     ) -> Result<f64, SystemError> {
         rows.copy_from_slice(&self.contacts[contact].rows);
         velocity.copy_from_slice(&self.contacts[contact].velocity);
-        let given = self.laws[contact].normal_force.is_some();
+        let given = self.laws[contact].normal_force().is_some();
         if given { Ok(0.0) } else { self.gap(at, contact) }
     }
 }

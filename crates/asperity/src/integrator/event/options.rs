@@ -3,7 +3,7 @@
 use crate::integrator::options::{
     OptionsError, check_entries, check_positive, check_structure, refuse,
 };
-use crate::system::{InitialState, System};
+use crate::system::{InitialState, Rotation, System};
 
 /// Latest end, so that no power of a time overflows.
 const LATEST: f64 = 1e60;
@@ -127,7 +127,7 @@ impl Options {
             return refuse("system", message);
         }
         for (i, contact) in system.contacts().iter().enumerate() {
-            if !contact.law.has_strictly_convex_direction() {
+            if !contact.law().has_strictly_convex_direction() {
                 let message = format!(
                     "the direction set of contact {i} must be strictly convex: on a flat side one direction of the slip vanishes by itself"
                 );
@@ -162,6 +162,10 @@ impl Options {
         let InitialState { q, u } = self.initial_state(system);
         check_entries("q0", &q, coordinates)?;
         check_entries("u0", &u, n)?;
+        if !rates_are_velocities(system, &q) {
+            let message = "must have its velocities as rates of its coordinates but for rotations of space, which `advance` contradicts";
+            return refuse("system", message);
+        }
         let Some(section) = &self.section else { return Ok(()) };
         check_entries("section", &section.normal, coordinates + n)?;
         if !(section.level.is_finite() && section.after.is_finite()) {
@@ -169,4 +173,22 @@ impl Options {
         }
         Ok(())
     }
+}
+
+/// Whether a system moves the coordinates that are not rotations of space by `Δt u`, tried with velocities and a time
+/// that are unlike each other.
+fn rates_are_velocities(system: &dyn System, q: &[f64]) -> bool {
+    let rotations = system.rotations();
+    let is_free = |first: fn(&Rotation) -> usize, len: usize, place: usize| {
+        !rotations.iter().any(|rotation| (first(rotation)..first(rotation) + len).contains(&place))
+    };
+    let coordinates = (0..q.len()).filter(|&i| is_free(|r| r.coordinate, 4, i));
+    let velocities = (0..system.dof()).filter(|&k| is_free(|r| r.velocity, 3, k));
+    let size = q.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let size = if size > 0.0 { size } else { 1.0 };
+    let u: Vec<f64> = (0..system.dof()).map(|k| size * (1.0 + 0.3 * (k % 7) as f64)).collect();
+    let (h, mut moved) = (0.01, q.to_vec());
+    system.advance(q, &u, h, &mut moved);
+    // The comparison also turns away NaN.
+    coordinates.zip(velocities).all(|(i, k)| (moved[i] - (q[i] + h * u[k])).abs() <= 1e-12 * size)
 }

@@ -117,7 +117,7 @@ impl Assembly {
     pub(super) fn new(system: &dyn System, q: &[f64], u: &[f64], momenta: Vec<f64>) -> Self {
         let (dof, constancy) = (system.dof(), system.constancy());
         let momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
-        let given = |contact: &ContactLaw| contact.normal_force.is_some();
+        let given = |contact: &ContactLaw| contact.normal_force().is_some();
         Self {
             fixed: constancy.contacts && system.contacts().iter().all(given),
             midpoint: Midpoint {
@@ -234,7 +234,7 @@ impl Assembly {
         (u, dt): (&[f64], f64),
         new_mass: bool,
         closed: &mut Closed,
-    ) -> Result<(bool, bool), SystemError> {
+    ) -> Result<(bool, bool), StepError> {
         closed.found.clear();
         closed.gaps.clear();
         closed.stay.clear();
@@ -244,11 +244,14 @@ impl Assembly {
             // What was closed most probably still is.
             let was_closed = closed.was_closed(contact);
             let known = was_closed && !constant;
-            let gap = match law.normal_force {
+            let gap = match law.normal_force() {
                 _ if known => self.evaluate(system, contact)?,
                 Some(_) => 0.0,
                 None => system.gap(&self.midpoint.configuration(), contact)?,
             };
+            if !gap.is_finite() {
+                return Err(StepError::NotFiniteContact { time: self.midpoint.t, contact });
+            }
             if gap > 0.0 && !(was_closed && gap <= self.lift(system, (u, dt), contact, known)?) {
                 continue;
             }
@@ -493,7 +496,7 @@ impl Assembly {
         percussion: &[f64],
         dt: f64,
         state: (&mut [f64], &mut [f64]),
-    ) {
+    ) -> Result<(), SystemError> {
         for rows in &self.contacts {
             let own = &percussion[rows.first..rows.first + rows.len];
             for side in &self.sides[rows.sides.clone()] {
@@ -501,7 +504,7 @@ impl Assembly {
                 rows.part(0, side, &self.responses).add_transposed(own, free);
             }
         }
-        system.finish(&mut self.midpoint, &self.free, dt, state);
+        system.finish(&mut self.midpoint, &self.free, dt, state)
     }
 }
 
