@@ -399,7 +399,11 @@ def test_a_configuration_can_switch_the_filter_off(tmp_path, none):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[file", r"rig\.toml: is no TOML"),
+        ("[file", r"rig\.toml.*: is no TOML"),
+        (
+            "\ufeffdelimiter = ';'",
+            r"line 1: delimiter: is not known here, it belongs into \[file\]",
+        ),
         ("\n[camera]\nfps = 3", r"line 2: camera: is not known; known are file, columns"),
         ("[unit]\ntime = 's'", r"line 1: unit: is not known, did you mean 'units'\?"),
         ("[units]\nvelocity = 'm'", r"line 2: \[units\] velocity: is not known; known are time"),

@@ -16,113 +16,29 @@ from importlib import import_module as _import_module
 from types import ModuleType as _ModuleType
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
+from asperity import (
+    contact,
+    cycles,
+    errors,
+    law,
+    runs,
+    sets,
+    solvers,
+    status,
+    steady_sliding,
+    system,
+)
 from asperity._core import __version__
-from asperity.contact import (
-    Certificate,
-    ContactProblem,
-    ContactSolution,
-    Infeasibility,
-    InfeasibleCase,
-    LocalSolution,
-    Stage,
-)
-from asperity.cycles import BifurcationDiagram, LimitCycle, bifurcation_diagram, limit_cycle
-from asperity.errors import (
-    AsperityError,
-    ConfigurationError,
-    ConvergenceError,
-    DimensionError,
-    DivergenceError,
-    FitError,
-    NoCycleError,
-    NoSolutionError,
-    ParameterError,
-    RecordError,
-    SimulationInterrupted,
-)
-from asperity.law import FlowReport, FrictionLaw, Stribeck
-from asperity.runs import (
-    Event,
-    EventKind,
-    Motion,
-    PathComparison,
-    Section,
-    State,
-    Trajectory,
-    compare_path,
-    integrate,
-    simulate,
-)
-from asperity.sets import (
-    Ball,
-    Box,
-    CappedRectangle,
-    Cone,
-    CoulombContensou,
-    Disk,
-    Ellipse,
-    Ellipsoid,
-    Intersection,
-    Interval,
-    Mapped,
-    MinkowskiSum,
-    PolarCurve,
-    Polygon,
-    Rectangle,
-    StarSet,
-    Superellipse,
-    SupportCurve,
-    Union,
-    Verdict,
-    WedgeAsperity,
-    star_shape,
-)
-from asperity.solvers import (
-    ADMM,
-    Auto,
-    Exact,
-    InteriorPoint,
-    ProxGaussSeidel,
-    ProximalPoint,
-    ProxJacobi,
-    SemismoothNewton,
-    Solver,
-)
-from asperity.status import Outcome, Phase, Status
-from asperity.steady_sliding import (
-    Equilibrium,
-    Stability,
-    critical_directions,
-    critical_rotation,
-    ellipses_can_be_unstable,
-    equilibrium,
-    growth_chart,
-    incremental_distance,
-    stability,
-)
-from asperity.system import (
-    Body,
-    BodyAxis,
-    BoxPlane,
-    Contact,
-    ContactLaw,
-    Line,
-    LinearSystem,
-    MassOnBelt,
-    PlanarBody,
-    Plane,
-    PlaneMotion,
-    PointPlane,
-    RigidBodies,
-    Signal,
-    Sine,
-    SlidingDisk,
-    SlidingPoint,
-    SpherePlane,
-    SphereSphere,
-    Spring,
-    System,
-)
+from asperity.contact import *
+from asperity.cycles import *
+from asperity.errors import *
+from asperity.law import *
+from asperity.runs import *
+from asperity.sets import *
+from asperity.solvers import *
+from asperity.status import *
+from asperity.steady_sliding import *
+from asperity.system import *
 
 if _TYPE_CHECKING:
     from asperity import identify as identify
@@ -131,109 +47,18 @@ if _TYPE_CHECKING:
     from asperity import problems as problems
     from asperity import track as track
 
-__all__ = [
-    "ADMM",
-    "AsperityError",
-    "Auto",
-    "Ball",
-    "BifurcationDiagram",
-    "Body",
-    "BodyAxis",
-    "Box",
-    "BoxPlane",
-    "CappedRectangle",
-    "Certificate",
-    "Cone",
-    "ConfigurationError",
-    "Contact",
-    "ContactLaw",
-    "ContactProblem",
-    "ContactSolution",
-    "ConvergenceError",
-    "CoulombContensou",
-    "DimensionError",
-    "Disk",
-    "DivergenceError",
-    "Ellipse",
-    "Ellipsoid",
-    "Equilibrium",
-    "Event",
-    "EventKind",
-    "Exact",
-    "FitError",
-    "FlowReport",
-    "FrictionLaw",
-    "Infeasibility",
-    "InfeasibleCase",
-    "InteriorPoint",
-    "Intersection",
-    "Interval",
-    "LimitCycle",
-    "Line",
-    "LinearSystem",
-    "LocalSolution",
-    "Mapped",
-    "MassOnBelt",
-    "MinkowskiSum",
-    "Motion",
-    "NoCycleError",
-    "NoSolutionError",
-    "Outcome",
-    "ParameterError",
-    "PathComparison",
-    "Phase",
-    "PlanarBody",
-    "Plane",
-    "PlaneMotion",
-    "PointPlane",
-    "PolarCurve",
-    "Polygon",
-    "ProxGaussSeidel",
-    "ProxJacobi",
-    "ProximalPoint",
-    "RecordError",
-    "Rectangle",
-    "RigidBodies",
-    "Section",
-    "SemismoothNewton",
-    "Signal",
-    "SimulationInterrupted",
-    "Sine",
-    "SlidingDisk",
-    "SlidingPoint",
-    "Solver",
-    "SpherePlane",
-    "SphereSphere",
-    "Spring",
-    "Stability",
-    "Stage",
-    "StarSet",
-    "State",
-    "Status",
-    "Stribeck",
-    "Superellipse",
-    "SupportCurve",
-    "System",
-    "Trajectory",
-    "Union",
-    "Verdict",
-    "WedgeAsperity",
-    "__version__",
-    "bifurcation_diagram",
-    "compare_path",
-    "critical_directions",
-    "critical_rotation",
-    "ellipses_can_be_unstable",
-    "equilibrium",
-    "growth_chart",
-    "incremental_distance",
-    "integrate",
-    "limit_cycle",
-    "simulate",
-    "stability",
-    "star_shape",
-]
-
+# A public name is listed once, by the room it is of.
+__all__ = ["__version__"]
+__all__ += contact.__all__
+__all__ += cycles.__all__
+__all__ += errors.__all__
+__all__ += law.__all__
+__all__ += runs.__all__
+__all__ += sets.__all__
+__all__ += solvers.__all__
+__all__ += status.__all__
+__all__ += steady_sliding.__all__
+__all__ += system.__all__
 
 # Matplotlib and SciPy are imported by the first use of these rooms, not before.
 _ROOMS = ("identify", "mechanisms", "plot", "problems", "track")

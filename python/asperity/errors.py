@@ -14,6 +14,20 @@ if TYPE_CHECKING:
     from asperity.runs.trajectory import Trajectory
 
 
+__all__ = [
+    "AsperityError",
+    "ConfigurationError",
+    "ConvergenceError",
+    "DimensionError",
+    "DivergenceError",
+    "FitError",
+    "NoCycleError",
+    "NoSolutionError",
+    "ParameterError",
+    "RecordError",
+    "SimulationInterrupted",
+]
+
 _LONGEST = 250
 
 

@@ -9,6 +9,18 @@ from asperity._base import arrays
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 
+__all__ = [
+    "ADMM",
+    "Auto",
+    "Exact",
+    "InteriorPoint",
+    "ProxGaussSeidel",
+    "ProxJacobi",
+    "ProximalPoint",
+    "SemismoothNewton",
+    "Solver",
+]
+
 
 class Solver(Value):
     """Base of the contact solvers; all take any law but `InteriorPoint` and `ADMM`."""

@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from enum import IntEnum, StrEnum
 
+__all__ = [
+    "Outcome",
+    "Phase",
+    "Status",
+]
+
 
 class Phase(IntEnum):
     """What a contact does; the integers are those of the ``phase`` arrays."""

@@ -1,9 +1,11 @@
-"""The progress bar."""
+"""Progress bars."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import Any
 
 from asperity.errors import ParameterError
 
@@ -21,41 +23,37 @@ def bar(steps: int) -> Iterator[Callable[[int, int], object]]:
         yield lambda step, _: display.update(step - display.n)
 
 
-@contextmanager
-def bar_if_there() -> Iterator[Callable[[int, int], object] | None]:
-    """Yield a function of (step, steps) that moves a bar; None without a terminal or tqdm."""
+def _on_a_terminal(**options: Any) -> AbstractContextManager[Any]:
+    """Return a tqdm bar that only a terminal shows, or what is None if there is no tqdm."""
     try:
         from tqdm.auto import tqdm
     except ImportError:
-        yield None
-        return
-    with tqdm(unit="step", disable=None, leave=False) as display:
+        return nullcontext()
+    return tqdm(disable=None, leave=False, **options)
+
+
+@contextmanager
+def bar_if_there() -> Iterator[Callable[[int, int], object]]:
+    """Yield a function of (step, steps) that moves a bar."""
+    with _on_a_terminal(unit="step") as display:
 
         def move(step: int, steps: int) -> None:
-            display.total = steps
-            display.update(step - display.n)
+            if display is not None:
+                display.total = steps
+                display.update(step - display.n)
 
         yield move
 
 
 @contextmanager
 def stages(count: int) -> Iterator[Callable[[str], object]]:
-    """Yield a function that announces the next of `count` stages.
-
-    On a terminal a tqdm bar shows them, if there is tqdm; else nothing does.
-    """
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        yield lambda _: None
-        return
-    with tqdm(total=count, unit="stage", disable=None, leave=False) as display:
-        begun = 0
+    """Yield a function that announces the next of `count` stages."""
+    begun = itertools.count()
+    with _on_a_terminal(total=count, unit="stage") as display:
 
         def announce(name: str) -> None:
-            nonlocal begun
-            display.set_description(name)
-            display.update(begun - display.n)
-            begun += 1
+            if display is not None:
+                display.set_description(name)
+                display.update(next(begun) - display.n)
 
         yield announce

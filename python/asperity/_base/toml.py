@@ -157,19 +157,22 @@ class TomlFile:
             raise self.error(error.argument, error.message) from None
 
     def _parsed(self) -> dict[str, Any]:
+        line = None
         try:
-            text = self.path.read_text(encoding="utf-8")
+            text = self.path.read_text(encoding="utf-8-sig")
             self._lines = text.splitlines()
             return tomllib.loads(text)
         except UnicodeDecodeError:
             problem = "is no TOML: save it as UTF-8"
         except tomllib.TOMLDecodeError as error:
-            problem = f"is no TOML: {error}"
+            problem, _, place = f"is no TOML: {error}".partition(" (at ")
+            number = re.match(r"line (\d+)", place)
+            line = int(number[1]) if number else None
         except IsADirectoryError:
             problem = "is a folder: name the file in it"
         except OSError as error:
             problem = f"cannot be read: {error.strerror}"
-        raise ConfigurationError(str(self.path), problem)
+        raise ConfigurationError(str(self.path), problem, line=line)
 
     def error(self, key: str, message: str) -> ConfigurationError:
         """Return what to raise for a key, such as ``"file.header"`` or ``"file"``."""

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Any, NoReturn, Self
+from collections.abc import Callable
+from inspect import Parameter
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, dataclass_transform
 
 import numpy as np
+
+from asperity._base.arrays import read_only
 
 
 class Value:
@@ -63,24 +67,68 @@ class Value:
             value = self._parameters[name]
             if _is_default(value, parameter):
                 continue
-            positional = parameter.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD
-            if positional and parameter.default is inspect.Parameter.empty:
+            positional = parameter.kind is Parameter.POSITIONAL_OR_KEYWORD
+            if positional and parameter.default is Parameter.empty:
                 parts.append(_text(value))
             else:
                 parts.append(f"{name}={_text(value)}")
         return f"{type(self).__name__}({', '.join(parts)})"
 
 
+@dataclass_transform(frozen_default=True)
+class Record(Value):
+    """Base of values that hold what they are given: annotations are the only list of parameters.
+
+    Integers and floats become Python's, arrays refuse writing.
+    """
+
+    def __init_subclass__(cls, *, kw_only: bool = False) -> None:
+        place = Parameter.KEYWORD_ONLY if kw_only else Parameter.POSITIONAL_OR_KEYWORD
+        parameters = []
+        for name, kind in inspect.get_annotations(cls).items():
+            default = cls.__dict__.get(name, Parameter.empty)
+            if name in cls.__dict__:
+                delattr(cls, name)
+            parameters.append(Parameter(name, place, default=default, annotation=kind))
+        cls.__signature__ = inspect.Signature(parameters)
+
+    __signature__: ClassVar[inspect.Signature]
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        signature = type(self).__signature__
+        given = signature.bind(*args, **kwargs)
+        given.apply_defaults()
+        self._set(
+            **{
+                name: _CONVERTERS.get(signature.parameters[name].annotation, _unchanged)(value)
+                for name, value in given.arguments.items()
+            }
+        )
+
+
+def _unchanged(value: Any) -> Any:
+    return value
+
+
+# By the annotation, which is a text.
+_CONVERTERS: dict[str, Callable[[Any], Any]] = {
+    "int": int,
+    "float": float,
+    "bool": bool,
+    "Array": read_only,
+}
+
+
 def _build(cls: type[Value], parameters: dict[str, Any]) -> Value:
     return cls(**parameters)
 
 
-def _is_default(value: Any, parameter: inspect.Parameter) -> bool:
+def _is_default(value: Any, parameter: Parameter) -> bool:
     default = parameter.default
     if isinstance(value, np.ndarray) and isinstance(default, tuple):
         return np.array_equal(value, default)
     return (
-        default is not inspect.Parameter.empty
+        default is not Parameter.empty
         and type(value) is type(default)
         and (value is default or _same(value, default))
     )

@@ -7,8 +7,8 @@ import argparse
 from asperity.commands.options import Commands, add_out, print_checks
 
 
-def add(commands: Commands) -> None:
-    """Add the verb to the parser."""
+def add(commands: Commands) -> argparse.ArgumentParser:
+    """Add the verb; return its parser."""
     parser = commands.add_parser(
         "demo",
         help="compute Fig. 17 and Fig. 27 of Walker & Leine (2019) and a round trip; check them",
@@ -20,7 +20,7 @@ def add(commands: Commands) -> None:
         epilog="example: asperity demo --out out/demo",
     )
     add_out(parser)
-    parser.set_defaults(run=run)
+    return parser
 
 
 def run(options: argparse.Namespace) -> int:

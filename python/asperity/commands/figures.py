@@ -7,8 +7,8 @@ import argparse
 from asperity.commands.options import Commands, add_out, print_checks
 
 
-def add(commands: Commands) -> None:
-    """Add the verb to the parser."""
+def add(commands: Commands) -> argparse.ArgumentParser:
+    """Add the verb; return its parser."""
     parser = commands.add_parser(
         "figures",
         help="redraw the figures of Walker & Leine (2019) and check what they state",
@@ -23,7 +23,7 @@ def add(commands: Commands) -> None:
         "--only", metavar="NUMBERS", default="1-27", help="such as 1-4,7; default all"
     )
     add_out(parser)
-    parser.set_defaults(run=run)
+    return parser
 
 
 def run(options: argparse.Namespace) -> int:

@@ -9,8 +9,8 @@ from asperity._base.progress import stages
 from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_out
 
 
-def add(commands: Commands) -> None:
-    """Add the verb to the parser."""
+def add(commands: Commands) -> argparse.ArgumentParser:
+    """Add the verb; return its parser."""
     parser = commands.add_parser(
         "identify",
         help="identify a friction law from measured forces",
@@ -44,7 +44,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--confidence", type=float, default=0.95, help="level of the bands; default 0.95"
     )
-    parser.set_defaults(run=run)
+    return parser
 
 
 def run(options: argparse.Namespace) -> int:

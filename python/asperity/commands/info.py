@@ -13,10 +13,9 @@ from asperity.commands.options import SUCCESS, Commands
 _PACKAGES = ("numpy", "scipy", "jinja2", "matplotlib", "h5py", "av", "pillow", "tqdm")
 
 
-def add(commands: Commands) -> None:
-    """Add the verb to the parser."""
-    parser = commands.add_parser("info", help="print versions and the build profile")
-    parser.set_defaults(run=run)
+def add(commands: Commands) -> argparse.ArgumentParser:
+    """Add the verb; return its parser."""
+    return commands.add_parser("info", help="print versions and the build profile")
 
 
 def run(_: argparse.Namespace) -> int:

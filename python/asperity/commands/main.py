@@ -35,7 +35,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"asperity {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for verb in _VERBS:
-        verb.add(commands)
+        verb.add(commands).set_defaults(run=verb.run)
     return parser
 
 

@@ -14,8 +14,8 @@ _WIDTHS = (8, 14, 10, 14, 8, 9, 0)
 _NUMBERS = (1, 3, 4, 5, 6)
 
 
-def add(commands: Commands) -> None:
-    """Add the verb to the parser."""
+def add(commands: Commands) -> argparse.ArgumentParser:
+    """Add the verb; return its parser."""
     parser = commands.add_parser(
         "solve",
         help="solve contact problems from files and grade the solutions",
@@ -43,7 +43,7 @@ def add(commands: Commands) -> None:
         "--repeat", metavar="N", type=int, default=1, help="best time of N short solves; default 1"
     )
     parser.add_argument("--csv", metavar="FILE", type=Path, help="write the table to a file too")
-    parser.set_defaults(run=run)
+    return parser
 
 
 def run(options: argparse.Namespace) -> int:

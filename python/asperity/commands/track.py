@@ -10,8 +10,8 @@ from asperity._base.progress import bar_if_there
 from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_out
 
 
-def add(commands: Commands) -> None:
-    """Add the verb to the parser."""
+def add(commands: Commands) -> argparse.ArgumentParser:
+    """Add the verb; return its parser."""
     parser = commands.add_parser(
         "track",
         help="track a round mark in a video and measure its path",
@@ -30,7 +30,7 @@ def add(commands: Commands) -> None:
         help="TOML file of the recording, such as track.toml",
     )
     add_out(parser)
-    parser.set_defaults(run=run)
+    return parser
 
 
 def run(options: argparse.Namespace) -> int:

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.tables import aligned
-from asperity._base.value import Value
+from asperity._base.value import Record, Value
 from asperity.errors import ParameterError
 
 InfeasibilityKind = Literal["closing", "one_contact", "cases"]
 
 
-class Certificate(Value):
+class Certificate(Record, kw_only=True):
     """Largest defects of the contact laws over all contacts, each in its own unit.
 
     ``str()`` prints them as a table. A solution to rounding has all defects at zero; an approximate
@@ -56,33 +56,6 @@ class Certificate(Value):
     stick: int
     slip: int
     open: int
-
-    def __init__(
-        self,
-        *,
-        worst_contact: int,
-        natural_map: float,
-        penetration_velocity: float,
-        complementarity: float,
-        tension: float,
-        cone_violation: float,
-        direction_violation: float,
-        stick: int,
-        slip: int,
-        open: int,
-    ) -> None:
-        self._set(
-            worst_contact=int(worst_contact),
-            natural_map=float(natural_map),
-            penetration_velocity=float(penetration_velocity),
-            complementarity=float(complementarity),
-            tension=float(tension),
-            cone_violation=float(cone_violation),
-            direction_violation=float(direction_violation),
-            stick=int(stick),
-            slip=int(slip),
-            open=int(open),
-        )
 
     def __str__(self) -> str:
         defects = [

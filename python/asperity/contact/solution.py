@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Record, Value
 from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
 from asperity.errors import DimensionError, ParameterError
 from asperity.status import Phase, Status
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _STATUS = {status.value: status for status in Status}
 
 
-class Stage(Value):
+class Stage(Record):
     """One method's part of a solve, see `ContactSolution.stages`.
 
     Attributes:
@@ -39,14 +39,6 @@ class Stage(Value):
     iterations: int
     factorizations: int
     residual: float
-
-    def __init__(self, method: str, iterations: int, factorizations: int, residual: float) -> None:
-        self._set(
-            method=str(method),
-            iterations=int(iterations),
-            factorizations=int(factorizations),
-            residual=float(residual),
-        )
 
 
 class ContactSolution(Value):

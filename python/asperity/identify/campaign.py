@@ -21,7 +21,7 @@ from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage
 from asperity.identify.records.configuration import read_raw
-from asperity.identify.report import figures_of, write_report
+from asperity.identify.report import write_report
 
 _PICTURES = ("sets.png", "forces.png", "residuals.png")
 _TABLES = ("parameters.csv", "directions.csv", "turns.csv", "models.csv")
@@ -106,8 +106,9 @@ class Identification:
     def write(self, folder: Path, *, title: str) -> None:
         """Write what `FILES` lists into a folder."""
         from asperity.plot import save_figure
+        from asperity.plot.identification import report_figures
 
-        figures = figures_of(self.fit)
+        figures = report_figures(self.fit)
         for name, figure in zip(_PICTURES, figures.values(), strict=True):
             save_figure(figure, folder / name)
         header = ("parameter", "unit", "estimate", "low", "high", "standard error", "identifiable")

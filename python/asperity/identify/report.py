@@ -29,9 +29,10 @@ def write_report(
     figures: Mapping[str, Figure] | None = None,
 ) -> Path:
     """Write the report of a fit; the file is complete or not there."""
+    from asperity.plot.identification import report_figures
     from asperity.plot.look import png
 
-    drawn = figures_of(fit) if figures is None else figures
+    drawn = report_figures(fit) if figures is None else figures
     sections = [
         Section("", Text(_summary(fit)), *(Text(one, "warning") for one in fit.warnings)),
         Section("Parameters", *_parameters(fit), _law(fit)),
@@ -40,18 +41,6 @@ def write_report(
         *_comparison(fit),
     ]
     return report.write_report(path, title, sections)
-
-
-def figures_of(fit: Fit) -> dict[str, Figure]:
-    """Return the figures of a report by their headings."""
-    from asperity.plot import identification, look
-
-    with look.style():
-        return {
-            "Sets": identification.sets_figure(fit),
-            "Forces over the sliding direction": identification.forces_figure(fit),
-            "Residuals": identification.residuals_figure(fit),
-        }
 
 
 def _summary(fit: Fit) -> str:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from asperity._base import arrays
 from asperity.errors import FitError, ParameterError
-from asperity.plot.look import BLUE, DIRECTION, GREY, INK, ORANGE, RESERVOIR, axes_or_new
+from asperity.plot.look import BLUE, DIRECTION, GREY, INK, ORANGE, RESERVOIR, axes_or_new, style
 from asperity.plot.sets import plot_set
 
 if TYPE_CHECKING:
@@ -126,25 +126,18 @@ def plot_residuals(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Arti
     return artists
 
 
-def sets_figure(fit: Fit) -> Figure:
-    """Return the figure of `plot_fitted_sets`."""
-    figure = Figure(figsize=(6.4, 5.6), layout="constrained")
-    plot_fitted_sets(fit, figure.add_subplot())
-    return figure
-
-
-def forces_figure(fit: Fit) -> Figure:
-    """Return the figure of `plot_fitted_forces`."""
-    figure = Figure(figsize=(8.0, 4.0), layout="constrained")
-    plot_fitted_forces(fit, figure.add_subplot())
-    return figure
-
-
-def residuals_figure(fit: Fit) -> Figure:
-    """Return the figure of `plot_residuals`."""
-    figure = Figure(figsize=(8.0, 3.2), layout="constrained")
-    plot_residuals(fit, figure.add_subplot())
-    return figure
+def report_figures(fit: Fit) -> dict[str, Figure]:
+    """Return the figures of a report by their headings."""
+    figures = {}
+    with style():
+        for name, size, plot in (
+            ("Sets", (6.4, 5.6), plot_fitted_sets),
+            ("Forces over the sliding direction", (8.0, 4.0), plot_fitted_forces),
+            ("Residuals", (8.0, 3.2), plot_residuals),
+        ):
+            figures[name] = Figure(figsize=size, layout="constrained")
+            plot(fit, figures[name].add_subplot())
+    return figures
 
 
 def _check(fit: Fit) -> None:

@@ -93,40 +93,28 @@ class TrackedRecording:
         """Write what `FILES` lists into a folder."""
         from asperity.plot.look import png
 
-        pictures = {"overlay": png(self._overlay(), 150), "motion": png(self._motion(), 150)}
         self.path.to_csv(folder / "path.csv")
         self.track.to_csv(folder / "frames.csv")
-        for name, picture in pictures.items():
-            (folder / f"{name}.png").write_bytes(picture)
-        drawn = [Picture(*one) for one in pictures.items()]
-        write_report(
-            folder / "report.html",
-            f"Tracked path: {self.source}",
-            [Section("", Facts(self.facts()), *drawn)],
-        )
+        pictures = [Picture(name, png(one, 150)) for name, one in self._figures().items()]
+        for picture in pictures:
+            (folder / f"{picture.name}.png").write_bytes(picture.png)
+        contents = Section("", Facts(self.facts()), *pictures)
+        write_report(folder / "report.html", f"Tracked path: {self.source}", [contents])
 
-    def _overlay(self) -> Figure:
+    def _figures(self) -> dict[str, Figure]:
         from matplotlib.figure import Figure
 
-        from asperity.plot import plot_track, style
+        from asperity.plot import plot_motion, plot_track, style
 
         with style():
-            figure = Figure(figsize=(9.0, 5.5), layout="constrained")
-            ax = figure.add_subplot()
+            overlay = Figure(figsize=(9.0, 5.5), layout="constrained")
+            ax = overlay.add_subplot()
             plot_track(self.track, ax, image=self.last)
             ax.set_title(f"{len(self.track)} frames, {1e3 / self.track.fps:.3g} ms apart")
             ax.legend(loc="upper right", labelcolor="white")
-        return figure
-
-    def _motion(self) -> Figure:
-        from matplotlib.figure import Figure
-
-        from asperity.plot import plot_motion, style
-
-        with style():
-            figure = Figure(figsize=(9.0, 4.5), layout="constrained")
-            plot_motion(self.path, figure)
-        return figure
+            motion = Figure(figsize=(9.0, 4.5), layout="constrained")
+            plot_motion(self.path, motion)
+        return {"overlay": overlay, "motion": motion}
 
 
 def _first_velocity(path: MeasuredPath) -> str:

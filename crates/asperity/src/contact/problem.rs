@@ -471,20 +471,20 @@ impl ContactProblem {
     /// `velocity ← G P + b`.
     #[inline]
     pub(crate) fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
+        let free = &self.free_velocity[..];
+        // The rows of one contact stay in registers.
+        if self.contacts.len() == 1 && !self.delassus.is_matrix_free() {
+            return match free.len() {
+                1 => velocity_of::<1>(&self.delassus, percussion, free, velocity),
+                2 => velocity_of::<2>(&self.delassus, percussion, free, velocity),
+                3 => velocity_of::<3>(&self.delassus, percussion, free, velocity),
+                _ => velocity_of::<4>(&self.delassus, percussion, free, velocity),
+            };
+        }
         if let Delassus::Dense(g) = &self.delassus {
-            let (entries, rows) = (g.as_slice(), self.rows());
-            let free = &self.free_velocity;
-            // The rows of one contact stay in registers.
-            match rows {
-                1 => return velocity_of::<1>(entries, percussion, free, velocity),
-                2 => return velocity_of::<2>(entries, percussion, free, velocity),
-                3 => return velocity_of::<3>(entries, percussion, free, velocity),
-                4 => return velocity_of::<4>(entries, percussion, free, velocity),
-                _ => {}
-            }
-            velocity.copy_from_slice(&self.free_velocity);
+            velocity.copy_from_slice(free);
             // There is nothing to add where there is no contact.
-            for (column, p) in entries.chunks_exact(rows.max(1)).zip(percussion) {
+            for (column, p) in g.as_slice().chunks_exact(self.rows().max(1)).zip(percussion) {
                 for (value, g) in velocity.iter_mut().zip(column) {
                     *value += g * p;
                 }
@@ -492,24 +492,26 @@ impl ContactProblem {
             return;
         }
         self.delassus.apply(percussion, velocity);
-        for (value, free) in velocity.iter_mut().zip(&self.free_velocity) {
+        for (value, free) in velocity.iter_mut().zip(free) {
             *value += free;
         }
     }
 }
 
-/// `γ_E = G P + b` of `N` rows.
+/// `γ_E = G P + b` of one contact with `N` rows.
 #[inline(always)]
 fn velocity_of<const N: usize>(
-    columns: &[f64],
+    delassus: &Delassus,
     percussion: &[f64],
     free: &[f64],
     velocity: &mut [f64],
 ) {
+    let (entries, percussion) = (&delassus.entries()[..N * N], &percussion[..N]);
+    let (row, column) = if let Delassus::Dense(_) = delassus { (1, N) } else { (N, 1) };
     let mut sums: [f64; N] = std::array::from_fn(|i| free[i]);
-    for (column, p) in columns.chunks_exact(N).zip(percussion) {
+    for j in 0..N {
         for i in 0..N {
-            sums[i] += column[i] * p;
+            sums[i] += entries[i * row + j * column] * percussion[j];
         }
     }
     velocity.copy_from_slice(&sums);

@@ -567,32 +567,40 @@ impl<'a, const P: usize> Single<'a, P> {
     /// scan and a golden section.
     fn within_line(&self, p: &V, axis: &V) -> Option<V> {
         const SCAN: usize = 64;
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let at = |theta: f64| {
             let (sine, cosine) = theta.sin_cos();
             self.excess(&(p * cosine + axis * sine), cosine)
         };
         let step = std::f64::consts::PI / SCAN as f64;
         let angle = |k: usize| step * (k as f64 + 0.5) - std::f64::consts::FRAC_PI_2;
-        let least = (0..SCAN).min_by(|&a, &b| at(angle(a)).total_cmp(&at(angle(b))))?;
+        // A value may take as long as the gauge of a set that has only a support function.
+        let values: [f64; SCAN] = std::array::from_fn(|k| at(angle(k)));
+        let least = (0..SCAN).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
         let limit = std::f64::consts::FRAC_PI_2 * (1.0 - 1e-9);
         let (mut low, mut high) =
             ((angle(least) - step).max(-limit), (angle(least) + step).min(limit));
-        let mut best = (at(angle(least)), angle(least));
+        let left = |low: f64, high: f64| high - GOLDEN * (high - low);
+        let right = |low: f64, high: f64| low + GOLDEN * (high - low);
+        let (mut a, mut b) = (left(low, high), right(low, high));
+        let (mut at_a, mut at_b) = (at(a), at(b));
+        let mut best = (values[least], angle(least));
         for _ in 0..80 {
+            let nearer = if at_a <= at_b { (at_a, a) } else { (at_b, b) };
+            if nearer.0 < best.0 {
+                best = nearer;
+            }
             if best.0 < 0.0 {
                 break;
             }
-            let (a, b) = (high - 0.618 * (high - low), low + 0.618 * (high - low));
-            let (at_a, at_b) = (at(a), at(b));
             if at_a <= at_b {
-                high = b
+                (high, b, at_b) = (b, a, at_a);
+                a = left(low, high);
+                at_a = at(a);
             } else {
-                low = a
-            }
-            for found in [(at_a, a), (at_b, b)] {
-                if found.0 < best.0 {
-                    best = found;
-                }
+                (low, a, at_a) = (a, b, at_b);
+                b = right(low, high);
+                at_b = at(b);
             }
         }
         Some(p + axis * best.1.tan())

@@ -9,7 +9,8 @@
 //! with D the displacement of what touches along the rows: one step of Newton's method for the constraint of SHAKE,
 //! whose forces act along the rows at `q_M` while the constraint is met at the next midpoint. What Ω changes by in a
 //! step is O(Δt), the defect of D is O(Δt³), and points that stick creep with O(Δt²): not at all while Ω stays the same
-//! in the body's axes, as where a turntable carries the body. The places cancel in `c`, but for a plane that tips.
+//! in the body's axes, as where a turntable carries the body. Velocities of centres of mass cancel in `c`, but for the
+//! gap to a plane that tips or between spheres.
 //!
 //! **Points.** D is the displacement of the point of the first body less that of the material of the second one, or of
 //! the surface, that is in the same place at `q_M`; along the normal it is the difference of the gaps.
@@ -31,8 +32,8 @@ use super::surface::{Surface, SurfaceCourse};
 use super::{Pose, RigidBodies, angular, linear};
 use crate::system::{Midpoint, Moment};
 
-/// Radians per step up to which a rotation is followed. Beyond, the chord of a sliding point has little to do with its
-/// velocity, and from half a turn on friction along the chord would drive the body.
+/// Radians per step up to which a rotation is followed. Beyond, the chord has little to do with the velocity, and from
+/// half a turn on it points the other way.
 const LARGEST_TURN: f64 = 1.0;
 
 /// How a body moves on with the velocities before the step, in the world's axes.

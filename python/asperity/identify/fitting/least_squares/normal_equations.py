@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Record, Value
 from asperity.identify.fitting.data.samples import Samples
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.models.coordinates import TINY, Coordinate
@@ -22,15 +22,12 @@ from asperity.identify.fitting.models.reservoirs import ReservoirModel
 _CHUNK = 2**16
 
 
-class Sums(Value):
+class Sums(Record):
     """Cost, gradient Jᵀe and matrix JᵀJ of each turn."""
 
     cost: Array
     gradient: Array
     matrix: Array
-
-    def __init__(self, cost: Array, gradient: Array, matrix: Array) -> None:
-        self._set(cost=cost, gradient=gradient, matrix=matrix)
 
     def total(self) -> tuple[float, Array, Array]:
         """Return cost, gradient and matrix of all turns."""

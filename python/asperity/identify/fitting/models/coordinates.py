@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Record, Value
 
 # Logarithms are kept off minus infinity: samples may lie on an axis of a set.
 TINY = 1e-150
@@ -66,7 +67,20 @@ class CurveModel(Value):
         return p
 
 
-class Estimate(Value):
+def folded(p: Array, axes: int | slice, swapped: Array) -> Array:
+    """Return coordinates with the last one, an angle, within ±45°.
+
+    Every quarter turn puts others in the place of those of the axes.
+    """
+    quarters = round(p[-1] / (math.pi / 2.0))
+    result = p.copy()
+    result[-1] -= quarters * math.pi / 2.0
+    if quarters % 2:
+        result[axes] = swapped
+    return result
+
+
+class Estimate(Record):
     """A parameter with its band.
 
     Args:
@@ -85,25 +99,7 @@ class Estimate(Value):
     low: float
     high: float
     standard_error: float
-    identifiable: bool
-
-    def __init__(
-        self,
-        value: float,
-        low: float,
-        high: float,
-        standard_error: float,
-        *,
-        identifiable: bool = True,
-    ) -> None:
-        # A scale that cannot be told has neither value nor bounds: NaN and infinity are allowed.
-        self._set(
-            value=float(value),
-            low=float(low),
-            high=float(high),
-            standard_error=float(standard_error),
-            identifiable=bool(identifiable),
-        )
+    identifiable: bool = True
 
     def covers(self, truth: float) -> bool:
         """Return whether the band holds a value."""

@@ -20,8 +20,9 @@ from asperity.identify.fitting.models.coordinates import (
     CurveModel,
     Roundness,
     Scale,
+    folded,
 )
-from asperity.identify.fitting.models.harmonics import harmonics_of, least_squares, series
+from asperity.identify.fitting.models.harmonics import FourierModel, least_squares, series
 from asperity.identify.fitting.models.reservoirs import START_ANGLES, around, ellipse_through
 from asperity.sets import Disk, Ellipse, StarSet, Superellipse, SupportCurve
 
@@ -167,18 +168,13 @@ class SuperellipseDirection(DirectionModel):
 
     def folded(self, p: Array) -> Array:
         """Return coordinates with the angle within ±45°: a quarter turn swaps the axes."""
-        quarters = round(p[-1] / (math.pi / 2.0))
-        result = p.copy()
-        result[-1] -= quarters * math.pi / 2.0
-        if quarters % 2:
-            result[0] = -p[0]
-        return result
+        return folded(p, 0, -p[0])
 
     def _exponent(self, p: Array) -> float:
         return 1.0 + math.exp(p[1]) if self.exponent is None else self.exponent
 
 
-class FourierDirection(DirectionModel):
+class FourierDirection(FourierModel, DirectionModel):
     """D is a curve whose ln h_D(φ) is a trigonometric polynomial: tan(θ − φ) = d ln h_D/dφ.
 
     Args:
@@ -191,19 +187,6 @@ class FourierDirection(DirectionModel):
     >>> [name for name, *_ in FourierDirection(4).coordinates]
     ['cos2', 'sin2', 'cos4', 'sin4']
     """
-
-    order: int
-    odd: bool
-
-    def __init__(self, order: int = 8, *, odd: bool = False) -> None:
-        self._set(order=arrays.count(order, "order"), odd=bool(odd))
-        self._keep(_harmonics=harmonics_of(self.order, self.odd))
-        waves = [
-            Coordinate(f"{f}{k}", Scale.PLAIN) for k in self._harmonics for f in ("cos", "sin")
-        ]
-        self._keep(coordinates=tuple(waves))
-
-    _harmonics: tuple[int, ...]
 
     def force_direction(self, c: Array, s: Array, p: Array) -> tuple[Array, Array, Array]:
         """Return the direction of the support point h e + h′ e⊥."""

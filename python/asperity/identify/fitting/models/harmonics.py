@@ -2,14 +2,34 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity.identify.fitting.models.coordinates import Coordinate, CurveModel, Scale
 
 
-def harmonics_of(order: int, odd: bool) -> tuple[int, ...]:
-    """Return the harmonics 1, 2, 3, … or 2, 4, 6, … up to an order."""
-    return tuple(range(1, order + 1) if odd else range(2, order + 1, 2))
+class FourierModel(CurveModel):
+    """A model whose coordinates are the coefficients of a trigonometric polynomial.
+
+    Args:
+        order: highest harmonic.
+        odd: whether odd harmonics are there, for sets that are not symmetric to the origin.
+    """
+
+    order: int
+    odd: bool
+    _harmonics: tuple[int, ...]
+    # Coordinates before those of the waves.
+    _level: ClassVar[tuple[Coordinate, ...]] = ()
+
+    def __init__(self, order: int = 8, *, odd: bool = False) -> None:
+        self._set(order=arrays.count(order, "order"), odd=bool(odd))
+        harmonics = tuple(range(1, self.order + 1) if odd else range(2, self.order + 1, 2))
+        waves = (Coordinate(f"{f}{k}", Scale.PLAIN) for k in harmonics for f in ("cos", "sin"))
+        self._keep(_harmonics=harmonics, coordinates=(*self._level, *waves))
 
 
 def series(c: Array, s: Array, harmonics: tuple[int, ...]) -> tuple[Array, Array]:

@@ -17,8 +17,9 @@ from asperity.identify.fitting.models.coordinates import (
     CurveModel,
     Roundness,
     Scale,
+    folded,
 )
-from asperity.identify.fitting.models.harmonics import harmonics_of, least_squares, series
+from asperity.identify.fitting.models.harmonics import FourierModel, least_squares, series
 from asperity.sets import Disk, Ellipse, PolarCurve, StarSet, Superellipse
 
 _SAMPLES = 720
@@ -157,18 +158,13 @@ class SuperellipseReservoir(ReservoirModel):
 
     def folded(self, p: Array) -> Array:
         """Return coordinates with the angle within ±45°: a quarter turn swaps the axes."""
-        quarters = round(p[-1] / (math.pi / 2.0))
-        result = p.copy()
-        result[-1] -= quarters * math.pi / 2.0
-        if quarters % 2:
-            result[:2] = p[1::-1]
-        return result
+        return folded(p, slice(0, 2), p[1::-1])
 
     def _exponent(self, p: Array) -> float:
         return math.exp(p[2]) if self.exponent is None else self.exponent
 
 
-class FourierReservoir(ReservoirModel):
+class FourierReservoir(FourierModel, ReservoirModel):
     """C is a curve whose ln r_C(θ) is a trigonometric polynomial; it may be non-convex.
 
     Args:
@@ -180,18 +176,7 @@ class FourierReservoir(ReservoirModel):
     ['log', 'cos2', 'sin2', 'cos4', 'sin4']
     """
 
-    order: int
-    odd: bool
-
-    def __init__(self, order: int = 8, *, odd: bool = False) -> None:
-        self._set(order=arrays.count(order, "order"), odd=bool(odd))
-        self._keep(_harmonics=harmonics_of(self.order, self.odd))
-        waves = [
-            Coordinate(f"{f}{k}", Scale.PLAIN) for k in self._harmonics for f in ("cos", "sin")
-        ]
-        self._keep(coordinates=(Coordinate("log", Scale.PLAIN), *waves))
-
-    _harmonics: tuple[int, ...]
+    _level = (Coordinate("log", Scale.PLAIN),)
 
     def log_radius(self, c: Array, s: Array, p: Array) -> tuple[Array, Array, Array]:
         """Return ln r_C and its derivatives."""

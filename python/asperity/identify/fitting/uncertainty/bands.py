@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Record
 
 
-class Bands(Value):
+class Bands(Record):
     """Model forces per unit normal force with confidence bands, pointwise.
 
     Args:
@@ -25,19 +22,3 @@ class Bands(Value):
     half_width: Array
     resistance: Array
     resistance_half_width: Array
-
-    def __init__(
-        self,
-        phi: ArrayLike,
-        force: ArrayLike,
-        half_width: ArrayLike,
-        resistance: ArrayLike,
-        resistance_half_width: ArrayLike,
-    ) -> None:
-        self._set(
-            phi=np.asarray(phi),
-            force=np.asarray(force),
-            half_width=np.asarray(half_width),
-            resistance=np.asarray(resistance),
-            resistance_half_width=np.asarray(resistance_half_width),
-        )

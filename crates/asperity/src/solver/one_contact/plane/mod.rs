@@ -97,11 +97,11 @@ fn ill_conditioned(
     if opens {
         return Some(local.open());
     }
-    let stick = local.any_stick();
-    if stick.is_some() && state.phase != Phase::Slip {
-        return stick;
-    }
-    let found = local.slip_from(&guess).or(stick);
+    let slip = || local.slip_from(&guess);
+    let found = match state.phase {
+        Phase::Slip => slip().or_else(|| local.any_stick()),
+        _ => local.any_stick().or_else(slip),
+    };
     if found.is_some() {
         return found;
     }

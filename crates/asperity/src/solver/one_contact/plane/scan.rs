@@ -8,39 +8,43 @@ use crate::law::{COARSE, Columns, WalkTable};
 pub(super) struct Scan {
     /// `F` at the coarse nodes, the first one repeated at the end.
     value: [f64; COARSE + 1],
-    open: [bool; COARSE],
+    /// How far a cell is from holding a solution; not positive where it may hold one.
+    margin: [f64; COARSE],
 }
 
 impl Scan {
     /// Evaluates `F` and `n·v` at all coarse nodes: a cell is excluded where `F` keeps away from zero, or `n·v` stays
-    /// below it. There are no branches within the loops, so that they are compiled to vector instructions.
+    /// below it, by more than they may stray from their chords. The loops have no branches, so that they are compiled
+    /// to vector instructions.
     pub(super) fn new(slip: &Slip<'_, '_>, table: &WalkTable) -> Self {
         let (c0, a) = (&slip.c0, slip.a * slip.scale);
         let Columns { n: [n0, n1], nx: [[n0x0, n0x1], [n1x0, n1x1]], normal, product } =
             &*table.columns;
-        let (mut value, mut along) = ([0.0; COARSE + 1], [0.0; COARSE + 1]);
+        let (mut value, mut against) = ([0.0; COARSE + 1], [0.0; COARSE + 1]);
         for i in 0..COARSE {
             let v0 = a.m11 * n0x0[i] + a.m12 * n0x1[i];
             let v1 = a.m21 * n1x0[i] + a.m22 * n1x1[i];
-            along[i] = slip.sign * (c0.x * n0[i] + c0.y * n1[i] - v0 - v1);
+            against[i] = -slip.sign * (c0.x * n0[i] + c0.y * n1[i] - v0 - v1);
             let w0 = a.m21 * n0x0[i] + a.m22 * n0x1[i];
             let w1 = a.m11 * n1x0[i] + a.m12 * n1x1[i];
             value[i] = c0.y * n0[i] - c0.x * n1[i] - w0 + w1;
         }
-        (value[COARSE], along[COARSE]) = (value[0], along[0]);
+        (value[COARSE], against[COARSE]) = (value[0], against[0]);
         let (by_normal, by_product) = (slip.norm_c, slip.norm_a * slip.scale);
-        let open = std::array::from_fn(|i| {
+        let mut margin = [0.0; COARSE];
+        for i in 0..COARSE {
             let stray = by_normal * normal[i] + by_product * product[i];
             let (f, g) = (value[i], value[i + 1]);
-            let no_root = ((f >= 0.0) == (g >= 0.0)) & (f.abs().min(g.abs()) > stray);
-            !(no_root | (along[i].max(along[i + 1]) < -stray))
-        });
-        Self { value, open }
+            // The lesser magnitude of values of one sign, not positive where the sign changes.
+            let apart = larger(smaller(f, g), smaller(-f, -g));
+            margin[i] = larger(apart, smaller(against[i], against[i + 1])) - stray;
+        }
+        Self { value, margin }
     }
 
-    /// The cells that may hold a solution.
+    /// The cells that may hold a solution; what is not a number excludes nothing.
     pub(super) fn open(&self) -> impl Iterator<Item = usize> + '_ {
-        self.open.iter().enumerate().filter_map(|(i, &open)| open.then_some(i))
+        self.margin.iter().enumerate().filter_map(|(i, &margin)| (!(margin > 0.0)).then_some(i))
     }
 
     /// Whether exactly one cell is left, and that with a change of sign.
@@ -75,4 +79,15 @@ impl Scan {
         }
         changes == 1
     }
+}
+
+/// The smaller and the larger of two numbers without the questions about what is none.
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
