@@ -267,7 +267,7 @@ impl Solver {
         let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
         if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
             let methods = methods.get_or_insert_default();
-            (iterations, ended) = methods.newton_from(task, iterate.reborrow(), sweeper, &start);
+            (iterations, ended) = methods.try_candidate(task, iterate.reborrow(), sweeper, &start);
             residual = iterate.measure(&task);
             if residual.value <= stop.tolerance {
                 findings = findings::judge(&task, ended, residual, &mut iterate, groups);
