@@ -1,11 +1,11 @@
 //! The time loop.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
 
 pub use crate::integrator::OptionsError;
 use crate::integrator::midpoint::{Attempt, State, StepError, Stepper};
+use crate::integrator::observer::Observer;
 use crate::integrator::options::check_positive;
 use crate::solver::{SolveReport, Solver, Status, Unsolvable};
 use crate::system::{InitialState, System, SystemError};
@@ -159,13 +159,6 @@ pub struct Run {
     pub outcome: Outcome,
 }
 
-/// How often the observer is called, whatever a step costs.
-const POLL_EVERY: Duration = Duration::from_millis(50);
-
-/// Most steps between two looks at the clock: its cost is lost among so many, and if steps suddenly take a
-/// hundred times longer, nobody notices.
-const MOST_UNSEEN: u32 = 64;
-
 /// Simulates `system` with Moreau's midpoint scheme.
 ///
 /// `observer(step, steps)` is called about every 50 ms, within long steps, too, and may stop the run.
@@ -225,8 +218,8 @@ pub fn resume(
         Err(StepError::System(error @ SystemError::Argument { .. })) => return Err(error.into()),
         Err(error) => return Ok(Run { trajectory, end: None, outcome: Outcome::Error(error) }),
     };
-    let watch = Watch { clock: RefCell::new(Clock::new()), observer: RefCell::new(observer) };
-    let outcome = run(options, &mut stepper, &mut trajectory, &watch);
+    let mut after = |step| observer(step, options.steps);
+    let outcome = run(options, &mut stepper, &mut trajectory, &Observer::new(&mut after));
     let end = Some(stepper.state()).filter(State::is_finite);
     Ok(Run { trajectory, end, outcome: outcome.unwrap_or_else(Outcome::Error) })
 }
@@ -236,11 +229,11 @@ fn run(
     options: &Options,
     stepper: &mut Stepper<'_>,
     trajectory: &mut Trajectory,
-    watch: &Watch<'_, '_>,
+    observer: &Observer<'_, usize>,
 ) -> Result<Outcome, StepError> {
     trajectory.begin(stepper)?;
     let mut last = None;
-    let outcome = steps(options, stepper, trajectory, watch, &mut last);
+    let outcome = steps(options, stepper, trajectory, observer, &mut last);
     let recorded = match (&outcome, last) {
         (Err(StepError::NotFinite { .. }), _) | (_, None) => Ok(()),
         (_, Some(report)) => trajectory.record(stepper, report.iterations, report.residual),
@@ -253,7 +246,7 @@ fn steps(
     options: &Options,
     stepper: &mut Stepper<'_>,
     trajectory: &mut Trajectory,
-    watch: &Watch<'_, '_>,
+    observer: &Observer<'_, usize>,
     unsaved: &mut Option<SolveReport>,
 ) -> Result<Outcome, StepError> {
     let (mut rested, mut fastest) = (0, 0.0_f64);
@@ -262,7 +255,7 @@ fn steps(
     for step in 1..=options.steps {
         // A step that asks but once is over soon: the clock would be a part of its cost.
         let asked = Cell::new(false);
-        let cancelled = || asked.replace(true) && watch.stops((step - 1, options.steps));
+        let cancelled = || asked.replace(true) && observer.asks_to_stop(step - 1);
         let report = match stepper.attempt(&cancelled, wanted)? {
             Attempt::Made(report) => report,
             Attempt::Cancelled => return Ok(Outcome::Interrupted),
@@ -289,7 +282,7 @@ fn steps(
         if options.until_rest && rested >= 2 {
             return Ok(Outcome::AtRest);
         }
-        if watch.stops_between((step, options.steps)) {
+        if observer.asks_to_stop_after_step(step) {
             return Ok(Outcome::Interrupted);
         }
         if step % options.save_every == 0 {
@@ -298,73 +291,4 @@ fn steps(
         }
     }
     Ok(Outcome::Finished)
-}
-
-/// The observer with the clock that says when it is to be asked.
-struct Watch<'a, 'b> {
-    clock: RefCell<Clock>,
-    observer: RefCell<&'a mut (dyn FnMut(usize, usize) -> ControlFlow<()> + 'b)>,
-}
-
-impl Watch<'_, '_> {
-    /// Whether the run is to stop, asked within a step, each time with a look at the clock.
-    #[cold]
-    fn stops(&self, (step, steps): (usize, usize)) -> bool {
-        self.clock.borrow_mut().look() && self.ask(step, steps)
-    }
-
-    /// Whether the run is to stop, asked after each step.
-    #[inline]
-    fn stops_between(&self, (step, steps): (usize, usize)) -> bool {
-        self.clock.borrow_mut().due() && self.ask(step, steps)
-    }
-
-    fn ask(&self, step: usize, steps: usize) -> bool {
-        (self.observer.borrow_mut())(step, steps).is_break()
-    }
-}
-
-/// Polls by the clock, reading it only now and then while steps are short.
-struct Clock {
-    /// When the observer was last called.
-    polled: Instant,
-    /// When the clock was last read.
-    read: Instant,
-    /// Steps until the clock is read again, and how many they were after the last reading.
-    countdown: u32,
-    interval: u32,
-}
-
-impl Clock {
-    fn new() -> Self {
-        let now = Instant::now();
-        Self { polled: now, read: now, countdown: 1, interval: 1 }
-    }
-
-    /// Whether the observer is to be called, as seen by every so-manieth call of this.
-    #[inline]
-    fn due(&mut self) -> bool {
-        self.countdown -= 1;
-        if self.countdown > 0 {
-            return false;
-        }
-        let before = self.read;
-        let due = self.look();
-        // The steps since the last reading tell how many fit between two.
-        let quick = self.read.duration_since(before) < POLL_EVERY / 8;
-        self.interval =
-            if quick { (2 * self.interval).min(MOST_UNSEEN) } else { (self.interval / 2).max(1) };
-        self.countdown = self.interval;
-        due
-    }
-
-    /// Whether the observer is to be called.
-    fn look(&mut self) -> bool {
-        self.read = Instant::now();
-        let due = self.read.duration_since(self.polled) >= POLL_EVERY;
-        if due {
-            self.polled = self.read;
-        }
-        due
-    }
 }

@@ -20,11 +20,10 @@ const SOLVER: [(&str, &[&str]); 9] = [
 ];
 
 /// The rooms of the event-driven integrator; each may use those before it.
-const EVENT: [&str; 11] = [
+const EVENT: [&str; 10] = [
     "vectors",
     "state",
     "outcome",
-    "observer",
     "options",
     "dynamics",
     "motion",

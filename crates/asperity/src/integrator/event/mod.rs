@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `options.rs` | options, sections and what is refused |
 //! | `vectors.rs`, `state.rs` | states, their scales, and what counts as zero |
-//! | `outcome.rs`, `observer.rs` | why an integration ends; whether to go on |
+//! | `outcome.rs` | why an integration ends |
 //! | `dynamics/` | accelerations and contact forces in a mode, their drift and their Jacobian |
 //! | `motion.rs` | what is returned |
 //! | `event_function/` | functions whose zeros are events, also between the stages of a step |
@@ -22,7 +22,6 @@ mod dynamics;
 mod event_function;
 mod integration;
 mod motion;
-mod observer;
 mod options;
 mod outcome;
 mod state;
