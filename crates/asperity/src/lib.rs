@@ -50,10 +50,12 @@
 //! ```
 #![deny(missing_docs, clippy::missing_errors_doc)]
 
+pub use argument::ArgumentError;
 pub use asperity_set as set;
 pub use integrator::{event, midpoint as stepper};
 pub use nalgebra;
 
+mod argument;
 pub mod contact;
 pub mod integrator;
 pub mod law;

@@ -3,10 +3,9 @@
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-pub use crate::integrator::OptionsError;
+use crate::argument::{ArgumentError, positive, refuse};
 use crate::integrator::midpoint::{Attempt, State, StepError, Stepper};
 use crate::integrator::observer::Observer;
-use crate::integrator::options::check_positive;
 use crate::solver::{SolveReport, Solver, Status, Unsolvable};
 use crate::system::{InitialState, System, SystemError};
 use crate::trajectory::Trajectory;
@@ -42,15 +41,15 @@ impl Options {
     ///
     /// # Errors
     ///
-    /// [`OptionsError`] if one of both is not finite and positive, or if there are more steps than can be counted.
-    pub fn new(dt: f64, t_end: f64) -> Result<Self, OptionsError> {
-        check_positive("dt", dt)?;
-        check_positive("t_end", t_end)?;
+    /// [`ArgumentError`] if one of both is not finite and positive, or if there are more steps than can be counted.
+    pub fn new(dt: f64, t_end: f64) -> Result<Self, ArgumentError> {
+        positive("dt", dt)?;
+        positive("t_end", t_end)?;
         let ratio = t_end / dt;
         // Beyond 2⁵³ the numbers of two steps have the same floating-point number.
         if !(ratio < 2f64.powi(53)) {
             let message = format!("is too small for t_end = {t_end}, got {dt}");
-            return Err(OptionsError { argument: "dt", message });
+            return refuse("dt", message);
         }
         let nearest = ratio.round();
         let steps =
@@ -182,13 +181,13 @@ pub struct Run {
 ///
 /// # Errors
 ///
-/// [`OptionsError`] if an option or the state at the beginning is out of range. Whatever happens later is the
+/// [`ArgumentError`] if an option or the state at the beginning is out of range. Whatever happens later is the
 /// [`Outcome`] of the run.
 pub fn simulate(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-) -> Result<Run, OptionsError> {
+) -> Result<Run, ArgumentError> {
     let own = || system.initial_state();
     let InitialState { q, u } = options.start.clone().unwrap_or_else(own);
     resume(system, &State::new(0.0, &q, &u), options, observer)
@@ -205,17 +204,16 @@ pub fn resume(
     start: &State,
     options: &Options,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-) -> Result<Run, OptionsError> {
+) -> Result<Run, ArgumentError> {
     if options.save_every == 0 {
-        let message = "must be at least 1, got 0".into();
-        return Err(OptionsError { argument: "save_every", message });
+        return refuse("save_every", "must be at least 1, got 0");
     }
     let Options { dt, tolerance, solver, .. } = *options;
     let mut trajectory = Trajectory::empty(system);
     let mut stepper = match Stepper::from_state(system, solver, tolerance, dt, start) {
         Ok(stepper) => stepper,
         Err(StepError::Options(error)) => return Err(error),
-        Err(StepError::System(error @ SystemError::Argument { .. })) => return Err(error.into()),
+        Err(StepError::System(SystemError::Argument(error))) => return Err(error),
         Err(error) => return Ok(Run { trajectory, end: None, outcome: Outcome::Error(error) }),
     };
     let mut after = |step| observer(step, options.steps);

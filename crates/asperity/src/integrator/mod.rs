@@ -18,5 +18,4 @@ pub(crate) mod observer;
 pub(crate) mod options;
 pub(crate) mod samples;
 
-pub use options::OptionsError;
 pub use samples::Samples;

@@ -19,6 +19,7 @@ pub use rigid::RigidBodies;
 pub use signal::{Break, Derivative, Interpolation, Moment, Signal, Smoothness};
 pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
+use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::law::Law;
 
 /// What of a system never changes, so that it is computed once.
@@ -64,6 +65,13 @@ impl ContactLaw {
     pub fn rows(&self) -> usize {
         self.normal_rows() + self.law.dimension()
     }
+
+    /// Refuses numbers out of their ranges.
+    pub(crate) fn check(&self) -> Result<(), ArgumentError> {
+        part("normal_restitution", self.normal_restitution)?;
+        part("tangential_restitution", self.tangential_restitution)?;
+        not_negative("normal_force", self.normal_force.unwrap_or(0.0)).map(drop)
+    }
 }
 
 /// A system could not be made or evaluated.
@@ -71,27 +79,18 @@ impl ContactLaw {
 #[non_exhaustive]
 pub enum SystemError {
     /// An argument is out of range.
-    #[error("{argument}: {message}")]
-    Argument {
-        /// Name of the argument.
-        argument: &'static str,
-        /// What is allowed, and what was given.
-        message: String,
-    },
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
     /// A callback of the user failed.
     #[error("{0}")]
     Foreign(Box<dyn Error + Send + Sync>),
 }
 
 impl SystemError {
-    pub(crate) fn argument(argument: &'static str, message: impl Into<String>) -> Self {
-        Self::Argument { argument, message: message.into() }
-    }
-
     /// A direction that moves nothing would make the friction force of this contact meaningless.
     pub(crate) fn direction(contact: usize) -> Self {
         let message = format!("must be finite and not zero, is not at contact {contact}");
-        Self::argument("direction", message)
+        ArgumentError { argument: "direction", message }.into()
     }
 }
 
@@ -256,8 +255,8 @@ pub trait System: Debug + Sync {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] if the coordinates have no normal form.
-    fn normalise(&self, _q0: &mut [f64]) -> Result<(), SystemError> {
+    /// [`ArgumentError`] if the coordinates have no normal form.
+    fn normalise(&self, _q0: &mut [f64]) -> Result<(), ArgumentError> {
         Ok(())
     }
 
@@ -310,7 +309,7 @@ pub trait System: Debug + Sync {
     ///
     /// [`SystemError::Foreign`] if what the user has written fails.
     fn gap(&self, _at: &Configuration<'_>, _contact: usize) -> Result<f64, SystemError> {
-        Err(SystemError::argument("contacts", "a unilateral contact needs a gap function"))
+        Ok(refuse("contacts", "a unilateral contact needs a gap function")?)
     }
 
     /// Directions of one contact: the rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ`, one after another, each with

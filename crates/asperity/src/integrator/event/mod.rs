@@ -34,7 +34,7 @@ pub use options::{Options, Section};
 pub use outcome::{Outcome, Stagnation};
 pub use state::EvaluationError;
 
-pub use crate::integrator::OptionsError;
+use crate::argument::ArgumentError;
 use crate::system::System;
 
 /// The motion so far, and why it ended; the first is there whatever the second says.
@@ -74,13 +74,13 @@ pub struct Run {
 ///
 /// # Errors
 ///
-/// [`OptionsError`] if an option is out of range, if contacts overlap at the beginning, or if the system cannot be
+/// [`ArgumentError`] if an option is out of range, if contacts overlap at the beginning, or if the system cannot be
 /// integrated in this way: the direction sets of its laws must be strictly convex.
 pub fn integrate(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
-) -> Result<Run, OptionsError> {
+) -> Result<Run, ArgumentError> {
     options.check(system)?;
     let mut options = options.clone();
     let mut start = options.initial_state(system);

@@ -1,8 +1,7 @@
 //! What to integrate, and what is refused.
 
-use crate::integrator::options::{
-    OptionsError, check_entries, check_positive, check_structure, refuse,
-};
+use crate::argument::{ArgumentError, entries, finite, positive, refuse};
+use crate::integrator::options::check_structure;
 use crate::system::{InitialState, System};
 
 /// Latest end, so that no power of a time overflows.
@@ -63,9 +62,9 @@ impl Options {
     ///
     /// # Errors
     ///
-    /// [`OptionsError`] if that is not finite and positive.
-    pub fn new(t_end: f64) -> Result<Self, OptionsError> {
-        check_positive("t_end", t_end)?;
+    /// [`ArgumentError`] if that is not finite and positive.
+    pub fn new(t_end: f64) -> Result<Self, ArgumentError> {
+        positive("t_end", t_end)?;
         let (tolerance, max_events) = (1e-10, 10_000);
         let (start, sample, max_step, section) = (None, None, None, None);
         Ok(Self { t_end, start, tolerance, sample, max_step, section, max_events })
@@ -113,7 +112,7 @@ impl Options {
     }
 
     /// Refuses options, and systems that cannot be integrated from event to event.
-    pub(crate) fn check(&self, system: &dyn System) -> Result<(), OptionsError> {
+    pub(crate) fn check(&self, system: &dyn System) -> Result<(), ArgumentError> {
         check_structure(system)?;
         let (n, coordinates) = (system.dof(), system.coordinates());
         if n == 0 {
@@ -134,10 +133,10 @@ impl Options {
                 return refuse("contacts", message);
             }
         }
-        check_positive("t_end", self.t_end)?;
-        check_positive("tolerance", self.tolerance)?;
-        check_positive("dt", self.sample.unwrap_or(1.0))?;
-        check_positive("max_step", self.max_step.unwrap_or(1.0))?;
+        positive("t_end", self.t_end)?;
+        positive("tolerance", self.tolerance)?;
+        positive("dt", self.sample.unwrap_or(1.0))?;
+        positive("max_step", self.max_step.unwrap_or(1.0))?;
         let Self { t_end, tolerance, .. } = *self;
         if !(1e-14..=1e-2).contains(&tolerance) {
             return refuse("tolerance", format!("must lie in [1e-14, 1e-2], got {tolerance}"));
@@ -160,13 +159,10 @@ impl Options {
             return refuse("max_events", "must be at least 1, got 0");
         }
         let InitialState { q, u } = self.initial_state(system);
-        check_entries("q0", &q, coordinates)?;
-        check_entries("u0", &u, n)?;
+        entries("q0", &q, coordinates)?;
+        entries("u0", &u, n)?;
         let Some(section) = &self.section else { return Ok(()) };
-        check_entries("section", &section.normal, coordinates + n)?;
-        if !(section.level.is_finite() && section.after.is_finite()) {
-            return refuse("section", "must have a finite level and time");
-        }
-        Ok(())
+        entries("section", &section.normal, coordinates + n)?;
+        finite("section", &[section.level, section.after])
     }
 }

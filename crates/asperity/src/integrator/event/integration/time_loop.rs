@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use crate::argument::ArgumentError;
 use crate::contact::Phase;
-use crate::integrator::OptionsError;
 use crate::integrator::event::collocation::initial_step;
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::attempt::StateError;
@@ -47,7 +47,7 @@ pub(crate) fn run(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
-) -> Result<(Motion, Outcome), OptionsError> {
+) -> Result<(Motion, Outcome), ArgumentError> {
     let mut integration = Integration::new(system, options, observer);
     let outcome = match integration.check_overlap() {
         Ok(checked) => {
