@@ -67,6 +67,7 @@ pub mod simulate;
 pub mod solver;
 pub mod system;
 pub mod trajectory;
+mod vectors;
 
 /// The examples of the README are compiled and run.
 #[cfg(doctest)]

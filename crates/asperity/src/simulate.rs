@@ -9,6 +9,7 @@ use crate::integrator::observer::Observer;
 use crate::solver::{SolveReport, Solver, Status, Unsolvable};
 use crate::system::{InitialState, System, SystemError};
 use crate::trajectory::Trajectory;
+use crate::vectors::largest;
 
 /// What to simulate. What is not given has the value that stands beside it.
 #[derive(Debug, Clone, PartialEq)]
@@ -272,7 +273,7 @@ fn steps(
         trajectory.count(stepper, report.ambiguous);
         *unsaved = Some(report);
         if options.until_rest {
-            let speed = stepper.u().iter().fold(0.0, |s: f64, v| s.max(v.abs()));
+            let speed = largest(stepper.u());
             fastest = fastest.max(speed);
             rested = if speed <= 1e-12 * fastest { rested + 1 } else { 0 };
         }

@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError};
 use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::law::Law;
+use crate::vectors::dot;
 
 /// Normal direction of a contact of a linear system.
 #[derive(Debug, Clone, PartialEq)]
@@ -198,7 +199,7 @@ impl System for LinearSystem {
 
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let LinearContact { rows, gap, .. } = &self.contacts[contact];
-        Ok(gap + rows.iter().zip(at.q).map(|(w, x)| w * x).sum::<f64>())
+        Ok(gap + dot(rows, at.q))
     }
 
     fn rows(

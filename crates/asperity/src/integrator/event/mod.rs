@@ -7,7 +7,7 @@
 //! | file | concept |
 //! |---|---|
 //! | `options.rs` | options, sections and what is refused |
-//! | `vectors.rs`, `state.rs` | states, their scales, and what counts as zero |
+//! | `state.rs` | states, their scales, and what counts as zero |
 //! | `outcome.rs` | why an integration ends |
 //! | `dynamics/` | accelerations and contact forces in a mode, their drift and their Jacobian |
 //! | `motion.rs` | what is returned |
@@ -25,7 +25,6 @@ mod motion;
 mod options;
 mod outcome;
 mod state;
-mod vectors;
 
 use std::ops::ControlFlow;
 

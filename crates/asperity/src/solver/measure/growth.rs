@@ -15,6 +15,7 @@
 
 use super::natural_residual::Measured;
 use crate::contact::{Components, ContactProblem, ContactRows, Delassus, NormalForce};
+use crate::vectors::largest;
 
 /// Part of `L`, and of `N`, that contacts may approach with. Where growth is below [`GROWN`], a residual of 1e-4
 /// and less implies the former.
@@ -224,7 +225,7 @@ fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f
     let mut brought = 0.0;
     if let Delassus::MatrixFree(operator) = problem.delassus() {
         // Without entries only their size is known.
-        brought += operator.norm() * percussion.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
+        brought += operator.norm() * largest(percussion);
         return (load, brought);
     }
     problem.each_entry(i, row, |j, column, g| {

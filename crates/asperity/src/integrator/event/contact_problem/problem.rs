@@ -6,9 +6,9 @@ use crate::contact::{ContactProblem, ContactState, Memory, NormalForce};
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::EvaluationError;
-use crate::integrator::event::vectors::dot;
 use crate::integrator::observer::Observer;
 use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
+use crate::vectors::dot;
 
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over.
 const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };

@@ -5,7 +5,7 @@ use crate::integrator::event::dynamics::{ContactVariables, ROWS};
 use crate::integrator::event::integration::location::{LEAST, closed_gap};
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::state::{EvaluationError, State};
-use crate::integrator::event::vectors::{largest, norm};
+use crate::vectors::{largest, norm};
 
 impl Integration<'_> {
     /// Refuses contacts that overlap at the beginning.

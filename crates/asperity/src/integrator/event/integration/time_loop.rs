@@ -14,8 +14,8 @@ use crate::integrator::event::motion::Motion;
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::{EvaluationError, ROUNDING, shortest_step};
-use crate::integrator::event::vectors::{add, largest, norm};
 use crate::system::System;
+use crate::vectors::{add, largest, norm};
 
 /// Attempts among which the rejected ones are counted, and how many of them are too many.
 const WINDOW: usize = 2000;

@@ -11,9 +11,9 @@ use crate::integrator::event::motion::{Event, EventKind, Motion};
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, State, ZERO_VELOCITY};
-use crate::integrator::event::vectors::largest;
 use crate::integrator::observer::Observer;
 use crate::system::{Break, System};
+use crate::vectors::largest;
 
 /// Why the integration ends here, if it does.
 pub(crate) type Ending = Result<Option<Outcome>, EvaluationError>;
