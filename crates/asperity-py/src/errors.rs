@@ -107,6 +107,7 @@ impl From<SystemError> for Failure {
     fn from(error: SystemError) -> Self {
         Self(match error {
             SystemError::Argument(error) => parameter(error.argument, &error.message),
+            SystemError::Rotation { .. } => parameter("dt", &format!("is too long: {error}")),
             // An exception of the user's code comes back as itself.
             SystemError::Foreign(source) => match source.downcast::<PyErr>() {
                 Ok(error) => *error,

@@ -136,7 +136,7 @@ pub struct Failure {
     /// Time at the end of the step in s.
     pub time: f64,
     /// The contact with the largest defect, in the order of the system's contacts.
-    pub contact: usize,
+    pub contact: Option<usize>,
     /// Natural residual.
     pub residual: f64,
     /// How the solver ended.

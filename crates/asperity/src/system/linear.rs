@@ -33,7 +33,7 @@ pub struct Contact {
     pub velocity: Vec<f64>,
     /// Normal force or gap.
     pub normal: Normal,
-    /// `e_N` and `e_T`.
+    /// `e_N` and `e_T`, both in [0, 1].
     pub restitution: (f64, f64),
 }
 
@@ -115,17 +115,7 @@ impl LinearSystem {
             .filter(|&(_, _, k, b)| k != 0.0 || b != 0.0)
             .collect();
         let checked = contacts.iter().map(|c| linear_contact(c, n)).collect::<Result<_, _>>()?;
-        let law = |contact: Contact| ContactLaw {
-            law: contact.law,
-            normal_force: match contact.normal {
-                Normal::Force(value) => Some(value),
-                Normal::Gap { .. } => None,
-            },
-            normal_restitution: contact.restitution.0,
-            tangential_restitution: contact.restitution.1,
-        };
-        let laws: Vec<_> = contacts.into_iter().map(law).collect();
-        laws.iter().try_for_each(ContactLaw::check)?;
+        let laws = contacts.into_iter().map(contact_law).collect::<Result<_, _>>()?;
         Ok(Self { blocks: Blocks::one(n), mass, internal, force, contacts: checked, laws })
     }
 }
@@ -146,6 +136,15 @@ fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, Argument
     rows.extend(contact.direction.as_slice());
     velocity.extend(&contact.velocity);
     Ok(LinearContact { rows, velocity, gap })
+}
+
+fn contact_law(contact: Contact) -> Result<ContactLaw, ArgumentError> {
+    let normal_force = match contact.normal {
+        Normal::Force(value) => Some(value),
+        Normal::Gap { .. } => None,
+    };
+    let (normal, tangential) = contact.restitution;
+    ContactLaw::new(contact.law, normal_force)?.with_restitution(normal, tangential)
 }
 
 fn check_matrix(
@@ -211,7 +210,7 @@ impl System for LinearSystem {
     ) -> Result<f64, SystemError> {
         rows.copy_from_slice(&self.contacts[contact].rows);
         velocity.copy_from_slice(&self.contacts[contact].velocity);
-        let given = self.laws[contact].normal_force.is_some();
+        let given = self.laws[contact].normal_force().is_some();
         if given { Ok(0.0) } else { self.gap(at, contact) }
     }
 }

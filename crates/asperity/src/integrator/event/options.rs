@@ -2,7 +2,8 @@
 
 use crate::argument::{ArgumentError, entries, finite, positive, refuse};
 use crate::integrator::options::check_structure;
-use crate::system::{InitialState, System};
+use crate::system::{InitialState, Rotation, System};
+use crate::vectors::largest;
 
 /// Latest end, so that no power of a time overflows.
 const LATEST: f64 = 1e60;
@@ -126,7 +127,7 @@ impl Options {
             return refuse("system", message);
         }
         for (i, contact) in system.contacts().iter().enumerate() {
-            if !contact.law.has_strictly_convex_direction() {
+            if !contact.law().has_strictly_convex_direction() {
                 let message = format!(
                     "the direction set of contact {i} must be strictly convex: on a flat side one direction of the slip vanishes by itself"
                 );
@@ -161,8 +162,30 @@ impl Options {
         let InitialState { q, u } = self.initial_state(system);
         entries("q0", &q, coordinates)?;
         entries("u0", &u, n)?;
+        if !rates_are_velocities(system, &q) {
+            let message = "must have its velocities as rates of its coordinates but for rotations of space, which `advance` contradicts";
+            return refuse("system", message);
+        }
         let Some(section) = &self.section else { return Ok(()) };
         entries("section", &section.normal, coordinates + n)?;
         finite("section", &[section.level, section.after])
     }
+}
+
+/// Whether a system moves the coordinates that are not rotations of space by `Δt u`, tried with velocities and a time
+/// that are unlike each other.
+fn rates_are_velocities(system: &dyn System, q: &[f64]) -> bool {
+    let rotations = system.rotations();
+    let is_free = |first: fn(&Rotation) -> usize, len: usize, place: usize| {
+        !rotations.iter().any(|rotation| (first(rotation)..first(rotation) + len).contains(&place))
+    };
+    let coordinates = (0..q.len()).filter(|&i| is_free(|r| r.coordinate, 4, i));
+    let velocities = (0..system.dof()).filter(|&k| is_free(|r| r.velocity, 3, k));
+    let size = largest(q);
+    let size = if size > 0.0 { size } else { 1.0 };
+    let u: Vec<f64> = (0..system.dof()).map(|k| size * (1.0 + 0.3 * (k % 7) as f64)).collect();
+    let (h, mut moved) = (0.01, q.to_vec());
+    system.advance(q, &u, h, &mut moved);
+    // The comparison also turns away NaN.
+    coordinates.zip(velocities).all(|(i, k)| (moved[i] - (q[i] + h * u[k])).abs() <= 1e-12 * size)
 }

@@ -24,7 +24,7 @@ pub enum StepError {
         time: f64,
     },
     /// The contact problem is not finite; a solver must not see it.
-    #[error("directions or velocities of contact {contact} are not finite at t = {time} s")]
+    #[error("gap, directions or velocities of contact {contact} are not finite at t = {time} s")]
     NotFiniteContact {
         /// Time in s.
         time: f64,

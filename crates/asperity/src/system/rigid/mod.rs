@@ -53,6 +53,8 @@ pub struct RigidBodies {
     planar: bool,
     blocks: Blocks,
     inertial: Vec<Inertial>,
+    /// Bodies of unequal moments, whose angular momenta are what is stepped.
+    unequal: Vec<usize>,
     timed_loads: Vec<TimedLoad>,
     timed_planes: Vec<Timed>,
     gravity: Vector3<f64>,
@@ -143,13 +145,14 @@ impl RigidBodies {
             }
         }
         let timed_planes = pairs.iter().filter_map(|pair| pair.shape.timed()).collect();
-        let given = |&contact: &usize| laws[contact].normal_force.is_some();
+        let given = |&contact: &usize| laws[contact].normal_force().is_some();
         let prescribed = (0..laws.len()).filter(given).collect();
+        let unequal = (0..inertial.len()).filter(|&body| !inertial[body].isotropic).collect();
         let (gravity, size) = (gravity.into(), if planar { 3 } else { 6 });
         let blocks = Blocks::new(std::iter::repeat_n(size, inertial.len()));
         #[rustfmt::skip]
         let bodies =
-            Self { planar, blocks, inertial, timed_loads, timed_planes, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
+            Self { planar, blocks, inertial, unequal, timed_loads, timed_planes, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
         Ok(bodies)
     }
 

@@ -81,9 +81,9 @@ pub struct Pair {
     /// Normal force of every contact in N if it is given, acting on both bodies; `None` for unilateral
     /// contacts.
     pub normal_force: Option<f64>,
-    /// Newton's `e_N`.
+    /// Newton's `e_N`, in [0, 1].
     pub normal_restitution: f64,
-    /// `e_T`.
+    /// `e_T`, in [0, 1].
     pub tangential_restitution: f64,
     /// Radius `R` of the contact patch in m for laws with drilling, whose third slip is `R ω_N`.
     pub patch_radius: Option<f64>,
@@ -124,14 +124,8 @@ impl Pair {
             }
             radius => positive("patch_radius", radius.unwrap_or(1.0))?,
         };
-        let law = ContactLaw {
-            law: self.law.clone(),
-            normal_force: self.normal_force,
-            normal_restitution: self.normal_restitution,
-            tangential_restitution: self.tangential_restitution,
-        };
-        law.check()?;
-        Ok(law)
+        ContactLaw::new(self.law.clone(), self.normal_force)?
+            .with_restitution(self.normal_restitution, self.tangential_restitution)
     }
 
     /// Its contacts, between `bodies` bodies.

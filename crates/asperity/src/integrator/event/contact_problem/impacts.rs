@@ -37,8 +37,8 @@ pub(crate) fn collide(
     let laws = dynamics.system.contacts();
     if law == ImpactLaw::Newton {
         let coefficients = contacts.iter().flat_map(|&i| {
-            let tangential = repeat_n(laws[i].tangential_restitution, dynamics.contacts[i].p);
-            once(laws[i].normal_restitution).chain(tangential)
+            let tangential = repeat_n(laws[i].tangential_restitution(), dynamics.contacts[i].p);
+            once(laws[i].normal_restitution()).chain(tangential)
         });
         let terms = problem.restitution_mut().iter_mut().zip(coefficients).zip(&before);
         terms.for_each(|((term, e), before)| *term = e * before);
