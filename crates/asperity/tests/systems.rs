@@ -141,10 +141,7 @@ fn stepper<'a>(system: &'a dyn System, q: &[f64]) -> Result<Stepper<'a>, StepErr
     Stepper::new(system, EXACT, 1e-10, 0.01, q, &vec![0.0; system.dof()])
 }
 
-fn integrate(
-    system: &dyn System,
-    q: &[f64],
-) -> Result<event::Run, asperity::integrator::OptionsError> {
+fn integrate(system: &dyn System, q: &[f64]) -> Result<event::Run, asperity::ArgumentError> {
     let options = event::Options::new(1.0).unwrap().with_start(q, &vec![0.0; system.dof()]);
     event::integrate(system, &options, &mut |_| ControlFlow::Continue(()))
 }

@@ -336,7 +336,7 @@ fn laws_are_checked_where_they_are_made_and_asked() {
                 calm("alpha", || law.alpha(&slip));
             }
             refused("normal_force", || {
-                law.slip_direction(&Vector::<2>::new(0.1, 0.0), wrong.abs() * -1.0, 1e-9)
+                law.slip_direction(&Vector::<2>::new(0.1, 0.0), -wrong.abs(), 1e-9)
             });
             let _ = calm("rotated", || law.rotated(wrong));
         }

@@ -46,4 +46,6 @@ def _explained(error: Exception, options: argparse.Namespace) -> str:
     if isinstance(error, ParameterError) and error.argument in vars(options):
         # In the words of the command line.
         return f"--{error.argument.replace('_', '-')}: {error.message}"
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
     return str(error)

@@ -66,6 +66,8 @@ def problem_files(paths: Sequence[Path]) -> list[Path]:
             if not inside:
                 raise ParameterError(str(path), f"holds no {', '.join(SUFFIXES)} files")
             found += sorted(inside)
+        elif path.suffix not in SUFFIXES:
+            raise ParameterError(str(path), f"must end in {', '.join(SUFFIXES)}")
         else:
             found.append(path)
     return found
@@ -93,8 +95,6 @@ def solve_files(
         try:
             loaded.append((path.stem, ContactProblem.load(path)))
         except AsperityError as error:
-            if path.suffix not in SUFFIXES:
-                raise
             unreadable.append((path.name, str(error)))
     for name, problem in sorted(loaded, key=lambda one: len(one[1].laws)):
         seconds = float("inf")

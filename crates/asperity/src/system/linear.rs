@@ -3,7 +3,9 @@
 use nalgebra::DMatrix;
 
 use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError};
+use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::law::Law;
+use crate::vectors::dot;
 
 /// Normal direction of a contact of a linear system.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +90,7 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] if a matrix or vector has another shape or is not finite, if `mass` is not symmetric positive
+    /// [`ArgumentError`] if a matrix or vector has another shape or is not finite, if `mass` is not symmetric positive
     /// definite, or if a number of a contact is out of its range.
     pub fn new(
         mass: DMatrix<f64>,
@@ -96,16 +98,16 @@ impl LinearSystem {
         damping: DMatrix<f64>,
         force: Vec<f64>,
         contacts: Vec<Contact>,
-    ) -> Result<Self, SystemError> {
+    ) -> Result<Self, ArgumentError> {
         let n = mass.nrows();
         check_matrix("mass", &mass, n, n)?;
         check_matrix("stiffness", &stiffness, n, n)?;
         check_matrix("damping", &damping, n, n)?;
-        check_finite("force", &force, n)?;
+        entries("force", &force, n)?;
         if (&mass - mass.transpose()).amax() > 1e-12 * mass.amax()
             || mass.clone().cholesky().is_none()
         {
-            return Err(SystemError::argument("mass", "must be symmetric positive definite"));
+            return refuse("mass", "must be symmetric positive definite");
         }
         let internal = (0..n)
             .flat_map(|i| (0..n).map(move |j| (i, j)))
@@ -118,20 +120,17 @@ impl LinearSystem {
     }
 }
 
-fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, SystemError> {
+fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, ArgumentError> {
     let p = contact.law.dimension();
     check_matrix("direction", &contact.direction, n, p)?;
-    check_finite("velocity", &contact.velocity, p)?;
+    entries("velocity", &contact.velocity, p)?;
     let (mut rows, mut velocity, mut gap) = (Vec::new(), Vec::new(), 0.0);
-    match &contact.normal {
-        Normal::Force(_) => {}
-        Normal::Gap { direction, gap: at_zero } => {
-            check_finite("normal", direction, n)?;
-            check_finite("gap", &[*at_zero], 1)?;
-            rows.extend(direction);
-            velocity.push(0.0);
-            gap = *at_zero;
-        }
+    if let Normal::Gap { direction, gap: at_zero } = &contact.normal {
+        entries("normal", direction, n)?;
+        finite("gap", &[*at_zero])?;
+        rows.extend(direction);
+        velocity.push(0.0);
+        gap = *at_zero;
     }
     // Column-major W is row-major Wᵀ.
     rows.extend(contact.direction.as_slice());
@@ -139,7 +138,7 @@ fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, SystemEr
     Ok(LinearContact { rows, velocity, gap })
 }
 
-fn contact_law(contact: Contact) -> Result<ContactLaw, SystemError> {
+fn contact_law(contact: Contact) -> Result<ContactLaw, ArgumentError> {
     let normal_force = match contact.normal {
         Normal::Force(value) => Some(value),
         Normal::Gap { .. } => None,
@@ -153,24 +152,13 @@ fn check_matrix(
     matrix: &DMatrix<f64>,
     rows: usize,
     columns: usize,
-) -> Result<(), SystemError> {
+) -> Result<(), ArgumentError> {
     if matrix.shape() != (rows, columns) {
         let (r, c) = matrix.shape();
         let message = format!("must have shape ({rows}, {columns}), has ({r}, {c})");
-        return Err(SystemError::argument(argument, message));
+        return refuse(argument, message);
     }
-    check_finite(argument, matrix.as_slice(), rows * columns)
-}
-
-fn check_finite(argument: &'static str, values: &[f64], len: usize) -> Result<(), SystemError> {
-    if values.len() != len {
-        let message = format!("must have {len} entries, has {}", values.len());
-        return Err(SystemError::argument(argument, message));
-    }
-    if let Some(value) = values.iter().find(|v| !v.is_finite()) {
-        return Err(SystemError::argument(argument, format!("must be finite, got {value}")));
-    }
-    Ok(())
+    finite(argument, matrix.as_slice())
 }
 
 impl System for LinearSystem {
@@ -210,7 +198,7 @@ impl System for LinearSystem {
 
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let LinearContact { rows, gap, .. } = &self.contacts[contact];
-        Ok(gap + rows.iter().zip(at.q).map(|(w, x)| w * x).sum::<f64>())
+        Ok(gap + dot(rows, at.q))
     }
 
     fn rows(

@@ -19,6 +19,7 @@ pub use rigid::RigidBodies;
 pub use signal::{Break, Derivative, Interpolation, Moment, Signal, Smoothness};
 pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
+use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::law::Law;
 
 /// What of a system never changes, so that it is computed once.
@@ -53,12 +54,9 @@ impl ContactLaw {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] if a prescribed normal force is not finite or negative.
-    pub fn new(law: impl Into<Law>, normal_force: Option<f64>) -> Result<Self, SystemError> {
-        if let Some(force) = normal_force.filter(|force| !(force.is_finite() && *force >= 0.0)) {
-            let message = format!("must be finite and not negative, got {force}");
-            return Err(SystemError::argument("normal_force", message));
-        }
+    /// [`ArgumentError`] if a prescribed normal force is not finite or negative.
+    pub fn new(law: impl Into<Law>, normal_force: Option<f64>) -> Result<Self, ArgumentError> {
+        not_negative("normal_force", normal_force.unwrap_or(0.0))?;
         let (normal_restitution, tangential_restitution) = (0.0, 0.0);
         Ok(Self { law: law.into(), normal_force, normal_restitution, tangential_restitution })
     }
@@ -67,17 +65,11 @@ impl ContactLaw {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] unless both lie in [0, 1].
-    pub fn with_restitution(self, normal: f64, tangential: f64) -> Result<Self, SystemError> {
-        for (argument, e) in
-            [("normal_restitution", normal), ("tangential_restitution", tangential)]
-        {
-            if !(0.0..=1.0).contains(&e) {
-                let message = format!("must lie in [0, 1], got {e}");
-                return Err(SystemError::argument(argument, message));
-            }
-        }
-        Ok(Self { normal_restitution: normal, tangential_restitution: tangential, ..self })
+    /// [`ArgumentError`] unless both lie in [0, 1].
+    pub fn with_restitution(self, normal: f64, tangential: f64) -> Result<Self, ArgumentError> {
+        let normal_restitution = part("normal_restitution", normal)?;
+        let tangential_restitution = part("tangential_restitution", tangential)?;
+        Ok(Self { normal_restitution, tangential_restitution, ..self })
     }
 
     /// Friction law.
@@ -122,13 +114,8 @@ impl ContactLaw {
 #[non_exhaustive]
 pub enum SystemError {
     /// An argument is out of range.
-    #[error("{argument}: {message}")]
-    Argument {
-        /// Name of the argument.
-        argument: &'static str,
-        /// What is allowed, and what was given.
-        message: String,
-    },
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
     /// A body of unequal moments turns too far in a step for the midpoint rule.
     #[error(
         "body {body} turns by {angle:.3} rad in a step, so that its angular velocity at the end is not found: dt times \
@@ -146,14 +133,10 @@ pub enum SystemError {
 }
 
 impl SystemError {
-    pub(crate) fn argument(argument: &'static str, message: impl Into<String>) -> Self {
-        Self::Argument { argument, message: message.into() }
-    }
-
     /// A direction that moves nothing would make the friction force of this contact meaningless.
     pub(crate) fn direction(contact: usize) -> Self {
         let message = format!("must be finite and not zero, is not at contact {contact}");
-        Self::argument("direction", message)
+        ArgumentError { argument: "direction", message }.into()
     }
 }
 
@@ -318,8 +301,8 @@ pub trait System: Debug + Sync {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] if the coordinates have no normal form.
-    fn normalise(&self, _q0: &mut [f64]) -> Result<(), SystemError> {
+    /// [`ArgumentError`] if the coordinates have no normal form.
+    fn normalise(&self, _q0: &mut [f64]) -> Result<(), ArgumentError> {
         Ok(())
     }
 
@@ -372,7 +355,7 @@ pub trait System: Debug + Sync {
     ///
     /// [`SystemError::Foreign`] if what the user has written fails.
     fn gap(&self, _at: &Configuration<'_>, _contact: usize) -> Result<f64, SystemError> {
-        Err(SystemError::argument("contacts", "a unilateral contact needs a gap function"))
+        Ok(refuse("contacts", "a unilateral contact needs a gap function")?)
     }
 
     /// Directions of one contact: the rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ`, one after another, each with

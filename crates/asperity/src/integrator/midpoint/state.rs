@@ -1,7 +1,7 @@
 //! What a run hands over to one that continues it.
 
+use crate::argument::{ArgumentError, entries, refuse};
 use crate::contact::ContactState;
-use crate::integrator::options::{OptionsError, check_entries, refuse};
 use crate::system::System;
 
 /// What a contact hands over to the next step.
@@ -79,9 +79,9 @@ impl State {
     }
 
     /// Whether a system can start from it.
-    pub(super) fn check(&self, system: &dyn System) -> Result<(), OptionsError> {
-        check_entries("q0", &self.q, system.coordinates())?;
-        check_entries("u0", &self.u, system.dof())?;
+    pub(super) fn check(&self, system: &dyn System) -> Result<(), ArgumentError> {
+        entries("q0", &self.q, system.coordinates())?;
+        entries("u0", &self.u, system.dof())?;
         let refuse = |message: String| refuse("start", message);
         let counted = self.dt.map_or(self.steps == 0, |dt| dt.is_finite() && dt > 0.0);
         if !counted {

@@ -4,8 +4,9 @@ use super::assembly::Assembly;
 use super::closed::Closed;
 use super::outcome::{Attempt, ContactOutput, StepError};
 use super::state::State;
+use crate::argument::below;
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
-use crate::integrator::options::{self, OptionsError};
+use crate::integrator::options;
 use crate::solver::{SolveReport, Solver, Unsolvable, Workspace};
 use crate::system::System;
 
@@ -197,12 +198,7 @@ impl<'a> Stepper<'a> {
         match self.outputs.get(contact) {
             Some(Some(output)) => return Ok(*output),
             Some(None) => {}
-            None => {
-                let contacts = self.outputs.len();
-                let message =
-                    format!("must be below {contacts}, the number of contacts, got {contact}");
-                return Err(OptionsError { argument: "contact", message }.into());
-            }
+            None => below("contact", contact, self.outputs.len(), "contacts")?,
         }
         let slip = self.slip(contact)?;
         Ok(ContactOutput { phase: Phase::Open, slip, force: [0.0; 3], normal_force: 0.0 })

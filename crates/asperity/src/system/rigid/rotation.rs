@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::vectors::largest;
+
 /// Rotation matrix of a unit quaternion.
 #[inline]
 pub(super) fn matrix(q: &[f64; 4]) -> Matrix3<f64> {
@@ -129,7 +131,7 @@ pub(super) fn unit(q: [f64; 4]) -> Option<[f64; 4]> {
         return Some(q);
     }
     // Scaled first, as squares overflow and underflow.
-    let largest = q.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    let largest = largest(&q);
     (largest > 0.0).then(|| normalized(q.map(|c| c / largest)))
 }
 

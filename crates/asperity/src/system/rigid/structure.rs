@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
+use crate::argument::{ArgumentError, refuse};
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, System,
     SystemError,
@@ -39,7 +40,7 @@ impl System for RigidBodies {
         InitialState { q: self.q0.clone(), u: self.u0.clone() }
     }
 
-    fn normalise(&self, q0: &mut [f64]) -> Result<(), SystemError> {
+    fn normalise(&self, q0: &mut [f64]) -> Result<(), ArgumentError> {
         if self.planar {
             return Ok(());
         }
@@ -48,7 +49,7 @@ impl System for RigidBodies {
                 let message = format!(
                     "the orientation of body {body}, (w, x, y, z), must not be of length zero"
                 );
-                return Err(SystemError::argument("q0", message));
+                return refuse("q0", message);
             };
             q[3..].copy_from_slice(&orientation);
         }

@@ -5,7 +5,7 @@ use std::iter::{once, repeat_n};
 use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solving};
 use crate::integrator::event::dynamics::{ConstraintMatrix, Dynamics, ROWS};
 use crate::integrator::event::state::{EvaluationError, State};
-use crate::integrator::event::vectors::add;
+use crate::vectors::add;
 
 /// Relative distance from the boundary of a reservoir that counts as none.
 const BOUNDARY: f64 = 1e-6;

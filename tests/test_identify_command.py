@@ -278,3 +278,21 @@ def test_radii_on_the_axes_are_those_of_the_reservoir():
     sets = MeasuredSets(phi, -LAW.force(np.stack([np.cos(phi), np.sin(phi)], axis=1)))
     found = sets.radii_on_axes
     assert found == pytest.approx((4.99 / 9.3, 4.25 / 9.3), rel=5e-3)
+
+
+def test_options_are_named_as_they_are_typed(campaign, tmp_path, capsys):
+    for options, words in (
+        (("--confidence", "2"), "--confidence: must lie between 0 and 1"),
+        (("--confidence", "1"), "--confidence: must"),
+    ):
+        assert identify(campaign, "run_1.csv", out=tmp_path / "out", options=options) == 2
+        assert words in capsys.readouterr().err
+
+
+def test_remedies_are_named_as_the_configuration_has_them(campaign, tmp_path, capsys):
+    lines = (campaign / "run_1.csv").read_text().splitlines()
+    (campaign / "hole.csv").write_text("\n".join([*lines[:100], "0.1,,,,", *lines[101:]]))
+    assert identify(campaign, "hole.csv", out=tmp_path / "out") == 2
+    told = capsys.readouterr().err
+    assert "or split it there; see [file] on_defect in" in told
+    assert "tribometer.toml" in told
