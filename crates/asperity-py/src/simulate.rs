@@ -70,11 +70,7 @@ fn state_dict<'py>(py: Python<'py>, state: State) -> PyResult<Bound<'py, PyDict>
         table.extend(slips.into_iter().flatten());
         table.extend(memory.percussion);
     }
-    let contacts = state.contacts.len();
-    let momenta = (!state.momenta.is_empty()).then(|| {
-        let bodies = state.momenta.len() / 3;
-        PyArray1::from_vec(py, state.momenta).reshape([bodies, 3])
-    });
+    let (contacts, bodies) = (state.contacts.len(), state.momenta.len() / 3);
     let out = PyDict::new(py);
     out.set_item("t0", state.origin)?;
     out.set_item("steps", state.steps)?;
@@ -82,7 +78,7 @@ fn state_dict<'py>(py: Python<'py>, state: State) -> PyResult<Bound<'py, PyDict>
     out.set_item("q", PyArray1::from_vec(py, state.q))?;
     out.set_item("u", PyArray1::from_vec(py, state.u))?;
     out.set_item("contacts", PyArray1::from_vec(py, table).reshape([contacts, COLUMNS])?)?;
-    out.set_item("momenta", momenta.transpose()?)?;
+    out.set_item("momenta", PyArray1::from_vec(py, state.momenta).reshape([bodies, 3])?)?;
     Ok(out)
 }
 
