@@ -166,7 +166,7 @@ impl Closed {
     /// Refuses directions that move nothing: they would make the friction force meaningless.
     pub(super) fn check_directions(&self) -> Result<(), SystemError> {
         for (i, (contact, c)) in self.problem.contacts().iter().zip(&self.active).enumerate() {
-            let diagonal = |a| self.problem.delassus().own(i, contact.offset, a, a);
+            let diagonal = |a| self.problem.delassus().own(i, a, a);
             if (0..contact.len()).any(|a| diagonal(a) <= 0.0) {
                 return Err(SystemError::direction(*c));
             }

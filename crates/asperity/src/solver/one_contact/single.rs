@@ -109,7 +109,7 @@ impl<'a, const P: usize> Single<'a, P> {
         held: &[f64; 4],
     ) -> Self {
         let rows: &ContactRows = &problem.contacts()[i];
-        let entry = |a: usize, b: usize| problem.delassus().own(i, rows.offset, a, b);
+        let entry = |a: usize, b: usize| problem.delassus().own(i, a, b);
         Self::new(law, rows.normal, entry, |a| held[a])
     }
 
