@@ -11,9 +11,7 @@ use serde::de::Error as _;
 use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{
-    BlockMatrix, ContactProblem, Csr, Delassus, Factored, IntoDelassus, NormalForce, ProblemError,
-};
+use super::{BlockMatrix, ContactProblem, Csr, Delassus, Factored, IntoDelassus, ProblemError};
 use crate::law::Law;
 
 #[derive(Serialize, Deserialize)]
@@ -177,11 +175,7 @@ impl TryFrom<ProblemData> for ContactProblem {
         let ProblemData { free_velocity, restitution, contacts, laws, delassus } = data;
         let contacts: Option<Vec<_>> = contacts
             .iter()
-            .map(|contact| {
-                let normal = contact.normal_force;
-                let normal = normal.map_or(NormalForce::Unilateral, NormalForce::Prescribed);
-                Some((laws.get(contact.law)?.clone(), normal))
-            })
+            .map(|contact| Some((laws.get(contact.law)?.clone(), contact.normal_force.into())))
             .collect();
         let Some(contacts) = contacts else {
             return refuse("contacts", "must have the numbers of laws that there are");

@@ -32,6 +32,12 @@ impl NormalForce {
     }
 }
 
+impl From<Option<f64>> for NormalForce {
+    fn from(prescribed: Option<f64>) -> Self {
+        prescribed.map_or(Self::Unilateral, Self::Prescribed)
+    }
+}
+
 /// One contact of a problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactRows {
@@ -73,10 +79,7 @@ impl ContactRows {
     /// Normal percussion: the prescribed one, or that of the normal row.
     #[inline]
     pub fn normal_percussion(&self, percussion: &[f64]) -> f64 {
-        match self.normal {
-            NormalForce::Prescribed(value) => value,
-            NormalForce::Unilateral => percussion[self.offset],
-        }
+        self.normal.prescribed().unwrap_or_else(|| percussion[self.offset])
     }
 
     /// Tangential rows.

@@ -1,6 +1,6 @@
 //! A contact problem of some contacts of a system, and how it is solved.
 
-use crate::contact::{BlockMatrix, ContactProblem, ContactState, Memory, NormalForce};
+use crate::contact::{BlockMatrix, ContactProblem, ContactState, Memory};
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::EvaluationError;
@@ -100,13 +100,11 @@ impl Participants {
     ) -> Result<ContactProblem, EvaluationError> {
         self.contacts.iter().try_for_each(|&i| dynamics.check_rows(i))?;
         let response = |j: usize| &self.responses[j * dynamics.n..(j + 1) * dynamics.n];
-        let contacts = self.contacts.iter().map(|&i| {
-            let normal = match normal_force(&dynamics.contacts[i]) {
-                Some(force) => NormalForce::Prescribed(force),
-                None => NormalForce::Unilateral,
-            };
-            (dynamics.law(i).clone(), normal)
-        });
+        let contact = |&i: &usize| {
+            let prescribed = normal_force(&dynamics.contacts[i]);
+            (dynamics.law(i).clone(), prescribed.into())
+        };
+        let contacts = self.contacts.iter().map(contact);
         let sizes: Vec<usize> =
             self.contacts.iter().map(|&i| dynamics.rows_of(i).count()).collect();
         let delassus =
