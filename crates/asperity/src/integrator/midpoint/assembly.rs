@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::closed::{Change, Closed};
-use super::coupling::Coupling;
+use super::coupling;
 use super::outcome::StepError;
 use super::products::Part;
 use super::rated::Factors;
@@ -390,7 +390,7 @@ impl Assembly {
         (u, dt): (&[f64], f64),
         closed: &mut Closed,
     ) -> Result<(), SystemError> {
-        let delassus = Coupling::new(system, &closed.found).pattern(&self.midpoint.q)?;
+        let delassus = coupling::pattern(system, &closed.found, &self.midpoint.q)?;
         closed.renew(system.contacts(), dt, delassus);
         let blocks = system.blocks();
         self.contacts.clear();
