@@ -22,7 +22,7 @@ const ROUNDING: f64 = 1e-6;
 const SLIDING: f64 = 2.0;
 
 /// The system and its closed contacts at the midpoint.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Assembly {
     /// Whether contacts neither open, close nor change their directions.
     fixed: bool,
@@ -127,19 +127,9 @@ impl Assembly {
                 momenta,
                 ..Midpoint::default()
             },
-            mass: MassFactors::default(),
-            has_mass: false,
             free: vec![0.0; dof],
-            contacts: Vec::new(),
-            sides: Vec::new(),
-            directions: Vec::new(),
-            responses: Vec::new(),
-            chi: Vec::new(),
-            slip: Vec::new(),
-            chord: Vec::new(),
             struck: vec![false; system.blocks().count()],
-            factors: Factors::default(),
-            evaluated: Evaluated::default(),
+            ..Self::default()
         }
     }
 
