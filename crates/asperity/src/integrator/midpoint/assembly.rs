@@ -18,8 +18,9 @@ use crate::system::{Configuration, ContactLaw, Midpoint, System, SystemError};
 const ROUNDING: f64 = 1e-6;
 
 /// A contact that slips by more than this multiple of what its directions change by slides. One that sticks has slip of
-/// once as much, and of none where a run begins.
-const SLIDING: f64 = 2.0;
+/// once as much, of none where a run begins, and of twice as much where it was not held along the chord before, which
+/// must not go on: four keeps away from all of these.
+const SLIDING: f64 = 4.0;
 
 /// The system and its closed contacts at the midpoint.
 #[derive(Debug, Default)]
