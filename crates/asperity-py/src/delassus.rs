@@ -26,7 +26,9 @@ impl Operator<'_> {
     pub fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, Failure> {
         let rows = sizes.iter().sum();
         Ok(match self {
-            Self::Dense(entries) => matrix(&entries, "delassus")?.into(),
+            Self::Dense(entries) => {
+                BlockMatrix::from_dense(&matrix(&entries, "delassus")?, sizes)?.into()
+            }
             Self::Sparse(triple) => {
                 let csr = sparse("delassus", (rows, rows), &triple)?;
                 BlockMatrix::from_csr(&csr, sizes)?.into()

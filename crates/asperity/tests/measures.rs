@@ -423,8 +423,9 @@ fn between_walls(
     let blocks = BlockMatrix::from_csr(&sparse("delassus", &dense), &[2; 4]).unwrap();
     let [a, b, c] = approach.map(|v| -v);
     let free = vec![a, 0.2, b, -0.1, c, 0.3, -1.0, 0.5];
+    let full = BlockMatrix::from_dense(&dense, &[2; 4]).unwrap();
     let forms: [(&str, Delassus); 3] =
-        [("dense", dense.into()), ("blocks", blocks.into()), ("factored", factored.into())];
+        [("dense", full.into()), ("blocks", blocks.into()), ("factored", factored.into())];
     forms
         .into_iter()
         .map(|(name, delassus)| {

@@ -109,8 +109,9 @@ fn problems(p: usize, situation: Situation, random: &mut Random) -> Vec<ContactP
         Csr::from_dense("directions", &directions).unwrap(),
         &sizes,
     );
+    let full = BlockMatrix::from_dense(&dense, &sizes).unwrap();
     let blocks = BlockMatrix::from_csr(&Csr::from_dense("delassus", &dense).unwrap(), &sizes);
-    let forms: [Delassus; 3] = [dense.into(), blocks.unwrap().into(), factored.unwrap().into()];
+    let forms: [Delassus; 3] = [full.into(), blocks.unwrap().into(), factored.unwrap().into()];
     let problem = |delassus: Delassus| {
         let contacts =
             (0..contacts).map(|i| (laws[i % laws.len()].clone(), NormalForce::Unilateral));

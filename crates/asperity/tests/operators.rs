@@ -69,7 +69,7 @@ fn forms() -> Vec<(&'static str, Delassus)> {
         BlockMatrix::from_csr(&Csr::from_dense("delassus", &dense).unwrap(), &sizes).unwrap();
     let free = MatrixFree::new(Arc::new(Products(dense.clone())), &sizes).unwrap();
     vec![
-        ("dense", dense.into()),
+        ("dense", BlockMatrix::from_dense(&dense, &sizes).unwrap().into()),
         ("blocks", blocks.into()),
         ("factored", factored.unwrap().into()),
         ("matrix-free", free.into()),
@@ -339,7 +339,8 @@ fn cone_defect(mu: f64, p: &[f64], xi: &[f64], rho: f64) -> f64 {
 
 #[test]
 fn eigenvalues_beyond_all_numbers_are_an_error() {
-    let full = |size: f64| Delassus::from(DMatrix::from_element(6, 6, size));
+    let element = |size: f64| DMatrix::from_element(6, 6, size);
+    let full = |size| Delassus::from(BlockMatrix::from_dense(&element(size), &[3, 3]).unwrap());
     assert_eq!(full(1e308).spectrum().unwrap_err().argument(), "delassus");
     for size in [1e300, 1.0, 1e-300] {
         let (low, high) = full(size).spectrum().unwrap();

@@ -11,7 +11,7 @@ use serde::de::Error as _;
 use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{BlockMatrix, ContactProblem, Csr, Delassus, Factored, NormalForce, ProblemError};
+use super::{BlockMatrix, ContactProblem, Csr, Delassus, Factored, IntoDelassus, ProblemError};
 use crate::law::Law;
 
 #[derive(Serialize, Deserialize)]
@@ -108,7 +108,8 @@ impl TryFrom<&Delassus> for DelassusData {
 
     fn try_from(delassus: &Delassus) -> Result<Self, ProblemError> {
         Ok(match delassus {
-            Delassus::Dense(matrix) => {
+            Delassus::Blocks(blocks) if blocks.is_full() => {
+                let matrix = delassus.to_dense();
                 let rows = matrix.row_iter().map(|row| row.iter().copied().collect());
                 Self::Dense { rows: rows.collect() }
             }
@@ -125,24 +126,22 @@ impl TryFrom<&Delassus> for DelassusData {
     }
 }
 
-impl TryFrom<DelassusData> for Delassus {
-    type Error = ProblemError;
-
-    fn try_from(data: DelassusData) -> Result<Self, ProblemError> {
-        Ok(match data {
+impl IntoDelassus for DelassusData {
+    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ProblemError> {
+        match self {
             DelassusData::Dense { rows } => {
                 let n = rows.len();
                 if rows.iter().any(|row| row.len() != n) {
                     return refuse("delassus", "must have as many columns as rows");
                 }
-                DMatrix::from_fn(n, n, |i, j| rows[i][j]).into()
+                DMatrix::from_fn(n, n, |i, j| rows[i][j]).into_delassus(sizes)
             }
-            DelassusData::Blocks(blocks) => BlockMatrix::try_from(blocks)?.into(),
+            DelassusData::Blocks(blocks) => BlockMatrix::try_from(blocks)?.into_delassus(sizes),
             DelassusData::Factored { mass, directions, blocks } => {
                 let (mass, directions) = (mass.csr("mass")?, directions.csr("directions")?);
-                Factored::with_blocks(mass, directions, blocks.try_into()?)?.into()
+                Factored::with_blocks(mass, directions, blocks.try_into()?)?.into_delassus(sizes)
             }
-        })
+        }
     }
 }
 
@@ -176,22 +175,14 @@ impl TryFrom<ProblemData> for ContactProblem {
         let ProblemData { free_velocity, restitution, contacts, laws, delassus } = data;
         let contacts: Option<Vec<_>> = contacts
             .iter()
-            .map(|contact| {
-                let normal = contact.normal_force;
-                let normal = normal.map_or(NormalForce::Unilateral, NormalForce::Prescribed);
-                Some((laws.get(contact.law)?.clone(), normal))
-            })
+            .map(|contact| Some((laws.get(contact.law)?.clone(), contact.normal_force.into())))
             .collect();
         let Some(contacts) = contacts else {
             return refuse("contacts", "must have the numbers of laws that there are");
         };
         // Coefficients of one leave the terms as they are.
         let ones = vec![1.0; contacts.len()];
-        Self::new(Delassus::try_from(delassus)?, free_velocity, contacts)?.with_restitution(
-            &ones,
-            &ones,
-            &restitution,
-        )
+        Self::new(delassus, free_velocity, contacts)?.with_restitution(&ones, &ones, &restitution)
     }
 }
 

@@ -120,31 +120,15 @@ impl Memory {
     /// Takes over the percussions that another one remembers; states are those of nothing in particular.
     #[inline]
     pub(crate) fn start_from(&mut self, other: &Self) {
-        self.resize(other);
-        self.percussion.copy_from_slice(&other.percussion);
-    }
-
-    /// Takes over the sizes of another one.
-    #[inline(always)]
-    fn resize(&mut self, other: &Self) {
-        let same = self.percussion.len() == other.percussion.len();
-        if !(same && self.states.len() == other.states.len()) {
-            self.resize_to(other.percussion.len(), other.states.len());
-        }
-    }
-
-    #[cold]
-    fn resize_to(&mut self, rows: usize, contacts: usize) {
-        self.percussion.resize(rows, 0.0);
-        self.states.resize(contacts, ContactState::default());
+        self.percussion.clone_from(&other.percussion);
+        self.states.resize(other.states.len(), ContactState::default());
     }
 
     /// Takes over what another one remembers, in the buffers that are there.
     #[inline]
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        self.resize(other);
-        self.percussion.copy_from_slice(&other.percussion);
-        self.states.copy_from_slice(&other.states);
+        self.percussion.clone_from(&other.percussion);
+        self.states.clone_from(&other.states);
     }
 
     /// What is remembered of an earlier solution.

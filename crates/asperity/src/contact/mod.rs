@@ -9,7 +9,9 @@ mod memory;
 mod problem;
 
 pub(crate) use components::Components;
-pub use delassus::{BlockMatrix, Csr, Delassus, DelassusOperator, Factored, MatrixFree};
+pub use delassus::{
+    BlockMatrix, Csr, Delassus, DelassusOperator, Factored, IntoDelassus, MatrixFree,
+};
 pub use error::ProblemError;
 pub use memory::{ContactState, Memory, Phase};
 pub use problem::{ContactProblem, ContactRows, NormalForce};

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::{ProblemError, check_finite, check_length};
-use super::{BlockMatrix, Delassus};
+use super::{Delassus, IntoDelassus};
 use crate::law::Law;
 
 /// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
@@ -29,6 +29,12 @@ impl NormalForce {
             Self::Prescribed(value) => Some(value),
             Self::Unilateral => None,
         }
+    }
+}
+
+impl From<Option<f64>> for NormalForce {
+    fn from(prescribed: Option<f64>) -> Self {
+        prescribed.map_or(Self::Unilateral, Self::Prescribed)
     }
 }
 
@@ -73,10 +79,7 @@ impl ContactRows {
     /// Normal percussion: the prescribed one, or that of the normal row.
     #[inline]
     pub fn normal_percussion(&self, percussion: &[f64]) -> f64 {
-        match self.normal {
-            NormalForce::Prescribed(value) => value,
-            NormalForce::Unilateral => percussion[self.offset],
-        }
+        self.normal.prescribed().unwrap_or_else(|| percussion[self.offset])
     }
 
     /// Tangential rows.
@@ -143,16 +146,15 @@ impl ContactProblem {
     /// finite, a prescribed normal percussion is negative or the diagonal of the operator is not positive, if numbers
     /// are so large that their squares are none, or if a law depends on the sliding speed.
     pub fn new(
-        delassus: impl Into<Delassus>,
+        delassus: impl IntoDelassus,
         free_velocity: Vec<f64>,
         contacts: impl IntoIterator<Item = (Law, NormalForce)>,
     ) -> Result<Self, ProblemError> {
         let (contacts, offset) = number_rows(contacts);
-        let delassus = delassus.into();
         check_length("free_velocity", offset, free_velocity.len())?;
-        let offsets: Vec<usize> = contacts.iter().map(|c| c.offset).chain([offset]).collect();
-        delassus.check_shape(&offsets)?;
-        check_finite("delassus", delassus.entries())?;
+        let sizes: Vec<usize> = contacts.iter().map(ContactRows::len).collect();
+        let delassus = delassus.into_delassus(&sizes)?;
+        check_finite("delassus", delassus.blocks().values())?;
         check_finite("free_velocity", &free_velocity)?;
         for (i, contact) in contacts.iter().enumerate() {
             if contact.law.rate().is_some() {
@@ -165,7 +167,7 @@ impl ContactProblem {
                 return Err(ProblemError::Value { argument: "normal_force", allowed, value });
             }
             for a in 0..contact.len() {
-                let value = delassus.own(i, contact.offset, a, a);
+                let value = delassus.own(i, a, a);
                 if !(value > 0.0) {
                     let allowed = "positive on its diagonal";
                     return Err(ProblemError::Value { argument: "delassus", allowed, value });
@@ -237,39 +239,10 @@ impl ContactProblem {
         Ok(self)
     }
 
-    /// The Delassus operator as blocks, all of them.
-    pub(crate) fn blocks(&self) -> BlockMatrix {
-        let sizes: Vec<usize> = self.contacts.iter().map(ContactRows::len).collect();
-        let all: Vec<usize> = (0..sizes.len()).collect();
-        let mut blocks = BlockMatrix::with_pattern(&sizes, &vec![all; sizes.len()]);
-        self.copy_into(&mut blocks);
-        blocks
-    }
-
-    /// Copies a dense operator into blocks.
-    pub(crate) fn copy_into(&self, blocks: &mut BlockMatrix) {
-        let Delassus::Dense(g) = &self.delassus else { return };
-        for (i, contact) in self.contacts.iter().enumerate() {
-            for k in 0..blocks.neighbours(i).len() {
-                let (j, block) = blocks.block_mut(i, k);
-                let other = &self.contacts[j];
-                for (a, row) in block.chunks_exact_mut(other.len()).enumerate() {
-                    for (b, value) in row.iter_mut().enumerate() {
-                        *value = g[(contact.offset + a, other.offset + b)];
-                    }
-                }
-            }
-        }
-    }
-
     /// Whether no contact influences another.
     #[inline]
     pub(crate) fn is_uncoupled(&self) -> bool {
-        match &self.delassus {
-            Delassus::Dense(_) => self.contacts.len() == 1,
-            Delassus::MatrixFree(..) => false,
-            other => other.blocks().is_some_and(BlockMatrix::is_block_diagonal),
-        }
+        !self.delassus.is_matrix_free() && self.delassus.blocks().is_block_diagonal()
     }
 
     /// Calls `each` with contact, column and entry of all entries of a contact's row; of a matrix-free operator with
@@ -280,27 +253,18 @@ impl ContactProblem {
         row: usize,
         mut each: impl FnMut(usize, usize, f64),
     ) {
-        match &self.delassus {
-            Delassus::Dense(g) => {
-                for (j, other) in self.contacts.iter().enumerate() {
-                    other.rows().for_each(|column| each(j, column, g[(row, column)]));
-                }
-            }
-            operator => {
-                let local = row - self.contacts[contact].offset;
-                for (j, block) in operator.blocks().into_iter().flat_map(|g| g.row(contact)) {
-                    let columns = self.contacts[j].rows();
-                    let entries = &block[local * columns.len()..(local + 1) * columns.len()];
-                    columns.zip(entries).for_each(|(column, g)| each(j, column, *g));
-                }
-            }
+        let local = row - self.contacts[contact].offset;
+        for (j, block) in self.delassus.blocks().row(contact) {
+            let columns = self.contacts[j].rows();
+            let entries = &block[local * columns.len()..(local + 1) * columns.len()];
+            columns.zip(entries).for_each(|(column, g)| each(j, column, *g));
         }
     }
 
     /// Brings `ρ` up to date with the Delassus operator.
     fn update_rho(&mut self) {
         for (i, (rho, contact)) in self.rho.iter_mut().zip(&self.contacts).enumerate() {
-            let diagonal = |a| self.delassus.own(i, contact.offset, a, a);
+            let diagonal = |a| self.delassus.own(i, a, a);
             *rho = contact.len() as f64 / (0..contact.len()).map(diagonal).sum::<f64>();
         }
     }
@@ -378,28 +342,8 @@ impl ContactProblem {
         percussion: &[f64],
         with_own: bool,
     ) -> [f64; 4] {
-        let contact = &self.contacts[i];
-        let own = contact.rows();
         let mut sum = self.load(i);
-        match &self.delassus {
-            Delassus::Dense(g) => {
-                if !with_own && own.len() == percussion.len() {
-                    return sum;
-                }
-                for (j, p) in percussion.iter().enumerate() {
-                    if with_own || !own.contains(&j) {
-                        for (value, row) in sum.iter_mut().zip(own.clone()) {
-                            *value += g[(row, j)] * p;
-                        }
-                    }
-                }
-            }
-            other => {
-                if let Some(blocks) = other.blocks() {
-                    blocks.add_row(i, percussion, with_own, &mut sum);
-                }
-            }
-        }
+        self.delassus.blocks().add_row(i, percussion, with_own, &mut sum);
         sum
     }
 
@@ -416,29 +360,17 @@ impl ContactProblem {
 
     /// Largest sum of magnitudes `|G_ij|` over a contact's rows, over its own columns or all.
     pub(crate) fn row_sum_bound(&self, i: usize, own_only: bool) -> f64 {
-        let contact = &self.contacts[i];
-        let own = contact.rows();
-        match &self.delassus {
-            Delassus::MatrixFree(operator) => operator.norm(),
-            Delassus::Dense(g) => own
-                .clone()
-                .map(|row| {
-                    let columns = if own_only { own.clone() } else { 0..g.ncols() };
-                    columns.map(|j| g[(row, j)].abs()).sum::<f64>()
-                })
-                .fold(0.0, f64::max),
-            other => {
-                let mut sums = [0.0; 4];
-                let blocks = other.blocks().into_iter().flat_map(|blocks| blocks.row(i));
-                for (_, block) in blocks.filter(|(j, _)| !own_only || *j == i) {
-                    let columns = block.len() / own.len();
-                    for (sum, row) in sums.iter_mut().zip(block.chunks_exact(columns)) {
-                        *sum += row.iter().map(|g| g.abs()).sum::<f64>();
-                    }
-                }
-                sums.into_iter().fold(0.0, f64::max)
+        if let Delassus::MatrixFree(operator) = &self.delassus {
+            return operator.norm();
+        }
+        let mut sums = [0.0; 4];
+        for (_, block) in self.delassus.blocks().row(i).filter(|(j, _)| !own_only || *j == i) {
+            let columns = block.len() / self.contacts[i].len();
+            for (sum, row) in sums.iter_mut().zip(block.chunks_exact(columns)) {
+                *sum += row.iter().map(|g| g.abs()).sum::<f64>();
             }
         }
+        sums.into_iter().fold(0.0, f64::max)
     }
 
     /// Velocities `γ_E = G P + b` in m/s of percussions in N s, row by row.
@@ -474,22 +406,13 @@ impl ContactProblem {
         let free = &self.free_velocity[..];
         // The rows of one contact stay in registers.
         if self.contacts.len() == 1 && !self.delassus.is_matrix_free() {
+            let entries = self.delassus.blocks().values();
             return match free.len() {
-                1 => velocity_of::<1>(&self.delassus, percussion, free, velocity),
-                2 => velocity_of::<2>(&self.delassus, percussion, free, velocity),
-                3 => velocity_of::<3>(&self.delassus, percussion, free, velocity),
-                _ => velocity_of::<4>(&self.delassus, percussion, free, velocity),
+                1 => velocity_of::<1>(entries, percussion, free, velocity),
+                2 => velocity_of::<2>(entries, percussion, free, velocity),
+                3 => velocity_of::<3>(entries, percussion, free, velocity),
+                _ => velocity_of::<4>(entries, percussion, free, velocity),
             };
-        }
-        if let Delassus::Dense(g) = &self.delassus {
-            velocity.copy_from_slice(free);
-            // There is nothing to add where there is no contact.
-            for (column, p) in g.as_slice().chunks_exact(self.rows().max(1)).zip(percussion) {
-                for (value, g) in velocity.iter_mut().zip(column) {
-                    *value += g * p;
-                }
-            }
-            return;
         }
         self.delassus.apply(percussion, velocity);
         for (value, free) in velocity.iter_mut().zip(free) {
@@ -501,17 +424,16 @@ impl ContactProblem {
 /// `γ_E = G P + b` of one contact with `N` rows.
 #[inline(always)]
 fn velocity_of<const N: usize>(
-    delassus: &Delassus,
+    entries: &[f64],
     percussion: &[f64],
     free: &[f64],
     velocity: &mut [f64],
 ) {
-    let (entries, percussion) = (&delassus.entries()[..N * N], &percussion[..N]);
-    let (row, column) = if let Delassus::Dense(_) = delassus { (1, N) } else { (N, 1) };
+    let (entries, percussion) = (&entries[..N * N], &percussion[..N]);
     let mut sums: [f64; N] = std::array::from_fn(|i| free[i]);
     for j in 0..N {
         for i in 0..N {
-            sums[i] += entries[i * row + j * column] * percussion[j];
+            sums[i] += entries[i * N + j] * percussion[j];
         }
     }
     velocity.copy_from_slice(&sums);
@@ -523,9 +445,10 @@ fn check_sizes(
     free_velocity: &[f64],
     contacts: &[ContactRows],
 ) -> Result<(), ProblemError> {
-    let diagonal = contacts.iter().enumerate().flat_map(|(i, contact)| {
-        (0..contact.len()).map(move |a| delassus.own(i, contact.offset, a, a))
-    });
+    let diagonal = contacts
+        .iter()
+        .enumerate()
+        .flat_map(|(i, contact)| (0..contact.len()).map(move |a| delassus.own(i, a, a)));
     let (smallest, largest) =
         diagonal.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), g| (low.min(g), high.max(g)));
     let reach = f64::max(1.0, f64::max(largest, 1.0 / smallest));

@@ -1,7 +1,10 @@
 //! Sparse Delassus operators: one block row per contact.
 
+use nalgebra::DMatrix;
+
 use super::Csr;
 use crate::contact::ProblemError;
+use crate::contact::error::check_length;
 
 /// Number of rows of contacts with `sizes` rows each.
 pub(super) fn rows_of(sizes: &[usize]) -> Result<usize, ProblemError> {
@@ -10,6 +13,13 @@ pub(super) fn rows_of(sizes: &[usize]) -> Result<usize, ProblemError> {
         return Err(ProblemError::Structure { argument: "delassus", message });
     }
     Ok(sizes.iter().sum())
+}
+
+/// Refuses matrices that have not a row and a column per row of the contacts.
+fn check_shape(sizes: &[usize], shape: (usize, usize)) -> Result<(), ProblemError> {
+    let rows = rows_of(sizes)?;
+    let got = if shape.0 == rows { shape.1 } else { shape.0 };
+    check_length("delassus", rows, got)
 }
 
 /// A sparse matrix of dense blocks `G_ij`, compressed by block rows, one per contact.
@@ -104,13 +114,8 @@ impl BlockMatrix {
     ///
     /// [`ProblemError`] if a contact has not 1 to 4 rows, or the matrix not the rows and columns of all contacts.
     pub fn from_csr(matrix: &Csr, sizes: &[usize]) -> Result<Self, ProblemError> {
-        let rows = rows_of(sizes)?;
-        for got in [matrix.rows(), matrix.columns()] {
-            if got != rows {
-                return Err(ProblemError::Length { argument: "delassus", expected: rows, got });
-            }
-        }
-        let mut contact_of = Vec::with_capacity(rows);
+        check_shape(sizes, (matrix.rows(), matrix.columns()))?;
+        let mut contact_of = Vec::with_capacity(matrix.rows());
         for (i, &size) in sizes.iter().enumerate() {
             contact_of.extend(std::iter::repeat_n(i, size));
         }
@@ -137,6 +142,31 @@ impl BlockMatrix {
             }
         }
         Ok(blocks)
+    }
+
+    /// All blocks of a dense matrix for contacts with `sizes` rows.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError`] if a contact has not 1 to 4 rows, or the matrix not the rows and columns of all contacts.
+    pub fn from_dense(matrix: &DMatrix<f64>, sizes: &[usize]) -> Result<Self, ProblemError> {
+        check_shape(sizes, matrix.shape())?;
+        Ok(Self::full(sizes, |i, j| matrix[(i, j)]))
+    }
+
+    /// All blocks of the matrix with these entries; rows and columns are those of contacts with `sizes` rows.
+    pub(crate) fn full(sizes: &[usize], entry: impl Fn(usize, usize) -> f64) -> Self {
+        let mut blocks = Self::default();
+        blocks.reset(sizes, sizes.iter().map(|_| 0..sizes.len()));
+        for i in 0..sizes.len() {
+            for j in 0..sizes.len() {
+                let (row, column) = (blocks.offsets[i], blocks.offsets[j]);
+                for (k, value) in blocks.block_mut(i, j).1.iter_mut().enumerate() {
+                    *value = entry(row + k / sizes[j], column + k % sizes[j]);
+                }
+            }
+        }
+        blocks
     }
 
     /// Number of block rows.
@@ -214,6 +244,12 @@ impl BlockMatrix {
     /// All values, to be changed.
     pub(crate) fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
+    }
+
+    /// Whether every two contacts meet.
+    #[cfg(feature = "serde")]
+    pub(crate) fn is_full(&self) -> bool {
+        self.columns.len() == self.contacts() * self.contacts()
     }
 
     /// Whether no two contacts meet.

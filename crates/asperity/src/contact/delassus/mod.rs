@@ -15,6 +15,7 @@ pub use csr::Csr;
 pub use factored::Factored;
 
 use super::ProblemError;
+use super::error::check_length;
 
 /// What an operator must be able to do; the prox iterations need no more.
 pub trait DelassusOperator: Debug + Send + Sync {
@@ -43,11 +44,9 @@ impl MatrixFree {
     /// [`ProblemError`] if a contact has not 1 to 4 rows, if the operator has not the rows of all contacts, or if its
     /// products are not finite.
     pub fn new(operator: Arc<dyn DelassusOperator>, sizes: &[usize]) -> Result<Self, ProblemError> {
-        let (expected, got) = (blocks::rows_of(sizes)?, operator.rows());
-        if expected != got {
-            return Err(ProblemError::Length { argument: "delassus", expected, got });
-        }
-        let diagonal = probe(operator.as_ref(), sizes, got, |i| vec![i]);
+        let rows = operator.rows();
+        check_length("delassus", blocks::rows_of(sizes)?, rows)?;
+        let diagonal = probe(operator.as_ref(), sizes, rows, |i| vec![i]);
         let mut out = Self { operator, diagonal, norm: 0.0 };
         let (low, high) = Delassus::MatrixFree(out.clone()).spectrum()?;
         out.norm = high.max(-low);
@@ -70,8 +69,6 @@ impl From<MatrixFree> for Delassus {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Delassus {
-    /// Every entry.
-    Dense(DMatrix<f64>),
     /// The blocks of contacts that influence each other.
     Blocks(BlockMatrix),
     /// `Wᵀ M⁻¹ W` with its factors.
@@ -96,22 +93,16 @@ impl Delassus {
 
     /// Number of rows.
     pub fn rows(&self) -> usize {
-        match self {
-            Self::Dense(matrix) => matrix.nrows(),
-            Self::Blocks(blocks) => blocks.rows(),
-            Self::Factored(factored) => factored.blocks().rows(),
-            Self::MatrixFree(free) => free.operator.rows(),
-        }
+        self.blocks().rows()
     }
 
-    /// The blocks, where they are kept: of a matrix-free operator those on the diagonal.
+    /// The blocks that are kept: of a matrix-free operator those on the diagonal.
     #[inline]
-    pub fn blocks(&self) -> Option<&BlockMatrix> {
+    pub fn blocks(&self) -> &BlockMatrix {
         match self {
-            Self::Dense(_) => None,
-            Self::Blocks(blocks) => Some(blocks),
-            Self::MatrixFree(free) => Some(&free.diagonal),
-            Self::Factored(factored) => Some(factored.blocks()),
+            Self::Blocks(blocks) => blocks,
+            Self::MatrixFree(free) => &free.diagonal,
+            Self::Factored(factored) => factored.blocks(),
         }
     }
 
@@ -124,26 +115,13 @@ impl Delassus {
     #[inline]
     pub(crate) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
         match self {
-            Self::Dense(matrix) => {
-                velocity.fill(0.0);
-                let (entries, n) = (matrix.as_slice(), matrix.nrows());
-                for (j, p) in percussion.iter().enumerate() {
-                    for (value, g) in velocity.iter_mut().zip(&entries[j * n..(j + 1) * n]) {
-                        *value += g * p;
-                    }
-                }
-            }
-            Self::Blocks(blocks) => blocks.apply(percussion, velocity),
-            Self::Factored(factored) => factored.blocks().apply(percussion, velocity),
             Self::MatrixFree(free) => free.operator.apply(percussion, velocity),
+            assembled => assembled.blocks().apply(percussion, velocity),
         }
     }
 
     /// Every entry, from products with unit vectors unless they are kept.
     pub fn to_dense(&self) -> DMatrix<f64> {
-        if let Self::Dense(matrix) = self {
-            return matrix.clone();
-        }
         let rows = self.rows();
         let mut dense = DMatrix::zeros(rows, rows);
         let mut unit = vec![0.0; rows];
@@ -155,36 +133,41 @@ impl Delassus {
         dense
     }
 
-    /// Entry in the diagonal block of contact `i`, whose first row is `offset`.
+    /// Entry in the diagonal block of contact `i`.
     #[inline]
-    pub(crate) fn own(&self, i: usize, offset: usize, a: usize, b: usize) -> f64 {
-        match self {
-            Self::Dense(matrix) => matrix[(offset + a, offset + b)],
-            _ => self.blocks().map_or(f64::NAN, |g| g.diagonal(i)[a * g.size(i) + b]),
-        }
+    pub(crate) fn own(&self, i: usize, a: usize, b: usize) -> f64 {
+        let blocks = self.blocks();
+        blocks.diagonal(i)[a * blocks.size(i) + b]
     }
+}
 
-    pub(super) fn entries(&self) -> &[f64] {
-        match self {
-            Self::Dense(matrix) => matrix.as_slice(),
-            _ => self.blocks().map_or(&[], |blocks| blocks.values()),
-        }
+/// What a contact problem takes for its operator: a [`Delassus`], whatever becomes one, or a dense matrix.
+pub trait IntoDelassus {
+    /// The operator of contacts with `sizes` rows.
+    ///
+    /// # Errors
+    ///
+    /// [`ProblemError`] if it has not the rows of these contacts.
+    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ProblemError>;
+}
+
+impl IntoDelassus for DMatrix<f64> {
+    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ProblemError> {
+        BlockMatrix::from_dense(&self, sizes).map(Delassus::Blocks)
     }
+}
 
-    pub(super) fn check_shape(&self, offsets: &[usize]) -> Result<(), ProblemError> {
-        let rows = offsets[offsets.len() - 1];
-        let mut sizes = vec![self.rows()];
-        if let Self::Dense(matrix) = self {
-            sizes.push(matrix.ncols());
-        }
-        if let Some(&got) = sizes.iter().find(|&&got| got != rows) {
-            return Err(ProblemError::Length { argument: "delassus", expected: rows, got });
-        }
-        if self.blocks().is_some_and(|blocks| blocks.offsets() != offsets) {
+impl<T: Into<Delassus>> IntoDelassus for T {
+    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ProblemError> {
+        let delassus = self.into();
+        check_length("delassus", sizes.iter().sum(), delassus.rows())?;
+        let blocks = delassus.blocks();
+        if blocks.contacts() != sizes.len() || (0..sizes.len()).any(|i| blocks.size(i) != sizes[i])
+        {
             let message = "must have one block row per contact, with the contact's rows";
             return Err(ProblemError::Structure { argument: "delassus", message });
         }
-        Ok(())
+        Ok(delassus)
     }
 }
 
@@ -219,18 +202,11 @@ fn probe(
 impl PartialEq for Delassus {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Dense(a), Self::Dense(b)) => a == b,
             (Self::Blocks(a), Self::Blocks(b)) => a == b,
             (Self::Factored(a), Self::Factored(b)) => a == b,
             (Self::MatrixFree(a), Self::MatrixFree(b)) => Arc::ptr_eq(&a.operator, &b.operator),
             _ => false,
         }
-    }
-}
-
-impl From<DMatrix<f64>> for Delassus {
-    fn from(matrix: DMatrix<f64>) -> Self {
-        Self::Dense(matrix)
     }
 }
 

@@ -33,7 +33,7 @@ impl Delassus {
         // In units in which the squares of products are numbers, too.
         let unit = match self.symmetric_product(&next, 1.0).amax() {
             size if size > 0.0 && size.is_finite() => size,
-            _ => vectors::largest(self.entries()).max(f64::MIN_POSITIVE),
+            _ => vectors::largest(self.blocks().values()).max(f64::MIN_POSITIVE),
         };
         let mut largest = 0.0_f64;
         for _ in 0..steps {
@@ -80,16 +80,11 @@ impl Delassus {
         let x = x / unit;
         let mut out = DVector::zeros(x.len());
         self.apply(x.as_slice(), out.as_mut_slice());
-        let mut transposed = DVector::zeros(x.len());
-        match self {
-            Self::Dense(g) => transposed = g.tr_mul(&x),
-            Self::MatrixFree(..) => return out,
-            _ => {
-                if let Some(blocks) = self.blocks() {
-                    blocks.add_transposed(x.as_slice(), transposed.as_mut_slice());
-                }
-            }
+        if self.is_matrix_free() {
+            return out;
         }
+        let mut transposed = DVector::zeros(x.len());
+        self.blocks().add_transposed(x.as_slice(), transposed.as_mut_slice());
         out * 0.5 + transposed * 0.5
     }
 }

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::closed::{Change, Closed};
-use super::coupling::Coupling;
+use super::coupling;
 use super::outcome::StepError;
 use super::products::Part;
 use super::rated::Factors;
@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-6;
 const SLIDING: f64 = 4.0;
 
 /// The system and its closed contacts at the midpoint.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Assembly {
     /// Whether contacts neither open, close nor change their directions.
     fixed: bool,
@@ -128,19 +128,9 @@ impl Assembly {
                 momenta,
                 ..Midpoint::default()
             },
-            mass: MassFactors::default(),
-            has_mass: false,
             free: vec![0.0; dof],
-            contacts: Vec::new(),
-            sides: Vec::new(),
-            directions: Vec::new(),
-            responses: Vec::new(),
-            chi: Vec::new(),
-            slip: Vec::new(),
-            chord: Vec::new(),
             struck: vec![false; system.blocks().count()],
-            factors: Factors::default(),
-            evaluated: Evaluated::default(),
+            ..Self::default()
         }
     }
 
@@ -391,7 +381,7 @@ impl Assembly {
         (u, dt): (&[f64], f64),
         closed: &mut Closed,
     ) -> Result<(), SystemError> {
-        let delassus = Coupling::new(system, &closed.found).pattern(&self.midpoint.q)?;
+        let delassus = coupling::pattern(system, &closed.found, &self.midpoint.q)?;
         closed.renew(system.contacts(), dt, delassus);
         let blocks = system.blocks();
         self.contacts.clear();

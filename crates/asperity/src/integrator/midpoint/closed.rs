@@ -1,9 +1,7 @@
 //! The contacts that are closed at the midpoint, and their contact problem.
 
 use super::state::ContactMemory;
-use crate::contact::{
-    ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
-};
+use crate::contact::{ContactProblem, ContactRows, Delassus, Memory, Phase};
 use crate::system::{ContactLaw, System, SystemError};
 
 /// What has changed in the contact problem besides the velocities.
@@ -33,9 +31,6 @@ pub(super) struct Closed {
     is_active: Vec<bool>,
     /// Whether the contact problem is one of this run and complete.
     pub(super) ready: bool,
-    /// Contacts that were closed in the last step that was made, be it of the run before; all of them if nothing is
-    /// known of what was before.
-    closed_before: Vec<bool>,
     /// Whether other contacts are in the problem since.
     renewed: bool,
     /// Whether the memory has yet to follow the last change of the closed contacts.
@@ -45,17 +40,18 @@ pub(super) struct Closed {
     bounces: bool,
     /// Contacts that were in the problem before its last change, and their rows there.
     before: Vec<(usize, ContactRows)>,
-    /// States and percussions of all contacts at the last change; since then those of the closed ones are
-    /// in the memory of the stepper.
-    pub(super) states: Vec<ContactState>,
-    percussions: Vec<[f64; 4]>,
+    /// What all contacts remember: whether they were closed in the last step that was made, be it of the run before, or
+    /// nothing is known of what was before; states and percussions at the last change, since then those of the closed
+    /// ones are in the memory of the stepper.
+    pub(super) known: Vec<ContactMemory>,
 }
 
 impl Closed {
     /// Nothing but what contacts remember, which may be nothing.
     pub(super) fn new(system: &dyn System, known: &[ContactMemory]) -> Self {
         let contacts = system.contacts().len();
-        let mut closed = Self {
+        let nothing = ContactMemory { closed: true, ..ContactMemory::default() };
+        Self {
             problem: ContactProblem::assemble([], Delassus::Blocks(Default::default())),
             active: Vec::with_capacity(contacts),
             found: Vec::with_capacity(contacts),
@@ -63,52 +59,35 @@ impl Closed {
             stay: Vec::with_capacity(contacts),
             is_active: vec![false; contacts],
             ready: false,
-            closed_before: vec![known.is_empty(); contacts],
             renewed: false,
             moved: false,
             restitution: Vec::new(),
             bounces: false,
             before: Vec::new(),
-            states: vec![ContactState::default(); contacts],
-            percussions: vec![[0.0; 4]; contacts],
-        };
-        for (contact, memory) in known.iter().enumerate() {
-            closed.closed_before[contact] = memory.closed;
-            closed.states[contact] = memory.state;
-            closed.percussions[contact] = memory.percussion;
+            known: if known.is_empty() { vec![nothing; contacts] } else { known.to_vec() },
         }
-        closed
     }
 
     /// What all contacts remember.
     pub(super) fn memory(&self, memory: &Memory) -> Vec<ContactMemory> {
-        let before = |contact: usize| ContactMemory {
-            closed: self.was_closed(contact),
-            state: self.states[contact],
-            percussion: self.percussions[contact],
-        };
-        let mut known: Vec<_> = (0..self.states.len()).map(before).collect();
-        for ((&contact, rows), state) in
-            self.active.iter().zip(self.problem.contacts()).zip(&memory.states)
-        {
-            known[contact].state = *state;
-            let own = &memory.percussion[rows.offset..rows.offset + rows.len()];
-            known[contact].percussion[..own.len()].copy_from_slice(own);
-        }
+        let mut known = self.known.clone();
+        remember(&mut known, self.active.iter().zip(self.problem.contacts()), memory);
         known
     }
 
     /// Whether a contact was closed in the last step that was made, be it of the run before.
     #[inline]
     pub(super) fn was_closed(&self, contact: usize) -> bool {
-        self.closed_before[contact]
+        self.known[contact].closed
     }
 
     /// The step is made, and its contacts are those that were closed.
     #[inline]
     pub(super) fn settle(&mut self) {
         if std::mem::take(&mut self.renewed) {
-            self.closed_before.copy_from_slice(&self.is_active);
+            for (known, &is_active) in self.known.iter_mut().zip(&self.is_active) {
+                known.closed = is_active;
+            }
         }
     }
 
@@ -116,11 +95,8 @@ impl Closed {
     pub(super) fn renew(&mut self, laws: &[ContactLaw], dt: f64, delassus: Delassus) {
         std::mem::swap(&mut self.active, &mut self.found);
         let contact = |&c: &usize| {
-            let normal = match laws[c].normal_force() {
-                Some(force) => NormalForce::Prescribed(force * dt),
-                None => NormalForce::Unilateral,
-            };
-            (laws[c].law().clone(), normal)
+            let prescribed = laws[c].normal_force().map(|force| force * dt);
+            (laws[c].law().clone(), prescribed.into())
         };
         let problem = ContactProblem::assemble(self.active.iter().map(contact), delassus);
         let old = std::mem::replace(&mut self.problem, problem);
@@ -144,29 +120,25 @@ impl Closed {
         if !std::mem::take(&mut self.moved) {
             return;
         }
-        for ((contact, rows), state) in self.before.iter().zip(&memory.states) {
-            self.states[*contact] = *state;
-            let own = &memory.percussion[rows.offset..rows.offset + rows.len()];
-            self.percussions[*contact][..own.len()].copy_from_slice(own);
-        }
-        for (contact, &is_active) in self.is_active.iter().enumerate() {
-            if !is_active {
-                self.states[contact].phase = Phase::Open;
-                self.percussions[contact] = [0.0; 4];
-            }
+        let before = self.before.iter().map(|(contact, rows)| (contact, rows));
+        remember(&mut self.known, before, memory);
+        for (known, _) in self.known.iter_mut().zip(&self.is_active).filter(|(_, active)| !**active)
+        {
+            known.state.phase = Phase::Open;
+            known.percussion = [0.0; 4];
         }
         memory.states.clear();
         memory.percussion.clear();
         for (&contact, rows) in self.active.iter().zip(self.problem.contacts()) {
-            memory.states.push(self.states[contact]);
-            memory.percussion.extend_from_slice(&self.percussions[contact][..rows.len()]);
+            memory.states.push(self.known[contact].state);
+            memory.percussion.extend_from_slice(&self.known[contact].percussion[..rows.len()]);
         }
     }
 
     /// Refuses directions that move nothing: they would make the friction force meaningless.
     pub(super) fn check_directions(&self) -> Result<(), SystemError> {
         for (i, (contact, c)) in self.problem.contacts().iter().zip(&self.active).enumerate() {
-            let diagonal = |a| self.problem.delassus().own(i, contact.offset, a, a);
+            let diagonal = |a| self.problem.delassus().own(i, a, a);
             if (0..contact.len()).any(|a| diagonal(a) <= 0.0) {
                 return Err(SystemError::direction(*c));
             }
@@ -187,5 +159,17 @@ impl Closed {
         for (row, (term, e)) in terms.enumerate() {
             *term = e * before(row);
         }
+    }
+}
+
+/// Takes over what the memory of a contact problem holds of its contacts.
+fn remember<'a>(
+    known: &mut [ContactMemory],
+    contacts: impl Iterator<Item = (&'a usize, &'a ContactRows)>,
+    memory: &Memory,
+) {
+    for ((&contact, rows), state) in contacts.zip(&memory.states) {
+        known[contact].state = *state;
+        known[contact].percussion[..rows.len()].copy_from_slice(&memory.percussion[rows.rows()]);
     }
 }

@@ -4,75 +4,56 @@
 use crate::contact::{BlockMatrix, Csr, Delassus, Factored};
 use crate::system::{ContactLaw, System, SystemError};
 
-/// The contacts that every closed contact is coupled with.
-pub(super) struct Coupling<'a> {
-    system: &'a dyn System,
-    /// The system's contacts, and those of them, by their place in this list, that each is coupled with.
-    contacts: &'a [usize],
-    neighbours: Vec<Vec<usize>>,
-    /// Number of velocities of the blocks that are touched.
-    velocities: usize,
+/// An operator of zeros for these contacts of a system: with its factors where several blocks have fewer velocities than
+/// contact rows, so that solvers may eliminate among these; within one block everything is coupled anyway. The mass matrix
+/// is that of the coordinates `q`.
+pub(super) fn pattern(
+    system: &dyn System,
+    contacts: &[usize],
+    q: &[f64],
+) -> Result<Delassus, SystemError> {
+    let laws = || contacts.iter().map(|&contact| &system.contacts()[contact]);
+    let sizes: Vec<usize> = laws().map(ContactLaw::rows).collect();
+    // The contacts of every block, by their place among those given.
+    let mut at = vec![Vec::new(); system.blocks().count()];
+    for (place, &contact) in contacts.iter().enumerate() {
+        system.touched(contact).iter().for_each(|&block| at[block].push(place));
+    }
+    let neighbours = |&contact: &usize| {
+        let touched = system.touched(contact).iter();
+        let mut list: Vec<usize> = touched.flat_map(|&block| &at[block]).copied().collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    };
+    let neighbours: Vec<_> = contacts.iter().map(neighbours).collect();
+    let touched = (0..at.len()).filter(|&block| !at[block].is_empty());
+    let velocities: usize = touched.map(|block| system.blocks().range(block).len()).sum();
+    let blocks = BlockMatrix::with_pattern(&sizes, &neighbours);
+    // A factor of the speed scales columns of G only; a mass matrix that changes would have to be filled in anew.
+    let known = system.constancy().mass && laws().all(|contact| contact.law().rate().is_none());
+    if blocks.rows() <= velocities || system.blocks().count() == 1 || !known {
+        return Ok(blocks.into());
+    }
+    let factored = directions(system, contacts, &sizes).zip(sparse_mass(system, q)?);
+    let factored = factored.and_then(|(directions, mass)| {
+        Factored::with_blocks(mass, directions, blocks.clone()).ok()
+    });
+    Ok(factored.map_or_else(|| blocks.into(), Delassus::from))
 }
 
-impl<'a> Coupling<'a> {
-    pub(super) fn new(system: &'a dyn System, contacts: &'a [usize]) -> Self {
-        let blocks = system.blocks();
-        let mut at = vec![Vec::new(); blocks.count()];
-        for (place, &contact) in contacts.iter().enumerate() {
-            for &block in system.touched(contact) {
-                at[block].push(place);
-            }
+/// `Wᵀ` with a zero for every velocity of the blocks of a contact.
+fn directions(system: &dyn System, contacts: &[usize], sizes: &[usize]) -> Option<Csr> {
+    let blocks = system.blocks();
+    let (mut starts, mut indices) = (vec![0], Vec::new());
+    for (&contact, &size) in contacts.iter().zip(sizes) {
+        for _ in 0..size {
+            indices.extend(system.touched(contact).iter().flat_map(|&block| blocks.range(block)));
+            starts.push(indices.len());
         }
-        let neighbours = |&contact: &usize| {
-            let mut list = Vec::new();
-            for &block in system.touched(contact) {
-                list.extend_from_slice(&at[block]);
-            }
-            list.sort_unstable();
-            list.dedup();
-            list
-        };
-        let neighbours = contacts.iter().map(neighbours).collect();
-        let touched = (0..at.len()).filter(|&block| !at[block].is_empty());
-        let velocities = touched.map(|block| blocks.range(block).len()).sum();
-        Self { system, contacts, neighbours, velocities }
     }
-
-    /// An operator of zeros: with its factors where several blocks have fewer velocities than contact rows, so that
-    /// solvers may eliminate among these; within one block everything is coupled anyway. The mass matrix is that of
-    /// the coordinates `q`.
-    pub(super) fn pattern(&self, q: &[f64]) -> Result<Delassus, SystemError> {
-        let laws = || self.contacts.iter().map(|&contact| &self.system.contacts()[contact]);
-        let sizes: Vec<usize> = laws().map(ContactLaw::rows).collect();
-        let blocks = BlockMatrix::with_pattern(&sizes, &self.neighbours);
-        // A factor of the speed scales columns of G only; a mass matrix that changes would have to be filled in anew.
-        let known =
-            self.system.constancy().mass && laws().all(|contact| contact.law().rate().is_none());
-        if blocks.rows() <= self.velocities || self.system.blocks().count() == 1 || !known {
-            return Ok(blocks.into());
-        }
-        let factored = self.directions(&sizes).zip(sparse_mass(self.system, q)?);
-        let factored = factored.and_then(|(directions, mass)| {
-            Factored::with_blocks(mass, directions, blocks.clone()).ok()
-        });
-        Ok(factored.map_or_else(|| blocks.into(), Delassus::from))
-    }
-
-    /// `Wᵀ` with a zero for every velocity of the blocks of a contact.
-    fn directions(&self, sizes: &[usize]) -> Option<Csr> {
-        let blocks = self.system.blocks();
-        let (mut starts, mut indices) = (vec![0], Vec::new());
-        for (&contact, &size) in self.contacts.iter().zip(sizes) {
-            for _ in 0..size {
-                for &block in self.system.touched(contact) {
-                    indices.extend(blocks.range(block));
-                }
-                starts.push(indices.len());
-            }
-        }
-        let (values, rows) = (vec![0.0; indices.len()], starts.len() - 1);
-        Csr::new("directions", (rows, blocks.velocities()), starts, indices, values).ok()
-    }
+    let (values, rows) = (vec![0.0; indices.len()], starts.len() - 1);
+    Csr::new("directions", (rows, blocks.velocities()), starts, indices, values).ok()
 }
 
 /// The mass matrix, block by block, without its zeros.

@@ -39,7 +39,7 @@
 use asperity_set::Vector;
 
 use super::linear_solve::LinearSolver;
-use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, NormalForce, Phase};
+use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, Phase};
 use crate::law::Stribeck;
 use crate::solver::{Rising, Stop, Workspace, settle};
 
@@ -133,7 +133,8 @@ impl Factors {
             let speed = tangential(contact, &slip).norm();
             *falling = rate.falling(speed);
             // Without any friction the contact would have no operator.
-            self.rows[own(contact)].fill((*falling + rate.rising(speed)).max(SMALLEST));
+            self.rows[contact.tangential_rows()]
+                .fill((*falling + rate.rising(speed)).max(SMALLEST));
         }
     }
 
@@ -150,14 +151,15 @@ impl Factors {
         let mut slips = false;
         for (i, contact) in problem.contacts().iter().enumerate() {
             (self.defect[i], self.slope[i], self.jacobian[i]) = (0.0, 0.0, [[0.0; 3]; 3]);
-            let rows = own(contact);
+            let rows = contact.tangential_rows();
             let slip = tangential(contact, |row| velocity[row] + problem.restitution()[row]);
             // A contact that sticks has a speed of the size of rounding.
             let speed = if states[i].phase == Phase::Slip { slip.norm() } else { 0.0 };
             if speed > 0.0 {
                 slips = true;
                 let force = tangential(contact, |row| percussion[row]);
-                self.jacobian[i] = jacobian(contact, &slip, &force, percussion[contact.offset]);
+                self.jacobian[i] =
+                    jacobian(contact, &slip, &force, contact.normal_percussion(percussion));
                 for (row, value) in rows.clone().zip(slip.iter()) {
                     (self.slip[row], self.direction[row]) = (*value, value / speed);
                 }
@@ -190,22 +192,23 @@ impl Factors {
     fn correct(&mut self, problem: &ContactProblem, percussion: &[f64]) {
         let Self { rows, defect, slope, change, jacobian, direction, .. } = self;
         let Self { change_of_slip, load, product, linear, .. } = self;
-        let slips = |contact: &ContactRows| own(contact).any(|row| direction[row] != 0.0);
+        let slips =
+            |contact: &ContactRows| contact.tangential_rows().any(|row| direction[row] != 0.0);
         let along = |contact: &ContactRows, w: &[f64]| {
-            own(contact).map(|row| direction[row] * w[row]).sum::<f64>()
+            contact.tangential_rows().map(|row| direction[row] * w[row]).sum::<f64>()
         };
         let moves = |percussion: &[f64], velocity: &mut [f64]| {
             problem.delassus().apply(percussion, velocity);
             for contact in problem.contacts() {
                 velocity[contact.offset..contact.tangent()].fill(0.0);
                 if !slips(contact) {
-                    velocity[own(contact)].fill(0.0);
+                    velocity[contact.tangential_rows()].fill(0.0);
                 }
             }
         };
         product.fill(0.0);
         for (i, contact) in problem.contacts().iter().enumerate().filter(|(_, c)| slips(c)) {
-            for row in own(contact) {
+            for row in contact.tangential_rows() {
                 product[row] = percussion[row] * defect[i] / rows[row];
             }
         }
@@ -214,8 +217,9 @@ impl Factors {
             product.fill(0.0);
             for (i, contact) in problem.contacts().iter().enumerate().filter(|(_, c)| slips(c)) {
                 let change = slope[i] * along(contact, w);
-                for (a, row) in own(contact).enumerate() {
-                    let turned = own(contact).zip(jacobian[i][a]).map(|(row, j)| j * w[row]);
+                for (a, row) in contact.tangential_rows().enumerate() {
+                    let turned =
+                        contact.tangential_rows().zip(jacobian[i][a]).map(|(row, j)| j * w[row]);
                     product[row] = percussion[row] * change / rows[row] + turned.sum::<f64>();
                 }
             }
@@ -255,7 +259,7 @@ impl Factors {
         }
         for (i, contact) in problem.contacts().iter().enumerate() {
             let Some(rate) = contact.law.rate() else { continue };
-            let rows = own(contact);
+            let rows = contact.tangential_rows();
             let old = self.rows[rows.start];
             let (low, high) = &mut self.bounds[i];
             // The factor of the speed falls as the friction rises.
@@ -297,7 +301,7 @@ impl Factors {
             }
         }
         for (i, contact) in problem.contacts().iter().enumerate() {
-            for row in own(contact) {
+            for row in contact.tangential_rows() {
                 let new = self.rows[row] + self.change[i];
                 memory.percussion[row] *= self.rows[row] / new;
                 self.rows[row] = new;
@@ -321,7 +325,7 @@ impl Factors {
         let Memory { percussion, states } = memory;
         for (i, contact) in problem.contacts().iter().enumerate() {
             let Some(rate) = contact.law.rate().filter(|rate| rate.rises()) else { continue };
-            let rows = own(contact);
+            let rows = contact.tangential_rows();
             let present = self.rows[rows.start];
             let rising = Rising { rate, falling: self.falling[i].max(SMALLEST), present };
             let Some(found) = settle(problem, i, percussion, &before[i], &rising, workspace) else {
@@ -355,7 +359,7 @@ impl Factors {
     /// before the step.
     pub(super) fn follow(&self, problem: &ContactProblem, states: &mut [ContactState]) {
         for (contact, state) in problem.contacts().iter().zip(states) {
-            let slips = own(contact).any(|row| self.direction[row] != 0.0);
+            let slips = contact.tangential_rows().any(|row| self.direction[row] != 0.0);
             if slips && contact.law.rate().is_some_and(Stribeck::rises) {
                 let slip = tangential(contact, |row| self.slip[row] + self.change_of_slip[row]);
                 *state = ContactState::new(Phase::Slip, slip.into());
@@ -370,15 +374,10 @@ impl Factors {
     }
 }
 
-/// Rows of a contact's friction.
-fn own(contact: &ContactRows) -> std::ops::Range<usize> {
-    contact.tangent()..contact.offset + contact.len()
-}
-
 /// What there is in the rows of a contact's friction.
 fn tangential(contact: &ContactRows, value: impl Fn(usize) -> f64) -> Vector<3> {
     let mut vector = Vector::<3>::zeros();
-    for (component, row) in vector.iter_mut().zip(own(contact)) {
+    for (component, row) in vector.iter_mut().zip(contact.tangential_rows()) {
         *component = value(row);
     }
     vector
@@ -389,12 +388,8 @@ fn jacobian(
     contact: &ContactRows,
     slip: &Vector<3>,
     force: &Vector<3>,
-    first: f64,
+    normal: f64,
 ) -> [[f64; 3]; 3] {
-    let normal = match contact.normal {
-        NormalForce::Prescribed(value) => value,
-        NormalForce::Unilateral => first,
-    };
     // The law's own derivative is that of `f P̃`: `f J + f′ P̃ eᵀ`.
     let (speed, mut out) = (slip.norm(), [[0.0; 3]; 3]);
     let Some(matrix) = contact.law.jacobian(slip.as_slice(), normal) else { return out };

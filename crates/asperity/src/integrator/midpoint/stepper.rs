@@ -87,7 +87,7 @@ impl<'a> Stepper<'a> {
             for contact in 0..stepper.outputs.len() {
                 let slip = stepper.slip(contact)?;
                 if slip.iter().any(|&v| v != 0.0) {
-                    stepper.closed.states[contact] = ContactState::new(Phase::Slip, slip);
+                    stepper.closed.known[contact].state = ContactState::new(Phase::Slip, slip);
                 }
             }
         }

@@ -233,7 +233,7 @@ impl Member {
     fn new(problem: &ContactProblem, contact: usize, first: usize) -> Option<Self> {
         let rows = &problem.contacts()[contact];
         let (normal, tangential) = (rows.normal_rows(), rows.law.dimension());
-        let own = |k: usize| problem.delassus().own(contact, rows.offset, k, k);
+        let own = |k: usize| problem.delassus().own(contact, k, k);
         // One scale for all tangential rows, so that it does not matter how they are chosen.
         let tangent: f64 = (normal..normal + tangential).map(own).sum();
         let s_t = (tangent / tangential as f64).sqrt();

@@ -119,13 +119,13 @@ fn nearest(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Weights
 
 /// `√G_NN` of a unilateral contact.
 fn scale_of(problem: &ContactProblem, contact: usize) -> f64 {
-    problem.delassus().own(contact, problem.contacts()[contact].offset, 0, 0).sqrt()
+    problem.delassus().own(contact, 0, 0).sqrt()
 }
 
 /// `√G_jj` of a row of a contact.
 fn row_scale(problem: &ContactProblem, contact: usize, row: usize) -> f64 {
     let offset = problem.contacts()[contact].offset;
-    problem.delassus().own(contact, offset, row - offset, row - offset).sqrt()
+    problem.delassus().own(contact, row - offset, row - offset).sqrt()
 }
 
 /// `G_ij/(s_i s_j)` of the normal rows `i` of contacts, one column for each, over the rows that they touch.

@@ -1,6 +1,6 @@
 //! The natural residual, which no solver owns.
 
-use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce, ProblemError};
+use crate::contact::{ContactProblem, ContactRows, NormalForce, ProblemError};
 use crate::law::Friction;
 
 /// Natural residual of a problem.
@@ -136,25 +136,12 @@ fn loads(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64
     if problem.contacts().len() == 1 {
         return loads;
     }
-    let own = problem.contacts()[i].rows();
-    match problem.delassus() {
-        Delassus::Dense(g) => {
-            for (load, row) in loads.iter_mut().zip(own) {
-                for (j, p) in percussion.iter().enumerate() {
-                    *load += (g[(row, j)] * p).abs();
-                }
-            }
-        }
-        Delassus::MatrixFree(..) => {
-            for (load, row) in loads.iter_mut().zip(own) {
-                *load = (velocity[row] - problem.free_velocity()[row]).abs();
-            }
-        }
-        other => {
-            if let Some(blocks) = other.blocks() {
-                blocks.add_magnitudes(i, percussion, &mut loads);
-            }
-        }
+    if !problem.delassus().is_matrix_free() {
+        problem.delassus().blocks().add_magnitudes(i, percussion, &mut loads);
+        return loads;
+    }
+    for (load, row) in loads.iter_mut().zip(problem.contacts()[i].rows()) {
+        *load = (velocity[row] - problem.free_velocity()[row]).abs();
     }
     loads
 }

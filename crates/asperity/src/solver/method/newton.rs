@@ -112,7 +112,7 @@ impl Newton {
     pub(crate) fn scale_rho(&mut self, problem: &ContactProblem, factor: f64) {
         self.rho.clear();
         self.rho.extend(problem.contacts().iter().enumerate().map(|(i, rows)| {
-            let diagonal = |k: usize| problem.delassus().own(i, rows.offset, k, k);
+            let diagonal = |k: usize| problem.delassus().own(i, k, k);
             let first = rows.normal_rows();
             let tangent: f64 = (first..rows.len()).map(diagonal).sum();
             let normal = if first == 1 { factor / diagonal(0) } else { 0.0 };

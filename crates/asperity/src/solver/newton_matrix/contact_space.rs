@@ -1,14 +1,12 @@
 //! `A + B G` as it stands, eliminated among the rows of the contacts.
 
-use crate::contact::{BlockMatrix, ContactProblem, Delassus};
+use crate::contact::{BlockMatrix, ContactProblem};
 use crate::law::ContactMatrix;
 use crate::linear::{Numeric, Symbolic};
 
 /// Elimination among the rows of the contacts.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ContactSpace {
-    /// `G` where the problem keeps it densely.
-    sparse: Option<BlockMatrix>,
     matrix: BlockMatrix,
     /// Block of `matrix` for every block of `G`, counted within the block row.
     places: Vec<usize>,
@@ -18,11 +16,7 @@ pub(super) struct ContactSpace {
 
 impl ContactSpace {
     pub(super) fn prepare(&mut self, problem: &ContactProblem) {
-        self.sparse = match problem.delassus() {
-            Delassus::Dense(_) => Some(problem.blocks()),
-            _ => None,
-        };
-        let Some(g) = self.sparse.as_ref().or(problem.delassus().blocks()) else { return };
+        let g = problem.delassus().blocks();
         let n = g.contacts();
         let mut neighbours: Vec<Vec<usize>> = (0..n).map(|i| g.neighbours(i).to_vec()).collect();
         for i in 0..n {
@@ -51,10 +45,7 @@ impl ContactSpace {
         a: &[ContactMatrix],
         b: &[ContactMatrix],
     ) -> bool {
-        if let (Delassus::Dense(_), Some(sparse)) = (problem.delassus(), &mut self.sparse) {
-            problem.copy_into(sparse);
-        }
-        let Some(g) = self.sparse.as_ref().or(problem.delassus().blocks()) else { return false };
+        let g = problem.delassus().blocks();
         self.matrix.values_mut().fill(0.0);
         let mut block = 0;
         for (i, (a, b)) in a.iter().zip(b).enumerate() {

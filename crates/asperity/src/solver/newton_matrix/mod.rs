@@ -78,10 +78,8 @@ impl NewtonMatrix {
 /// Sizes and places of all entries that may be there.
 fn pattern(problem: &ContactProblem) -> impl Iterator<Item = usize> + '_ {
     let sizes = problem.contacts().iter().map(|contact| contact.len());
-    let blocks = problem.delassus().blocks().into_iter().flat_map(|blocks| {
-        let (starts, columns) = blocks.pattern();
-        starts.iter().chain(columns).copied()
-    });
+    let (starts, columns) = problem.delassus().blocks().pattern();
+    let blocks = starts.iter().chain(columns).copied();
     let factors = match problem.delassus() {
         Delassus::Factored(factored) => Some([factored.mass(), factored.directions()]),
         _ => None,

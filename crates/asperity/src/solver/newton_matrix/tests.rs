@@ -49,7 +49,8 @@ fn problems(contacts: usize, bodies: usize, seed: &mut u64) -> Vec<ContactProble
         Csr::from_dense("directions", &directions).unwrap(),
         &sizes,
     );
-    let forms: [Delassus; 3] = [dense.into(), blocks.into(), factored.unwrap().into()];
+    let full = BlockMatrix::from_dense(&dense, &sizes);
+    let forms: [Delassus; 3] = [full.unwrap().into(), blocks.into(), factored.unwrap().into()];
     let problem = |g: Delassus| ContactProblem::new(g, vec![0.0; rows], laws.clone()).unwrap();
     forms.map(problem).into()
 }

@@ -40,7 +40,7 @@ impl Block {
         let rows = &problem.contacts()[contact];
         let p = rows.law.dimension().min(2);
         let t = rows.normal_rows();
-        let g = |i: usize, j: usize| problem.delassus().own(contact, rows.offset, i, j);
+        let g = |i: usize, j: usize| problem.delassus().own(contact, i, j);
         let within = |i: usize| i < p;
         let unilateral = rows.normal_rows() == 1;
         let pick = |used: bool, i: usize, j: usize| if used { g(i, j) } else { 0.0 };

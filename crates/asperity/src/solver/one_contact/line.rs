@@ -8,10 +8,10 @@ use crate::contact::{ContactState, Phase};
 
 /// All solutions: open, stick, backward slip, forward slip, as far as they exist.
 pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
+    let open = local.opens().then(|| local.open());
     if local.prescribed == Some(0.0) {
-        return [Some(local.open()), None, None, None];
+        return [open, None, None, None];
     }
-    let open = (local.prescribed.is_none() && local.b_n >= 0.0).then(|| local.open());
     let stick = local.any_stick();
     let (c0, a) = local.affine();
     let sign = local.sign();

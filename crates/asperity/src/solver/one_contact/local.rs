@@ -5,7 +5,7 @@ use asperity_set::{Matrix, StarSet, Vector};
 use super::block::Block;
 use super::effort::{Effort, Evaluations};
 use super::single::{self, Graded, Single};
-use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
+use crate::contact::{ContactRows, ContactState, Phase};
 use crate::law::{ContactVector, FrictionLaw};
 use crate::solver::measure::natural_residual::ROUNDED;
 
@@ -159,6 +159,11 @@ impl<'a, const P: usize> Local<'a, P> {
         LocalSolution { phase: Phase::Slip, normal, tangent, slip, degenerate }
     }
 
+    /// Whether the contact opens, or has no normal force.
+    pub(crate) fn opens(&self) -> bool {
+        self.prescribed.map_or(self.b_n >= 0.0, |normal| normal == 0.0)
+    }
+
     /// Open contact with the tangential velocity it then has.
     pub(crate) fn open(&self) -> LocalSolution<P> {
         let (phase, tangent) = (Phase::Open, Vector::zeros());
@@ -171,9 +176,9 @@ impl<'a, const P: usize> Local<'a, P> {
         if self.block.sound { self.stick().solution } else { self.stick_of_any_rank() }
     }
 
-    /// The percussion with `γ = 0`, whether or not the contact can transmit it, with a sound block.
+    /// Normal and tangential percussion with `γ = 0`, with a sound block.
     #[inline(always)]
-    pub(crate) fn stick(&self) -> Stick<P> {
+    fn without_slip(&self) -> (f64, Vector<P>) {
         let block = self.block;
         let inverse: Matrix<P> = cut_matrix(&block.schur_inverse);
         let load = match self.prescribed {
@@ -181,9 +186,14 @@ impl<'a, const P: usize> Local<'a, P> {
             None => self.b_t - cut::<P>(&block.g_tn) * (self.b_n / block.g_nn),
         };
         let tangent = -(inverse * load);
-        let normal = self
-            .prescribed
-            .unwrap_or_else(|| -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) / block.g_nn);
+        let lifted = || -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) / block.g_nn;
+        (self.prescribed.unwrap_or_else(lifted), tangent)
+    }
+
+    /// The percussion with `γ = 0`, whether or not the contact can transmit it, with a sound block.
+    #[inline(always)]
+    pub(crate) fn stick(&self) -> Stick<P> {
+        let (normal, tangent) = self.without_slip();
         let load = tangent * (-1.0 / normal);
         let gauge = self.law.reservoir().gauge(&load);
         // The comparisons also turn away NaN.
@@ -213,11 +223,7 @@ impl<'a, const P: usize> Local<'a, P> {
         let stick = self.slip(&x, &Vector::zeros(), false);
         let single = self.single();
         let mut percussion = ContactVector::zeros();
-        let first = single.first();
-        if first == 1 {
-            percussion[0] = stick.normal;
-        }
-        (0..P).for_each(|i| percussion[first + i] = stick.tangent[i]);
+        stick.store(&mut percussion.as_mut_slice()[..single.first() + P]);
         let found = single.graded(percussion, false);
         (stick.normal > 0.0 && found.defect <= single::SOLUTION)
             .then_some(LocalSolution { phase: Phase::Stick, ..stick })
@@ -235,11 +241,8 @@ impl<'a, const P: usize> Local<'a, P> {
         if !(self.b_n < -margin * load && load < f64::MAX) {
             return false;
         }
-        let inverse: Matrix<P> = cut_matrix(&self.block.schur_inverse);
-        let rest = self.b_t - cut::<P>(&self.block.g_tn) * (self.b_n / self.block.g_nn);
-        let tangent = -(inverse * rest);
+        let (normal, tangent) = self.without_slip();
         let along = cut::<P>(&self.block.g_nt).dot(&tangent);
-        let normal = -(self.b_n + along) / self.block.g_nn;
         let size = (self.b_n.abs() + along.abs()) / self.block.g_nn;
         let gauge = self.law.reservoir().gauge(&-tangent);
         normal < -margin * size || normal > margin * size && gauge > normal * (1.0 + margin)
@@ -257,10 +260,7 @@ impl<'a, const P: usize> Local<'a, P> {
     /// The contact as a dense problem, for what closed forms do not reach.
     pub(crate) fn single(&self) -> Single<'a, P> {
         let block = self.block;
-        let (first, normal) = match self.prescribed {
-            Some(value) => (0, NormalForce::Prescribed(value)),
-            None => (1, NormalForce::Unilateral),
-        };
+        let first = usize::from(self.prescribed.is_none());
         let entry = |i: usize, j: usize| match (i.checked_sub(first), j.checked_sub(first)) {
             (None, None) => block.g_nn,
             (None, Some(j)) => block.g_nt[j],
@@ -268,7 +268,7 @@ impl<'a, const P: usize> Local<'a, P> {
             (Some(i), Some(j)) => block.g_tt[(i, j)],
         };
         let load = |i: usize| i.checked_sub(first).map_or(self.b_n, |i| self.b_t[i]);
-        Single::new(self.law, normal, entry, load)
+        Single::new(self.law, self.prescribed.into(), entry, load)
     }
 
     /// A solution to the last digits, by Newton's method on all rows together; `None` for what only looked
@@ -276,11 +276,7 @@ impl<'a, const P: usize> Local<'a, P> {
     pub(crate) fn refined(&self, found: &LocalSolution<P>) -> Option<LocalSolution<P>> {
         let single = self.single();
         let mut percussion = ContactVector::zeros();
-        let first = single.first();
-        if first == 1 {
-            percussion[0] = found.normal;
-        }
-        (0..P).for_each(|i| percussion[first + i] = found.tangent[i]);
+        found.store(&mut percussion.as_mut_slice()[..single.first() + P]);
         let start = single.graded(percussion, found.degenerate);
         if start.defect <= single::ROUNDING {
             return Some(*found);

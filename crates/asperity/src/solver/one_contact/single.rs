@@ -109,7 +109,7 @@ impl<'a, const P: usize> Single<'a, P> {
         held: &[f64; 4],
     ) -> Self {
         let rows: &ContactRows = &problem.contacts()[i];
-        let entry = |a: usize, b: usize| problem.delassus().own(i, rows.offset, a, b);
+        let entry = |a: usize, b: usize| problem.delassus().own(i, a, b);
         Self::new(law, rows.normal, entry, |a| held[a])
     }
 
@@ -149,10 +149,7 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     pub(crate) fn normal(&self, p: &V) -> f64 {
-        match self.normal {
-            NormalForce::Prescribed(value) => value,
-            NormalForce::Unilateral => p[0],
-        }
+        self.normal.prescribed().unwrap_or(p[0])
     }
 
     /// Velocities, of the unused rows zero.
@@ -162,10 +159,7 @@ impl<'a, const P: usize> Single<'a, P> {
 
     /// Whether the contact is open: no friction is asked whether it can pull it back.
     pub(crate) fn opens(&self) -> bool {
-        match self.normal {
-            NormalForce::Prescribed(value) => value == 0.0,
-            NormalForce::Unilateral => self.b[0] >= 0.0,
-        }
+        self.normal.prescribed().map_or(self.b[0] >= 0.0, |normal| normal == 0.0)
     }
 
     /// Whether the reservoir holds the percussions.
@@ -218,20 +212,23 @@ impl<'a, const P: usize> Single<'a, P> {
         Graded { percussion, defect: self.defect(&percussion), degenerate }
     }
 
+    /// Percussions of sliding along `v` per normal one, after 1 for that one, and its resistance `G_N·` against them.
+    fn per_normal(&self, v: &Vector<P>) -> Option<(V, f64)> {
+        let force = self.law.force(v, 1.0).ok()?;
+        let (mut unit, first) = (V::zeros(), self.first());
+        (0..P).for_each(|i| unit[first + i] = force[i]);
+        if first == 0 {
+            return Some((unit, 1.0));
+        }
+        unit[0] = 1.0;
+        Some((unit, self.g.row(0).transpose().dot(&unit)))
+    }
+
     /// Percussions of sliding along `v`, the normal one from its own row.
     pub(crate) fn slipping(&self, v: &Vector<P>) -> V {
-        let Ok(force) = self.law.force(v, 1.0) else { return V::zeros() };
-        let mut unit = V::zeros();
-        let first = self.first();
-        (0..P).for_each(|i| unit[first + i] = force[i]);
-        let normal = match self.normal {
-            NormalForce::Prescribed(value) => value,
-            NormalForce::Unilateral => {
-                unit[0] = 1.0;
-                let resistance = self.g.row(0).transpose().dot(&unit);
-                f64::max(0.0, -self.b[0] / resistance)
-            }
-        };
+        let Some((unit, resistance)) = self.per_normal(v) else { return V::zeros() };
+        let pressed = || f64::max(0.0, -self.b[0] / resistance);
+        let normal = self.normal.prescribed().unwrap_or_else(pressed);
         if normal.is_finite() { unit * normal } else { V::zeros() }
     }
 
@@ -240,16 +237,8 @@ impl<'a, const P: usize> Single<'a, P> {
     ///
     /// With `P_N = −b_N/denominator` that product has no pole where the denominator vanishes, as in `plane/`.
     fn astray(&self, n: &Vector<P>) -> Option<(V, f64, Vector<P>)> {
-        let force = self.law.force(n, 1.0).ok()?;
-        let (mut unit, first) = (V::zeros(), self.first());
-        (0..P).for_each(|i| unit[first + i] = force[i]);
-        let (denominator, factor) = match self.normal {
-            NormalForce::Prescribed(value) => (1.0, value),
-            NormalForce::Unilateral => {
-                unit[0] = 1.0;
-                (self.g.row(0).transpose().dot(&unit), -self.b[0])
-            }
-        };
+        let (unit, denominator) = self.per_normal(n)?;
+        let factor = self.normal.prescribed().unwrap_or(-self.b[0]);
         let slip = self.tangent(&self.b) * denominator + self.tangent(&(self.g * unit)) * factor;
         Some((unit * factor, denominator, slip.try_normalize(0.0)? - n))
     }

@@ -102,10 +102,8 @@ impl Contact {
                 (normal.dot(&(x - origin)) - radius, x - normal * *radius)
             }
             Touching::Spheres { centres, radii } => {
-                let [a, b] = [first.point(&centres[0]), place(second, &centres[1])];
-                let (normal, distance) = direction(a - b);
-                let gap = distance - radii[0] - radii[1];
-                (gap, b + normal * (radii[1] + 0.5 * gap))
+                let (gap, point, _) = spheres(centres, radii, first, second);
+                (gap, point)
             }
         }
     }
@@ -141,10 +139,8 @@ impl Contact {
                     surface_spin: surface.material_spin(),
                 }
             }
-            Touching::Spheres { centres, .. } => {
-                let (gap, point) = self.gap(at, first, second);
-                let [a, b] = [first.point(&centres[0]), place(second, &centres[1])];
-                let (normal, _) = direction(a - b);
+            Touching::Spheres { centres, radii } => {
+                let (gap, point, normal) = spheres(centres, radii, first, second);
                 let e1 = match &self.frame {
                     Frame::Body { axis } => {
                         tangent(&(first.rotation * Vector3::from(*axis)), &normal)
@@ -249,7 +245,16 @@ fn across(normal: &Vector3<f64>) -> Vector3<f64> {
     normal.cross(&axis).normalize()
 }
 
+/// Gap, contact point and normal of two spheres.
 #[inline]
-fn place(pose: Option<&Pose>, point: &Vector3<f64>) -> Vector3<f64> {
-    pose.map_or(*point, |pose| pose.point(point))
+fn spheres(
+    centres: &[Vector3<f64>; 2],
+    radii: &[f64; 2],
+    first: &Pose,
+    second: Option<&Pose>,
+) -> (f64, Vector3<f64>, Vector3<f64>) {
+    let b = second.map_or(centres[1], |pose| pose.point(&centres[1]));
+    let (normal, distance) = direction(first.point(&centres[0]) - b);
+    let gap = distance - radii[0] - radii[1];
+    (gap, b + normal * (radii[1] + 0.5 * gap), normal)
 }

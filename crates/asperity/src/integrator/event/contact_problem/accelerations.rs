@@ -1,6 +1,6 @@
 //! What closed contacts without slip do next: the contact problem on the level of accelerations.
 
-use crate::contact::{ContactProblem, NormalForce, Phase};
+use crate::contact::{ContactProblem, Phase};
 use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solved, Solving};
 use crate::integrator::event::dynamics::{Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, State};
@@ -76,11 +76,8 @@ fn adopt(
         let contact = &mut dynamics.contacts[i];
         (contact.mode, contact.undecided) = (found.states[k].phase, false);
         contact.tolerated_excess = 0.0;
-        contact.normal_force = match rows.normal {
-            NormalForce::Prescribed(force) => force,
-            NormalForce::Unilateral => found.percussion[rows.offset],
-        };
-        for (r, row) in (rows.tangent()..rows.offset + rows.len()).enumerate() {
+        contact.normal_force = rows.normal_percussion(&found.percussion);
+        for (r, row) in rows.tangential_rows().enumerate() {
             contact.force[r] = found.percussion[row];
             contact.slip[r] = velocity[row];
         }

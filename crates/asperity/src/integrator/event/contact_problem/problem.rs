@@ -1,8 +1,6 @@
 //! A contact problem of some contacts of a system, and how it is solved.
 
-use nalgebra::DMatrix;
-
-use crate::contact::{ContactProblem, ContactState, Memory, NormalForce};
+use crate::contact::{BlockMatrix, ContactProblem, ContactState, Memory};
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::EvaluationError;
@@ -101,17 +99,16 @@ impl Participants {
         normal_force: impl Fn(&ContactVariables) -> Option<f64>,
     ) -> Result<ContactProblem, EvaluationError> {
         self.contacts.iter().try_for_each(|&i| dynamics.check_rows(i))?;
-        let (n, size) = (dynamics.n, self.rows.len());
-        let delassus = DMatrix::from_fn(size, size, |i, j| {
-            dot(dynamics.row(self.rows[i]), &self.responses[j * n..(j + 1) * n])
-        });
-        let contacts = self.contacts.iter().map(|&i| {
-            let normal = match normal_force(&dynamics.contacts[i]) {
-                Some(force) => NormalForce::Prescribed(force),
-                None => NormalForce::Unilateral,
-            };
-            (dynamics.law(i).clone(), normal)
-        });
+        let response = |j: usize| &self.responses[j * dynamics.n..(j + 1) * dynamics.n];
+        let contact = |&i: &usize| {
+            let prescribed = normal_force(&dynamics.contacts[i]);
+            (dynamics.law(i).clone(), prescribed.into())
+        };
+        let contacts = self.contacts.iter().map(contact);
+        let sizes: Vec<usize> =
+            self.contacts.iter().map(|&i| dynamics.rows_of(i).count()).collect();
+        let delassus =
+            BlockMatrix::full(&sizes, |i, j| dot(dynamics.row(self.rows[i]), response(j)));
         let mut problem = ContactProblem::assemble(contacts, delassus.into());
         problem.free_velocity_mut().copy_from_slice(load);
         Ok(problem)

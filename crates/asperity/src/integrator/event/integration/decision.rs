@@ -1,7 +1,7 @@
 //! The modes of the contacts after an event, and the phase of the motion that begins with them.
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::contact_problem::{Decision, accelerations};
+use crate::integrator::event::contact_problem::{Decision, Solving, accelerations};
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
@@ -49,7 +49,7 @@ impl Integration<'_> {
     pub(crate) fn decide_modes_at(&mut self, at: &State, before: &[Option<Phase>]) -> Ending {
         let contacts = &self.dynamics.contacts;
         let undecided: Vec<bool> = contacts.iter().map(|contact| contact.undecided).collect();
-        let solving = Self::solving(&self.memory, &self.observer, at.t);
+        let solving = Solving { memory: &self.memory, observer: &self.observer, t: at.t };
         let ambiguous = match accelerations::decide(&mut self.dynamics, at, &solving)? {
             Decision::Made { ambiguous } => ambiguous,
             Decision::Ended(outcome) => return Ok(Some(outcome)),

@@ -2,7 +2,7 @@
 
 use crate::contact::{ContactState, Phase};
 use crate::integrator::event::contact_problem::impacts::{self};
-use crate::integrator::event::contact_problem::{Decision, ImpactLaw};
+use crate::integrator::event::contact_problem::{Decision, ImpactLaw, Solving};
 use crate::integrator::event::dynamics::{ContactVariables, ROWS, SlidingForces};
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
@@ -37,7 +37,8 @@ impl Integration<'_> {
         if involved.iter().any(|&i| self.approach(i) < -still) {
             for law in [ImpactLaw::Newton, ImpactLaw::Plastic] {
                 self.state.clone_from(&start);
-                let solving = Self::solving(&self.memory, &self.observer, start.t);
+                let solving =
+                    Solving { memory: &self.memory, observer: &self.observer, t: start.t };
                 let (dynamics, state) = (&mut self.dynamics, &mut self.state);
                 let impact =
                     impacts::collide(dynamics, state, &involved, law, &mut after, &solving)?;

@@ -1,7 +1,7 @@
 //! What is kept of the motion.
 
 use crate::integrator::event::collocation::PLACES;
-use crate::integrator::event::contact_problem::redundancy;
+use crate::integrator::event::contact_problem::{Solving, redundancy};
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::variables::Integration;
@@ -32,7 +32,7 @@ impl Integration<'_> {
         while due(self.samples) && !self.observer.has_asked_to_stop() {
             self.dense_output.at(self.samples as f64 * dt, &mut self.sampled);
             let at = (self.sampled.t, &self.sampled.q[..], &self.sampled.u[..]);
-            let solving = Self::solving(&self.memory, &self.observer, at.0);
+            let solving = Solving { memory: &self.memory, observer: &self.observer, t: at.0 };
             redundancy::evaluate(&mut self.dynamics, at, SlidingForces::Updated, &solving)?;
             self.motion.record(&mut self.dynamics, &self.sampled);
             self.samples += 1;

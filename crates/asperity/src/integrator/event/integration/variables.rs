@@ -99,22 +99,13 @@ impl<'a> Integration<'a> {
         }
     }
 
-    /// What contact problems at the time `t` need to know.
-    pub(crate) fn solving<'s>(
-        memory: &'s [ContactState],
-        observer: &'s Observer<'a, f64>,
-        t: f64,
-    ) -> Solving<'s, 'a> {
-        Solving { memory, observer, t }
-    }
-
     /// Evaluates the dynamics at the present state.
     pub(crate) fn evaluate(
         &mut self,
         sliding_forces: SlidingForces,
     ) -> Result<(), EvaluationError> {
         let State { t, q, u } = &self.state;
-        let solving = Self::solving(&self.memory, &self.observer, *t);
+        let solving = Solving { memory: &self.memory, observer: &self.observer, t: *t };
         redundancy::evaluate(&mut self.dynamics, (*t, q, u), sliding_forces, &solving)
     }
 

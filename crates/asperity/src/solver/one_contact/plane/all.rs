@@ -14,12 +14,11 @@ const VANISHING: f64 = 1e-13;
 /// up in which there may be more.
 pub(crate) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) -> bool {
     out.clear();
-    if local.prescribed == Some(0.0) {
+    if local.opens() {
         out.push(local.open());
-        return true;
     }
-    if local.prescribed.is_none() && local.b_n >= 0.0 {
-        out.push(local.open());
+    if local.prescribed == Some(0.0) {
+        return true;
     }
     out.extend(local.any_stick());
     if local.prescribed.is_none() && local.b_n == 0.0 {

@@ -90,11 +90,7 @@ fn ill_conditioned(
     buffer: &mut Vec<LocalSolution<2>>,
     effort: &mut Effort,
 ) -> Option<LocalSolution<2>> {
-    let opens = match local.prescribed {
-        Some(normal) => normal == 0.0,
-        None => local.b_n >= 0.0,
-    };
-    if opens {
+    if local.opens() {
         return Some(local.open());
     }
     let slip = || local.slip_from(&guess);

@@ -212,12 +212,8 @@ pub(crate) fn solutions_on_a_line(
 /// Whether nothing is left to find: the contact opens, has no normal force, or cannot be solved.
 fn without_friction<const P: usize>(local: &Local<'_, P>, out: &mut Vec<LocalSolution<P>>) -> bool {
     out.clear();
-    let opens = match local.prescribed {
-        Some(normal) => normal == 0.0,
-        None => local.b_n >= 0.0,
-    };
-    if opens {
+    if local.opens() {
         out.push(local.open());
     }
-    opens || !local.block.sound
+    !(out.is_empty() && local.block.sound)
 }
