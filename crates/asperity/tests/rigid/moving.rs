@@ -58,7 +58,7 @@ fn a_moment_says_which_piece_is_continued() {
         assert!((next.time - t).abs() < 1e-12 && next.smoothness == Smoothness::Kink);
         assert!(saw.next_break(next.time).unwrap().time > t + 0.4);
     }
-    assert!(saw.jumps() == false && (saw.integral(0.0, 150.0, 0) - 150.0).abs() < 1e-9);
+    assert!(!saw.jumps() && (saw.integral(0.0, 150.0, 0) - 150.0).abs() < 1e-9);
     let step = signal(&[0.0, 1.0, 1.0, 2.0], &[0.0, 0.0, 3.0, 3.0], Interpolation::Linear, false);
     assert!(step.jumps() && value(&step, 1.0) == 3.0);
     assert_eq!(step.component(Moment { t: 1.0, piece: 0.5 }, 0, Derivative::Value), 0.0);
