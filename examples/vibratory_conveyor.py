@@ -41,9 +41,8 @@ astray = np.rad2deg(np.arctan2(transport[:, 1], transport[:, 0]))
 
 flights = np.mean([np.mean(m.phase[settled:, 0] == asp.Phase.OPEN) for m in motions])
 for name, k in (("along", 0), ("at 45° to", 6), ("across", 12)):
-    print(
-        f"grooves {name} the shaking: {1e3 * speed[k]:.1f} mm/s, {astray[k].round(1) + 0.0:.1f}° off"
-    )
+    off = astray[k].round(1) + 0.0
+    print(f"grooves {name} the shaking: {1e3 * speed[k]:.1f} mm/s, {off:.1f}° off")
 print(f"the part flies for {100 * flights:.0f} % of the time")
 
 with asp.plot.style():
