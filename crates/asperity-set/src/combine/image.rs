@@ -1,7 +1,7 @@
 //! Linear images of sets.
 
-use crate::plane::{cast, quarter_turn};
-use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along, error::SIZES, project};
+use crate::numeric::vectors::{along, cast, quarter_turn};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, error::SIZES, project};
 
 /// The image `{A x : x ∈ S}` under a regular map: `k(x) = k_S(A⁻¹x)`, `h(y) = h_S(Aᵀy)`
 /// (\[WL19\] (9)).

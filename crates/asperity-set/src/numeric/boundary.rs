@@ -6,8 +6,8 @@
 //! points the one of the two that turns more is interpolated and the other follows from the set, which
 //! keeps full accuracy where the curvature is very small or very large. No trigonometry is needed.
 
-use crate::plane::cross;
-use crate::root::{Bracket, Sample};
+use crate::numeric::root::{Bracket, Sample};
+use crate::numeric::vectors::cross;
 use crate::{ConvexSet, Vector};
 
 /// A point of the boundary together with one of its unit outward normals.

@@ -14,8 +14,8 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use crate::cyclic::Cyclic;
-use crate::plane::{cross, quarter_turn};
+use crate::numeric::cyclic::Cyclic;
+use crate::numeric::vectors::{cross, quarter_turn};
 use crate::{SetError, Vector};
 
 /// Samples closer than this count as one.
@@ -39,7 +39,7 @@ struct Piece {
 
 /// See the module page.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Curve {
+pub(crate) struct PeriodicCurve {
     pieces: Arc<[Piece]>,
     /// For each bin of `diamond(x)` the last piece that starts before it.
     bins: Arc<[u32]>,
@@ -76,7 +76,7 @@ impl Samples {
     }
 }
 
-impl Curve {
+impl PeriodicCurve {
     /// The curve through positive samples at angles in rad, in any order, within one turn.
     ///
     /// Where the samples are those of a convex `F`, so is the curve. If that cannot be had with a continuous
@@ -347,7 +347,7 @@ mod tests {
                     .collect();
                 let square = |t: &f64| t.cos().abs() + t.sin().abs();
                 let value: Vec<f64> = angle.iter().map(square).collect();
-                let curve = Curve::new(&angle, &value, "value").unwrap();
+                let curve = PeriodicCurve::new(&angle, &value, "value").unwrap();
                 assert!(curve.lowest().0 >= 0.0);
                 for (angle, value) in angle.iter().zip(&value) {
                     let x = Vector::<2>::new(angle.cos(), angle.sin());

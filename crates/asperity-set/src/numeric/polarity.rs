@@ -3,9 +3,9 @@
 //! For convex sets `h(y) = max{x·y : k(x) ≤ 1}` and `k(x) = max{x·y : h(y) ≤ 1}`: the two functions are
 //! polar to each other, and one algorithm gives either from the other.
 
-use crate::plane::{cast, cross, cross_3, quarter_turn};
-use crate::root::{Bracket, Sample};
-use crate::{ConvexSet, Matrix, StarSet, Vector, along};
+use crate::numeric::root::{Bracket, Sample};
+use crate::numeric::vectors::{cast, cross, cross_3, quarter_turn, tangents};
+use crate::{ConvexSet, Matrix, StarSet, Vector};
 
 /// Support point of a convex set from its gauge.
 pub(crate) fn support_point<const P: usize, S>(set: &S, y: &Vector<P>) -> Vector<P>
@@ -253,14 +253,6 @@ where
         }
         (centre, radius) = (next, 8.0 * radius);
     }
-}
-
-/// Two unit vectors orthogonal to the unit vector `y` of R³ and to each other.
-pub(crate) fn tangents<const P: usize>(y: &Vector<P>) -> [Vector<P>; 2] {
-    let e = along::<P>(y.iamin(), 1.0);
-    let first = (e - y * y.dot(&e)).normalize();
-    let second = cross_3(y, &first);
-    [first, second]
 }
 
 /// Minimiser of a convex function of `N ≥ 2` variables that lies within a ball, from subgradients alone:

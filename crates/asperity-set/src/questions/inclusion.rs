@@ -1,6 +1,7 @@
 //! How large a set fits inside another.
 
-use crate::{Cancelled, ConvexSet, StarSet, Vector, along};
+use crate::numeric::vectors::along;
+use crate::{Cancelled, ConvexSet, StarSet, Vector, directions};
 
 /// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
 ///
@@ -107,23 +108,4 @@ fn search<const P: usize>(
         }
     }
     (best, at)
-}
-
-/// Unit vectors all around: both ends of a line, equidistant angles from `e₁` on in the plane, a Fibonacci
-/// spiral in space.
-pub fn directions<const P: usize>(count: usize) -> Vec<Vector<P>> {
-    if P == 1 {
-        return [1.0, -1.0].map(Vector::repeat).to_vec();
-    }
-    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    let direction = |k: usize| {
-        let (height, angle) = match P {
-            2 => (0.0, std::f64::consts::TAU * k as f64 / count as f64),
-            _ => (1.0 - (2 * k + 1) as f64 / count as f64, golden * k as f64),
-        };
-        let radius = f64::sqrt(1.0 - height * height);
-        let point = [radius * angle.cos(), radius * angle.sin(), height];
-        Vector::from_fn(|i, _| point[i])
-    };
-    (0..count).map(direction).collect()
 }

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::plane::{cast, quarter_turn};
-use crate::polygon::{OutlineFault, distinct, fault};
-use crate::{Convex, ConvexSet, Planar, SetError, Star, StarSet, Vector, along, directions};
+use crate::numeric::vectors::{along, cast, quarter_turn, tangents};
+use crate::shapes::{OutlineFault, distinct, fault};
+use crate::{Convex, ConvexSet, Planar, SetError, Star, StarSet, Vector, directions};
 
 /// Tolerance of the questions that are decided numerically.
 const TOLERANCE: f64 = 1e-9;
@@ -138,9 +138,8 @@ fn neighbours<const P: usize>(set: &Star<P>, cancelled: Cancelled<'_>) -> Vec<[V
         }
         _ => {
             let centres = directions::<P>(3000);
-            let aside = |d: &Vector<P>| crate::polar::tangents(d);
             let around = |d: &Vector<P>| {
-                let [u, v] = aside(d);
+                let [u, v] = tangents(d);
                 [(u, 0.01), (v, 0.01), (u + v, 0.1), (u - v, 0.3)]
                     .map(|(t, s)| [on_boundary(&(d + t * s)), on_boundary(&(d - t * s))])
             };

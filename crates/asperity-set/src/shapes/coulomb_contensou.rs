@@ -2,7 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size, polar, project};
+use crate::numeric::polarity;
+use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size, project};
 
 /// How the normal pressure is spread over the contact's disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -230,7 +231,7 @@ impl StarSet<2> for Meridian {
     }
 
     fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
-        polar::gauge_jet(self, x)
+        polarity::gauge_jet(self, x)
     }
 }
 

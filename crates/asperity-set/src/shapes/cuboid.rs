@@ -1,6 +1,7 @@
 //! The axis-parallel box, in one dimension the interval.
 
-use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along, error::size};
+use crate::numeric::vectors::along;
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, error::size};
 
 /// `{x : lowerᵢ ≤ xᵢ ≤ upperᵢ}` with `lower < 0 < upper`: the X–Y table (\[WL19\] (36)), and in one
 /// dimension friction that differs between forward and backward sliding.

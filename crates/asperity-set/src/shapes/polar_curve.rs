@@ -1,8 +1,8 @@
 //! Star-shaped sets whose boundary is measured or computed point by point.
 
-use crate::curve::{Curve, Samples};
 use crate::error::{SIZES, size_error};
-use crate::plane::quarter_turn;
+use crate::numeric::periodic_curve::{PeriodicCurve, Samples};
+use crate::numeric::vectors::quarter_turn;
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
 
 /// The set inside a smooth closed curve through the points `r(θ_i) (cos θ_i, sin θ_i)`.
@@ -11,7 +11,7 @@ use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
 /// set is convex where the points are, with corners at points where that cannot be had otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarCurve {
-    inverse_radius: Curve,
+    inverse_radius: PeriodicCurve,
     samples: Samples,
 }
 
@@ -31,7 +31,7 @@ impl PolarCurve {
             return Err(size_error("radius", bad));
         }
         let inverse: Vec<f64> = radius.iter().map(|r| 1.0 / r).collect();
-        let inverse_radius = Curve::new(angle, &inverse, "radius")?;
+        let inverse_radius = PeriodicCurve::new(angle, &inverse, "radius")?;
         Ok(Self { inverse_radius, samples: Samples::new(angle, radius) })
     }
 

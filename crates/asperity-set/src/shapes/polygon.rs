@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use crate::curve::diamond;
 use crate::error::{SIZES, size_error};
-use crate::plane::{cross, quarter_turn};
+use crate::numeric::periodic_curve::diamond;
+use crate::numeric::vectors::{cross, quarter_turn};
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector};
 
 /// The set inside a closed polygon that is star-shaped with respect to the origin.

@@ -1,9 +1,10 @@
 //! Convex sets whose support function is measured or computed.
 
-use crate::curve::{Curve, Samples};
 use crate::error::{SIZES, size_error};
-use crate::plane::quarter_turn;
-use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
+use crate::numeric::periodic_curve::{PeriodicCurve, Samples};
+use crate::numeric::polarity;
+use crate::numeric::vectors::quarter_turn;
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, project};
 
 /// The convex set with a smooth support function through the samples `h(φ_i)`.
 ///
@@ -11,7 +12,7 @@ use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
 /// boundary point with the normal angle `φ` is `h e + h′ e⊥`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SupportCurve {
-    support: Curve,
+    support: PeriodicCurve,
     samples: Samples,
 }
 
@@ -28,7 +29,7 @@ impl SupportCurve {
             return Err(size_error("support", bad));
         }
         let samples = Samples::new(angle, support);
-        let support = Curve::new(angle, support, "support")?;
+        let support = PeriodicCurve::new(angle, support, "support")?;
         let (rho, at) = support.lowest();
         if rho < 0.0 {
             let message = format!(
@@ -59,7 +60,7 @@ impl StarSet<2> for SupportCurve {
     }
 
     fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
-        polar::gauge_jet(self, x)
+        polarity::gauge_jet(self, x)
     }
 
     fn corners(&self) -> Vec<Vector<2>> {

@@ -1,8 +1,10 @@
 //! The superellipsoid, in the plane the superellipse (Lamé curve).
 
+mod projection;
+
+use crate::numeric::vectors::along;
 use crate::{
-    Cone, ConvexSet, Matrix, SetError, StarSet, Vector, along, error::positive, error::size,
-    project,
+    Cone, ConvexSet, Matrix, SetError, StarSet, Vector, error::positive, error::size, project,
 };
 
 /// `{x : Σ|xᵢ/aᵢ|^s ≤ 1}` (\[WL19\] (37)): rhombus at `s = 1`, ellipse at `s = 2`, box as `s → ∞`.
@@ -187,11 +189,11 @@ impl<const P: usize> ConvexSet<P> for Superellipsoid<P> {
     }
 
     fn project(&self, z: &Vector<P>) -> Vector<P> {
-        project::onto_superellipsoid(&self.semi_axes, self.exponent, z)
+        projection::onto_superellipsoid(&self.semi_axes, self.exponent, z)
     }
 
     fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
-        project::by_newton(self, z, start).unwrap_or_else(|| self.project(z))
+        projection::by_newton(self, self.exponent, z, start).unwrap_or_else(|| self.project(z))
     }
 
     /// `x + β∇k(x) = z`, where `∇²k` is `(s−1) diag(∂ᵢk/xᵢ)` across the normal.

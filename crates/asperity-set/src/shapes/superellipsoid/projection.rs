@@ -1,14 +1,14 @@
 //! Projection onto superellipsoids.
 
-use crate::plane::cast;
-use crate::{Matrix, StarSet, Superellipsoid, Vector};
+use crate::numeric::vectors::cast;
+use crate::{Matrix, StarSet, Vector};
 
 /// Projection onto a superellipsoid with exponent `s ≥ 1`, for any distance and axis ratio.
 ///
 /// In the positive orthant with `ξᵢ = xᵢ/aᵢ`, (13) of \[WL19\] reads `ξᵢ + (β/aᵢ²) ξᵢ^(s−1) = zᵢ/aᵢ`;
 /// given β every `ξᵢ` is the root of a monotone function, and `Σξᵢ^s` decreases with β. The outer
 /// equation `log Σξᵢ^s = 0` is solved in `log β` by Newton's method inside a bracket.
-pub(crate) fn onto_superellipsoid<const P: usize>(
+pub(super) fn onto_superellipsoid<const P: usize>(
     semi_axes: &Vector<P>,
     exponent: f64,
     z: &Vector<P>,
@@ -121,15 +121,16 @@ fn onto_rhombus<const P: usize>(semi_axes: &Vector<P>, scaled: &Vector<P>) -> Ve
 
 /// Projection onto a smooth superellipsoid by Newton's method for `x + β∇k(x) = z`, `k(x) = 1`, from a
 /// point close by; `None` if that does not converge at once.
-pub(crate) fn by_newton<const P: usize>(
-    set: &Superellipsoid<P>,
+pub(super) fn by_newton<const P: usize, S: StarSet<P>>(
+    set: &S,
+    exponent: f64,
     z: &Vector<P>,
     start: &Vector<P>,
 ) -> Option<Vector<P>> {
     if set.gauge(z) <= 1.0 {
         return Some(*z);
     }
-    let curvature = set.exponent() - 1.0;
+    let curvature = exponent - 1.0;
     let tolerance = 8.0 * f64::EPSILON * z.norm();
     let mut x = *start;
     for _ in 0..6 {
