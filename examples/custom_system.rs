@@ -55,12 +55,7 @@ impl System for Puck {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let ellipse: Convex<2> = Ellipse::new(Vector::<2>::new(0.4, 0.3))?.into();
-    let contact = ContactLaw {
-        law: FrictionLaw::associated(ellipse).into(),
-        normal_force: Some(9.81),
-        normal_restitution: 0.0,
-        tangential_restitution: 0.0,
-    };
+    let contact = ContactLaw::new(FrictionLaw::associated(ellipse), Some(9.81))?;
     let options = Options::new(1e-4, 0.3)?.with_start(&[1.0, 0.0], &[1.0, 1.0]);
     let last_only = options.steps;
     let options = options.with_save_every(last_only);

@@ -385,6 +385,30 @@ def test_velocities_that_replace_others_are_those_of_the_run():
     np.testing.assert_allclose(run.u[1, 3:], end.u[3:], atol=0.05)
 
 
+def test_momenta_are_those_that_are_stepped():
+    torque = (0.0, 0.0, 1.0)
+    ball = asp.Body(1.0, 0.004, torque=torque)
+    top = asp.Body(1.0, (0.2, 0.4, 0.5), torque=torque)
+    both = asp.simulate(asp.RigidBodies([ball, top], [], gravity=(0, 0, 0)), dt=1e-2, t_end=1.0)
+    np.testing.assert_allclose(both.end.momenta, [[0.0, 0.0, 1.0]], atol=1e-12)
+    alone = asp.simulate(asp.RigidBodies([ball], [], gravity=(0, 0, 0)), dt=1e-2, t_end=0.1)
+    assert alone.end.momenta is None
+
+
+def test_bodies_that_turn_too_far_in_a_step_are_named():
+    spin = 80.0 * np.array([0.6, 0.3, 0.7]) / np.linalg.norm([0.6, 0.3, 0.7])
+    body = asp.Body(1.0, (1.0, 2.0, 2.5), angular_velocity=spin)
+    system = asp.RigidBodies([body], [], gravity=(0.0, 0.0, 0.0))
+    with pytest.raises(asp.ParameterError, match="dt: is too long: body 0 turns by") as caught:
+        asp.simulate(system, dt=0.1, t_end=20.0)
+    part = caught.value.trajectory
+    assert len(part) == part.steps + 1
+    # What is left goes on in shorter steps.
+    finer = asp.simulate(system, dt=1e-3, t_end=part.t[-1] + 0.1, start=part)
+    energy = system.energy(finer)
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-2)
+
+
 @pytest.mark.parametrize("change", [0.0, 5.0, 1.0 + 1e-9])
 def test_momenta_of_other_velocities_are_refused(change):
     system, end = thrown_box()

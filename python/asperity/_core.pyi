@@ -269,7 +269,7 @@ def simulate(
     system: LinearSystem | CallbackSystem | RigidBodies,
     dt: float,
     steps: int,
-    clock: tuple[float, int, float],
+    clock: tuple[float, int, float | None],
     q0: _Array,
     u0: _Array,
     contacts: _Array,

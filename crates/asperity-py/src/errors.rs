@@ -1,8 +1,8 @@
 //! Errors of the core as the exceptions of `asperity.errors`.
 
+use asperity::ArgumentError;
 use asperity::contact::ProblemError;
 use asperity::event::EvaluationError;
-use asperity::integrator::OptionsError;
 use asperity::law::LawError;
 use asperity::set::SetError;
 use asperity::stepper::StepError;
@@ -86,8 +86,8 @@ impl From<ProblemError> for Failure {
     }
 }
 
-impl From<OptionsError> for Failure {
-    fn from(error: OptionsError) -> Self {
+impl From<ArgumentError> for Failure {
+    fn from(error: ArgumentError) -> Self {
         Self(parameter(error.argument, &error.message))
     }
 }
@@ -106,7 +106,8 @@ impl From<EvaluationError> for Failure {
 impl From<SystemError> for Failure {
     fn from(error: SystemError) -> Self {
         Self(match error {
-            SystemError::Argument { argument, message } => parameter(argument, &message),
+            SystemError::Argument(error) => parameter(error.argument, &error.message),
+            SystemError::Rotation { .. } => parameter("dt", &format!("is too long: {error}")),
             // An exception of the user's code comes back as itself.
             SystemError::Foreign(source) => match source.downcast::<PyErr>() {
                 Ok(error) => *error,

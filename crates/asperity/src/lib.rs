@@ -50,10 +50,12 @@
 //! ```
 #![deny(missing_docs, clippy::missing_errors_doc)]
 
+pub use argument::ArgumentError;
 pub use asperity_set as set;
 pub use integrator::{event, midpoint as stepper};
 pub use nalgebra;
 
+mod argument;
 pub mod contact;
 pub mod integrator;
 pub mod law;
@@ -65,6 +67,7 @@ pub mod simulate;
 pub mod solver;
 pub mod system;
 pub mod trajectory;
+mod vectors;
 
 /// The examples of the README are compiled and run.
 #[cfg(doctest)]

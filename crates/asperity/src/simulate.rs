@@ -1,15 +1,15 @@
 //! The time loop.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
 
-pub use crate::integrator::OptionsError;
+use crate::argument::{ArgumentError, positive, refuse};
 use crate::integrator::midpoint::{Attempt, State, StepError, Stepper};
-use crate::integrator::options::check_positive;
+use crate::integrator::observer::Observer;
 use crate::solver::{SolveReport, Solver, Status, Unsolvable};
 use crate::system::{InitialState, System, SystemError};
 use crate::trajectory::Trajectory;
+use crate::vectors::largest;
 
 /// What to simulate. What is not given has the value that stands beside it.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,15 +42,15 @@ impl Options {
     ///
     /// # Errors
     ///
-    /// [`OptionsError`] if one of both is not finite and positive, or if there are more steps than can be counted.
-    pub fn new(dt: f64, t_end: f64) -> Result<Self, OptionsError> {
-        check_positive("dt", dt)?;
-        check_positive("t_end", t_end)?;
+    /// [`ArgumentError`] if one of both is not finite and positive, or if there are more steps than can be counted.
+    pub fn new(dt: f64, t_end: f64) -> Result<Self, ArgumentError> {
+        positive("dt", dt)?;
+        positive("t_end", t_end)?;
         let ratio = t_end / dt;
         // Beyond 2⁵³ the numbers of two steps have the same floating-point number.
         if !(ratio < 2f64.powi(53)) {
             let message = format!("is too small for t_end = {t_end}, got {dt}");
-            return Err(OptionsError { argument: "dt", message });
+            return refuse("dt", message);
         }
         let nearest = ratio.round();
         let steps =
@@ -136,7 +136,7 @@ pub struct Failure {
     /// Time at the end of the step in s.
     pub time: f64,
     /// The contact with the largest defect, in the order of the system's contacts.
-    pub contact: usize,
+    pub contact: Option<usize>,
     /// Natural residual.
     pub residual: f64,
     /// How the solver ended.
@@ -158,13 +158,6 @@ pub struct Run {
     /// Why the loop ended.
     pub outcome: Outcome,
 }
-
-/// How often the observer is called, whatever a step costs.
-const POLL_EVERY: Duration = Duration::from_millis(50);
-
-/// Most steps between two looks at the clock: its cost is lost among so many, and if steps suddenly take a
-/// hundred times longer, nobody notices.
-const MOST_UNSEEN: u32 = 64;
 
 /// Simulates `system` with Moreau's midpoint scheme.
 ///
@@ -189,13 +182,13 @@ const MOST_UNSEEN: u32 = 64;
 ///
 /// # Errors
 ///
-/// [`OptionsError`] if an option or the state at the beginning is out of range. Whatever happens later is the
+/// [`ArgumentError`] if an option or the state at the beginning is out of range. Whatever happens later is the
 /// [`Outcome`] of the run.
 pub fn simulate(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-) -> Result<Run, OptionsError> {
+) -> Result<Run, ArgumentError> {
     let own = || system.initial_state();
     let InitialState { q, u } = options.start.clone().unwrap_or_else(own);
     resume(system, &State::new(0.0, &q, &u), options, observer)
@@ -212,21 +205,20 @@ pub fn resume(
     start: &State,
     options: &Options,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-) -> Result<Run, OptionsError> {
+) -> Result<Run, ArgumentError> {
     if options.save_every == 0 {
-        let message = "must be at least 1, got 0".into();
-        return Err(OptionsError { argument: "save_every", message });
+        return refuse("save_every", "must be at least 1, got 0");
     }
     let Options { dt, tolerance, solver, .. } = *options;
     let mut trajectory = Trajectory::empty(system);
     let mut stepper = match Stepper::from_state(system, solver, tolerance, dt, start) {
         Ok(stepper) => stepper,
         Err(StepError::Options(error)) => return Err(error),
-        Err(StepError::System(error @ SystemError::Argument { .. })) => return Err(error.into()),
+        Err(StepError::System(SystemError::Argument(error))) => return Err(error),
         Err(error) => return Ok(Run { trajectory, end: None, outcome: Outcome::Error(error) }),
     };
-    let watch = Watch { clock: RefCell::new(Clock::new()), observer: RefCell::new(observer) };
-    let outcome = run(options, &mut stepper, &mut trajectory, &watch);
+    let mut after = |step| observer(step, options.steps);
+    let outcome = run(options, &mut stepper, &mut trajectory, &Observer::new(&mut after));
     let end = Some(stepper.state()).filter(State::is_finite);
     Ok(Run { trajectory, end, outcome: outcome.unwrap_or_else(Outcome::Error) })
 }
@@ -236,11 +228,11 @@ fn run(
     options: &Options,
     stepper: &mut Stepper<'_>,
     trajectory: &mut Trajectory,
-    watch: &Watch<'_, '_>,
+    observer: &Observer<'_, usize>,
 ) -> Result<Outcome, StepError> {
     trajectory.begin(stepper)?;
     let mut last = None;
-    let outcome = steps(options, stepper, trajectory, watch, &mut last);
+    let outcome = steps(options, stepper, trajectory, observer, &mut last);
     let recorded = match (&outcome, last) {
         (Err(StepError::NotFinite { .. }), _) | (_, None) => Ok(()),
         (_, Some(report)) => trajectory.record(stepper, report.iterations, report.residual),
@@ -253,7 +245,7 @@ fn steps(
     options: &Options,
     stepper: &mut Stepper<'_>,
     trajectory: &mut Trajectory,
-    watch: &Watch<'_, '_>,
+    observer: &Observer<'_, usize>,
     unsaved: &mut Option<SolveReport>,
 ) -> Result<Outcome, StepError> {
     let (mut rested, mut fastest) = (0, 0.0_f64);
@@ -262,7 +254,7 @@ fn steps(
     for step in 1..=options.steps {
         // A step that asks but once is over soon: the clock would be a part of its cost.
         let asked = Cell::new(false);
-        let cancelled = || asked.replace(true) && watch.stops((step - 1, options.steps));
+        let cancelled = || asked.replace(true) && observer.asks_to_stop(step - 1);
         let report = match stepper.attempt(&cancelled, wanted)? {
             Attempt::Made(report) => report,
             Attempt::Cancelled => return Ok(Outcome::Interrupted),
@@ -281,7 +273,7 @@ fn steps(
         trajectory.count(stepper, report.ambiguous);
         *unsaved = Some(report);
         if options.until_rest {
-            let speed = stepper.u().iter().fold(0.0, |s: f64, v| s.max(v.abs()));
+            let speed = largest(stepper.u());
             fastest = fastest.max(speed);
             rested = if speed <= 1e-12 * fastest { rested + 1 } else { 0 };
         }
@@ -289,7 +281,7 @@ fn steps(
         if options.until_rest && rested >= 2 {
             return Ok(Outcome::AtRest);
         }
-        if watch.stops_between((step, options.steps)) {
+        if observer.asks_to_stop_after_step(step) {
             return Ok(Outcome::Interrupted);
         }
         if step % options.save_every == 0 {
@@ -298,73 +290,4 @@ fn steps(
         }
     }
     Ok(Outcome::Finished)
-}
-
-/// The observer with the clock that says when it is to be asked.
-struct Watch<'a, 'b> {
-    clock: RefCell<Clock>,
-    observer: RefCell<&'a mut (dyn FnMut(usize, usize) -> ControlFlow<()> + 'b)>,
-}
-
-impl Watch<'_, '_> {
-    /// Whether the run is to stop, asked within a step, each time with a look at the clock.
-    #[cold]
-    fn stops(&self, (step, steps): (usize, usize)) -> bool {
-        self.clock.borrow_mut().look() && self.ask(step, steps)
-    }
-
-    /// Whether the run is to stop, asked after each step.
-    #[inline]
-    fn stops_between(&self, (step, steps): (usize, usize)) -> bool {
-        self.clock.borrow_mut().due() && self.ask(step, steps)
-    }
-
-    fn ask(&self, step: usize, steps: usize) -> bool {
-        (self.observer.borrow_mut())(step, steps).is_break()
-    }
-}
-
-/// Polls by the clock, reading it only now and then while steps are short.
-struct Clock {
-    /// When the observer was last called.
-    polled: Instant,
-    /// When the clock was last read.
-    read: Instant,
-    /// Steps until the clock is read again, and how many they were after the last reading.
-    countdown: u32,
-    interval: u32,
-}
-
-impl Clock {
-    fn new() -> Self {
-        let now = Instant::now();
-        Self { polled: now, read: now, countdown: 1, interval: 1 }
-    }
-
-    /// Whether the observer is to be called, as seen by every so-manieth call of this.
-    #[inline]
-    fn due(&mut self) -> bool {
-        self.countdown -= 1;
-        if self.countdown > 0 {
-            return false;
-        }
-        let before = self.read;
-        let due = self.look();
-        // The steps since the last reading tell how many fit between two.
-        let quick = self.read.duration_since(before) < POLL_EVERY / 8;
-        self.interval =
-            if quick { (2 * self.interval).min(MOST_UNSEEN) } else { (self.interval / 2).max(1) };
-        self.countdown = self.interval;
-        due
-    }
-
-    /// Whether the observer is to be called.
-    fn look(&mut self) -> bool {
-        self.read = Instant::now();
-        let due = self.read.duration_since(self.polled) >= POLL_EVERY;
-        if due {
-            self.polled = self.read;
-        }
-        due
-    }
 }

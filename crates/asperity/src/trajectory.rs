@@ -50,7 +50,7 @@ impl Trajectory {
     /// A trajectory of a system, without samples.
     pub(crate) fn empty(system: &dyn System) -> Self {
         let contacts = system.contacts();
-        let dimensions: Vec<usize> = contacts.iter().map(|c| c.law.dimension()).collect();
+        let dimensions: Vec<usize> = contacts.iter().map(|c| c.law().dimension()).collect();
         let samples = Samples::new(system.coordinates(), system.dof(), &dimensions);
         Self { samples, phase_counts: vec![0; 3 * contacts.len()], ..Self::default() }
     }

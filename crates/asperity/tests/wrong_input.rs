@@ -336,7 +336,7 @@ fn laws_are_checked_where_they_are_made_and_asked() {
                 calm("alpha", || law.alpha(&slip));
             }
             refused("normal_force", || {
-                law.slip_direction(&Vector::<2>::new(0.1, 0.0), wrong.abs() * -1.0, 1e-9)
+                law.slip_direction(&Vector::<2>::new(0.1, 0.0), -wrong.abs(), 1e-9)
             });
             let _ = calm("rotated", || law.rotated(wrong));
         }
@@ -416,12 +416,8 @@ struct Own {
 
 impl Own {
     fn new() -> Self {
-        let contact = ContactLaw {
-            law: FrictionLaw::<1>::isotropic(0.5).unwrap().into(),
-            normal_force: Some(1.0),
-            normal_restitution: 0.0,
-            tangential_restitution: 0.0,
-        };
+        let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
+        let contact = ContactLaw::new(law, Some(1.0)).unwrap();
         Self {
             blocks: Blocks::one(1),
             contacts: vec![contact],
@@ -562,7 +558,8 @@ fn integrators_refuse_wrong_options_and_states() {
         state(|s| s.momenta = vec![0.0]),
         state(|s| s.q.clear()),
         state(|s| s.steps = usize::MAX),
-        state(|s| (s.dt, s.steps) = (NAN, 3)),
+        state(|s| (s.dt, s.steps) = (Some(NAN), 3)),
+        state(|s| s.steps = 3),
     ] {
         let resumed = calm(format!("{wrong:?}"), || {
             simulate::resume(&point, &wrong, &good(), &mut |_, _| ControlFlow::Continue(()))

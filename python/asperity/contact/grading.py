@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -291,6 +292,7 @@ def _friction_of(law: FrictionLaw, state: State) -> Array:
     return np.vstack([friction[inside], ends / law.reservoir.gauge(ends)[:, None]])
 
 
+@functools.lru_cache(maxsize=16)
 def _frictions(law: FrictionLaw) -> tuple[Array, Array]:
     """Return slip directions and friction per unit normal force, all around and along flats."""
     if law.dimension == 1:

@@ -85,7 +85,9 @@ def integrate(
             gives up where 2000 steps, made or rejected, do not pass 1e-10 of it.
         q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
             Quaternions are normalised.
-        u0: initial velocities, shape ``(n,)``; default likewise.
+        u0: initial velocities, shape ``(n,)``; default likewise. At the beginning gaps below
+            2.2e-16 m and velocities below 2.2e-16 m/s count as none: choose units in which the
+            motion is larger.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far; between 1e-14 and 1e-2.
         dt: time between samples in s. Default: every step of the method, before and after events.

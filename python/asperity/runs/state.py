@@ -35,8 +35,8 @@ class State(Value):
         contacts: what the contacts remember, shape ``(n_contact, 16)``: whether closed (0 or 1),
             `Phase`, how many earlier slip velocities count (0, 1 or 2), three slip velocities with
             the latest first, four percussions. ``None`` if nothing is known of them.
-        momenta: angular momenta of rigid bodies in the world's axes, shape ``(n_body, 3)``, those
-            of unequal moments being kept from step to step; ``None`` if they follow from the
+        momenta: angular momenta in the world's axes of the rigid bodies of unequal moments, whose
+            momenta are kept from step to step, shape ``(n, 3)``; ``None`` if they follow from the
             velocities. `simulate` refuses those of other velocities.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
@@ -104,9 +104,9 @@ class State(Value):
         """`Phase` of each contact as integers; without entries if nothing is known of them."""
         return np.array([] if self.contacts is None else self.contacts[:, 1], dtype=np.int8)
 
-    def _arguments(self) -> tuple[tuple[float, int, float], Array, Array, Array, Array]:
+    def _arguments(self) -> tuple[tuple[float, int, float | None], Array, Array, Array, Array]:
         """Return the state as the core takes it."""
-        clock = (self.t0, self.steps, np.nan if self.dt is None else self.dt)
+        clock = (self.t0, self.steps, self.dt)
         contacts = np.zeros((0, _COLUMNS)) if self.contacts is None else self.contacts
         momenta = np.zeros((0, 3)) if self.momenta is None else self.momenta
         return clock, self.q, self.u, contacts, momenta

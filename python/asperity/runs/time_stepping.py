@@ -74,7 +74,8 @@ def simulate(
 
     Args:
         system: `LinearSystem`, `SlidingPoint`, `MassOnBelt`, `RigidBodies` or a `System`.
-        dt: step Δt > 0 in s.
+        dt: step Δt > 0 in s. Rigid bodies of unequal moments should turn by less than about a
+            radian in it; from half a turn on the run ends, unless they spin steadily.
         t_end: end time in s, after the time of `start`, which is 0 without it; the last step is
             the first with k Δt ≥ `t_end` (to 1e-9 relative).
         q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``, whose
@@ -100,6 +101,7 @@ def simulate(
         ConvergenceError: a contact problem was not solved to `tolerance`. Either holds the step,
             the time, the contact, the residual and the part before as ``trajectory``.
         DivergenceError: the state is no longer finite, with the part before as ``trajectory``.
+        ParameterError: naming the argument; ``dt`` where a body turns too far in a step.
         SimulationInterrupted: on Ctrl-C, with the part before as ``trajectory``.
 
     Reference: [WL19] (19)–(22).

@@ -23,7 +23,7 @@ const COLUMNS: usize = 16;
 
 /// The state behind the arrays of one.
 fn state(
-    (origin, steps, dt): (f64, usize, f64),
+    (origin, steps, dt): (f64, usize, Option<f64>),
     (q, u): (&Numbers<'_>, &Numbers<'_>),
     contacts: &Points<'_>,
     momenta: &Points<'_>,
@@ -70,7 +70,11 @@ fn state_dict<'py>(py: Python<'py>, state: State) -> PyResult<Bound<'py, PyDict>
         table.extend(slips.into_iter().flatten());
         table.extend(memory.percussion);
     }
-    let (contacts, bodies) = (state.contacts.len(), state.momenta.len() / 3);
+    let contacts = state.contacts.len();
+    let momenta = (!state.momenta.is_empty()).then(|| {
+        let bodies = state.momenta.len() / 3;
+        PyArray1::from_vec(py, state.momenta).reshape([bodies, 3])
+    });
     let out = PyDict::new(py);
     out.set_item("t0", state.origin)?;
     out.set_item("steps", state.steps)?;
@@ -78,7 +82,7 @@ fn state_dict<'py>(py: Python<'py>, state: State) -> PyResult<Bound<'py, PyDict>
     out.set_item("q", PyArray1::from_vec(py, state.q))?;
     out.set_item("u", PyArray1::from_vec(py, state.u))?;
     out.set_item("contacts", PyArray1::from_vec(py, table).reshape([contacts, COLUMNS])?)?;
-    out.set_item("momenta", PyArray1::from_vec(py, state.momenta).reshape([bodies, 3])?)?;
+    out.set_item("momenta", momenta.transpose()?)?;
     Ok(out)
 }
 
@@ -90,7 +94,7 @@ pub fn simulate<'py>(
     system: &Bound<'py, PyAny>,
     dt: f64,
     steps: usize,
-    clock: (f64, usize, f64),
+    clock: (f64, usize, Option<f64>),
     q0: Numbers<'py>,
     u0: Numbers<'py>,
     contacts: Points<'py>,

@@ -116,10 +116,10 @@ impl CallbackSystem {
         contacts: Vec<Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let law_of = |contact: &Bound<'_, PyDict>| {
-            let (normal_restitution, tangential_restitution) = restitution(contact)?;
-            let normal_force = item(contact, "normal_force")?.extract()?;
-            let law = law(contact)?;
-            Ok(ContactLaw { law, normal_force, normal_restitution, tangential_restitution })
+            let (normal, tangential) = restitution(contact)?;
+            let made = ContactLaw::new(law(contact)?, item(contact, "normal_force")?.extract()?);
+            let made = made.and_then(|made| made.with_restitution(normal, tangential));
+            made.map_err(|error| Failure::from(error).0)
         };
         let laws: Vec<_> = contacts.iter().map(law_of).collect::<PyResult<_>>()?;
         let in_blocks = touched.is_some();
@@ -300,7 +300,7 @@ impl System for CallbackSystem {
         rows: &mut [f64],
         velocity: &mut [f64],
     ) -> Result<f64, SystemError> {
-        let p = self.laws[contact].law.dimension();
+        let p = self.laws[contact].law().dimension();
         let n = self.touched[contact].iter().map(|&block| self.blocks.range(block).len()).sum();
         let normal_rows = self.laws[contact].normal_rows();
         let (normal, tangent) = rows.split_at_mut(normal_rows * n);

@@ -3,6 +3,8 @@
 use super::error::check_length;
 use super::{ContactProblem, ProblemError};
 
+use crate::vectors::dot;
+
 /// What a contact does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -89,7 +91,6 @@ impl ContactState {
             1 => std::array::from_fn(|i| 2.0 * last[i] - one[i]),
             _ => std::array::from_fn(|i| 3.0 * (last[i] - one[i]) + two[i]),
         };
-        let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         // Where the slip ceases, extrapolation would turn it round.
         if dot(&ahead, last) > 0.5 * dot(last, last) { ahead } else { self.slip }
     }

@@ -5,6 +5,7 @@
 //! | `midpoint/` | Moreau's time stepping, steps of one length |
 //! | `event/` | from event to event, to the accuracy that is asked for |
 //! | `samples.rs` | what both integrators return: states, slips and forces over time |
+//! | `observer.rs` | asks now and then whether to go on |
 //! | `options.rs` | what options of integrators are checked for |
 
 #[cfg(feature = "serde")]
@@ -13,8 +14,8 @@ pub mod event;
 pub mod midpoint;
 #[cfg(feature = "serde")]
 pub(crate) mod numbers;
+pub(crate) mod observer;
 pub(crate) mod options;
 pub(crate) mod samples;
 
-pub use options::OptionsError;
 pub use samples::Samples;

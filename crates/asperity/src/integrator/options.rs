@@ -1,94 +1,21 @@
 //! What options of integrators are checked for.
 
-use thiserror::Error;
+use crate::argument::{ArgumentError, positive, refuse};
+use crate::system::{Rotation, System};
 
-use crate::system::{Rotation, System, SystemError};
-
-/// Bad options.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{argument}: {message}")]
-#[non_exhaustive]
-pub struct OptionsError {
-    /// Name of the argument.
-    pub argument: &'static str,
-    /// What is allowed, and what was given.
-    pub message: String,
-}
-
-impl From<SystemError> for OptionsError {
-    fn from(error: SystemError) -> Self {
-        match error {
-            SystemError::Argument { argument, message } => Self { argument, message },
-            foreign @ SystemError::Foreign(_) => {
-                Self { argument: "system", message: foreign.to_string() }
-            }
-        }
-    }
-}
-
-/// Refuses an argument.
-pub(crate) fn refuse(
-    argument: &'static str,
-    message: impl Into<String>,
-) -> Result<(), OptionsError> {
-    Err(OptionsError { argument, message: message.into() })
-}
-
-/// Refuses what is not finite and positive.
-pub(crate) fn check_positive(argument: &'static str, value: f64) -> Result<(), OptionsError> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    refuse(argument, format!("must be finite and positive, got {value}"))
-}
-
-/// Refuses what is not as many finite numbers as expected.
-pub(crate) fn check_entries(
-    argument: &'static str,
-    values: &[f64],
-    expected: usize,
-) -> Result<(), OptionsError> {
-    if values.len() != expected {
-        return refuse(argument, format!("must have {expected} entries, has {}", values.len()));
-    }
-    match values.iter().find(|value| !value.is_finite()) {
-        Some(value) => refuse(argument, format!("must be finite, got {value}")),
-        None => Ok(()),
-    }
-}
-
-/// Steps of this length to this accuracy, and the contacts of the system, as far as their ranges are known.
+/// Steps of this length to this accuracy, of a system that is put together as it should be.
 pub(crate) fn check_steps(
     system: &dyn System,
     tolerance: f64,
     dt: f64,
-) -> Result<(), OptionsError> {
-    check_positive("dt", dt)?;
-    check_positive("tolerance", tolerance)?;
-    check_structure(system)?;
-    for (number, contact) in system.contacts().iter().enumerate() {
-        for (argument, value) in [
-            ("normal_restitution", contact.normal_restitution),
-            ("tangential_restitution", contact.tangential_restitution),
-        ] {
-            if !(0.0..=1.0).contains(&value) {
-                return refuse(
-                    argument,
-                    format!("must lie in [0, 1], is {value} at contact {number}"),
-                );
-            }
-        }
-        if let Some(force) = contact.normal_force.filter(|f| !(f.is_finite() && *f >= 0.0)) {
-            let message =
-                format!("must be finite and not negative, is {force} at contact {number}");
-            return refuse("normal_force", message);
-        }
-    }
-    Ok(())
+) -> Result<(), ArgumentError> {
+    positive("dt", dt)?;
+    positive("tolerance", tolerance)?;
+    check_structure(system)
 }
 
 /// Refuses what a system of a user says of its blocks and rotations, if places follow from it that there are not.
-pub(crate) fn check_structure(system: &dyn System) -> Result<(), OptionsError> {
+pub(crate) fn check_structure(system: &dyn System) -> Result<(), ArgumentError> {
     let (blocks, n, coordinates) = (system.blocks().count(), system.dof(), system.coordinates());
     if n != system.blocks().velocities() {
         let velocities = system.blocks().velocities();
@@ -96,6 +23,9 @@ pub(crate) fn check_structure(system: &dyn System) -> Result<(), OptionsError> {
             "system",
             format!("must have {velocities} velocities in its blocks, has {n}"),
         );
+    }
+    if (0..blocks).any(|block| system.blocks().range(block).is_empty()) {
+        return refuse("system", "must have a velocity at least in every block");
     }
     for contact in 0..system.contacts().len() {
         let touched = system.touched(contact);

@@ -5,6 +5,8 @@
 
 use super::dense::{Packed, eliminate};
 
+use crate::vectors::{dot, largest};
+
 /// A factored matrix.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DenseLu {
@@ -34,14 +36,13 @@ impl DenseLu {
             self.packed.reserve(n);
             self.reserved = n;
         }
-        let largest = self.entries.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let largest = largest(&self.entries);
         eliminate(&mut self.entries, n, n, &mut self.swaps, &mut self.packed)
             && (0..n).all(|k| self.entries[k * n + k].abs() > threshold * largest)
     }
 
     /// `values ← matrix⁻¹ values`; false if the result is not finite.
     pub(crate) fn solve(&self, values: &mut [f64]) -> bool {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let columns = self.entries.chunks_exact(self.size.max(1)).enumerate();
         for (k, column) in columns.clone() {
             values[k] = (values[k] - dot(&column[..k], values)) / column[k];

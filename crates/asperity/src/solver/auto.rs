@@ -91,7 +91,7 @@ impl Methods {
 
     /// Newton's method from percussions near which there may be a solution; without success those before stay.
     #[cold]
-    pub(crate) fn from_candidate(
+    pub(crate) fn try_candidate(
         &mut self,
         task: Task<'_>,
         iterate: Iterate<'_>,

@@ -255,19 +255,19 @@ impl Solver {
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         forget_runaways(&task, &mut iterate, groups);
         let once = self.sweeps_once(problem);
-        let (mut iterations, mut ended) = if once {
-            (1, sweeper.solve_uncoupled(&task, &mut iterate))
+        let (mut iterations, mut ended, mut residual) = if once {
+            let ended = sweeper.solve_uncoupled(&task, &mut iterate);
+            (1, ended, iterate.measure(&task))
         } else {
             // What sweeps find depends on the memory, not on what the workspace has seen before.
             iterate.states.copy_from_slice(task.history);
             sweeper.renew_efforts();
             self.run(&task, &mut iterate, sweeper, methods, next)
         };
-        let mut residual = iterate.measure(&task);
         let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
         if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
             let methods = methods.get_or_insert_default();
-            (iterations, ended) = methods.from_candidate(task, iterate.reborrow(), sweeper, &start);
+            (iterations, ended) = methods.try_candidate(task, iterate.reborrow(), sweeper, &start);
             residual = iterate.measure(&task);
             if residual.value <= stop.tolerance {
                 findings = findings::judge(&task, ended, residual, &mut iterate, groups);
@@ -309,7 +309,7 @@ impl Solver {
         }
     }
 
-    /// Runs the method.
+    /// Runs the method; iterations, why it ended, and the residual.
     #[inline(never)]
     fn run(
         &self,
@@ -318,28 +318,31 @@ impl Solver {
         sweeper: &mut Sweeper,
         methods: &mut Option<Box<Methods>>,
         next: &mut Vec<f64>,
-    ) -> (usize, Ended) {
-        let (method, max_iterations) = match *self {
+    ) -> (usize, Ended, Residual) {
+        let mut single = |method, max_iterations| {
+            let methods = methods.get_or_insert_default();
+            methods.single(*task, iterate.reborrow(), sweeper, method, max_iterations)
+        };
+        let (iterations, ended) = match *self {
             Self::Exact { max_sweeps } => return sweeper.solve(task, iterate, max_sweeps),
             Self::ProxJacobi { step, max_iterations } => {
                 let iteration = ProxIteration { order: Order::Jacobi, step, max_iterations };
-                return iteration.solve(task, iterate, next);
+                iteration.solve(task, iterate, next)
             }
             Self::ProxGaussSeidel { step, max_iterations } => {
                 let iteration = ProxIteration { order: Order::GaussSeidel, step, max_iterations };
-                return iteration.solve(task, iterate, next);
+                iteration.solve(task, iterate, next)
             }
             Self::Auto { interior_point, .. } => {
                 let methods = methods.get_or_insert_default();
-                return methods.automatic(*task, iterate.reborrow(), sweeper, interior_point);
+                methods.automatic(*task, iterate.reborrow(), sweeper, interior_point)
             }
-            Self::Newton { max_iterations } => (Method::Newton, max_iterations),
-            Self::ProximalPoint { max_iterations } => (Method::ProximalPoint, max_iterations),
-            Self::InteriorPoint { max_iterations } => (Method::InteriorPoint, max_iterations),
-            Self::Admm { max_iterations } => (Method::Admm, max_iterations),
+            Self::Newton { max_iterations } => single(Method::Newton, max_iterations),
+            Self::ProximalPoint { max_iterations } => single(Method::ProximalPoint, max_iterations),
+            Self::InteriorPoint { max_iterations } => single(Method::InteriorPoint, max_iterations),
+            Self::Admm { max_iterations } => single(Method::Admm, max_iterations),
         };
-        let methods = methods.get_or_insert_default();
-        methods.single(*task, iterate.reborrow(), sweeper, method, max_iterations)
+        (iterations, ended, iterate.measure(task))
     }
 }
 

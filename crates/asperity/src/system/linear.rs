@@ -3,7 +3,9 @@
 use nalgebra::DMatrix;
 
 use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError};
+use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::law::Law;
+use crate::vectors::dot;
 
 /// Normal direction of a contact of a linear system.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +33,7 @@ pub struct Contact {
     pub velocity: Vec<f64>,
     /// Normal force or gap.
     pub normal: Normal,
-    /// `e_N` and `e_T`.
+    /// `e_N` and `e_T`, both in [0, 1].
     pub restitution: (f64, f64),
 }
 
@@ -88,7 +90,7 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] if a matrix or vector has another shape or is not finite, if `mass` is not symmetric positive
+    /// [`ArgumentError`] if a matrix or vector has another shape or is not finite, if `mass` is not symmetric positive
     /// definite, or if a number of a contact is out of its range.
     pub fn new(
         mass: DMatrix<f64>,
@@ -96,16 +98,16 @@ impl LinearSystem {
         damping: DMatrix<f64>,
         force: Vec<f64>,
         contacts: Vec<Contact>,
-    ) -> Result<Self, SystemError> {
+    ) -> Result<Self, ArgumentError> {
         let n = mass.nrows();
         check_matrix("mass", &mass, n, n)?;
         check_matrix("stiffness", &stiffness, n, n)?;
         check_matrix("damping", &damping, n, n)?;
-        check_finite("force", &force, n)?;
+        entries("force", &force, n)?;
         if (&mass - mass.transpose()).amax() > 1e-12 * mass.amax()
             || mass.clone().cholesky().is_none()
         {
-            return Err(SystemError::argument("mass", "must be symmetric positive definite"));
+            return refuse("mass", "must be symmetric positive definite");
         }
         let internal = (0..n)
             .flat_map(|i| (0..n).map(move |j| (i, j)))
@@ -113,48 +115,22 @@ impl LinearSystem {
             .filter(|&(_, _, k, b)| k != 0.0 || b != 0.0)
             .collect();
         let checked = contacts.iter().map(|c| linear_contact(c, n)).collect::<Result<_, _>>()?;
-        let laws = contacts
-            .into_iter()
-            .map(|contact| ContactLaw {
-                law: contact.law,
-                normal_force: match contact.normal {
-                    Normal::Force(value) => Some(value),
-                    Normal::Gap { .. } => None,
-                },
-                normal_restitution: contact.restitution.0,
-                tangential_restitution: contact.restitution.1,
-            })
-            .collect();
+        let laws = contacts.into_iter().map(contact_law).collect::<Result<_, _>>()?;
         Ok(Self { blocks: Blocks::one(n), mass, internal, force, contacts: checked, laws })
     }
 }
 
-fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, SystemError> {
+fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, ArgumentError> {
     let p = contact.law.dimension();
     check_matrix("direction", &contact.direction, n, p)?;
-    check_finite("velocity", &contact.velocity, p)?;
-    for (argument, e) in [
-        ("normal_restitution", contact.restitution.0),
-        ("tangential_restitution", contact.restitution.1),
-    ] {
-        if !(-1.0..=1.0).contains(&e) {
-            return Err(SystemError::argument(argument, format!("must lie in [-1, 1], got {e}")));
-        }
-    }
+    entries("velocity", &contact.velocity, p)?;
     let (mut rows, mut velocity, mut gap) = (Vec::new(), Vec::new(), 0.0);
-    match &contact.normal {
-        Normal::Force(value) if value.is_finite() && *value >= 0.0 => {}
-        Normal::Force(value) => {
-            let message = format!("must be finite and not negative, got {value}");
-            return Err(SystemError::argument("normal_force", message));
-        }
-        Normal::Gap { direction, gap: at_zero } => {
-            check_finite("normal", direction, n)?;
-            check_finite("gap", &[*at_zero], 1)?;
-            rows.extend(direction);
-            velocity.push(0.0);
-            gap = *at_zero;
-        }
+    if let Normal::Gap { direction, gap: at_zero } = &contact.normal {
+        entries("normal", direction, n)?;
+        finite("gap", &[*at_zero])?;
+        rows.extend(direction);
+        velocity.push(0.0);
+        gap = *at_zero;
     }
     // Column-major W is row-major Wᵀ.
     rows.extend(contact.direction.as_slice());
@@ -162,29 +138,27 @@ fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, SystemEr
     Ok(LinearContact { rows, velocity, gap })
 }
 
+fn contact_law(contact: Contact) -> Result<ContactLaw, ArgumentError> {
+    let normal_force = match contact.normal {
+        Normal::Force(value) => Some(value),
+        Normal::Gap { .. } => None,
+    };
+    let (normal, tangential) = contact.restitution;
+    ContactLaw::new(contact.law, normal_force)?.with_restitution(normal, tangential)
+}
+
 fn check_matrix(
     argument: &'static str,
     matrix: &DMatrix<f64>,
     rows: usize,
     columns: usize,
-) -> Result<(), SystemError> {
+) -> Result<(), ArgumentError> {
     if matrix.shape() != (rows, columns) {
         let (r, c) = matrix.shape();
         let message = format!("must have shape ({rows}, {columns}), has ({r}, {c})");
-        return Err(SystemError::argument(argument, message));
+        return refuse(argument, message);
     }
-    check_finite(argument, matrix.as_slice(), rows * columns)
-}
-
-fn check_finite(argument: &'static str, values: &[f64], len: usize) -> Result<(), SystemError> {
-    if values.len() != len {
-        let message = format!("must have {len} entries, has {}", values.len());
-        return Err(SystemError::argument(argument, message));
-    }
-    if let Some(value) = values.iter().find(|v| !v.is_finite()) {
-        return Err(SystemError::argument(argument, format!("must be finite, got {value}")));
-    }
-    Ok(())
+    finite(argument, matrix.as_slice())
 }
 
 impl System for LinearSystem {
@@ -224,7 +198,7 @@ impl System for LinearSystem {
 
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let LinearContact { rows, gap, .. } = &self.contacts[contact];
-        Ok(gap + rows.iter().zip(at.q).map(|(w, x)| w * x).sum::<f64>())
+        Ok(gap + dot(rows, at.q))
     }
 
     fn rows(
@@ -236,7 +210,7 @@ impl System for LinearSystem {
     ) -> Result<f64, SystemError> {
         rows.copy_from_slice(&self.contacts[contact].rows);
         velocity.copy_from_slice(&self.contacts[contact].velocity);
-        let given = self.laws[contact].normal_force.is_some();
+        let given = self.laws[contact].normal_force().is_some();
         if given { Ok(0.0) } else { self.gap(at, contact) }
     }
 }

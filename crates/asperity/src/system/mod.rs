@@ -19,6 +19,7 @@ pub use rigid::RigidBodies;
 pub use signal::{Break, Derivative, Interpolation, Moment, Signal, Smoothness};
 pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
+use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::law::Law;
 
 /// What of a system never changes, so that it is computed once.
@@ -42,17 +43,59 @@ pub struct Rotation {
 /// A contact as the law sees it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactLaw {
-    /// Friction law.
-    pub law: Law,
-    /// Prescribed normal force in N; `None` for a unilateral contact.
-    pub normal_force: Option<f64>,
-    /// Newton's coefficient of restitution `e_N`.
-    pub normal_restitution: f64,
-    /// Tangential restitution `e_T`.
-    pub tangential_restitution: f64,
+    law: Law,
+    normal_force: Option<f64>,
+    normal_restitution: f64,
+    tangential_restitution: f64,
 }
 
 impl ContactLaw {
+    /// A contact without restitution. Its normal force is prescribed, in N, or the contact is unilateral.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] if a prescribed normal force is not finite or negative.
+    pub fn new(law: impl Into<Law>, normal_force: Option<f64>) -> Result<Self, ArgumentError> {
+        not_negative("normal_force", normal_force.unwrap_or(0.0))?;
+        let (normal_restitution, tangential_restitution) = (0.0, 0.0);
+        Ok(Self { law: law.into(), normal_force, normal_restitution, tangential_restitution })
+    }
+
+    /// The same contact with Newton's coefficients of restitution `e_N` and `e_T`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] unless both lie in [0, 1].
+    pub fn with_restitution(self, normal: f64, tangential: f64) -> Result<Self, ArgumentError> {
+        let normal_restitution = part("normal_restitution", normal)?;
+        let tangential_restitution = part("tangential_restitution", tangential)?;
+        Ok(Self { normal_restitution, tangential_restitution, ..self })
+    }
+
+    /// Friction law.
+    #[inline]
+    pub fn law(&self) -> &Law {
+        &self.law
+    }
+
+    /// Prescribed normal force in N; `None` for a unilateral contact.
+    #[inline]
+    pub fn normal_force(&self) -> Option<f64> {
+        self.normal_force
+    }
+
+    /// Newton's coefficient of restitution `e_N`.
+    #[inline]
+    pub fn normal_restitution(&self) -> f64 {
+        self.normal_restitution
+    }
+
+    /// Tangential restitution `e_T`.
+    #[inline]
+    pub fn tangential_restitution(&self) -> f64 {
+        self.tangential_restitution
+    }
+
     /// Number of normal rows: one if the contact is unilateral.
     #[inline]
     pub fn normal_rows(&self) -> usize {
@@ -71,12 +114,18 @@ impl ContactLaw {
 #[non_exhaustive]
 pub enum SystemError {
     /// An argument is out of range.
-    #[error("{argument}: {message}")]
-    Argument {
-        /// Name of the argument.
-        argument: &'static str,
-        /// What is allowed, and what was given.
-        message: String,
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
+    /// A body of unequal moments turns too far in a step for the midpoint rule.
+    #[error(
+        "body {body} turns by {angle:.3} rad in a step, so that its angular velocity at the end is not found: dt times \
+         the angular velocity should be below about 1"
+    )]
+    Rotation {
+        /// The body.
+        body: usize,
+        /// Step times angular velocity in rad.
+        angle: f64,
     },
     /// A callback of the user failed.
     #[error("{0}")]
@@ -84,14 +133,10 @@ pub enum SystemError {
 }
 
 impl SystemError {
-    pub(crate) fn argument(argument: &'static str, message: impl Into<String>) -> Self {
-        Self::Argument { argument, message: message.into() }
-    }
-
     /// A direction that moves nothing would make the friction force of this contact meaningless.
     pub(crate) fn direction(contact: usize) -> Self {
         let message = format!("must be finite and not zero, is not at contact {contact}");
-        Self::argument("direction", message)
+        ArgumentError { argument: "direction", message }.into()
     }
 }
 
@@ -104,7 +149,7 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Blocks of these sizes, one after another.
+    /// Blocks of these sizes, one after another; a system's are of one velocity at least.
     pub fn new(sizes: impl IntoIterator<Item = usize>) -> Self {
         let mut starts = vec![0];
         let mut end = 0;
@@ -256,17 +301,17 @@ pub trait System: Debug + Sync {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] if the coordinates have no normal form.
-    fn normalise(&self, _q0: &mut [f64]) -> Result<(), SystemError> {
+    /// [`ArgumentError`] if the coordinates have no normal form.
+    fn normalise(&self, _q0: &mut [f64]) -> Result<(), ArgumentError> {
         Ok(())
     }
 
     /// The contacts, in a fixed order.
     fn contacts(&self) -> &[ContactLaw];
 
-    /// The blocks that a contact touches, ascending.
+    /// The blocks that a contact touches, ascending. A system of several blocks has to say it.
     fn touched(&self, _contact: usize) -> &[usize] {
-        &[0]
+        if self.blocks().count() == 1 { &[0] } else { &[] }
     }
 
     /// What never changes.
@@ -310,7 +355,7 @@ pub trait System: Debug + Sync {
     ///
     /// [`SystemError::Foreign`] if what the user has written fails.
     fn gap(&self, _at: &Configuration<'_>, _contact: usize) -> Result<f64, SystemError> {
-        Err(SystemError::argument("contacts", "a unilateral contact needs a gap function"))
+        Ok(refuse("contacts", "a unilateral contact needs a gap function")?)
     }
 
     /// Directions of one contact: the rows of `W_Nᵀ`, if it is unilateral, and of `Wᵀ`, one after another, each with
@@ -350,9 +395,12 @@ pub trait System: Debug + Sync {
         Vec::new()
     }
 
-    /// Whether these momenta belong to a state.
-    fn has_momenta(&self, _q: &[f64], _u: &[f64], momenta: &[f64]) -> bool {
-        momenta.is_empty()
+    /// Whether these momenta belong to a state, but for rounding; by default a few roundings of the largest of them.
+    fn has_momenta(&self, q: &[f64], u: &[f64], momenta: &[f64]) -> bool {
+        let found = self.momenta(q, u);
+        let largest = momenta.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let same = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * largest;
+        found.len() == momenta.len() && found.iter().zip(momenta).all(same)
     }
 
     /// The first half of a step of length `dt` with the midpoint at the time `t`: `q_M = q ⊕ ½Δt u`, and the forces
@@ -378,6 +426,10 @@ pub trait System: Debug + Sync {
     }
 
     /// The second half: `u` and `q = q_M ⊕ ½Δt u` from the velocities `after` all forces and percussions have acted.
+    ///
+    /// # Errors
+    ///
+    /// Where the system cannot be moved so far; `q`, `u` and the momenta must then be as before.
     #[inline]
     fn finish(
         &self,
@@ -385,9 +437,10 @@ pub trait System: Debug + Sync {
         after: &[f64],
         dt: f64,
         (q, u): (&mut [f64], &mut [f64]),
-    ) {
+    ) -> Result<(), SystemError> {
         u.copy_from_slice(after);
         self.advance(&midpoint.q, u, 0.5 * dt, q);
+        Ok(())
     }
 }
 

@@ -2,25 +2,22 @@
 
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
-use super::{Contact, LinearSystem, Normal, SystemError};
+use super::{Contact, LinearSystem, Normal};
+use crate::argument::{ArgumentError, positive};
 use crate::law::{FrictionLaw, Law};
 
 /// A point mass sliding on a plane under its weight (\[WL19\] §5.3).
 ///
 /// # Errors
 ///
-/// [`SystemError::Argument`] if mass or gravity is not finite and positive.
+/// [`ArgumentError`] if mass or gravity is not finite and positive.
 pub fn sliding_point(
     mass: f64,
     law: FrictionLaw<2>,
     gravity: f64,
-) -> Result<LinearSystem, SystemError> {
-    for (argument, value) in [("mass", mass), ("gravity", gravity)] {
-        if !(value.is_finite() && value > 0.0) {
-            let message = format!("must be finite and positive, got {value}");
-            return Err(SystemError::argument(argument, message));
-        }
-    }
+) -> Result<LinearSystem, ArgumentError> {
+    positive("mass", mass)?;
+    positive("gravity", gravity)?;
     let contact = Contact::with_force(law, DMatrix::identity(2, 2), mass * gravity);
     let zero = DMatrix::zeros(2, 2);
     LinearSystem::new(
@@ -43,7 +40,7 @@ pub fn mass_on_belt(
     law: FrictionLaw<2>,
     normal_force: f64,
     belt_velocity: Vector2<f64>,
-) -> Result<LinearSystem, SystemError> {
+) -> Result<LinearSystem, ArgumentError> {
     let contact = Contact {
         law: Law::from(law),
         direction: DMatrix::identity(2, 2),

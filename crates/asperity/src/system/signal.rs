@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use super::SystemError;
+use crate::argument::{ArgumentError, finite, positive, refuse};
 
 /// Difference of slopes over the larger one that is rounding: samples on a straight line have no kink.
 const SAME_SLOPE: f64 = 1e-10;
@@ -142,15 +142,14 @@ impl Signal {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] unless there are two different times at least, in ascending order, no time more than
+    /// [`ArgumentError`] unless there are two different times at least, in ascending order, no time more than
     /// twice and neither the first nor the last one twice, and equally many finite values for all.
     pub fn new(
         times: &[f64],
         values: &[f64],
         interpolation: Interpolation,
         periodic: bool,
-    ) -> Result<Self, SystemError> {
-        let refuse = |argument, message: &str| Err(SystemError::argument(argument, message));
+    ) -> Result<Self, ArgumentError> {
         if times.len() < 2 {
             return refuse("times", "must be two at least");
         }
@@ -160,9 +159,7 @@ impl Signal {
         if !times.iter().chain([&(times[times.len() - 1] - times[0])]).all(|t| t.is_finite()) {
             return refuse("times", "must be finite");
         }
-        if !values.iter().all(|value| value.is_finite()) {
-            return refuse("values", "must be finite");
-        }
+        finite("values", values)?;
         if !times.is_sorted() || times.windows(3).any(|t| t[0] == t[2]) {
             return refuse(
                 "times",
@@ -184,23 +181,20 @@ impl Signal {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] unless all are finite, the frequency is positive, and there are as many of all others.
+    /// [`ArgumentError`] unless all are finite, the frequency is positive, and there are as many of all others.
     pub fn sine(
         frequency: f64,
         amplitude: &[f64],
         phase: &[f64],
         offset: &[f64],
-    ) -> Result<Self, SystemError> {
-        let angular_frequency = TAU * frequency;
-        if !(frequency > 0.0 && angular_frequency.is_finite()) {
-            let message = format!("must be finite and positive, got {frequency}");
-            return Err(SystemError::argument("frequency", message));
-        }
+    ) -> Result<Self, ArgumentError> {
+        let angular_frequency = TAU * positive("frequency", frequency)?;
+        finite("frequency", &[angular_frequency])?;
         for (argument, given) in [("amplitude", amplitude), ("phase", phase), ("offset", offset)] {
             if given.is_empty() || given.len() != amplitude.len() {
-                return Err(SystemError::argument(argument, "must have an entry per component"));
+                return refuse(argument, "must have an entry per component");
             }
-            super::rigid::check(argument, given)?;
+            finite(argument, given)?;
         }
         let [offset, amplitude, phase] = [offset, amplitude, phase].map(<[f64]>::to_vec);
         let sine = Sine { angular_frequency, offset, amplitude, phase };

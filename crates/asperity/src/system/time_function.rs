@@ -3,9 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::SystemError;
-use super::rigid::check;
 use super::signal::{Break, Derivative, Moment, Signal};
+use crate::argument::{ArgumentError, finite, refuse};
 
 /// A function of the time in s.
 pub type Function<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
@@ -126,13 +125,13 @@ impl<const D: usize> TimeFunction<D> {
     }
 
     /// Refuses constants that are not finite and signals of another number of components.
-    pub(super) fn check(&self, argument: &'static str) -> Result<(), SystemError> {
+    pub(super) fn check(&self, argument: &'static str) -> Result<(), ArgumentError> {
         match self {
-            Self::Constant(value) => check(argument, value),
+            Self::Constant(value) => finite(argument, value),
             Self::Signal(signal) if signal.components() != D => {
                 let message =
                     format!("must be a signal of {D} components, has {}", signal.components());
-                Err(SystemError::argument(argument, message))
+                refuse(argument, message)
             }
             _ => Ok(()),
         }

@@ -1,25 +1,25 @@
 //! Bad input is refused with the argument's name.
 
+use asperity::ArgumentError;
 use asperity::simulate::{Options, simulate};
 use asperity::stepper::{StepError, Stepper};
-use asperity::system::SystemError;
 use asperity::system::rigid::{Body, Frame, Pair, PlanarBody, Plane, RigidBodies, Shape, Spring};
 use std::ops::ControlFlow;
 
 use crate::support::*;
 
-fn refused(system: Result<RigidBodies, SystemError>) -> (&'static str, String) {
+fn refused(system: Result<RigidBodies, ArgumentError>) -> (&'static str, String) {
     match system {
-        Err(SystemError::Argument { argument, message }) => (argument, message),
+        Err(error) => (error.argument, error.message),
         other => panic!("not refused: {other:?}"),
     }
 }
 
-fn bodies(body: Body) -> Result<RigidBodies, SystemError> {
+fn bodies(body: Body) -> Result<RigidBodies, ArgumentError> {
     RigidBodies::new(vec![Body::new(1.0, [1.0; 3]), body], &[], vec![], [0.0; 3])
 }
 
-fn pairs(pair: Pair) -> Result<RigidBodies, SystemError> {
+fn pairs(pair: Pair) -> Result<RigidBodies, ArgumentError> {
     RigidBodies::new(vec![Body::new(1.0, [1.0; 3])], &[pair], vec![], [0.0; 3])
 }
 

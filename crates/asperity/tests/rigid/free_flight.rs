@@ -1,7 +1,9 @@
 //! Without contacts: momenta, energy, order.
 
-use asperity::system::rigid::{Body, RigidBodies, Spring};
-use nalgebra::Vector3;
+use asperity::stepper::{StepError, Stepper};
+use asperity::system::SystemError;
+use asperity::system::rigid::{Body, PlanarBody, RigidBodies, Spring};
+use nalgebra::{Rotation3, Vector3};
 
 use crate::support::*;
 
@@ -113,4 +115,93 @@ fn bodies_on_a_spring_oscillate() {
     let end = system.angular_momentum(&state.q, &state.u, &about);
     assert!((end - start).norm() < 1e-12, "{end} {start}");
     assert!(system.momentum(&state.u).norm() < 1e-12);
+}
+
+/// A body that turns too far in a step ends the run, and the state is the one before that step.
+#[test]
+fn bodies_that_turn_too_far_in_a_step_end_the_run() {
+    let direction = Vector3::new(0.6, 0.3, 0.7).normalize();
+    for (angle, fits) in [(0.1, true), (1.0, true), (5.0, false), (8.0, false), (100.0, false)] {
+        let omega = direction * (angle / 0.1);
+        let body = Body { angular_velocity: omega.into(), ..Body::new(1.0, [1.0, 2.0, 2.5]) };
+        let system = RigidBodies::new(vec![body], &[], vec![], [0.0; 3]).unwrap();
+        let start = system.kinetic_energy(system.u0());
+        let mut stepper = stepper(&system, 0.1);
+        let mut ended = None;
+        for _ in 0..200 {
+            let before = stepper.state();
+            match stepper.step() {
+                Ok(_) => {
+                    let swing = system.kinetic_energy(stepper.u()) / start - 1.0;
+                    assert!(swing.abs() < 0.1, "{angle} {swing}");
+                }
+                Err(error) => {
+                    assert_eq!(stepper.state(), before);
+                    ended = Some(error);
+                    break;
+                }
+            }
+        }
+        assert_eq!(ended.is_none(), fits, "{angle} {ended:?}");
+        if let Some(error) = ended {
+            let rotation = |e: &StepError| {
+                matches!(e, StepError::System(SystemError::Rotation { body: 0, .. }))
+            };
+            assert!(rotation(&error), "{error}");
+        }
+    }
+    // A wheel about its axis may turn as far as it likes.
+    let wheel = Body { angular_velocity: [0.0, 0.0, 1e3], ..Body::new(1.0, [1.0, 1.0, 2.0]) };
+    let system = RigidBodies::new(vec![wheel], &[], vec![], [0.0; 3]).unwrap();
+    assert_eq!(run(&system, 0.1, 1.0, |_| {}).u, system.u0());
+}
+
+/// Slender bodies in turned axes, about any axis: the end of a run is a start.
+#[test]
+fn runs_of_slender_bodies_go_on_from_their_end() {
+    for least in [1e-2, 1e-4, 1e-6, 1e-8] {
+        for seed in 0..8 {
+            let angles = Vector3::new(0.3, -0.8, 0.5) * (1.0 + f64::from(seed));
+            let axes = Rotation3::new(angles).into_inner();
+            let moments = nalgebra::Matrix3::from_diagonal(&Vector3::new(least, 1.0, 1.0));
+            let tensor = axes * moments * axes.transpose();
+            for (axis, speed) in [(0, 10.0), (0, 1e2), (1, 1.0), (1, 1e2)] {
+                let mut body = Body::new(1.0, [1.0; 3]);
+                body.inertia = std::array::from_fn(|i| std::array::from_fn(|j| tensor[(i, j)]));
+                body.angular_velocity = (axes.column(axis) * speed).into();
+                let system = RigidBodies::new(vec![body], &[], vec![], [0.0; 3]).unwrap();
+                let mut stepper = stepper(&system, 1e-3);
+                for _ in 0..5 {
+                    stepper.step().unwrap();
+                }
+                let end = stepper.state();
+                let mut next = Stepper::from_state(&system, EXACT, 1e-12, 1e-3, &end)
+                    .unwrap_or_else(|error| panic!("{least} {seed} {axis} {speed}: {error}"));
+                stepper.step().unwrap();
+                next.step().unwrap();
+                assert_eq!(next.state(), stepper.state());
+            }
+        }
+    }
+}
+
+/// Momenta are carried where they are stepped: those of bodies of unequal moments.
+#[test]
+fn states_carry_the_momenta_that_are_stepped() {
+    let torque = || [0.0, 0.0, 1.0].into();
+    let ball = Body { torque: torque(), ..Body::new(1.0, [0.004; 3]) };
+    let top = Body { torque: torque(), ..Body::new(1.0, [0.2, 0.4, 0.5]) };
+    let system = RigidBodies::new(vec![ball.clone(), top], &[], vec![], [0.0; 3]).unwrap();
+    let mut both = stepper(&system, 1e-2);
+    run_on(&mut both, 1.0, &mut |_| {});
+    let momenta = both.state().momenta;
+    assert!(momenta.len() == 3 && (momenta[2] - 1.0).abs() < 1e-12, "{momenta:?}");
+    let of = |system: &RigidBodies| {
+        let mut stepper = stepper(system, 1e-2);
+        stepper.step().unwrap();
+        stepper.state().momenta.len()
+    };
+    assert_eq!(of(&RigidBodies::new(vec![ball], &[], vec![], [0.0; 3]).unwrap()), 0);
+    let planar = PlanarBody::new(1.0, 0.1);
+    assert_eq!(of(&RigidBodies::new(vec![planar], &[], vec![], [0.0; 3]).unwrap()), 0);
 }

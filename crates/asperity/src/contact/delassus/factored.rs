@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::rows_of;
 use super::{BlockMatrix, Csr};
 use crate::contact::ProblemError;
+use crate::contact::components::Components;
 
 /// Velocities of the largest connected part of `M` that is factored densely.
 const LARGEST_PART: usize = 512;
@@ -190,31 +191,10 @@ fn add_part(
 
 /// The connected part of `M` that every degree of freedom belongs to, numbered from zero.
 fn parts(mass: &Csr) -> Vec<usize> {
-    let n = mass.rows();
-    let mut part_of = vec![usize::MAX; n];
-    let mut neighbours = vec![Vec::new(); n];
-    for i in 0..n {
-        for &j in mass.row(i).0 {
-            neighbours[i].push(j);
-            neighbours[j].push(i);
-        }
+    let mut parts = Components::default();
+    parts.separate(mass.rows());
+    for i in 0..mass.rows() {
+        mass.row(i).0.iter().for_each(|&j| parts.join(i, j));
     }
-    let (mut count, mut stack) = (0, Vec::new());
-    for seed in 0..n {
-        if part_of[seed] != usize::MAX {
-            continue;
-        }
-        stack.push(seed);
-        part_of[seed] = count;
-        while let Some(i) = stack.pop() {
-            for &j in &neighbours[i] {
-                if part_of[j] == usize::MAX {
-                    part_of[j] = count;
-                    stack.push(j);
-                }
-            }
-        }
-        count += 1;
-    }
-    part_of
+    parts.numbers()
 }

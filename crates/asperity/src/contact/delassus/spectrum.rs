@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::Delassus;
 use crate::contact::ProblemError;
+use crate::vectors;
 
 /// Lanczos steps.
 const STEPS: usize = 80;
@@ -32,7 +33,7 @@ impl Delassus {
         // In units in which the squares of products are numbers, too.
         let unit = match self.symmetric_product(&next, 1.0).amax() {
             size if size > 0.0 && size.is_finite() => size,
-            _ => self.entries().iter().fold(0.0, |m: f64, g| m.max(g.abs())).max(f64::MIN_POSITIVE),
+            _ => vectors::largest(self.entries()).max(f64::MIN_POSITIVE),
         };
         let mut largest = 0.0_f64;
         for _ in 0..steps {

@@ -7,8 +7,8 @@
 //! | file | concept |
 //! |---|---|
 //! | `options.rs` | options, sections and what is refused |
-//! | `vectors.rs`, `state.rs` | states, their scales, and what counts as zero |
-//! | `outcome.rs`, `observer.rs` | why an integration ends; whether to go on |
+//! | `state.rs` | states, their scales, and what counts as zero |
+//! | `outcome.rs` | why an integration ends |
 //! | `dynamics/` | accelerations and contact forces in a mode, their drift and their Jacobian |
 //! | `motion.rs` | what is returned |
 //! | `event_function/` | functions whose zeros are events, also between the stages of a step |
@@ -22,11 +22,9 @@ mod dynamics;
 mod event_function;
 mod integration;
 mod motion;
-mod observer;
 mod options;
 mod outcome;
 mod state;
-mod vectors;
 
 use std::ops::ControlFlow;
 
@@ -35,7 +33,7 @@ pub use options::{Options, Section};
 pub use outcome::{Outcome, Stagnation};
 pub use state::EvaluationError;
 
-pub use crate::integrator::OptionsError;
+use crate::argument::ArgumentError;
 use crate::system::System;
 
 /// The motion so far, and why it ended; the first is there whatever the second says.
@@ -75,13 +73,13 @@ pub struct Run {
 ///
 /// # Errors
 ///
-/// [`OptionsError`] if an option is out of range, if contacts overlap at the beginning, or if the system cannot be
+/// [`ArgumentError`] if an option is out of range, if contacts overlap at the beginning, or if the system cannot be
 /// integrated in this way: the direction sets of its laws must be strictly convex.
 pub fn integrate(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
-) -> Result<Run, OptionsError> {
+) -> Result<Run, ArgumentError> {
     options.check(system)?;
     let mut options = options.clone();
     let mut start = options.initial_state(system);

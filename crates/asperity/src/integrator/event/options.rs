@@ -1,9 +1,9 @@
 //! What to integrate, and what is refused.
 
-use crate::integrator::options::{
-    OptionsError, check_entries, check_positive, check_structure, refuse,
-};
-use crate::system::{InitialState, System};
+use crate::argument::{ArgumentError, entries, finite, positive, refuse};
+use crate::integrator::options::check_structure;
+use crate::system::{InitialState, Rotation, System};
+use crate::vectors::largest;
 
 /// Latest end, so that no power of a time overflows.
 const LATEST: f64 = 1e60;
@@ -63,9 +63,9 @@ impl Options {
     ///
     /// # Errors
     ///
-    /// [`OptionsError`] if that is not finite and positive.
-    pub fn new(t_end: f64) -> Result<Self, OptionsError> {
-        check_positive("t_end", t_end)?;
+    /// [`ArgumentError`] if that is not finite and positive.
+    pub fn new(t_end: f64) -> Result<Self, ArgumentError> {
+        positive("t_end", t_end)?;
         let (tolerance, max_events) = (1e-10, 10_000);
         let (start, sample, max_step, section) = (None, None, None, None);
         Ok(Self { t_end, start, tolerance, sample, max_step, section, max_events })
@@ -113,7 +113,7 @@ impl Options {
     }
 
     /// Refuses options, and systems that cannot be integrated from event to event.
-    pub(crate) fn check(&self, system: &dyn System) -> Result<(), OptionsError> {
+    pub(crate) fn check(&self, system: &dyn System) -> Result<(), ArgumentError> {
         check_structure(system)?;
         let (n, coordinates) = (system.dof(), system.coordinates());
         if n == 0 {
@@ -127,17 +127,17 @@ impl Options {
             return refuse("system", message);
         }
         for (i, contact) in system.contacts().iter().enumerate() {
-            if !contact.law.has_strictly_convex_direction() {
+            if !contact.law().has_strictly_convex_direction() {
                 let message = format!(
                     "the direction set of contact {i} must be strictly convex: on a flat side one direction of the slip vanishes by itself"
                 );
                 return refuse("contacts", message);
             }
         }
-        check_positive("t_end", self.t_end)?;
-        check_positive("tolerance", self.tolerance)?;
-        check_positive("dt", self.sample.unwrap_or(1.0))?;
-        check_positive("max_step", self.max_step.unwrap_or(1.0))?;
+        positive("t_end", self.t_end)?;
+        positive("tolerance", self.tolerance)?;
+        positive("dt", self.sample.unwrap_or(1.0))?;
+        positive("max_step", self.max_step.unwrap_or(1.0))?;
         let Self { t_end, tolerance, .. } = *self;
         if !(1e-14..=1e-2).contains(&tolerance) {
             return refuse("tolerance", format!("must lie in [1e-14, 1e-2], got {tolerance}"));
@@ -160,13 +160,32 @@ impl Options {
             return refuse("max_events", "must be at least 1, got 0");
         }
         let InitialState { q, u } = self.initial_state(system);
-        check_entries("q0", &q, coordinates)?;
-        check_entries("u0", &u, n)?;
-        let Some(section) = &self.section else { return Ok(()) };
-        check_entries("section", &section.normal, coordinates + n)?;
-        if !(section.level.is_finite() && section.after.is_finite()) {
-            return refuse("section", "must have a finite level and time");
+        entries("q0", &q, coordinates)?;
+        entries("u0", &u, n)?;
+        if !rates_are_velocities(system, &q) {
+            let message = "must have its velocities as rates of its coordinates but for rotations of space, which `advance` contradicts";
+            return refuse("system", message);
         }
-        Ok(())
+        let Some(section) = &self.section else { return Ok(()) };
+        entries("section", &section.normal, coordinates + n)?;
+        finite("section", &[section.level, section.after])
     }
+}
+
+/// Whether a system moves the coordinates that are not rotations of space by `Δt u`, tried with velocities and a time
+/// that are unlike each other.
+fn rates_are_velocities(system: &dyn System, q: &[f64]) -> bool {
+    let rotations = system.rotations();
+    let is_free = |first: fn(&Rotation) -> usize, len: usize, place: usize| {
+        !rotations.iter().any(|rotation| (first(rotation)..first(rotation) + len).contains(&place))
+    };
+    let coordinates = (0..q.len()).filter(|&i| is_free(|r| r.coordinate, 4, i));
+    let velocities = (0..system.dof()).filter(|&k| is_free(|r| r.velocity, 3, k));
+    let size = largest(q);
+    let size = if size > 0.0 { size } else { 1.0 };
+    let u: Vec<f64> = (0..system.dof()).map(|k| size * (1.0 + 0.3 * (k % 7) as f64)).collect();
+    let (h, mut moved) = (0.01, q.to_vec());
+    system.advance(q, &u, h, &mut moved);
+    // The comparison also turns away NaN.
+    coordinates.zip(velocities).all(|(i, k)| (moved[i] - (q[i] + h * u[k])).abs() <= 1e-12 * size)
 }

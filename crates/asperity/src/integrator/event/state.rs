@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-use crate::integrator::event::vectors::add;
 use crate::system::SystemError;
+use crate::vectors::add;
 
 /// Slip over the speed of a contact, and approach over the largest velocity, that count as none. A thousand times the
 /// rounding of one operation: larger values take motions for rest, smaller ones let rounding decide on directions.

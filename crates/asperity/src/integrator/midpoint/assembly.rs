@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::closed::{Change, Closed};
 use super::coupling::Coupling;
 use super::outcome::StepError;
+use super::products::Part;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
 use crate::system::mass::MassFactors;
@@ -17,8 +18,9 @@ use crate::system::{Configuration, ContactLaw, Midpoint, System, SystemError};
 const ROUNDING: f64 = 1e-6;
 
 /// A contact that slips by more than this multiple of what its directions change by slides. One that sticks has slip of
-/// once as much, and of none where a run begins.
-const SLIDING: f64 = 2.0;
+/// once as much, of none where a run begins, and of twice as much where it was not held along the chord before, which
+/// must not go on: four keeps away from all of these.
+const SLIDING: f64 = 4.0;
 
 /// The system and its closed contacts at the midpoint.
 #[derive(Debug)]
@@ -97,10 +99,12 @@ struct Side {
 }
 
 impl Rows {
-    /// The entries of a row.
+    /// What belongs to one of its blocks from row `k` on.
     #[inline]
-    fn row<'a>(&self, k: usize, entries: &'a [f64]) -> &'a [f64] {
-        &entries[self.place + k * self.width..self.place + (k + 1) * self.width]
+    fn part<'a>(&self, k: usize, side: &Side, entries: &'a [f64]) -> Part<'a> {
+        let Self { place, len, width, .. } = self;
+        let first = place + k * width + side.offset;
+        Part { entries: &entries[first..place + len * width], width: *width }
     }
 
     #[inline]
@@ -114,7 +118,7 @@ impl Assembly {
     pub(super) fn new(system: &dyn System, q: &[f64], u: &[f64], momenta: Vec<f64>) -> Self {
         let (dof, constancy) = (system.dof(), system.constancy());
         let momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
-        let given = |contact: &ContactLaw| contact.normal_force.is_some();
+        let given = |contact: &ContactLaw| contact.normal_force().is_some();
         Self {
             fixed: constancy.contacts && system.contacts().iter().all(given),
             midpoint: Midpoint {
@@ -157,15 +161,13 @@ impl Assembly {
         let (law, width) = (&system.contacts()[contact], width(system, contact));
         let Evaluated { rows, chi } = &self.evaluated;
         let mut slip = [0.0; 3];
-        for (slip, k) in slip.iter_mut().zip(law.normal_rows()..law.rows()) {
-            *slip = chi[k];
-            let mut row = &rows[k * width..(k + 1) * width];
-            for &block in system.touched(contact) {
-                let velocities = &u[system.blocks().range(block)];
-                let (own, others) = row.split_at(velocities.len());
-                *slip += dot(own, velocities);
-                row = others;
-            }
+        let tangent = law.normal_rows()..law.rows();
+        let (slip_rows, mut entries) = (tangent.len(), &rows[tangent.start * width..]);
+        slip[..slip_rows].copy_from_slice(&chi[tangent]);
+        for &block in system.touched(contact) {
+            let velocities = &u[system.blocks().range(block)];
+            Part { entries, width }.add_product(velocities, &mut slip[..slip_rows]);
+            entries = &entries[velocities.len()..];
         }
         Ok(slip)
     }
@@ -233,7 +235,7 @@ impl Assembly {
         (u, dt): (&[f64], f64),
         new_mass: bool,
         closed: &mut Closed,
-    ) -> Result<(bool, bool), SystemError> {
+    ) -> Result<(bool, bool), StepError> {
         closed.found.clear();
         closed.gaps.clear();
         closed.stay.clear();
@@ -243,11 +245,14 @@ impl Assembly {
             // What was closed most probably still is.
             let was_closed = closed.was_closed(contact);
             let known = was_closed && !constant;
-            let gap = match law.normal_force {
+            let gap = match law.normal_force() {
                 _ if known => self.evaluate(system, contact)?,
                 Some(_) => 0.0,
                 None => system.gap(&self.midpoint.configuration(), contact)?,
             };
+            if !gap.is_finite() {
+                return Err(StepError::NotFiniteContact { time: self.midpoint.t, contact });
+            }
             if gap > 0.0 && !(was_closed && gap <= self.lift(system, (u, dt), contact, known)?) {
                 continue;
             }
@@ -337,8 +342,9 @@ impl Assembly {
         }
         let (rows, tangent) =
             (&self.contacts[place], system.contacts()[contact].normal_rows()..len);
-        let slip = |k| self.velocity(rows, k, &self.midpoint.before) + self.chi[first + k];
-        let slip = tangent.clone().map(slip).fold(0.0, |sum, v| sum + v * v);
+        let before = self.velocities(rows, &self.midpoint.before);
+        let slip = tangent.clone().map(|k| before[k] + self.chi[first + k]);
+        let slip = slip.fold(0.0, |sum, v| sum + v * v);
         let change = tangent.clone().map(|k| self.chord[first + k]).fold(0.0, |s, v| s + v * v);
         if slip > SLIDING * SLIDING * change {
             self.chord[own][tangent].fill(0.0);
@@ -352,33 +358,30 @@ impl Assembly {
     #[inline]
     fn update_velocities(&mut self, place: usize, closing: f64, closed: &mut Closed) {
         let rows = &self.contacts[place];
-        let before = closed.bounces() || self.factors.any();
-        for k in 0..rows.len {
-            let row = rows.first + k;
-            let chi = if k == 0 { self.chi[row] + closing } else { self.chi[row] };
-            closed.problem.free_velocity_mut()[row] =
-                self.velocity(rows, k, &self.free) + chi + self.chord[row];
-            if before {
-                self.slip[row] =
-                    self.velocity(rows, k, &self.midpoint.before) + chi - self.chord[row];
+        let own = rows.first..rows.first + rows.len;
+        let (chi, chord) = (&self.chi[own.clone()], &self.chord[own.clone()]);
+        let free = self.velocities(rows, &self.free);
+        let loads = &mut closed.problem.free_velocity_mut()[own.clone()];
+        for (k, load) in loads.iter_mut().enumerate() {
+            *load = free[k] + closing_row(k, closing, chi) + chord[k];
+        }
+        if closed.bounces() || self.factors.any() {
+            let before = self.velocities(rows, &self.midpoint.before);
+            for (k, slip) in self.slip[own].iter_mut().enumerate() {
+                *slip = before[k] + closing_row(k, closing, chi) - chord[k];
             }
         }
     }
 
-    /// `Wᵀu` of a row.
+    /// `Wᵀu` of the rows of a contact.
     #[inline]
-    fn velocity(&self, rows: &Rows, k: usize, u: &[f64]) -> f64 {
-        let row = rows.row(k, &self.directions);
-        let side = |side: &Side| {
-            dot(
-                &row[side.offset..side.offset + side.len],
-                &u[side.velocity..side.velocity + side.len],
-            )
-        };
-        match &self.sides[rows.sides.clone()] {
-            [one] => side(one),
-            sides => sides.iter().map(side).sum(),
+    fn velocities(&self, rows: &Rows, u: &[f64]) -> [f64; 4] {
+        let mut sums = [0.0; 4];
+        for side in &self.sides[rows.sides.clone()] {
+            let own = &u[side.velocity..side.velocity + side.len];
+            rows.part(0, side, &self.directions).add_product(own, &mut sums[..rows.len]);
         }
+        sums
     }
 
     /// Rows and operator for a new set of closed contacts.
@@ -472,13 +475,10 @@ impl Assembly {
         block.fill(0.0);
         for own in &self.sides[i.sides.clone()] {
             for other in self.sides[j.sides.clone()].iter().filter(|side| side.block == own.block) {
-                for a in 0..i.len {
-                    let row = &i.row(a, &self.directions)[own.offset..own.offset + own.len];
-                    for b in 0..j.len {
-                        let column = j.row(b, &self.responses);
-                        let column = &column[other.offset..other.offset + other.len];
-                        block[a * j.len + b] += dot(row, column);
-                    }
+                let columns = j.part(0, other, &self.responses);
+                for (a, sums) in block.chunks_exact_mut(j.len).enumerate() {
+                    let row = &i.part(a, own, &self.directions).entries[..own.len];
+                    columns.add_product(row, sums);
                 }
             }
         }
@@ -497,19 +497,15 @@ impl Assembly {
         percussion: &[f64],
         dt: f64,
         state: (&mut [f64], &mut [f64]),
-    ) {
+    ) -> Result<(), SystemError> {
         for rows in &self.contacts {
-            for (k, &p) in percussion[rows.first..rows.first + rows.len].iter().enumerate() {
-                let response = rows.row(k, &self.responses);
-                for side in &self.sides[rows.sides.clone()] {
-                    let free = &mut self.free[side.velocity..side.velocity + side.len];
-                    for (value, c) in free.iter_mut().zip(&response[side.offset..]) {
-                        *value += c * p;
-                    }
-                }
+            let own = &percussion[rows.first..rows.first + rows.len];
+            for side in &self.sides[rows.sides.clone()] {
+                let free = &mut self.free[side.velocity..side.velocity + side.len];
+                rows.part(0, side, &self.responses).add_transposed(own, free);
             }
         }
-        system.finish(&mut self.midpoint, &self.free, dt, state);
+        system.finish(&mut self.midpoint, &self.free, dt, state)
     }
 }
 
@@ -520,11 +516,8 @@ fn width(system: &dyn System, contact: usize) -> usize {
     system.touched(contact).iter().map(|&block| blocks.range(block).len()).sum()
 }
 
+/// χ of row `k` with the velocity at which the contact closes its gap, which is in the first row.
 #[inline]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    if let (Ok(a), Ok(b)) = (<&[f64; 6]>::try_from(a), <&[f64; 6]>::try_from(b)) {
-        return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
-            + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
-    }
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+fn closing_row(k: usize, closing: f64, chi: &[f64]) -> f64 {
+    if k == 0 { chi[k] + closing } else { chi[k] }
 }

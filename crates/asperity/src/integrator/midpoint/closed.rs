@@ -116,11 +116,11 @@ impl Closed {
     pub(super) fn renew(&mut self, laws: &[ContactLaw], dt: f64, delassus: Delassus) {
         std::mem::swap(&mut self.active, &mut self.found);
         let contact = |&c: &usize| {
-            let normal = match laws[c].normal_force {
+            let normal = match laws[c].normal_force() {
                 Some(force) => NormalForce::Prescribed(force * dt),
                 None => NormalForce::Unilateral,
             };
-            (laws[c].law.clone(), normal)
+            (laws[c].law().clone(), normal)
         };
         let problem = ContactProblem::assemble(self.active.iter().map(contact), delassus);
         let old = std::mem::replace(&mut self.problem, problem);
@@ -130,9 +130,9 @@ impl Closed {
         self.restitution.clear();
         for (contact, &c) in self.problem.contacts().iter().zip(&self.active) {
             self.is_active[c] = true;
-            let normal = std::iter::repeat_n(laws[c].normal_restitution, contact.normal_rows());
+            let normal = std::iter::repeat_n(laws[c].normal_restitution(), contact.normal_rows());
             let p = contact.law.dimension();
-            let tangential = std::iter::repeat_n(laws[c].tangential_restitution, p);
+            let tangential = std::iter::repeat_n(laws[c].tangential_restitution(), p);
             self.restitution.extend(normal.chain(tangential));
         }
         self.bounces = self.restitution.iter().any(|&e| e != 0.0);

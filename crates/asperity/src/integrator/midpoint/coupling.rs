@@ -47,7 +47,7 @@ impl<'a> Coupling<'a> {
         let blocks = BlockMatrix::with_pattern(&sizes, &self.neighbours);
         // A factor of the speed scales columns of G only; a mass matrix that changes would have to be filled in anew.
         let known =
-            self.system.constancy().mass && laws().all(|contact| contact.law.rate().is_none());
+            self.system.constancy().mass && laws().all(|contact| contact.law().rate().is_none());
         if blocks.rows() <= self.velocities || self.system.blocks().count() == 1 || !known {
             return Ok(blocks.into());
         }

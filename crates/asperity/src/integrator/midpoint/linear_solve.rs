@@ -1,5 +1,7 @@
 //! Linear systems that are known by products only.
 
+use crate::vectors::{add, dot};
+
 /// Systems up to this size are solved by elimination.
 const SMALL: usize = 24;
 /// Iterations after which the best is taken: an inexact correction costs a further solve of the contact
@@ -120,15 +122,5 @@ impl LinearSolver {
             }
             rho = next;
         }
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-fn add(x: &mut [f64], factor: f64, y: &[f64]) {
-    for (x, y) in x.iter_mut().zip(y) {
-        *x += factor * y;
     }
 }

@@ -17,6 +17,7 @@ mod closed;
 mod coupling;
 mod linear_solve;
 mod outcome;
+mod products;
 mod rated;
 mod state;
 mod step;

@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
+use crate::argument::ArgumentError;
 use crate::contact::Phase;
-use crate::integrator::options::OptionsError;
 use crate::solver::SolveReport;
 use crate::system::SystemError;
 
@@ -13,7 +13,7 @@ use crate::system::SystemError;
 pub enum StepError {
     /// An option, the state or what the system says of itself is out of range.
     #[error(transparent)]
-    Options(#[from] OptionsError),
+    Options(#[from] ArgumentError),
     /// The system failed.
     #[error(transparent)]
     System(#[from] SystemError),
@@ -24,7 +24,7 @@ pub enum StepError {
         time: f64,
     },
     /// The contact problem is not finite; a solver must not see it.
-    #[error("directions or velocities of contact {contact} are not finite at t = {time} s")]
+    #[error("gap, directions or velocities of contact {contact} are not finite at t = {time} s")]
     NotFiniteContact {
         /// Time in s.
         time: f64,

@@ -1,7 +1,7 @@
 //! What a run hands over to one that continues it.
 
+use crate::argument::{ArgumentError, entries, refuse};
 use crate::contact::ContactState;
-use crate::integrator::options::{OptionsError, check_entries, refuse};
 use crate::system::System;
 
 /// What a contact hands over to the next step.
@@ -24,16 +24,17 @@ pub struct State {
     pub origin: f64,
     /// Number of steps since then.
     pub steps: usize,
-    /// Their length in s, not a number while there has been none.
-    pub dt: f64,
+    /// Their length in s; none while there has been no step.
+    pub dt: Option<f64>,
     /// Coordinates.
     pub q: Vec<f64>,
     /// Velocities.
     pub u: Vec<f64>,
     /// One per contact; none if nothing is known of them.
     pub contacts: Vec<ContactMemory>,
-    /// What the system carries besides coordinates and velocities ([`System::momenta`]), of rigid bodies their angular
-    /// momenta in the world's axes, one after another; nothing if they follow from the velocities.
+    /// What the system carries besides coordinates and velocities ([`System::momenta`]): of rigid bodies the angular
+    /// momenta of those of unequal moments in the world's axes, one after another. Nothing if they follow from the
+    /// velocities.
     pub momenta: Vec<f64>,
 }
 
@@ -43,7 +44,7 @@ impl State {
         Self {
             origin: time,
             steps: 0,
-            dt: f64::NAN,
+            dt: None,
             q: q.to_vec(),
             u: u.to_vec(),
             contacts: Vec::new(),
@@ -53,17 +54,17 @@ impl State {
 
     /// Time in s.
     pub fn time(&self) -> f64 {
-        if self.steps == 0 { self.origin } else { self.origin + self.steps as f64 * self.dt }
+        self.dt.map_or(self.origin, |dt| self.origin + self.steps as f64 * dt)
     }
 
     /// The same state as the beginning of steps of another length.
     ///
     /// Percussions are forces times the step; what the contacts remember of their slip stays.
     pub(super) fn in_steps_of(&self, dt: f64) -> Self {
-        if self.dt == dt {
+        if self.dt == Some(dt) {
             return self.clone();
         }
-        let scale = if self.dt > 0.0 { dt / self.dt } else { 1.0 };
+        let scale = self.dt.map_or(1.0, |before| dt / before);
         let scaled = |contact: &ContactMemory| ContactMemory {
             percussion: contact.percussion.map(|p| p * scale),
             ..*contact
@@ -71,28 +72,24 @@ impl State {
         Self {
             origin: self.time(),
             steps: 0,
-            dt,
+            dt: Some(dt),
             contacts: self.contacts.iter().map(scaled).collect(),
             ..self.clone()
         }
     }
 
     /// Whether a system can start from it.
-    pub(super) fn check(&self, system: &dyn System) -> Result<(), OptionsError> {
-        check_entries("q0", &self.q, system.coordinates())?;
-        check_entries("u0", &self.u, system.dof())?;
+    pub(super) fn check(&self, system: &dyn System) -> Result<(), ArgumentError> {
+        entries("q0", &self.q, system.coordinates())?;
+        entries("u0", &self.u, system.dof())?;
         let refuse = |message: String| refuse("start", message);
+        let counted = self.dt.map_or(self.steps == 0, |dt| dt.is_finite() && dt > 0.0);
+        if !counted {
+            return refuse("must have the finite and positive length of its steps".into());
+        }
         let (contacts, known) = (system.contacts().len(), self.contacts.len());
         if known != 0 && known != contacts {
             return refuse(format!("must be a state of {contacts} contacts, is one of {known}"));
-        }
-        let momenta = self.momenta.len();
-        if momenta != 0 {
-            let expected = system.momenta(&self.q, &self.u).len();
-            if momenta != expected {
-                let message = format!("must carry {expected} components of momenta, has {momenta}");
-                return refuse(message);
-            }
         }
         if !self.is_finite() {
             return refuse("must be finite".into());

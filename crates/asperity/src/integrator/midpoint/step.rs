@@ -49,9 +49,13 @@ impl Stepper<'_> {
             self.memory.copy_from(&self.before);
             return Ok(if given_up { Attempt::Cancelled } else { Attempt::Refused(report) });
         }
-        self.keep_outputs();
         let state = (self.q.as_mut_slice(), self.u.as_mut_slice());
-        self.assembly.finish(self.system, &self.memory.percussion, self.dt, state);
+        let moved = self.assembly.finish(self.system, &self.memory.percussion, self.dt, state);
+        if let Err(error) = moved {
+            self.memory.copy_from(&self.before);
+            return Err(error.into());
+        }
+        self.keep_outputs();
         self.closed.settle();
         self.steps += 1;
         self.check_finite()?;
@@ -152,9 +156,11 @@ impl Stepper<'_> {
         let Some(row) = problem.free_velocity().iter().position(|v| !v.is_finite()) else {
             return Ok(());
         };
-        let place = problem.contacts().partition_point(|contact| contact.offset <= row);
-        let contact = self.contact_of(place.saturating_sub(1));
-        Err(StepError::NotFiniteContact { time: self.time(), contact })
+        let rows = problem.contacts().iter().zip(&self.closed.active);
+        let broken = rows.filter(|(contact, _)| contact.rows().contains(&row));
+        let broken =
+            broken.map(|(_, &contact)| StepError::NotFiniteContact { time: self.time(), contact });
+        broken.last().map_or(Ok(()), Err)
     }
 
     fn check_finite(&self) -> Result<(), StepError> {
@@ -180,7 +186,7 @@ impl Stepper<'_> {
                 slip[i] = workspace.velocity[row];
                 force[i] = memory.percussion[row] * factors.of(row) / *dt;
             }
-            let normal_force = match system.contacts()[contact].normal_force {
+            let normal_force = match system.contacts()[contact].normal_force() {
                 Some(value) => value,
                 None => memory.percussion[rows.offset] / *dt,
             };

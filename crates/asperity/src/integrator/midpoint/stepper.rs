@@ -4,8 +4,9 @@ use super::assembly::Assembly;
 use super::closed::Closed;
 use super::outcome::{Attempt, ContactOutput, StepError};
 use super::state::State;
+use crate::argument::below;
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
-use crate::integrator::options::{self, OptionsError};
+use crate::integrator::options;
 use crate::solver::{SolveReport, Solver, Unsolvable, Workspace};
 use crate::system::System;
 
@@ -36,8 +37,8 @@ impl<'a> Stepper<'a> {
     /// # Errors
     ///
     /// [`StepError::Options`] if `tolerance` or `dt` is not finite and positive, if the state has not as many finite
-    /// entries as the system has coordinates and velocities, or if a contact of the system has a restitution
-    /// outside of [0, 1] or a prescribed normal force that is not finite or negative.
+    /// entries as the system has coordinates and velocities, or if a contact of the system touches blocks that are not
+    /// there.
     pub fn new(
         system: &'a dyn System,
         solver: Solver,
@@ -98,7 +99,7 @@ impl<'a> Stepper<'a> {
         State {
             origin: self.origin,
             steps: self.steps,
-            dt: self.dt,
+            dt: Some(self.dt),
             q: self.q.clone(),
             u: self.u.clone(),
             contacts: self.closed.memory(&self.memory),
@@ -133,7 +134,7 @@ impl<'a> Stepper<'a> {
 
     /// Number of components of a contact's friction force.
     pub(crate) fn dimension(&self, contact: usize) -> usize {
-        self.system.contacts()[contact].law.dimension()
+        self.system.contacts()[contact].law().dimension()
     }
 
     /// The contact problem of the last step.
@@ -148,9 +149,9 @@ impl<'a> Stepper<'a> {
         Some(Unsolvable { problem, contacts, infeasibility })
     }
 
-    /// The system's contact behind a contact of the last contact problem.
-    pub fn contact_of(&self, place: usize) -> usize {
-        self.closed.active.get(place).copied().unwrap_or(0)
+    /// The system's contact behind a contact of the last contact problem, if it has one at this place.
+    pub fn contact_of(&self, place: usize) -> Option<usize> {
+        self.closed.active.get(place).copied()
     }
 
     /// One step, whether or not its contact problem is solved to the tolerance: the report says how it was.
@@ -197,12 +198,7 @@ impl<'a> Stepper<'a> {
         match self.outputs.get(contact) {
             Some(Some(output)) => return Ok(*output),
             Some(None) => {}
-            None => {
-                let contacts = self.outputs.len();
-                let message =
-                    format!("must be below {contacts}, the number of contacts, got {contact}");
-                return Err(OptionsError { argument: "contact", message }.into());
-            }
+            None => below("contact", contact, self.outputs.len(), "contacts")?,
         }
         let slip = self.slip(contact)?;
         Ok(ContactOutput { phase: Phase::Open, slip, force: [0.0; 3], normal_force: 0.0 })

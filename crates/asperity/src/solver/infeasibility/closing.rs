@@ -22,6 +22,7 @@ use super::nonnegative;
 use super::proof::{Infeasibility, InfeasibilityKind};
 use crate::contact::{ContactProblem, Delassus, Factored, NormalForce};
 use crate::linear::LeastNorm;
+use crate::vectors::largest;
 
 /// Most contacts among which a proof is searched: its cost grows with their third power.
 const MOST_CONTACTS: usize = 128;
@@ -101,7 +102,7 @@ fn nearest(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Weights
     let matrix = scaled(problem, support);
     let loads = support.iter().map(|&(i, _)| problem.load(i)[0] / scale_of(problem, i));
     let loads: Vec<f64> = loads.collect();
-    let unit = loads.iter().fold(0.0, |m: f64, l| m.max(l.abs()));
+    let unit = largest(&loads);
     let (rows, columns) = matrix.shape();
     let mut bordered = matrix.insert_row(rows, 0.0);
     (0..columns).for_each(|k| bordered[(rows, k)] = loads[k] / unit);

@@ -5,6 +5,7 @@ use super::natural_residual::{self, Measured};
 use super::phase::phase_of;
 use crate::contact::{ContactProblem, NormalForce, Phase, ProblemError};
 use crate::law::{Friction, Law};
+use crate::vectors::norm;
 
 /// The violations of the contact laws by percussions `P`, found from the problem alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -87,6 +88,5 @@ fn excess(law: &Law, friction: &Friction<'_>) -> f64 {
     // `P_N k_C(x/P_N) = k_C(x)`, also for an open contact.
     let still = outward.iter().all(|x| *x == 0.0);
     let gauge = if still { 0.0 } else { law.gauge(&outward) };
-    let size = outward.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if gauge <= pushing { 0.0 } else { size * (1.0 - pushing / gauge) }
+    if gauge <= pushing { 0.0 } else { norm(&outward) * (1.0 - pushing / gauge) }
 }

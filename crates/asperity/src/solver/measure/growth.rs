@@ -14,7 +14,8 @@
 //! up to √2 with the choice of tangential axes.
 
 use super::natural_residual::Measured;
-use crate::contact::{ContactProblem, ContactRows, Delassus, NormalForce};
+use crate::contact::{Components, ContactProblem, ContactRows, Delassus, NormalForce};
+use crate::vectors::largest;
 
 /// Part of `L`, and of `N`, that contacts may approach with. Where growth is below [`GROWN`], a residual of 1e-4
 /// and less implies the former.
@@ -73,7 +74,7 @@ impl Growth {
 /// Scratch: the groups of contacts, and `Q`, `L`, `A` of each.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Groups {
-    first: Vec<usize>,
+    members: Components,
     sums: Vec<Powers>,
 }
 
@@ -124,39 +125,26 @@ impl Powers {
 impl Groups {
     /// Buffers for so many contacts.
     pub(crate) fn resize(&mut self, contacts: usize) {
-        self.first.resize(contacts, 0);
+        self.members.separate(contacts);
         self.sums.resize(contacts, Powers::default());
     }
 
     /// Joins contacts that influence each other.
     fn join(&mut self, problem: &ContactProblem) {
         self.resize(problem.contacts().len());
-        self.first.iter_mut().enumerate().for_each(|(i, first)| *first = i);
         self.sums.fill(Powers::default());
         for i in 0..problem.contacts().len() {
-            let mut joined = |j: usize| {
-                let (a, b) = (self.find(i), self.find(j));
-                self.first[a.max(b)] = a.min(b);
-            };
             if problem.delassus().is_matrix_free() {
-                joined(0);
+                self.members.join(i, 0);
             }
             for row in problem.contacts()[i].rows() {
                 problem.each_entry(i, row, |j, _, g| {
                     if g != 0.0 {
-                        joined(j);
+                        self.members.join(i, j);
                     }
                 });
             }
         }
-    }
-
-    fn find(&mut self, mut i: usize) -> usize {
-        while self.first[i] != i {
-            self.first[i] = self.first[self.first[i]];
-            i = self.first[i];
-        }
-        i
     }
 }
 
@@ -203,7 +191,7 @@ fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     for (i, rows) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let (push, xi) = (percussion[rows.offset], measured.xi(rows.offset));
         let (load, brought) = velocities(problem, i, percussion);
-        let group = groups.find(i);
+        let group = groups.members.first(i);
         let sums = &mut groups.sums[group];
         sums.contacts += 1;
         sums.approach += push * f64::max(0.0, -xi);
@@ -215,7 +203,7 @@ fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     }
     let mut worst: Option<(GrowthKind, f64, usize)> = None;
     for (i, rows) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
-        let group = groups.find(i);
+        let group = groups.members.first(i);
         let Some(kind) = groups.sums[group].kind() else { continue };
         let sign = if kind == GrowthKind::Separating { 1.0 } else { -1.0 };
         let power = sign * percussion[rows.offset] * measured.xi(rows.offset);
@@ -224,7 +212,7 @@ fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
         }
     }
     let (kind, _, contact) = worst?;
-    let group = groups.find(contact);
+    let group = groups.members.first(contact);
     let Powers { load, brought, .. } = groups.sums[group];
     Some(Growth { kind, contact, factor: brought / load })
 }
@@ -237,7 +225,7 @@ fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f
     let mut brought = 0.0;
     if let Delassus::MatrixFree(operator) = problem.delassus() {
         // Without entries only their size is known.
-        brought += operator.norm() * percussion.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
+        brought += operator.norm() * largest(percussion);
         return (load, brought);
     }
     problem.each_entry(i, row, |j, column, g| {

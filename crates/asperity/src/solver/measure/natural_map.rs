@@ -2,6 +2,7 @@
 
 use super::natural_residual::Measured;
 use crate::contact::{ContactProblem, ContactRows, NormalForce, ProblemError};
+use crate::vectors::norm;
 
 /// `‖P − prox(P − ρξ)‖ / max(‖P‖, ρ‖b‖)` with `ρ = rows/tr G` for the whole problem, independent of units.
 ///
@@ -44,15 +45,14 @@ fn contact_defect(measured: &Measured<'_>, contact: &ContactRows, rho: f64) -> f
 
 /// `‖r − P_K(r − ρξ̃)‖²` with `ξ̃_N = ξ_N + μ‖ξ_T‖` and the friction cone `K`, for isotropic friction.
 fn cone_defect(measured: &Measured<'_>, contact: &ContactRows, mu: f64, rho: f64) -> f64 {
-    let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let (normal, slip) = (measured.percussion[contact.offset], measured.slip(contact));
     let tangent = &measured.percussion[contact.tangential_rows()];
-    let z_n = normal - rho * (measured.xi(contact.offset) + mu * size(&slip));
+    let z_n = normal - rho * (measured.xi(contact.offset) + mu * norm(&slip));
     let mut z_t = [0.0; 3];
     for ((z, p), xi) in z_t.iter_mut().zip(tangent).zip(&slip) {
         *z = p - xi * rho;
     }
-    let z_size = size(&z_t);
+    let z_size = norm(&z_t);
     let (p_n, part) = if z_size <= mu * z_n {
         (z_n, 1.0)
     } else if mu * z_size <= -z_n {

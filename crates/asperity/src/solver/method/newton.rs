@@ -9,6 +9,7 @@ use super::threads::{LEAF, join};
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{ContactMatrix, ContactPoint, Rho};
 use crate::solver::newton_matrix::NewtonMatrix;
+use crate::vectors::norm;
 
 /// Halvings of a step, and values of `‖F‖` among which the largest must be undercut.
 const HALVINGS: usize = 12;
@@ -277,9 +278,4 @@ fn point<'a>(
 ) -> ContactPoint<'a> {
     let prescribed = rows.normal.prescribed();
     ContactPoint { prescribed, rho, percussion: &percussion[rows.rows()], xi: &xi[rows.rows()] }
-}
-
-/// Euclidean norm.
-pub(crate) fn norm(values: &[f64]) -> f64 {
-    values.iter().map(|v| v * v).sum::<f64>().sqrt()
 }

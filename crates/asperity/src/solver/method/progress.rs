@@ -3,7 +3,6 @@
 //! Every method hands the percussions that it finds to [`Progress::grade`], which keeps the best ones by the natural map
 //! of the whole problem and by the measure of the stop, and begins with the best ones of the method before.
 
-use super::newton::norm;
 use super::sweep::Sweeper;
 use super::task::{Iterate, Task};
 use crate::solver::infeasibility::prove_closing;
@@ -13,6 +12,7 @@ use crate::solver::measure::natural_residual::{self, Measured};
 use crate::solver::measure::stop::Measure;
 use crate::solver::one_contact::solve::Policy;
 use crate::solver::report::{Ended, Method, Stage};
+use crate::vectors::norm;
 
 /// Growth at which a proof is tried for the first time, and its factor to the next time: percussions come closer
 /// to a direction that proves it the more they grow.

@@ -10,6 +10,7 @@ use std::ops::Range;
 use super::task::{Iterate, Task};
 use super::threads;
 use crate::contact::{ContactProblem, ContactState, Phase};
+use crate::solver::measure::natural_residual::Residual;
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};
@@ -48,28 +49,30 @@ impl Sweeper {
         self.efforts.fill(Effort::in_sweeps());
     }
 
-    /// Sweeps until the natural residual is below the tolerance.
+    /// Sweeps until the natural residual is below the tolerance; their number, why they ended and the residual.
     pub(crate) fn solve(
         &mut self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
         max_sweeps: usize,
-    ) -> (usize, Ended) {
-        self.sweep(task, iterate, Policy::Prove, true);
-        for sweeps in 1..=max_sweeps {
-            let residual = iterate.measure(task).value;
-            if residual <= 0.1 * task.stop.tolerance || residual <= 4.0 * f64::EPSILON {
-                return (sweeps, Ended::Done);
+    ) -> (usize, Ended, Residual) {
+        let goal = f64::max(0.1 * task.stop.tolerance, 4.0 * f64::EPSILON);
+        let mut sweeps = 0;
+        loop {
+            // Contacts without a solution may find one when the others have moved.
+            self.sweep(task, iterate, Policy::Prove, sweeps == 0);
+            sweeps += 1;
+            let residual = iterate.measure(task);
+            if residual.value <= goal {
+                return (sweeps, Ended::Done, residual);
             }
             if task.stop.early() {
-                return (sweeps, Ended::TimeLimit);
+                return (sweeps, Ended::TimeLimit, residual);
             }
-            if sweeps < max_sweeps {
-                // Contacts without a solution may find one when the others have moved.
-                self.sweep(task, iterate, Policy::Prove, false);
+            if sweeps >= max_sweeps {
+                return (sweeps, Ended::MaxIterations, residual);
             }
         }
-        (max_sweeps, Ended::MaxIterations)
     }
 
     /// One sweep; the last contact that had no solution.

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use crate::contact::{BlockMatrix, ContactProblem, Factored};
+use crate::contact::{BlockMatrix, Components, ContactProblem, Factored};
 use crate::law::ContactMatrix;
 use crate::linear::{Numeric, Symbolic};
 
@@ -244,36 +244,14 @@ fn groups(problem: &ContactProblem, factored: &Factored) -> Vec<usize> {
             }
         }
     }
-    let mut root: Vec<usize> = (0..n).collect();
-    let mut join = |a: usize, b: usize| {
-        let (a, b) = (find(&mut root, a), find(&mut root, b));
-        root[a.max(b)] = a.min(b);
-    };
+    let mut groups = Components::default();
+    groups.separate(n);
     let mut same: HashMap<&[usize], usize> = HashMap::new();
     for (dof, list) in contacts.iter().enumerate().filter(|(_, list)| !list.is_empty()) {
-        join(*same.entry(list).or_insert(dof), dof);
+        groups.join(*same.entry(list).or_insert(dof), dof);
     }
     for dof in 0..n {
-        mass.row(dof).0.iter().for_each(|&other| join(dof, other));
+        mass.row(dof).0.iter().for_each(|&other| groups.join(dof, other));
     }
-    let mut number = vec![usize::MAX; n];
-    let mut count = 0;
-    (0..n)
-        .map(|dof| {
-            let representative = find(&mut root, dof);
-            if number[representative] == usize::MAX {
-                number[representative] = count;
-                count += 1;
-            }
-            number[representative]
-        })
-        .collect()
-}
-
-fn find(root: &mut [usize], mut i: usize) -> usize {
-    while root[i] != i {
-        root[i] = root[root[i]];
-        i = root[i];
-    }
-    i
+    groups.numbers()
 }

@@ -10,6 +10,7 @@ use super::single::Single;
 use super::{line, space};
 use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::law::Law;
+use crate::vectors::largest;
 
 /// What is asked of the solution of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,8 +129,7 @@ impl<'a> OneContact<'a> {
     pub(crate) fn is_ambiguous(&self, state: &ContactState, candidates: &mut Candidates) -> bool {
         // A redundant foot that the others stop has nothing to do: to search with what rounding has left of its load
         // would find anything or nothing.
-        let size = |velocity: [f64; 4]| velocity.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        if size(self.held) <= ROUNDING * size(self.problem.load(self.contact)) {
+        if largest(&self.held) <= ROUNDING * largest(&self.problem.load(self.contact)) {
             return false;
         }
         let effort = &mut Effort::none();

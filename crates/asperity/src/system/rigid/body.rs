@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::system::{SystemError, TimeFunction};
+use crate::argument::{ArgumentError, finite, positive, refuse};
+use crate::system::TimeFunction;
 
 use super::rotation::unit;
 use super::within;
@@ -157,11 +158,8 @@ impl Inertial {
         inertia: Matrix3<f64>,
         force: &TimeFunction<3>,
         torque: &TimeFunction<3>,
-    ) -> Result<Self, SystemError> {
-        if !(mass.is_finite() && mass > 0.0) {
-            let message = format!("must be finite and positive, got {mass}");
-            return Err(SystemError::argument("mass", message));
-        }
+    ) -> Result<Self, ArgumentError> {
+        positive("mass", mass)?;
         let inverse_inertia = inverse(&inertia)?;
         Ok(Self {
             mass,
@@ -192,7 +190,7 @@ pub(super) struct Parts {
 }
 
 impl Bodies {
-    pub(super) fn parts(&self) -> Result<Parts, SystemError> {
+    pub(super) fn parts(&self) -> Result<Parts, ArgumentError> {
         let mut parts = Parts::default();
         let count = match self {
             Self::Planar(bodies) => bodies.len(),
@@ -209,11 +207,11 @@ impl Bodies {
     }
 }
 
-fn planar(body: &PlanarBody, parts: &mut Parts) -> Result<Inertial, SystemError> {
-    check("position", &body.position)?;
-    check("angle", &[body.angle])?;
-    check("velocity", &body.velocity)?;
-    check("angular_velocity", &[body.angular_velocity])?;
+fn planar(body: &PlanarBody, parts: &mut Parts) -> Result<Inertial, ArgumentError> {
+    finite("position", &body.position)?;
+    finite("angle", &[body.angle])?;
+    finite("velocity", &body.velocity)?;
+    finite("angular_velocity", &[body.angular_velocity])?;
     parts.q0.extend([body.position[0], body.position[1], body.angle]);
     parts.u0.extend([body.velocity[0], body.velocity[1], body.angular_velocity]);
     let inertia = Matrix3::identity() * body.inertia;
@@ -225,16 +223,13 @@ fn planar(body: &PlanarBody, parts: &mut Parts) -> Result<Inertial, SystemError>
     Ok(inertial)
 }
 
-fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, SystemError> {
-    check("position", &body.position)?;
-    check("orientation", &body.orientation)?;
-    check("velocity", &body.velocity)?;
-    check("angular_velocity", &body.angular_velocity)?;
+fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, ArgumentError> {
+    finite("position", &body.position)?;
+    finite("orientation", &body.orientation)?;
+    finite("velocity", &body.velocity)?;
+    finite("angular_velocity", &body.angular_velocity)?;
     let Some(orientation) = unit(body.orientation) else {
-        return Err(SystemError::argument(
-            "orientation",
-            "must not be a quaternion (w, x, y, z) of length zero",
-        ));
+        return refuse("orientation", "must not be a quaternion (w, x, y, z) of length zero");
     };
     parts.q0.extend(body.position);
     parts.q0.extend(orientation);
@@ -250,18 +245,18 @@ fn spatial(body: &Body, parts: &mut Parts) -> Result<Inertial, SystemError> {
 }
 
 /// The symmetric part of what is symmetric but for rounding, as tensors in turned axes are.
-fn symmetric(inertia: &Matrix3<f64>) -> Result<Matrix3<f64>, SystemError> {
-    check("inertia", inertia.as_slice())?;
+fn symmetric(inertia: &Matrix3<f64>) -> Result<Matrix3<f64>, ArgumentError> {
+    finite("inertia", inertia.as_slice())?;
     if (inertia - inertia.transpose()).amax() > 1e-12 * inertia.amax() {
-        return Err(SystemError::argument("inertia", "must be symmetric"));
+        return refuse("inertia", "must be symmetric");
     }
     Ok((inertia + inertia.transpose()) * 0.5)
 }
 
 /// Inverse of an inertia tensor that some body can have.
-fn inverse(inertia: &Matrix3<f64>) -> Result<Matrix3<f64>, SystemError> {
-    let refuse = |message: String| Err(SystemError::argument("inertia", message));
-    check("inertia", inertia.as_slice())?;
+fn inverse(inertia: &Matrix3<f64>) -> Result<Matrix3<f64>, ArgumentError> {
+    let refuse = |message: String| refuse("inertia", message);
+    finite("inertia", inertia.as_slice())?;
     let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
     moments.sort_by(f64::total_cmp);
     let [a, b, c] = moments;
@@ -276,13 +271,5 @@ fn inverse(inertia: &Matrix3<f64>) -> Result<Matrix3<f64>, SystemError> {
     match inertia.try_inverse() {
         Some(inverse) => Ok(inverse),
         None => refuse("must be invertible".into()),
-    }
-}
-
-/// Refuses what is not finite.
-pub(in crate::system) fn check(argument: &'static str, values: &[f64]) -> Result<(), SystemError> {
-    match values.iter().find(|v| !v.is_finite()) {
-        Some(value) => Err(SystemError::argument(argument, format!("must be finite, got {value}"))),
-        None => Ok(()),
     }
 }

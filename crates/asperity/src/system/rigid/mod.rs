@@ -25,8 +25,8 @@ pub use plane_motion::PlaneMotion;
 pub use spring::Spring;
 pub use surface::{Field, Frame, Plane};
 
-use super::{Blocks, ContactLaw, Moment, SystemError};
-pub(in crate::system) use body::check;
+use super::{Blocks, ContactLaw, Moment};
+use crate::argument::{ArgumentError, finite, refuse};
 use body::{Inertial, Parts, TimedLoad};
 use contact::Contact;
 use surface::Timed;
@@ -53,6 +53,8 @@ pub struct RigidBodies {
     planar: bool,
     blocks: Blocks,
     inertial: Vec<Inertial>,
+    /// Bodies of unequal moments, whose angular momenta are what is stepped.
+    unequal: Vec<usize>,
     timed_loads: Vec<TimedLoad>,
     timed_planes: Vec<Timed>,
     gravity: Vector3<f64>,
@@ -113,19 +115,19 @@ impl RigidBodies {
     ///
     /// # Errors
     ///
-    /// [`SystemError::Argument`] that says of which body, pair or spring a number or index is out of its range.
+    /// [`ArgumentError`] that says of which body, pair or spring a number or index is out of its range.
     pub fn new(
         bodies: impl Into<Bodies>,
         pairs: &[Pair],
         springs: Vec<Spring>,
         gravity: [f64; 3],
-    ) -> Result<Self, SystemError> {
+    ) -> Result<Self, ArgumentError> {
         let bodies = bodies.into();
         let planar = matches!(bodies, Bodies::Planar(_));
         let Parts { inertial, timed_loads, q0, u0 } = bodies.parts()?;
-        check("gravity", &gravity)?;
+        finite("gravity", &gravity)?;
         if planar && gravity[2] != 0.0 {
-            return Err(SystemError::argument("gravity", "must have z = 0 in planar systems"));
+            return refuse("gravity", "must have z = 0 in planar systems");
         }
         for (i, spring) in springs.iter().enumerate() {
             spring.check(inertial.len(), planar).map_err(|error| within("spring", i, error))?;
@@ -143,13 +145,14 @@ impl RigidBodies {
             }
         }
         let timed_planes = pairs.iter().filter_map(|pair| pair.shape.timed()).collect();
-        let given = |&contact: &usize| laws[contact].normal_force.is_some();
+        let given = |&contact: &usize| laws[contact].normal_force().is_some();
         let prescribed = (0..laws.len()).filter(given).collect();
+        let unequal = (0..inertial.len()).filter(|&body| !inertial[body].isotropic).collect();
         let (gravity, size) = (gravity.into(), if planar { 3 } else { 6 });
         let blocks = Blocks::new(std::iter::repeat_n(size, inertial.len()));
         #[rustfmt::skip]
         let bodies =
-            Self { planar, blocks, inertial, timed_loads, timed_planes, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
+            Self { planar, blocks, inertial, unequal, timed_loads, timed_planes, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
         Ok(bodies)
     }
 
@@ -204,11 +207,6 @@ impl RigidBodies {
 }
 
 /// Says which of several the error is about.
-fn within(what: &str, index: usize, error: SystemError) -> SystemError {
-    match error {
-        SystemError::Argument { argument, message } => {
-            SystemError::Argument { argument, message: format!("of {what} {index} {message}") }
-        }
-        foreign => foreign,
-    }
+fn within(what: &str, index: usize, error: ArgumentError) -> ArgumentError {
+    ArgumentError { message: format!("of {what} {index} {}", error.message), ..error }
 }

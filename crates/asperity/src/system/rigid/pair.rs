@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::body::check;
 use super::contact::{Contact, Touching};
 use super::surface::{Frame, Plane, Surface, Timed, unit};
+use crate::argument::{ArgumentError, below, finite, positive, refuse};
 use crate::law::Law;
-use crate::system::{ContactLaw, SystemError, TimeFunction};
+use crate::system::{ContactLaw, TimeFunction};
 
 /// Two surfaces that may touch; bodies are given by their number, places in their axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,9 +81,9 @@ pub struct Pair {
     /// Normal force of every contact in N if it is given, acting on both bodies; `None` for unilateral
     /// contacts.
     pub normal_force: Option<f64>,
-    /// Newton's `e_N`.
+    /// Newton's `e_N`, in [0, 1].
     pub normal_restitution: f64,
-    /// `e_T`.
+    /// `e_T`, in [0, 1].
     pub tangential_restitution: f64,
     /// Radius `R` of the contact patch in m for laws with drilling, whose third slip is `R ω_N`.
     pub patch_radius: Option<f64>,
@@ -109,8 +109,7 @@ impl Pair {
     }
 
     /// The laws of its contacts, checked.
-    pub(super) fn contact_law(&self, planar: bool) -> Result<ContactLaw, SystemError> {
-        let refuse = |argument, message: String| Err(SystemError::argument(argument, message));
+    pub(super) fn contact_law(&self, planar: bool) -> Result<ContactLaw, ArgumentError> {
         let p = self.law.dimension();
         if planar != (p == 1) {
             let (space, allowed) = if planar { ("a plane", "1") } else { ("space", "2 or 3") };
@@ -118,35 +117,15 @@ impl Pair {
         }
         match self.patch_radius {
             Some(_) if p < 3 => {
-                return refuse("patch_radius", "must be given for drilling friction only".into());
+                return refuse("patch_radius", "must be given for drilling friction only");
             }
             None if p == 3 => {
-                return refuse("patch_radius", "must be given for drilling friction".into());
+                return refuse("patch_radius", "must be given for drilling friction");
             }
-            Some(r) if !(r.is_finite() && r > 0.0) => {
-                return refuse("patch_radius", format!("must be finite and positive, got {r}"));
-            }
-            _ => {}
-        }
-        for (argument, e) in [
-            ("normal_restitution", self.normal_restitution),
-            ("tangential_restitution", self.tangential_restitution),
-        ] {
-            if !(-1.0..=1.0).contains(&e) {
-                return refuse(argument, format!("must lie in [-1, 1], got {e}"));
-            }
-        }
-        match self.normal_force {
-            Some(force) if !(force.is_finite() && force >= 0.0) => {
-                refuse("normal_force", format!("must be finite and not negative, got {force}"))
-            }
-            normal_force => Ok(ContactLaw {
-                law: self.law.clone(),
-                normal_force,
-                normal_restitution: self.normal_restitution,
-                tangential_restitution: self.tangential_restitution,
-            }),
-        }
+            radius => positive("patch_radius", radius.unwrap_or(1.0))?,
+        };
+        ContactLaw::new(self.law.clone(), self.normal_force)?
+            .with_restitution(self.normal_restitution, self.tangential_restitution)
     }
 
     /// Its contacts, between `bodies` bodies.
@@ -154,20 +133,16 @@ impl Pair {
         &self,
         bodies: usize,
         planar: bool,
-    ) -> Result<Vec<Contact>, SystemError> {
+    ) -> Result<Vec<Contact>, ArgumentError> {
         let (body, other) = self.shape.bodies();
         let second = match self.shape {
             Shape::SphereSphere { .. } => "other",
             _ => "plane.body",
         };
-        for (argument, index) in [("body", Some(body)), (second, other)] {
-            if let Some(index) = index.filter(|&index| index >= bodies) {
-                let message = format!("must be below {bodies}, the number of bodies, got {index}");
-                return Err(SystemError::argument(argument, message));
-            }
-        }
+        below("body", body, bodies, "bodies")?;
+        below(second, other.unwrap_or(body), bodies, "bodies")?;
         if other == Some(body) {
-            return Err(SystemError::argument("body", "must not touch itself"));
+            return refuse("body", "must not touch itself");
         }
         let frame = self.checked_frame(planar)?;
         let contact = |touching| Contact {
@@ -184,13 +159,13 @@ impl Pair {
     }
 
     /// The frame; in the plane there is but one.
-    fn checked_frame(&self, planar: bool) -> Result<Frame, SystemError> {
+    fn checked_frame(&self, planar: bool) -> Result<Frame, ArgumentError> {
         match &self.frame {
             _ if planar => Ok(Frame::Plane),
             Frame::Body { axis } => Ok(Frame::Body { axis: unit("axis", *axis)?.into() }),
             _ if matches!(self.shape, Shape::SphereSphere { .. }) => {
                 let message = "must be fixed to a body between two spheres, which have no plane";
-                Err(SystemError::argument("frame", message))
+                refuse("frame", message)
             }
             frame => Ok(frame.clone()),
         }
@@ -217,14 +192,14 @@ impl Shape {
         }
     }
 
-    fn expand(&self, planar: bool) -> Result<Vec<Touching>, SystemError> {
+    fn expand(&self, planar: bool) -> Result<Vec<Touching>, ArgumentError> {
         let surface = |plane: &Plane| {
             if planar && (plane.normal[2] != 0.0 || plane.axis[2] != 0.0) {
                 let message = "must have a normal and an axis with z = 0 in planar systems";
-                return Err(SystemError::argument("plane", message));
+                return refuse("plane", message);
             }
             if planar && plane.spin != TimeFunction::ZERO {
-                return Err(SystemError::argument("spin", "must be zero in planar systems"));
+                return refuse("spin", "must be zero in planar systems");
             }
             plane.motion.as_ref().map_or(Ok(()), |motion| motion.check(planar))?;
             Surface::new(plane)
@@ -241,7 +216,8 @@ impl Shape {
                 }])
             }
             Self::SpherePlane { centre, radius, plane, .. } => {
-                let (point, radius) = (place("centre", *centre, planar)?, size("radius", *radius)?);
+                let (point, radius) =
+                    (place("centre", *centre, planar)?, positive("radius", *radius)?);
                 Ok(vec![Touching::Plane { point, radius, surface: surface(plane)?, timed }])
             }
             Self::BoxPlane { half_sizes, plane, .. } => {
@@ -249,7 +225,7 @@ impl Shape {
                 let count = if planar { 2 } else { 3 };
                 let mut half = [0.0; 3];
                 for (h, &given) in half.iter_mut().zip(&half_sizes[..count]) {
-                    *h = size("half_sizes", given)?;
+                    *h = positive("half_sizes", given)?;
                 }
                 let sign = |k: usize, i: usize| if k >> i & 1 == 1 { 1.0 } else { -1.0 };
                 let corner = |k: usize| Vector3::from_fn(|i, _| sign(k, i) * half[i]);
@@ -267,7 +243,7 @@ impl Shape {
                         place("centre", *centre, planar)?,
                         place("other_centre", *other_centre, planar)?,
                     ],
-                    radii: [size("radius", *radius)?, size("other_radius", *other_radius)?],
+                    radii: [positive("radius", *radius)?, positive("other_radius", *other_radius)?],
                 }])
             }
         }
@@ -278,17 +254,10 @@ fn place(
     argument: &'static str,
     point: [f64; 3],
     planar: bool,
-) -> Result<Vector3<f64>, SystemError> {
-    check(argument, &point)?;
+) -> Result<Vector3<f64>, ArgumentError> {
+    finite(argument, &point)?;
     if planar && point[2] != 0.0 {
-        return Err(SystemError::argument(argument, "must have z = 0 in planar systems"));
+        return refuse(argument, "must have z = 0 in planar systems");
     }
     Ok(point.into())
-}
-
-fn size(argument: &'static str, value: f64) -> Result<f64, SystemError> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(value);
-    }
-    Err(SystemError::argument(argument, format!("must be finite and positive, got {value}")))
 }

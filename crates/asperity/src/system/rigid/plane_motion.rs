@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::system::{Break, Moment, SystemError, TimeFunction};
+use crate::argument::{ArgumentError, refuse};
+use crate::system::{Break, Moment, TimeFunction};
 
 /// How a plane moves, in the axes of the world or of the body that it is fixed to.
 ///
@@ -32,11 +33,11 @@ impl PlaneMotion {
     }
 
     /// Refuses jumps, and functions that do not know their rates.
-    pub(super) fn check(&self, planar: bool) -> Result<(), SystemError> {
+    pub(super) fn check(&self, planar: bool) -> Result<(), ArgumentError> {
         // What leads out of the plane of planar systems.
         let displacement = ("displacement", &self.displacement, &[2][..]);
         for (argument, function, out) in [displacement, ("rotation", &self.rotation, &[0, 1])] {
-            let refuse = |message: &str| Err(SystemError::argument(argument, message));
+            let refuse = |message: &str| refuse(argument, message);
             function.check(argument)?;
             match function {
                 TimeFunction::Signal(signal) if signal.jumps() => {

@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::vectors::largest;
+
 /// Rotation matrix of a unit quaternion.
 #[inline]
 pub(super) fn matrix(q: &[f64; 4]) -> Matrix3<f64> {
@@ -43,6 +45,21 @@ pub(super) fn turned_back(angle: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64
     let axis = Vector3::new(x, y, z);
     let twice = axis.cross(v) * 2.0;
     v - twice * w + axis.cross(&twice)
+}
+
+/// `D(θ)` in `δ(exp(θ) v) = (D(θ) δθ) × exp(θ) v`: how the world sees a rotation vector change, to some eight digits.
+pub(super) fn differential(angle: &Vector3<f64>) -> Matrix3<f64> {
+    let [cosine, x, y, z] = exponential(angle);
+    let (square, axis) = (angle.norm_squared(), angle.cross_matrix());
+    // (1 − cos θ)/θ² and (θ − sin θ)/θ³; the sine of the half is that of the quaternion.
+    let half = Vector3::new(x, y, z).norm_squared();
+    let (first, second) = if square < 0.01 {
+        (0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0)
+    } else {
+        let sine = 2.0 * cosine * half.sqrt();
+        (2.0 * half / square, (1.0 - sine / square.sqrt()) / square)
+    };
+    Matrix3::identity() + axis * first + axis * axis * second
 }
 
 /// A rotation `exp(angle)` by what it moves, which keeps its digits where the angle is small.
@@ -114,7 +131,7 @@ pub(super) fn unit(q: [f64; 4]) -> Option<[f64; 4]> {
         return Some(q);
     }
     // Scaled first, as squares overflow and underflow.
-    let largest = q.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    let largest = largest(&q);
     (largest > 0.0).then(|| normalized(q.map(|c| c / largest)))
 }
 
@@ -141,6 +158,19 @@ mod tests {
             let back = Rotation3::new(-angle) * v;
             assert!((turned_back(&angle, &v) - back).amax() < 4e-15, "turned back by {scale}");
             assert!((end.iter().map(|c| c * c).sum::<f64>() - 1.0).abs() < 4e-16);
+        }
+    }
+
+    #[test]
+    fn the_differential_is_that_of_rotated_vectors() {
+        for scale in [0.0, 1e-6, 0.09, 0.11, 1.0, 3.0, 5.0, 40.0] {
+            let angle = Vector3::new(0.6, -0.64, 0.48) * scale;
+            let (change, v) = (Vector3::new(0.5, 0.3, -0.8), Vector3::new(0.3, -1.2, 0.7));
+            let turned = |angle: Vector3<f64>| turned_back(&-angle, &v);
+            let differences =
+                (turned(angle + change * 1e-5) - turned(angle - change * 1e-5)) / 2e-5;
+            let found = (differential(&angle) * change).cross(&turned(angle));
+            assert!((found - differences).amax() < 1e-8, "turned by {scale}");
         }
     }
 

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::body::check;
 use super::{Pose, Twist};
-use crate::system::{Moment, SystemError, TimeFunction};
+use crate::argument::{ArgumentError, below, finite, not_negative, refuse};
+use crate::system::{Moment, TimeFunction};
 
 /// A spring with a damper along the line between two points.
 ///
@@ -29,32 +29,22 @@ pub struct Spring {
 }
 
 impl Spring {
-    pub(super) fn check(&self, bodies: usize, planar: bool) -> Result<(), SystemError> {
-        for (argument, index) in [("body", Some(self.body)), ("other", self.other)] {
-            if let Some(index) = index.filter(|&index| index >= bodies) {
-                let message = format!("must be below {bodies}, the number of bodies, got {index}");
-                return Err(SystemError::argument(argument, message));
-            }
-        }
-        check("point", &self.point)?;
-        check("other_point", &self.other_point)?;
+    pub(super) fn check(&self, bodies: usize, planar: bool) -> Result<(), ArgumentError> {
+        below("body", self.body, bodies, "bodies")?;
+        below("other", self.other.unwrap_or(self.body), bodies, "bodies")?;
+        finite("point", &self.point)?;
+        finite("other_point", &self.other_point)?;
         if planar && (self.point[2] != 0.0 || self.other_point[2] != 0.0) {
-            return Err(SystemError::argument("point", "must have z = 0 in planar systems"));
+            return refuse("point", "must have z = 0 in planar systems");
         }
         let length = match &self.length {
             TimeFunction::Constant([length]) => *length,
             TimeFunction::Signal(signal) if signal.components() == 1 => signal.least(0),
             length => length.check("length").map(|()| 0.0)?,
         };
-        for (argument, value) in
-            [("stiffness", self.stiffness), ("damping", self.damping), ("length", length)]
-        {
-            if !(value.is_finite() && value >= 0.0) {
-                let message = format!("must be finite and not negative, got {value}");
-                return Err(SystemError::argument(argument, message));
-            }
-        }
-        Ok(())
+        not_negative("stiffness", self.stiffness)?;
+        not_negative("damping", self.damping)?;
+        not_negative("length", length).map(drop)
     }
 
     /// Vector from the second point to the first.

@@ -4,12 +4,14 @@ use nalgebra::Vector3;
 
 use super::rotation::unit;
 use super::{RigidBodies, Twist, angular, linear, twist};
+use crate::argument::{ArgumentError, refuse};
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, System,
     SystemError,
 };
 
-/// How far a momentum may be off that of its state, as a part: `R J J⁻¹ Rᵀ L` is L to a few roundings.
+/// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
+/// body turns about its axis, so that `R J J⁻¹ Rᵀ L` is L to a few roundings of these.
 const SAME_MOMENTUM: f64 = 1e-12;
 
 impl System for RigidBodies {
@@ -38,7 +40,7 @@ impl System for RigidBodies {
         InitialState { q: self.q0.clone(), u: self.u0.clone() }
     }
 
-    fn normalise(&self, q0: &mut [f64]) -> Result<(), SystemError> {
+    fn normalise(&self, q0: &mut [f64]) -> Result<(), ArgumentError> {
         if self.planar {
             return Ok(());
         }
@@ -47,7 +49,7 @@ impl System for RigidBodies {
                 let message = format!(
                     "the orientation of body {body}, (w, x, y, z), must not be of length zero"
                 );
-                return Err(SystemError::argument("q0", message));
+                return refuse("q0", message);
             };
             q[3..].copy_from_slice(&orientation);
         }
@@ -107,9 +109,9 @@ impl System for RigidBodies {
         forces: &mut [f64],
     ) -> Result<(), SystemError> {
         self.loads(at, u, forces);
-        for (body, inertial) in self.inertial.iter().enumerate().filter(|(_, i)| !i.isotropic) {
+        for &body in &self.unequal {
             let omega = angular(&self.twist(u, body));
-            let gyroscopic = (inertial.inertia * omega).cross(&omega);
+            let gyroscopic = (self.inertial[body].inertia * omega).cross(&omega);
             let load = self.twist(forces, body);
             self.set_twist(forces, body, &twist(&linear(&load), &(angular(&load) + gyroscopic)));
         }
@@ -190,17 +192,18 @@ impl System for RigidBodies {
     }
 
     fn momenta(&self, q: &[f64], u: &[f64]) -> Vec<f64> {
-        let momentum = |body| <[f64; 3]>::from(self.spin(q, u, body));
-        (0..self.bodies()).flat_map(momentum).collect()
+        let momentum = |&body: &usize| <[f64; 3]>::from(self.spin(q, u, body));
+        self.unequal.iter().flat_map(momentum).collect()
     }
 
-    /// Bodies of equal moments carry none.
     fn has_momenta(&self, q: &[f64], u: &[f64], momenta: &[f64]) -> bool {
-        let has = |(body, given): (usize, &[f64])| {
-            let (found, given) = (self.spin(q, u, body), Vector3::from_column_slice(given));
-            self.inertial[body].isotropic || (found - given).amax() <= SAME_MOMENTUM * given.amax()
+        let has = |(&body, given): (&usize, &[f64])| {
+            let given = Vector3::from_column_slice(given);
+            let size = self.inertial[body].inertia.norm() * angular(&self.twist(u, body)).norm();
+            (self.spin(q, u, body) - given).amax() <= SAME_MOMENTUM * (size + given.norm())
         };
-        momenta.len() == 3 * self.bodies() && momenta.chunks_exact(3).enumerate().all(has)
+        momenta.len() == 3 * self.unequal.len()
+            && self.unequal.iter().zip(momenta.chunks_exact(3)).all(has)
     }
 
     fn begin(
@@ -216,12 +219,11 @@ impl System for RigidBodies {
         self.derive(mid, derived);
         before.copy_from_slice(u);
         let at = Configuration { t, piece: t, q: mid, derived };
-        for (body, inertial) in self.inertial.iter().enumerate() {
-            if !inertial.isotropic {
-                let momentum = Vector3::from_column_slice(&momenta[3 * body..3 * body + 3]);
-                let omega = inertial.rate(&self.pose_at(&at, body).rotation.tr_mul(&momentum));
-                self.set_twist(before, body, &twist(&linear(&self.twist(u, body)), &omega));
-            }
+        for (&body, momentum) in self.unequal.iter().zip(momenta.chunks_exact(3)) {
+            let momentum = Vector3::from_column_slice(momentum);
+            let spin = self.pose_at(&at, body).rotation.tr_mul(&momentum);
+            let omega = self.inertial[body].rate(&spin);
+            self.set_twist(before, body, &twist(&linear(&self.twist(u, body)), &omega));
         }
         self.loads(&at, u, forces);
         Ok(())
@@ -233,27 +235,32 @@ impl System for RigidBodies {
         after: &[f64],
         dt: f64,
         (q, u): (&mut [f64], &mut [f64]),
-    ) {
-        let Midpoint { t, q: mid, derived, before, momenta, .. } = midpoint;
+    ) -> Result<(), SystemError> {
+        let Midpoint { t, q: mid, derived, before, forces, momenta } = midpoint;
         let at = Configuration { t: *t, piece: *t, q: mid, derived };
-        u.copy_from_slice(after);
-        for (body, inertial) in self.inertial.iter().enumerate() {
-            if !inertial.isotropic {
-                let (start, after) = (self.twist(before, body), self.twist(after, body));
-                let change = inertial.inertia * (angular(&after) - angular(&start));
-                let momentum = &mut momenta[3 * body..3 * body + 3];
-                let spin = Vector3::from_column_slice(momentum)
-                    + self.pose_at(&at, body).rotation * change;
-                momentum.copy_from_slice(spin.as_slice());
-                let omega = self.end_rate(body, &angular(&after), 0.5 * dt);
-                self.set_twist(u, body, &twist(&linear(&after), &omega));
-                self.advance_body(mid, u, body, 0.5 * dt, q);
-                // Momentum is kept whatever the iteration has left over.
-                let omega = inertial.rate(&self.pose(q, body).rotation.tr_mul(&spin));
-                self.set_twist(u, body, &twist(&linear(&after), &omega));
-            } else {
-                self.advance_body(mid, u, body, 0.5 * dt, q);
-            }
+        // Nothing changes unless all are found: until then the place of the forces, which have acted, holds them.
+        let ends = forces;
+        ends.copy_from_slice(after);
+        for &body in &self.unequal {
+            let after = self.twist(after, body);
+            let omega = self.end_rate(body, &angular(&after), 0.5 * dt)?;
+            self.set_twist(ends, body, &twist(&linear(&after), &omega));
         }
+        u.copy_from_slice(ends);
+        for (&body, momentum) in self.unequal.iter().zip(momenta.chunks_exact_mut(3)) {
+            let gained = angular(&self.twist(after, body)) - angular(&self.twist(before, body));
+            let change = self.inertial[body].inertia * gained;
+            let spin =
+                Vector3::from_column_slice(momentum) + self.pose_at(&at, body).rotation * change;
+            momentum.copy_from_slice(spin.as_slice());
+        }
+        self.advance(mid, u, 0.5 * dt, q);
+        for (&body, momentum) in self.unequal.iter().zip(momenta.chunks_exact(3)) {
+            // Momentum is kept whatever the iteration has left over.
+            let spin = Vector3::from_column_slice(momentum);
+            let omega = self.inertial[body].rate(&self.pose(q, body).rotation.tr_mul(&spin));
+            self.set_twist(u, body, &twist(&linear(&self.twist(u, body)), &omega));
+        }
+        Ok(())
     }
 }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::body::check;
 use super::plane_motion::{PlacedMotion, PlaneMotion};
 use super::rotation::Turn;
-use crate::system::{Break, Moment, SystemError, TimeFunction};
+use crate::argument::{ArgumentError, finite, refuse};
+use crate::system::{Break, Moment, TimeFunction};
 
 /// A plane, fixed to the world or to a body; bodies are on the side that its normal points to.
 ///
@@ -110,15 +110,15 @@ pub(super) struct Surface {
 
 impl Surface {
     /// The plane as it is given; with what depends on time still zero.
-    pub(super) fn new(plane: &Plane) -> Result<Self, SystemError> {
-        check("point", &plane.point)?;
+    pub(super) fn new(plane: &Plane) -> Result<Self, ArgumentError> {
+        finite("point", &plane.point)?;
         plane.velocity.check("velocity")?;
         plane.spin.check("spin")?;
         let normal = unit("normal", plane.normal)?;
         let axis = unit("axis", plane.axis)?;
-        let e1 = tangent(&axis, &normal).ok_or_else(|| {
-            SystemError::argument("axis", "must not be parallel to the plane's normal")
-        })?;
+        let Some(e1) = tangent(&axis, &normal) else {
+            return refuse("axis", "must not be parallel to the plane's normal");
+        };
         let velocity = plane.velocity.constant().unwrap_or_default();
         let [spin] = plane.spin.constant().unwrap_or_default();
         let e2 = normal.cross(&e1);
@@ -274,15 +274,18 @@ impl Timed {
 }
 
 /// The unit vector along `vector`.
-pub(super) fn unit(argument: &'static str, vector: [f64; 3]) -> Result<Vector3<f64>, SystemError> {
-    check(argument, &vector)?;
+pub(super) fn unit(
+    argument: &'static str,
+    vector: [f64; 3],
+) -> Result<Vector3<f64>, ArgumentError> {
+    finite(argument, &vector)?;
     let vector = Vector3::from(vector);
     // Twice, so that neither tiny nor huge vectors lose digits.
     let scaled = vector / vector.amax();
     if vector.amax() > 0.0 && scaled.amax() > 0.0 {
         return Ok(scaled.normalize());
     }
-    Err(SystemError::argument(argument, "must not be zero"))
+    refuse(argument, "must not be zero")
 }
 
 /// The unit vector along the projection of `axis` onto the plane with this normal, if there is one.

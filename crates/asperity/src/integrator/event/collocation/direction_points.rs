@@ -12,7 +12,7 @@
 use crate::contact::Phase;
 use crate::integrator::event::collocation::radau::STAGES;
 use crate::integrator::event::dynamics::{Dynamics, ROWS};
-use crate::integrator::event::vectors::add;
+use crate::vectors::{add, norm};
 
 /// The points of a step and what belongs to them.
 #[derive(Debug, Clone, Default)]
@@ -92,11 +92,10 @@ impl DirectionPoints {
     /// was asked for.
     pub(crate) fn turn(&mut self, stage: usize, changes: &[f64], longest: f64) -> f64 {
         let (m, mut turn) = (self.count(), 0.0_f64);
-        let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         for ends in self.first.windows(2) {
             let z = &mut self.z[stage * m + ends[0]..stage * m + ends[1]];
             let change = &changes[ends[0]..ends[1]];
-            let relative = size(change) / size(z);
+            let relative = norm(change) / norm(z);
             add(z, (longest / relative).min(1.0), change);
             turn = turn.max(relative);
         }

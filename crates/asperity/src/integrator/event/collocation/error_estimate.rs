@@ -3,7 +3,7 @@
 use crate::integrator::event::collocation::radau::{STAGES, Tableau};
 use crate::integrator::event::collocation::step::Step;
 use crate::integrator::event::state::{Scale, State};
-use crate::integrator::event::vectors::add;
+use crate::vectors::add;
 
 impl Step {
     /// Estimate of the error, of order six and filtered by `(I − hγJ)⁻¹`; `a0` is the acceleration at the start. The

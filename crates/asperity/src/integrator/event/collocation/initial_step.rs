@@ -7,7 +7,7 @@
 
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
-use crate::integrator::event::vectors::largest;
+use crate::vectors::largest;
 
 /// Number of trials, and how much longer each is than the one before.
 const TRIALS: i32 = 32;

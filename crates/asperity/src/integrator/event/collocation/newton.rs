@@ -4,7 +4,7 @@ use crate::integrator::event::collocation::radau::{STAGES, Tableau};
 use crate::integrator::event::collocation::step::Step;
 use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, Scale, State};
-use crate::integrator::event::vectors::add;
+use crate::vectors::add;
 
 /// Most iterations: a step that needs more converges faster at a shorter length.
 const ITERATIONS: usize = 12;

@@ -4,7 +4,7 @@ use crate::contact::Phase;
 use crate::integrator::event::collocation::growth::GROWTH;
 use crate::integrator::event::dynamics::{Dynamics, ROWS};
 use crate::integrator::event::state::{ROUNDING, Scale, State, ZERO_VELOCITY};
-use crate::integrator::event::vectors::{largest, norm};
+use crate::vectors::{largest, norm};
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
 /// (\[HairerWanner1996\] IV.8).

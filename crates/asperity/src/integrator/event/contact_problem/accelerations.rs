@@ -4,7 +4,7 @@ use crate::contact::{ContactProblem, NormalForce, Phase};
 use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solved, Solving};
 use crate::integrator::event::dynamics::{Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, State};
-use crate::integrator::event::vectors::{add, largest};
+use crate::vectors::{add, largest, norm};
 
 /// Slip acceleration over the load that counts as none.
 const AT_REST: f64 = 1e-11;
@@ -103,7 +103,7 @@ fn stick_at_limit(
     for (&i, rows) in participants.contacts.iter().zip(problem.contacts()) {
         let contact = &mut dynamics.contacts[i];
         let own = &accelerations[rows.offset..rows.offset + rows.len()];
-        let rests = own.iter().map(|x| x * x).sum::<f64>().sqrt() <= AT_REST * load;
+        let rests = norm(own) <= AT_REST * load;
         let may_stick = contact.mode == Phase::Slip || contact.prescribed.is_none();
         if rests && may_stick {
             contact.mode = Phase::Stick;

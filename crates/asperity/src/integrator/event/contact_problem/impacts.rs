@@ -5,7 +5,7 @@ use std::iter::{once, repeat_n};
 use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solving};
 use crate::integrator::event::dynamics::{ConstraintMatrix, Dynamics, ROWS};
 use crate::integrator::event::state::{EvaluationError, State};
-use crate::integrator::event::vectors::add;
+use crate::vectors::add;
 
 /// Relative distance from the boundary of a reservoir that counts as none.
 const BOUNDARY: f64 = 1e-6;
@@ -37,8 +37,8 @@ pub(crate) fn collide(
     let laws = dynamics.system.contacts();
     if law == ImpactLaw::Newton {
         let coefficients = contacts.iter().flat_map(|&i| {
-            let tangential = repeat_n(laws[i].tangential_restitution, dynamics.contacts[i].p);
-            once(laws[i].normal_restitution).chain(tangential)
+            let tangential = repeat_n(laws[i].tangential_restitution(), dynamics.contacts[i].p);
+            once(laws[i].normal_restitution()).chain(tangential)
         });
         let terms = problem.restitution_mut().iter_mut().zip(coefficients).zip(&before);
         terms.for_each(|((term, e), before)| *term = e * before);

@@ -4,11 +4,11 @@ use nalgebra::DMatrix;
 
 use crate::contact::{ContactProblem, ContactState, Memory, NormalForce};
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
-use crate::integrator::event::observer::Observer;
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::EvaluationError;
-use crate::integrator::event::vectors::dot;
+use crate::integrator::observer::Observer;
 use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
+use crate::vectors::dot;
 
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over.
 const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };
@@ -35,7 +35,7 @@ pub(crate) enum Decision {
 pub(crate) struct Solving<'s, 'o> {
     /// What all contacts of the system did before.
     pub(crate) memory: &'s [ContactState],
-    pub(crate) observer: &'s Observer<'o>,
+    pub(crate) observer: &'s Observer<'o, f64>,
     /// Time in s.
     pub(crate) t: f64,
 }

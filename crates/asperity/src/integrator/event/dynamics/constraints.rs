@@ -4,7 +4,7 @@ use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Constraints;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::vectors::{add, dot, largest};
+use crate::vectors::{add, dot, largest};
 
 impl Dynamics<'_> {
     /// Adds what the constraint forces do to the accelerations, and keeps the forces at the contacts.

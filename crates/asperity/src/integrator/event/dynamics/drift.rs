@@ -4,7 +4,7 @@ use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Stencil;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::state::{EvaluationError, State};
-use crate::integrator::event::vectors::dot;
+use crate::vectors::dot;
 
 /// Width of the stencil over the time scale of the rows. Truncation of fourth order and rounding are of one size
 /// there.

@@ -8,10 +8,10 @@ use crate::integrator::event::dynamics::buffers::{
 use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::state::EvaluationError;
-use crate::integrator::event::vectors::dot;
 use crate::law::Law;
 use crate::system::mass::MassFactors;
 use crate::system::{System, SystemError};
+use crate::vectors::dot;
 
 /// The equations of motion in the present mode, and what they gave where they were evaluated last.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ impl<'a> Dynamics<'a> {
     }
 
     pub(crate) fn law(&self, i: usize) -> &'a Law {
-        &self.system.contacts()[i].law
+        &self.system.contacts()[i].law()
     }
 
     pub(crate) fn row(&self, row: usize) -> &[f64] {

@@ -4,7 +4,7 @@ use crate::contact::Phase;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::dynamics::equations::Dynamics;
 use crate::integrator::event::state::EvaluationError;
-use crate::integrator::event::vectors::{add, largest};
+use crate::vectors::{add, largest};
 
 /// What an evaluation does with the sliding forces for unit normal force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

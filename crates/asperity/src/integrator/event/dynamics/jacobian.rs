@@ -5,8 +5,8 @@ use crate::integrator::event::dynamics::buffers::SmoothJacobian;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, ROUNDING, Scale, State};
-use crate::integrator::event::vectors::add;
 use crate::law::Components;
+use crate::vectors::add;
 
 /// What rounding may add to the product of a Jacobian and the length of a step. Newton's method hardly notices it,
 /// while smaller values make differences wider than systems are smooth.

@@ -6,7 +6,7 @@ use crate::integrator::event::dynamics::buffers::Projection;
 use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::state::{EvaluationError, State};
-use crate::integrator::event::vectors::{add, dot};
+use crate::vectors::{add, dot};
 
 impl Dynamics<'_> {
     /// Takes gaps, approach and slip, which rounding and differences bring in, out of contacts that have none.

@@ -5,7 +5,7 @@ use crate::integrator::event::contact_problem::redundancy;
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::variables::Integration;
 use crate::integrator::event::state::EvaluationError;
-use crate::integrator::event::vectors::largest;
+use crate::vectors::largest;
 
 /// Why there is no state inside a step.
 pub(crate) enum StateError {

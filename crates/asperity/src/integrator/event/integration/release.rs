@@ -4,7 +4,7 @@ use crate::contact::{ContactState, Phase};
 use crate::integrator::event::event_function;
 use crate::integrator::event::integration::decision::ONSET_SLIP;
 use crate::integrator::event::integration::variables::{Ending, Integration};
-use crate::integrator::event::vectors::norm;
+use crate::vectors::norm;
 
 /// Difference of the sliding forces per normal force below which stick goes over to slip without a jump.
 const CONTINUOUS: f64 = 1e-3;
@@ -62,7 +62,7 @@ impl Integration<'_> {
             }
         }
         let contact = &self.dynamics.contacts[i];
-        let jump = std::array::from_fn(|r| contact.sliding[r] - sliding[r]);
+        let jump: [f64; 3] = std::array::from_fn(|r| contact.sliding[r] - sliding[r]);
         if contact.mode == Phase::Slip && norm(&jump) <= CONTINUOUS * norm(&sliding) {
             let rate = |(a, b): (&f64, &f64)| (a - b) / later;
             self.slope = Some(self.a0.iter().zip(&stuck).map(rate).collect());

@@ -1,15 +1,15 @@
 //! The beginning of the motion: what is refused, and what the contacts do.
 
-use crate::integrator::OptionsError;
+use crate::argument::{ArgumentError, refuse};
 use crate::integrator::event::dynamics::{ContactVariables, ROWS};
 use crate::integrator::event::integration::location::{LEAST, closed_gap};
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::state::{EvaluationError, State};
-use crate::integrator::event::vectors::{largest, norm};
+use crate::vectors::{largest, norm};
 
 impl Integration<'_> {
     /// Refuses contacts that overlap at the beginning.
-    pub(crate) fn check_overlap(&mut self) -> Result<Result<(), OptionsError>, EvaluationError> {
+    pub(crate) fn check_overlap(&mut self) -> Result<Result<(), ArgumentError>, EvaluationError> {
         // Functions of time begin with what holds from there on.
         self.enter_piece();
         let State { t, q, u } = &self.state;
@@ -23,7 +23,7 @@ impl Integration<'_> {
             let depth = -contacts[contact].gap;
             let message =
                 format!("must not let contacts overlap, contact {contact} does by {depth:.3e}");
-            Err(OptionsError { argument: "q0", message })
+            refuse("q0", message)
         }))
     }
 

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use crate::argument::ArgumentError;
 use crate::contact::Phase;
-use crate::integrator::OptionsError;
 use crate::integrator::event::collocation::initial_step;
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::attempt::StateError;
@@ -14,8 +14,8 @@ use crate::integrator::event::motion::Motion;
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::{EvaluationError, ROUNDING, shortest_step};
-use crate::integrator::event::vectors::{add, largest, norm};
 use crate::system::System;
+use crate::vectors::{add, largest, norm};
 
 /// Attempts among which the rejected ones are counted, and how many of them are too many.
 const WINDOW: usize = 2000;
@@ -47,7 +47,7 @@ pub(crate) fn run(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
-) -> Result<(Motion, Outcome), OptionsError> {
+) -> Result<(Motion, Outcome), ArgumentError> {
     let mut integration = Integration::new(system, options, observer);
     let outcome = match integration.check_overlap() {
         Ok(checked) => {

@@ -6,7 +6,7 @@ use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, ZERO_VELOCITY, shortest_step};
-use crate::integrator::event::vectors::{add, norm};
+use crate::vectors::{add, norm};
 
 impl Integration<'_> {
     /// Takes the attempt, which ends at `t`.

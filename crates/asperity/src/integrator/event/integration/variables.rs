@@ -8,12 +8,12 @@ use crate::integrator::event::contact_problem::{Solving, redundancy};
 use crate::integrator::event::dynamics::{Chart, Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::event_function::{NODES, contact_event_function};
 use crate::integrator::event::motion::{Event, EventKind, Motion};
-use crate::integrator::event::observer::Observer;
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, State, ZERO_VELOCITY};
-use crate::integrator::event::vectors::largest;
+use crate::integrator::observer::Observer;
 use crate::system::{Break, System};
+use crate::vectors::largest;
 
 /// Why the integration ends here, if it does.
 pub(crate) type Ending = Result<Option<Outcome>, EvaluationError>;
@@ -57,7 +57,7 @@ pub(crate) struct Integration<'a> {
     pub(crate) samples: usize,
     pub(crate) dense_output: DenseOutput,
     pub(crate) sampled: State,
-    pub(crate) observer: Observer<'a>,
+    pub(crate) observer: Observer<'a, f64>,
 }
 
 impl<'a> Integration<'a> {
@@ -102,7 +102,7 @@ impl<'a> Integration<'a> {
     /// What contact problems at the time `t` need to know.
     pub(crate) fn solving<'s>(
         memory: &'s [ContactState],
-        observer: &'s Observer<'a>,
+        observer: &'s Observer<'a, f64>,
         t: f64,
     ) -> Solving<'s, 'a> {
         Solving { memory, observer, t }

@@ -1,6 +1,7 @@
 //! Operations on vectors that are slices.
 
 /// The largest size of a component.
+#[inline]
 pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }
@@ -20,6 +21,6 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The length of a vector.
-pub(crate) fn norm(v: &[f64; 3]) -> f64 {
+pub(crate) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

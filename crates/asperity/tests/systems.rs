@@ -1,0 +1,256 @@
+//! What integrators ask of systems of users: what they check, and what is refused by name.
+
+use std::ops::ControlFlow;
+
+use asperity::event;
+use asperity::law::FrictionLaw;
+use asperity::solver::Solver;
+use asperity::stepper::{State, StepError, Stepper};
+use asperity::system::{Blocks, Configuration, ContactLaw, Midpoint, System, SystemError};
+
+/// Masses of 1 kg that fall, the first of them above a floor, with what a test gets wrong.
+#[derive(Debug)]
+struct Falling {
+    blocks: Blocks,
+    contacts: Vec<ContactLaw>,
+    touched: Vec<usize>,
+    /// What is added to the gap.
+    lift: f64,
+    /// `q ← q + rate Δt u`.
+    rate: f64,
+    carries_momenta: bool,
+}
+
+impl Falling {
+    fn new(blocks: Blocks) -> Self {
+        let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
+        let contacts = vec![ContactLaw::new(law, None).unwrap()];
+        let touched = (0..blocks.count()).collect();
+        Self { blocks, contacts, touched, lift: 0.0, rate: 1.0, carries_momenta: false }
+    }
+}
+
+impl System for Falling {
+    fn blocks(&self) -> &Blocks {
+        &self.blocks
+    }
+
+    fn contacts(&self) -> &[ContactLaw] {
+        &self.contacts
+    }
+
+    fn touched(&self, _contact: usize) -> &[usize] {
+        &self.touched
+    }
+
+    fn advance(&self, q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
+        for (out, (q, u)) in out.iter_mut().zip(q.iter().zip(u)) {
+            *out = q + self.rate * dt * u;
+        }
+    }
+
+    fn mass(&self, _q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
+        let n = self.blocks.range(block).len();
+        mass.fill(0.0);
+        (0..n).for_each(|i| mass[n * i + i] = 1.0);
+        Ok(())
+    }
+
+    fn forces(
+        &self,
+        _at: &Configuration<'_>,
+        _u: &[f64],
+        h: &mut [f64],
+    ) -> Result<(), SystemError> {
+        h.fill(-10.0);
+        Ok(())
+    }
+
+    fn gap(&self, at: &Configuration<'_>, _contact: usize) -> Result<f64, SystemError> {
+        Ok(at.q[0] + self.lift)
+    }
+
+    fn rows(
+        &self,
+        at: &Configuration<'_>,
+        contact: usize,
+        rows: &mut [f64],
+        velocity: &mut [f64],
+    ) -> Result<f64, SystemError> {
+        velocity.fill(0.0);
+        rows.fill(0.0);
+        let width = rows.len() / velocity.len();
+        (rows[0], rows[width + 1]) = (1.0, 1.0);
+        self.gap(at, contact)
+    }
+
+    fn momenta(&self, _q: &[f64], u: &[f64]) -> Vec<f64> {
+        if self.carries_momenta { u.to_vec() } else { Vec::new() }
+    }
+
+    fn finish(
+        &self,
+        midpoint: &mut Midpoint,
+        after: &[f64],
+        dt: f64,
+        (q, u): (&mut [f64], &mut [f64]),
+    ) -> Result<(), SystemError> {
+        u.copy_from_slice(after);
+        self.advance(&midpoint.q, u, 0.5 * dt, q);
+        if self.carries_momenta {
+            midpoint.momenta.copy_from_slice(u);
+        }
+        Ok(())
+    }
+}
+
+/// The same by an author who has forgotten to say which blocks a contact touches.
+#[derive(Debug)]
+struct Forgotten(Falling);
+
+impl System for Forgotten {
+    fn blocks(&self) -> &Blocks {
+        self.0.blocks()
+    }
+    fn contacts(&self) -> &[ContactLaw] {
+        self.0.contacts()
+    }
+    fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
+        self.0.mass(q, block, mass)
+    }
+    fn forces(&self, at: &Configuration<'_>, u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
+        self.0.forces(at, u, h)
+    }
+    fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
+        self.0.gap(at, contact)
+    }
+    fn rows(
+        &self,
+        at: &Configuration<'_>,
+        contact: usize,
+        rows: &mut [f64],
+        velocity: &mut [f64],
+    ) -> Result<f64, SystemError> {
+        self.0.rows(at, contact, rows, velocity)
+    }
+}
+
+const EXACT: Solver = Solver::Exact { max_sweeps: 100 };
+
+fn stepper<'a>(system: &'a dyn System, q: &[f64]) -> Result<Stepper<'a>, StepError> {
+    Stepper::new(system, EXACT, 1e-10, 0.01, q, &vec![0.0; system.dof()])
+}
+
+fn integrate(system: &dyn System, q: &[f64]) -> Result<event::Run, asperity::ArgumentError> {
+    let options = event::Options::new(1.0).unwrap().with_start(q, &vec![0.0; system.dof()]);
+    event::integrate(system, &options, &mut |_| ControlFlow::Continue(()))
+}
+
+/// The argument that an error of either integrator names.
+fn refused(system: &dyn System, q: &[f64]) -> [&'static str; 2] {
+    let stepping = match stepper(system, q).unwrap_err() {
+        StepError::Options(error) => error.argument,
+        other => panic!("{other}"),
+    };
+    [stepping, integrate(system, q).unwrap_err().argument]
+}
+
+#[test]
+fn gaps_that_are_no_number_are_reported() {
+    for lift in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let system = Falling { lift, ..Falling::new(Blocks::one(2)) };
+        let mut run = stepper(&system, &[1.0, 0.0]).unwrap();
+        let error = run.step().unwrap_err();
+        assert!(matches!(error, StepError::NotFiniteContact { contact: 0, .. }), "{error}");
+        let ended = integrate(&system, &[1.0, 0.0]).unwrap().outcome;
+        assert!(!matches!(ended, event::Outcome::Finished), "{lift} {ended:?}");
+    }
+}
+
+#[test]
+fn blocks_that_contacts_touch_are_checked_where_a_run_is_made() {
+    let in_blocks = || Falling::new(Blocks::new([1, 1]));
+    assert!(stepper(&in_blocks(), &[0.0; 2]).unwrap().step().is_ok());
+    for touched in [vec![], vec![1, 0], vec![0, 0], vec![0, 2]] {
+        let system = Falling { touched, ..in_blocks() };
+        assert_eq!(refused(&system, &[0.0; 2]), ["system"; 2], "{:?}", system.touched);
+    }
+    // Only where there is one block is it clear which a contact touches.
+    let forgotten = Forgotten(Falling::new(Blocks::one(2)));
+    assert!(stepper(&forgotten, &[0.0; 2]).unwrap().step().is_ok());
+    assert_eq!(refused(&Forgotten(in_blocks()), &[0.0; 2]), ["system"; 2]);
+    for sizes in [vec![0], vec![2, 0]] {
+        let n: usize = sizes.iter().sum();
+        let system = Falling::new(Blocks::new(sizes));
+        assert_eq!(refused(&system, &vec![0.0; n]), ["system"; 2]);
+    }
+}
+
+#[test]
+fn contacts_are_checked_where_they_are_made() {
+    let law = || FrictionLaw::<1>::isotropic(0.5).unwrap();
+    for force in [-1.0, f64::NAN, f64::INFINITY] {
+        let error = ContactLaw::new(law(), Some(force)).unwrap_err();
+        assert!(error.to_string().starts_with("normal_force: "), "{error}");
+    }
+    for (normal, tangential, argument) in [
+        (-0.1, 0.0, "normal_restitution"),
+        (2.0, 0.0, "normal_restitution"),
+        (f64::NAN, 0.0, "normal_restitution"),
+        (0.0, -1.0, "tangential_restitution"),
+        (1.0, 1.5, "tangential_restitution"),
+    ] {
+        let made = ContactLaw::new(law(), None).unwrap().with_restitution(normal, tangential);
+        assert!(made.unwrap_err().to_string().starts_with(argument));
+    }
+    let made = ContactLaw::new(law(), Some(3.0)).unwrap().with_restitution(0.0, 1.0).unwrap();
+    assert_eq!(made.normal_force(), Some(3.0));
+    assert_eq!((made.normal_restitution(), made.tangential_restitution()), (0.0, 1.0));
+}
+
+/// Coordinates in other units than the integral of the velocities: `q̇ = 2 u`.
+#[test]
+fn systems_that_advance_themselves_are_not_integrated_as_if_they_did_not() {
+    for q in [[1.0, 0.0], [1e-20, 0.0], [1e20, -3.0]] {
+        let own = Falling { rate: 2.0, ..Falling::new(Blocks::one(2)) };
+        assert_eq!(integrate(&own, &q).unwrap_err().argument, "system");
+        assert!(stepper(&own, &q).unwrap().step().is_ok());
+        assert!(integrate(&Falling::new(Blocks::one(2)), &q).is_ok());
+    }
+}
+
+#[test]
+fn momenta_of_a_system_are_compared_with_those_that_it_has() {
+    let system = Falling { carries_momenta: true, ..Falling::new(Blocks::one(2)) };
+    let mut run = stepper(&system, &[1.0, 0.0]).unwrap();
+    run.step().unwrap();
+    let end = run.state();
+    assert_eq!(end.momenta, end.u);
+    let from = |state: &State| Stepper::from_state(&system, EXACT, 1e-10, 0.01, state).map(|_| ());
+    assert!(from(&end).is_ok());
+    for momenta in [vec![0.0; 2], vec![1.0], vec![0.0, f64::NAN]] {
+        let error = from(&State { momenta, ..end.clone() }).unwrap_err();
+        assert!(error.to_string().starts_with("start: "), "{error}");
+    }
+}
+
+#[test]
+fn states_without_steps_are_equal_and_those_with_steps_know_their_length() {
+    let state = State::new(1.0, &[1.0, 0.0], &[0.0, 0.0]);
+    assert_eq!(state, state.clone());
+    assert_eq!((state.dt, state.time()), (None, 1.0));
+    let system = Falling::new(Blocks::one(2));
+    for dt in [None, Some(0.0), Some(-1.0), Some(f64::NAN)] {
+        let state = State { dt, steps: 3, ..state.clone() };
+        let made = Stepper::from_state(&system, EXACT, 1e-10, 0.01, &state);
+        assert!(made.unwrap_err().to_string().starts_with("start: "), "{dt:?}");
+    }
+}
+
+#[test]
+fn places_that_a_contact_problem_does_not_have_are_no_contact() {
+    let system = Falling::new(Blocks::one(2));
+    let mut run = stepper(&system, &[0.0, 0.0]).unwrap();
+    run.step().unwrap();
+    assert_eq!((run.contact_of(0), run.contact_of(1)), (Some(0), None));
+}
