@@ -1,6 +1,8 @@
 //! What a solve found; arrays are made when Python asks for them.
 
-use asperity::contact::{Memory, NormalForce};
+use std::sync::Arc;
+
+use asperity::contact::{ContactProblem, Memory, NormalForce};
 use asperity::solver::{
     CaseState, Certificate, Infeasibility, SolveReport, Stage, Status, Unsolvable, Workspace,
 };
@@ -9,12 +11,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::Failure;
-use crate::problem::Problem;
 
 /// A solution with its report.
 #[pyclass(frozen, module = "asperity._core")]
 pub struct Outcome {
-    problem: Py<Problem>,
+    problem: Arc<ContactProblem>,
     memory: Memory,
     velocity: Vec<f64>,
     ambiguous: Vec<bool>,
@@ -25,7 +26,7 @@ pub struct Outcome {
 
 impl Outcome {
     pub fn new(
-        problem: Py<Problem>,
+        problem: Arc<ContactProblem>,
         memory: Memory,
         workspace: &Workspace,
         report: SolveReport,
@@ -156,7 +157,7 @@ impl Outcome {
 
     #[getter]
     fn certificate<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
-        let found = Certificate::new(&self.problem.get().0, &self.memory.percussion)?;
+        let found = Certificate::new(&self.problem, &self.memory.percussion)?;
         Ok(certified(py, &found)?)
     }
 }

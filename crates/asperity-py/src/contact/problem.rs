@@ -1,107 +1,25 @@
 //! Contact problems and their solvers.
 
-use std::cell::{Cell, RefCell};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
-use asperity::solver::{self, Certificate, Measure, ProxStep, Stop, Workspace};
+use asperity::solver::{self, Certificate, Measure, Stop, Workspace};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::delassus::Operator;
+use super::outcome::{Outcome, certified};
+use super::solver::Solver;
 use crate::convert::{Numbers, numbers};
-use crate::delassus::Operator;
 use crate::errors::{Failure, dimension, parameter};
+use crate::interrupt::asked;
 use crate::law::Law;
-use crate::outcome::{Outcome, certified};
-
-/// A solver and its options.
-#[pyclass(frozen, module = "asperity._core")]
-pub struct Solver(pub solver::Solver);
-
-fn step(r: Option<f64>) -> Result<ProxStep, Failure> {
-    match r {
-        None => Ok(ProxStep::Adaptive),
-        Some(r) if r.is_finite() && r > 0.0 => Ok(ProxStep::Constant(r)),
-        Some(r) => Err(parameter("r", &format!("must be finite and positive, got {r}")).into()),
-    }
-}
-
-#[pymethods]
-impl Solver {
-    #[staticmethod]
-    fn exact(max_sweeps: usize) -> Self {
-        Self(solver::Solver::Exact { max_sweeps })
-    }
-
-    #[staticmethod]
-    fn auto(interior_point: bool, threads: usize) -> Self {
-        Self(solver::Solver::Auto { interior_point, threads })
-    }
-
-    #[staticmethod]
-    fn newton(max_iterations: usize) -> Self {
-        Self(solver::Solver::Newton { max_iterations })
-    }
-
-    #[staticmethod]
-    fn proximal_point(max_iterations: usize) -> Self {
-        Self(solver::Solver::ProximalPoint { max_iterations })
-    }
-
-    #[staticmethod]
-    fn interior_point(max_iterations: usize) -> Self {
-        Self(solver::Solver::InteriorPoint { max_iterations })
-    }
-
-    #[staticmethod]
-    fn admm(max_iterations: usize) -> Self {
-        Self(solver::Solver::Admm { max_iterations })
-    }
-
-    #[staticmethod]
-    fn prox_jacobi(r: Option<f64>, max_iterations: usize) -> Result<Self, Failure> {
-        Ok(Self(solver::Solver::ProxJacobi { step: step(r)?, max_iterations }))
-    }
-
-    #[staticmethod]
-    fn prox_gauss_seidel(r: Option<f64>, max_iterations: usize) -> Result<Self, Failure> {
-        Ok(Self(solver::Solver::ProxGaussSeidel { step: step(r)?, max_iterations }))
-    }
-}
-
-/// Looks at Python's signals about every 50 ms.
-struct Signals {
-    last: Cell<Instant>,
-    raised: RefCell<Option<PyErr>>,
-}
-
-impl Default for Signals {
-    fn default() -> Self {
-        Self { last: Cell::new(Instant::now()), raised: RefCell::new(None) }
-    }
-}
-
-impl Signals {
-    /// Whether a signal handler has raised, Ctrl-C above all.
-    fn pending(&self) -> bool {
-        if self.raised.borrow().is_some() {
-            return true;
-        }
-        if self.last.get().elapsed() < Duration::from_millis(50) {
-            return false;
-        }
-        self.last.set(Instant::now());
-        let error = Python::attach(|py| py.check_signals()).err();
-        let pending = error.is_some();
-        *self.raised.borrow_mut() = error;
-        pending
-    }
-}
 
 /// A contact problem.
 #[pyclass(frozen, module = "asperity._core")]
-pub struct Problem(pub ContactProblem);
+pub struct Problem(pub Arc<ContactProblem>);
 
 #[pymethods]
 impl Problem {
@@ -129,15 +47,15 @@ impl Problem {
         });
         let free = numbers(&free_velocity, "free_velocity")?.to_vec();
         let problem = ContactProblem::new(delassus.into_delassus(&sizes)?, free, contacts)?;
-        Ok(Self(problem.with_restitution(
+        Ok(Self(Arc::new(problem.with_restitution(
             numbers(&normal_restitution, "normal_restitution")?,
             numbers(&tangential_restitution, "tangential_restitution")?,
             numbers(&initial_velocity, "initial_velocity")?,
-        )?))
+        )?)))
     }
 
     fn solve<'py>(
-        slf: &Bound<'py, Self>,
+        &self,
         py: Python<'py>,
         solver: &Solver,
         tolerance: f64,
@@ -145,7 +63,7 @@ impl Problem {
         start: Option<(Numbers<'py>, Vec<i8>, Numbers<'py>)>,
         measure: &str,
     ) -> Result<Outcome, Failure> {
-        let problem = &slf.get().0;
+        let problem = &*self.0;
         let measure = match measure {
             "contact" => Measure::Contact,
             "global" => Measure::Global,
@@ -161,18 +79,14 @@ impl Problem {
             }
         };
         let mut workspace = Workspace::default();
-        let report = py.detach(|| {
+        let report = asked(py, |cancelled| {
             // A limit beyond the range of the clock is none.
             let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
-            let deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
-            let signals = Signals::default();
-            let cancelled = || signals.pending();
-            let mut stop = Stop::at(tolerance).with_measure(measure).unless(&cancelled);
-            stop.deadline = deadline;
-            let report = solver.0.solve(problem, stop, &mut memory, &mut workspace);
-            signals.raised.into_inner().map_or(Ok(report), Err)
+            let mut stop = Stop::at(tolerance).with_measure(measure).unless(cancelled);
+            stop.deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
+            solver.0.solve(problem, stop, &mut memory, &mut workspace)
         })?;
-        Ok(Outcome::new(slf.clone().unbind(), memory, &workspace, report))
+        Ok(Outcome::new(Arc::clone(&self.0), memory, &workspace, report))
     }
 
     fn natural_map(&self, percussion: Numbers<'_>) -> Result<f64, Failure> {

@@ -7,11 +7,11 @@ use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::samples::sample_arrays;
+use crate::contact::outcome::without_solution;
 use crate::convert::{Numbers, numbers};
 use crate::errors::{Failure, unknown};
-use crate::outcome::without_solution;
-use crate::samples::sample_arrays;
-use crate::system::{raised as raised_meanwhile, with_system};
+use crate::systems::any_system::{raised as raised_meanwhile, with_system};
 
 /// The motion so far as a dictionary, and the exception that ended it, if one did.
 #[pyfunction]

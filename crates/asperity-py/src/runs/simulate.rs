@@ -10,12 +10,12 @@ use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::samples::sample_arrays;
+use crate::contact::outcome::without_solution;
+use crate::contact::solver::Solver;
 use crate::convert::{Numbers, Points, numbers};
 use crate::errors::{Failure, dimension, parameter, unknown};
-use crate::outcome::without_solution;
-use crate::problem::Solver;
-use crate::samples::sample_arrays;
-use crate::system::{raised as raised_meanwhile, with_system};
+use crate::systems::any_system::{raised as raised_meanwhile, with_system};
 
 /// Columns of what a contact hands over: closed, phase, number of earlier slips, three slip velocities, four
 /// percussions.

@@ -10,6 +10,16 @@ pub enum AnyStar {
     Three(Star<3>),
 }
 
+impl AnyStar {
+    pub fn dimension(&self) -> usize {
+        match self {
+            Self::One(_) => 1,
+            Self::Two(_) => 2,
+            Self::Three(_) => 3,
+        }
+    }
+}
+
 /// Does the same with the set inside, whatever its dimension.
 macro_rules! each {
     ($any:expr, $set:ident => $call:expr) => {
@@ -17,6 +27,29 @@ macro_rules! each {
             AnyStar::One($set) => $call,
             AnyStar::Two($set) => $call,
             AnyStar::Three($set) => $call,
+        }
+    };
+}
+
+/// Makes another set of the same dimension from the set inside.
+macro_rules! map {
+    ($any:expr, $set:ident => $make:expr) => {
+        match $any {
+            AnyStar::One($set) => AnyStar::One($make),
+            AnyStar::Two($set) => AnyStar::Two($make),
+            AnyStar::Three($set) => AnyStar::Three($make),
+        }
+    };
+}
+
+/// Does the same with two sets of one dimension; `$otherwise` if they have two.
+macro_rules! both {
+    ($first:expr, $second:expr, ($a:ident, $b:ident) => $call:expr, $otherwise:expr) => {
+        match ($first, $second) {
+            (AnyStar::One($a), AnyStar::One($b)) => $call,
+            (AnyStar::Two($a), AnyStar::Two($b)) => $call,
+            (AnyStar::Three($a), AnyStar::Three($b)) => $call,
+            _ => $otherwise,
         }
     };
 }
@@ -50,10 +83,14 @@ macro_rules! combined {
     ($sets:expr, $combine:expr) => {{
         let same = |p| $sets.iter().all(|set| set.dimension() == p);
         match $sets.first().map(|set| set.dimension()) {
-            Some(1) if same(1) => AnyStar::One($combine(&$crate::any_star::inside!($sets, One))?),
-            Some(2) if same(2) => AnyStar::Two($combine(&$crate::any_star::inside!($sets, Two))?),
+            Some(1) if same(1) => {
+                AnyStar::One($combine(&$crate::sets::any_star::inside!($sets, One))?)
+            }
+            Some(2) if same(2) => {
+                AnyStar::Two($combine(&$crate::sets::any_star::inside!($sets, Two))?)
+            }
             Some(3) if same(3) => {
-                AnyStar::Three($combine(&$crate::any_star::inside!($sets, Three))?)
+                AnyStar::Three($combine(&$crate::sets::any_star::inside!($sets, Three))?)
             }
             Some(_) => return Err(dimension("sets", "must have one dimension").into()),
             None => return Err(parameter("sets", "must hold at least one set").into()),
@@ -73,7 +110,9 @@ macro_rules! inside {
     };
 }
 
+pub(crate) use both;
 pub(crate) use build;
 pub(crate) use combined;
 pub(crate) use each;
 pub(crate) use inside;
+pub(crate) use map;

@@ -1,15 +1,15 @@
 //! Questions to a set, answered for many points, and answers on their way to Python.
 
-use std::cell::{Cell, OnceCell};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use asperity::set::{Cancelled, Convex, Star, Vector, Verdict};
+use asperity::set::{Convex, Star, Vector, Verdict};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
 use crate::convert::{Points, chunks, coordinates, rows};
 use crate::errors::{Failure, parameter};
+use crate::interrupt::POLL;
 
 /// The convex set inside, or the error that names the missing property.
 pub fn convex<const P: usize>(set: &Star<P>) -> PyResult<&Convex<P>> {
@@ -39,8 +39,6 @@ pub fn each_point<const P: usize, E: Into<Failure>>(
 
 /// Work that ends within this time keeps the interpreter: giving it back and waiting for it costs more.
 const SHORT: Duration = Duration::from_millis(1);
-/// Time between two looks for Ctrl-C.
-const POLL: Duration = Duration::from_millis(50);
 /// Time between two looks at the clock.
 const LOOK: Duration = Duration::from_micros(100);
 
@@ -59,28 +57,6 @@ fn in_blocks(
             Python::attach(|py| py.check_signals())?;
         }
         Ok(())
-    })
-}
-
-/// Answers a question without the interpreter. The question asks again and again whether it is given up, as it is by
-/// Ctrl-C; its answer does not matter then.
-pub fn asked<T: Send>(
-    py: Python<'_>,
-    question: impl FnOnce(Cancelled<'_>) -> T + Send,
-) -> PyResult<T> {
-    py.detach(|| {
-        let (last, interrupt) = (Cell::new(Instant::now()), OnceCell::new());
-        let cancelled = || {
-            if interrupt.get().is_none() && last.get().elapsed() >= POLL {
-                if let Err(error) = Python::attach(|py| py.check_signals()) {
-                    let _ = interrupt.set(error);
-                }
-                last.set(Instant::now());
-            }
-            interrupt.get().is_some()
-        };
-        let answer = question(&cancelled);
-        interrupt.into_inner().map_or(Ok(answer), Err)
     })
 }
 

@@ -4,7 +4,7 @@ use asperity::set::{Cone, star_shape as outline_verdict};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
-use crate::batch::{Answer, answer, each_point, flat};
+use super::batch::{Answer, answer, each_point, flat};
 use crate::convert::{Points, points, rows};
 use crate::errors::{Failure, dimension};
 

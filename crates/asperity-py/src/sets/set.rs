@@ -8,10 +8,11 @@ use asperity::set::{
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::any_star::{AnyStar, build, combined, each};
-use crate::batch::{Answer, answer, asked, convex, each_point, flat, touching};
+use super::any_star::{AnyStar, both, build, combined, each, map};
+use super::batch::{Answer, answer, convex, each_point, flat, touching};
 use crate::convert::{Numbers, Points, numbers, points, rows, square, vector};
 use crate::errors::{Failure, dimension, parameter};
+use crate::interrupt::asked;
 
 /// A star-shaped set.
 #[pyclass(frozen, module = "asperity._core")]
@@ -123,18 +124,12 @@ impl Set {
         py: Python<'py>,
         outer: &Self,
     ) -> Result<(f64, Bound<'py, PyArray1<f64>>), Failure> {
-        let (ratio, at) = match (&self.0, &outer.0) {
-            (AnyStar::One(a), AnyStar::One(b)) => {
-                touching(asked(py, |cancelled| largest_ratio_unless(b, a, cancelled))?)
-            }
-            (AnyStar::Two(a), AnyStar::Two(b)) => {
-                touching(asked(py, |cancelled| largest_ratio_unless(b, a, cancelled))?)
-            }
-            (AnyStar::Three(a), AnyStar::Three(b)) => {
-                touching(asked(py, |cancelled| largest_ratio_unless(b, a, cancelled))?)
-            }
-            _ => return Err(dimension("outer", "must have the dimension of the set").into()),
-        };
+        let (ratio, at) = both!(
+            &self.0,
+            &outer.0,
+            (a, b) => touching(asked(py, |cancelled| largest_ratio_unless(b, a, cancelled))?),
+            return Err(dimension("outer", "must have the dimension of the set").into())
+        );
         Ok((1.0 / ratio, PyArray1::from_vec(py, at)))
     }
 
@@ -146,28 +141,16 @@ impl Set {
     }
 
     fn scaled(&self, factor: f64) -> Result<Self, Failure> {
-        Ok(Self(match &self.0 {
-            AnyStar::One(set) => AnyStar::One(set.scaled(factor)?),
-            AnyStar::Two(set) => AnyStar::Two(set.scaled(factor)?),
-            AnyStar::Three(set) => AnyStar::Three(set.scaled(factor)?),
-        }))
+        Ok(Self(map!(&self.0, set => set.scaled(factor)?)))
     }
 
     fn mapped(&self, matrix: Points<'_>) -> Result<Self, Failure> {
-        Ok(Self(match &self.0 {
-            AnyStar::One(set) => AnyStar::One(set.mapped(&square(&matrix, "matrix")?)?),
-            AnyStar::Two(set) => AnyStar::Two(set.mapped(&square(&matrix, "matrix")?)?),
-            AnyStar::Three(set) => AnyStar::Three(set.mapped(&square(&matrix, "matrix")?)?),
-        }))
+        Ok(Self(map!(&self.0, set => set.mapped(&square(&matrix, "matrix")?)?)))
     }
 
     #[getter]
     fn dimension(&self) -> usize {
-        match &self.0 {
-            AnyStar::One(_) => 1,
-            AnyStar::Two(_) => 2,
-            AnyStar::Three(_) => 3,
-        }
+        self.0.dimension()
     }
 
     #[getter]

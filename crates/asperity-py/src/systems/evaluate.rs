@@ -5,9 +5,9 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
+use super::any_system::{raised, with_system};
 use crate::convert::{Numbers, numbers, rows};
 use crate::errors::{Failure, dimension};
-use crate::system::{raised, with_system};
 
 fn check_length(argument: &str, values: &[f64], expected: usize) -> PyResult<()> {
     if values.len() == expected {

@@ -1,6 +1,6 @@
 //! Rigid bodies as data; frames may be functions of Python.
 
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 use asperity::system::System;
 use asperity::system::rigid::{
@@ -11,10 +11,10 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::contact_arguments::{item, law, restitution};
+use super::time_function::{Raised, keep, taken, time_function};
 use crate::convert::{Numbers, Points, numbers, rows};
 use crate::errors::{Failure, dimension, parameter};
-use crate::system::{item, law, restitution};
-use crate::time_function::{Raised, keep, time_function};
 
 /// A system of rigid bodies, and what a frame of Python has raised.
 #[pyclass(frozen, module = "asperity._core")]
@@ -321,7 +321,7 @@ impl RigidBodies {
 impl RigidBodies {
     /// What a frame of Python has raised since the last question.
     pub fn raised(&self) -> Option<PyErr> {
-        self.raised.lock().unwrap_or_else(PoisonError::into_inner).take()
+        taken(&self.raised)
     }
 
     /// Coordinates and velocities, sample by sample.

@@ -6,9 +6,8 @@ use asperity::system::{self, Derivative, Interpolation, Moment, Smoothness, Time
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::convert::{Numbers, Points, numbers, rows};
+use crate::convert::{Numbers, Points, numbers, returned, rows};
 use crate::errors::{Failure, dimension, parameter};
-use crate::system::returned;
 
 /// The first exception of a function that cannot return one.
 pub type Raised = Arc<Mutex<Option<PyErr>>>;
@@ -16,6 +15,11 @@ pub type Raised = Arc<Mutex<Option<PyErr>>>;
 /// Keeps an exception unless there is one already.
 pub fn keep(raised: &Raised, error: PyErr) {
     raised.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+}
+
+/// The exception that has been kept, which is then forgotten.
+pub fn taken(raised: &Raised) -> Option<PyErr> {
+    raised.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
 /// Polynomials between samples, or a sine.

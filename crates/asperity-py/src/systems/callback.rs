@@ -1,91 +1,14 @@
-//! Systems: linear ones as data, those of Python by callbacks.
+//! Systems of Python.
 
-use std::sync::{Mutex, PoisonError};
-
-use asperity::law::Law as CoreLaw;
-use asperity::system::{
-    self, Blocks, Configuration, Constancy, Contact, ContactLaw, Normal, System, SystemError,
-};
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use asperity::system::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{Numbers, Points, matrix, numbers};
-use crate::errors::{Failure, dimension};
-use crate::law::Law;
-use crate::rigid::RigidBodies;
-
-/// A linear system.
-#[pyclass(frozen, module = "asperity._core")]
-pub struct LinearSystem(pub system::LinearSystem);
-
-/// What `ask` gets to know from the core's system behind any of the classes.
-pub fn with_system<T>(
-    system: &Bound<'_, PyAny>,
-    ask: impl FnOnce(&dyn System) -> T,
-) -> PyResult<T> {
-    if let Ok(linear) = system.cast::<LinearSystem>() {
-        Ok(ask(&linear.get().0))
-    } else if let Ok(callback) = system.cast::<CallbackSystem>() {
-        Ok(ask(callback.get()))
-    } else if let Ok(rigid) = system.cast::<RigidBodies>() {
-        Ok(ask(&rigid.get().system))
-    } else {
-        Err(dimension("system", "must be a system"))
-    }
-}
-
-pub fn item<'py>(contact: &Bound<'py, PyDict>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-    contact.get_item(key)?.ok_or_else(|| dimension("contacts", &format!("lacks {key}")))
-}
-
-pub fn law(contact: &Bound<'_, PyDict>) -> PyResult<CoreLaw> {
-    Ok(item(contact, "law")?.cast::<Law>()?.get().0.clone())
-}
-
-pub fn restitution(contact: &Bound<'_, PyDict>) -> PyResult<(f64, f64)> {
-    let normal = item(contact, "normal_restitution")?.extract()?;
-    Ok((normal, item(contact, "tangential_restitution")?.extract()?))
-}
-
-fn linear_contact(contact: &Bound<'_, PyDict>) -> PyResult<Contact> {
-    let array = |key: &str| -> PyResult<Vec<f64>> {
-        Ok(numbers(&item(contact, key)?.extract::<Numbers<'_>>()?, key)?.to_vec())
-    };
-    let normal = match item(contact, "normal_force")?.extract()? {
-        Some(force) => Normal::Force(force),
-        None => Normal::Gap { direction: array("normal")?, gap: item(contact, "gap")?.extract()? },
-    };
-    let direction = item(contact, "direction")?.extract::<Points<'_>>()?;
-    Ok(Contact {
-        law: law(contact)?,
-        direction: matrix(&direction, "direction")?,
-        velocity: array("velocity")?,
-        normal,
-        restitution: restitution(contact)?,
-    })
-}
-
-#[pymethods]
-impl LinearSystem {
-    #[new]
-    fn new(
-        mass: Points<'_>,
-        stiffness: Points<'_>,
-        damping: Points<'_>,
-        force: Numbers<'_>,
-        contacts: Vec<Bound<'_, PyDict>>,
-    ) -> Result<Self, Failure> {
-        let contacts = contacts.iter().map(linear_contact).collect::<PyResult<_>>()?;
-        Ok(Self(system::LinearSystem::new(
-            matrix(&mass, "mass")?,
-            matrix(&stiffness, "stiffness")?,
-            matrix(&damping, "damping")?,
-            numbers(&force, "force")?.to_vec(),
-            contacts,
-        )?))
-    }
-}
+use super::contact_arguments::{item, law, restitution};
+use super::time_function::{Raised, keep, taken};
+use crate::convert::returned;
+use crate::errors::Failure;
 
 /// A system of Python: every question is a call of its methods.
 #[pyclass(frozen, module = "asperity._core")]
@@ -101,7 +24,7 @@ pub struct CallbackSystem {
     constancy: Constancy,
     laws: Vec<ContactLaw>,
     /// What a method that cannot fail has raised.
-    raised: Mutex<Option<PyErr>>,
+    raised: Raised,
 }
 
 #[pymethods]
@@ -127,7 +50,7 @@ impl CallbackSystem {
         let (mass, contacts) = constant;
         let constancy = Constancy { mass, contacts };
         let blocks = Blocks::new(blocks);
-        let raised = Mutex::default();
+        let raised = Raised::default();
         Ok(Self {
             object: system,
             blocks,
@@ -141,50 +64,16 @@ impl CallbackSystem {
     }
 }
 
-/// What callbacks that cannot fail have raised since the last question: the cause of whatever ended the run.
-pub fn raised(system: &Bound<'_, PyAny>) -> Option<PyErr> {
-    let of = |raised: &Mutex<Option<PyErr>>| {
-        raised.lock().unwrap_or_else(PoisonError::into_inner).take()
-    };
-    if let Ok(callback) = system.cast::<CallbackSystem>() {
-        return of(&callback.get().raised);
-    }
-    system.cast::<RigidBodies>().ok().and_then(|rigid| rigid.get().raised())
-}
-
-/// What a callback returned, as a float64 array in C order of the given shape, all finite.
-pub fn returned<'py>(
-    value: &Bound<'py, PyAny>,
-    method: &str,
-    shape: &[usize],
-) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let numpy = value.py().import("numpy")?;
-    // The conversion would leave the imaginary parts out.
-    if numpy.call_method1("iscomplexobj", (value,))?.is_truthy()? {
-        return Err(crate::errors::parameter(
-            method,
-            "must return real numbers, returned complex ones",
-        ));
-    }
-    let array = numpy.call_method1("ascontiguousarray", (value, "float64"))?;
-    let array = array.cast_into::<PyArrayDyn<f64>>()?;
-    // ascontiguousarray makes a number an array of one entry.
-    let fits = array.shape() == shape || (shape.is_empty() && array.len() == 1);
-    if !fits {
-        let message = format!("must return shape {shape:?}, returned {:?}", array.shape());
-        return Err(dimension(method, &message));
-    }
-    if !array.readonly().as_slice()?.iter().all(|v| v.is_finite()) {
-        return Err(crate::errors::parameter(method, "must return finite numbers"));
-    }
-    Ok(array)
-}
-
 fn foreign(error: PyErr) -> SystemError {
     SystemError::Foreign(Box::new(error))
 }
 
 impl CallbackSystem {
+    /// What a method that cannot fail has raised since the last question.
+    pub fn raised(&self) -> Option<PyErr> {
+        taken(&self.raised)
+    }
+
     /// Calls `method` with arguments made by `arguments` and hands its result to `receive`.
     fn call<T>(
         &self,
@@ -242,12 +131,11 @@ impl System for CallbackSystem {
             self.call("advance", &[q.len()], arguments, |values| out.copy_from_slice(values));
         if let Err(error) = moved {
             out.fill(f64::NAN);
-            let error = match error {
-                SystemError::Foreign(error) => error.downcast::<PyErr>().ok().map(|error| *error),
-                _ => None,
-            };
-            let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
-            *raised = raised.take().or(error);
+            if let SystemError::Foreign(error) = error
+                && let Ok(error) = error.downcast::<PyErr>()
+            {
+                keep(&self.raised, *error);
+            }
         }
     }
 
