@@ -3,7 +3,7 @@
 //! Friction laws are made of two sets (the force reservoir *C* and the direction set *D*); this crate
 //! knows their geometry and nothing of mechanics. A star-shaped set is its **gauge**
 //! `k(x) = inf{s > 0 : x ∈ sC}`; a convex one has a **support function** `h(y) = sup{xᵀy : x ∈ C}`
-//! besides. [`StarSet`] and [`ConvexSet`] ask for one method each and provide the rest.
+//! besides. [`StarSet`] asks for its gauge, [`ConvexSet`] for nothing more; both provide the rest.
 //!
 //! ```
 //! use asperity_set::{Convex, ConvexSet, Ellipse, StarSet, Vector};
