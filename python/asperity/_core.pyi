@@ -29,6 +29,7 @@ __all__ = [
     "Problem",
     "RigidBodies",
     "Set",
+    "Signal",
     "Solver",
     "__version__",
     "advance",
