@@ -3,14 +3,13 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use asperity::ArgumentError;
 use asperity::event::{self, EventKind};
 use asperity::stepper::Stepper;
 use asperity::system::rigid::{
     Body, Pair, PlanarBody, Plane, PlaneMotion, RigidBodies, Shape, Spring,
 };
-use asperity::system::{
-    Derivative, Interpolation, Moment, Signal, Smoothness, SystemError, TimeFunction,
-};
+use asperity::system::{Derivative, Interpolation, Moment, Signal, Smoothness, TimeFunction};
 
 use crate::support::*;
 
@@ -72,7 +71,7 @@ fn signals_are_checked() {
         Interpolation::Linear,
         false,
     ) {
-        Err(SystemError::Argument { argument, .. }) => argument,
+        Err(ArgumentError { argument, .. }) => argument,
         other => panic!("{other:?}"),
     };
     assert_eq!(new(&[], &[]), "times");
@@ -93,7 +92,7 @@ fn shaken(amplitude: f64) -> Signal {
     Signal::sine(frequency, &[0.0, amplitude], &[0.0, quarter], &[0.0, amplitude]).unwrap()
 }
 
-fn on_a_table(displacement: impl Into<TimeFunction<2>>) -> Result<RigidBodies, SystemError> {
+fn on_a_table(displacement: impl Into<TimeFunction<2>>) -> Result<RigidBodies, ArgumentError> {
     let motion = PlaneMotion::planar(&displacement.into(), &TimeFunction::ZERO);
     let plane = Plane { motion: Some(motion), ..ground() };
     let body = PlanarBody { position: [0.0, 0.1], ..PlanarBody::new(1.0, 0.1) };
@@ -145,7 +144,7 @@ fn functions_and_signals_are_the_same_to_the_scheme() {
 #[test]
 fn motions_of_planes_are_checked() {
     let refused = |displacement: TimeFunction<2>| match on_a_table(displacement) {
-        Err(SystemError::Argument { argument, message }) => (argument, message),
+        Err(ArgumentError { argument, message, .. }) => (argument, message),
         other => panic!("{other:?}"),
     };
     let jump = signal(&[0.0, 1.0, 1.0, 2.0], &[0.0; 8], Interpolation::Linear, false);
