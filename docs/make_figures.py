@@ -3,6 +3,8 @@
 Run: python docs/make_figures.py
 """
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -319,6 +321,12 @@ def bifurcation() -> None:
     asp.plot.save_figure(figure, IMAGES / "bifurcation.png", dpi=110)
 
 
+def conveyor() -> None:
+    """Run the example of the vibratory conveyor."""
+    script = IMAGES.parents[1] / "examples" / "vibratory_conveyor.py"
+    subprocess.run([sys.executable, script, IMAGES / "conveyor.png"], check=True)
+
+
 def paper() -> None:
     """Draw the figures of the paper that the documentation shows."""
     for number in (10, 12):
@@ -342,6 +350,7 @@ if __name__ == "__main__":
         directions,
         growth,
         bifurcation,
+        conveyor,
         paper,
         identified,
     ):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import asperity as asp
 import numpy as np
-from asperity.grading import natural_map
+from asperity.contact.grading import natural_map
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]

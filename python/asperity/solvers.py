@@ -53,7 +53,7 @@ class Auto(Solver):
     def __init__(self, *, interior_point: bool = True, threads: int = 1) -> None:
         interior_point, threads = bool(interior_point), arrays.count(threads, "threads")
         self._set(interior_point=interior_point, threads=threads)
-        self._keep(_core=_core.Solver.auto(interior_point, threads))
+        self._keep(_core=_core.Solver("auto", interior_point=interior_point, threads=threads))
 
 
 class Exact(Solver):
@@ -82,7 +82,7 @@ class Exact(Solver):
     def __init__(self, *, max_sweeps: int = 10_000) -> None:
         max_sweeps = arrays.count(max_sweeps, "max_sweeps")
         self._set(max_sweeps=max_sweeps)
-        self._keep(_core=_core.Solver.exact(max_sweeps))
+        self._keep(_core=_core.Solver("exact", max_sweeps=max_sweeps))
 
 
 class ProxJacobi(Solver):
@@ -114,7 +114,7 @@ class ProxJacobi(Solver):
         number = _step_length(r)
         max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(r="adaptive" if number is None else number, max_iterations=max_iterations)
-        self._keep(_core=_core.Solver.prox_jacobi(number, max_iterations))
+        self._keep(_core=_core.Solver("prox_jacobi", r=number, max_iterations=max_iterations))
 
 
 class ProxGaussSeidel(Solver):
@@ -140,7 +140,7 @@ class ProxGaussSeidel(Solver):
         number = _step_length(r)
         max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(r="adaptive" if number is None else number, max_iterations=max_iterations)
-        self._keep(_core=_core.Solver.prox_gauss_seidel(number, max_iterations))
+        self._keep(_core=_core.Solver("prox_gauss_seidel", r=number, max_iterations=max_iterations))
 
 
 class SemismoothNewton(Solver):
@@ -166,7 +166,7 @@ class SemismoothNewton(Solver):
     def __init__(self, *, max_iterations: int = 200) -> None:
         max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(max_iterations=max_iterations)
-        self._keep(_core=_core.Solver.newton(max_iterations))
+        self._keep(_core=_core.Solver("newton", max_iterations=max_iterations))
 
 
 class ProximalPoint(Solver):
@@ -191,7 +191,7 @@ class ProximalPoint(Solver):
     def __init__(self, *, max_iterations: int = 1000) -> None:
         max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(max_iterations=max_iterations)
-        self._keep(_core=_core.Solver.proximal_point(max_iterations))
+        self._keep(_core=_core.Solver("proximal_point", max_iterations=max_iterations))
 
 
 class InteriorPoint(Solver):
@@ -219,7 +219,7 @@ class InteriorPoint(Solver):
     def __init__(self, *, max_iterations: int = 100) -> None:
         max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(max_iterations=max_iterations)
-        self._keep(_core=_core.Solver.interior_point(max_iterations))
+        self._keep(_core=_core.Solver("interior_point", max_iterations=max_iterations))
 
 
 class ADMM(Solver):
@@ -241,7 +241,7 @@ class ADMM(Solver):
     def __init__(self, *, max_iterations: int = 2000) -> None:
         max_iterations = arrays.count(max_iterations, "max_iterations")
         self._set(max_iterations=max_iterations)
-        self._keep(_core=_core.Solver.admm(max_iterations))
+        self._keep(_core=_core.Solver("admm", max_iterations=max_iterations))
 
 
 _DEFAULT = Auto()

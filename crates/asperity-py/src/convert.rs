@@ -2,10 +2,13 @@
 
 use asperity::set::{Matrix, Vector};
 use nalgebra::DMatrix;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{
+    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
-use crate::errors::dimension;
+use crate::errors::{dimension, parameter};
 
 /// An array of points, `(n, p)`.
 pub type Points<'py> = PyReadonlyArray2<'py, f64>;
@@ -77,4 +80,29 @@ pub fn coordinates<'a, const P: usize>(
 pub fn rows(py: Python<'_>, values: Vec<f64>, width: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let len = values.len() / width;
     PyArray1::from_vec(py, values).reshape([len, width])
+}
+
+/// What a callback returned, as a float64 array in C order of the given shape, all finite.
+pub fn returned<'py>(
+    value: &Bound<'py, PyAny>,
+    method: &str,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let numpy = value.py().import("numpy")?;
+    // The conversion would leave the imaginary parts out.
+    if numpy.call_method1("iscomplexobj", (value,))?.is_truthy()? {
+        return Err(parameter(method, "must return real numbers, returned complex ones"));
+    }
+    let array = numpy.call_method1("ascontiguousarray", (value, "float64"))?;
+    let array = array.cast_into::<PyArrayDyn<f64>>()?;
+    // ascontiguousarray makes a number an array of one entry.
+    let fits = array.shape() == shape || (shape.is_empty() && array.len() == 1);
+    if !fits {
+        let message = format!("must return shape {shape:?}, returned {:?}", array.shape());
+        return Err(dimension(method, &message));
+    }
+    if !array.readonly().as_slice()?.iter().all(|v| v.is_finite()) {
+        return Err(parameter(method, "must return finite numbers"));
+    }
+    Ok(array)
 }

@@ -5,11 +5,11 @@ use asperity::set::{Convex, SetError, Star, Vector};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::any_star::AnyStar;
-use crate::batch::{Answer, answer, each_point};
 use crate::convert::{Numbers, Points, numbers, points, rows};
 use crate::errors::{Failure, dimension, parameter};
-use crate::set::Set;
+use crate::sets::any_star::{AnyStar, both};
+use crate::sets::batch::{Answer, answer, each_point};
+use crate::sets::set::Set;
 
 /// A friction law.
 #[pyclass(frozen, module = "asperity._core")]
@@ -85,15 +85,12 @@ impl Law {
         rate: Option<Rate>,
     ) -> Result<Self, Failure> {
         let rate = rate.map(stribeck).transpose()?;
-        let law: CoreLaw = match (&reservoir.0, &direction.0) {
-            (AnyStar::One(c), AnyStar::One(d)) => py.detach(|| make(c, d, rate))?.into(),
-            (AnyStar::Two(c), AnyStar::Two(d)) => py.detach(|| make(c, d, rate))?.into(),
-            (AnyStar::Three(c), AnyStar::Three(d)) => py.detach(|| make(c, d, rate))?.into(),
-            _ => {
-                let message = "must have the dimension of the reservoir";
-                return Err(dimension("direction", message).into());
-            }
-        };
+        let law: CoreLaw = both!(
+            &reservoir.0,
+            &direction.0,
+            (c, d) => py.detach(|| make(c, d, rate))?.into(),
+            return Err(dimension("direction", "must have the dimension of the reservoir").into())
+        );
         Ok(Self(law))
     }
 
@@ -109,7 +106,7 @@ impl Law {
 
     #[getter]
     fn is_associated(&self) -> bool {
-        each!(&self.0, law => law.reservoir().as_convex() == Some(law.direction()))
+        each!(&self.0, law => law.is_associated())
     }
 
     fn associativity<'py>(&self, py: Python<'py>) -> PyResult<Answer<'py>> {

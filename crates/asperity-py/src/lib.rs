@@ -1,22 +1,13 @@
 //! Python binding: converts arguments, releases the interpreter, maps errors. No formula, no default.
 
-mod any_star;
-mod batch;
-mod cones;
+mod contact;
 mod convert;
-mod delassus;
 mod errors;
-mod evaluate;
-mod event;
+mod interrupt;
 mod law;
-mod outcome;
-mod problem;
-mod rigid;
-mod samples;
-mod set;
-mod simulate;
-mod system;
-mod time_function;
+mod runs;
+mod sets;
+mod systems;
 
 use pyo3::prelude::*;
 
@@ -24,27 +15,31 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use crate::cones::{cone_polar, cone_projection, star_shape};
+    use crate::contact::outcome::Outcome;
     #[pymodule_export]
-    use crate::evaluate::{advance, evaluate};
+    use crate::contact::problem::Problem;
     #[pymodule_export]
-    use crate::event::integrate;
+    use crate::contact::solver::Solver;
     #[pymodule_export]
     use crate::law::{Law, flow_law};
     #[pymodule_export]
-    use crate::outcome::Outcome;
+    use crate::runs::event::integrate;
     #[pymodule_export]
-    use crate::problem::{Problem, Solver};
+    use crate::runs::simulate::simulate;
     #[pymodule_export]
-    use crate::rigid::RigidBodies;
+    use crate::sets::cones::{cone_polar, cone_projection, star_shape};
     #[pymodule_export]
-    use crate::set::Set;
+    use crate::sets::set::Set;
     #[pymodule_export]
-    use crate::simulate::simulate;
+    use crate::systems::callback::CallbackSystem;
     #[pymodule_export]
-    use crate::system::{CallbackSystem, LinearSystem};
+    use crate::systems::evaluate::{advance, evaluate};
     #[pymodule_export]
-    use crate::time_function::Signal;
+    use crate::systems::linear::LinearSystem;
+    #[pymodule_export]
+    use crate::systems::rigid::RigidBodies;
+    #[pymodule_export]
+    use crate::systems::time_function::Signal;
     use pyo3::prelude::*;
 
     #[pymodule_init]

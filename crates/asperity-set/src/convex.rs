@@ -1,6 +1,7 @@
 //! Convex sets: support function, projection, normal cone.
 
-use crate::{Cone, Matrix, StarSet, Vector, polar, project};
+use crate::numeric::polarity;
+use crate::{Cone, Matrix, StarSet, Vector, project};
 
 /// A compact convex set with the origin in its interior.
 ///
@@ -11,7 +12,7 @@ pub trait ConvexSet<const P: usize>: StarSet<P> {
     /// Where a whole face is farthest, closed forms give its most symmetric point. The default finds the
     /// point from the gauge.
     fn support_point(&self, y: &Vector<P>) -> Vector<P> {
-        polar::support_point(self, y)
+        polarity::support_point(self, y)
     }
 
     /// Support function `h(y) = sup{xᵀy : x ∈ C}` (\[WL19\] Def. 5).
@@ -25,7 +26,7 @@ pub trait ConvexSet<const P: usize>: StarSet<P> {
     /// boundary's curvature vanishes and zero where `y` points at a corner. The default takes central
     /// differences.
     fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
-        (self.support_point(y), polar::support_hessian(self, y))
+        (self.support_point(y), polarity::support_hessian(self, y))
     }
 
     /// Support point at `y ≠ 0` and its derivative `∇²h(y) dy`.

@@ -1,5 +1,5 @@
 //! Data walks one way: set ← law ← contact ← {solver, system} ← integrator ← simulate; and within rooms no two files use
-//! each other, in however many steps.
+//! each other, in however many steps. The crate of sets and the binding are read in the same way.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -32,11 +32,21 @@ const EVENT: [&str; 9] = [
     "integration",
 ];
 
-/// Rooms within which no circle of imports is allowed.
-const WITHOUT_CIRCLES: [&str; 5] = ["law", "contact", "linear", "solver", "integrator"];
+/// Rooms within which no circle of imports is allowed, crate by crate; all files of the binding are one room.
+const WITHOUT_CIRCLES: [(&str, &[&str]); 3] = [
+    ("asperity-set", &["combine", "numeric", "project", "questions", "shapes"]),
+    ("asperity", &["law", "contact", "linear", "solver", "integrator"]),
+    ("asperity-py", &[""]),
+];
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+/// What goes back in the picture of the sets: the provided methods of `ConvexSet` are algorithms over the trait, and the
+/// members of a sum or a union are the enums that have sums and unions among their arms.
+const RECURSION: [(&str, &[&str]); 2] =
+    [("convex", &["numeric", "cone", "project"]), ("any", &["combine"])];
+
+/// The sources of a crate.
+fn root(of: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(of).join("src")
 }
 
 fn sources(path: &Path) -> Vec<PathBuf> {
@@ -48,11 +58,11 @@ fn sources(path: &Path) -> Vec<PathBuf> {
 }
 
 /// The path of a module from the root of the crate: `solver/mod.rs` is `solver`.
-fn module_of(file: &Path) -> Vec<String> {
-    let relative = file.strip_prefix(root()).unwrap().with_extension("");
+fn module_of(root: &Path, file: &Path) -> Vec<String> {
+    let relative = file.strip_prefix(root).unwrap().with_extension("");
     let mut path: Vec<String> =
         relative.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
-    if path.last().is_some_and(|last| last == "mod") {
+    if path.last().is_some_and(|last| last == "mod" || last == "lib") {
         path.pop();
     }
     path
@@ -67,8 +77,8 @@ fn code(file: &Path) -> String {
 }
 
 /// The paths from the root of the crate that a file names, in use declarations and elsewhere.
-fn used(file: &Path) -> Vec<Vec<String>> {
-    let (code, own) = (code(file), module_of(file));
+fn used(root: &Path, file: &Path) -> Vec<Vec<String>> {
+    let (code, own) = (code(file), module_of(root, file));
     let mut found = Vec::new();
     let starts = code.match_indices("crate::").chain(code.match_indices("super::"));
     for (at, _) in starts {
@@ -102,6 +112,10 @@ fn used(file: &Path) -> Vec<Vec<String>> {
                 let names = group.split('}').next().unwrap_or("").split(',');
                 for name in names {
                     let name = name.trim().split("::").next().unwrap_or("");
+                    // After the last comma.
+                    if name.is_empty() {
+                        continue;
+                    }
                     found.push([place.clone(), vec![name.to_owned()]].concat());
                 }
             }
@@ -151,12 +165,12 @@ fn drawn(beginning: &str) -> String {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ARCHITECTURE.md");
     let page = fs::read_to_string(page).unwrap();
     let (_, rest) = page.split_once(beginning).unwrap_or_else(|| panic!("no picture: {beginning}"));
-    let rest = rest.split(['\n', '`']).next().unwrap_or("");
-    // What the words name last belongs to the picture.
-    format!(
-        "{} {rest}",
-        beginning.rsplit(' ').find(|word| *word != "←" && !word.is_empty()).unwrap()
-    )
+    // Within a sentence a picture may go on in the next line.
+    let end = if beginning.starts_with('`') { '`' } else { '\n' };
+    let rest = rest.split([end, '`']).next().unwrap_or("");
+    // What the words name belongs to the picture.
+    let first = beginning.rsplit([':', '`']).next().unwrap_or("");
+    format!("{first} {rest}")
 }
 
 #[test]
@@ -166,24 +180,41 @@ fn pictures_are_read() {
     assert_eq!(["a", "b", "c", "d", "e"].map(uses), ["", "a", "a b", "a", "a b c d"]);
 }
 
-#[test]
-fn modules_depend_as_the_picture_says() {
-    let allowed = picture(&drawn("    argument ←"));
-    for entry in fs::read_dir(root()).unwrap() {
+/// Checks what stands at the door of a crate against a picture, with what `besides` allows.
+fn check_picture(of: &str, beginning: &str, besides: &[(&str, &[&str])]) {
+    let (root, allowed) = (root(of), picture(&drawn(beginning)));
+    let exports = re_exports(&root.join("lib.rs"));
+    for entry in fs::read_dir(&root).unwrap() {
         let place = entry.unwrap().path();
         let module = place.file_stem().unwrap().to_str().unwrap().to_owned();
         if module == "lib" {
             continue;
         }
         let Some(allowed) = allowed.get(&module) else { panic!("{module} is not in the picture") };
+        let besides = besides.iter().find(|(name, _)| *name == module).map_or(&[][..], |b| b.1);
         for file in sources(&place).iter().filter(|file| !is_test(file)) {
-            for path in used(file) {
+            for path in used(&root, file) {
                 let Some(name) = path.first() else { continue };
-                let known = *name == module || allowed.contains(name);
+                let name = exports.get(name).unwrap_or(name);
+                // The names of types that the door of the crate defines itself.
+                let at_the_door = name.starts_with(char::is_uppercase);
+                let known = *name == module || allowed.contains(name) || at_the_door;
+                let known = known || besides.contains(&name.as_str());
                 assert!(known, "{} uses crate::{name}", file.display());
             }
         }
     }
+}
+
+#[test]
+fn modules_depend_as_the_picture_says() {
+    check_picture("asperity", "    argument ←", &[]);
+}
+
+#[test]
+fn rooms_of_sets_and_of_the_binding_depend_as_the_pictures_say() {
+    check_picture("asperity-set", "`error ←", &RECURSION);
+    check_picture("asperity-py", "`errors ←", &[]);
 }
 
 #[test]
@@ -195,7 +226,7 @@ fn pictures_of_rooms_agree_with_what_is_checked() {
         assert!(before.iter().all(|other| place(other) < place(room)), "{room}");
     }
     for drawing in ["`measure ←", "`newton_matrix ←"] {
-        for (room, before) in picture(drawn(drawing).trim_matches(['`', ' '])) {
+        for (room, before) in picture(&drawn(drawing)) {
             let allowed = |of: &str| SOLVER.iter().find(|(name, _)| *name == of).unwrap().1;
             for other in &before {
                 assert!(!allowed(other).contains(&room.as_str()), "{other} may use {room}");
@@ -208,14 +239,15 @@ fn pictures_of_rooms_agree_with_what_is_checked() {
 
 #[test]
 fn rooms_of_the_solvers_depend_in_one_direction() {
-    for file in sources(&root().join("solver")) {
-        let own = module_of(&file);
+    let root = root("asperity");
+    for file in sources(&root.join("solver")) {
+        let own = module_of(&root, &file);
         // The front uses everything.
         let Some(room) = own.get(1) else { continue };
         let Some((_, allowed)) = SOLVER.iter().find(|(name, _)| name == room) else {
             panic!("{} has no place in the order", file.display());
         };
-        for path in used(&file).iter().filter(|path| path[0] == "solver") {
+        for path in used(&root, &file).iter().filter(|path| path[0] == "solver") {
             let name = path.get(1).map_or("", String::as_str);
             let known = name == room || allowed.contains(&name);
             assert!(known, "{} uses {}", file.display(), path.join("::"));
@@ -225,11 +257,14 @@ fn rooms_of_the_solvers_depend_in_one_direction() {
 
 #[test]
 fn rooms_of_the_event_driven_integrator_depend_in_one_direction() {
+    let root = root("asperity");
     for (number, room) in EVENT.iter().enumerate() {
-        let inside = root().join("integrator/event").join(room);
+        let inside = root.join("integrator/event").join(room);
         let place = if inside.is_dir() { inside } else { inside.with_extension("rs") };
         for file in sources(&place) {
-            for path in used(&file).iter().filter(|path| path[..].len() > 2 && path[1] == "event") {
+            for path in
+                used(&root, &file).iter().filter(|path| path[..].len() > 2 && path[1] == "event")
+            {
                 let known = EVENT[..=number].contains(&path[2].as_str());
                 assert!(known, "{} uses {}", file.display(), path.join("::"));
             }
@@ -239,38 +274,45 @@ fn rooms_of_the_event_driven_integrator_depend_in_one_direction() {
 
 #[test]
 fn no_files_of_a_room_use_each_other_in_a_circle() {
-    for room in WITHOUT_CIRCLES {
-        let files = sources(&root().join(room));
-        let files: Vec<PathBuf> = files.into_iter().filter(|file| !is_test(file)).collect();
-        let modules: Vec<Vec<String>> = files.iter().map(|file| module_of(file)).collect();
-        let exports: Vec<_> = files.iter().map(|file| re_exports(file)).collect();
-        // The file that defines what a path names.
-        let definition = |mut path: Vec<String>| loop {
-            let within = |&j: &usize| path.starts_with(&modules[j]);
-            let file = (0..modules.len()).filter(within).max_by_key(|&j| modules[j].len())?;
-            let depth = modules[file].len();
-            let Some(child) = path.get(depth).and_then(|name| exports[file].get(name)) else {
-                return Some(file);
-            };
-            path.insert(depth, child.clone());
+    for (of, rooms) in WITHOUT_CIRCLES {
+        rooms.iter().for_each(|room| check_circles(&root(of), room));
+    }
+}
+
+fn check_circles(root: &Path, room: &str) {
+    let door = root.join("lib.rs");
+    let files = sources(&root.join(room));
+    let kept = |file: &PathBuf| !is_test(file) && *file != door;
+    // The door knows where the names of the crate are defined.
+    let files: Vec<PathBuf> = files.into_iter().filter(kept).chain([door.clone()]).collect();
+    let modules: Vec<Vec<String>> = files.iter().map(|file| module_of(root, file)).collect();
+    let exports: Vec<_> = files.iter().map(|file| re_exports(file)).collect();
+    // The file that defines what a path names.
+    let definition = |mut path: Vec<String>| loop {
+        let within = |&j: &usize| path.starts_with(&modules[j]);
+        let file = (0..modules.len()).filter(within).max_by_key(|&j| modules[j].len())?;
+        let depth = modules[file].len();
+        let Some(child) = path.get(depth).and_then(|name| exports[file].get(name)) else {
+            return Some(file);
         };
-        let uses: Vec<Vec<usize>> = files
-            .iter()
-            .enumerate()
-            .map(|(i, file)| {
-                let paths = used(file).into_iter().chain(used_children(file));
-                paths.filter_map(definition).filter(|&j| j != i).collect()
-            })
-            .collect();
-        for start in 0..files.len() {
-            let (mut reached, mut stack) = (vec![false; files.len()], vec![start]);
-            while let Some(i) = stack.pop() {
-                for &j in &uses[i] {
-                    let (from, to) = (files[i].display(), files[j].display());
-                    assert!(j != start, "{to} is part of a circle, closed by {from}");
-                    if !std::mem::replace(&mut reached[j], true) {
-                        stack.push(j);
-                    }
+        path.insert(depth, child.clone());
+    };
+    let uses: Vec<Vec<usize>> = files
+        .iter()
+        .enumerate()
+        .map(|(i, file)| {
+            let paths = used(root, file).into_iter().chain(used_children(root, file));
+            paths.filter_map(definition).filter(|&j| j != i && j + 1 < files.len()).collect()
+        })
+        .collect();
+    for start in 0..files.len() - 1 {
+        let (mut reached, mut stack) = (vec![false; files.len()], vec![start]);
+        while let Some(i) = stack.pop() {
+            for &j in &uses[i] {
+                let (from, to) = (files[i].display(), files[j].display());
+                assert!(j != start, "{to} is part of a circle, closed by {from}");
+                if !std::mem::replace(&mut reached[j], true) {
+                    stack.push(j);
                 }
             }
         }
@@ -285,6 +327,10 @@ fn re_exports(file: &Path) -> BTreeMap<String, String> {
         let Some((child, names)) = path.split_once("::") else { continue };
         for name in names.trim_matches(['{', '}']).split(',') {
             let name = name.rsplit([' ', ':']).next().unwrap_or("").trim();
+            // After the last comma.
+            if name.is_empty() {
+                continue;
+            }
             // Of features that exclude each other the first one counts.
             found.entry(name.to_owned()).or_insert_with(|| child.to_owned());
         }
@@ -293,8 +339,8 @@ fn re_exports(file: &Path) -> BTreeMap<String, String> {
 }
 
 /// The children that the code of a file uses itself.
-fn used_children(file: &Path) -> Vec<Vec<String>> {
-    let (code, own) = (code(file), module_of(file));
+fn used_children(root: &Path, file: &Path) -> Vec<Vec<String>> {
+    let (code, own) = (code(file), module_of(root, file));
     let statements = code.split(';').map(str::trim);
     let children = statements.clone().filter_map(|s| Some(s.split_once("mod ")?.1));
     let children: Vec<&str> =

@@ -91,11 +91,11 @@ def integrate(
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far; between 1e-14 and 1e-2.
         dt: time between samples in s. Default: every step of the method, before and after events.
-        max_step: longest step in s. Default: as the error allows. Forces that depend on time are
+        max_step: longest step in s. Default: as the error allows. Functions of time of the user are
             seen at five times of a step: set this to the length of pulses, else they are missed.
-            At least 1e-10 of ``t_end``.
+            At least 1e-10 of ``t_end``. A `Signal` needs none: steps end where it is not smooth.
         section: where to stop.
-        max_events: number of events after which the integration gives up.
+        max_events: number of events after which the integration gives up, kinks apart.
         progress: a function of (t, t_end) called a few times a second.
 
     Returns:

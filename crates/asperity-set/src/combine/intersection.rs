@@ -2,9 +2,9 @@
 
 use super::seams::seams;
 use super::some;
-use crate::cone::aside;
-use crate::plane::{cast, cross};
-use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, polar, project};
+use crate::numeric::polarity;
+use crate::numeric::vectors::{aside, cast, cross};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, project};
 
 /// The intersection `C₁ ∩ C₂ ∩ …`, whose gauge is the largest one; convex if its members are.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,15 +70,16 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
     fn support_point(&self, y: &Vector<P>) -> Vector<P> {
         let own = self.sets.iter().map(|set| set.support_point(y)).find(|x| self.holds(x));
         let point = own.or_else(|| self.farthest_corner(y));
-        point.unwrap_or_else(|| polar::support_point(self, y))
+        point.unwrap_or_else(|| polarity::support_point(self, y))
     }
 
     /// The Hessian is that of the member whose support point it is, and zero at corners.
     fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
         let own = self.sets.iter().map(|set| set.support_jet(y)).find(|jet| self.holds(&jet.0));
         let corner = || Some((self.farthest_corner(y)?, Matrix::zeros()));
-        own.or_else(corner)
-            .unwrap_or_else(|| (polar::support_point(self, y), polar::support_hessian(self, y)))
+        own.or_else(corner).unwrap_or_else(|| {
+            (polarity::support_point(self, y), polarity::support_hessian(self, y))
+        })
     }
 
     fn project(&self, z: &Vector<P>) -> Vector<P> {

@@ -1,5 +1,6 @@
-//! Intersection, union and Minkowski sum.
+//! Sets made of sets: linear images, intersections, unions, Minkowski sums.
 
+mod image;
 mod intersection;
 mod seams;
 mod sum;
@@ -7,6 +8,7 @@ mod union;
 
 use crate::SetError;
 
+pub use image::Image;
 pub use intersection::Intersection;
 pub use sum::MinkowskiSum;
 pub use union::Union;

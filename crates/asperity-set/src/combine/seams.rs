@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::SAME;
-use crate::plane::cast;
-use crate::root::{Bracket, Sample};
+use crate::numeric::root::{Bracket, Sample};
+use crate::numeric::vectors::cast;
 use crate::{StarSet, Vector};
 
 /// Directions in which the boundaries of two sets are compared to find where they cross.

@@ -3,8 +3,7 @@
 //! `prox` does not expand and is the gradient of a convex function: an element `J` of its generalised Jacobian
 //! is symmetric with eigenvalues between 0 and 1. Outside the set it vanishes along the normal.
 
-use crate::plane::{cast, quarter_turn};
-use crate::polar::tangents;
+use crate::numeric::vectors::{cast, quarter_turn, tangents};
 use crate::{ConvexSet, Matrix, Vector};
 
 /// Distances from the set below this part of the size are rounding: the point counts as inside.

@@ -1,15 +1,15 @@
 //! Projections without a closed form.
 
+mod in_plane;
 pub(crate) mod jet;
 mod plane;
 mod space;
-mod superellipsoid;
 
 use crate::{ConvexSet, Vector};
 
+pub(crate) use in_plane::InPlane;
 pub(crate) use plane::by_normals;
-pub(crate) use space::{by_cuts, onto_image, onto_sum};
-pub(crate) use superellipsoid::{by_newton, onto_superellipsoid};
+pub(crate) use space::{by_cuts, by_dual_newton, by_support_points, onto_image};
 
 /// Projection onto any convex set from its gauge and support points.
 pub(crate) fn onto_any<const P: usize, S: ConvexSet<P> + ?Sized>(

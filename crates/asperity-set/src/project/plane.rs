@@ -4,8 +4,9 @@
 //! largest at the projection; its slope along the boundary is `f = n⊥·(z − x)`. A point with `f = 0` and `g ≥ 0` is
 //! the projection, however it was found.
 
-use crate::boundary::{Arc, BoundaryPoint};
-use crate::plane::{InPlane, cast, cross, quarter_turn};
+use super::in_plane::InPlane;
+use crate::numeric::vectors::{cast, cross, quarter_turn};
+use crate::numeric::{Arc, BoundaryPoint};
 use crate::{ConvexSet, StarSet, Vector};
 
 /// Newton steps before the bracket takes over.

@@ -1,6 +1,6 @@
 //! Projections in three dimensions.
 
-use crate::{Convex, ConvexSet, Matrix, MinkowskiSum, StarSet, Vector};
+use crate::{ConvexSet, Matrix, Vector};
 
 /// Projection in three dimensions by Newton's method on the dual problem
 /// `max z·y − h(y) − ½‖y‖²`, whose solution is `y = z − prox(z)`. Made for strictly convex sets.
@@ -13,78 +13,8 @@ pub(super) fn onto_any_in_space<const P: usize, S: ConvexSet<P> + ?Sized>(
     by_dual_newton(set, z).unwrap_or_else(|| by_support_points(set, z))
 }
 
-/// The same for a sum of sets, by the projections onto which what support points find is improved.
-pub(crate) fn onto_sum<const P: usize>(sum: &MinkowskiSum<P>, z: &Vector<P>) -> Vector<P> {
-    if sum.gauge(z) <= 1.0 {
-        return *z;
-    }
-    by_dual_newton(sum, z).unwrap_or_else(|| {
-        let near = by_support_points(sum, z);
-        by_members(sum.sets(), z, &near).unwrap_or(near)
-    })
-}
-
-/// Most members, sweeps over them before Newton's method, and its iterations.
-const MEMBERS: usize = 4;
-const SWEEPS: usize = 8;
-const ITERATIONS: usize = 20;
-/// Largest change of the point that is an improvement, relative to the point.
-const NEAR: f64 = 1e-5;
-
-/// Newton's method for one point `aᵢ` of each member, `aᵢ = prox(aᵢ + y)` with `y = z − Σ aⱼ` normal to all of them.
-///
-/// Where some members are flat and others round, neither the sum's support function nor hulls of its support points
-/// tell more than half of the digits; the projections onto the members do. With the Jacobians `Jᵢ` of these the
-/// residuals `fᵢ` give `daᵢ = Mᵢ (Jᵢ dy − fᵢ)`, `Mᵢ = (I − Jᵢ)⁻¹`, and `dy = −Σ daᵢ`; on flat faces `Mᵢ` is bounded by
-/// a small number on the diagonal, which costs no digits because the residuals vanish.
-fn by_members<const P: usize>(
-    sets: &[Convex<P>],
-    z: &Vector<P>,
-    near: &Vector<P>,
-) -> Option<Vector<P>> {
-    const SMALL: f64 = 1e-9;
-    if sets.len() > MEMBERS {
-        return None;
-    }
-    let mut points = [Vector::<P>::zeros(); MEMBERS];
-    let away = z - near;
-    for (point, set) in points.iter_mut().zip(sets) {
-        *point = set.support_point(&away);
-    }
-    for _ in 0..SWEEPS {
-        for (i, set) in sets.iter().enumerate() {
-            let others = points.iter().sum::<Vector<P>>() - points[i];
-            points[i] = set.project(&(z - others));
-        }
-    }
-    for _ in 0..ITERATIONS {
-        let sum: Vector<P> = points.iter().sum();
-        let y = z - sum;
-        let (mut matrix, mut right) = (Matrix::<P>::identity(), Vector::<P>::zeros());
-        let mut parts = [(Matrix::<P>::zeros(), Vector::<P>::zeros()); MEMBERS];
-        let mut largest = 0.0_f64;
-        for ((set, point), part) in sets.iter().zip(&points).zip(&mut parts) {
-            let (onto, jacobian) = set.project_jet(&(point + y), point);
-            let inverse = (Matrix::identity() * (1.0 + SMALL) - jacobian).try_inverse()?;
-            let residual = point - onto;
-            largest = largest.max(residual.norm());
-            *part = (inverse * jacobian, inverse * residual);
-            matrix += part.0;
-            right += part.1;
-        }
-        if largest <= 4.0 * f64::EPSILON * z.norm() {
-            return ((sum - near).norm() <= NEAR * near.norm()).then_some(sum);
-        }
-        let turn = matrix.try_inverse()? * right;
-        for (point, part) in points.iter_mut().zip(&parts) {
-            *point += part.0 * turn - part.1;
-        }
-    }
-    None
-}
-
 /// Newton's method on the dual; `None` where it does not end in the projection.
-fn by_dual_newton<const P: usize, S: ConvexSet<P> + ?Sized>(
+pub(crate) fn by_dual_newton<const P: usize, S: ConvexSet<P> + ?Sized>(
     set: &S,
     z: &Vector<P>,
 ) -> Option<Vector<P>> {
@@ -287,7 +217,7 @@ const SUPPORT_POINTS: usize = 1000;
 /// Every point on the way is in the set, and `h(z − x) − x·(z − x)`, which the support point gives for nothing, bounds
 /// how far it is from the nearest one. Polytopes take as many points as they have corners around it and are exact to
 /// rounding; on curved boundaries it is the distance that is, and the point has half the digits.
-fn by_support_points<const P: usize, S: ConvexSet<P> + ?Sized>(
+pub(crate) fn by_support_points<const P: usize, S: ConvexSet<P> + ?Sized>(
     set: &S,
     z: &Vector<P>,
 ) -> Vector<P> {

@@ -89,6 +89,18 @@ pub enum Derivative {
 }
 
 /// A function of time with one or more components.
+///
+/// ```
+/// use asperity::system::{Derivative, Interpolation, Moment, Signal};
+///
+/// let ramp = Signal::new(&[0.0, 1.0, 3.0], &[0.0, 2.0, 2.0], Interpolation::Linear, false)?;
+/// let at = |t, derivative| ramp.component(Moment::new(t), 0, derivative);
+/// assert_eq!(at(0.25, Derivative::Value), 0.5);
+/// assert_eq!(at(0.25, Derivative::First), 2.0);
+/// assert_eq!(ramp.integral(0.0, 2.0, 0), 3.0);
+/// assert_eq!(ramp.next_break(0.0).map(|found| found.time), Some(1.0));
+/// # Ok::<(), asperity::system::SystemError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
     components: usize,

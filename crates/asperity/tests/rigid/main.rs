@@ -9,6 +9,7 @@ mod frames;
 mod free_flight;
 mod friction;
 mod impacts;
+mod moving;
 mod stepping;
 mod sticking;
 mod support;

@@ -10,6 +10,9 @@ use crate::vectors::add;
 pub(crate) const ZERO_VELOCITY: f64 = 1e-12;
 /// Gap over the reach of a contact that counts as closed at an impact and at the beginning.
 pub(crate) const CLOSED_GAP: f64 = 1e-12;
+/// Gap in m, and velocity in m/s, that count as none where no length may be known but that of rounding, such as of a
+/// body at rest at the origin: states of a size of one are no finer.
+pub(crate) const LEAST: f64 = f64::EPSILON;
 /// Overlap over the reach of a contact that rounding explains.
 pub(crate) const ROUNDED_OVERLAP: f64 = 1e-14;
 /// Rounding errors of accelerations over the accelerations that balance in them.

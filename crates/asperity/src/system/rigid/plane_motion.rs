@@ -9,6 +9,18 @@ use crate::system::{Break, Moment, TimeFunction};
 ///
 /// Its point goes to `point + displacement`, and the plane with its axes turns by `exp(rotation)` about it. Velocities
 /// follow from the same functions: signals know their rates, functions of the user return them.
+///
+/// ```
+/// use asperity::system::rigid::{Plane, PlaneMotion};
+/// use asperity::system::{Signal, TimeFunction};
+///
+/// // Shaken up and down with 50 Hz.
+/// let shaking = Signal::sine(50.0, &[0.0, 0.0, 1e-3], &[0.0; 3], &[0.0; 3])?;
+/// let motion = PlaneMotion { displacement: shaking.into(), rotation: TimeFunction::ZERO };
+/// let table = Plane { motion: Some(motion), ..Plane::floor() };
+/// # assert!(table.body.is_none());
+/// # Ok::<(), asperity::system::SystemError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaneMotion {
     /// Displacement of the plane's point in m.

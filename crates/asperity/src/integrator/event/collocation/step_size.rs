@@ -3,7 +3,7 @@
 use crate::contact::Phase;
 use crate::integrator::event::collocation::growth::GROWTH;
 use crate::integrator::event::dynamics::{Dynamics, ROWS};
-use crate::integrator::event::state::{ROUNDING, Scale, State, ZERO_VELOCITY};
+use crate::integrator::event::state::{LEAST, ROUNDING, Scale, State, ZERO_VELOCITY};
 use crate::vectors::{largest, norm};
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
@@ -113,6 +113,8 @@ impl StepSize {
     /// far as there are any, and of all the time.
     pub(crate) fn first_step_limit(&self, t_end: f64, a0: &[f64]) -> f64 {
         let Scale { q, u } = self.scale;
+        // A velocity that is rounding, such as of a sine at its crest, tells no time.
+        let u = if u > LEAST { u } else { 0.0 };
         let times = [0.01 * u / largest(a0), 0.01 * q / u];
         let usable = times.into_iter().filter(|t| t.is_finite() && *t > 0.0);
         usable.fold(0.01 * t_end, f64::min)

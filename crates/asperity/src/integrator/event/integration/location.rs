@@ -6,16 +6,13 @@ use crate::integrator::event::event_function::root;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Bracket;
 use crate::integrator::event::integration::variables::Integration;
-use crate::integrator::event::state::CLOSED_GAP;
+use crate::integrator::event::state::{CLOSED_GAP, LEAST};
 
 /// Share of the first step in which events are not located: to rounding of its length is not to rounding of their
 /// time. Later steps are not so much longer than those before.
 const EARLY_EVENT: f64 = 1e-2;
 /// Most times that the first step is shortened for such an event. One whose time falls with the step happens at once.
 const MOST_SHORTENED: u8 = 5;
-/// Gap in m, and velocity in m/s, that count as none where no length may be known but that of rounding, such as of a
-/// body at rest at the origin: states of a size of one are no finer.
-pub(crate) const LEAST: f64 = f64::EPSILON;
 
 /// What became of an event that was to be located.
 pub(crate) enum Location {

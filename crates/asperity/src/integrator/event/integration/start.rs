@@ -2,9 +2,9 @@
 
 use crate::argument::{ArgumentError, refuse};
 use crate::integrator::event::dynamics::{ContactVariables, ROWS};
-use crate::integrator::event::integration::location::{LEAST, closed_gap};
+use crate::integrator::event::integration::location::closed_gap;
 use crate::integrator::event::integration::variables::{Ending, Integration};
-use crate::integrator::event::state::{EvaluationError, State};
+use crate::integrator::event::state::{EvaluationError, LEAST, State};
 use crate::vectors::{largest, norm};
 
 impl Integration<'_> {

@@ -1,0 +1,6 @@
+//! Contact problems, their solvers and solutions.
+
+pub mod delassus;
+pub mod outcome;
+pub mod problem;
+pub mod solver;

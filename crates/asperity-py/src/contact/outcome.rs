@@ -1,0 +1,179 @@
+//! What a solve found; arrays are made when Python asks for them.
+
+use std::sync::Arc;
+
+use asperity::contact::{ContactProblem, Memory, NormalForce};
+use asperity::solver::{
+    CaseState, Certificate, Infeasibility, SolveReport, Stage, Status, Unsolvable, Workspace,
+};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors::Failure;
+
+/// A solution with its report.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct Outcome {
+    problem: Arc<ContactProblem>,
+    memory: Memory,
+    velocity: Vec<f64>,
+    ambiguous: Vec<bool>,
+    stages: Vec<Stage>,
+    infeasibility: Option<Infeasibility>,
+    report: SolveReport,
+}
+
+impl Outcome {
+    pub fn new(
+        problem: Arc<ContactProblem>,
+        memory: Memory,
+        workspace: &Workspace,
+        report: SolveReport,
+    ) -> Self {
+        // The rest of the workspace, factors above all, is not kept.
+        let (velocity, ambiguous) = (workspace.velocity().to_vec(), workspace.ambiguous().to_vec());
+        let (stages, infeasibility) =
+            (workspace.stages().to_vec(), workspace.infeasibility().cloned());
+        Self { problem, memory, velocity, ambiguous, stages, infeasibility, report }
+    }
+}
+
+/// An array that refuses writing.
+fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
+    let array = PyArray1::from_vec(py, values);
+    let _ = array.readwrite().make_nonwriteable();
+    array
+}
+
+/// The state of a contact in a case: its name, or the angles of a sector of slip directions.
+fn state<'py>(py: Python<'py>, state: &CaseState) -> PyResult<Bound<'py, PyAny>> {
+    match state {
+        CaseState::Slip { from, to } => Ok((*from, *to).into_pyobject(py)?.into_any()),
+        other => Ok(other.name().into_pyobject(py)?.into_any()),
+    }
+}
+
+/// A proof that there is no solution as a dictionary.
+fn proven<'py>(py: Python<'py>, proof: &Infeasibility) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("kind", proof.kind.name())?;
+    out.set_item("contact", proof.contact)?;
+    out.set_item("direction", array(py, proof.direction.clone()))?;
+    out.set_item("closing_velocity", proof.closing_velocity)?;
+    out.set_item("residual", proof.residual)?;
+    let cases = proof.cases.iter().map(|case| {
+        let states: PyResult<Vec<_>> = case.states.iter().map(|s| state(py, s)).collect();
+        Ok((states?, array(py, case.direction.clone())))
+    });
+    out.set_item("cases", cases.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(out)
+}
+
+/// Most rows of a problem without solution that is handed over with its operator, every entry of it.
+const LARGEST: usize = 1000;
+
+/// A contact problem of a motion without solution: its numbers, the system's contacts in it, and the proof.
+pub fn without_solution<'py>(
+    py: Python<'py>,
+    unsolvable: &Unsolvable,
+) -> PyResult<Bound<'py, PyDict>> {
+    let Unsolvable { problem, contacts, infeasibility } = unsolvable;
+    let normal_force = problem.contacts().iter().map(|rows| match rows.normal {
+        NormalForce::Prescribed(value) => Some(value),
+        NormalForce::Unilateral => None,
+    });
+    let out = PyDict::new(py);
+    if problem.rows() <= LARGEST {
+        // Rows follow each other in Python.
+        let operator = problem.delassus().to_dense();
+        let entries = PyArray1::from_slice(py, operator.transpose().as_slice());
+        out.set_item("delassus", entries.reshape(operator.shape())?)?;
+    }
+    out.set_item("free_velocity", array(py, unsolvable.load()))?;
+    out.set_item("contacts", contacts.clone())?;
+    out.set_item("normal_force", normal_force.collect::<Vec<_>>())?;
+    out.set_item("infeasibility", proven(py, infeasibility)?)?;
+    Ok(out)
+}
+
+#[pymethods]
+impl Outcome {
+    #[getter]
+    fn percussion<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        array(py, self.memory.percussion.clone())
+    }
+
+    #[getter]
+    fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        array(py, self.velocity.clone())
+    }
+
+    #[getter]
+    fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        array(py, self.memory.states.iter().map(|state| state.phase as i64).collect())
+    }
+
+    #[getter]
+    fn ambiguous_contacts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        array(py, self.ambiguous.clone())
+    }
+
+    #[getter]
+    fn converged(&self) -> bool {
+        self.report.status == Status::Converged
+    }
+
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.report.status.name()
+    }
+
+    #[getter]
+    fn residual(&self) -> f64 {
+        self.report.residual
+    }
+
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.report.iterations
+    }
+
+    #[getter]
+    fn worst_contact(&self) -> usize {
+        self.report.worst_contact
+    }
+
+    #[getter]
+    fn stages(&self) -> Vec<(&'static str, usize, usize, f64)> {
+        let stages = self.stages.iter();
+        stages.map(|s| (s.method.name(), s.iterations, s.factorizations, s.residual)).collect()
+    }
+
+    #[getter]
+    fn infeasibility<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        self.infeasibility.as_ref().map(|proof| proven(py, proof)).transpose()
+    }
+
+    #[getter]
+    fn certificate<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
+        let found = Certificate::new(&self.problem, &self.memory.percussion)?;
+        Ok(certified(py, &found)?)
+    }
+}
+
+/// A certificate as a dictionary.
+pub fn certified<'py>(py: Python<'py>, found: &Certificate) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("worst_contact", found.worst_contact)?;
+    out.set_item("natural_map", found.natural_map)?;
+    out.set_item("penetration_velocity", found.penetration_velocity)?;
+    out.set_item("complementarity", found.complementarity)?;
+    out.set_item("tension", found.tension)?;
+    out.set_item("cone_violation", found.cone_violation)?;
+    out.set_item("direction_violation", found.direction_violation)?;
+    for (name, count) in ["open", "stick", "slip"].into_iter().zip(found.phases) {
+        out.set_item(name, count)?;
+    }
+    Ok(out)
+}

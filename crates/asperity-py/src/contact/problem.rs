@@ -1,0 +1,137 @@
+//! Contact problems and their solvers.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
+use asperity::solver::{self, Certificate, Measure, Stop, Workspace};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::delassus::Operator;
+use super::outcome::{Outcome, certified};
+use super::solver::Solver;
+use crate::convert::{Numbers, numbers};
+use crate::errors::{Failure, dimension, parameter};
+use crate::interrupt::asked;
+use crate::law::Law;
+
+/// A contact problem.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct Problem(pub Arc<ContactProblem>);
+
+#[pymethods]
+impl Problem {
+    #[new]
+    fn new(
+        delassus: Operator<'_>,
+        free_velocity: Numbers<'_>,
+        laws: Vec<Bound<'_, Law>>,
+        normal_force: Vec<Option<f64>>,
+        normal_restitution: Numbers<'_>,
+        tangential_restitution: Numbers<'_>,
+        initial_velocity: Numbers<'_>,
+    ) -> Result<Self, Failure> {
+        if normal_force.len() != laws.len() {
+            return Err(dimension("normal_force", "must have one entry per law").into());
+        }
+        let sizes: Vec<usize> = laws
+            .iter()
+            .zip(&normal_force)
+            .map(|(law, force)| law.get().0.dimension() + usize::from(force.is_none()))
+            .collect();
+        let contacts = laws.iter().zip(&normal_force).map(|(law, force)| {
+            let normal = force.map_or(NormalForce::Unilateral, NormalForce::Prescribed);
+            (law.get().0.clone(), normal)
+        });
+        let free = numbers(&free_velocity, "free_velocity")?.to_vec();
+        let problem = ContactProblem::new(delassus.into_delassus(&sizes)?, free, contacts)?;
+        Ok(Self(Arc::new(problem.with_restitution(
+            numbers(&normal_restitution, "normal_restitution")?,
+            numbers(&tangential_restitution, "tangential_restitution")?,
+            numbers(&initial_velocity, "initial_velocity")?,
+        )?)))
+    }
+
+    fn solve<'py>(
+        &self,
+        py: Python<'py>,
+        solver: &Solver,
+        tolerance: f64,
+        time_limit: Option<f64>,
+        start: Option<(Numbers<'py>, Vec<i8>, Numbers<'py>)>,
+        measure: &str,
+    ) -> Result<Outcome, Failure> {
+        let problem = &*self.0;
+        let measure = match measure {
+            "contact" => Measure::Contact,
+            "global" => Measure::Global,
+            _ => return Err(parameter("measure", "must be contact or global").into()),
+        };
+        let mut memory = match start {
+            None => Memory::new(problem.rows(), problem.contacts().len()),
+            Some((percussion, phases, velocity)) => {
+                let phases = phases.into_iter().map(|k| Phase::from_number(k).unwrap_or_default());
+                let percussion = numbers(&percussion, "start")?;
+                let velocity = numbers(&velocity, "start")?;
+                Memory::from_solution(problem, percussion, velocity, phases)?
+            }
+        };
+        let mut workspace = Workspace::default();
+        let report = asked(py, |cancelled| {
+            // A limit beyond the range of the clock is none.
+            let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
+            let mut stop = Stop::at(tolerance).with_measure(measure).unless(cancelled);
+            stop.deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
+            solver.0.solve(problem, stop, &mut memory, &mut workspace)
+        })?;
+        Ok(Outcome::new(Arc::clone(&self.0), memory, &workspace, report))
+    }
+
+    fn natural_map(&self, percussion: Numbers<'_>) -> Result<f64, Failure> {
+        let percussion = numbers(&percussion, "percussion")?;
+        let velocity = self.0.velocities(percussion)?;
+        Ok(solver::natural_map(&self.0, percussion, &velocity)?)
+    }
+
+    fn certificate<'py>(
+        &self,
+        py: Python<'py>,
+        percussion: Numbers<'_>,
+    ) -> Result<Bound<'py, PyDict>, Failure> {
+        let percussion = numbers(&percussion, "percussion")?;
+        Ok(certified(py, &Certificate::new(&self.0, percussion)?)?)
+    }
+
+    fn spectrum(&self, py: Python<'_>) -> Result<(f64, f64), Failure> {
+        Ok(py.detach(|| self.0.delassus().spectrum())?)
+    }
+
+    fn residual(&self, percussion: Numbers<'_>) -> Result<(f64, usize), Failure> {
+        let percussion = numbers(&percussion, "percussion")?;
+        let velocity = self.0.velocities(percussion)?;
+        let residual = solver::natural_residual(&self.0, percussion, &velocity)?;
+        Ok((residual.value, residual.worst_contact))
+    }
+
+    fn solutions<'py>(
+        &self,
+        py: Python<'py>,
+        contact: usize,
+        percussion: Numbers<'_>,
+    ) -> Result<Vec<Bound<'py, PyDict>>, Failure> {
+        let found = solver::solutions(&self.0, contact, numbers(&percussion, "percussion")?)?;
+        found
+            .into_iter()
+            .map(|solution| {
+                let out = PyDict::new(py);
+                out.set_item("phase", solution.phase as i64)?;
+                out.set_item("percussion", PyArray1::from_vec(py, solution.percussion))?;
+                out.set_item("velocity", PyArray1::from_vec(py, solution.velocity))?;
+                out.set_item("degenerate", solution.degenerate)?;
+                Ok(out)
+            })
+            .collect()
+    }
+}

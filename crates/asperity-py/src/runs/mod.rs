@@ -1,0 +1,5 @@
+//! Both integrators.
+
+pub mod event;
+mod samples;
+pub mod simulate;

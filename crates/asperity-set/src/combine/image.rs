@@ -1,0 +1,156 @@
+//! Linear images of sets.
+
+use crate::numeric::vectors::{along, cast, quarter_turn};
+use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, error::SIZES, project};
+
+/// The image `{A x : x ∈ S}` under a regular map: `k(x) = k_S(A⁻¹x)`, `h(y) = h_S(Aᵀy)`
+/// (\[WL19\] (9)).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image<S, const P: usize> {
+    set: S,
+    map: Matrix<P>,
+    inverse: Matrix<P>,
+    /// The factor `c` if the map is `c` times a rotation.
+    similarity: Option<f64>,
+}
+
+impl<S: StarSet<P>, const P: usize> Image<S, P> {
+    /// The image of `set` under `map`.
+    ///
+    /// # Errors
+    ///
+    /// [`SetError::SingularMap`] if the map is not finite and regular, [`SetError::Parameter`] if the image has a size that
+    /// none may have.
+    pub fn new(set: S, map: Matrix<P>) -> Result<Self, SetError> {
+        // The determinant of a map of size one is neither too large nor too small for a number.
+        let (unit, size) = (map / map.amax(), map.amax());
+        let inverse = unit
+            .try_inverse()
+            .map(|m| m / size)
+            .filter(|m| m.iter().chain(map.iter()).all(|v| v.is_finite()))
+            .ok_or(SetError::SingularMap)?;
+        let factor = unit.column(0).norm();
+        let rotation = unit / factor;
+        let factor = factor * size;
+        let defect = (rotation.transpose() * rotation - Matrix::identity()).amax();
+        let similarity = (defect <= 4.0 * f64::EPSILON).then_some(factor);
+        // The transpose is the more accurate inverse of a rotation.
+        let inverse = if similarity.is_some() { rotation.transpose() / factor } else { inverse };
+        let image = Self { set, map, inverse, similarity };
+        let ends = (0..P).flat_map(|i| [along(i, 1.0), along(i, -1.0)]);
+        let radii: Vec<f64> = ends.map(|end| 1.0 / image.gauge(&end)).collect();
+        match radii.into_iter().find(|radius| !SIZES.contains(radius)) {
+            Some(value) => {
+                let allowed = "such that the image has a size between 1e-60 and 1e60";
+                Err(SetError::Parameter { argument: "matrix", allowed, value })
+            }
+            None => Ok(image),
+        }
+    }
+}
+
+impl<S, const P: usize> Image<S, P> {
+    /// The set that is mapped.
+    pub fn preimage(&self) -> &S {
+        &self.set
+    }
+
+    /// The linear map.
+    pub fn map(&self) -> &Matrix<P> {
+        &self.map
+    }
+}
+
+impl<const P: usize, S: StarSet<P>> StarSet<P> for Image<S, P> {
+    #[inline]
+    fn gauge(&self, x: &Vector<P>) -> f64 {
+        self.set.gauge(&(self.inverse * x))
+    }
+
+    #[inline]
+    fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
+        let (gauge, gradient) = self.set.gauge_jet(&(self.inverse * x));
+        (gauge, self.inverse.tr_mul(&gradient))
+    }
+
+    fn corners(&self) -> Vec<Vector<P>> {
+        self.set.corners().iter().map(|corner| self.map * corner).collect()
+    }
+}
+
+impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
+    #[inline]
+    fn support_point(&self, y: &Vector<P>) -> Vector<P> {
+        self.map * self.set.support_point(&self.map.tr_mul(y))
+    }
+
+    fn support(&self, y: &Vector<P>) -> f64 {
+        self.set.support(&self.map.tr_mul(y))
+    }
+
+    #[inline]
+    fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        let (point, hessian) = self.set.support_jet(&self.map.tr_mul(y));
+        if hessian.iter().all(|v| v.is_finite()) {
+            return (self.map * point, self.map * hessian * self.map.transpose());
+        }
+        (self.map * point, flat_hessian(y))
+    }
+
+    #[inline]
+    fn support_derivative(&self, y: &Vector<P>, dy: &Vector<P>) -> (Vector<P>, Vector<P>) {
+        let (y, dy) = (self.map.tr_mul(y), self.map.tr_mul(dy));
+        let (point, derivative) = self.set.support_derivative(&y, &dy);
+        (self.map * point, self.map * derivative)
+    }
+
+    fn project(&self, z: &Vector<P>) -> Vector<P> {
+        match self.similarity {
+            Some(_) => {
+                let local = self.inverse * z;
+                let nearest = self.set.project(&local);
+                // A point inside comes back as it is.
+                if nearest == local { *z } else { self.map * nearest }
+            }
+            // In the plane the bracket does not care how skew the map is.
+            None if P <= 2 => project::onto_any(self, z),
+            None => project::onto_image(&self.set, &self.map, &self.inverse, z),
+        }
+    }
+
+    fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
+        match self.similarity {
+            Some(_) => {
+                self.map * self.set.project_from(&(self.inverse * z), &(self.inverse * start))
+            }
+            None => self.project(z),
+        }
+    }
+
+    fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        if self.similarity.is_none() {
+            return project::jet::by_differences(self, z, start);
+        }
+        let local = self.inverse * z;
+        let (nearest, jacobian) = self.set.project_jet(&local, &(self.inverse * start));
+        if nearest == local {
+            return (*z, Matrix::identity());
+        }
+        (self.map * nearest, self.map * jacobian * self.inverse)
+    }
+
+    fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
+        let cone = self.set.normal_cone(&(self.inverse * x), tolerance)?;
+        Some(cone.mapped(&self.inverse.transpose()))
+    }
+}
+
+/// `∞ t tᵀ` across the normal `y`, where the boundary of a planar set is flat.
+fn flat_hessian<const P: usize>(y: &Vector<P>) -> Matrix<P> {
+    if P != 2 {
+        return Matrix::repeat(f64::INFINITY);
+    }
+    let tangent: Vector<P> = cast(&quarter_turn(&cast(&y.normalize())));
+    let dyad = tangent * tangent.transpose();
+    dyad.map(|v| if v.abs() <= 1e-15 { 0.0 } else { v * f64::INFINITY })
+}

@@ -1,0 +1,367 @@
+//! Smooth periodic functions of the polar angle through samples.
+//!
+//! A function `f` of the direction, extended to the plane with degree one, `F(x) = |x| f(arg x)`, is
+//! convex if and only if `f + f″ ≥ 0`. For a support function `f + f″` is the radius of curvature, for a
+//! gauge it is the curvature of the polar set. Here `ρ = f + f″` is continuous and linear between knots,
+//! so that `f` is twice continuously differentiable and its convexity is seen from the knots alone. Between
+//! the knots `i` and `j`, the angle `H` apart, `ρ` itself solves `f + f″ = ρ`, and
+//!
+//! `f(θ) = ρ(θ) + [(f_i − ρ_i) sin(θ_j − θ) + (f_j − ρ_j) sin(θ − θ_i)] / sin H`:
+//!
+//! `F(x) = aᵀx + |x| ρ(arg x)` with a constant vector `a` per piece. Straight lines and corners, where `ρ`
+//! vanishes, are reproduced without error.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use crate::numeric::cyclic::Cyclic;
+use crate::numeric::vectors::{cross, quarter_turn};
+use crate::{SetError, Vector};
+
+/// Samples closer than this count as one.
+const SMALLEST_STEP: f64 = 1e-9;
+/// Samples farther apart than this, nearly half a turn, leave the set open.
+const LARGEST_STEP: f64 = 3.0;
+/// Fewest samples.
+const FEWEST: usize = 4;
+
+/// A piece from one knot to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Piece {
+    /// Direction of the first knot.
+    start: Vector<2>,
+    /// `ρ` at the first knot and its slope.
+    rho: f64,
+    slope: f64,
+    /// `F(x) = aᵀx + |x| ρ`.
+    linear: Vector<2>,
+}
+
+/// See the module page.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PeriodicCurve {
+    pieces: Arc<[Piece]>,
+    /// For each bin of `diamond(x)` the last piece that starts before it.
+    bins: Arc<[u32]>,
+    /// The smallest `ρ` and the direction of its knot.
+    lowest: (f64, Vector<2>),
+    /// Directions of the samples where the slope jumps.
+    corners: Arc<[Vector<2>]>,
+}
+
+/// Value, slope and `f + f″` in a direction.
+pub(crate) struct CurveJet {
+    /// `|x| f`.
+    pub(crate) value: f64,
+    /// `∇F`.
+    pub(crate) gradient: Vector<2>,
+    /// `f + f″`.
+    pub(crate) rho: f64,
+}
+
+/// Angles and values, as they were given.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Samples {
+    angle: Arc<[f64]>,
+    value: Arc<[f64]>,
+}
+
+impl Samples {
+    pub(crate) fn new(angle: &[f64], value: &[f64]) -> Self {
+        Self { angle: angle.into(), value: value.into() }
+    }
+
+    pub(crate) fn as_slices(&self) -> (&[f64], &[f64]) {
+        (&self.angle, &self.value)
+    }
+}
+
+impl PeriodicCurve {
+    /// The curve through positive samples at angles in rad, in any order, within one turn.
+    ///
+    /// Where the samples are those of a convex `F`, so is the curve. If that cannot be had with a continuous
+    /// `ρ` (a corner beside a flat), or if the curve would swing far beyond the samples, the slope jumps at the
+    /// samples concerned.
+    pub(crate) fn new(
+        angle: &[f64],
+        value: &[f64],
+        argument: &'static str,
+    ) -> Result<Self, SetError> {
+        let (angle, value) = sorted(angle, value, argument)?;
+        let (jump, rounding) = jumps(&angle, &value);
+        let convex = jump.iter().zip(&rounding).all(|(jump, error)| jump >= &-error);
+        let n = angle.len();
+        let mut corner = vec![false; n];
+        loop {
+            let mut rho = solve(&angle, &jump, &corner);
+            let mut faults = overshoots(&angle, &value, &rho, &corner);
+            if convex {
+                // In a dent ρ, or the jump at a corner, takes back what the neighbours bring.
+                let least = |i: usize| if corner[i] { -rounding[i] } else { 0.0 };
+                faults.extend((0..n).filter(|&i| rho[i] < least(i)));
+            }
+            let around = |i: &usize| [(i + n - 1) % n, *i, (i + 1) % n];
+            faults.retain(|i| around(i).iter().any(|&j| !corner[j]));
+            if faults.is_empty() {
+                for i in 0..n {
+                    if corner[i] {
+                        // Within a flat the jump vanishes.
+                        corner[i] = rho[i].abs() > 64.0 * rounding[i];
+                        rho[i] = 0.0;
+                    }
+                }
+                return Ok(Self::from_samples(&angle, &value, &rho, &corner));
+            }
+            faults.iter().flat_map(around).for_each(|j| corner[j] = true);
+        }
+    }
+
+    fn from_samples(angle: &[f64], value: &[f64], rho: &[f64], corner: &[bool]) -> Self {
+        let (n, step) = (angle.len(), steps(angle));
+        let direction = |i: usize| Vector::<2>::new(angle[i].cos(), angle[i].sin());
+        let pieces: Arc<[Piece]> = (0..n)
+            .map(|i| {
+                let j = (i + 1) % n;
+                // cross(x, e_j) = |x| sin(θ_j − θ).
+                let first = -quarter_turn(&direction(j)) * (value[i] - rho[i]);
+                let second = quarter_turn(&direction(i)) * (value[j] - rho[j]);
+                let linear = (first + second) / step[i].sin();
+                Piece {
+                    start: direction(i),
+                    rho: rho[i],
+                    slope: (rho[j] - rho[i]) / step[i],
+                    linear,
+                }
+            })
+            .collect();
+        // Samples rise from angle 0 on, and so do their diamond angles.
+        let count = 4 * n.next_power_of_two();
+        let bins = (0..count)
+            .map(|k| {
+                let turn = 4.0 * k as f64 / count as f64;
+                let started = pieces.partition_point(|p| diamond(&p.start) <= turn);
+                if started == 0 { n as u32 - 1 } else { started as u32 - 1 }
+            })
+            .collect();
+        let lowest = (0..n).min_by(|&a, &b| rho[a].total_cmp(&rho[b])).unwrap_or(0);
+        let lowest = (rho[lowest], direction(lowest));
+        let corners = (0..n).filter(|&i| corner[i]).map(direction).collect();
+        Self { pieces, bins, lowest, corners }
+    }
+
+    /// Directions in which the gradient jumps.
+    pub(crate) fn corners(&self) -> &[Vector<2>] {
+        &self.corners
+    }
+
+    /// The gradients on pieces where `F` is linear, one for each run of such pieces.
+    pub(crate) fn linear_parts(&self) -> Vec<Vector<2>> {
+        let mut found: Vec<Vector<2>> = Vec::new();
+        for piece in self.pieces.iter().filter(|p| p.rho == 0.0 && p.slope == 0.0) {
+            let new = |x: &Vector<2>| (x - piece.linear).norm() > 1e-9 * piece.linear.norm();
+            if found.iter().all(new) {
+                found.push(piece.linear);
+            }
+        }
+        found
+    }
+
+    /// The smallest `f + f″` and its direction: the curve is convex if it is not negative.
+    pub(crate) fn lowest(&self) -> (f64, Vector<2>) {
+        self.lowest
+    }
+
+    /// The piece that holds the direction of `x`, and the angle from its first knot.
+    #[inline]
+    fn piece(&self, x: &Vector<2>) -> (&Piece, f64) {
+        let n = self.pieces.len();
+        let bin = (diamond(x) * (0.25 * self.bins.len() as f64)) as usize;
+        let mut at = self.bins[bin.min(self.bins.len() - 1)] as usize;
+        // Bins are finer than the mean piece: seldom more than one step.
+        for _ in 0..n {
+            let next = if at + 1 == n { 0 } else { at + 1 };
+            let start = &self.pieces[next].start;
+            if cross(start, x) < 0.0 {
+                break;
+            }
+            at = next;
+        }
+        let piece = &self.pieces[at];
+        let angle = cross(&piece.start, x).atan2(piece.start.dot(x));
+        (piece, angle)
+    }
+
+    /// `F(x)`.
+    #[inline]
+    pub(crate) fn value(&self, x: &Vector<2>) -> f64 {
+        let (piece, angle) = self.piece(x);
+        piece.linear.dot(x) + x.norm() * (piece.rho + piece.slope * angle)
+    }
+
+    /// `F`, its gradient and `f + f″`, for `x ≠ 0`.
+    #[inline]
+    pub(crate) fn jet(&self, x: &Vector<2>) -> CurveJet {
+        let (piece, angle) = self.piece(x);
+        let norm = x.norm();
+        let unit = x / norm;
+        let rho = piece.rho + piece.slope * angle;
+        let gradient = piece.linear + unit * rho + quarter_turn(&unit) * piece.slope;
+        CurveJet { value: piece.linear.dot(x) + norm * rho, gradient, rho }
+    }
+}
+
+/// A monotone measure of the polar angle in `[0, 4)` without trigonometry.
+#[inline]
+pub(crate) fn diamond(x: &Vector<2>) -> f64 {
+    let along = x.x / (x.x.abs() + x.y.abs());
+    if x.y >= 0.0 { 1.0 - along } else { 3.0 + along }
+}
+
+/// Samples by rising angle in `[0, 2π)`, checked.
+fn sorted(
+    angle: &[f64],
+    value: &[f64],
+    argument: &'static str,
+) -> Result<(Vec<f64>, Vec<f64>), SetError> {
+    let shape = |argument, message: String| Err(SetError::Shape { argument, message });
+    if angle.len() != value.len() {
+        return shape(argument, format!("must have one entry per angle ({})", angle.len()));
+    }
+    if angle.len() < FEWEST {
+        return shape("angle", format!("must hold at least {FEWEST} angles, has {}", angle.len()));
+    }
+    if let Some(bad) = angle.iter().find(|a| !a.is_finite()) {
+        return shape("angle", format!("must be finite, holds {bad}"));
+    }
+    if let Some(bad) = value.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
+        return shape(argument, format!("must be finite and positive, holds {bad}"));
+    }
+    let mut pairs: Vec<(f64, f64)> =
+        angle.iter().map(|a| a.rem_euclid(TAU)).zip(value.iter().copied()).collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let n = pairs.len();
+    for i in 0..n {
+        let (at, next) = (pairs[i].0, pairs[(i + 1) % n].0);
+        let step = (next - at).rem_euclid(TAU);
+        if !(SMALLEST_STEP..=TAU - SMALLEST_STEP).contains(&step) {
+            return shape("angle", format!("must not hold the same direction twice ({at} rad)"));
+        }
+        if step > LARGEST_STEP {
+            let message =
+                format!("must leave no gap above {LARGEST_STEP} rad, has one after {at} rad");
+            return shape("angle", message);
+        }
+    }
+    Ok(pairs.into_iter().unzip())
+}
+
+/// Steps to the next knot.
+fn steps(angle: &[f64]) -> Vec<f64> {
+    let n = angle.len();
+    (0..n).map(|i| (angle[(i + 1) % n] - angle[i]).rem_euclid(TAU)).collect()
+}
+
+/// `(f_j − f_i cos h)/sin h` without cancellation at small `h`.
+fn side(f_j: f64, f_i: f64, h: f64) -> f64 {
+    ((f_j - f_i) + 2.0 * f_i * (0.5 * h).sin().powi(2)) / h.sin()
+}
+
+/// The jump of the slope at every sample if `ρ` vanished between them, and its rounding error. The samples
+/// are those of a convex `F` if and only if no jump is negative.
+fn jumps(angle: &[f64], value: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (n, step) = (angle.len(), steps(angle));
+    let largest = value.iter().copied().fold(0.0, f64::max);
+    let at = |i: usize| {
+        let (before, after) = ((i + n - 1) % n, (i + 1) % n);
+        let jump =
+            side(value[before], value[i], step[before]) + side(value[after], value[i], step[i]);
+        (jump, 16.0 * f64::EPSILON * largest * (1.0 / step[before] + 1.0 / step[i]))
+    };
+    (0..n).map(at).unzip()
+}
+
+/// Samples after which the curve swings far beyond its neighbours: below half the smaller value, or half
+/// as much again above the larger one and the straight line between them.
+fn overshoots(angle: &[f64], value: &[f64], rho: &[f64], corner: &[bool]) -> Vec<usize> {
+    let (n, step) = (angle.len(), steps(angle));
+    let own = |i: usize| if corner[i] { 0.0 } else { rho[i] };
+    let swings = |i: usize| {
+        let (j, h) = ((i + 1) % n, step[i]);
+        let between = |at: f64, first: f64, last: f64| {
+            (first * ((1.0 - at) * h).sin() + last * (at * h).sin()) / h.sin()
+        };
+        [0.2, 0.4, 0.6, 0.8].iter().any(|&at| {
+            let particular = own(i) * (1.0 - at) + own(j) * at;
+            let curve = particular + between(at, value[i] - own(i), value[j] - own(j));
+            let highest = value[i].max(value[j]).max(between(at, value[i], value[j]));
+            curve < 0.5 * value[i].min(value[j]) || curve > 1.5 * highest
+        })
+    };
+    (0..n).filter(|&i| swings(i)).collect()
+}
+
+/// `ρ` at the samples, or the jump of the slope where there is a corner.
+///
+/// With the hat functions `ρ` is made of, the slope is continuous at sample `i` if
+/// `Σ_j ρ_j (1/sin h_ij − 1/h_ij) + ρ_i Σ_j (1/h_ij − cot h_ij)` is the jump without `ρ`, with the sums over both
+/// neighbours.
+fn solve(angle: &[f64], jump: &[f64], corner: &[bool]) -> Vec<f64> {
+    let (n, step) = (angle.len(), steps(angle));
+    let mut system = Cyclic::zeros(n);
+    for i in 0..n {
+        system.right[i] = jump[i];
+        let (before, after) = ((i + n - 1) % n, (i + 1) % n);
+        for (j, h) in [(before, step[before]), (after, step[i])] {
+            system.add(i, i, if corner[i] { 0.5 } else { cotangent_defect(h) });
+            if !corner[j] {
+                system.add(i, j, sine_defect(h));
+            }
+        }
+    }
+    system.solve()
+}
+
+/// `1/sin h − 1/h`.
+fn sine_defect(h: f64) -> f64 {
+    if h < 1e-2 { h / 6.0 + 7.0 * h.powi(3) / 360.0 } else { 1.0 / h.sin() - 1.0 / h }
+}
+
+/// `1/h − cot h`.
+fn cotangent_defect(h: f64) -> f64 {
+    if h < 1e-2 { h / 3.0 + h.powi(3) / 45.0 } else { 1.0 / h - h.tan().recip() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Data with flats and corners stay convex, at every knot and between.
+    #[test]
+    fn convexity_of_the_data_is_kept() {
+        for n in [7, 12, 40, 360] {
+            for start in [0.0, 0.013, 3.0] {
+                let angle: Vec<f64> = (0..n)
+                    .map(|i| {
+                        start + TAU * (f64::from(i) + 0.3 * f64::sin(f64::from(i))) / f64::from(n)
+                    })
+                    .collect();
+                let square = |t: &f64| t.cos().abs() + t.sin().abs();
+                let value: Vec<f64> = angle.iter().map(square).collect();
+                let curve = PeriodicCurve::new(&angle, &value, "value").unwrap();
+                assert!(curve.lowest().0 >= 0.0);
+                for (angle, value) in angle.iter().zip(&value) {
+                    let x = Vector::<2>::new(angle.cos(), angle.sin());
+                    assert!((curve.value(&x) - value).abs() < 1e-12, "{n} {start} {angle}");
+                }
+                for k in 0..5000 {
+                    let t = f64::from(k) / 5000.0 * TAU;
+                    let at = |t: f64| curve.jet(&Vector::<2>::new(t.cos(), t.sin()));
+                    let (here, there) = (at(t), at(t + 1e-3));
+                    assert!(here.rho >= 0.0);
+                    // Gradients of a convex function turn with the direction.
+                    assert!(cross(&here.gradient, &there.gradient) >= -1e-12, "{n} {start} {t}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! How large a set fits inside another.
+
+use crate::numeric::vectors::along;
+use crate::{Cancelled, ConvexSet, StarSet, Vector, directions};
+
+/// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
+///
+/// In the plane the boundary is scanned and every local maximum refined; in space the maxima are
+/// climbed from many directions.
+pub fn largest_scale_inside<const P: usize>(
+    inner: &dyn ConvexSet<P>,
+    outer: &dyn StarSet<P>,
+) -> f64 {
+    let largest = match P {
+        1 => [1.0, -1.0].map(|s| outer.gauge(&inner.support_point(&Vector::repeat(s)))),
+        2 => [climb(inner, outer), largest_ratio(outer, inner).0],
+        _ => [climb(inner, outer), f64::NEG_INFINITY],
+    };
+    1.0 / largest[0].max(largest[1])
+}
+
+/// The largest ratio of two gauges over all directions, `max k_a(x)/k_b(x)`, and a unit direction that has
+/// it: `b` scaled by the reciprocal lies inside `a` and touches it there.
+pub fn largest_ratio<const P: usize>(a: &dyn StarSet<P>, b: &dyn StarSet<P>) -> (f64, Vector<P>) {
+    largest_ratio_unless(a, b, &|| false)
+}
+
+/// The same, unless `cancelled` gives it up, which is asked between evaluations of gauges: the ratio then says nothing.
+pub fn largest_ratio_unless<const P: usize>(
+    a: &dyn StarSet<P>,
+    b: &dyn StarSet<P>,
+    cancelled: Cancelled<'_>,
+) -> (f64, Vector<P>) {
+    // With nothing to gain anywhere every search ends after a few more moves.
+    let ratio = |d: &Vector<P>| {
+        if cancelled() { f64::NEG_INFINITY } else { a.gauge(d) / b.gauge(d) }
+    };
+    let mut around = directions::<P>(if P == 3 { 4000 } else { 2880 });
+    let own = around.len();
+    around.extend(a.corners().into_iter().chain(b.corners()));
+    let values: Vec<f64> = around.iter().map(ratio).collect();
+    // Of equidistant angles only those with lower neighbours.
+    let is_peak = |i: usize| {
+        let neighbours = [(i + own - 1) % own, (i + 1) % own];
+        P != 2 || i >= own || neighbours.iter().all(|&j| values[i] >= values[j])
+    };
+    let mut ranked: Vec<(f64, Vector<P>)> =
+        (0..around.len()).filter(|&i| is_peak(i)).map(|i| (values[i], around[i])).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.truncate(24);
+    let refined = ranked.into_iter().map(|(value, d)| search(&ratio, value, d));
+    let largest = refined.max_by(|p, q| p.0.total_cmp(&q.0));
+    largest.unwrap_or((f64::NEG_INFINITY, Vector::zeros()))
+}
+
+/// Largest gauge of `outer` on `inner`: from many directions, `x ← inner.support_point(∇k_outer(x))`,
+/// which never descends for a convex `outer`, then a search that shrinks around the best points.
+fn climb<const P: usize>(inner: &dyn ConvexSet<P>, outer: &dyn StarSet<P>) -> f64 {
+    let on_boundary = |direction: &Vector<P>| direction / inner.gauge(direction);
+    let mut starts: Vec<Vector<P>> = directions::<P>(if P == 2 { 720 } else { 4000 });
+    starts.extend(inner.corners());
+    starts.extend(outer.corners());
+    let mut ranked: Vec<(f64, Vector<P>)> = starts
+        .iter()
+        .flat_map(|d| [on_boundary(d), inner.support_point(d)])
+        .map(|x| (outer.gauge(&x), x))
+        .collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.truncate(12);
+    let climbed = ranked.iter().map(|(value, x)| {
+        let (mut best, mut at) = (*value, *x);
+        for _ in 0..50 {
+            let next = inner.support_point(&outer.gauge_jet(&at).1);
+            let gauge = outer.gauge(&next);
+            if !(gauge > best) {
+                break;
+            }
+            (best, at) = (gauge, next);
+        }
+        search(&|d| outer.gauge(&on_boundary(d)), best, at).0
+    });
+    climbed.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Moves of one length before a shorter one is tried.
+const MOVES: usize = 30;
+
+/// Local maximum over directions around `at` by a pattern of shrinking steps.
+fn search<const P: usize>(
+    value: &dyn Fn(&Vector<P>) -> f64,
+    best: f64,
+    at: Vector<P>,
+) -> (f64, Vector<P>) {
+    let (mut best, mut at, mut step, mut moves) = (best, at.normalize(), 0.02, 0);
+    while step > 1e-13 {
+        let mut moved = false;
+        for i in 0..2 * P {
+            let trial = at + along(i / 2, if i % 2 == 0 { step } else { -step });
+            let gauge = value(&trial);
+            if gauge > best {
+                (best, at, moved) = (gauge, trial.normalize(), true);
+            }
+        }
+        // On rounding errors there is always a way up.
+        moves += 1;
+        if !moved || moves > MOVES {
+            (step, moves) = (0.5 * step, 0);
+        }
+    }
+    (best, at)
+}

@@ -1,0 +1,72 @@
+"""A part on a conveyor that is shaken obliquely goes where friction and shaking agree on.
+
+The tray swings along a line that rises at 20°. Its surface has grooves: friction is stronger
+across them than along them. How fast the part is carried, and how far off the direction of
+shaking, depends on the angle between the two.
+
+Run: python vibratory_conveyor.py conveyor.png
+"""
+
+import sys
+
+import asperity as asp
+import numpy as np
+
+FREQUENCY, AMPLITUDE, RISE = 50.0, 0.3e-3, np.deg2rad(20.0)
+PERIODS, SETTLING = 20, 8
+ACROSS, ALONG = 0.5, 0.2
+LAW = asp.FrictionLaw.associated(asp.Ellipse(ACROSS, ALONG))
+
+
+def carried(grooves):
+    """Return the motion of a part on a tray with grooves at an angle to the shaking, along x."""
+    stroke = AMPLITUDE * np.array([np.cos(RISE), 0.0, np.sin(RISE)])
+    # From the lowest point of the swing on.
+    shaking = asp.Sine(stroke, FREQUENCY, phase=np.full(3, -np.pi / 2))
+    across = (np.sin(grooves), -np.cos(grooves), 0.0)
+    tray = asp.Plane(axis=across, motion=asp.PlaneMotion(displacement=shaking))
+    part = asp.Body.ball(0.01, 0.005, position=-stroke)
+    contact = asp.PointPlane(0, (0.0, 0.0, 0.0), tray, LAW)
+    system = asp.RigidBodies([part], [contact])
+    return asp.integrate(system, t_end=PERIODS / FREQUENCY, dt=0.05 / FREQUENCY)
+
+
+angles = np.deg2rad(np.linspace(0.0, 180.0, 25))
+motions = [carried(angle) for angle in angles]
+settled = round(SETTLING / 0.05)
+time = (PERIODS - SETTLING) / FREQUENCY
+transport = np.array([(m.q[-1, :2] - m.q[settled, :2]) / time for m in motions])
+speed = np.linalg.norm(transport, axis=1)
+astray = np.rad2deg(np.arctan2(transport[:, 1], transport[:, 0]))
+
+flights = np.mean([np.mean(m.phase[settled:, 0] == asp.Phase.OPEN) for m in motions])
+for name, k in (("along", 0), ("at 45° to", 6), ("across", 12)):
+    off = astray[k].round(1) + 0.0
+    print(f"grooves {name} the shaking: {1e3 * speed[k]:.1f} mm/s, {off:.1f}° off")
+print(f"the part flies for {100 * flights:.0f} % of the time")
+
+with asp.plot.style():
+    import matplotlib.pyplot as plt
+
+    figure = plt.figure(figsize=(9.0, 4.2), layout="constrained")
+    grid = figure.add_gridspec(2, 2)
+    paths = figure.add_subplot(grid[:, 0])
+    fast = figure.add_subplot(grid[0, 1])
+    aside = figure.add_subplot(grid[1, 1], sharex=fast)
+for k in (2, 6, 12, 18, 22):
+    x, y = 1e3 * motions[k].q[:, :2].T
+    paths.plot(x, y)
+    paths.annotate(f" {np.rad2deg(angles[k]):.0f}°", (x[-1], y[-1]), va="center")
+paths.set(xlabel="along the shaking in mm", ylabel="across it in mm")
+paths.set_title("paths, by the angle of the grooves")
+paths.margins(x=0.12)
+paths.set_aspect("equal", adjustable="datalim")
+fast.plot(np.rad2deg(angles), 1e3 * speed)
+fast.set_ylabel("speed in mm/s")
+fast.set_ylim(0.0)
+fast.tick_params(labelbottom=False)
+aside.plot(np.rad2deg(angles), astray)
+aside.set_ylabel("degrees off the shaking")
+aside.set_xlabel("angle from the shaking to the grooves in degrees")
+aside.set_xticks(np.arange(0.0, 181.0, 30.0))
+asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "vibratory_conveyor.png")
