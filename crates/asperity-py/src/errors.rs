@@ -1,12 +1,11 @@
 //! Errors of the core as the exceptions of `asperity.errors`.
 
-use asperity::ArgumentError;
-use asperity::contact::ProblemError;
 use asperity::event::EvaluationError;
 use asperity::law::LawError;
 use asperity::set::SetError;
 use asperity::stepper::StepError;
 use asperity::system::SystemError;
+use asperity::{ArgumentError, Fault};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -72,23 +71,12 @@ impl From<LawError> for Failure {
     }
 }
 
-impl From<ProblemError> for Failure {
-    fn from(error: ProblemError) -> Self {
-        let argument = error.argument();
-        let text = error.to_string();
-        match error {
-            ProblemError::Length { .. } => {
-                let message = text.strip_prefix(argument).unwrap_or(&text);
-                Self(dimension(argument, message.trim_start_matches(": ")))
-            }
-            _ => Self(split(argument, &text)),
-        }
-    }
-}
-
 impl From<ArgumentError> for Failure {
     fn from(error: ArgumentError) -> Self {
-        Self(parameter(error.argument, &error.message))
+        Self(match error.fault {
+            Fault::Size => dimension(error.argument, &error.message),
+            Fault::Value => parameter(error.argument, &error.message),
+        })
     }
 }
 
@@ -106,7 +94,7 @@ impl From<EvaluationError> for Failure {
 impl From<SystemError> for Failure {
     fn from(error: SystemError) -> Self {
         Self(match error {
-            SystemError::Argument(error) => parameter(error.argument, &error.message),
+            SystemError::Argument(error) => return error.into(),
             SystemError::Rotation { .. } => parameter("dt", &format!("is too long: {error}")),
             // An exception of the user's code comes back as itself.
             SystemError::Foreign(source) => match source.downcast::<PyErr>() {

@@ -2,6 +2,15 @@
 
 use thiserror::Error;
 
+/// What is wrong with an argument.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// The number of its entries, or its shape.
+    Size,
+    /// What stands in it.
+    Value,
+}
+
 /// An argument is not allowed.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{argument}: {message}")]
@@ -11,46 +20,69 @@ pub struct ArgumentError {
     pub argument: &'static str,
     /// What is allowed, and what was given.
     pub message: String,
+    /// What is wrong.
+    pub fault: Fault,
+}
+
+impl ArgumentError {
+    pub(crate) fn new(argument: &'static str, message: impl Into<String>) -> Self {
+        Self { argument, message: message.into(), fault: Fault::Value }
+    }
+
+    /// What must be otherwise than the given number is.
+    pub(crate) fn number(argument: &'static str, allowed: &str, value: f64) -> Self {
+        Self::new(argument, format!("must be {allowed}, got {value}"))
+    }
 }
 
 type Checked<T> = Result<T, ArgumentError>;
 
 /// Refuses an argument.
 pub(crate) fn refuse<T>(argument: &'static str, message: impl Into<String>) -> Checked<T> {
-    Err(ArgumentError { argument, message: message.into() })
+    Err(ArgumentError::new(argument, message))
 }
 
-/// Refuses a number unless it is as it must be.
-fn number(argument: &'static str, value: f64, fits: bool, must: &str) -> Checked<f64> {
-    if fits { Ok(value) } else { refuse(argument, format!("must {must}, got {value}")) }
+/// Refuses a number that is not as it must be.
+pub(crate) fn check(argument: &'static str, value: f64, fits: bool, allowed: &str) -> Checked<f64> {
+    if fits { Ok(value) } else { Err(ArgumentError::number(argument, allowed, value)) }
 }
 
 /// Refuses what is not finite and positive.
 pub(crate) fn positive(argument: &'static str, value: f64) -> Checked<f64> {
-    number(argument, value, value.is_finite() && value > 0.0, "be finite and positive")
+    check(argument, value, value.is_finite() && value > 0.0, "finite and positive")
 }
 
 /// Refuses what is not finite or is negative.
 pub(crate) fn not_negative(argument: &'static str, value: f64) -> Checked<f64> {
-    number(argument, value, value.is_finite() && value >= 0.0, "be finite and not negative")
+    check(argument, value, value.is_finite() && value >= 0.0, "finite and not negative")
 }
 
 /// Refuses what is not a part of one.
 pub(crate) fn part(argument: &'static str, value: f64) -> Checked<f64> {
-    number(argument, value, (0.0..=1.0).contains(&value), "lie in [0, 1]")
+    if (0.0..=1.0).contains(&value) {
+        return Ok(value);
+    }
+    refuse(argument, format!("must lie in [0, 1], got {value}"))
 }
 
 /// Refuses what is not finite.
 pub(crate) fn finite(argument: &'static str, values: &[f64]) -> Checked<()> {
     let other = values.iter().find(|value| !value.is_finite());
-    other.map_or(Ok(()), |&value| number(argument, value, false, "be finite").map(drop))
+    other.map_or(Ok(()), |&value| Err(ArgumentError::number(argument, "finite", value)))
+}
+
+/// Refuses what has not as many entries as expected.
+pub(crate) fn length(argument: &'static str, expected: usize, got: usize) -> Checked<()> {
+    if expected == got {
+        return Ok(());
+    }
+    let message = format!("must have {expected} entries, has {got}");
+    Err(ArgumentError { argument, message, fault: Fault::Size })
 }
 
 /// Refuses what is not as many finite numbers as expected.
 pub(crate) fn entries(argument: &'static str, values: &[f64], expected: usize) -> Checked<()> {
-    if values.len() != expected {
-        return refuse(argument, format!("must have {expected} entries, has {}", values.len()));
-    }
+    length(argument, expected, values.len())?;
     finite(argument, values)
 }
 

@@ -50,7 +50,7 @@
 //! ```
 #![deny(missing_docs, clippy::missing_errors_doc)]
 
-pub use argument::ArgumentError;
+pub use argument::{ArgumentError, Fault};
 pub use asperity_set as set;
 pub use integrator::{event, midpoint as stepper};
 pub use nalgebra;

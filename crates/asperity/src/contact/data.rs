@@ -11,7 +11,8 @@ use serde::de::Error as _;
 use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{BlockMatrix, ContactProblem, Csr, Delassus, Factored, IntoDelassus, ProblemError};
+use super::{BlockMatrix, ContactProblem, Csr, Delassus, Factored, IntoDelassus};
+use crate::argument::{ArgumentError, length, refuse};
 use crate::law::Law;
 
 #[derive(Serialize, Deserialize)]
@@ -57,10 +58,6 @@ struct CsrData {
     values: Vec<f64>,
 }
 
-fn refuse<T>(argument: &'static str, message: &'static str) -> Result<T, ProblemError> {
-    Err(ProblemError::Structure { argument, message })
-}
-
 impl From<&BlockMatrix> for BlockData {
     fn from(blocks: &BlockMatrix) -> Self {
         let contacts = 0..blocks.contacts();
@@ -73,14 +70,11 @@ impl From<&BlockMatrix> for BlockData {
 }
 
 impl TryFrom<BlockData> for BlockMatrix {
-    type Error = ProblemError;
+    type Error = ArgumentError;
 
-    fn try_from(data: BlockData) -> Result<Self, ProblemError> {
+    fn try_from(data: BlockData) -> Result<Self, ArgumentError> {
         let mut blocks = Self::from_pattern(&data.sizes, &data.neighbours)?;
-        let (expected, got) = (blocks.values().len(), data.values.len());
-        if expected != got {
-            return Err(ProblemError::Length { argument: "delassus", expected, got });
-        }
+        length("delassus", blocks.values().len(), data.values.len())?;
         blocks.values_mut().copy_from_slice(&data.values);
         Ok(blocks)
     }
@@ -98,15 +92,15 @@ impl From<&Csr> for CsrData {
 }
 
 impl CsrData {
-    fn csr(self, argument: &'static str) -> Result<Csr, ProblemError> {
+    fn csr(self, argument: &'static str) -> Result<Csr, ArgumentError> {
         Csr::new(argument, self.shape, self.starts, self.indices, self.values)
     }
 }
 
 impl TryFrom<&Delassus> for DelassusData {
-    type Error = ProblemError;
+    type Error = ArgumentError;
 
-    fn try_from(delassus: &Delassus) -> Result<Self, ProblemError> {
+    fn try_from(delassus: &Delassus) -> Result<Self, ArgumentError> {
         Ok(match delassus {
             Delassus::Blocks(blocks) if blocks.is_full() => {
                 let matrix = delassus.to_dense();
@@ -127,7 +121,7 @@ impl TryFrom<&Delassus> for DelassusData {
 }
 
 impl IntoDelassus for DelassusData {
-    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ProblemError> {
+    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ArgumentError> {
         match self {
             DelassusData::Dense { rows } => {
                 let n = rows.len();
@@ -146,9 +140,9 @@ impl IntoDelassus for DelassusData {
 }
 
 impl TryFrom<&ContactProblem> for ProblemData {
-    type Error = ProblemError;
+    type Error = ArgumentError;
 
-    fn try_from(problem: &ContactProblem) -> Result<Self, ProblemError> {
+    fn try_from(problem: &ContactProblem) -> Result<Self, ArgumentError> {
         let (mut laws, mut contacts) = (Vec::<Law>::new(), Vec::new());
         for rows in problem.contacts() {
             let known = laws.iter().rposition(|law| law.is_the_same(&rows.law));
@@ -169,9 +163,9 @@ impl TryFrom<&ContactProblem> for ProblemData {
 }
 
 impl TryFrom<ProblemData> for ContactProblem {
-    type Error = ProblemError;
+    type Error = ArgumentError;
 
-    fn try_from(data: ProblemData) -> Result<Self, ProblemError> {
+    fn try_from(data: ProblemData) -> Result<Self, ArgumentError> {
         let ProblemData { free_velocity, restitution, contacts, laws, delassus } = data;
         let contacts: Option<Vec<_>> = contacts
             .iter()

@@ -1,8 +1,8 @@
 //! What a contact remembers from one solve to the next.
 
-use super::error::check_length;
-use super::{ContactProblem, ProblemError};
+use super::ContactProblem;
 
+use crate::argument::{ArgumentError, length};
 use crate::vectors::dot;
 
 /// What a contact does.
@@ -135,17 +135,17 @@ impl Memory {
     ///
     /// # Errors
     ///
-    /// [`ProblemError::Length`] if there are not as many percussions and velocities as rows and phases as contacts.
+    /// [`ArgumentError`] if there are not as many percussions and velocities as rows and phases as contacts.
     pub fn from_solution(
         problem: &ContactProblem,
         percussion: &[f64],
         velocity: &[f64],
         phases: impl IntoIterator<Item = Phase>,
-    ) -> Result<Self, ProblemError> {
+    ) -> Result<Self, ArgumentError> {
         problem.check_rows("percussion", percussion)?;
         problem.check_rows("velocity", velocity)?;
         let phases: Vec<Phase> = phases.into_iter().collect();
-        check_length("phases", problem.contacts().len(), phases.len())?;
+        length("phases", problem.contacts().len(), phases.len())?;
         let states = problem.contacts().iter().zip(phases).map(|(rows, phase)| {
             let mut slip = [0.0; 3];
             if phase == Phase::Slip {

@@ -4,7 +4,6 @@ mod components;
 #[cfg(feature = "serde")]
 pub mod data;
 mod delassus;
-mod error;
 mod memory;
 mod problem;
 
@@ -12,6 +11,5 @@ pub(crate) use components::Components;
 pub use delassus::{
     BlockMatrix, Csr, Delassus, DelassusOperator, Factored, IntoDelassus, MatrixFree,
 };
-pub use error::ProblemError;
 pub use memory::{ContactState, Memory, Phase};
 pub use problem::{ContactProblem, ContactRows, NormalForce};

@@ -4,8 +4,8 @@ use std::num::NonZeroU64;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::error::{ProblemError, check_finite, check_length};
 use super::{Delassus, IntoDelassus};
+use crate::argument::{ArgumentError, check, finite, length, not_negative, refuse};
 use crate::law::Law;
 
 /// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
@@ -142,36 +142,30 @@ impl ContactProblem {
     ///
     /// # Errors
     ///
-    /// [`ProblemError`] if `free_velocity` or the operator has not one row per row of the contacts, if a number is not
+    /// [`ArgumentError`] if `free_velocity` or the operator has not one row per row of the contacts, if a number is not
     /// finite, a prescribed normal percussion is negative or the diagonal of the operator is not positive, if numbers
     /// are so large that their squares are none, or if a law depends on the sliding speed.
     pub fn new(
         delassus: impl IntoDelassus,
         free_velocity: Vec<f64>,
         contacts: impl IntoIterator<Item = (Law, NormalForce)>,
-    ) -> Result<Self, ProblemError> {
+    ) -> Result<Self, ArgumentError> {
         let (contacts, offset) = number_rows(contacts);
-        check_length("free_velocity", offset, free_velocity.len())?;
+        length("free_velocity", offset, free_velocity.len())?;
         let sizes: Vec<usize> = contacts.iter().map(ContactRows::len).collect();
         let delassus = delassus.into_delassus(&sizes)?;
-        check_finite("delassus", delassus.blocks().values())?;
-        check_finite("free_velocity", &free_velocity)?;
+        finite("delassus", delassus.blocks().values())?;
+        finite("free_velocity", &free_velocity)?;
         for (i, contact) in contacts.iter().enumerate() {
             if contact.law.rate().is_some() {
-                return Err(ProblemError::Rated);
+                let message =
+                    "must not have a factor of the speed; scale the tangential columns of G by it";
+                return refuse("laws", message);
             }
-            if let NormalForce::Prescribed(value) = contact.normal
-                && !(value.is_finite() && value >= 0.0)
-            {
-                let allowed = "finite and not negative";
-                return Err(ProblemError::Value { argument: "normal_force", allowed, value });
-            }
+            not_negative("normal_force", contact.normal.prescribed().unwrap_or(0.0))?;
             for a in 0..contact.len() {
                 let value = delassus.own(i, a, a);
-                if !(value > 0.0) {
-                    let allowed = "positive on its diagonal";
-                    return Err(ProblemError::Value { argument: "delassus", allowed, value });
-                }
+                check("delassus", value, value > 0.0, "positive on its diagonal")?;
             }
         }
         check_sizes(&delassus, &free_velocity, &contacts)?;
@@ -211,20 +205,20 @@ impl ContactProblem {
     ///
     /// # Errors
     ///
-    /// [`ProblemError`] if there are not as many coefficients as contacts and velocities as rows, or if a number is not
+    /// [`ArgumentError`] if there are not as many coefficients as contacts and velocities as rows, or if a number is not
     /// finite or its product too large to be squared.
     pub fn with_restitution(
         mut self,
         normal: &[f64],
         tangential: &[f64],
         initial_velocity: &[f64],
-    ) -> Result<Self, ProblemError> {
-        check_length("normal_restitution", self.contacts.len(), normal.len())?;
-        check_length("tangential_restitution", self.contacts.len(), tangential.len())?;
-        check_length("initial_velocity", self.rows(), initial_velocity.len())?;
-        check_finite("normal_restitution", normal)?;
-        check_finite("tangential_restitution", tangential)?;
-        check_finite("initial_velocity", initial_velocity)?;
+    ) -> Result<Self, ArgumentError> {
+        length("normal_restitution", self.contacts.len(), normal.len())?;
+        length("tangential_restitution", self.contacts.len(), tangential.len())?;
+        length("initial_velocity", self.rows(), initial_velocity.len())?;
+        finite("normal_restitution", normal)?;
+        finite("tangential_restitution", tangential)?;
+        finite("initial_velocity", initial_velocity)?;
         for ((contact, e_n), e_t) in self.contacts.iter().zip(normal).zip(tangential) {
             let own = contact.rows();
             let terms = self.restitution[own.clone()].iter_mut().zip(&initial_velocity[own]);
@@ -232,9 +226,9 @@ impl ContactProblem {
                 *term = velocity * if k < contact.normal_rows() { e_n } else { e_t };
             }
         }
-        if let Some(&value) = self.restitution.iter().find(|term| term.abs() > LARGEST) {
-            let (argument, allowed) = ("initial_velocity", "at most 1e100 times the restitution");
-            return Err(ProblemError::Value { argument, allowed, value });
+        for &term in &self.restitution {
+            let allowed = "at most 1e100 times the restitution";
+            check("initial_velocity", term, term.abs() <= LARGEST, allowed)?;
         }
         Ok(self)
     }
@@ -377,8 +371,8 @@ impl ContactProblem {
     ///
     /// # Errors
     ///
-    /// [`ProblemError::Length`] if there is not one percussion per row.
-    pub fn velocities(&self, percussion: &[f64]) -> Result<Vec<f64>, ProblemError> {
+    /// [`ArgumentError`] if there is not one percussion per row.
+    pub fn velocities(&self, percussion: &[f64]) -> Result<Vec<f64>, ArgumentError> {
         self.check_rows("percussion", percussion)?;
         let mut velocity = vec![0.0; self.rows()];
         self.velocity(percussion, &mut velocity);
@@ -390,8 +384,8 @@ impl ContactProblem {
         &self,
         argument: &'static str,
         values: &[f64],
-    ) -> Result<(), ProblemError> {
-        check_length(argument, self.rows(), values.len())
+    ) -> Result<(), ArgumentError> {
+        length(argument, self.rows(), values.len())
     }
 
     /// What tells the operator and the laws from those of other problems, if they never change.
@@ -444,7 +438,7 @@ fn check_sizes(
     delassus: &Delassus,
     free_velocity: &[f64],
     contacts: &[ContactRows],
-) -> Result<(), ProblemError> {
+) -> Result<(), ArgumentError> {
     let diagonal = contacts
         .iter()
         .enumerate()
@@ -452,17 +446,13 @@ fn check_sizes(
     let (smallest, largest) =
         diagonal.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), g| (low.min(g), high.max(g)));
     let reach = f64::max(1.0, f64::max(largest, 1.0 / smallest));
-    if let Some(&value) = free_velocity.iter().find(|b| !(b.abs() * reach <= LARGEST)) {
+    for &b in free_velocity {
         let allowed = "at most 1e100, also times and divided by the entries of G";
-        return Err(ProblemError::Value { argument: "free_velocity", allowed, value });
+        check("free_velocity", b, b.abs() * reach <= LARGEST, allowed)?;
     }
-    for contact in contacts {
-        if let NormalForce::Prescribed(value) = contact.normal
-            && !(value * f64::max(1.0, largest) <= LARGEST)
-        {
-            let allowed = "at most 1e100, also times the entries of G";
-            return Err(ProblemError::Value { argument: "normal_force", allowed, value });
-        }
+    for value in contacts.iter().filter_map(|contact| contact.normal.prescribed()) {
+        let allowed = "at most 1e100, also times the entries of G";
+        check("normal_force", value, value * f64::max(1.0, largest) <= LARGEST, allowed)?;
     }
     Ok(())
 }

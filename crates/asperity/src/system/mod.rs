@@ -136,7 +136,7 @@ impl SystemError {
     /// A direction that moves nothing would make the friction force of this contact meaningless.
     pub(crate) fn direction(contact: usize) -> Self {
         let message = format!("must be finite and not zero, is not at contact {contact}");
-        ArgumentError { argument: "direction", message }.into()
+        ArgumentError::new("direction", message).into()
     }
 }
 

@@ -3,23 +3,22 @@
 use nalgebra::DMatrix;
 
 use super::Csr;
-use crate::contact::ProblemError;
-use crate::contact::error::check_length;
+use crate::argument::{ArgumentError, length, refuse};
 
 /// Number of rows of contacts with `sizes` rows each.
-pub(super) fn rows_of(sizes: &[usize]) -> Result<usize, ProblemError> {
+pub(super) fn rows_of(sizes: &[usize]) -> Result<usize, ArgumentError> {
     if sizes.iter().any(|size| !(1..=4).contains(size)) {
         let message = "must have 1 to 4 rows per contact";
-        return Err(ProblemError::Structure { argument: "delassus", message });
+        return refuse("delassus", message);
     }
     Ok(sizes.iter().sum())
 }
 
 /// Refuses matrices that have not a row and a column per row of the contacts.
-fn check_shape(sizes: &[usize], shape: (usize, usize)) -> Result<(), ProblemError> {
+fn check_shape(sizes: &[usize], shape: (usize, usize)) -> Result<(), ArgumentError> {
     let rows = rows_of(sizes)?;
     let got = if shape.0 == rows { shape.1 } else { shape.0 };
-    check_length("delassus", rows, got)
+    length("delassus", rows, got)
 }
 
 /// A sparse matrix of dense blocks `G_ij`, compressed by block rows, one per contact.
@@ -45,18 +44,17 @@ impl BlockMatrix {
     ///
     /// # Errors
     ///
-    /// [`ProblemError::Structure`] if a contact has not 1 to 4 rows, or if the lists are not one per contact, ascending
+    /// [`ArgumentError`] if a contact has not 1 to 4 rows, or if the lists are not one per contact, ascending
     /// and of contacts that there are.
-    pub fn from_pattern(sizes: &[usize], neighbours: &[Vec<usize>]) -> Result<Self, ProblemError> {
-        let structure = |message| Err(ProblemError::Structure { argument: "delassus", message });
+    pub fn from_pattern(sizes: &[usize], neighbours: &[Vec<usize>]) -> Result<Self, ArgumentError> {
         if sizes.len() != neighbours.len() {
-            return structure("must have one list of neighbours per contact");
+            return refuse("delassus", "must have one list of neighbours per contact");
         }
         rows_of(sizes)?;
         let ascending = |list: &Vec<usize>| list.windows(2).all(|pair| pair[0] < pair[1]);
         let within = |list: &Vec<usize>| list.iter().all(|&j| j < sizes.len());
         if !neighbours.iter().all(|list| ascending(list) && within(list)) {
-            return structure("must have neighbours that ascend and are contacts");
+            return refuse("delassus", "must have neighbours that ascend and are contacts");
         }
         Ok(Self::with_pattern(sizes, neighbours))
     }
@@ -112,8 +110,8 @@ impl BlockMatrix {
     ///
     /// # Errors
     ///
-    /// [`ProblemError`] if a contact has not 1 to 4 rows, or the matrix not the rows and columns of all contacts.
-    pub fn from_csr(matrix: &Csr, sizes: &[usize]) -> Result<Self, ProblemError> {
+    /// [`ArgumentError`] if a contact has not 1 to 4 rows, or the matrix not the rows and columns of all contacts.
+    pub fn from_csr(matrix: &Csr, sizes: &[usize]) -> Result<Self, ArgumentError> {
         check_shape(sizes, (matrix.rows(), matrix.columns()))?;
         let mut contact_of = Vec::with_capacity(matrix.rows());
         for (i, &size) in sizes.iter().enumerate() {
@@ -148,8 +146,8 @@ impl BlockMatrix {
     ///
     /// # Errors
     ///
-    /// [`ProblemError`] if a contact has not 1 to 4 rows, or the matrix not the rows and columns of all contacts.
-    pub fn from_dense(matrix: &DMatrix<f64>, sizes: &[usize]) -> Result<Self, ProblemError> {
+    /// [`ArgumentError`] if a contact has not 1 to 4 rows, or the matrix not the rows and columns of all contacts.
+    pub fn from_dense(matrix: &DMatrix<f64>, sizes: &[usize]) -> Result<Self, ArgumentError> {
         check_shape(sizes, matrix.shape())?;
         Ok(Self::full(sizes, |i, j| matrix[(i, j)]))
     }
@@ -159,10 +157,10 @@ impl BlockMatrix {
         let mut blocks = Self::default();
         blocks.reset(sizes, sizes.iter().map(|_| 0..sizes.len()));
         for i in 0..sizes.len() {
-            for j in 0..sizes.len() {
+            for (j, &width) in sizes.iter().enumerate() {
                 let (row, column) = (blocks.offsets[i], blocks.offsets[j]);
                 for (k, value) in blocks.block_mut(i, j).1.iter_mut().enumerate() {
-                    *value = entry(row + k / sizes[j], column + k % sizes[j]);
+                    *value = entry(row + k / width, column + k % width);
                 }
             }
         }

@@ -1,9 +1,7 @@
 //! Sparse matrices, compressed by rows.
 
+use crate::argument::{ArgumentError, finite, length, refuse};
 use nalgebra::DMatrix;
-
-use crate::contact::ProblemError;
-use crate::contact::error::check_finite;
 
 /// A sparse matrix, compressed by rows, columns ascending within a row.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -20,7 +18,7 @@ impl Csr {
     ///
     /// # Errors
     ///
-    /// [`ProblemError`] if the lengths do not fit the shape or each other, if starts or columns do not ascend within
+    /// [`ArgumentError`] if the lengths do not fit the shape or each other, if starts or columns do not ascend within
     /// it, or if an entry is not finite.
     pub fn new(
         argument: &'static str,
@@ -28,28 +26,24 @@ impl Csr {
         starts: Vec<usize>,
         indices: Vec<usize>,
         values: Vec<f64>,
-    ) -> Result<Self, ProblemError> {
-        let structure = |message| Err(ProblemError::Structure { argument, message });
-        if starts.len().checked_sub(1) != Some(rows) {
-            let (expected, got) = (rows.saturating_add(1), starts.len());
-            return Err(ProblemError::Length { argument, expected, got });
-        }
-        if indices.len() != values.len() {
-            let (expected, got) = (indices.len(), values.len());
-            return Err(ProblemError::Length { argument, expected, got });
-        }
+    ) -> Result<Self, ArgumentError> {
+        length(argument, rows.saturating_add(1), starts.len())?;
+        length(argument, indices.len(), values.len())?;
         if starts[0] != 0 || starts[rows] != indices.len() || starts.windows(2).any(|w| w[0] > w[1])
         {
-            return structure("must have row starts that ascend from 0 to the number of entries");
+            return refuse(
+                argument,
+                "must have row starts that ascend from 0 to the number of entries",
+            );
         }
         if indices.iter().any(|&j| j >= columns) {
-            return structure("must have column indices within its shape");
+            return refuse(argument, "must have column indices within its shape");
         }
         let ascending = |w: &[usize]| indices[w[0]..w[1]].windows(2).all(|pair| pair[0] < pair[1]);
         if !starts.windows(2).all(ascending) {
-            return structure("must have ascending columns without duplicates in every row");
+            return refuse(argument, "must have ascending columns without duplicates in every row");
         }
-        check_finite(argument, &values)?;
+        finite(argument, &values)?;
         Ok(Self { rows, columns, starts, indices, values })
     }
 
@@ -57,8 +51,11 @@ impl Csr {
     ///
     /// # Errors
     ///
-    /// [`ProblemError::Value`] if an entry is not finite.
-    pub fn from_dense(argument: &'static str, matrix: &DMatrix<f64>) -> Result<Self, ProblemError> {
+    /// [`ArgumentError`] if an entry is not finite.
+    pub fn from_dense(
+        argument: &'static str,
+        matrix: &DMatrix<f64>,
+    ) -> Result<Self, ArgumentError> {
         let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
         for row in matrix.row_iter() {
             for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::blocks::rows_of;
 use super::{BlockMatrix, Csr};
-use crate::contact::ProblemError;
+use crate::argument::{ArgumentError, length, refuse};
 use crate::contact::components::Components;
 
 /// Velocities of the largest connected part of `M` that is factored densely.
@@ -25,9 +25,9 @@ impl Factored {
     ///
     /// # Errors
     ///
-    /// [`ProblemError`] if the shapes do not fit each other, if a contact has not 1 to 4 rows, or if `M` is not
+    /// [`ArgumentError`] if the shapes do not fit each other, if a contact has not 1 to 4 rows, or if `M` is not
     /// symmetric positive definite or couples too many degrees of freedom.
-    pub fn new(mass: Csr, directions: Csr, sizes: &[usize]) -> Result<Self, ProblemError> {
+    pub fn new(mass: Csr, directions: Csr, sizes: &[usize]) -> Result<Self, ArgumentError> {
         let blocks = assemble(&mass, &directions, sizes)?;
         Self::with_blocks(mass, directions, blocks)
     }
@@ -36,12 +36,12 @@ impl Factored {
     ///
     /// # Errors
     ///
-    /// [`ProblemError::Length`] if the shapes do not fit each other.
+    /// [`ArgumentError`] if the shapes do not fit each other.
     pub fn with_blocks(
         mass: Csr,
         directions: Csr,
         blocks: BlockMatrix,
-    ) -> Result<Self, ProblemError> {
+    ) -> Result<Self, ArgumentError> {
         check_shapes(&mass, &directions, blocks.rows())?;
         Ok(Self { mass, directions, blocks })
     }
@@ -67,18 +67,14 @@ impl Factored {
     }
 }
 
-fn check_shapes(mass: &Csr, directions: &Csr, rows: usize) -> Result<(), ProblemError> {
-    let length = |argument, expected, got| match expected == got {
-        true => Ok(()),
-        false => Err(ProblemError::Length { argument, expected, got }),
-    };
+fn check_shapes(mass: &Csr, directions: &Csr, rows: usize) -> Result<(), ArgumentError> {
     length("directions", rows, directions.rows())?;
     length("mass", mass.rows(), mass.columns())?;
     length("mass", directions.columns(), mass.rows())
 }
 
 /// `G = Wᵀ M⁻¹ W`: the rows of `Wᵀ` that meet a connected part of `M` couple through it.
-fn assemble(mass: &Csr, directions: &Csr, sizes: &[usize]) -> Result<BlockMatrix, ProblemError> {
+fn assemble(mass: &Csr, directions: &Csr, sizes: &[usize]) -> Result<BlockMatrix, ArgumentError> {
     check_shapes(mass, directions, rows_of(sizes)?)?;
     let part_of = parts(mass);
     let count = part_of.iter().max().map_or(0, |last| last + 1);
@@ -132,12 +128,12 @@ fn add_part(
     directions: &Csr,
     part: ConnectedPart<'_>,
     blocks: &mut BlockMatrix,
-) -> Result<(), ProblemError> {
+) -> Result<(), ArgumentError> {
     let ConnectedPart { dofs, position, contacts } = part;
     let n = dofs.len();
     if n > LARGEST_PART {
         let message = "must couple few velocities: a connected part of it is too large";
-        return Err(ProblemError::Structure { argument: "mass", message });
+        return refuse("mass", message);
     }
     let mut own_mass = DMatrix::zeros(n, n);
     for (a, &dof) in dofs.iter().enumerate() {
@@ -148,11 +144,9 @@ fn add_part(
     }
     let symmetric = (&own_mass - own_mass.transpose()).amax() <= 1e-10 * own_mass.amax();
     let factor = own_mass.cholesky().filter(|_| symmetric);
-    let not_definite = || ProblemError::Structure {
-        argument: "mass",
-        message: "must be symmetric positive definite",
+    let Some(factor) = factor else {
+        return refuse("mass", "must be symmetric positive definite");
     };
-    let factor = factor.ok_or_else(not_definite)?;
     let column = |row: usize| {
         let mut out = DVector::zeros(n);
         let (columns, values) = directions.row(row);

@@ -8,14 +8,12 @@ mod spectrum;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use crate::argument::{ArgumentError, length, refuse};
 use nalgebra::DMatrix;
 
 pub use blocks::BlockMatrix;
 pub use csr::Csr;
 pub use factored::Factored;
-
-use super::ProblemError;
-use super::error::check_length;
 
 /// What an operator must be able to do; the prox iterations need no more.
 pub trait DelassusOperator: Debug + Send + Sync {
@@ -41,11 +39,14 @@ impl MatrixFree {
     ///
     /// # Errors
     ///
-    /// [`ProblemError`] if a contact has not 1 to 4 rows, if the operator has not the rows of all contacts, or if its
+    /// [`ArgumentError`] if a contact has not 1 to 4 rows, if the operator has not the rows of all contacts, or if its
     /// products are not finite.
-    pub fn new(operator: Arc<dyn DelassusOperator>, sizes: &[usize]) -> Result<Self, ProblemError> {
+    pub fn new(
+        operator: Arc<dyn DelassusOperator>,
+        sizes: &[usize],
+    ) -> Result<Self, ArgumentError> {
         let rows = operator.rows();
-        check_length("delassus", blocks::rows_of(sizes)?, rows)?;
+        length("delassus", blocks::rows_of(sizes)?, rows)?;
         let diagonal = probe(operator.as_ref(), sizes, rows, |i| vec![i]);
         let mut out = Self { operator, diagonal, norm: 0.0 };
         let (low, high) = Delassus::MatrixFree(out.clone()).spectrum()?;
@@ -147,25 +148,25 @@ pub trait IntoDelassus {
     ///
     /// # Errors
     ///
-    /// [`ProblemError`] if it has not the rows of these contacts.
-    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ProblemError>;
+    /// [`ArgumentError`] if it has not the rows of these contacts.
+    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ArgumentError>;
 }
 
 impl IntoDelassus for DMatrix<f64> {
-    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ProblemError> {
+    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ArgumentError> {
         BlockMatrix::from_dense(&self, sizes).map(Delassus::Blocks)
     }
 }
 
 impl<T: Into<Delassus>> IntoDelassus for T {
-    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ProblemError> {
+    fn into_delassus(self, sizes: &[usize]) -> Result<Delassus, ArgumentError> {
         let delassus = self.into();
-        check_length("delassus", sizes.iter().sum(), delassus.rows())?;
+        length("delassus", sizes.iter().sum(), delassus.rows())?;
         let blocks = delassus.blocks();
         if blocks.contacts() != sizes.len() || (0..sizes.len()).any(|i| blocks.size(i) != sizes[i])
         {
             let message = "must have one block row per contact, with the contact's rows";
-            return Err(ProblemError::Structure { argument: "delassus", message });
+            return refuse("delassus", message);
         }
         Ok(delassus)
     }

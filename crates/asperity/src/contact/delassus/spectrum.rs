@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::Delassus;
-use crate::contact::ProblemError;
+use crate::argument::ArgumentError;
 use crate::vectors;
 
 /// Lanczos steps.
@@ -18,8 +18,8 @@ impl Delassus {
     ///
     /// # Errors
     ///
-    /// [`ProblemError::Value`] if the products of a matrix-free operator are not finite.
-    pub fn spectrum(&self) -> Result<(f64, f64), ProblemError> {
+    /// [`ArgumentError`] if the products of a matrix-free operator are not finite.
+    pub fn spectrum(&self) -> Result<(f64, f64), ArgumentError> {
         let rows = self.rows();
         let steps = rows.min(STEPS);
         if steps == 0 {
@@ -62,7 +62,7 @@ impl Delassus {
         });
         let beyond = |value| {
             let allowed = "so small that its eigenvalues are finite";
-            Err(ProblemError::Value { argument: "delassus", allowed, value })
+            Err(ArgumentError::number("delassus", allowed, value))
         };
         if let Some(&value) = diagonal.iter().chain(&beside).find(|value| !value.is_finite()) {
             return beyond(value * unit);

@@ -3,7 +3,8 @@
 use super::natural_map;
 use super::natural_residual::{self, Measured};
 use super::phase::phase_of;
-use crate::contact::{ContactProblem, NormalForce, Phase, ProblemError};
+use crate::argument::ArgumentError;
+use crate::contact::{ContactProblem, NormalForce, Phase};
 use crate::law::{Friction, Law};
 use crate::vectors::norm;
 
@@ -37,8 +38,8 @@ impl Certificate {
     ///
     /// # Errors
     ///
-    /// [`ProblemError::Length`] if there is not one percussion per row.
-    pub fn new(problem: &ContactProblem, percussion: &[f64]) -> Result<Self, ProblemError> {
+    /// [`ArgumentError`] if there is not one percussion per row.
+    pub fn new(problem: &ContactProblem, percussion: &[f64]) -> Result<Self, ArgumentError> {
         let velocity = problem.velocities(percussion)?;
         Ok(Self::of(&Measured { problem, percussion, velocity: &velocity }))
     }

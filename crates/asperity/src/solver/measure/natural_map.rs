@@ -1,7 +1,8 @@
 //! The natural map of a whole problem, one number for all contacts.
 
 use super::natural_residual::Measured;
-use crate::contact::{ContactProblem, ContactRows, NormalForce, ProblemError};
+use crate::argument::ArgumentError;
+use crate::contact::{ContactProblem, ContactRows, NormalForce};
 use crate::vectors::norm;
 
 /// `‖P − prox(P − ρξ)‖ / max(‖P‖, ρ‖b‖)` with `ρ = rows/tr G` for the whole problem, independent of units.
@@ -12,12 +13,12 @@ use crate::vectors::norm;
 ///
 /// # Errors
 ///
-/// [`ProblemError::Length`] if there is not one percussion and one velocity `γ_E` per row.
+/// [`ArgumentError`] if there is not one percussion and one velocity `γ_E` per row.
 pub fn natural_map(
     problem: &ContactProblem,
     percussion: &[f64],
     velocity: &[f64],
-) -> Result<f64, ProblemError> {
+) -> Result<f64, ArgumentError> {
     Ok(map(&Measured::checked(problem, percussion, velocity)?))
 }
 

@@ -1,6 +1,7 @@
 //! The natural residual, which no solver owns.
 
-use crate::contact::{ContactProblem, ContactRows, NormalForce, ProblemError};
+use crate::argument::ArgumentError;
+use crate::contact::{ContactProblem, ContactRows, NormalForce};
 use crate::law::Friction;
 
 /// Natural residual of a problem.
@@ -31,7 +32,7 @@ impl<'a> Measured<'a> {
         problem: &'a ContactProblem,
         percussion: &'a [f64],
         velocity: &'a [f64],
-    ) -> Result<Self, ProblemError> {
+    ) -> Result<Self, ArgumentError> {
         problem.check_rows("percussion", percussion)?;
         problem.check_rows("velocity", velocity)?;
         Ok(Self { problem, percussion, velocity })
@@ -88,12 +89,12 @@ impl<'a> Measured<'a> {
 ///
 /// # Errors
 ///
-/// [`ProblemError::Length`] if there is not one percussion and one velocity `γ_E` per row.
+/// [`ArgumentError`] if there is not one percussion and one velocity `γ_E` per row.
 pub fn natural_residual(
     problem: &ContactProblem,
     percussion: &[f64],
     velocity: &[f64],
-) -> Result<Residual, ProblemError> {
+) -> Result<Residual, ArgumentError> {
     Ok(residual(&Measured::checked(problem, percussion, velocity)?))
 }
 

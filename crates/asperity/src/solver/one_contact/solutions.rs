@@ -3,7 +3,8 @@
 use super::block::Block;
 use super::local::LocalSolution;
 use super::solve::OneContact;
-use crate::contact::{ContactProblem, Phase, ProblemError};
+use crate::argument::{ArgumentError, refuse};
+use crate::contact::{ContactProblem, Phase};
 
 /// One of the solutions of a contact, on the contact's own rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,26 +27,22 @@ pub struct ContactSolution {
 ///
 /// # Errors
 ///
-/// [`ProblemError`] if one of these does not hold.
+/// [`ArgumentError`] if one of these does not hold.
 pub fn solutions(
     problem: &ContactProblem,
     contact: usize,
     percussion: &[f64],
-) -> Result<Vec<ContactSolution>, ProblemError> {
-    let structure = |argument, message| Err(ProblemError::Structure { argument, message });
+) -> Result<Vec<ContactSolution>, ArgumentError> {
     let Some(rows) = problem.contacts().get(contact) else {
-        return structure("contact", "must be the number of a contact of the problem");
+        return refuse("contact", "must be the number of a contact of the problem");
     };
     if rows.law.dimension() > 2 {
-        return structure("contact", "must have p = 1 or 2: solutions with p = 3 are not listed");
+        return refuse("contact", "must have p = 1 or 2: solutions with p = 3 are not listed");
     }
     if problem.delassus().is_matrix_free() {
-        return structure("delassus", "must have entries: products alone do not list solutions");
+        return refuse("delassus", "must have entries: products alone do not list solutions");
     }
-    if percussion.len() != problem.rows() {
-        let (expected, got) = (problem.rows(), percussion.len());
-        return Err(ProblemError::Length { argument: "percussion", expected, got });
-    }
+    problem.check_rows("percussion", percussion)?;
     let own = rows.rows();
     let mut all = percussion.to_vec();
     let velocity = |all: &[f64]| {
