@@ -9,8 +9,10 @@ use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
 use asperity::set::{Convex, CoulombContensou, Ellipse, Ellipsoid, Pressure, Vector};
 use asperity::solver::Solver;
 use asperity::stepper::Stepper;
-use asperity::system::rigid::{Body, Pair, Plane, RigidBodies, Shape};
-use asperity::system::{Contact, LinearSystem, Normal, System, mass_on_belt};
+use asperity::system::rigid::{Body, Pair, Plane, PlaneMotion, RigidBodies, Shape};
+use asperity::system::{
+    Contact, Interpolation, LinearSystem, Normal, Signal, System, TimeFunction, mass_on_belt,
+};
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -43,6 +45,27 @@ fn bodies(law: impl Into<Law>) -> RigidBodies {
     let bodies = vec![at(0.0, 0.05, 0.0), at(0.01, 0.15, 0.0), at(1.0, 0.05, 5.0), ball];
     let pairs = shapes.map(|shape| Pair::new(shape, law.clone()));
     RigidBodies::new(bodies, &pairs, vec![], [0.0, 0.0, -9.81]).unwrap()
+}
+
+/// Bodies on a belt that changes its velocity and on a table that is shaken, one of them pushed by a load.
+fn moving(law: impl Into<Law>) -> RigidBodies {
+    let (law, half) = (law.into(), [0.1, 0.07, 0.05]);
+    let times: Vec<f64> = (0..40).map(f64::from).collect();
+    let values: Vec<f64> = times.iter().flat_map(|t| [3.0 + t.sin(), t.cos()]).collect();
+    let belt = Signal::new(&times, &values, Interpolation::Cubic, false).unwrap();
+    let shaking = Signal::sine(5.0, &[1e-3, 0.0, 1e-3], &[0.0; 3], &[0.0; 3]).unwrap();
+    let motion = PlaneMotion { displacement: shaking.into(), rotation: TimeFunction::ZERO };
+    let planes = [
+        Plane { velocity: belt.into(), ..Plane::floor() },
+        Plane { motion: Some(motion), ..Plane::floor() },
+    ];
+    let push = Signal::sine(2.0, &[0.5, 0.0, 0.0], &[0.0; 3], &[0.0; 3]).unwrap();
+    let body = Body { position: [0.0, 0.0, 0.05], ..Body::cuboid(1.0, half) };
+    let pushed = Body { force: push.into(), ..body.clone() };
+    let on =
+        |(body, plane)| Pair::new(Shape::BoxPlane { body, half_sizes: half, plane }, law.clone());
+    let pairs: Vec<Pair> = planes.into_iter().enumerate().map(on).collect();
+    RigidBodies::new(vec![body, pushed], &pairs, vec![], [0.0, 0.0, -9.81]).unwrap()
 }
 
 /// Allocations in steps during which the same contacts are closed.
@@ -150,6 +173,9 @@ fn steps_do_not_allocate_while_contacts_stay() {
             0,
             "body by body, {solver:?}"
         );
+        let system = moving(law());
+        let count = allocations(solver, &system, system.q0(), system.u0());
+        assert_eq!(count, 0, "functions of time, {solver:?}");
     }
     let fast = mass_on_belt(1.0, Matrix2::identity(), ellipse(), 1.0, Vector2::new(30.0, 40.0));
     let fast = fast.unwrap();

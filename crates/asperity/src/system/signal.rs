@@ -70,6 +70,7 @@ impl Break {
 
 /// What lies between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Interpolation {
     /// Straight lines.
     Linear,

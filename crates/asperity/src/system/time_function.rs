@@ -13,6 +13,7 @@ pub type FunctionWithRate<const D: usize> = Arc<dyn Fn(f64) -> [[f64; D]; 2] + S
 
 /// `D` numbers as a function of time. Functions of the user are taken for smooth.
 #[derive(Clone)]
+#[non_exhaustive]
 pub enum TimeFunction<const D: usize> {
     /// The same at all times.
     Constant([f64; D]),

@@ -71,7 +71,7 @@ fn signals_are_checked() {
         Interpolation::Linear,
         false,
     ) {
-        Err(error) => error.argument,
+        Err(ArgumentError { argument, .. }) => argument,
         other => panic!("{other:?}"),
     };
     assert_eq!(new(&[], &[]), "times");
@@ -144,7 +144,7 @@ fn functions_and_signals_are_the_same_to_the_scheme() {
 #[test]
 fn motions_of_planes_are_checked() {
     let refused = |displacement: TimeFunction<2>| match on_a_table(displacement) {
-        Err(error) => (error.argument, error.message),
+        Err(ArgumentError { argument, message, .. }) => (argument, message),
         other => panic!("{other:?}"),
     };
     let jump = signal(&[0.0, 1.0, 1.0, 2.0], &[0.0; 8], Interpolation::Linear, false);

@@ -157,10 +157,10 @@ impl BlockMatrix {
         let mut blocks = Self::default();
         blocks.reset(sizes, sizes.iter().map(|_| 0..sizes.len()));
         for i in 0..sizes.len() {
-            for j in 0..sizes.len() {
+            for (j, &width) in sizes.iter().enumerate() {
                 let (row, column) = (blocks.offsets[i], blocks.offsets[j]);
                 for (k, value) in blocks.block_mut(i, j).1.iter_mut().enumerate() {
-                    *value = entry(row + k / sizes[j], column + k % sizes[j]);
+                    *value = entry(row + k / width, column + k % width);
                 }
             }
         }

@@ -156,11 +156,11 @@ impl Stepper<'_> {
         let Some(row) = problem.free_velocity().iter().position(|v| !v.is_finite()) else {
             return Ok(());
         };
-        let rows = problem.contacts().iter().zip(&self.closed.active);
-        let broken = rows.filter(|(contact, _)| contact.rows().contains(&row));
-        let broken =
-            broken.map(|(_, &contact)| StepError::NotFiniteContact { time: self.time(), contact });
-        broken.last().map_or(Ok(()), Err)
+        let mut rows = problem.contacts().iter().zip(&self.closed.active);
+        let broken = rows.find(|(contact, _)| contact.rows().contains(&row));
+        broken.map_or(Ok(()), |(_, &contact)| {
+            Err(StepError::NotFiniteContact { time: self.time(), contact })
+        })
     }
 
     fn check_finite(&self) -> Result<(), StepError> {

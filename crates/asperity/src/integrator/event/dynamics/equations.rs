@@ -86,7 +86,7 @@ impl<'a> Dynamics<'a> {
     }
 
     pub(crate) fn law(&self, i: usize) -> &'a Law {
-        &self.system.contacts()[i].law()
+        self.system.contacts()[i].law()
     }
 
     pub(crate) fn row(&self, row: usize) -> &[f64] {
