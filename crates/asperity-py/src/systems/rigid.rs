@@ -59,7 +59,7 @@ fn plane(pair: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Plane> {
         let motion = motion.map(|(displacement, rotation)| -> PyResult<PlaneMotion> {
             let displacement = time_function(&displacement, "displacement", true, raised)?;
             let rotation = time_function(&rotation, "rotation", true, raised)?;
-            Ok(PlaneMotion::planar(&displacement, &rotation))
+            Ok(PlaneMotion::planar(&displacement, &rotation).map_err(Failure::from)?)
         });
         let velocity = time_function::<1>(&velocity, "velocity", false, raised)?.spread([0]);
         let line = Plane::line([point[0], point[1]], [normal[0], normal[1]]);

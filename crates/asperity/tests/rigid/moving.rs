@@ -93,7 +93,7 @@ fn shaken(amplitude: f64) -> Signal {
 }
 
 fn on_a_table(displacement: impl Into<TimeFunction<2>>) -> Result<RigidBodies, ArgumentError> {
-    let motion = PlaneMotion::planar(&displacement.into(), &TimeFunction::ZERO);
+    let motion = PlaneMotion::planar(&displacement.into(), &TimeFunction::ZERO)?;
     let plane = Plane { motion: Some(motion), ..ground() };
     let body = PlanarBody { position: [0.0, 0.1], ..PlanarBody::new(1.0, 0.1) };
     let shape = Shape::BoxPlane { body: 0, half_sizes: [0.1, 0.1, 0.0], plane };

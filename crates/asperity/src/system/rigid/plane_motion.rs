@@ -40,8 +40,17 @@ pub(super) struct PlacedMotion {
 
 impl PlaneMotion {
     /// The motion of a line of planar systems: displacement along x and y, and the angle.
-    pub fn planar(displacement: &TimeFunction<2>, rotation: &TimeFunction<1>) -> Self {
-        Self { displacement: displacement.spread([0, 1]), rotation: rotation.spread([2]) }
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] if a signal has another number of components.
+    pub fn planar(
+        displacement: &TimeFunction<2>,
+        rotation: &TimeFunction<1>,
+    ) -> Result<Self, ArgumentError> {
+        displacement.check("displacement")?;
+        rotation.check("rotation")?;
+        Ok(Self { displacement: displacement.spread([0, 1]), rotation: rotation.spread([2]) })
     }
 
     /// Refuses jumps, and functions that do not know their rates.

@@ -87,7 +87,9 @@ impl StepSize {
             if contact.prescribed.is_none() {
                 contact.reach = contact.reach.max(sizes).max((contact.gap - sum).abs());
             }
-            self.scale.u = self.scale.u.max(contact.size);
+            // Surfaces that move along their normal give velocities, too.
+            let surface = dynamics.chi[ROWS * i].abs();
+            self.scale.u = self.scale.u.max(contact.size).max(surface);
         }
     }
 

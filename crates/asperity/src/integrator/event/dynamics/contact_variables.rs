@@ -37,7 +37,7 @@ pub(crate) struct ContactVariables {
     /// The largest `size` along the motion; attempts of steps do not count.
     pub(crate) speed: f64,
     /// A velocity of which the share [`ZERO_VELOCITY`](crate::integrator::event::state::ZERO_VELOCITY) is what
-    /// rounding may have made of forces that balance, since the contact has stuck last.
+    /// rounding may have made of forces and percussions that balance, since the contact has stuck last.
     pub(crate) creep: f64,
     /// The larger of `|w_N|ᵀ|q|` and `|g_N − w_Nᵀq|`, the largest along the motion. Gaps are compared with it,
     /// whatever the size of the other coordinates is.
