@@ -6,7 +6,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 
 export CARGO_TERM_COLOR ?= auto
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo figures test test-rust test-python bench many peers long fuzz format clean
+.PHONY: demo figures test test-rust test-python bench many peers linear long fuzz format clean
 
 demo: $(VENV)/.installed
 	$(BIN)/asperity demo --out out/demo
@@ -26,6 +26,7 @@ test-rust:
 	cd fuzz && cargo fmt --check
 	cd fuzz && cargo clippy --all-targets --locked --target-dir ../target -- -D warnings
 	cd fuzz && cargo test --locked --quiet --target-dir ../target
+	cd benches/linear && cargo fmt --check
 
 test-python: $(VENV)/.installed
 	$(BIN)/ruff format --check .
@@ -50,6 +51,10 @@ many: $(VENV)/.installed
 # named with what to install.
 peers: $(VENV)/.installed
 	$(BIN)/python benches/peers/compare.py $(PROBLEMS) --csv out/peers.csv
+
+# The sparse LU factorisation beside faer's, on the problems of PROBLEMS, of ASPERITY_CONTACT_PROBLEMS, or on walls.
+linear:
+	cd benches/linear && cargo run --release --locked --target-dir ../../target -- $(abspath $(PROBLEMS))
 
 # The long profile, at most an hour and a half on two cores: random cases per set and property, 10⁶ one-contact
 # problems per law, the bytes of the fuzz targets' generator, and every Python test that is marked `long`.

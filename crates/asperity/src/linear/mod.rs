@@ -5,11 +5,29 @@
 //! the next and always of the same pattern: the analysis is done once ([`Symbolic`]), the rest without
 //! allocation ([`Numeric`]). Rows are exchanged within the pivots of a front only.
 //!
-//! Why not one of the sparse LU factorisations that exist: they take scalars in compressed columns, so that blocks would
-//! be taken apart for every matrix, order columns without symmetry of the pattern, and allocate in every factorisation.
-//! Here entries go from blocks into dense fronts, whose order and sizes are known. What is given up is pivoting across
-//! fronts: blocks on the diagonal are `A_ii + B_ii G_ii` and no small ones, and whoever asks looks at the residual of
-//! what comes out. Without the feature `sparse` matrices are factored densely (`unordered.rs`). `tests.rs` compares what is left over with a dense factorisation, also for badly scaled matrices.
+//! Why not one of the sparse LU factorisations that exist: here entries go from blocks of a known, symmetric pattern
+//! into dense fronts; a minimum-degree ordering of that pattern holds, as rows are exchanged within fronts only, while
+//! theirs must do for all exchanges that may come; and nothing is allocated when a matrix is factored again.
+//! `benches/linear` (`make linear`) measures what that gains over faer 0.24 on one thread, the matrices those
+//! of 35 contact problems of other engines at their solutions. faer's time over the time here, as geometric mean
+//! (least, largest):
+//!
+//! | rows | matrices | analysis | factorisation | solution |
+//! |---|---|---|---|---|
+//! | 3 to 72 | 11 | 1.6 (0.5, 4.2) | 2.7 (1.9, 3.7) | 0.9 (0.4, 1.3) |
+//! | 132 to 888 | 17 | 5.2 (3.1, 11) | 2.9 (1.8, 4.2) | 1.0 (0.4, 1.4) |
+//! | 1068 to 21 006 | 7 | 3.8 (2.8, 7.7) | 3.8 (2.7, 5.0) | 1.4 (0.4, 2.3) |
+//!
+//! faer is faster where it substitutes in the sparsest matrices, such as those of spheres, and where it analyses
+//! matrices of one contact, in half a microsecond. Dense matrices of up to 60 rows ([`DenseLu`]) take it 1.2 (0.7, 1.4)
+//! times as long: those of 27 and 33 rows less, smaller ones more.
+//!
+//! What is given up is pivoting across fronts: blocks on the diagonal are `A_ii + B_ii G_ii` and no small ones, and
+//! whoever asks looks at the residual of what comes out. On the same matrices the largest componentwise backward error
+//! is 3e-7 here and 8e-7 with faer, both of the wall of 3373 contacts, whose matrix is singular but for the
+//! regularisation; on single matrices faer's is up to fifty times smaller, or four hundred times larger. Without the feature `sparse`
+//! matrices are factored densely (`unordered.rs`). `tests.rs` compares what is left over with a dense factorisation,
+//! also for badly scaled matrices.
 
 mod dense;
 mod dense_lu;
