@@ -287,6 +287,18 @@ def test_a_table_that_moves_with_kinks_strikes_what_lies_on_it(e):
         assert run.q[-1, 1] == pytest.approx(0.1 + known, abs=2.0 * dt)
 
 
+@pytest.mark.parametrize("inertia", [1e-3, 0.011, 0.1, 0.3, 7.0])
+def test_a_box_that_a_table_strikes_flat_stays_on_it(inertia):
+    """Percussions of corners balance; what rounding leaves of them is neither slip nor bounce."""
+    rises = Signal([0.1, 1.0], [[0.0, 0.0], [0.0, 0.9]], interpolation="linear")
+    body = PlanarBody(1.0, inertia, position=(0.0, 0.1))
+    line = Line(motion=PlaneMotion(displacement=rises))
+    motion = integrate(RigidBodies([body], [BoxPlane(0, (0.1, 0.1), line, SLIPPERY)]), t_end=0.5)
+    assert [event.kind for event in motion.events] == [EventKind.KINK]
+    np.testing.assert_allclose(motion.q[-1], [0.0, 0.5, 0.0], atol=1e-12)
+    np.testing.assert_allclose(motion.u[-1], [0.0, 1.0, 0.0], atol=1e-12)
+
+
 def test_kinks_do_not_count_as_too_many_events():
     zigzag = Signal([0.0, 0.01, 0.02], [0.0, 1e-4, 0.0], interpolation="linear", periodic=True)
     motion = integrate(box_on(Line(velocity=zigzag)), t_end=1.0, max_events=5)
