@@ -14,11 +14,15 @@ use crate::solver::report::Method;
 
 type V = ContactVector;
 
-/// Iterations between two looks at the residuals, and how many of them early in the run.
+/// Iterations between two looks at the residuals; the penalty may change at each of them early in the run, later after
+/// more iterations. Of the first two half as many solve one stored problem of `auto.rs` more, twice as many make no
+/// difference; iterations change by at most two in a hundred.
 const CHECK: usize = 10;
 const EARLY: usize = 100;
 const LATE: usize = 50;
-/// Ratio of the residuals beyond which the penalty changes.
+/// Ratio of the residuals beyond which the penalty changes, which takes a factorisation. On the stored problems of
+/// `auto.rs` 92 of them come with 22 350 iterations within two seconds each, at half 130 with 24 100 and as many problems
+/// solved, at double 82 with 24 360 and one problem fewer.
 const UNBALANCED: f64 = 10.0;
 
 /// Buffers.

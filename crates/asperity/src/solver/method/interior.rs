@@ -14,9 +14,12 @@ use crate::solver::report::Method;
 
 type V = ContactVector;
 
-/// Start `x = z = START e`.
+/// Start `x = z = START e`: near the boundary steps are short, far from it there are more of them. `InteriorPoint` takes
+/// 815 factorisations on the stored problems of `auto.rs`, of which it solves 29; half saves 60 of them, double costs
+/// eleven, and the same 29 are solved.
 const START: f64 = 10.0;
-/// Part of the way to the boundary of the cone.
+/// Part of the way to the boundary of the cone: longer steps reduce more and come nearer to where the next one is short.
+/// With 0.99 one stored problem fewer is solved, with 997 factorisations, with 0.9975 too, with 904.
 const DAMPING: f64 = 0.995;
 
 /// State and scaling of one contact.

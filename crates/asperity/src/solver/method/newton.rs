@@ -11,10 +11,15 @@ use crate::law::{ContactMatrix, ContactPoint, Rho};
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::vectors::norm;
 
-/// Halvings of a step, and values of `‖F‖` among which the largest must be undercut.
+/// Halvings of a step, and values of `‖F‖` among which the largest must be undercut: more let steps pass that lead
+/// past a kink, and others that lead astray. With 2 and 10 values `Auto` takes 68 and 2 factorisations more on the
+/// stored problems of `auto.rs`; of these and the rock pile and the rock wall `SemismoothNewton` alone solves 21 with 5
+/// values, 22 with 2, 25 with one, 19 with 10; with 6 halvings 23, with 24 of them 20.
 const HALVINGS: usize = 12;
 const MEMORY: usize = 5;
-/// Iterations within which `‖F‖` must halve.
+/// Iterations within which `‖F‖` must halve: trades what would have come to an end against iterations in vain. `Auto`
+/// hardly depends on it, with six factorisations more at half; `SemismoothNewton` alone solves 19 of the same 33 problems
+/// with 302 factorisations at half, 21 with 507, 24 with 820 at double.
 const PATIENCE: usize = 25;
 
 /// What to solve.

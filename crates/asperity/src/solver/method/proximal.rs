@@ -15,7 +15,9 @@ use crate::solver::report::Method;
 /// turn where inner solves fail, none of them has to suit every problem.
 const FACTORS: [f64; 4] = [10.0, 1.0, 30.0, 3.0];
 /// Newton iterations of an inner solve, and how many count as few and very few: after few `ε` falls, after very few it
-/// falls faster. More of either trades fewer outer steps against inner solves that fail.
+/// falls faster. More of either trades fewer outer steps against inner solves that fail. `ProximalPoint` solves the
+/// stored problems of `auto.rs` with 2026 factorisations; of an inner solve, half of the iterations cost 348 more, twice
+/// as many 181 more; with half of the other two 5 and 13 more, with twice as many 186 fewer and 2 more.
 const INNER: usize = 20;
 const FEW: usize = 12;
 const VERY_FEW: usize = 4;
