@@ -99,6 +99,7 @@ def test_a_sine_is_exact(phase):
 @pytest.mark.parametrize(
     ("make", "error", "argument"),
     [
+        (lambda: Signal([], [], interpolation="linear"), DimensionError, "times"),
         (lambda: Signal([0.0], [1.0], interpolation="linear"), ParameterError, "times"),
         (lambda: Signal([0.0, 0.0], [1.0, 2.0], interpolation="linear"), ParameterError, "times"),
         (lambda: Signal([1.0, 0.0], [1.0, 2.0], interpolation="cubic"), ParameterError, "times"),

@@ -65,6 +65,8 @@ class Signal(Value):
         periodic: bool = False,
     ) -> None:
         at = arrays.read_only(arrays.array(times, "times", (None,)))
+        if len(at) == 0:
+            raise DimensionError("times", "must not be empty")
         given = arrays.read_only(arrays.array(values, "values"))
         if given.ndim not in (1, 2) or len(given) != len(at):
             raise DimensionError(

@@ -170,7 +170,10 @@ impl Signal {
             return refuse("values", "must be as many for every time, and not none");
         }
         if !times.iter().chain([&(times[times.len() - 1] - times[0])]).all(|t| t.is_finite()) {
-            return refuse("times", "must be finite");
+            return refuse(
+                "times",
+                "must be finite, and so must the time between the first and the last",
+            );
         }
         finite("values", values)?;
         if !times.is_sorted() || times.windows(3).any(|t| t[0] == t[2]) {
