@@ -14,20 +14,20 @@
 //!
 //! | rows | matrices | analysis | factorisation | solution |
 //! |---|---|---|---|---|
-//! | 3 to 72 | 11 | 1.6 (0.5, 4.2) | 2.7 (1.9, 3.7) | 0.9 (0.4, 1.3) |
-//! | 132 to 888 | 17 | 5.2 (3.1, 11) | 2.9 (1.8, 4.2) | 1.0 (0.4, 1.4) |
-//! | 1068 to 21 006 | 7 | 3.8 (2.8, 7.7) | 3.8 (2.7, 5.0) | 1.4 (0.4, 2.3) |
+//! | 3 to 72 | 11 | 1.6 (0.5, 3.8) | 2.8 (2.1, 4.1) | 0.9 (0.4, 1.1) |
+//! | 132 to 888 | 17 | 4.7 (2.8, 8.8) | 3.4 (2.6, 4.2) | 1.0 (0.4, 1.4) |
+//! | 1068 to 21 006 | 7 | 3.5 (2.6, 6.9) | 4.2 (2.6, 5.3) | 1.4 (0.4, 2.2) |
 //!
 //! faer is faster where it substitutes in the sparsest matrices, such as those of spheres, and where it analyses
-//! matrices of one contact, in half a microsecond. Dense matrices of up to 60 rows ([`DenseLu`]) take it 1.2 (0.7, 1.4)
+//! matrices of one contact, in half a microsecond. Dense matrices of up to 60 rows ([`DenseLu`]) take it 1.2 (0.8, 1.5)
 //! times as long: those of 27 and 33 rows less, smaller ones more.
 //!
 //! What is given up is pivoting across fronts: blocks on the diagonal are `A_ii + B_ii G_ii` and no small ones, and
 //! whoever asks looks at the residual of what comes out. On the same matrices the largest componentwise backward error
-//! is 3e-7 here and 8e-7 with faer, both of the wall of 3373 contacts, whose matrix is singular but for the
-//! regularisation; on single matrices faer's is up to fifty times smaller, or four hundred times larger. Without the feature `sparse`
-//! matrices are factored densely (`unordered.rs`). `tests.rs` compares what is left over with a dense factorisation,
-//! also for badly scaled matrices.
+//! is 8e-8 here and 8e-7 with faer, both of the wall of 3373 contacts, whose matrix is singular but for the
+//! regularisation; on single matrices faer's is up to two hundred times smaller (3e-15), or nine hundred times larger.
+//! Without the feature `sparse` matrices are factored densely (`unordered.rs`). `tests.rs` compares what is left over
+//! with a dense factorisation, also for badly scaled matrices.
 
 mod dense;
 mod dense_lu;
