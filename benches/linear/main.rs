@@ -7,6 +7,9 @@
 //! the times of the library contain it.
 
 #[allow(dead_code)]
+#[path = "../../crates/asperity/src/argument.rs"]
+mod argument;
+#[allow(dead_code)]
 mod contact;
 #[allow(dead_code, unused_imports)]
 #[path = "../../crates/asperity/src/linear/mod.rs"]
@@ -15,6 +18,9 @@ mod matrices;
 mod measure;
 mod ours;
 mod theirs;
+#[allow(dead_code)]
+#[path = "../../crates/asperity/src/vectors.rs"]
+mod vectors;
 
 use std::env;
 use std::error::Error;

@@ -44,10 +44,11 @@ pub(crate) struct Symbolic {
     pub(crate) operations: f64,
 }
 
-/// Consecutive columns are joined although their patterns differ while the zeros this adds are few: at most
-/// a quarter in narrow fronts, a tenth in others, any number in very narrow ones.
-const NARROW: usize = 24;
-const VERY_NARROW: usize = 12;
+/// Consecutive columns are joined although their patterns differ while the zeros this adds are few, at most a tenth, and
+/// up to so many columns however many they are: more of them trade operations with zeros against fronts that are too
+/// small for the tiles of `dense.rs`. On the stored problems of `make linear` factorisations took as long with 6 and
+/// 2 % longer with 24; a quarter of zeros in fronts of up to 24 or 48 columns made them 10 % and 6 % longer.
+const NARROW: usize = 12;
 
 impl Symbolic {
     /// For a matrix whose block pattern is symmetric.
@@ -196,25 +197,25 @@ fn groups(parent: &[usize], width: &[usize], count: &mut [usize]) -> Vec<usize> 
     let mut starts: Vec<usize> = (0..n).filter(|&k| k == 0 || !same(k, count)).collect();
     starts.push(n);
     let mut bounds: Vec<usize> = Vec::with_capacity(starts.len());
-    let mut columns = 0;
+    let (mut columns, mut zeros) = (0, 0);
     for pair in starts.windows(2) {
         let own: usize = width[pair[0]..pair[1]].iter().sum();
         if let Some(&group) = bounds.last()
             && parent[pair[0] - 1] == pair[0]
         {
             let joined = columns + count[pair[0]];
-            let zeros = (columns * (joined - count[group])) as f64;
-            let entries = ((columns + own) * joined) as f64;
-            let few =
-                zeros <= 0.25 * entries && (columns + own <= NARROW || zeros <= 0.1 * entries);
-            if few || columns + own <= VERY_NARROW {
+            // Those of all groups that were joined: along a path of the tree each of many would add a few.
+            let all = zeros + columns * (joined - count[group]);
+            let few = all as f64 <= 0.1 * ((columns + own) * joined) as f64;
+            if few || columns + own <= NARROW {
                 count[group] = joined;
                 columns += own;
+                zeros = all;
                 continue;
             }
         }
         bounds.push(pair[0]);
-        columns = own;
+        (columns, zeros) = (own, 0);
     }
     bounds.push(n);
     bounds
