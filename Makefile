@@ -27,7 +27,6 @@ test-rust:
 	cd fuzz && cargo clippy --all-targets --locked --target-dir ../target -- -D warnings
 	cd fuzz && cargo test --locked --quiet --target-dir ../target
 	cd benches/linear && cargo fmt --check
-	cd benches/linear && cargo clippy --locked --target-dir ../../target -- -D warnings
 
 test-python: $(VENV)/.installed
 	$(BIN)/ruff format --check .
