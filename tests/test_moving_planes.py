@@ -342,7 +342,10 @@ def test_a_plate_rides_on_a_table_that_tips_about_two_axes():
     tilt = Sine(
         [0.1, 0.15, 0.0], 1.0, phase=[0.0, 0.7, 0.0], offset=[0.0, -0.15 * np.sin(0.7), 0.0]
     )
-    at = lambda t: Rotation.from_rotvec(tilt(t))  # noqa: E731
+
+    def at(t):
+        return Rotation.from_rotvec(tilt(t))
+
     omega = tilt.derivative(0.0)
     place = np.array([0.05, -0.1, 0.02])
     body = Body.box(
@@ -383,7 +386,10 @@ def test_a_conveyor_of_anisotropic_surface(direction):
     along, up = 40.0 / omega**2, 8.0 / omega**2
     way = np.array([along * np.cos(direction), along * np.sin(direction), up])
     motion = Sine(way, frequency, phase=[np.pi / 2] * 3)
-    belt = lambda t: motion.derivative(t)[:2]  # noqa: E731
+
+    def belt(t):
+        return motion.derivative(t)[:2]
+
     law = FrictionLaw.associated(Ellipse(*semi_axes))
     plane = Plane(motion=PlaneMotion(displacement=motion))
     start, t_end = motion(0.0), 0.33
@@ -417,8 +423,13 @@ def test_a_conveyor_with_stick_and_hops_by_pieces_in_closed_form():
 
 def conveyed(table, mu, t_end):
     """A point on a shaken line, phase by phase, from rest on it."""
-    acceleration = lambda t: table.derivative(t, order=2)  # noqa: E731
-    load = lambda t: G + acceleration(t)[1]  # noqa: E731
+
+    def acceleration(t):
+        return table.derivative(t, order=2)
+
+    def load(t):
+        return G + acceleration(t)[1]
+
     t, phase, phases = 0.0, "stick", []
     state, sign = np.concatenate([table(0.0), table.derivative(0.0)]), 0.0
     while True:

@@ -266,3 +266,12 @@ def test_lengths_are_not_negative():
     with pytest.raises(ParameterError) as raised:
         RigidBodies([PlanarBody(1.0, 1.0)], springs=[spring])
     assert raised.value.argument == "length"
+
+
+def test_breaks_are_never_cut_short(monkeypatch):
+    saw = Signal([0.0, 1.0, 1.5], [0.0, 1.0, 0.0], interpolation="linear", periodic=True)
+    monkeypatch.setattr("asperity.system.time_functions._MOST_BREAKS", 4)
+    assert saw.breaks(0.0, 3.0).tolist() == [1.0, 1.5, 2.5, 3.0]
+    with pytest.raises(ParameterError) as raised:
+        saw.breaks(0.0, 4.0)
+    assert raised.value.argument == "end"

@@ -39,6 +39,9 @@ pub use combine::{Image, Intersection, MinkowskiSum, Union};
 pub use cone::Cone;
 pub use convex::ConvexSet;
 pub use error::SetError;
+// For the splines of `asperity`, not part of the geometry.
+#[doc(hidden)]
+pub use numeric::Cyclic;
 pub use numeric::{Arc, BoundaryPoint, Side, directions};
 pub use questions::{
     Cancelled, Checked, Verdict, convexity, convexity_unless, largest_ratio, largest_ratio_unless,

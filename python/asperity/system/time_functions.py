@@ -117,13 +117,19 @@ class Signal(Value):
             start: in s.
             end: in s.
 
+        Raises:
+            ParameterError: ``end`` lies more than ten million of them away.
+
         >>> from asperity import Signal
         >>> saw = Signal([0.0, 1.0, 1.5], [0.0, 1.0, 0.0], interpolation="linear", periodic=True)
         >>> saw.breaks(0.0, 3.0).tolist()
         [1.0, 1.5, 2.5, 3.0]
         """
         first, last = arrays.number(start, "start"), arrays.number(end, "end")
-        found = self._core.breaks(first, last, _MOST_BREAKS)
+        found = self._core.breaks(first, last, _MOST_BREAKS + 1)
+        if len(found) > _MOST_BREAKS:
+            message = f"must be nearer to start, within {_MOST_BREAKS} samples, got {last}"
+            raise ParameterError("end", message)
         return np.array([time for time, is_kink in found if is_kink])
 
     @property

@@ -1,15 +1,18 @@
 //! Cyclic tridiagonal linear systems.
 
 /// A system whose row `k` holds the unknowns `k − 1`, `k` and `k + 1`, counted around a ring.
-pub(crate) struct Cyclic {
+#[derive(Debug)]
+pub struct Cyclic {
     lower: Vec<f64>,
     diagonal: Vec<f64>,
     upper: Vec<f64>,
-    pub(crate) right: Vec<f64>,
+    /// The right-hand sides.
+    pub right: Vec<f64>,
 }
 
 impl Cyclic {
-    pub(crate) fn zeros(n: usize) -> Self {
+    /// Zeros in `n` rows, at least two.
+    pub fn zeros(n: usize) -> Self {
         Self {
             lower: vec![0.0; n],
             diagonal: vec![0.0; n],
@@ -19,7 +22,7 @@ impl Cyclic {
     }
 
     /// Adds to the entry in row `k` and a column next to it or on the diagonal.
-    pub(crate) fn add(&mut self, k: usize, column: usize, value: f64) {
+    pub fn add(&mut self, k: usize, column: usize, value: f64) {
         let n = self.right.len();
         if column == k {
             self.diagonal[k] += value;
@@ -31,7 +34,8 @@ impl Cyclic {
     }
 
     /// Gaussian elimination along the chain; the last unknown closes the ring.
-    pub(crate) fn solve(&self) -> Vec<f64> {
+    #[must_use]
+    pub fn solve(&self) -> Vec<f64> {
         let last = self.right.len() - 1;
         // x_k = p_k + q_k x_last for k < last, from both right-hand sides at once.
         let mut forward = vec![(0.0, 0.0, 0.0); last];

@@ -9,4 +9,5 @@ pub(crate) mod scaling;
 pub(crate) mod vectors;
 
 pub use boundary::{Arc, BoundaryPoint, Side};
+pub use cyclic::Cyclic;
 pub use vectors::directions;

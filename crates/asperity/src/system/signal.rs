@@ -594,8 +594,10 @@ fn primitive([a, b, c, d]: &[f64; 4], x: f64) -> f64 {
 }
 
 /// Slopes of cubic splines at their samples (\[DeBoor2001\] ch. IV): the equations that make the second derivative
-/// continuous, for all components at once.
+/// continuous, component by component.
 mod spline {
+    use asperity_set::Cyclic;
+
     /// The slopes with the third derivative continuous at the second and at the last but one sample.
     pub(super) fn not_a_knot(times: &[f64], values: &[f64], width: usize) -> Vec<f64> {
         let n = times.len();
@@ -621,113 +623,73 @@ mod spline {
             }
             _ => {}
         }
-        let mut rows = Rows { lower: vec![0.0; n], diagonal: vec![0.0; n], upper: vec![0.0; n] };
-        interior(&h, &secant, width, &mut rows, &mut slopes);
-        let (first, last) = (h[0] + h[1], h[n - 2] + h[n - 3]);
-        (rows.diagonal[0], rows.upper[0]) = (h[1], first);
-        (rows.lower[n - 1], rows.diagonal[n - 1]) = (last, h[n - 3]);
-        for k in 0..width {
-            let (a, b) = (secant[k], secant[width + k]);
-            slopes[k] = ((h[0] + 2.0 * first) * h[1] * a + h[0] * h[0] * b) / first;
-            let (a, b) = (secant[(n - 2) * width + k], secant[(n - 3) * width + k]);
-            let end = (h[n - 2] + 2.0 * last) * h[n - 3] * a + h[n - 2] * h[n - 2] * b;
-            slopes[(n - 1) * width + k] = end / last;
+        let mut system = Cyclic::zeros(n);
+        for i in 1..n - 1 {
+            smooth(&mut system, (i - 1, i, i + 1), (h[i - 1], h[i]));
         }
-        rows.solve(&mut slopes, width);
+        let (first, last) = (h[0] + h[1], h[n - 2] + h[n - 3]);
+        system.add(0, 0, h[1]);
+        system.add(0, 1, first);
+        system.add(n - 1, n - 2, last);
+        system.add(n - 1, n - 1, h[n - 3]);
+        let right = |i: usize, k: usize| {
+            if i == 0 {
+                let (a, b) = (secant[k], secant[width + k]);
+                ((h[0] + 2.0 * first) * h[1] * a + h[0] * h[0] * b) / first
+            } else if i == n - 1 {
+                let (a, b) = (secant[(n - 2) * width + k], secant[(n - 3) * width + k]);
+                ((h[n - 2] + 2.0 * last) * h[n - 3] * a + h[n - 2] * h[n - 2] * b) / last
+            } else {
+                let (a, b) = (secant[(i - 1) * width + k], secant[i * width + k]);
+                3.0 * (h[i] * a + h[i - 1] * b)
+            }
+        };
+        solve(&mut system, &mut slopes, width, right);
         slopes
     }
 
     /// The slopes with all of it the same at the last sample as at the first one.
     pub(super) fn periodic(times: &[f64], values: &[f64], width: usize) -> Vec<f64> {
+        // As many unknowns as intervals; the row of the first sample meets the last interval.
         let n = times.len() - 1;
         let (h, secant) = secants(times, values, width);
         let mut slopes = vec![0.0; n * width];
-        // As many unknowns as intervals; the row of the first sample meets the last interval.
-        let before = |i: usize| (i + n - 1) % n;
-        for i in 0..n {
-            for k in 0..width {
+        // One interval between equal values has no slope.
+        if n > 1 {
+            let before = |i: usize| (i + n - 1) % n;
+            let mut system = Cyclic::zeros(n);
+            for i in 0..n {
+                smooth(&mut system, (before(i), i, (i + 1) % n), (h[before(i)], h[i]));
+            }
+            solve(&mut system, &mut slopes, width, |i, k| {
                 let (a, b) = (secant[before(i) * width + k], secant[i * width + k]);
-                slopes[i * width + k] = 3.0 * (h[i] * a + h[before(i)] * b);
-            }
-        }
-        match n {
-            1 => slopes.fill(0.0),
-            2 => {
-                // Both neighbours are the same.
-                let (d, o) = (2.0 * (h[0] + h[1]), h[0] + h[1]);
-                for k in 0..width {
-                    let (a, b) = (slopes[k], slopes[width + k]);
-                    let det = d * d - o * o;
-                    (slopes[k], slopes[width + k]) = ((d * a - o * b) / det, (d * b - o * a) / det);
-                }
-            }
-            _ => {
-                // Sherman and Morrison: the corners are a matrix of rank one.
-                let mut rows = Rows {
-                    lower: h.clone(),
-                    diagonal: (0..n).map(|i| 2.0 * (h[i] + h[before(i)])).collect(),
-                    upper: (0..n).map(|i| h[before(i)]).collect(),
-                };
-                let (corner, other) = (rows.lower[0], rows.upper[n - 1]);
-                let gamma = -rows.diagonal[0];
-                rows.diagonal[0] -= gamma;
-                rows.diagonal[n - 1] -= corner * other / gamma;
-                let mut along = vec![0.0; n];
-                (along[0], along[n - 1]) = (gamma, other);
-                rows.solve(&mut along, 1);
-                rows.solve(&mut slopes, width);
-                let ratio = corner / gamma;
-                let scale = 1.0 + along[0] + ratio * along[n - 1];
-                for k in 0..width {
-                    let part = (slopes[k] + ratio * slopes[(n - 1) * width + k]) / scale;
-                    for i in 0..n {
-                        slopes[i * width + k] -= part * along[i];
-                    }
-                }
-            }
+                3.0 * (h[i] * a + h[before(i)] * b)
+            });
         }
         slopes.extend_from_within(..width);
         slopes
     }
 
-    /// A matrix of three diagonals.
-    struct Rows {
-        lower: Vec<f64>,
-        diagonal: Vec<f64>,
-        upper: Vec<f64>,
+    /// The row of a sample between two intervals.
+    fn smooth(system: &mut Cyclic, (before, i, after): (usize, usize, usize), h: (f64, f64)) {
+        system.add(i, before, h.1);
+        system.add(i, i, 2.0 * (h.0 + h.1));
+        system.add(i, after, h.0);
     }
 
-    impl Rows {
-        /// Solves for `width` right-hand sides at once, without pivots: the rows of splines need none.
-        fn solve(&self, right: &mut [f64], width: usize) {
-            let n = self.diagonal.len();
-            let mut diagonal = self.diagonal.clone();
-            for i in 1..n {
-                let factor = self.lower[i] / diagonal[i - 1];
-                diagonal[i] -= factor * self.upper[i - 1];
-                for k in 0..width {
-                    right[i * width + k] -= factor * right[(i - 1) * width + k];
-                }
+    /// The slopes of all components; `right` are the right-hand sides by sample and component.
+    fn solve(
+        system: &mut Cyclic,
+        slopes: &mut [f64],
+        width: usize,
+        right: impl Fn(usize, usize) -> f64,
+    ) {
+        for k in 0..width {
+            for (i, own) in system.right.iter_mut().enumerate() {
+                *own = right(i, k);
             }
-            for i in (0..n).rev() {
-                for k in 0..width {
-                    let next =
-                        if i + 1 < n { self.upper[i] * right[(i + 1) * width + k] } else { 0.0 };
-                    right[i * width + k] = (right[i * width + k] - next) / diagonal[i];
-                }
-            }
-        }
-    }
-
-    /// The rows of the samples between the first and the last one.
-    fn interior(h: &[f64], secant: &[f64], width: usize, rows: &mut Rows, right: &mut [f64]) {
-        for i in 1..h.len() {
-            rows.lower[i] = h[i];
-            rows.diagonal[i] = 2.0 * (h[i - 1] + h[i]);
-            rows.upper[i] = h[i - 1];
-            for k in 0..width {
-                let (a, b) = (secant[(i - 1) * width + k], secant[i * width + k]);
-                right[i * width + k] = 3.0 * (h[i] * a + h[i - 1] * b);
+            for (i, slope) in system.solve().into_iter().enumerate() {
+                slopes[i * width + k] = slope;
             }
         }
     }

@@ -29,7 +29,7 @@ use nalgebra::Vector3;
 use super::contact::{Contact, Touching, direction};
 use super::rotation::Turn;
 use super::surface::{Surface, SurfaceCourse};
-use super::{Pose, RigidBodies, angular, linear};
+use super::{Pose, RigidBodies, Twist, angular, linear};
 use crate::system::{Midpoint, Moment};
 
 /// Radians per step up to which a rotation is followed. Beyond, the chord has little to do with the velocity, and from
@@ -89,14 +89,16 @@ impl RigidBodies {
 
 impl Contact {
     /// Whether anything turns in a step, by more than rounding and not too far to be followed, or a surface changes its
-    /// velocity. `rates` are the angular
-    /// velocities of the bodies, `approach` the relative velocity of the centres of mass.
-    pub(super) fn bends(&self, rates: [f64; 2], approach: f64, dt: f64) -> bool {
+    /// velocity; from the velocities of both bodies before the step.
+    pub(super) fn bends(&self, first: &Twist, second: &Twist, dt: f64) -> bool {
         let (own, moves) = match &self.touching {
             Touching::Plane { surface, timed, .. } => (surface.spin.abs(), timed.is_some()),
-            Touching::Spheres { radii, .. } => (approach / (radii[0] + radii[1]), false),
+            Touching::Spheres { radii, .. } => {
+                ((linear(first) - linear(second)).norm() / (radii[0] + radii[1]), false)
+            }
         };
-        let turn = dt * own.max(rates[0]).max(rates[1]);
+        let rate = angular(first).norm_squared().max(angular(second).norm_squared()).sqrt();
+        let turn = dt * own.max(rate);
         (moves || turn > f64::EPSILON) && turn <= LARGEST_TURN
     }
 

@@ -169,10 +169,8 @@ impl System for RigidBodies {
         correction: &mut [f64],
     ) -> bool {
         let contact = &self.contacts[contact];
-        let twists = (self.twist(u, contact.body), contact.other.map(|body| self.twist(u, body)));
-        let second = twists.1.unwrap_or_default();
-        let rates = [angular(&twists.0).norm(), angular(&second).norm()];
-        if !contact.bends(rates, (linear(&twists.0) - linear(&second)).norm(), dt) {
+        let second = contact.other.map(|body| self.twist(u, body)).unwrap_or_default();
+        if !contact.bends(&self.twist(u, contact.body), &second, dt) {
             return false;
         }
         let first = self.course(midpoint, u, contact.body, dt);
