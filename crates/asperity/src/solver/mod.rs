@@ -271,6 +271,9 @@ impl Solver {
             residual = iterate.measure(&task);
             if residual.value <= stop.tolerance {
                 findings = findings::judge(&task, ended, residual, &mut iterate, groups);
+            } else {
+                // The attempt may have ended with a proof of its own.
+                findings.without_solution = iterate.infeasibility.as_ref().map(|p| p.contact);
             }
         }
         // Who has cancelled does not wait for a search of all contacts.
