@@ -172,7 +172,7 @@ def sets() -> None:
     with asp.plot.style():
         figure, axes = plt.subplots(3, 4, figsize=(10.0, 7.0), layout="constrained")
         for ax, (name, star) in zip(axes.flat, gallery.items(), strict=True):
-            asp.plot.plot_set(star, ax, color=BLUE if star.is_convex else ORANGE)
+            asp.plot.plot_set(star, ax=ax, color=BLUE if star.is_convex else ORANGE)
             ax.plot(0.0, 0.0, "o", color=INK, markersize=3.0)
             ax.set(title=name, xlabel="", ylabel="", xlim=(-1.25, 1.25), ylim=(-1.0, 1.0))
             ax.tick_params(labelbottom=False, labelleft=False)
@@ -191,15 +191,15 @@ def cones() -> None:
     cross = asp.Rectangle(1.0, 0.4) | asp.Rectangle(0.4, 1.0)
     with asp.plot.style():
         figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.6), layout="constrained")
-        asp.plot.plot_set(lens, left, label="$C$")
+        asp.plot.plot_set(lens, ax=left, label="$C$")
         smooth = lens.radius(2.0) * np.array([np.cos(2.0), np.sin(2.0)])
         for point in ([0.8, 0.42], smooth):
-            asp.plot.plot_cones(lens, point, left, size=0.35)
-        asp.plot.plot_projection(lens, [[1.2, -0.75], [0.3, -1.1], [-1.25, 0.1]], left)
+            asp.plot.plot_cones(lens, x=point, ax=left, size=0.35)
+        asp.plot.plot_projection(lens, z=[[1.2, -0.75], [0.3, -1.1], [-1.25, 0.1]], ax=left)
         left.set_title("Convex: normal and tangent cones, projections")
-        asp.plot.plot_set(cross, right)
+        asp.plot.plot_set(cross, ax=right)
         for point in ([0.4, 0.4], [1.0, -0.4], [-0.4, 0.75]):
-            asp.plot.plot_cones(cross, point, right, normal=False, size=0.35)
+            asp.plot.plot_cones(cross, x=point, ax=right, normal=False, size=0.35)
         right.set_title("Star-shaped: tangent cones")
         handles, labels = left.get_legend_handles_labels()
         handles += [Patch(color=GREEN, alpha=0.4), Patch(color=PURPLE, alpha=0.4)]
@@ -234,7 +234,7 @@ def laws() -> None:
     with asp.plot.style():
         figure, axes = plt.subplots(2, 2, figsize=(9.6, 8.4), layout="constrained")
         for ax, (title, law) in zip(axes.flat, made_laws().items(), strict=True):
-            asp.plot.plot_law(law, ax, angles=24, legend=False)
+            asp.plot.plot_law(law, ax=ax, angles=24, legend=False)
             ax.set_title(title)
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     asp.plot.save_figure(figure, IMAGES / "laws.png", dpi=110)
@@ -252,8 +252,8 @@ def directions() -> None:
     with asp.plot.style():
         figure, axes = plt.subplots(1, 3, figsize=(12.6, 4.2), layout="constrained")
         for (name, law), color in zip(chosen.items(), (BLUE, GREEN, ORANGE), strict=True):
-            asp.plot.plot_friction_coefficient(law, axes[0], label=name, color=color)
-            asp.plot.plot_deflection(law, axes[1], color=color)
+            asp.plot.plot_friction_coefficient(law, ax=axes[0], label=name, color=color)
+            asp.plot.plot_deflection(law, ax=axes[1], color=color)
             axes[2].plot(np.rad2deg(phi), law.trace_criterion(phi), color=color)
         handles, labels = axes[0].get_legend_handles_labels()
         axes[0].get_legend().remove()
@@ -282,7 +282,7 @@ def growth() -> None:
     rates = asp.growth_chart(unturned, np.deg2rad(phi), np.deg2rad(zeta))
     with asp.plot.style():
         figure, ax = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
-        asp.plot.plot_growth_chart(phi, zeta, rates, ax, limit=12.0)
+        asp.plot.plot_growth_chart(rates, x=phi, y=zeta, ax=ax, limit=12.0)
         ax.axhline(30.0, color=INK, linewidth=0.9, linestyle=":")
         ax.set(
             title="Growth rate of small motions",
@@ -300,7 +300,7 @@ def bifurcation() -> None:
     plain: dict[str, Any] = {"frameon": True, "framealpha": 1.0, "edgecolor": "none"}
     with asp.plot.style():
         figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
-        asp.plot.plot_bifurcation(diagram.replace(values=phi), left)
+        asp.plot.plot_bifurcation(diagram.replace(values=phi), ax=left)
         for name, shown, marker in (("stable", found, "o"), ("unstable", np.invert(found), "x")):
             right.plot(
                 phi[shown],

@@ -29,6 +29,6 @@ for name, law in laws.items():
     )
     x, y = 1e3 * path.q[-1]
     print(f"{name:<11} stops after {path.t[-1]:.4f} s at ({x:.2f}, {y:.2f}) mm")
-    asp.plot.plot_path(path, ax, label=name)
+    asp.plot.plot_path(path, ax=ax, label=name)
 ax.legend()
 asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "sliding_path.png")

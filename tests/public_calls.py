@@ -245,15 +245,23 @@ ARGUMENTS = {
     "plot.save_figure": {"figure": Figure(), "path": f"{FOLDER.name}/empty.png"},
     "plot.plot_bifurcation": {"diagram": DIAGRAM},
     "plot.plot_cones": {"set": DISK, "x": [0.5, 0.0]},
-    "plot.plot_forces_in_reservoir": {"law": LAW, "trajectory": RUN},
+    "plot.plot_bodies": {"run": RUN_OF_BODIES, "system": BODIES, "at": [0.0, 0.1]},
+    "plot.plot_forces_in_reservoir": {"law": LAW, "run": RUN},
+    "plot.plot_history": {"run": RUN},
     "plot.plot_gauge": {"set": DISK},
     "plot.plot_growth_chart": {"x": [0.0, 1.0], "y": [0.0, 1.0], "growth": np.eye(2)},
     "plot.plot_law": {"law": LAW},
-    "plot.plot_path": {"trajectory": RUN},
-    "plot.plot_phase": {"trajectory": RUN},
+    "plot.plot_path": {"run": RUN},
+    "plot.plot_phase_portrait": {"run": RUN},
     "plot.plot_projection": {"set": DISK, "z": [1.0, 0.0]},
     "plot.plot_root_locus": {"eigenvalues": [[1.0, 2.0], [1.0, 3.0]], "values": [0.0, 1.0]},
     "plot.plot_track": {"track": FILM},
+    "plot.save_animation": {
+        "run": RUN_OF_BODIES,
+        "path": f"{FOLDER.name}/ball.gif",
+        "system": BODIES,
+        "size": (2.0, 2.0),
+    },
 }
 """By the key of the callable, or by the name of a method for all classes that have it."""
 

@@ -303,7 +303,7 @@ BAD_INPUT = [
     ("system", ParameterError, lambda: asp.simulate(LAW, dt=0.1, t_end=1.0)),
     # plots
     ("set", DimensionError, lambda: plot_set(asp.Ball(1.0))),
-    ("path", ParameterError, lambda: save_figure(plot_set(DISK)[0].figure, "plot.xyz")),
+    ("path", ParameterError, lambda: save_figure(plot_set(DISK).figure, "plot.xyz")),
 ]
 
 

@@ -178,9 +178,9 @@ def test_motions_are_values():
 
 def test_plots_show_motions():
     motion = asp.integrate(belt(), t_end=30.0, q0=[20.2, 2.7], dt=0.1)
-    assert len(plot.plot_path(motion)) == 2
-    assert [lines.get_label() for lines in plot.plot_phase(motion)] == ["stick", "slip"]
-    assert len(plot.plot_forces_in_reservoir(motion, belt().law)) >= 3
+    coloured = plot.plot_path(motion, contact=0)
+    assert [lines.get_label() for lines in coloured.collections] == ["stick", "slip"]
+    assert len(plot.plot_forces_in_reservoir(motion, law=belt().law).lines) == 3
 
 
 def bad(**changes):

@@ -168,8 +168,8 @@ def bifurcation_diagram(
     >>> import matplotlib
     >>> matplotlib.use("Agg")
     >>> from asperity.plot import plot_bifurcation
-    >>> len(plot_bifurcation(diagram))
-    2
+    >>> [line.get_label() for line in plot_bifurcation(diagram).lines]
+    ['neutral equilibrium', 'unstable equilibrium']
     """
     grid = arrays.array(values, "values", (None,))
     if not grid.size or (np.diff(grid) <= 0.0).any():
