@@ -69,10 +69,11 @@ def _parameters(fit: Fit) -> list[Block]:
             for share in shares.tolist()
         ]
     sources = (
-        "Confidence intervals include the scatter between turns, or between runs if there are three "
-        "or more (Student's t), and the uncertainty of the calibration and of the records without load where these "
-        "are known; the last columns are their shares of the variance that is known. "
-        "Semi-axes are per unit normal force. The scale of D has no effect on forces."
+        "Confidence intervals include the scatter between turns, or between runs if there are "
+        "three or more (Student's t), and the uncertainty of the calibration and of the records "
+        "without load where these are known; the last columns are their shares of the variance "
+        "that is known. Semi-axes are per unit normal force. The scale of D has no effect on "
+        "forces."
     )
     return [Grid([*head, "turns", "calibration", "zeros"], rows), Text(sources)]
 
