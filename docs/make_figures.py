@@ -106,7 +106,7 @@ def selection() -> None:
     """Draw the loads with several solutions, and the three solutions of one of them."""
     direction = np.array([np.cos(np.deg2rad(60.0)), np.sin(np.deg2rad(60.0))])
     load = -LAW.force(direction) + 0.05 * direction
-    problem = asp.ContactProblem(np.eye(2), load, LAW, normal_force=1.0)
+    problem = asp.ContactProblem(np.eye(2), free_velocity=load, laws=LAW, normal_force=1.0)
     with asp.plot.style():
         figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.9), layout="constrained")
         closed = LAW.reservoir.boundary(720)[np.r_[0:720, 0]]
@@ -146,7 +146,9 @@ def draw_several(ax: Axes, n: int = 640) -> None:
     loads = np.linspace(0.94, 1.03, 160)[:, None, None] * rays
     several = np.zeros(loads.shape[:2])
     for index in np.ndindex(several.shape):
-        problem = asp.ContactProblem(np.eye(2), loads[index], LAW, normal_force=1.0)
+        problem = asp.ContactProblem(
+            np.eye(2), free_velocity=loads[index], laws=LAW, normal_force=1.0
+        )
         several[index] = problem.solve().ambiguous
     ax.contourf(*np.moveaxis(loads, -1, 0), several, levels=[0.5, 1.5], colors=[ORANGE])
     ax.fill([], [], color=ORANGE, label="several solutions")
@@ -161,8 +163,8 @@ def sets() -> None:
         "Rectangle": asp.Rectangle(0.9, 0.5),
         "Superellipse, $s = 4$": asp.Superellipse(1.0, 0.6, 4.0),
         "Superellipse, $s = 0.6$": asp.Superellipse(1.0, 0.8, 0.6),
-        "CappedRectangle": asp.CappedRectangle(0.5, 0.5, 0.45),
-        "WedgeAsperity": asp.WedgeAsperity(1.2, np.deg2rad(35.0)).scaled(0.16),
+        "CappedRectangle": asp.CappedRectangle(0.5, 0.5, cap=0.45),
+        "WedgeAsperity": asp.WedgeAsperity(1.2, beta=np.deg2rad(35.0)).scaled(0.16),
         "Polygon": asp.Polygon([[1.0, -0.5], [0.4, 0.2], [0.8, 0.9], [-0.9, 0.5], [-0.5, -0.8]]),
         "PolarCurve": asp.PolarCurve(theta, 0.75 + 0.2 * np.cos(3.0 * theta)),
         "Intersection  &": asp.Ellipse(1.0, 0.6) & asp.Rectangle(0.7, 0.9, angle=0.3),
@@ -220,9 +222,9 @@ def made_laws() -> dict[str, asp.FrictionLaw]:
     slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     noise = 0.01 * np.random.default_rng(7).normal(size=slip.shape)
     return {
-        "asperity(0.6, 30°)": asp.FrictionLaw.asperity(0.6, np.deg2rad(30.0)),
-        "asperity(0.5, (15°, 50°))": asp.FrictionLaw.asperity(0.5, np.deg2rad([15.0, 50.0])),
-        "tensor(F, K)": asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth),
+        "asperity(0.6, 30°)": asp.FrictionLaw.asperity(0.6, beta=np.deg2rad(30.0)),
+        "asperity(0.5, (15°, 50°))": asp.FrictionLaw.asperity(0.5, beta=np.deg2rad([15.0, 50.0])),
+        "tensor(F, K)": asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth_order=fourth),
         "from_samples, 36 noisy ones": asp.FrictionLaw.from_samples(
             phi, noise - surface.force(slip)
         ),
@@ -270,7 +272,9 @@ def directions() -> None:
 def belt(phi: float) -> asp.MassOnBelt:
     """Return the mass on a belt of docs/stability.md; the belt moves at the angle φ."""
     law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
-    return asp.MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(phi), np.sin(phi)])
+    return asp.MassOnBelt(
+        1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[np.cos(phi), np.sin(phi)]
+    )
 
 
 def growth() -> None:
@@ -279,7 +283,7 @@ def growth() -> None:
         law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0), asp.Ellipse(3.0, 1.0))
     )
     phi, zeta = np.linspace(20.0, 100.0, 401), np.linspace(0.0, 90.0, 361)
-    rates = asp.growth_chart(unturned, np.deg2rad(phi), np.deg2rad(zeta))
+    rates = asp.growth_chart(unturned, phi=np.deg2rad(phi), zeta=np.deg2rad(zeta))
     with asp.plot.style():
         figure, ax = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
         asp.plot.plot_growth_chart(rates, x=phi, y=zeta, ax=ax, limit=12.0)
@@ -295,7 +299,7 @@ def growth() -> None:
 def bifurcation() -> None:
     """Draw equilibria and limit cycles of docs/stability.md, and the periods of the cycles."""
     phi = np.linspace(30.0, 90.0, 241)
-    diagram = asp.bifurcation_diagram(belt, "phi", np.deg2rad(phi))
+    diagram = asp.bifurcation_diagram(belt, parameter="phi", values=np.deg2rad(phi))
     found = [cycle is not None and cycle.is_stable for cycle in diagram.cycles]
     plain: dict[str, Any] = {"frameon": True, "framealpha": 1.0, "edgecolor": "none"}
     with asp.plot.style():

@@ -21,7 +21,7 @@ with asp.plot.style():
     figure, ax = plt.subplots(layout="constrained")
 for name, law in laws.items():
     path = asp.simulate(
-        asp.SlidingPoint(0.018, law),
+        asp.SlidingPoint(0.018, law=law),
         dt=1e-4,
         t_end=1.0,
         u0=[1.52 * np.cos(angle), 1.52 * np.sin(angle)],

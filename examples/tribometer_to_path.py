@@ -35,7 +35,7 @@ def slide(law: asp.FrictionLaw) -> asp.Trajectory:
     """Return the path of a disk of 18 g that starts with 1.52 m/s at 32°."""
     angle = np.deg2rad(32.0)
     start = [1.52 * np.cos(angle), 1.52 * np.sin(angle)]
-    block = asp.SlidingPoint(0.018, law)
+    block = asp.SlidingPoint(0.018, law=law)
     return asp.simulate(block, dt=1e-4, t_end=1.0, u0=start, until_rest=True)
 
 

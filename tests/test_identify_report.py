@@ -47,7 +47,7 @@ def test_reports_of_fits_that_lack_something(tmp_path):
     text = fit_law((phi, force), confidence=None).report(tmp_path / "one.html").read_text()
     assert "without confidence intervals" in text
     assert "ΔBIC" not in text
-    fit = fit_law(data(noise=0.0), "fourier", FourierDirection(30))
+    fit = fit_law(data(noise=0.0), reservoir="fourier", direction=FourierDirection(30))
     text = fit.report(tmp_path / "two.html").read_text()
     assert "curve through many points" in text or "not convex" in text
 

@@ -35,7 +35,7 @@ DEGREES = np.linspace(0.0, 360.0, 721)
 
 @pytest.fixture(scope="module")
 def motion():
-    belt = asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [0.1, 0.05])
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.05])
     return asp.simulate(belt, dt=1e-2, t_end=20.0)
 
 
@@ -95,7 +95,7 @@ def test_every_plot_draws_into_the_axes_given_and_into_new_ones_alike(plot, moti
 
 @pytest.mark.parametrize("plot", RUNS)
 def test_motions_are_drawn_as_trajectories_are(plot, motion):
-    belt = asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [0.1, 0.05])
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.05])
     exact = integrate(belt, t_end=20.0, dt=1e-2)
     shown, stepped = PLOTS[plot](exact), PLOTS[plot](motion)
     assert [type(one) for one in shown] == [type(one) for one in stepped]
@@ -116,7 +116,9 @@ def test_several_runs_are_drawn_with_their_labels(plot, motion):
 @pytest.mark.parametrize("plot", RUNS)
 def test_a_cycle_is_drawn_as_its_period(plot):
     law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=0.5), asp.Ellipse(3.0, 1.0))
-    belt = asp.MassOnBelt(1.0, 1.0, law, 1.0, [0.643, 0.766])
+    belt = asp.MassOnBelt(
+        1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.643, 0.766]
+    )
     cycle = asp.limit_cycle(belt)
     shown, period = PLOTS[plot](cycle), PLOTS[plot](cycle.motion)
     # A cycle has neither beginning nor end, which a dot would mark.
@@ -294,7 +296,7 @@ def test_a_positive_deflection_turns_the_path_clockwise():
     (line,) = drawn(plot_deflection, LAW)
     for degrees in (50.0, 140.0):
         direction = e(np.deg2rad(degrees))
-        path = asp.simulate(asp.SlidingPoint(1.0, LAW), dt=1e-3, t_end=0.02, u0=direction)
+        path = asp.simulate(asp.SlidingPoint(1.0, law=LAW), dt=1e-3, t_end=0.02, u0=direction)
         turn = np.linalg.det([path.u[0], path.u[-1]])
         assert np.sign(turn) == -np.sign(np.interp(degrees, DEGREES, line.get_ydata()))
 
@@ -371,8 +373,12 @@ def test_forces_are_drawn_per_unit_of_normal_force():
     # Pressed by a load that grows: λ_N changes, the law does not.
     half = (0.1, 0.05, 0.05)
     load = asp.Signal([0.0, 1.0], [[0.0, 0.0, 0.0], [0.0, 0.0, -20.0]], interpolation="linear")
-    box = asp.Body.box(1.0, half, position=(0.0, 0.0, 0.05), velocity=(4.0, 1.0, 0.0), force=load)
-    system = asp.RigidBodies([box], [asp.BoxPlane(0, half, asp.Plane(), LAW)])
+    box = asp.Body.box(
+        1.0, half_sizes=half, position=(0.0, 0.0, 0.05), velocity=(4.0, 1.0, 0.0), force=load
+    )
+    system = asp.RigidBodies(
+        [box], pairs=[asp.BoxPlane(0, half_sizes=half, plane=asp.Plane(), law=LAW)]
+    )
     run = asp.simulate(system, dt=1e-3, t_end=0.5)
     assert np.nanmax(run.normal_force) > 1.5 * np.nanmin(run.normal_force[1:, :4])
     ax = plot_forces_in_reservoir(run, law=LAW, contacts=[0, 1, 2, 3])
@@ -385,8 +391,10 @@ def test_forces_are_drawn_per_unit_of_normal_force():
 
 
 def test_contacts_without_load_are_refused():
-    ball = asp.Body.ball(1.0, 0.1, position=(0.0, 0.0, 5.0))
-    system = asp.RigidBodies([ball], [asp.SpherePlane(0, 0.1, asp.Plane(), LAW)])
+    ball = asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 5.0))
+    system = asp.RigidBodies(
+        [ball], pairs=[asp.SpherePlane(0, radius=0.1, plane=asp.Plane(), law=LAW)]
+    )
     with pytest.raises(asp.ParameterError, match="contacts: must have carried load"):
         plot_forces_in_reservoir(asp.simulate(system, dt=0.01, t_end=0.1), law=LAW)
 

@@ -25,19 +25,27 @@ def _close():
 
 @pytest.fixture(scope="module")
 def run():
-    belt = asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [0.1, 0.05])
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.05])
     return asp.simulate(belt, dt=1e-2, t_end=20.0)
 
 
 @pytest.fixture(scope="module")
 def bodies():
     box = asp.Body.box(
-        1.0, HALF, position=(0.0, 0.0, 0.05), velocity=(1.2, 0.5, 0.0), angular_velocity=(0, 0, 6)
+        1.0,
+        half_sizes=HALF,
+        position=(0.0, 0.0, 0.05),
+        velocity=(1.2, 0.5, 0.0),
+        angular_velocity=(0, 0, 6),
     )
-    ball = asp.Body.ball(1.0, 0.06, position=(0.0, 0.4, 0.06), velocity=(0.6, 0.1, 0.0))
+    ball = asp.Body.ball(1.0, radius=0.06, position=(0.0, 0.4, 0.06), velocity=(0.6, 0.1, 0.0))
     table = asp.Plane()
     return asp.RigidBodies(
-        [box, ball], [asp.BoxPlane(0, HALF, table, LAW), asp.SpherePlane(1, 0.06, table, LAW)]
+        [box, ball],
+        pairs=[
+            asp.BoxPlane(0, half_sizes=HALF, plane=table, law=LAW),
+            asp.SpherePlane(1, radius=0.06, plane=table, law=LAW),
+        ],
     )
 
 
@@ -95,7 +103,10 @@ def test_bars_of_trajectories_hold_the_steps_of_each_phase(run):
 
 
 def test_bars_of_motions_reach_from_event_to_event():
-    motion = asp.integrate(asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [0.1, 0.05]), t_end=20.0)
+    motion = asp.integrate(
+        asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.05]),
+        t_end=20.0,
+    )
     times = [*(event.time for event in motion.events), 20.0]
     stick = sum(
         end - event.time
@@ -220,8 +231,10 @@ def test_a_system_is_drawn_as_it_starts(bodies):
 def test_bodies_in_a_plane_stand_on_their_line():
     line = asp.Line()
     law = asp.FrictionLaw.isotropic(0.3, dimension=1)
-    box = asp.PlanarBody.box(1.0, (0.1, 0.3), position=(0.0, 0.3))
-    system = asp.RigidBodies([box], [asp.BoxPlane(0, (0.1, 0.3), line, law)])
+    box = asp.PlanarBody.box(1.0, half_sizes=(0.1, 0.3), position=(0.0, 0.3))
+    system = asp.RigidBodies(
+        [box], pairs=[asp.BoxPlane(0, half_sizes=(0.1, 0.3), plane=line, law=law)]
+    )
     motion = asp.integrate(system, t_end=0.1)
     ax = plot.plot_bodies(motion, system=system, at=1)
     (arrows,) = (one for one in ax.collections if hasattr(one, "U"))

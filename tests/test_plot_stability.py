@@ -98,8 +98,8 @@ def test_root_locus_and_chart_take_what_the_analysis_returns():
     assert sum(points(one)[-1].real > 1e-3 for one in lines) == 2
     law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
     phi, zeta = np.linspace(0.0, np.pi, 7), np.linspace(0.0, np.pi / 2, 5)
-    belt = asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
-    growth = asp.growth_chart(belt, phi, zeta)
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
+    growth = asp.growth_chart(belt, phi=phi, zeta=zeta)
     mesh = drawn(plot_growth_chart, growth, x=phi, y=zeta)[0]
     np.testing.assert_array_equal(mesh.get_array().reshape(5, 7), growth.T)
 
@@ -163,14 +163,18 @@ LAW = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0,
 
 
 def on_belt(phi):
-    return asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [np.cos(phi), np.sin(phi)])
+    return asp.MassOnBelt(
+        1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[np.cos(phi), np.sin(phi)]
+    )
 
 
 @pytest.mark.parametrize("cycles", [True, False])
 @pytest.mark.parametrize("degrees", [[40.0, 80.0], [80.0]])
 @pytest.mark.parametrize("coordinate", [0, 1])
 def test_diagrams_in_which_no_cycle_was_found_are_drawn(cycles, degrees, coordinate):
-    diagram = asp.bifurcation_diagram(on_belt, "phi", np.deg2rad(degrees), cycles=cycles)
+    diagram = asp.bifurcation_diagram(
+        on_belt, parameter="phi", values=np.deg2rad(degrees), cycles=cycles
+    )
     assert diagram.cycle_minima.shape == diagram.equilibria.shape == (len(degrees), 2)
     assert np.isnan(diagram.cycle_maxima).all()
     (line,) = drawn(plot_bifurcation, diagram, coordinate=coordinate)

@@ -30,7 +30,7 @@ from asperity.plot.look import (
 from asperity.plot.sets import closed_outline
 from asperity.sets import CappedRectangle, Ellipse, StarSet, star_shape
 
-FLAT = CappedRectangle(0.3, 0.3, 0.25, angle=0.5)
+FLAT = CappedRectangle(0.3, 0.3, cap=0.25, angle=0.5)
 """A reservoir with two flats of length 0.6, their normals at 0.5 rad ± 90°."""
 
 _NORMAL = unit_vectors(FLAT.angle + 0.5 * np.pi)

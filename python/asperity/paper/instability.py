@@ -56,7 +56,9 @@ _PAPER = "parameters of §4.3"
 
 def belt(phi: float, speed: float = 1.0) -> MassOnBelt:
     """Return the paper's mass on a belt that runs in the direction φ."""
-    return MassOnBelt(1.0, 1.0, LAW, 1.0, speed * unit_vectors(phi))
+    return MassOnBelt(
+        1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=speed * unit_vectors(phi)
+    )
 
 
 def fig14() -> Redrawn:
@@ -234,7 +236,9 @@ def fig16() -> Redrawn:
 
 def bifurcations(step: float = 1.0) -> BifurcationDiagram:
     """Return equilibria and limit cycles for belt directions from 0 to 160° in steps."""
-    return bifurcation_diagram(belt, "phi", np.deg2rad(np.arange(0.0, 160.0 + 0.5 * step, step)))
+    return bifurcation_diagram(
+        belt, parameter="phi", values=np.deg2rad(np.arange(0.0, 160.0 + 0.5 * step, step))
+    )
 
 
 def _draw_diagram(ax: Axes, diagram: BifurcationDiagram, curves: Curves) -> None:
@@ -265,7 +269,7 @@ def _draw_critical(ax: Axes, curves: Curves) -> None:
 def _draw_chart(ax: Axes, curves: Curves) -> None:
     phi, zeta = np.linspace(0.0, np.pi, 181), np.linspace(0.0, 0.5 * np.pi, 91)
     unturned = belt(0.0).replace(law=FrictionLaw(Ellipse(30.0, 10.0), Ellipse(3.0, 1.0)))
-    growth = growth_chart(unturned, phi, zeta)
+    growth = growth_chart(unturned, phi=phi, zeta=zeta)
     plot_growth_chart(growth, x=np.rad2deg(phi), y=np.rad2deg(zeta), ax=ax, border=False)
     line = ax.plot(*np.rad2deg(_border()).T, color=INK, linewidth=1.2)
     record(curves, "c", "border of instability", line)

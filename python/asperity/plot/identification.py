@@ -49,7 +49,7 @@ def plot_fitted_sets(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Axes
     >>> from asperity.plot import plot_fitted_sets
     >>> phi = np.linspace(0.0, 4.0 * np.pi, 500, endpoint=False)
     >>> data = phi, 0.3 * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-    >>> ax = plot_fitted_sets(fit_law(data, "circle", "circle"))
+    >>> ax = plot_fitted_sets(fit_law(data, reservoir="circle", direction="circle"))
     """
     _check(fit)
     with drawing(ax) as ax:

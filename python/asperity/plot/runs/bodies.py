@@ -109,9 +109,9 @@ def plot_bodies(
     >>> from asperity import Body, BoxPlane, FrictionLaw, Plane, RigidBodies, simulate
     >>> from asperity.plot import plot_bodies
     >>> half = (0.1, 0.05, 0.05)
-    >>> box = Body.box(1.0, half, position=(0.0, 0.0, 0.05), velocity=(1.0, 0.0, 0.0))
-    >>> table = BoxPlane(0, half, Plane(), FrictionLaw.isotropic(0.3))
-    >>> system = RigidBodies([box], [table])
+    >>> box = Body.box(1.0, half_sizes=half, position=(0.0, 0.0, 0.05), velocity=(1.0, 0.0, 0.0))
+    >>> table = BoxPlane(0, half_sizes=half, plane=Plane(), law=FrictionLaw.isotropic(0.3))
+    >>> system = RigidBodies([box], pairs=[table])
     >>> run = simulate(system, dt=1e-3, t_end=0.5)
     >>> ax = plot_bodies(run, system=system, at=[0.0, 0.5], view="front")
     """

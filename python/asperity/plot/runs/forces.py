@@ -54,7 +54,7 @@ def plot_forces_in_reservoir(
     >>> from asperity import FrictionLaw, MassOnBelt, simulate
     >>> from asperity.plot import plot_forces_in_reservoir
     >>> law = FrictionLaw.isotropic(0.5)
-    >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [0.1, 0.0])
+    >>> belt = MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.1, 0.0])
     >>> ax = plot_forces_in_reservoir(simulate(belt, dt=1e-2, t_end=10.0), law=law)
     >>> [line.get_label() for line in ax.lines]
     ['$C$', 'stick', 'slip']

@@ -83,7 +83,13 @@ def plot_history(
     >>> matplotlib.use("Agg")
     >>> from asperity import FrictionLaw, MassOnBelt, simulate
     >>> from asperity.plot import plot_history
-    >>> belt = MassOnBelt(1.0, 1.0, FrictionLaw.isotropic(0.5), 1.0, [0.1, 0.0])
+    >>> belt = MassOnBelt(
+    ...     1.0,
+    ...     stiffness=1.0,
+    ...     law=FrictionLaw.isotropic(0.5),
+    ...     normal_force=1.0,
+    ...     belt_velocity=[0.1, 0.0],
+    ... )
     >>> ax = plot_history(simulate(belt, dt=1e-2, t_end=10.0), quantity="slip_speed")
     >>> len(ax.lines), len(ax.child_axes)
     (1, 1)

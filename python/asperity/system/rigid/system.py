@@ -58,9 +58,9 @@ class RigidBodies(Value):
     Reference: [WL19] (16), (19).
 
     >>> from asperity import Body, FrictionLaw, Plane, RigidBodies, SpherePlane, simulate
-    >>> ball = Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1), velocity=(0.7, 0.0, 0.0))
-    >>> table = SpherePlane(0, 0.1, Plane(), FrictionLaw.isotropic(0.3))
-    >>> motion = simulate(RigidBodies([ball], [table]), dt=1e-3, t_end=1.0)
+    >>> ball = Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1), velocity=(0.7, 0.0, 0.0))
+    >>> table = SpherePlane(0, radius=0.1, plane=Plane(), law=FrictionLaw.isotropic(0.3))
+    >>> motion = simulate(RigidBodies([ball], pairs=[table]), dt=1e-3, t_end=1.0)
     >>> motion.u[-1, 0].round(9)  # rolls with 5/7 of its velocity
     np.float64(0.5)
     """
@@ -76,8 +76,8 @@ class RigidBodies(Value):
     def __init__(
         self,
         bodies: Sequence[Body] | Sequence[PlanarBody],
-        pairs: Sequence[Pair] = (),
         *,
+        pairs: Sequence[Pair] = (),
         springs: Sequence[Spring] = (),
         gravity: ArrayLike | None = None,
     ) -> None:
@@ -184,7 +184,7 @@ class RigidBodies(Value):
             trajectory: of this system.
 
         >>> from asperity import Body, RigidBodies, simulate
-        >>> flight = RigidBodies([Body.ball(2.0, 0.1, velocity=(0.0, 3.0, 4.0))])
+        >>> flight = RigidBodies([Body.ball(2.0, radius=0.1, velocity=(0.0, 3.0, 4.0))])
         >>> flight.energy(simulate(flight, dt=0.1, t_end=1.0)).round(9)[[0, -1]].tolist()
         [25.0, 25.0]
         """
@@ -249,9 +249,9 @@ class RigidBodies(Value):
 
         >>> from asperity import Body, BoxPlane, FrictionLaw, Plane, RigidBodies, simulate
         >>> half = (0.1, 0.1, 0.1)
-        >>> block = Body.box(2.0, half, position=(0.0, 0.0, 0.1))
-        >>> table = BoxPlane(0, half, Plane(), FrictionLaw.isotropic(0.3))
-        >>> system = RigidBodies([block], [table])
+        >>> block = Body.box(2.0, half_sizes=half, position=(0.0, 0.0, 0.1))
+        >>> table = BoxPlane(0, half_sizes=half, plane=Plane(), law=FrictionLaw.isotropic(0.3))
+        >>> system = RigidBodies([block], pairs=[table])
         >>> motion = simulate(system, dt=1e-3, t_end=1e-2)
         >>> system.contact_forces(motion, frame="world")[-1].sum(axis=0).round(6)[2].item()
         19.62
