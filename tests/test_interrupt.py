@@ -80,6 +80,7 @@ import asperity as asp
 import numpy as np
 x = np.ones((10_000_000, 2))
 x[:, 0] = np.linspace(-1.0, 1.0, len(x))
+wedge = asp.WedgeAsperity(0.5, beta=0.6)
 call = {call}
 ticks = []
 def tick():
