@@ -120,7 +120,7 @@ def test_laws_are_those_of_the_drawn_parameters():
 
 def test_few_turns_are_drawn_from_students_t():
     """Bands of the draws are those of the fit: the quantiles of t, not those of the normal law."""
-    count, degrees = 1000, 3
+    count, degrees = 1000, 2
     few = KNOWN.replace(degrees_of_freedom=(degrees, math.inf, math.inf))
     drawn = few.sample_values(count, seed=8)
     standard = (drawn[:, 2] - 0.2) / math.sqrt(SPREAD[2, 2])
