@@ -340,7 +340,7 @@ class IdentifiedLaw(LawFile):
             **{key: model for key, model in models.items() if not isinstance(model, str)},
             "covariance": covariance or None,
         }
-        return table, f"parameters of the law, from which [law] follows\n{self._estimates()}"
+        return table, f"what [law] was made of: change both, or leave this out\n{self._estimates()}"
 
     def _estimates(self) -> str:
         """Return the parameters as a table to read."""
