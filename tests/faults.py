@@ -31,14 +31,14 @@ Write = Callable[[Path], object]
 
 
 def _run(speed):
-    system = asp.SlidingPoint(1.0, LAW)
+    system = asp.SlidingPoint(1.0, law=LAW)
     return asp.simulate(system, dt=1e-4, t_end=0.3, u0=[speed, 0.0])
 
 
 def _problem(size):
     rng = np.random.default_rng(size)
     root = rng.normal(size=(3 * size, 3 * size))
-    return asp.ContactProblem(root @ root.T, rng.normal(size=3 * size), LAW)
+    return asp.ContactProblem(root @ root.T, free_velocity=rng.normal(size=3 * size), laws=LAW)
 
 
 def trajectory():
@@ -158,7 +158,9 @@ def report():
 
     phi = np.linspace(0.0, 4.0 * np.pi, 500, endpoint=False)
     ray = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-    first, second = (fit_law((phi, mu * ray), "circle", "circle") for mu in (0.3, 0.5))
+    first, second = (
+        fit_law((phi, mu * ray), reservoir="circle", direction="circle") for mu in (0.3, 0.5)
+    )
     return lambda out: first.report(out / "fit.html"), lambda out: second.report(out / "fit.html")
 
 

@@ -47,7 +47,7 @@ def problem_file(problem, suffix):
 
 
 def trajectory_file(folder):
-    system = asp.SlidingPoint(1.0, LAW)
+    system = asp.SlidingPoint(1.0, law=LAW)
     asp.simulate(system, dt=0.01, t_end=0.1, u0=[1.0, 0.0]).save(folder / "run.npz")
     return folder / "run.npz"
 

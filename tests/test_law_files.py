@@ -15,7 +15,7 @@ from random_laws import random_law
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 from test_values import VALUES
 
-RATED = PLANE_LAWS[3].replace(rate=asp.Stribeck(0.1, 0.5, shape="hyperbolic", viscous=-0.0))
+RATED = PLANE_LAWS[3].replace(rate=asp.Stribeck(0.1, ratio=0.5, shape="hyperbolic", viscous=-0.0))
 ALL_LAWS = [*LAWS, *(one for one in VALUES if isinstance(one, asp.FrictionLaw)), RATED]
 
 
@@ -68,7 +68,9 @@ def test_the_crate_is_tested_with_what_is_written_today(name, tmp_path):
     assert written == stored_laws.without_origin(stored.read_text())
     assert_same(asp.FrictionLaw.load(stored), law)
     expected = json.loads((stored_laws.FOLDER / "forces.json").read_text())[name]
-    np.testing.assert_allclose(law.force(expected["slip"], 2.0), expected["force"], atol=1e-12)
+    np.testing.assert_allclose(
+        law.force(expected["slip"], normal_force=2.0), expected["force"], atol=1e-12
+    )
 
 
 def test_the_crate_is_tested_with_every_kind_of_set():
@@ -149,7 +151,9 @@ def test_classes_of_users_are_refused_by_name(law, message, tmp_path):
 
 def test_problems_with_laws_of_users_are_refused_by_name(tmp_path):
     law = asp.FrictionLaw(OwnDisk(0.3), DISK)
-    problem = asp.ContactProblem(np.eye(3), [-1.0, 0.2, 3.0], law, normal_restitution=0.5)
+    problem = asp.ContactProblem(
+        np.eye(3), free_velocity=[-1.0, 0.2, 3.0], laws=law, normal_restitution=0.5
+    )
     with pytest.raises(asp.ParameterError, match=r"laws\[0\].reservoir: of the class OwnDisk is"):
         problem.save(tmp_path / "problem.npz")
     assert not list(tmp_path.iterdir())

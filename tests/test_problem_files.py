@@ -24,14 +24,18 @@ def plain(law=DISK, contacts=4):
     rng = np.random.default_rng(7)
     rows = contacts * (law.dimension + 1)
     root = rng.normal(size=(rows, rows))
-    return asp.ContactProblem(csr_array(root @ root.T), rng.normal(size=rows), law)
+    return asp.ContactProblem(
+        csr_array(root @ root.T), free_velocity=rng.normal(size=rows), laws=law
+    )
 
 
 def of_bodies(law=DISK, **options):
     rng = np.random.default_rng(8)
     directions = random_array((12, 9), density=0.4, rng=rng) + np.eye(12, 9)
     free = directions.T @ rng.normal(size=12)
-    return asp.ContactProblem.from_bodies(blocks(rng, 2), directions, free, law, **options)
+    return asp.ContactProblem.from_bodies(
+        blocks(rng, 2), directions=directions, free_velocity=free, laws=law, **options
+    )
 
 
 def with_everything():
@@ -167,7 +171,9 @@ def test_bodies_come_back(tmp_path, law, known, suffix):
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: repr(law)[:40])
 def test_every_law_comes_back(tmp_path, law):
     size = law.dimension
-    problem = asp.ContactProblem(csr_array(np.eye(size)), np.ones(size), law, normal_force=1.0)
+    problem = asp.ContactProblem(
+        csr_array(np.eye(size)), free_velocity=np.ones(size), laws=law, normal_force=1.0
+    )
     path = tmp_path / "law.npz"
     problem.save(path)
     assert asp.ContactProblem.load(path).laws == (law,)

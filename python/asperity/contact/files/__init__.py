@@ -77,8 +77,12 @@ def percussions(path: str | os.PathLike[str]) -> Percussions:
     >>> import tempfile
     >>> from pathlib import Path
     >>> from asperity import ContactProblem, FrictionLaw
-    >>> problem = ContactProblem([[1.0]], [0.5], FrictionLaw.isotropic(0.3, dimension=1),
-    ...     normal_force=1.0)
+    >>> problem = ContactProblem(
+    ...     [[1.0]],
+    ...     free_velocity=[0.5],
+    ...     laws=FrictionLaw.isotropic(0.3, dimension=1),
+    ...     normal_force=1.0,
+    ... )
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     problem.save(Path(folder, "problem.npz"))
     ...     percussions(Path(folder, "problem.npz"))
