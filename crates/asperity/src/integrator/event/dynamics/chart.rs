@@ -71,7 +71,7 @@ impl<'a> Chart<'a> {
         let n = system.dof();
         let mut chart = Self {
             system,
-            rotations: system.rotations().into_iter().map(turn).collect(),
+            rotations: system.rotations().iter().copied().map(turn).collect(),
             centre: vec![0.0; q0.len()],
             q: q0.to_vec(),
             derived: Vec::new(),
