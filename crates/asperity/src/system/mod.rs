@@ -120,9 +120,24 @@ pub enum SystemError {
         /// Step times angular velocity in rad.
         angle: f64,
     },
+    /// The mass matrix of a block has no Cholesky factor.
+    #[error("mass: must be symmetric positive definite, is not{} at t = {time} s", of_block(*block, *blocks))]
+    SingularMass {
+        /// The block.
+        block: usize,
+        /// The number of blocks.
+        blocks: usize,
+        /// Time in s.
+        time: f64,
+    },
     /// A callback of the user failed.
     #[error("{0}")]
     Foreign(Box<dyn Error + Send + Sync>),
+}
+
+/// Of which of several blocks is spoken.
+fn of_block(block: usize, blocks: usize) -> String {
+    if blocks > 1 { format!(" of block {block}") } else { String::new() }
 }
 
 impl SystemError {

@@ -173,10 +173,9 @@ impl Assembly {
         system.begin(step, &mut self.midpoint)?;
         let new_mass = !(self.has_mass && system.constancy().mass);
         if new_mass {
-            self.has_mass = self.mass.update(system, &self.midpoint.q)?;
-            if !self.has_mass {
-                return Err(StepError::SingularMass { time: step.midpoint });
-            }
+            self.has_mass = false;
+            self.mass.update(system, step.midpoint, &self.midpoint.q)?;
+            self.has_mass = true;
         }
         self.free.copy_from_slice(&self.midpoint.forces);
         self.mass.solve(system, &mut self.free);

@@ -16,12 +16,6 @@ pub enum StepError {
     /// The system failed.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// The mass matrix has no Cholesky factor.
-    #[error("mass: must be symmetric positive definite, is not at t = {time} s")]
-    SingularMass {
-        /// Time in s.
-        time: f64,
-    },
     /// The contact problem is not finite; a solver must not see it.
     #[error("gap, directions or velocities of contact {contact} are not finite at t = {time} s")]
     NotFiniteContact {
