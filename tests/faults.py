@@ -64,6 +64,14 @@ def problem_hdf5():
     return lambda out: first.save(out / "problem.h5"), lambda out: second.save(out / "problem.h5")
 
 
+def law():
+    first, second = (
+        asp.FrictionLaw.isotropic(0.3),
+        asp.FrictionLaw.tensor([[0.3, 0.1], [0.1, 0.2]], np.zeros((2, 2, 2, 2))),
+    )
+    return lambda out: first.save(out / "law.toml"), lambda out: second.save(out / "law.toml")
+
+
 def figure():
     from matplotlib.figure import Figure
 
@@ -225,7 +233,7 @@ def folder():
 WRITERS = {
     one.__name__: one
     for one in (
-        trajectory, table, problem_npz, problem_hdf5, figure, figure_data, frames, path, video,
+        trajectory, table, problem_npz, problem_hdf5, law, figure, figure_data, frames, path, video,
         raw_data, report, command_identify, command_track, command_solve, folder,
     )
 }  # fmt: skip
@@ -245,6 +253,9 @@ def contents(out: Path, name: str) -> dict[str, object]:
             # Archives hold the time at which they were written.
             with np.load(one) as file:
                 found[one.name] = {key: file[key].tobytes() for key in file}
+        elif one.suffix == ".toml":
+            # Laws hold the day on which they were written.
+            found[one.name] = re.sub(rb"date = .*", b"", one.read_bytes())
         elif name in DIFFERENT:
             found[one.name] = re.sub(r"[-+.e\d]+", "0", one.read_text())
         else:

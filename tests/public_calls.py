@@ -84,6 +84,7 @@ OBJECTS = [
     *DATA.turn_averages().values(),
     FIT,
     FIT.parameters["mu"] if "mu" in FIT.parameters else next(iter(FIT.parameters.values())),
+    FIT.identified_law,
     identify.Processing(),
     identify.CircleReservoir(),
     identify.FourierReservoir(3),
@@ -202,6 +203,9 @@ ARGUMENTS = {
     "identify.Fit.bands": {"phi": PHI},
     "identify.Fit.forces": {"phi": PHI},
     "identify.Fit.radius_band": {"theta": PHI},
+    "identify.IdentifiedLaw.law_of": {"values": FIT.identified_law.values},
+    "identify.IdentifiedLaw.sample": {"n": 2, "seed": 1},
+    "identify.IdentifiedLaw.sample_values": {"n": 2, "seed": 1},
     "identify.Estimate.covers": {"truth": 1.0},
     "identify.VirtualTribometer.perfect": {"law": LAW, "normal_force": 10.0},
     # tracking

@@ -219,6 +219,9 @@ def test_inline_tables_and_left_out_defaults_are_read(tmp_path):
         ('type = "Ellipse"\n', "", r"line 5: \[law.reservoir.sets\[0\]\] type: is missing: it is"),
         ("a = 0.6", "a = -0.6", r"line 7: \[law.reservoir.sets\[0\]\] a: must be positive"),
         ("a = 0.6", 'a = "wide"', r"line 7: .* a: must hold real numbers, got 'wide'"),
+        ("a = 0.6", "a = true", r"line 7: .* a: must not be a truth value, got True"),
+        ("[0.0, 1.0]", "[0, false]", r"line 13: .* matrix\[1\]\[1\]: must not be a truth value"),
+        ("a = 0.6", "a = 0,6", r"line 7: .* a: is no TOML: .*; decimals take a point"),
         ("a = 0.6", "a = nan", r"line 7: .* a: must be finite, got nan"),
         ("a = 0.6", "a = 1e400", r"line 7: .* a: must be finite, got inf"),
         ("a = 0.6", f"a = {10**30}", r"line 7: .* a: must be a whole number of 64 bits"),
@@ -253,6 +256,16 @@ def test_what_is_wrong_is_named_with_line_and_key(old, new, message, tmp_path):
         loaded(TEXT.replace(old, new, 1), tmp_path)
     assert refused.value.file == str(tmp_path / "law.toml")
     assert len(str(refused.value)) < 500
+
+
+def test_what_people_write_is_read(tmp_path):
+    """Dates of TOML, a mark of the byte order, lines that end as on other systems."""
+    text = "\ufeff" + TEXT.replace("version = 1\n", "version = 1 # the first\n")
+    text += "[provenance]\ndate = 2026-11-22\nnote = 'dry'\n"
+    (tmp_path / "law.toml").write_bytes(text.replace("\n", "\r\n").encode())
+    read = asp.LawFile.load(tmp_path / "law.toml")
+    assert (read.provenance.date, read.provenance.note) == ("2026-11-22", "dry")
+    assert read.law == loaded(TEXT, tmp_path)
 
 
 def test_files_that_are_none_are_named(tmp_path):

@@ -720,3 +720,57 @@ def test_contact_points_and_forces_are_those_of_the_time():
     points = system.contact_points(run)[:, 0]
     np.testing.assert_allclose(points[:, 1], run.q[:, 1] - 0.1, atol=1e-12)
     assert run.phase[-1, 0] == Phase.STICK
+
+
+def carried(**motion):
+    """A body on a line that a function of the user moves."""
+    line = Line(motion=PlaneMotion(**motion))
+    pair = PointPlane(0, (0.0, 0.0), line, FrictionLaw.isotropic(0.3, dimension=1))
+    return RigidBodies([PlanarBody(1.0, 1.0)], [pair], gravity=(0.0, -9.81))
+
+
+def run_either(name, system, t_end):
+    return (
+        simulate(system, dt=1e-3 * t_end, t_end=t_end)
+        if name == "simulate"
+        else integrate(system, t_end=t_end)
+    )
+
+
+@pytest.mark.parametrize("run", ["simulate", "integrate"])
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("factor", [0.0, -1.0, 2.0])
+def test_rates_that_contradict_their_values_are_refused(run, scale, factor):
+    def shaken(t):
+        return [0.3 * np.sin(t / scale), 0.0], [factor * 0.3 / scale * np.cos(t / scale), 0.0]
+
+    def tipping(t):
+        return 1e-3 * np.sin(t / scale), factor * 1e-3 / scale * np.cos(t / scale)
+
+    for argument, function in (("displacement", shaken), ("rotation", tipping)):
+        with pytest.raises(ParameterError, match="contradict") as raised:
+            run_either(run, carried(**{argument: function}), 0.1 * scale)
+        assert raised.value.argument == argument
+
+
+def test_rates_that_are_right_are_taken():
+    def far(t):
+        return [1e6 + 1e-9 * t, 0.0], [1e-9, 0.0]
+
+    def fast(t):
+        return [1e-9 * np.sin(1e7 * t), 0.0], [1e-2 * np.cos(1e7 * t), 0.0]
+
+    def resting(t):
+        return [1.0, 0.0], [0.0, 0.0]
+
+    def sampled(t):
+        """Between samples a straight line, with the rate that a gradient finds at them."""
+        times = np.linspace(-0.1, 1.1, 121)
+        values = 0.01 * np.sin(4.0 * times)
+        return (
+            [np.interp(t, times, values), 0.0],
+            [np.interp(t, times, np.gradient(values, times)), 0.0],
+        )
+
+    for function in (far, fast, resting, sampled):
+        assert run_either("simulate", carried(displacement=function), 1.0).status == "finished"

@@ -1,6 +1,7 @@
 """Files of contact problems: round trips, the layouts other engines read, errors that name keys."""
 
 import asperity as asp
+import h5py
 import numpy as np
 import pytest
 from asperity.contact.files import FRICTIONLESS, percussions
@@ -95,6 +96,47 @@ def test_every_problem_comes_back_equal(tmp_path, suffix, cases):
         assert hash(read) == hash(problem)
         percussion = rng.normal(size=problem.free_velocity.size)
         assert read.residual(percussion) == problem.residual(percussion)
+
+
+OLD_LAWS = (
+    '[{"type": "FrictionLaw", "parameters": {"reservoir": {"type": "Intersection", "parameters": '
+    '{"sets": [{"type": "Ellipse", "parameters": {"angle": 0.0, "a": 0.6, "b": 0.2}}, {"type": '
+    '"Disk", "parameters": {"radius": 0.5}}]}}, "direction": {"type": "Mapped", "parameters": '
+    '{"set": {"type": "Disk", "parameters": {"radius": 0.19}}, "matrix": [[1.0, 0.5], [0.0, 1.0]]'
+    '}}, "rate": null, "report": {"type": "FlowReport", "parameters": {"closure": 1.0, '
+    '"convexity_defect": 0.0, "smallest_resistance": 0.1, "repair": 0.0, "misfit": 0.0, '
+    '"samples": 9, "order": null, "noise": 0.0}}}}]'
+)
+"""As version 0.1 has written them."""
+
+
+@every_format
+def test_laws_of_version_0_1_are_read(tmp_path, suffix):
+    law = asp.FrictionLaw(
+        asp.Ellipse(0.6, 0.2) & asp.Disk(0.5),
+        asp.Mapped(asp.Disk(0.19), [[1.0, 0.5], [0.0, 1.0]]),
+        report=asp.FlowReport(1.0, 0.0, 0.1, 0.0, misfit=0.0, samples=9),
+    )
+    path, problem = tmp_path / f"problem{suffix}", plain(law)
+    problem.save(path)
+    if suffix == ".npz":
+        with np.load(path) as file:
+            fields = dict(file)
+        np.savez(path, **{**fields, "laws": np.array(OLD_LAWS)})
+    else:
+        with h5py.File(path, "r+") as file:
+            (place,) = (key for key in _keys(file) if key.endswith("laws"))
+            kept = file[place]
+            old = np.frombuffer(OLD_LAWS.encode(), np.uint8) if kept.dtype == np.uint8 else OLD_LAWS
+            del file[place]
+            file[place] = old
+    assert asp.ContactProblem.load(path) == problem
+
+
+def _keys(file):
+    found = []
+    file.visit(found.append)
+    return found
 
 
 @every_format

@@ -19,8 +19,8 @@ What asperity writes has checksums throughout: damage is refused. HDF5 files of 
 none, and the HDF5 library itself may fail on damaged ones.
 
 **Other problems** have no ``mu`` (and no ``spacedim``), so that nobody takes them for plain ones.
-They hold besides, in HDF5 within the group ``data``: ``laws``, the different laws as JSON of
-constructor names and parameters, ``law``, the number of each contact's law therein,
+They hold besides, in HDF5 within the group ``data``: ``laws``, the different laws as JSON of the
+tables that `FrictionLaw.save` writes, ``law``, the number of each contact's law therein,
 ``normal_force`` (NaN where unilateral), ``normal_restitution``, ``tangential_restitution`` and
 ``initial_velocity``; in HDF5 texts are bytes of UTF-8. Nothing is pickled: reading a file cannot
 run code.
