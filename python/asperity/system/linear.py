@@ -12,7 +12,8 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
-from asperity.system.contacts import Contact
+from asperity.law import FrictionLaw
+from asperity.system.contacts import Contact, relawed
 
 
 class LinearSystem(Value):
@@ -78,6 +79,22 @@ class LinearSystem(Value):
             [contact._core_data() for contact in listed],
         )
         self._keep(_core=core)
+
+    def with_law(
+        self, law: FrictionLaw, *, contacts: int | Sequence[int] | None = None
+    ) -> LinearSystem:
+        """Return the same system, of which contacts obey another friction law.
+
+        Args:
+            law: of the dimension of the contacts' laws.
+            contacts: numbers of the contacts; default all.
+
+        >>> from asperity import FrictionLaw, mechanisms
+        >>> weak = FrictionLaw.isotropic(0.1, dimension=1)
+        >>> mechanisms.mode_coupling(0.5).with_law(weak).contacts[0].law == weak
+        True
+        """
+        return self.replace(contacts=relawed(self.contacts, law, contacts, "contacts"))
 
     @property
     def dof(self) -> int:
