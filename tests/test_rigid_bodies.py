@@ -351,7 +351,7 @@ def test_contact_forces_are_what_changes_the_momentum_of_a_tumbling_box():
         0, half_sizes=HALF, plane=FLOOR, law=law, frame=asp.BodyAxis((1.0, 0.3, 0.2))
     )
     system = asp.RigidBodies([box], pairs=[floor])
-    motion = asp.simulate(system, dt=1e-3, t_end=1.0, save_every=1)
+    motion = asp.simulate(system, dt=1e-3, t_end=1.0)
     forces = system.contact_forces(motion, frame="world")[1:].sum(axis=1)
     change = np.diff(system.momentum(motion), axis=0) / motion.dt
     assert np.abs(forces).max() > 10.0
