@@ -204,7 +204,7 @@ def bifurcation_diagram(
     for value, why in zip(grid.tolist(), failures, strict=True):
         if why:
             log.warning(
-                "bifurcation_diagram: %s = %.9g has no equilibrium: %s", parameter, value, why
+                "bifurcation_diagram: no equilibrium at %s = %.9g: %s", parameter, value, why
             )
     for number, why in sorted(found.failures.items()):
         log.info("bifurcation_diagram: no cycle at %s = %.9g: %s", parameter, grid[number], why)
