@@ -12,15 +12,15 @@ LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
 
 
 def test_matrices_may_be_scalars_diagonals_or_full():
-    contact = asp.Contact(LAW, np.eye(2), normal_force=1.0)
-    full = asp.LinearSystem(np.diag([2.0, 2.0]), np.diag([1.0, 3.0]), contacts=[contact])
-    assert asp.LinearSystem(2.0, [1.0, 3.0], contacts=[contact]) == full
+    contact = asp.Contact(LAW, direction=np.eye(2), normal_force=1.0)
+    full = asp.LinearSystem(np.diag([2.0, 2.0]), stiffness=np.diag([1.0, 3.0]), contacts=[contact])
+    assert asp.LinearSystem(2.0, stiffness=[1.0, 3.0], contacts=[contact]) == full
     assert full.dof == 2
     assert full.damping.tolist() == [[0.0, 0.0], [0.0, 0.0]]
 
 
 def test_belt_velocity_enters_with_minus():
-    belt = asp.MassOnBelt(1.0, 2.0, LAW, 3.0, [0.4, 0.0])
+    belt = asp.MassOnBelt(1.0, stiffness=2.0, law=LAW, normal_force=3.0, belt_velocity=[0.4, 0.0])
     assert belt.contacts[0].velocity.tolist() == [-0.4, 0.0]
     np.testing.assert_allclose(belt.equilibrium, [0.75, 0.0])
     coupled = belt.replace(stiffness=[[2.0, 1.0], [0.0, 1.0]])
@@ -30,10 +30,10 @@ def test_belt_velocity_enters_with_minus():
 def test_equilibrium_of_the_paper():
     belt = asp.MassOnBelt(
         1.0,
-        1.0,
-        asp.FrictionLaw(asp.Ellipse(30.0, 10.0, np.deg2rad(30)), asp.Ellipse(3.0, 1.0)),
-        1.0,
-        [np.cos(np.deg2rad(50)), np.sin(np.deg2rad(50))],
+        stiffness=1.0,
+        law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.deg2rad(30)), asp.Ellipse(3.0, 1.0)),
+        normal_force=1.0,
+        belt_velocity=[np.cos(np.deg2rad(50)), np.sin(np.deg2rad(50))],
     )
     np.testing.assert_allclose(belt.equilibrium, [20.201550, 2.675030], atol=1e-6)
 
@@ -55,7 +55,7 @@ class Block(asp.System):
 
 
 def test_custom_system_equals_the_linear_one():
-    linear = asp.SlidingPoint(1.0, LINE)
+    linear = asp.SlidingPoint(1.0, law=LINE)
     options = {"dt": 1e-3, "t_end": 0.5, "u0": [2.0]}
     custom, model = asp.simulate(Block(), **options), asp.simulate(linear, **options)
     np.testing.assert_array_equal(custom.phase, model.phase)

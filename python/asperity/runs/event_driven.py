@@ -113,7 +113,7 @@ def integrate(
     Reference: [HairerWanner1996] IV.5, IV.8; [WL19] §4.3, Fig. 17; [LeineNijmeijer2004] ch. 8.
 
     >>> from asperity import FrictionLaw, SlidingPoint, integrate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> motion = integrate(block, t_end=1.0, u0=[2.0, 0.0])
     >>> [(event.kind, round(event.time, 12)) for event in motion.events]
     [(EventKind.STICK, 0.4)]

@@ -108,7 +108,7 @@ def simulate(
     Reference: [WL19] (19)–(22).
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> path = simulate(block, dt=0.01, t_end=1.0, u0=[2.0, 0.0], save_every=20)
     >>> path.u[:, 0].round(9).tolist()
     [2.0, 1.0, 0.0, 0.0, 0.0, 0.0]
@@ -272,8 +272,8 @@ def without_solution(found: dict[str, Any] | None, system: Model) -> dict[str, A
         # Factors of the speed are in the operator.
         problem = ContactProblem(
             found["delassus"],
-            found["free_velocity"],
-            [law.replace(rate=None) for law in laws if law is not None],
+            free_velocity=found["free_velocity"],
+            laws=[law.replace(rate=None) for law in laws if law is not None],
             normal_force=found["normal_force"],
         )
     return {"infeasibility": infeasibility(found["infeasibility"]), "problem": problem}

@@ -44,7 +44,7 @@ class PlaneMotion(Value):
         ParameterError: naming the argument.
 
     >>> from asperity import Plane, PlaneMotion, Sine
-    >>> table = Plane(motion=PlaneMotion(displacement=Sine([0.0, 0.0, 1e-3], 50.0)))
+    >>> table = Plane(motion=PlaneMotion(displacement=Sine([0.0, 0.0, 1e-3], frequency=50.0)))
     >>> table.motion.displacement.derivative(0.0).round(6).tolist()
     [0.0, 0.0, 0.314159]
     """
