@@ -78,6 +78,10 @@ VALUES = [
     asp.Section([1.0, 0.0], 0.5, after=1.0),
     asp.Event(0.5, "stick", 0, asp.Phase.STICK, ambiguous=True),
     CYCLE.motion,
+    MOTION.labels,
+    MOTION.origin,
+    MOTION.options,
+    CYCLE.motion.options,
     CYCLE,
     asp.equilibrium(BELT),
     asp.BifurcationDiagram(

@@ -14,7 +14,7 @@ from asperity._base.value import Value
 from asperity.cycles.continuation import Continuation, Found
 from asperity.cycles.orbit import LimitCycle
 from asperity.errors import ConvergenceError, ParameterError
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 from asperity.steady_sliding import Stability, equilibrium, stability
 
 Family = Callable[..., Model]

@@ -9,7 +9,8 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.runs.motion import Motion, Section
+from asperity.runs.motion import Motion
+from asperity.runs.section import Section
 from asperity.status import Phase
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
-from typing import Any, Literal, NoReturn, Protocol, runtime_checkable
+from typing import Any, Literal, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +22,8 @@ from asperity.errors import (
     ParameterError,
     SimulationInterrupted,
 )
+from asperity.runs.model import Model, labels_of
+from asperity.runs.origin import Origin, TimeStepping
 from asperity.runs.run import Run
 from asperity.runs.state import State
 from asperity.runs.trajectory import Trajectory
@@ -33,22 +35,6 @@ Progress = Callable[[int, int], object]
 
 # Relative tolerance within which t_end counts as a multiple of dt.
 _MULTIPLE = 1e-9
-
-
-@runtime_checkable
-class Model(Protocol):
-    """What `simulate` needs of a system."""
-
-    @property
-    def dof(self) -> int:
-        """Number n of velocities."""
-
-    @property
-    def contacts(self) -> Sequence[Any]:
-        """The contacts."""
-
-    @property
-    def _core(self) -> _core.LinearSystem | _core.CallbackSystem | _core.RigidBodies: ...
 
 
 def simulate(
@@ -126,21 +112,37 @@ def simulate(
         raise ParameterError("start", "excludes q0 and u0")
     steps = _steps_from(state, dt, t_end)
     _check_clock(state, dt, steps)
+    options = TimeStepping(
+        dt=dt,
+        t_end=t_end,
+        start=state,
+        solver=chosen(solver),
+        tolerance=arrays.positive(tolerance, "tolerance"),
+        save_every=arrays.count(save_every, "save_every"),
+        until_rest=bool(until_rest),
+        on_failure=on_failure,
+    )
     with _reporter(progress, steps) as report:
         run, exception = _core.simulate(
             system._core,
             dt,
             steps,
             *state._arguments(),
-            chosen(solver)._core,
-            arrays.positive(tolerance, "tolerance"),
-            arrays.count(save_every, "save_every"),
-            bool(until_rest),
+            options.solver._core,
+            options.tolerance,
+            options.save_every,
+            options.until_rest,
             on_failure == "raise",
             report,
         )
     failure, end = run.pop("failure"), run.pop("end")
-    trajectory = Trajectory(dt=dt, end=None if end is None else State(**end), **run)
+    trajectory = Trajectory(
+        dt=dt,
+        end=None if end is None else State(**end),
+        labels=labels_of(system),
+        origin=Origin(system, options),
+        **run,
+    )
     if exception is not None:
         if isinstance(exception, DivergenceError):
             raise DivergenceError(exception.message, trajectory)

@@ -11,7 +11,7 @@ import numpy as np
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 from asperity.steady_sliding import reasons
 from asperity.steady_sliding.field import STEP, Field, start
 from asperity.steady_sliding.linearisation import Linearisation, linearisation, total

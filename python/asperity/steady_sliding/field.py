@@ -15,7 +15,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 from asperity.system import LinearSystem, MassOnBelt, RigidBodies, SlidingPoint, System
 
 # Largest of the steps with which differences are taken, in m, rad, m/s or rad/s, and their number.

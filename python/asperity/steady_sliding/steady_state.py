@@ -12,7 +12,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ConvergenceError, ParameterError
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 from asperity.steady_sliding.field import STEP, Field, start
 from asperity.steady_sliding.linearisation import Linearisation, linearisation, total
 
