@@ -97,7 +97,7 @@ def test_root_locus_and_chart_take_what_the_analysis_returns():
     law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
     phi, zeta = np.linspace(0.0, np.pi, 7), np.linspace(0.0, np.pi / 2, 5)
     belt = asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
-    growth = asp.growth_chart(belt, phi, zeta)
+    growth = asp.growth_chart(belt, phi, zeta).growth
     mesh = plot_growth_chart(phi, zeta, growth)[0]
     np.testing.assert_array_equal(mesh.get_array().reshape(5, 7), growth.T)
 

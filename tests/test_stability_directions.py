@@ -182,7 +182,7 @@ def test_chart_agrees_with_stability():
     phi, zeta = np.linspace(0.0, np.pi, 181), np.linspace(0.0, np.pi / 2, 91)
     for stiffness in (1.0, [[2.0, 0.5], [0.5, 1.0]]):
         system = asp.MassOnBelt(2.0, stiffness, law, 0.5, [0.8, 0.0])
-        chart = asp.growth_chart(system, phi, zeta)
+        chart = asp.growth_chart(system, phi, zeta).growth
         assert chart.shape == (181, 91)
         for i, j in zip(rng.integers(181, size=40), rng.integers(91, size=40), strict=True):
             turned = asp.FrictionLaw(law.reservoir.rotated(zeta[j]), THREE, rate=law.rate)
@@ -193,10 +193,11 @@ def test_chart_agrees_with_stability():
 def test_chart_shows_the_critical_rotations():
     law = asp.FrictionLaw(THREE, THREE)
     phi, zeta = np.linspace(0.0, np.pi, 1801), np.deg2rad([17.0, 17.2, 45.0, 72.8, 73.0])
-    chart = asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), phi, zeta)
+    chart = asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), phi, zeta).growth
     assert (chart.max(axis=0) > 0.0).tolist() == [False, True, True, True, False]
     assert chart.min() == 0.0
-    assert asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), 0.1).shape == ()
+    one = asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), 0.1)
+    assert one.growth.shape == ()
 
 
 MONOTONE = [
@@ -285,7 +286,7 @@ def test_chart_goes_by_the_belt_and_directions_by_the_slip():
     found = asp.critical_directions(law)
     phi = np.linspace(0.0, 2.0 * np.pi, 721)[:-1] + 1e-3
     slips = np.array([any(a < p < b or a < p + 2 * np.pi < b for a, b in found) for p in phi])
-    chart = asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), phi)
+    chart = asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), phi).growth
     assert np.array_equal(np.roll(slips, 360), chart > 0.0)
     assert not np.array_equal(slips, chart > 0.0)
 

@@ -27,6 +27,8 @@ SUMMARISED = (
     asp.Motion,
     asp.LimitCycle,
     asp.BifurcationDiagram,
+    asp.CriticalIntervals,
+    asp.GrowthChart,
 )
 
 VALUES = [
@@ -116,6 +118,10 @@ VALUES = [
     asp.Body.ball(1.0, 0.1, force=SHAKER),
     asp.Spring(0, (0.1, 0.0), stiffness=2.0, length=asp.Sine(0.1, 1.0, offset=0.2)),
     asp.compare_path(MOTION, MOTION),
+    asp.critical_directions(
+        asp.FrictionLaw(asp.Ellipse(3.0, 1.0, angle=0.5), asp.Ellipse(3.0, 1.0))
+    ),
+    asp.growth_chart(BELT, [0.0, 0.1, 0.2], [0.0, 0.5]),
     asp.RigidBodies(
         [asp.Body.ball(1.0, 0.1), asp.Body.ball(2.0, 0.2)],
         [asp.SphereSphere(0, 0.1, 1, 0.2, LAW)],

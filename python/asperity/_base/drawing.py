@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 _SIZE, _DPI = (6.0, 4.0), 110
 
 
-def png(function: str, value: object) -> str | None:
+def png(function: str, *values: object) -> str | None:
     """Return what a function of `asperity.plot` draws as the address of an image.
 
     None where there is nothing to draw, such as two coordinates of a system that has one, or no
     matplotlib to draw with.
     """
-    figure = _figure(function, value)
+    figure = _figure(function, values)
     if figure is None:
         return None
     file = io.BytesIO()
@@ -30,9 +30,9 @@ def png(function: str, value: object) -> str | None:
     return f"data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}"
 
 
-def svg(function: str, value: object) -> str | None:
+def svg(function: str, *values: object) -> str | None:
     """Return what a function of `asperity.plot` draws as SVG; None as of `png`."""
-    figure = _figure(function, value)
+    figure = _figure(function, values)
     if figure is None:
         return None
     file = io.StringIO()
@@ -42,7 +42,7 @@ def svg(function: str, value: object) -> str | None:
     return text[text.index("<svg") :]
 
 
-def _figure(function: str, value: object) -> Figure | None:
+def _figure(function: str, values: tuple[object, ...]) -> Figure | None:
     try:
         # Rooms below the plots know them by name only.
         plot = import_module("asperity.plot")
@@ -52,7 +52,7 @@ def _figure(function: str, value: object) -> Figure | None:
     with plot.style():
         figure = Figure(figsize=_SIZE, layout="constrained")
         try:
-            getattr(plot, function)(value, ax=figure.add_subplot())
+            getattr(plot, function)(*values, ax=figure.add_subplot())
         except ParameterError:
             return None
     return figure

@@ -8,6 +8,7 @@ can neither run code nor make what the constructors would refuse. Floats keep al
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import inspect
 from collections.abc import Iterable, Mapping
@@ -22,11 +23,13 @@ from numpy.typing import NDArray
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 
-Known: TypeAlias = Mapping[str, type[Value]]
-"""Classes by name: all that data may be made into."""
+Known: TypeAlias = Mapping[str, type]
+"""Classes by name: all that data may be made into; values, and records of Python's own kinds."""
 
 # Arrays of more entries are kept beside the text, where there is a place for them.
 _INLINE = 64
+# In front of the keys of dictionaries, so that none of them is mistaken for the type.
+_KEY = ":"
 
 
 def classes(*rooms: ModuleType) -> dict[str, type[Value]]:
@@ -55,21 +58,14 @@ def encoded(
     {'type': 'Disk', 'radius': 0.5}
     """
     if isinstance(value, Value):
-        name = type(value).__name__
-        if known.get(name) is not type(value):
-            raise ParameterError(
-                place or name, f"is of the class {name}, which files cannot hold: it is not public"
-            )
-        signature = inspect.signature(type(value)).parameters
-        return {
-            "type": name,
-            **{
-                key: encoded(part, known, place=_joined(place, key), arrays=arrays)
-                for key, part in value._parameters.items()
-                # What is left out is the default; every other default may change.
-                if part is not None or signature[key].default is not None
-            },
-        }
+        return _table(value, value._stored()._parameters, known, place, arrays)
+    if arrays is not None and (parts := _parts(value)) is not None:
+        # Records convert nothing: their arrays have to come back as arrays, whatever their size.
+        beside = {key: part for key, part in parts.items() if isinstance(part, np.ndarray)}
+        arrays |= {_joined(place, key): part for key, part in beside.items()}
+        others = {key: part for key, part in parts.items() if key not in beside}
+        table = _table(value, others, known, place, arrays)
+        return {**table, **{key: {"array": _joined(place, key)} for key in beside}}
     if isinstance(value, np.ndarray):
         # Lists have neither complex numbers nor the shape of what has no entries.
         inline = 0 < value.size <= _INLINE and value.dtype.kind != "c"
@@ -93,6 +89,41 @@ def encoded(
         return int(value)
     what = "a function" if callable(value) else f"an object of the class {type(value).__name__}"
     raise ParameterError(place, f"is {what}, which files cannot hold")
+
+
+def _parts(value: object) -> dict[str, Any] | None:
+    """Return what a dataclass, a named tuple or a dictionary is made of; None of anything else."""
+    if dataclasses.is_dataclass(value):
+        return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return dict(value._asdict())
+    if isinstance(value, dict):
+        return {f"{_KEY}{key}": part for key, part in value.items()}
+    return None
+
+
+def _table(
+    value: object,
+    parts: Mapping[str, Any],
+    known: Known,
+    place: str,
+    arrays: dict[str, NDArray[Any]] | None,
+) -> dict[str, Any]:
+    name = type(value).__name__
+    if known.get(name) is not type(value):
+        raise ParameterError(
+            place or name, f"is of the class {name}, which files cannot hold: it is not public"
+        )
+    signature = {} if isinstance(value, dict) else inspect.signature(type(value)).parameters
+    return {
+        "type": name,
+        **{
+            key: encoded(part, known, place=_joined(place, key), arrays=arrays)
+            for key, part in parts.items()
+            # What is left out is the default; every other default may change.
+            if part is not None or key not in signature or signature[key].default is not None
+        },
+    }
 
 
 def decoded(
@@ -143,7 +174,13 @@ def _made(
     known: Known,
     place: str,
     arrays: Mapping[str, NDArray[Any]] | None,
-) -> Value:
+) -> Any:
+    if known[name] is dict:
+        return {
+            _key(key): decoded(part, known, place=_joined(place, key), arrays=arrays)
+            for key, part in data.items()
+            if key != "type"
+        }
     signature = inspect.signature(known[name]).parameters
     given = {key: part for key, part in data.items() if key != "type"}
     for key in given:
@@ -158,6 +195,10 @@ def _made(
         key: decoded(part, known, place=_joined(place, key), arrays=arrays)
         for key, part in given.items()
     }
+    if not issubclass(known[name], Value):
+        arguments = {
+            key: tuple(part) if isinstance(part, list) else part for key, part in arguments.items()
+        }
     try:
         return known[name](**arguments)
     except ParameterError as error:
@@ -165,6 +206,12 @@ def _made(
     except (TypeError, ValueError, AttributeError, ArithmeticError, LookupError) as error:
         # Constructors check numbers and sets; a table in the place of a word meets no check.
         raise ParameterError(place or name, f"cannot be made into {name}: {error}") from None
+
+
+def _key(key: str) -> int | str:
+    """Return the key of a dictionary, a number or a word."""
+    word = key.removeprefix(_KEY)
+    return int(word) if word.isdecimal() else word
 
 
 def _not_known(word: object, known: Iterable[str], otherwise: str) -> str:

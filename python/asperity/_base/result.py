@@ -43,9 +43,13 @@ class Result:
         lines = "<br>".join(escape(line) for line in self.summary().splitlines())
         return f"<div>{self._image()}<p>{lines}</p></div>"
 
+    def _drawn(self) -> tuple[object, ...]:
+        """Return what the function is given."""
+        return (self,)
+
     def _image(self) -> str:
         """Return the picture as an element of HTML; empty where there is none to draw."""
-        source = None if self._picture is None else png(self._picture, self)
+        source = None if self._picture is None else png(self._picture, *self._drawn())
         if source is None:
             return ""
         return f'<img alt="{escape(type(self).__name__)}" src="{source}" style="max-width: 100%">'
@@ -88,6 +92,7 @@ class Series:
         unit: of the values; empty where an axis holds their units.
         description: what they are, in a few words.
         names: words for the numbers of an array that stand for these.
+        bare: whether the names along its axes say what it is, so that columns need no other word.
     """
 
     values: NDArray[Any]
@@ -95,6 +100,7 @@ class Series:
     unit: str = ""
     description: str = ""
     names: Mapping[int, str] = field(default_factory=dict)
+    bare: bool = False
 
 
 @dataclass(frozen=True)
@@ -126,12 +132,19 @@ class Table:
         return columns
 
     def _columns_of(self, name: str, series: Series) -> Iterator[tuple[str, NDArray[Any]]]:
-        others = [self.axes[axis] for axis in series.axes[1:]]
+        names = series.axes[1:]
+        others = [self.axes[axis] for axis in names]
         for index in np.ndindex(series.values.shape[1:]):
-            labels = [str(axis.values[i]) for axis, i in zip(others, index, strict=True)]
+            places = [(axis, axis.values[i]) for axis, i in zip(others, index, strict=True)]
+            labels = [str(value) for _, value in places if isinstance(value, str)]
+            numbers = [
+                f"at {name} = {value} {axis.unit}".strip()
+                for name, (axis, value) in zip(names, places, strict=True)
+                if not isinstance(value, str)
+            ]
             units = [a.units[i] for a, i in zip(others, index, strict=True) if a.units is not None]
-            # Where the places of an axis have units, their names say what the values are.
-            words = labels if units else [*labels[:1], name.replace("_", " "), *labels[1:]]
+            own = [] if series.bare else [name.replace("_", " ")]
+            words = [*labels[:1], *own, *labels[1:], *numbers]
             yield (
                 title(" ".join(words), units[0] if units else series.unit),
                 series.values[:, *index],

@@ -43,6 +43,10 @@ class Value:
     def __delattr__(self, name: str) -> NoReturn:
         raise AttributeError(f"{type(self).__name__} is immutable")
 
+    def _stored(self) -> Self:
+        """Return what files hold of it."""
+        return self
+
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed."""
         return type(self)(**{**self._parameters, **changes})

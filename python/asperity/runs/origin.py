@@ -99,24 +99,27 @@ class Origin(Value):
         Args:
             arrays: where large arrays are put, by their places.
         """
-        without = self if self.unsaved is None else self.replace(system=None, note=self.unsaved)
-        data = encoding.encoded(without, _KNOWN, place="origin", arrays=arrays)
+        data = encoding.encoded(self, KNOWN, place="origin", arrays=arrays)
         return json.dumps(data, ensure_ascii=False)
+
+    def _stored(self) -> Origin:
+        return self if self.unsaved is None else self.replace(system=None, note=self.unsaved)
 
     @property
     def unsaved(self) -> str | None:
         """Why no file can hold the system; ``None`` if one can."""
         try:
-            encoding.encoded(self.system, _KNOWN, place="system", arrays={})
+            encoding.encoded(self.system, KNOWN, place="system", arrays={})
         except ParameterError as error:
             return f"{error.argument} {error.message}"
         return None
 
 
-_KNOWN: encoding.Known = {
+KNOWN: encoding.Known = {
     **encoding.classes(sets, law, system, solvers),
     **{one.__name__: one for one in (Origin, TimeStepping, EventDriven, State, Section)},
 }
+"""Classes that the origin of a run is made of."""
 
 
 def read(text: str, arrays: Mapping[str, NDArray[Any]]) -> Origin:
@@ -133,7 +136,7 @@ def read(text: str, arrays: Mapping[str, NDArray[Any]]) -> Origin:
 
 def labels_written(labels: Labels) -> str:
     """Return labels as text."""
-    return json.dumps(encoding.encoded(labels, _KNOWN), ensure_ascii=False)
+    return json.dumps(encoding.encoded(labels, KNOWN), ensure_ascii=False)
 
 
 def read_labels(text: str) -> Labels:
@@ -150,7 +153,7 @@ def read_labels(text: str) -> Labels:
 
 def _decoded(text: str, key: str, arrays: Mapping[str, NDArray[Any]]) -> Any:
     try:
-        return encoding.decoded(json.loads(text), _KNOWN, place=key, arrays=arrays)
+        return encoding.decoded(json.loads(text), KNOWN, place=key, arrays=arrays)
     except ParameterError:
         raise
     except (ValueError, RecursionError) as error:

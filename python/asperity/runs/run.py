@@ -206,6 +206,7 @@ class Run(TableResult, Value):
                 getattr(self, name),
                 *_MEANINGS[name],
                 names={int(p): p.name.lower() for p in Phase} if name == "phase" else {},
+                bare=name in ("q", "u"),
             )
             for name in self._series
             if name != "t"
