@@ -14,7 +14,7 @@ from asperity.runs.model import Model
 from asperity.runs.motion import Motion
 from asperity.runs.section import Section
 
-# Step of difference quotients in parts of the scale of the states.
+# Step of difference quotients relative to the scale of the states.
 _FORWARD = 1e-6
 _ITERATIONS = 15
 # A return is looked for up to so many times the expected period.
@@ -69,7 +69,7 @@ class ReturnMap:
         return Return(end, float(motion.t[-1]), motion)
 
     def defect(self, state: Array, image: Array) -> float:
-        """Return ‖P(x) − x‖ in parts of the scale of the states."""
+        """Return ‖P(x) − x‖ relative to the scale of the states."""
         return float(np.abs((image - state) / self.scale).max())
 
     def place(self, image: Return) -> Place:
