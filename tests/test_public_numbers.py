@@ -17,6 +17,7 @@ ALLOWED = {
     ("contact.grading.natural_map", "percussion", "infinity"),
     ("track.MeasuredPath", "position", "nan"),
     ("track.MeasuredPath", "position_error", "nan"),
+    ("GrowthChart", "growth", "nan"),
     ("plot.plot_growth_chart", "growth", "nan"),
     ("plot.plot_root_locus", "eigenvalues", "complex"),
 }

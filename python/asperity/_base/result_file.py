@@ -8,10 +8,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from asperity import _core
-from asperity._base import encoding
+from asperity._base import data
 from asperity._base.archive import Archive
-from asperity._base.encoding import Known
+from asperity._base.data import Kinds
 from asperity._base.files import atomic
 from asperity.errors import ParameterError
 
@@ -21,7 +20,7 @@ FORMAT = 1
 Kind = TypeVar("Kind")
 
 
-def save(value: object, known: Known, path: str | os.PathLike[str]) -> None:
+def save(value: object, known: Kinds, path: str | os.PathLike[str]) -> None:
     """Write a result as a NumPy ``.npz`` file without pickled objects; it is complete or not there.
 
     Args:
@@ -29,14 +28,15 @@ def save(value: object, known: Known, path: str | os.PathLike[str]) -> None:
         known: all classes that it is made of, by name.
         path: of the file.
     """
+    from asperity import __version__
+
     arrays: dict[str, Any] = {}
-    data = encoding.encoded(value, known, arrays=arrays)
-    text = json.dumps(data, ensure_ascii=False)
+    text = json.dumps(data.typed(value, "", known, arrays), ensure_ascii=False)
     with atomic(path) as file:
-        np.savez_compressed(file, format=FORMAT, version=_core.__version__, content=text, **arrays)
+        np.savez_compressed(file, format=FORMAT, version=__version__, content=text, **arrays)
 
 
-def load(kind: type[Kind], known: Known, path: str | os.PathLike[str]) -> Kind:
+def load(kind: type[Kind], known: Kinds, path: str | os.PathLike[str]) -> Kind:
     """Read a result that `save` has written.
 
     Args:
@@ -60,7 +60,7 @@ def load(kind: type[Kind], known: Known, path: str | os.PathLike[str]) -> Kind:
             raise ParameterError("content", f"must be one text, in {file.path}")
         arrays = {key: file[key] for key in file.keys if key not in _OWN}
         try:
-            found = encoding.decoded(_parsed(str(text)), known, arrays=arrays)
+            found = data.built_as_typed(_parsed(str(text)), "", known, arrays)
             if type(found) is not kind:
                 raise ParameterError(
                     "content", f"must be a {kind.__name__}, is a {type(found).__name__}"

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays, result_file
 from asperity._base.arrays import Array
-from asperity._base.encoding import Known
+from asperity._base.data import Kinds
 from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
 from asperity.cycles import orbit
@@ -25,7 +25,7 @@ from asperity.steady_sliding.linearisation import Linearisation
 from asperity.steady_sliding.pencil import Pencil
 from asperity.steady_sliding.sliding import Sliding
 from asperity.steady_sliding.spectrum import Spectrum
-from asperity.system.labels import Labels
+from asperity.system.labels import Labels, numbered
 
 Family = Callable[..., Model]
 
@@ -166,7 +166,7 @@ class BifurcationDiagram(TableResult, Value):
     def _labels(self) -> Labels:
         found = (cycle.motion.labels for cycle in self.cycles if cycle is not None)
         size = self.equilibria.shape[1]
-        return next(found, Labels.numbered(size, size, 0))
+        return next(found, numbered(size, size, 0))
 
     def _table(self) -> Table:
         labels = self._labels
@@ -233,7 +233,7 @@ _COLUMNS = (
     "failure",
 )
 
-_KNOWN: Known = {
+_KNOWN: Kinds = {
     **orbit.KNOWN,
     **{
         one.__name__: one

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays, result_file
 from asperity._base.arrays import Array
-from asperity._base.encoding import Known
+from asperity._base.data import Kinds
 from asperity._base.result import Axis, Series, Table, TableResult
 from asperity._base.value import Value
 from asperity.errors import ParameterError
@@ -179,7 +179,7 @@ class LimitCycle(TableResult, Value):
         )
 
 
-KNOWN: Known = {
+KNOWN: Kinds = {
     **origin.KNOWN,
     **{one.__name__: one for one in (LimitCycle, Motion, Event, Section, Labels)},
 }

@@ -8,7 +8,6 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from asperity import _core
-from asperity._base import arrays
 from asperity.errors import (
     ConvergenceError,
     NoSolutionError,
@@ -129,20 +128,18 @@ def integrate(
         raise ParameterError(
             "system", "must have its velocities as rates, but has its own `advance`"
         )
-    if section is not None and not isinstance(section, Section):
-        raise ParameterError("section", f"must be a Section or None, got {section!r}")
     if progress is not None and not callable(progress):
         raise ParameterError("progress", f"must be None or a function, got {progress!r}")
     q, u = initial_state(system, q0, u0)
     options = EventDriven(
-        t_end=arrays.positive(t_end, "t_end"),
+        t_end=t_end,
         q0=q,
         u0=u,
-        tolerance=arrays.positive(tolerance, "tolerance"),
-        dt=None if dt is None else arrays.positive(dt, "dt"),
-        max_step=None if max_step is None else arrays.positive(max_step, "max_step"),
+        tolerance=tolerance,
+        dt=dt,
+        max_step=max_step,
         section=section,
-        max_events=arrays.count(max_events, "max_events"),
+        max_events=max_events,
     )
     run, exception = _core.integrate(
         system._core,

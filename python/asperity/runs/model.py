@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
 from asperity import _core
-from asperity.system.labels import Labels, contact_names
+from asperity.system.labels import Labels, contact_names, numbered
 
 
 @runtime_checkable
@@ -32,4 +32,4 @@ def labels_of(system: Model) -> Labels:
         return own
     coordinates = getattr(system, "coordinates", None) or system.dof
     names = contact_names([getattr(one, "name", None) for one in system.contacts])
-    return Labels.numbered(coordinates, system.dof, len(names)).replace(contacts=names)
+    return numbered(coordinates, system.dof, len(names)).replace(contacts=names)

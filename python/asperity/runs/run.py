@@ -20,7 +20,7 @@ from asperity.runs import run_file
 from asperity.runs.model import Model
 from asperity.runs.origin import EventDriven, Origin, TimeStepping
 from asperity.status import Outcome, Phase
-from asperity.system.labels import Labels
+from asperity.system.labels import Labels, numbered
 
 # Axes, unit and meaning of the series; coordinates and velocities have units of their own.
 _MEANINGS: dict[str, tuple[tuple[str, ...], str, str]] = {
@@ -85,7 +85,7 @@ class Run(TableResult, Value):
         """Return labels and origin, checked."""
         counts = series["q"].shape[1], series["u"].shape[1], series["phase"].shape[1]
         if labels is None:
-            labels = Labels.numbered(*counts)
+            labels = numbered(*counts)
         if not isinstance(labels, Labels):
             raise ParameterError("labels", f"must be Labels or None, got {labels!r}")
         found = len(labels.coordinates), len(labels.velocities), len(labels.contacts)

@@ -100,7 +100,6 @@ def simulate(
     """
     if not isinstance(system, Model):
         raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
-    arrays.choice(on_failure, "on_failure", ["raise", "record"])
     dt = arrays.positive(dt, "dt")
     t_end = arrays.number(t_end, "t_end")
     if start is None:
@@ -117,9 +116,9 @@ def simulate(
         t_end=t_end,
         start=state,
         solver=chosen(solver),
-        tolerance=arrays.positive(tolerance, "tolerance"),
-        save_every=arrays.count(save_every, "save_every"),
-        until_rest=bool(until_rest),
+        tolerance=tolerance,
+        save_every=save_every,
+        until_rest=until_rest,
         on_failure=on_failure,
     )
     with _reporter(progress, steps) as report:

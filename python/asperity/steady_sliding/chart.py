@@ -37,12 +37,13 @@ class GrowthChart(TableResult, Value):
 
     def __init__(self, phi: ArrayLike, zeta: ArrayLike, growth: ArrayLike) -> None:
         angle, turn = arrays.array(phi, "phi"), arrays.array(zeta, "zeta")
+        rates = arrays.with_gaps(growth, "growth", (*angle.shape, *turn.shape))
+        if np.isinf(rates).any():
+            raise ParameterError("growth", "must be finite, or NaN where it is not known")
         self._set(
             phi=arrays.read_only(angle),
             zeta=arrays.read_only(turn),
-            growth=arrays.read_only(
-                arrays.with_gaps(growth, "growth", (*angle.shape, *turn.shape))
-            ),
+            growth=arrays.read_only(rates),
         )
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Array:
