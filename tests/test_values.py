@@ -29,6 +29,7 @@ SUMMARISED = (
     asp.BifurcationDiagram,
     asp.CriticalIntervals,
     asp.GrowthChart,
+    asp.ContactSolution,
 )
 
 VALUES = [

@@ -159,6 +159,9 @@ def title(words: str, unit: str) -> str:
 class TableResult(Result):
     """Base of results that hold series or a table."""
 
+    _digits: ClassVar[int | None] = None
+    """Digits of numbers in text; by default as many as it takes to read the same number again."""
+
     def _table(self) -> Table:
         raise NotImplementedError
 
@@ -168,7 +171,7 @@ class TableResult(Result):
         Args:
             path: of the file, which is complete or not there.
         """
-        write_columns(path, self._table().columns())
+        write_columns(path, self._table().columns(), digits=self._digits)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the table of `to_csv` as a data frame, whose index is the first column.
