@@ -16,29 +16,33 @@ pandas = pytest.importorskip("pandas")
 xarray = pytest.importorskip("xarray")
 
 LAW = PLANE_LAWS[3]
-POINT = asp.SlidingPoint(1.0, LAW)
-BELT = asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [0.1, 0.2])
+POINT = asp.SlidingPoint(1.0, law=LAW)
+BELT = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.2])
 HALF = (0.1, 0.1, 0.1)
 
 
 def boxes(**options):
     """Return a run of two boxes on a plane."""
     bodies = [
-        asp.Body.box(1.0, HALF, position=(0.3 * k, 0.0, 0.1), velocity=(0.5, 0.0, 0.0), name=name)
+        asp.Body.box(
+            1.0, half_sizes=HALF, position=(0.3 * k, 0.0, 0.1), velocity=(0.5, 0.0, 0.0), name=name
+        )
         for k, name in enumerate(("left", "right"))
     ]
     pairs = [
-        asp.BoxPlane(0, HALF, asp.Plane(), asp.FrictionLaw.isotropic(0.3)),
-        asp.BoxPlane(1, HALF, asp.Plane(), LAW, name="foot"),
+        asp.BoxPlane(0, half_sizes=HALF, plane=asp.Plane(), law=asp.FrictionLaw.isotropic(0.3)),
+        asp.BoxPlane(1, half_sizes=HALF, plane=asp.Plane(), law=LAW, name="foot"),
     ]
-    return asp.simulate(asp.RigidBodies(bodies, pairs), dt=1e-3, t_end=0.02, **options)
+    return asp.simulate(asp.RigidBodies(bodies, pairs=pairs), dt=1e-3, t_end=0.02, **options)
 
 
 RUN = boxes()
 MOTION = asp.integrate(POINT, t_end=1.0, u0=[1.0, 0.2])
 RESULTS = [
     RUN,
-    asp.simulate(asp.LinearSystem(np.eye(2), np.eye(2)), dt=0.1, t_end=1.0, q0=[1.0, 0.0]),
+    asp.simulate(
+        asp.LinearSystem(np.eye(2), stiffness=np.eye(2)), dt=0.1, t_end=1.0, q0=[1.0, 0.0]
+    ),
     asp.simulate(asp.SlidingDisk(LAW, velocity=(1.0, 0.0)), dt=1e-3, t_end=0.02),
     MOTION,
     CYCLE,
@@ -48,8 +52,8 @@ RESULTS = [
     asp.critical_directions(asp.FrictionLaw(asp.Ellipse(3.0, 1.0, angle=0.5), asp.Ellipse(3, 1))),
     asp.critical_rotation(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0)),
     asp.critical_rotation(asp.Disk(1.0), asp.Ellipse(3.0, 1.0)),
-    asp.growth_chart(BELT, np.linspace(0.0, 1.0, 5), [0.0, 0.5]),
-    asp.growth_chart(BELT, 0.1),
+    asp.growth_chart(BELT, phi=np.linspace(0.0, 1.0, 5), zeta=[0.0, 0.5]),
+    asp.growth_chart(BELT, phi=0.1),
     PROBLEM.solve(),
     asp.compare_path(RUN, RUN),
     FIT,
@@ -122,7 +126,7 @@ def test_all_tables_are_one(result, tmp_path):
     assert list(read.columns) == [frame.index.name, *frame.columns], header
     for name in frame.columns:
         assert not re.search(r"\d_\d|\[SI\]\]", name)
-        if frame[name].dtype.kind == "f":
+        if len(frame) and frame[name].dtype.kind == "f":
             np.testing.assert_allclose(read[name], frame[name], rtol=1e-9)
     assert len(dataset[next(iter(dataset.dims))]) == len(frame)
     for series in dataset.data_vars.values():
@@ -153,17 +157,13 @@ def test_a_run_of_named_boxes_has_names_and_units(tmp_path):
         assert read.contact.values[[0, 15]].tolist() == ["left on plane corner 0", "foot corner 7"]
         assert read.phase.attrs["flag_meanings"] == "none open stick slip"
     assert "foot corner 7 force 1 [N]" in RUN.to_pandas().columns
-    assert RUN.coordinate_names[2:4], RUN.coordinate_units[2:4] == (
-        ("left z", "left qw"),
-        ("m", "-"),
-    )
+    assert RUN.coordinate_names[2:4] == ("left z", "left qw")
+    assert RUN.coordinate_units[2:4] == ("m", "-")
 
 
 def test_a_diagram_plots_in_two_lines():
     frame = DIAGRAM.to_pandas()
-    ax = frame.plot(
-        y=["q0 equilibrium [SI]"] if "q0 equilibrium [SI]" in frame else frame.columns[0]
-    )
+    ax = frame.plot(y=["x1 cycle minimum [m]", "x1 cycle maximum [m]"])
     assert ax.get_xlabel() == "speed"
     plt.close("all")
 
@@ -209,12 +209,25 @@ def test_a_run_is_repeated_with_another_system():
 
 
 def test_signals_are_saved_with_the_run(tmp_path):
-    shaken = asp.Plane(motion=asp.PlaneMotion(displacement=asp.Sine([1e-4, 0.0, 0.0], 50.0)))
+    shaken = asp.Plane(
+        motion=asp.PlaneMotion(displacement=asp.Sine([1e-4, 0.0, 0.0], frequency=50.0))
+    )
     loads = asp.Signal([0.0, 0.5, 1.0], np.eye(3), interpolation="cubic")
     system = asp.RigidBodies(
-        [asp.Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1), force=loads)],
-        [asp.SpherePlane(0, 0.1, shaken, LAW, frame=asp.BodyAxis((1.0, 0.0, 0.0)))],
-        springs=[asp.Spring(0, (0.0, 0.0, 0.0), stiffness=2.0, length=asp.Sine(0.1, 1.0))],
+        [asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1), force=loads)],
+        pairs=[
+            asp.SpherePlane(
+                0, radius=0.1, plane=shaken, law=LAW, frame=asp.BodyAxis((1.0, 0.0, 0.0))
+            )
+        ],
+        springs=[
+            asp.Spring(
+                0,
+                point=(0.0, 0.0, 0.0),
+                stiffness=2.0,
+                length=asp.Sine(0.1, frequency=1.0, offset=0.2),
+            )
+        ],
     )
     run = asp.simulate(system, dt=1e-3, t_end=0.02)
     run.save(tmp_path / "run.npz")
@@ -233,7 +246,9 @@ def test_a_system_that_is_no_data_is_left_out_and_the_file_says_why(tmp_path):
         def forces(self, t, q, u):
             return -q
 
-    pushed = asp.RigidBodies([asp.Body.ball(1.0, 0.1, force=lambda t: (t, 0.0, 0.0), name="ball")])
+    pushed = asp.RigidBodies(
+        [asp.Body.ball(1.0, radius=0.1, force=lambda t: (t, 0.0, 0.0), name="ball")]
+    )
     for system, words in ((pushed, "bodies[0].force is a function"), (Own(), "of the class Own")):
         run = asp.simulate(system, dt=0.1, t_end=1.0, q0=None if system is pushed else [1.0])
         with pytest.warns(UserWarning, match=re.escape(words)):
@@ -268,10 +283,10 @@ def test_files_of_the_first_layout_are_read(tmp_path):
 @pytest.mark.parametrize("name", ["", " ", "a\nb", "tab\t", "blank ", "\x00", 3, b"bytes"])
 def test_names_stand_on_one_line(name):
     makers = (
-        lambda: asp.Body.ball(1.0, 0.1, name=name),
-        lambda: asp.PlanarBody(1.0, 0.1, name=name),
-        lambda: asp.SpherePlane(0, 0.1, asp.Plane(), LAW, name=name),
-        lambda: asp.Contact(LAW, np.eye(2), normal_force=1.0, name=name),
+        lambda: asp.Body.ball(1.0, radius=0.1, name=name),
+        lambda: asp.PlanarBody(1.0, inertia=0.1, name=name),
+        lambda: asp.SpherePlane(0, radius=0.1, plane=asp.Plane(), law=LAW, name=name),
+        lambda: asp.Contact(LAW, direction=np.eye(2), normal_force=1.0, name=name),
         lambda: asp.ContactLaw(LAW, name=name),
     )
     for make in makers:
@@ -284,23 +299,25 @@ def test_names_stand_on_one_line(name):
 
 
 def test_names_are_unique():
-    ball = asp.Body.ball(1.0, 0.1, name="Kugel ⌀ 0,1")
-    touching = asp.SpherePlane(0, 0.1, asp.Plane(), LAW, name="Fuß, links")
+    ball = asp.Body.ball(1.0, radius=0.1, name="Kugel ⌀ 0,1")
+    touching = asp.SpherePlane(0, radius=0.1, plane=asp.Plane(), law=LAW, name="Fuß, links")
     with pytest.raises(asp.ParameterError, match="'Kugel ⌀ 0,1' is given twice"):
         asp.RigidBodies([ball, ball])
     with pytest.raises(asp.ParameterError, match="'Fuß, links' is given twice"):
-        asp.RigidBodies([ball], [touching, touching])
+        asp.RigidBodies([ball], pairs=[touching, touching])
     with pytest.raises(asp.ParameterError, match="coordinate_names"):
         asp.LinearSystem(np.eye(2), coordinate_names=["x", "x"])
-    contact = asp.Contact(LAW, np.eye(2), normal_force=1.0, name="pad")
+    contact = asp.Contact(LAW, direction=np.eye(2), normal_force=1.0, name="pad")
     with pytest.raises(asp.ParameterError, match="'pad' is given twice"):
         asp.LinearSystem(np.eye(2), contacts=[contact, contact])
 
 
 def test_strange_names_come_back_from_all_tables(tmp_path):
     """Commas, quotes and letters of other alphabets are allowed in names."""
-    ball = asp.Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1), name='Kugel "⌀", links')
-    system = asp.RigidBodies([ball], [asp.SpherePlane(0, 0.1, asp.Plane(), LAW)])
+    ball = asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1), name='Kugel "⌀", links')
+    system = asp.RigidBodies(
+        [ball], pairs=[asp.SpherePlane(0, radius=0.1, plane=asp.Plane(), law=LAW)]
+    )
     run = asp.simulate(system, dt=0.01, t_end=0.1)
     run.to_csv(tmp_path / "run.csv")
     read = pandas.read_csv(tmp_path / "run.csv")
@@ -313,14 +330,14 @@ def test_strange_names_come_back_from_all_tables(tmp_path):
 
 
 def test_unnamed_parts_have_names_of_their_own():
-    balls = [asp.Body.ball(1.0, 0.1, position=(k, 0.0, 0.1)) for k in (0.0, 1.0)]
+    balls = [asp.Body.ball(1.0, radius=0.1, position=(k, 0.0, 0.1)) for k in (0.0, 1.0)]
     pairs = [
-        asp.SpherePlane(0, 0.1, asp.Plane(), LAW),
-        asp.PointPlane(0, (0.0, 0.0, -0.1), asp.Plane(), LAW),
-        asp.SphereSphere(0, 0.1, 1, 0.1, LAW),
-        asp.PointPlane(1, (0.0, 0.0, 0.0), asp.Plane(body=0), LAW),
+        asp.SpherePlane(0, radius=0.1, plane=asp.Plane(), law=LAW),
+        asp.PointPlane(0, point=(0.0, 0.0, -0.1), plane=asp.Plane(), law=LAW),
+        asp.SphereSphere(0, radius=0.1, other=1, other_radius=0.1, law=LAW),
+        asp.PointPlane(1, point=(0.0, 0.0, 0.0), plane=asp.Plane(body=0), law=LAW),
     ]
-    assert asp.RigidBodies(balls, pairs).labels.contacts == (
+    assert asp.RigidBodies(balls, pairs=pairs).labels.contacts == (
         "body 0 on plane 0",
         "body 0 on plane 1",
         "body 0 on body 1",
@@ -357,13 +374,10 @@ def test_systems_of_the_user_have_names():
 
 
 def test_errors_call_contacts_by_their_names():
-    """Painlevé's rod has no solution in its only contact."""
-    rod = asp.mechanisms.painleve_rod()
     with pytest.raises(asp.ConvergenceError) as caught:
-        asp.simulate(rod, dt=1e-3, t_end=1.0)
-    assert caught.value.trajectory is not None
+        boxes(tolerance=1e-300)
     name = caught.value.trajectory.contact_names[caught.value.contact]
-    assert name in str(caught.value)
+    assert f"contact {caught.value.contact}, {name!r}" in str(caught.value)
 
 
 def test_long_runs_show_in_no_time():
@@ -371,7 +385,7 @@ def test_long_runs_show_in_no_time():
     n = 100_001
     t = np.linspace(0.0, 1.0, n)
     q = np.stack([np.cos(900.0 * t), np.sin(900.0 * t)], axis=-1)
-    none = np.zeros((n, 0, 0))
+    none = np.zeros((n, 0, 2))
     run = asp.Motion(
         t, q, q, none, none, none[..., 0], none[..., 0], events=(), status="finished", steps=n,
         rejected_steps=0,
@@ -424,7 +438,7 @@ def test_damaged_results_are_refused(result, tmp_path):
     result.save(path)
     with np.load(path) as file:
         fields = dict(file)
-    array = next(name for name in fields if "." in name)
+    array = next(name for name in fields if name.endswith("motion.q"))
     content = str(fields["content"])
     for change in (
         {"content": None},

@@ -26,6 +26,8 @@ Arrays = dict[str, NDArray[Any]]
 AnyValue = TypeVar("AnyValue")
 # More than anyone nests sets, less than Python nests calls.
 _DEEPEST = 50
+# Classes that a message names.
+_LISTED = 30
 # Arrays of more entries are put beside the table, where there is a place for them.
 _INLINE = 64
 # The only key of a table that stands for an array beside it, and what stands in front of the keys
@@ -150,7 +152,11 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
             return [made(one, f"{key}[{i}]") for i, one in enumerate(value)]
         return value
 
-    given = {name: made(value, _joined(key, f".{name}")) for name, value in table.items()}
+    given = {}
+    for name, value in table.items():
+        if parameters[name].annotation != "bool":
+            _refuse_truth(value, _joined(key, f".{name}"))
+        given[name] = made(value, _joined(key, f".{name}"))
     if not issubclass(kind, Value):
         given = {name: tuple(one) if isinstance(one, list) else one for name, one in given.items()}
     try:
@@ -212,13 +218,13 @@ def built_as_typed(
         if not isinstance(name, str) or name not in arrays:
             raise ParameterError(key, f"needs the array {name!r}, which is missing")
         return arrays[name]
-    name = table.get("type")
+    name, place = table.get("type"), _joined(key, ".type")
     if name is None:
-        raise ParameterError(f"{key}.type", f"is missing: it is one of {_words(kinds)}")
+        raise ParameterError(place, f"is missing: it is one of {_words(kinds)}")
     if not isinstance(name, str):
-        raise ParameterError(f"{key}.type", f"must be one of {_words(kinds)}, got {name!r}")
+        raise ParameterError(place, f"must be one of {_words(kinds)}, got {name!r}")
     if name not in kinds:
-        raise ParameterError(f"{key}.type", f"{name!r} is not known{advice_on(name, kinds)}")
+        raise ParameterError(place, f"{name!r} is not known{advice_on(name, kinds)}")
     rest = {word: value for word, value in table.items() if word != "type"}
     if kinds[name] is dict:
         return {
@@ -239,8 +245,17 @@ def _check_table(table: Any, key: str, words: str) -> None:
         raise ParameterError(key, f"must be {words}, got {table!r}")
 
 
+def _refuse_truth(value: Any, key: str) -> None:
+    """Refuse true and false, which NumPy takes for numbers."""
+    if isinstance(value, bool):
+        raise ParameterError(key, f"must not be a truth value, got {value!r}")
+    if isinstance(value, list):
+        for i, one in enumerate(value):
+            _refuse_truth(one, f"{key}[{i}]")
+
+
 def _words(kinds: Kinds) -> str:
-    return ", ".join(kinds)
+    return ", ".join(kinds) if len(kinds) <= _LISTED else "the public classes of asperity"
 
 
 class FileFormat(NamedTuple):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -16,13 +17,13 @@ if TYPE_CHECKING:
 _SIZE, _DPI = (6.0, 4.0), 110
 
 
-def png(function: str, *values: object) -> str | None:
+def png(function: str, value: object, **options: object) -> str | None:
     """Return what a function of `asperity.plot` draws as the address of an image.
 
     None where there is nothing to draw, such as two coordinates of a system that has one, or no
     matplotlib to draw with.
     """
-    figure = _figure(function, values)
+    figure = _figure(function, value, options)
     if figure is None:
         return None
     file = io.BytesIO()
@@ -30,9 +31,9 @@ def png(function: str, *values: object) -> str | None:
     return f"data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}"
 
 
-def svg(function: str, *values: object) -> str | None:
+def svg(function: str, value: object) -> str | None:
     """Return what a function of `asperity.plot` draws as SVG; None as of `png`."""
-    figure = _figure(function, values)
+    figure = _figure(function, value, {})
     if figure is None:
         return None
     file = io.StringIO()
@@ -42,7 +43,7 @@ def svg(function: str, *values: object) -> str | None:
     return text[text.index("<svg") :]
 
 
-def _figure(function: str, values: tuple[object, ...]) -> Figure | None:
+def _figure(function: str, value: object, options: Mapping[str, object]) -> Figure | None:
     try:
         # Rooms below the plots know them by name only.
         plot = import_module("asperity.plot")
@@ -52,7 +53,7 @@ def _figure(function: str, values: tuple[object, ...]) -> Figure | None:
     with plot.style():
         figure = Figure(figsize=_SIZE, layout="constrained")
         try:
-            getattr(plot, function)(*values, ax=figure.add_subplot())
+            getattr(plot, function)(value, **options, ax=figure.add_subplot())
         except ParameterError:
             return None
     return figure

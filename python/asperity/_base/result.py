@@ -43,13 +43,13 @@ class Result:
         lines = "<br>".join(escape(line) for line in self.summary().splitlines())
         return f"<div>{self._image()}<p>{lines}</p></div>"
 
-    def _drawn(self) -> tuple[object, ...]:
-        """Return what the function is given."""
-        return (self,)
+    def _drawing(self) -> dict[str, object]:
+        """Return the options of the drawing."""
+        return {}
 
     def _image(self) -> str:
         """Return the picture as an element of HTML; empty where there is none to draw."""
-        source = None if self._picture is None else png(self._picture, *self._drawn())
+        source = None if self._picture is None else png(self._picture, self, **self._drawing())
         if source is None:
             return ""
         return f'<img alt="{escape(type(self).__name__)}" src="{source}" style="max-width: 100%">'

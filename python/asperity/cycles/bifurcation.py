@@ -129,8 +129,8 @@ class BifurcationDiagram(TableResult, Value):
     def summary(self) -> str:
         """Return where equilibria lose their stability and where cycles exist, in sentences."""
         lines = [
-            f"{self.parameter} goes from {self.values[0]:.6g} to {self.values[-1]:.6g} in "
-            f"{counted(len(self), 'value')}."
+            f"The parameter {self.parameter} goes from {self.values[0]:.6g} to "
+            f"{self.values[-1]:.6g} in {counted(len(self), 'value')}."
         ]
         for kind in dict.fromkeys(self.kinds):
             where = self._spans([one == kind for one in self.kinds])
@@ -144,8 +144,8 @@ class BifurcationDiagram(TableResult, Value):
                 lines.append(f"There are {word} limit cycles at {self.parameter} = {where}.")
         failed = [bool(text) for text in self.failures]
         if any(failed):
-            first = self.failures[failed.index(True)]
-            lines.append(f"The search failed at {self.parameter} = {self._spans(failed)}: {first}")
+            why, where = self.failures[failed.index(True)].rstrip("."), self._spans(failed)
+            lines.append(f"The search failed at {self.parameter} = {where}: {why}.")
         return "\n".join(lines)
 
     def _spans(self, chosen: Sequence[bool]) -> str:
@@ -254,9 +254,9 @@ _KNOWN: Kinds = {
 
 def bifurcation_diagram(
     family: Family,
+    *,
     parameter: str,
     values: ArrayLike,
-    *,
     cycles: bool = True,
     q0: ArrayLike | None = None,
     t_end: float | None = None,
@@ -298,15 +298,23 @@ def bifurcation_diagram(
     >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, bifurcation_diagram
     >>> law = FrictionLaw(Ellipse(30.0, 10.0, angle=np.pi / 6), Ellipse(3.0, 1.0))
     >>> def belt(phi):
-    ...     return MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(phi), np.sin(phi)])
-    >>> diagram = bifurcation_diagram(belt, "phi", np.deg2rad([40.0, 50.0, 80.0]), cycles=False)
+    ...     return MassOnBelt(
+    ...         1.0,
+    ...         stiffness=1.0,
+    ...         law=law,
+    ...         normal_force=1.0,
+    ...         belt_velocity=[np.cos(phi), np.sin(phi)],
+    ...     )
+    >>> diagram = bifurcation_diagram(
+    ...     belt, parameter="phi", values=np.deg2rad([40.0, 50.0, 80.0]), cycles=False
+    ... )
     >>> diagram.kinds
     ('neutral', 'unstable', 'neutral')
     >>> import matplotlib
     >>> matplotlib.use("Agg")
     >>> from asperity.plot import plot_bifurcation
-    >>> len(plot_bifurcation(diagram))
-    2
+    >>> [line.get_label() for line in plot_bifurcation(diagram).lines]
+    ['neutral equilibrium', 'unstable equilibrium']
     """
     grid = arrays.array(values, "values", (None,))
     if not grid.size or (np.diff(grid) <= 0.0).any():
@@ -379,7 +387,7 @@ def _equilibria(
 def _nearest(system: Model, q0: ArrayLike | None) -> Stability:
     """Return the steady sliding near `q0`, else whichever is found."""
     try:
-        return stability(system, equilibrium(system, q0=q0))
+        return stability(system, equilibrium=equilibrium(system, q0=q0))
     except (ParameterError, ConvergenceError):
         if q0 is None:
             raise

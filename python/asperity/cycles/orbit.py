@@ -46,7 +46,7 @@ class LimitCycle(TableResult, Value):
     residual: float
     iterations: int
 
-    _picture = "plot_path"
+    _picture = "plot_history"
 
     def __init__(
         self,
@@ -105,7 +105,7 @@ class LimitCycle(TableResult, Value):
                 joined.append((kind, float(length)))
         return tuple(joined)
 
-    def share(self, phase: Phase, contact: int = 0) -> float:
+    def share(self, phase: Phase, *, contact: int = 0) -> float:
         """Return the share of the period that a contact spends in a phase.
 
         Reference: [WL19] §4.3, Fig. 17.
@@ -126,15 +126,12 @@ class LimitCycle(TableResult, Value):
             lines.append(f"{name} moves between {low:.6g} and {high:.6g} {unit}.")
         for number, name in list(enumerate(self.motion.contact_names))[:_TOLD]:
             shares = ", ".join(
-                f"{verb} {self.share(phase, number):.1%}"
+                f"{verb} {self.share(phase, contact=number):.1%}"
                 for phase, verb in _VERBS.items()
-                if self.share(phase, number) > 0.0
+                if self.share(phase, contact=number) > 0.0
             )
             lines.append(f"{name}: {shares} of the period.")
         return "\n".join(lines)
-
-    def _drawn(self) -> tuple[object, ...]:
-        return (self.motion,)
 
     def _table(self) -> Table:
         """Return the table of the motion, with the multipliers beside it."""

@@ -115,7 +115,7 @@ class Fit(TableResult, Value):
             f"{counted(self.samples, 'sample')} in {counted(self.turns, 'turn')}; forces differ "
             f"from the model by {self.rms:.4g} N (root mean square).",
             f"The parameters{level} are",
-            *(f"{name}: {one}" for name, one in self.parameters.items()),
+            *(f"{name}: {one}." for name, one in self.parameters.items()),
         ]
         return "\n".join([*lines, *(f"{sentence}." for sentence in self.warnings)])
 

@@ -24,6 +24,7 @@ from asperity.system.labels import Labels, numbered
 
 # Axes, unit and meaning of the series; coordinates and velocities have units of their own.
 _MEANINGS: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "t": (("t",), "s", "time"),
     "q": (("t", "coordinate"), "", "coordinates"),
     "u": (("t", "velocity"), "", "velocities"),
     "slip": (("t", "contact", "component"), "m/s", "slip velocity"),
@@ -63,7 +64,7 @@ class Run(TableResult, Value):
     origin: Origin | None
 
     _kind: ClassVar[str]
-    _picture = "plot_path"
+    _picture = "plot_history"
     _descriptive = frozenset({"labels", "origin"})
     _series: ClassVar[dict[str, type[np.generic]]] = {
         **dict.fromkeys(("t", "q", "u", "slip", "force", "normal_force"), np.float64),
@@ -73,10 +74,23 @@ class Run(TableResult, Value):
     @classmethod
     def _frozen(cls, *series: ArrayLike) -> dict[str, NDArray[Any]]:
         """Return the series by their names, as arrays that refuse writing."""
-        return {
+        frozen = {
             name: arrays.read_only(np.asarray(values, dtype=kind))
             for (name, kind), values in zip(cls._series.items(), series, strict=True)
         }
+        lengths: dict[str, int] = {}
+        for name, values in frozen.items():
+            axes = _MEANINGS[name][0]
+            wanted = values.ndim == len(axes) and tuple(
+                lengths.setdefault(axis, length)
+                for axis, length in zip(axes, values.shape, strict=True)
+            )
+            if wanted != values.shape:
+                raise DimensionError(
+                    name, f"must have an axis for {', '.join(axes)} like the others, has shape "
+                    f"{values.shape}"
+                )  # fmt: skip
+        return frozen
 
     @staticmethod
     def _described(

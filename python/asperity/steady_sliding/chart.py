@@ -79,8 +79,8 @@ class GrowthChart(TableResult, Value):
         rates: Array = self.growth.reshape(self.phi.size, self.zeta.size)
         return rates
 
-    def _drawn(self) -> tuple[object, ...]:
-        return np.rad2deg(self.phi.ravel()), np.rad2deg(self.zeta.ravel()), self._flat()
+    def _drawing(self) -> dict[str, object]:
+        return {"x": np.rad2deg(self.phi), "y": np.rad2deg(self.zeta)}
 
     def _table(self) -> Table:
         axes = {
@@ -91,7 +91,7 @@ class GrowthChart(TableResult, Value):
         return Table(axes, {"growth": Series(self._flat(), ("phi", "zeta"), "1/s", words)}, {})
 
 
-def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> GrowthChart:
+def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -> GrowthChart:
     """Return growth rates of a mass on a belt over the belt's direction and the rotation of C.
 
     Args:
@@ -115,8 +115,8 @@ def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> G
     >>> import math
     >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, growth_chart
     >>> law = FrictionLaw(Ellipse(3.0, 1.0), Ellipse(3.0, 1.0))
-    >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
-    >>> chart = growth_chart(belt, math.radians(50.0), [0.0, math.radians(30.0)])
+    >>> belt = MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
+    >>> chart = growth_chart(belt, phi=math.radians(50.0), zeta=[0.0, math.radians(30.0)])
     >>> (chart.growth > 0.0).tolist()
     [False, True]
     """

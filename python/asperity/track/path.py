@@ -74,7 +74,7 @@ class MeasuredPath(TableResult, Value):
     comes_to_rest: bool
     _end: Array
 
-    _picture = "plot_motion"
+    _picture = "plot_history"
     _digits = 10
 
     def __init__(
