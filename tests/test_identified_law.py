@@ -57,10 +57,10 @@ NAMES = [
 VALUES = [0.5, 0.3, 0.2, 1.6, -0.3]
 KNOWN = IdentifiedLaw(
     asp.FrictionLaw(asp.Ellipse(0.5, 0.3, angle=0.2), asp.Ellipse(1.6, 1.0, angle=-0.3)),
-    "ellipse",
-    "ellipse",
-    VALUES,
-    SPREAD,
+    reservoir_model="ellipse",
+    direction_model="ellipse",
+    values=VALUES,
+    turns=SPREAD,
 )
 
 
@@ -140,11 +140,11 @@ def test_bands_of_draws_are_those_of_the_fit():
 
 def test_causes_of_errors_add_up():
     zero = np.zeros((5, 5))
-    parts = IdentifiedLaw(KNOWN.law, "ellipse", "ellipse", VALUES, zero, SPREAD, 2.0 * SPREAD)
+    parts = KNOWN.replace(turns=zero, calibration=SPREAD, zeros=2.0 * SPREAD)
     assert np.array_equal(parts.covariance, 3.0 * SPREAD)
     drawn = parts.sample_values(500, seed=2)
     assert drawn[:, 2].std() == pytest.approx(math.sqrt(3.0 * SPREAD[2, 2]), rel=0.15)
-    still = IdentifiedLaw(KNOWN.law, "ellipse", "ellipse", VALUES, zero)
+    still = KNOWN.replace(turns=zero)
     np.testing.assert_allclose(still.sample_values(3, seed=0), [VALUES] * 3, rtol=1e-15)
 
 

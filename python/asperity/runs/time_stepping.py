@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any, NoReturn, Protocol, runtime_checkable
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +23,8 @@ from asperity.errors import (
     ParameterError,
     SimulationInterrupted,
 )
+from asperity.runs.model import Model, labels_of
+from asperity.runs.origin import Origin, TimeStepping
 from asperity.runs.run import Run
 from asperity.runs.state import State
 from asperity.runs.trajectory import Trajectory
@@ -34,22 +35,6 @@ from asperity.system.rigid import RigidBodies, plane_motion
 
 # Relative tolerance within which t_end counts as a multiple of dt.
 _MULTIPLE = 1e-9
-
-
-@runtime_checkable
-class Model(Protocol):
-    """What `simulate` needs of a system."""
-
-    @property
-    def dof(self) -> int:
-        """Number n of velocities."""
-
-    @property
-    def contacts(self) -> Sequence[Any]:
-        """The contacts."""
-
-    @property
-    def _core(self) -> _core.LinearSystem | _core.CallbackSystem | _core.RigidBodies: ...
 
 
 def simulate(
@@ -117,7 +102,6 @@ def simulate(
     """
     if not isinstance(system, Model):
         raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
-    arrays.choice(on_failure, "on_failure", ["raise", "record"])
     dt = arrays.positive(dt, "dt")
     t_end = arrays.number(t_end, "t_end")
     if start is None:
@@ -129,23 +113,39 @@ def simulate(
         raise ParameterError("start", "excludes q0 and u0")
     steps = _steps_from(state, dt, t_end)
     _check_clock(state, dt, steps)
+    options = TimeStepping(
+        dt=dt,
+        t_end=t_end,
+        start=state,
+        solver=chosen(solver),
+        tolerance=tolerance,
+        sample_every=sample_every,
+        until_rest=until_rest,
+        on_failure=on_failure,
+    )
     plane_motion.check_rates(system, state.t, t_end)
-    save_every = _stride(sample_every, dt)
+    stride = _stride(sample_every, dt)
     with reporter(progress, "step") as report:
         run, exception = _core.simulate(
             system._core,
             dt,
             steps,
             *state._arguments(),
-            chosen(solver)._core,
-            arrays.positive(tolerance, "tolerance"),
-            save_every,
-            bool(until_rest),
+            options.solver._core,
+            options.tolerance,
+            stride,
+            options.until_rest,
             on_failure == "raise",
             report,
         )
     failure, end = run.pop("failure"), run.pop("end")
-    trajectory = Trajectory(dt=dt, end=None if end is None else State(**end), **run)
+    trajectory = Trajectory(
+        dt=dt,
+        end=None if end is None else State(**end),
+        labels=labels_of(system),
+        origin=Origin(system, options),
+        **run,
+    )
     if exception is not None:
         if isinstance(exception, DivergenceError):
             raise DivergenceError(exception.message, trajectory)

@@ -13,6 +13,7 @@ from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
+from asperity.system import labels
 
 _Part = TypeVar("_Part", bound=Value)
 
@@ -25,6 +26,7 @@ class ContactLaw(Value):
         normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral, with ``normal`` and ``gap``.
         normal_restitution: e_N in [0, 1].
         tangential_restitution: e_T in [0, 1].
+        name: of the contact, in tables and messages; by default its number.
 
     >>> from asperity import ContactLaw, FrictionLaw
     >>> ContactLaw(FrictionLaw.isotropic(0.3), normal_force=9.81)
@@ -35,6 +37,7 @@ class ContactLaw(Value):
     normal_force: float | None
     normal_restitution: float
     tangential_restitution: float
+    name: str | None
 
     def __init__(
         self,
@@ -43,8 +46,12 @@ class ContactLaw(Value):
         normal_force: float | None = None,
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
+        name: str | None = None,
     ) -> None:
-        self._set(**checked_laws(law, normal_force, normal_restitution, tangential_restitution))
+        self._set(
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
+            name=labels.name(name),
+        )
 
     @property
     def unilateral(self) -> bool:
@@ -69,6 +76,7 @@ class Contact(Value):
         velocity: χ in m/s, shape ``(p,)``; a belt moving with v has χ = −v. Default 0.
         normal_restitution: e_N in [0, 1].
         tangential_restitution: e_T in [0, 1].
+        name: of the contact, in tables and messages; by default its number.
 
     Reference: [WL19] (23), with +χ.
 
@@ -88,6 +96,7 @@ class Contact(Value):
     velocity: Array
     normal_restitution: float
     tangential_restitution: float
+    name: str | None
 
     def __init__(
         self,
@@ -100,6 +109,7 @@ class Contact(Value):
         velocity: ArrayLike | None = None,
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
+        name: str | None = None,
     ) -> None:
         laws = checked_laws(law, normal_force, normal_restitution, tangential_restitution)
         if (normal_force is None) == (normal is None):
@@ -121,6 +131,7 @@ class Contact(Value):
             else arrays.read_only(arrays.array(normal, "normal", (len(columns),))),
             gap=arrays.number(gap, "gap"),
             velocity=arrays.read_only(arrays.array(belt, "velocity", (law.dimension,))),
+            name=labels.name(name),
         )
 
     @property
