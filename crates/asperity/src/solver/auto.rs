@@ -37,7 +37,8 @@ const INTERIOR: usize = 40;
 /// Newton iterations from where the search by cases leads; the motions of the systems that `infeasibility/cases.rs` names
 /// end in the same way with a quarter and four times as many.
 const FROM_CANDIDATE: usize = 50;
-/// Outer steps of the last phase.
+/// Outer steps of the last phase, which a limit of time ends before where there is one; those systems end in the same way
+/// with a quarter and four times as many.
 const OUTER: usize = 5000;
 /// Natural map below which Newton's method finds the digits that rounding keeps from the interior point method;
 /// tried earlier it fails, later it is not tried. No stored problem depends on it.

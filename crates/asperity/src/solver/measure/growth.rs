@@ -18,8 +18,9 @@ use crate::contact::{Components, ContactProblem, ContactRows, Delassus, NormalFo
 use crate::vectors::largest;
 
 /// Part of `L`, and of `N`, that contacts may approach with. Where growth is below [`GROWN`], a residual of 1e-4
-/// and less implies the former. Of the systems that `infeasibility/cases.rs` names one more is proven to have no solution with a quarter of the former,
-/// none more or fewer with four times as much, nor with a quarter or four times the other numbers.
+/// and less implies the former. Of the systems that `infeasibility/cases.rs` names one more is proven to have no solution
+/// with a quarter of the former, and the same with four times as much, and with a quarter and four times of the latter, of
+/// `SUSPICIOUS` and of `GROWN`.
 const APPROACHING: f64 = 1e-2;
 const CLOSING: f64 = 0.1;
 /// Growth beyond which contacts that approach at all are looked at more closely, whatever the residual.
