@@ -16,9 +16,9 @@ use crate::law::{self, ContactMatrix, ContactPoint, ContactVector, Friction, Fri
 
 type V = ContactVector;
 
-// The first constants were multiplied by ¼ and 4 on 400 random contacts with blocks of any rank, singular values over four
-// decades, laws of space and of sets with corners, and so were those of `hull.rs`; `REGULAR`, `SMALL` and `STOPPED` were divided and
-// multiplied by ten: 387 are solved and 5 proven to have no solution, unless it is said.
+// The first constants were multiplied by ¼ and 4 on 400 random contacts with blocks of any rank, singular values over
+// four decades, laws of space and of sets with corners, and so were those of `hull.rs`; `REGULAR`, `SMALL` and `STOPPED`
+// were divided and multiplied by ten: 387 are solved and 5 proven to have no solution, unless it is said.
 
 /// Newton iterations from one start, halvings of a step, rounds of prox iterations, iterations in one. With 40 halvings
 /// two contacts fewer are solved.
