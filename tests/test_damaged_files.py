@@ -87,7 +87,7 @@ def track_toml(folder):
 
 def law_toml(folder):
     reservoir = asp.Ellipse(0.6, 0.2) & asp.Mapped(asp.Disk(0.5), [[1.0, 0.1], [0.0, 1.0]])
-    law = asp.FrictionLaw(reservoir, asp.Disk(1.0), rate=asp.Stribeck(0.1, 0.5))
+    law = asp.FrictionLaw(reservoir, asp.Disk(1.0), rate=asp.Stribeck(0.1, ratio=0.5))
     origin = asp.Provenance(note="dry", files=[("run.csv", "0f")])
     asp.LawFile(law, origin).save(folder / "law.toml")
     return folder / "law.toml"

@@ -34,7 +34,7 @@ class TimeStepping(Value):
         on_failure: ``"raise"`` or ``"record"``.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5))
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5))
     >>> simulate(block, dt=0.01, t_end=0.2, u0=[2.0, 0.0]).options.dt
     0.01
     """
@@ -88,7 +88,7 @@ class EventDriven(Value):
         max_events: number of events after which the integration gives up.
 
     >>> from asperity import FrictionLaw, SlidingPoint, integrate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5))
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5))
     >>> integrate(block, t_end=1.0, u0=[2.0, 0.0]).options.tolerance
     1e-10
     """
