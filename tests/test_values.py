@@ -44,7 +44,7 @@ VALUES = [
     LAW.replace(rate=asp.Stribeck(0.1)),
     asp.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36, order=7, noise=0.01),
     asp.Stribeck(0.1, ratio=0.5, shape="hyperbolic", exponent=2.0, viscous=0.1),
-    asp.LawFile(LAW, asp.Provenance(note="dry")),
+    asp.LawFile(LAW, provenance=asp.Provenance(note="dry")),
     asp.Provenance(
         asperity="0.2.0",
         date="2026-11-22",

@@ -219,10 +219,12 @@ class Fit(TableResult, Value):
         ]
         return IdentifiedLaw(
             self.law,
-            family.reservoir,
-            family.direction,
-            values,
-            *parts,
+            reservoir_model=family.reservoir,
+            direction_model=family.direction,
+            values=values,
+            turns=parts[0],
+            calibration=parts[1],
+            zeros=parts[2],
             degrees_of_freedom=degrees,
             provenance=provenance,
         )

@@ -353,7 +353,7 @@ class FrictionLaw(Questions):
         from asperity._base.provenance import Provenance
         from asperity.law.file import LawFile
 
-        LawFile(self, Provenance(note=note)).save(path)
+        LawFile(self, provenance=Provenance(note=note)).save(path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> FrictionLaw:
