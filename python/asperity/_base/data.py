@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import inspect
 from collections.abc import Callable, Mapping
-from functools import cache
 from types import ModuleType
 from typing import Any, NamedTuple, TypeVar
 
@@ -91,10 +90,14 @@ def arguments(
     }
 
 
-@cache
-def _signature(kind: Any) -> Mapping[str, inspect.Parameter]:
+def _signature(kind: type) -> Mapping[str, inspect.Parameter]:
     """Return the parameters of a constructor; systems have thousands of parts of few classes."""
-    return inspect.signature(kind).parameters
+    if kind not in _SIGNATURES:
+        _SIGNATURES[kind] = inspect.signature(kind).parameters
+    return _SIGNATURES[kind]
+
+
+_SIGNATURES: dict[type, Mapping[str, inspect.Parameter]] = {}
 
 
 def _parts(value: object) -> dict[str, Any]:
