@@ -285,7 +285,7 @@ def test_distance_takes_motions():
         belt_velocity=[0.3, 0.2],
     )
     starts = [[1.0, 0.0], [0.0, 1.5]]
-    exact = [asp.integrate(system, t_end=6.0, dt=0.125, q0=q0) for q0 in starts]
+    exact = [asp.integrate(system, t_end=6.0, sample_every=0.125, q0=q0) for q0 in starts]
     steps = [asp.simulate(system, dt=1e-3, t_end=6.0, q0=q0) for q0 in starts]
     t, V = asp.incremental_distance(*exact, system=system)
     np.testing.assert_allclose(t, np.arange(49) * 0.125, atol=1e-9)
