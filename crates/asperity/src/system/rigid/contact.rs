@@ -108,6 +108,21 @@ impl Contact {
         }
     }
 
+    /// How large the parts become of the gap and of the velocities that depend on time, seen from these poses; none if
+    /// nothing does.
+    pub(super) fn extents(
+        &self,
+        first: &Pose,
+        second: Option<&Pose>,
+        t_end: f64,
+    ) -> Option<[f64; 2]> {
+        let Touching::Plane { point, surface, timed: Some(timed), .. } = &self.touching else {
+            return None;
+        };
+        let origin = second.map_or(surface.point, |pose| pose.point(&surface.point));
+        Some(timed.extents((first.point(point) - origin).norm(), t_end))
+    }
+
     /// Everything of the contact but its rows.
     #[inline]
     pub(super) fn geometry(

@@ -7,7 +7,7 @@ use super::{RigidBodies, Twist, angular, linear, twist};
 use crate::argument::{ArgumentError, refuse};
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, System,
-    SystemError,
+    SystemError, TimeDependence,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -100,6 +100,10 @@ impl System for RigidBodies {
             next = Break::earlier(next, plane.next_break(t));
         }
         next
+    }
+
+    fn time_dependence(&self, q: &[f64], _u: &[f64], t_end: f64) -> Option<TimeDependence> {
+        self.depends_on_time().then(|| self.extents_in_time(q, t_end))
     }
 
     fn forces(

@@ -8,13 +8,15 @@ pub(crate) struct Stencil {
     /// Time between neighbouring states.
     pub(crate) width: f64,
     pub(crate) widest: f64,
+    /// Whether the states lie on one side of the present one.
+    pub(crate) one_sided: bool,
     /// What the rows there make of the present velocities.
     pub(crate) velocities: Vec<[f64; 4]>,
 }
 
 impl Stencil {
     pub(crate) fn new(rows: usize) -> Self {
-        Self { width: 0.0, widest: 0.0, velocities: vec![[0.0; 4]; rows] }
+        Self { width: 0.0, widest: 0.0, one_sided: false, velocities: vec![[0.0; 4]; rows] }
     }
 }
 

@@ -7,6 +7,7 @@ use crate::integrator::event::dynamics::buffers::{
 };
 use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::dynamics::rounding::TimeParts;
 use crate::integrator::event::state::EvaluationError;
 use crate::law::Law;
 use crate::system::mass::MassFactors;
@@ -26,6 +27,10 @@ pub(crate) struct Dynamics<'a> {
     /// The largest component of the accelerations that the forces would give one by one. The acceleration may be their
     /// difference, as small as rounding makes it, and is compared with this.
     pub(crate) load: f64,
+    /// The parts of functions of time.
+    pub(crate) time_parts: TimeParts,
+    /// Beginning and end of the smooth piece of functions of time in which the motion is.
+    pub(crate) piece: Range<f64>,
     /// How far rounding may move a contact in the present step while the forces there balance.
     pub(crate) creep: f64,
     /// The last time at which the system is asked. Its forces may jump at the end of the motion, to which only
@@ -41,7 +46,7 @@ pub(crate) struct Dynamics<'a> {
     pub(crate) drift: Vec<f64>,
     /// `M⁻¹` times the rows.
     pub(crate) response: Vec<f64>,
-    factor: Option<MassFactors>,
+    pub(crate) factor: Option<MassFactors>,
     /// Whether rows and mass never change.
     pub(crate) constant: bool,
     /// Whether rows have been evaluated.
@@ -66,6 +71,8 @@ impl<'a> Dynamics<'a> {
             contacts: system.contacts().iter().map(ContactVariables::new).collect(),
             acceleration: vec![0.0; n],
             load: 0.0,
+            time_parts: TimeParts::default(),
+            piece: 0.0..t_end,
             creep: 0.0,
             latest: t_end.next_down(),
             direction_points: Vec::new(),

@@ -13,6 +13,7 @@ mod equations;
 mod evaluation;
 mod jacobian;
 mod projection;
+mod rounding;
 
 pub(crate) use chart::Chart;
 pub(crate) use constraint_matrix::ConstraintMatrix;

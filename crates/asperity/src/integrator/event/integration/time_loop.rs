@@ -62,7 +62,12 @@ pub(crate) fn run(
 impl Integration<'_> {
     fn integrate(&mut self) -> Result<Outcome, EvaluationError> {
         let mut outcome = self.initialise()?;
-        self.record();
+        if self.motion.samples.is_empty() {
+            self.record();
+        }
+        if outcome.is_none() && self.end_of_piece() == self.state.t {
+            outcome = self.pass_break()?;
+        }
         if outcome.is_none() {
             let longest = self.step_size.first_step_limit(self.options.t_end, &self.a0);
             let longest = longest.min(self.dynamics.chart.turn_limit(&self.state, &self.a0));
