@@ -199,7 +199,9 @@ impl StepSize {
                     limit = limit.min(-velocity / rate);
                 }
                 if velocity < -ZERO_VELOCITY * self.speed() && !dynamics.constant {
-                    limit = limit.min(BEYOND * contact.gap.max(0.0) / -velocity);
+                    // The event is where the overlap is more than rounding explains.
+                    let way = contact.gap.max(0.0) + dynamics.rounded_overlap(i);
+                    limit = limit.min(BEYOND * way / -velocity);
                 }
             }
         }

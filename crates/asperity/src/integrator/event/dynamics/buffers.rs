@@ -1,6 +1,7 @@
 //! What the dynamics work in, kept from one evaluation to the next.
 
 use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
+use crate::integrator::event::dynamics::independent_parts::IndependentParts;
 
 /// The states of differences along the motion.
 #[derive(Debug)]
@@ -46,6 +47,8 @@ pub(crate) struct SmoothJacobian {
     pub(crate) slips: Vec<[f64; 3]>,
     /// The coordinates and velocities of the differences.
     pub(crate) shifted: (Vec<f64>, Vec<f64>),
+    /// The parts of the system that do not act on each other, if they are known.
+    pub(crate) together: Option<IndependentParts>,
 }
 
 impl SmoothJacobian {
@@ -57,6 +60,7 @@ impl SmoothJacobian {
             acceleration: vec![0.0; n],
             slips: Vec::new(),
             shifted: Default::default(),
+            together: None,
         }
     }
 }

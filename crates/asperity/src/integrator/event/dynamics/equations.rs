@@ -40,6 +40,9 @@ pub(crate) struct Dynamics<'a> {
     pub(crate) direction_points: Vec<(usize, [f64; 3])>,
     /// `W_Nᵀ` and `Wᵀ`, [`ROWS`] per contact.
     pub(crate) rows: Vec<f64>,
+    /// The velocities among which those lie that the rows of a contact move, and their responses: of the first to the last
+    /// block that it touches.
+    pub(crate) spans: Vec<Range<usize>>,
     /// χ, as many entries as there are rows.
     pub(crate) chi: Vec<f64>,
     /// `ẇ_Nᵀu` and `Ẇᵀu + χ̇`, likewise.
@@ -64,6 +67,11 @@ impl<'a> Dynamics<'a> {
     pub(crate) fn new(system: &'a dyn System, chart: Chart<'a>, t_end: f64) -> Self {
         let (n, rows) = (system.dof(), ROWS * system.contacts().len());
         let constant = chart.is_constant();
+        let span = |contact: usize| {
+            let (blocks, touched) = (system.blocks(), system.touched(contact));
+            let ends = touched.first().zip(touched.last());
+            ends.map_or(0..n, |(&a, &b)| blocks.range(a).start..blocks.range(b).end)
+        };
         Self {
             system,
             chart,
@@ -77,6 +85,7 @@ impl<'a> Dynamics<'a> {
             latest: t_end.next_down(),
             direction_points: Vec::new(),
             rows: vec![0.0; rows * n],
+            spans: (0..system.contacts().len()).map(span).collect(),
             chi: vec![0.0; rows],
             drift: vec![0.0; rows],
             response: vec![0.0; rows * n],
@@ -105,14 +114,27 @@ impl<'a> Dynamics<'a> {
         &self.response[row * self.n..(row + 1) * self.n]
     }
 
+    /// A row times a vector.
+    pub(crate) fn along(&self, row: usize, vector: &[f64]) -> f64 {
+        let span = self.spans[row / ROWS].clone();
+        dot(&self.row(row)[span.clone()], &vector[span])
+    }
+
+    /// A row times the response, or another combination of them, of the contact of another row.
+    pub(crate) fn mobility(&self, row: usize, of: usize, response: &[f64]) -> f64 {
+        let (own, other) = (&self.spans[row / ROWS], &self.spans[of / ROWS]);
+        let span = own.start.max(other.start)..own.end.min(other.end);
+        if span.is_empty() { 0.0 } else { dot(&self.row(row)[span.clone()], &response[span]) }
+    }
+
     /// `γ_N` or a component of γ at these velocities.
     pub(crate) fn velocity(&self, row: usize, u: &[f64]) -> f64 {
-        dot(self.row(row), u) + self.chi[row]
+        self.along(row, u) + self.chi[row]
     }
 
     /// `γ̈_N` or a component of `γ̇` with these accelerations.
     pub(crate) fn rate(&self, row: usize, acceleration: &[f64]) -> f64 {
-        dot(self.row(row), acceleration) + self.drift[row]
+        self.along(row, acceleration) + self.drift[row]
     }
 
     /// Rows of a contact along which it can have forces of its own.
@@ -149,8 +171,10 @@ impl<'a> Dynamics<'a> {
         for (i, contact) in self.contacts.iter_mut().enumerate() {
             let rows = self.rows[(ROWS * i + 1) * n..].chunks_exact(n);
             let chi = &self.chi[ROWS * i + 1..ROWS * i + 1 + contact.p];
-            let mut size = 0.0;
+            let span = self.spans[i].clone();
+            let (u, mut size) = (&u[span.clone()], 0.0);
             for ((slip, chi), row) in contact.slip.iter_mut().zip(chi).zip(rows) {
+                let row = &row[span.clone()];
                 *slip = *chi + dot(row, u);
                 let parts: f64 = row.iter().zip(u).map(|(w, u)| (w * u).abs()).sum();
                 size += (chi.abs() + parts) * (chi.abs() + parts);
@@ -168,7 +192,14 @@ impl<'a> Dynamics<'a> {
             self.factor = Some(factors);
         }
         if let Some(factor) = &self.factor {
-            self.response.chunks_exact_mut(n).for_each(|row| factor.solve(self.system, row));
+            let blocks = self.system.blocks();
+            for (i, rows) in self.response.chunks_exact_mut(ROWS * n).enumerate() {
+                for row in rows.chunks_exact_mut(n) {
+                    for &block in self.system.touched(i) {
+                        factor.solve_block(self.system, block, &mut row[blocks.range(block)]);
+                    }
+                }
+            }
         }
         self.chart.pull_responses(&mut self.response);
         self.ready = true;
@@ -179,7 +210,7 @@ impl<'a> Dynamics<'a> {
 
     /// Refuses directions of a contact that move nothing.
     pub(crate) fn check_rows(&self, i: usize) -> Result<(), EvaluationError> {
-        let mobility = |row: usize| dot(self.row(row), self.response(row));
+        let mobility = |row: usize| self.along(row, self.response(row));
         // The comparison also turns away NaN.
         if self.rows_of(i).any(|row| !(mobility(row) > 0.0)) {
             return Err(SystemError::direction(i).into());

@@ -11,6 +11,7 @@ mod contact_variables;
 mod drift;
 mod equations;
 mod evaluation;
+mod independent_parts;
 mod jacobian;
 mod projection;
 mod rounding;

@@ -4,7 +4,7 @@
 //! made, whose small difference a load, a gap or a velocity may be.
 
 use crate::integrator::event::dynamics::Dynamics;
-use crate::integrator::event::state::{CLOSED_GAP, ROUNDING, ZERO_VELOCITY};
+use crate::integrator::event::state::{CLOSED_GAP, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY};
 use crate::system::TimeDependence;
 use crate::vectors::{dot, largest};
 
@@ -57,6 +57,11 @@ impl Dynamics<'_> {
             velocities,
             depends: true,
         };
+    }
+
+    /// The overlap of a contact that rounding explains.
+    pub(crate) fn rounded_overlap(&self, i: usize) -> f64 {
+        (ROUNDED_OVERLAP * self.contacts[i].reach).max(self.creep)
     }
 
     /// The largest acceleration of which the accelerations keep the rounding: the load, the parts of functions of time,

@@ -138,8 +138,9 @@ impl Integration<'_> {
             }
             Detection::None => {
                 self.accept_step(if h == left { end } else { self.state.t + h })?;
-                if h == left {
-                    // It was not the error that has made this step short.
+                if h < wanted {
+                    // It was not the error that has made this step short, but the end of a piece, of a flight or of a
+                    // slip, which may be that of one body among many.
                     self.step_size.h = self.step_size.h.max(wanted);
                 }
                 self.end_slips()
