@@ -18,13 +18,13 @@ print(f"unstable from μ = {limit:.2f}")
 print(found[-1].reason)
 
 motion = asp.simulate(
-    mechanisms.mode_coupling(0.9), dt=1e-2, t_end=120.0, q0=[1e-3, 0.0, 0.0], save_every=5
+    mechanisms.mode_coupling(0.9), dt=1e-2, t_end=120.0, q0=[1e-3, 0.0, 0.0], sample_every=0.05
 )
 print(motion.summary())
 
 with style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
-    plot_root_locus(found, mu, left, label=r"friction coefficient $\mu$")
+    plot_root_locus(found, values=mu, ax=left, label=r"friction coefficient $\mu$")
     left.set_title("two modes meet")
     right.plot(motion.t, motion.q[:, 1], label="mass $y$")
     right.plot(motion.t, motion.q[:, 2], label="belt $z$", linewidth=1.0)

@@ -10,10 +10,11 @@ from asperity._base.arrays import Array
 from asperity.cycles.place import Place
 from asperity.errors import NoCycleError
 from asperity.runs.event_driven import integrate
-from asperity.runs.motion import Motion, Section
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
+from asperity.runs.motion import Motion
+from asperity.runs.section import Section
 
-# Step of difference quotients in parts of the scale of the states.
+# Step of difference quotients relative to the scale of the states.
 _FORWARD = 1e-6
 _ITERATIONS = 15
 # A return is looked for up to so many times the expected period.
@@ -58,7 +59,7 @@ class ReturnMap:
             u0=state[n:],
             tolerance=self.tolerance,
             section=self.section.replace(after=self.share * period),
-            dt=dt,
+            sample_every=dt,
         )
         if not motion.at_section:
             raise NoCycleError(
@@ -68,7 +69,7 @@ class ReturnMap:
         return Return(end, float(motion.t[-1]), motion)
 
     def defect(self, state: Array, image: Array) -> float:
-        """Return ‖P(x) − x‖ in parts of the scale of the states."""
+        """Return ‖P(x) − x‖ relative to the scale of the states."""
         return float(np.abs((image - state) / self.scale).max())
 
     def place(self, image: Return) -> Place:

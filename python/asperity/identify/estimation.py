@@ -6,6 +6,8 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.log import log
+from asperity._base.progress import Progress
 from asperity.errors import FitError, ParameterError
 from asperity.identify.fit import Fit
 from asperity.identify.fitting.data.bins import check_coverage, grouped
@@ -44,17 +46,19 @@ _ANGLE_ROUNDS = 3
 
 def fit_law(
     data: Measured,
+    *,
     reservoir: ReservoirName = "superellipse",
     direction: DirectionName = "superellipse",
-    *,
     joint: bool = True,
     loss: str = "linear",
     confidence: float | None = 0.95,
+    progress: Progress = None,
 ) -> Fit:
     """Fit a law's sets C and D to measured forces: min Σ‖−λ − λ_N f(φ)‖² over all samples.
 
-    The model meets the unfiltered samples. Bands hold what differs between turns, or between runs
-    where there are three or more, and the uncertainty of calibration and zeros, which all share.
+    The model meets the unfiltered samples. Confidence intervals include what differs between
+    turns, or runs where there are three or more, and the uncertainty of calibration and zeros,
+    which all share.
     Degrees of freedom are one less than turns or runs, and those of the calibration.
 
     Args:
@@ -66,7 +70,10 @@ def fit_law(
         joint: fit C and D together to the forces; else C to their magnitudes over their
             directions and D to their directions over the sliding directions.
         loss: ``"linear"``, or ``"huber"`` or ``"cauchy"`` against outliers.
-        confidence: of the bands; None for a fit without bands, then one turn will do.
+        confidence: level of the confidence intervals; None for a fit without them, for which one
+            turn is enough.
+
+        progress: of the comparison where a model is ``"best"``, as of `compare_models`.
 
     Raises:
         FitError: if directions are missing, forces do not oppose sliding, or nothing fits.
@@ -93,8 +100,15 @@ def fit_law(
     measure = Loss(loss)
     comparison = None
     if BEST in (reservoir, direction):
-        comparison = compare_models(data, matching_pairs(reservoir, direction), loss=loss)
+        pairs = matching_pairs(reservoir, direction)
+        comparison = compare_models(data, pairs=pairs, loss=loss, progress=progress)
         best = comparison.best
+        log.info(
+            "fit_law: the best of %d pairs of models is %s, %s",
+            len(comparison.candidates),
+            name_of(best.reservoir_model),
+            name_of(best.direction_model),
+        )
         reservoir, direction = best.reservoir_model, best.direction_model
     family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))
     data = frozen(data)
@@ -202,7 +216,7 @@ def _descend_about_axes(
             break
         descent = _descend(family, samples, p, loss, {family.size - 1: held})
         p = descent.p
-    # The bands are those of an angle that is free.
+    # The confidence intervals are those of an angle that is free.
     return descent._replace(sums=family.sums(samples, p, loss)), True
 
 
@@ -227,5 +241,5 @@ def _descend_on_shared_axes(
             best, cost = trial, trial.cost
     if best is None:
         return None
-    # The bands are those of angles that are free.
+    # The confidence intervals are those of angles that are free.
     return best._replace(sums=family.sums(samples, best.p, loss))

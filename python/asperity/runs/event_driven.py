@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from asperity import _core
-from asperity._base import arrays
+from asperity._base.log import log
+from asperity._base.progress import Progress, reporter
 from asperity.errors import (
     ConvergenceError,
     NoSolutionError,
     ParameterError,
 )
-from asperity.runs.motion import Event, Motion, Section
-from asperity.runs.time_stepping import Model, initial_state, raise_with, without_solution
+from asperity.runs.event import Event
+from asperity.runs.model import Model, labels_of
+from asperity.runs.motion import Motion
+from asperity.runs.origin import EventDriven, Origin
+from asperity.runs.section import Section
+from asperity.runs.time_stepping import initial_state, raise_with, without_solution
 from asperity.status import Outcome, Status
+from asperity.system.rigid import plane_motion
 
 _ENDS = {
     "finished": Outcome.FINISHED,
@@ -64,11 +69,11 @@ def integrate(
     q0: ArrayLike | None = None,
     u0: ArrayLike | None = None,
     tolerance: float = 1e-10,
-    dt: float | None = None,
+    sample_every: float | None = None,
     max_step: float | None = None,
     section: Section | None = None,
     max_events: int = 10_000,
-    progress: Callable[[float, float], object] | None = None,
+    progress: Progress = None,
 ) -> Motion:
     """Integrate a system from event to event: M u̇ = h + W_N λ_N + W λ, q̇ = u.
 
@@ -78,13 +83,13 @@ def integrate(
     comes next, by the rule of selection of `simulate`. What `simulate` converges to for Δt → 0.
 
     Args:
-        system: a system with as many coordinates as velocities, or `RigidBodies`; the direction
-            sets of its laws must be strictly convex.
+        system: a system with as many coordinates as velocities but for ``rotations``; the
+            direction sets of its laws must be strictly convex.
         t_end: end time in s. Of a force that jumps there the limit from the left counts. What is
             short is told by it: events in its last 2e-14 are not looked for, and the integration
             gives up where 2000 steps, made or rejected, do not pass 1e-10 of it.
         q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
-            Quaternions are normalised.
+            Quaternions are normalised, and no rotation by default.
         u0: initial velocities, shape ``(n,)``; default likewise. At the beginning gaps and
             velocities count as none below 2.2e-16 of the way and of the velocity that the loads
             give until ``t_end`` where nothing stops them, and 2.2e-16 m and m/s at most.
@@ -92,13 +97,15 @@ def integrate(
             velocity so far, as far as rounding of forces and of functions of time allows; between
             1e-14 and 1e-2. Functions of the user are asked at the start how large they become up
             to ``t_end``.
-        dt: time between samples in s. Default: every step of the method, before and after events.
+        sample_every: time between samples in s. Default: every step of the method, before and after
+            events.
         max_step: longest step in s. Default: as the error allows. Functions of time of the user are
             seen at five times of a step: set this to the length of pulses, else they are missed.
             At least 1e-10 of ``t_end``. A `Signal` needs none: steps end where it is not smooth.
         section: where to stop.
         max_events: number of events after which the integration gives up, kinks apart.
-        progress: a function of (t, t_end) called a few times a second.
+        progress: ``True`` for a bar of tqdm, or a function of (t, t_end) called a few times a
+            second.
 
     Returns:
         The motion, from the state before any impact at 0 on. Bounces that are lower than 1e-13 of
@@ -115,7 +122,7 @@ def integrate(
     Reference: [HairerWanner1996] IV.5, IV.8; [WL19] §4.3, Fig. 17; [LeineNijmeijer2004] ch. 8.
 
     >>> from asperity import FrictionLaw, SlidingPoint, integrate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> motion = integrate(block, t_end=1.0, u0=[2.0, 0.0])
     >>> [(event.kind, round(event.time, 12)) for event in motion.events]
     [(EventKind.STICK, 0.4)]
@@ -128,31 +135,53 @@ def integrate(
         raise ParameterError(
             "system", "must have its velocities as rates, but has its own `advance`"
         )
-    if section is not None and not isinstance(section, Section):
-        raise ParameterError("section", f"must be a Section or None, got {section!r}")
-    if progress is not None and not callable(progress):
-        raise ParameterError("progress", f"must be None or a function, got {progress!r}")
-    run, exception = _core.integrate(
-        system._core,
-        arrays.positive(t_end, "t_end"),
-        *initial_state(system, q0, u0),
-        arrays.positive(tolerance, "tolerance"),
-        None if dt is None else arrays.positive(dt, "dt"),
-        None if max_step is None else arrays.positive(max_step, "max_step"),
-        None if section is None else (section.normal, section.level, section.after),
-        arrays.count(max_events, "max_events"),
-        progress,
+    q, u = initial_state(system, q0, u0)
+    options = EventDriven(
+        t_end=t_end,
+        q0=q,
+        u0=u,
+        tolerance=tolerance,
+        sample_every=sample_every,
+        max_step=max_step,
+        section=section,
+        max_events=max_events,
     )
+    plane_motion.check_rates(system, 0.0, options.t_end)
+    with reporter(progress, "s") as report:
+        run, exception = _core.integrate(
+            system._core,
+            options.t_end,
+            q,
+            u,
+            options.tolerance,
+            options.sample_every,
+            options.max_step,
+            None if section is None else (section.normal, section.level, section.after),
+            options.max_events,
+            report,
+        )
     ended, contact = run.pop("ended"), run.pop("contact")
     unsolvable = run.pop("unsolvable", None)
     events = [
         Event(time, kind, number, phase, ambiguous=ambiguous)
         for time, number, kind, phase, ambiguous in run.pop("events")
     ]
-    motion = Motion(**run, events=events, status=_ENDS.get(ended, Outcome.FAILED))
+    motion = Motion(
+        **run,
+        events=events,
+        status=_ENDS.get(ended, Outcome.FAILED),
+        labels=labels_of(system),
+        origin=Origin(system, options),
+    )
     if exception is not None:
         reached = f"after t = {motion.t[-1]:.9g} s" if len(motion) > 0 else "at the start"
         raise_with(exception, motion, reached)
+    if motion.ambiguous_events:
+        log.info(
+            "integrate: at %d of %d events a contact might have done something else",
+            motion.ambiguous_events,
+            len(motion.events),
+        )
     if ended in _FAILURES:
         raise _failure(ended, contact, motion, without_solution(unsolvable, system))
     return motion

@@ -10,8 +10,9 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import Axis, Series, Table, TableResult
 from asperity.errors import ParameterError
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 from asperity.steady_sliding import reasons
 from asperity.steady_sliding.field import STEP, Field, start
 from asperity.steady_sliding.linearisation import Linearisation, linearisation, total
@@ -28,7 +29,7 @@ _BALANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Stability:
+class Stability(TableResult):
     """What small motions about steady sliding do: M δq̈ + B δq̇ + K δq = 0.
 
     Closed unilateral contacts are held closed; δq moves within them, and M, B, K of
@@ -184,15 +185,39 @@ class Stability:
     def __repr__(self) -> str:
         return f"<Stability: {self.kind}. {self.reason}>"
 
+    def summary(self) -> str:
+        """Return what small motions do and why, and how the contacts slide."""
+        lines = [f"Steady sliding is {self.kind}. {self.reason}"]
+        for number, contact in self.contacts.items():
+            inside = "inside" if contact.margin < 0.0 else "outside"
+            lines.append(
+                f"Contact {number} slips with {np.linalg.norm(contact.slip):.6g} m/s under a "
+                f"normal force of {contact.normal_force:.6g} N; the slip velocity lies "
+                f"{abs(np.rad2deg(contact.margin)):.4g}° {inside} the tangent cone of C."
+            )
+        return "\n".join(lines)
+
+    def _table(self) -> Table:
+        axis = {"eigenvalue": Axis(np.arange(len(self.eigenvalues)), "", "by falling real part")}
+        parts = {
+            "real": (self.eigenvalues.real, "1/s", "growth rate"),
+            "imaginary": (self.eigenvalues.imag, "rad/s", "angular frequency"),
+        }
+        series = {
+            name: Series(values, ("eigenvalue",), unit, words)
+            for name, (values, unit, words) in parts.items()
+        }
+        return Table(axis, series, {"kind": self.kind, "growth_rate": self.growth_rate})
+
 
 def stability(
-    system: Model, equilibrium: Equilibrium | None = None, *, step: float = STEP
+    system: Model, *, equilibrium: Equilibrium | None = None, step: float = STEP
 ) -> Stability:
     """Linearise a system about steady sliding and judge by the eigenvalues.
 
     An eigenvalue counts as being on the imaginary axis unless it is certain that it is not: that no
     matrices within the errors of the entries of M, B and K, of rounding and of differences, have
-    an eigenvalue half-way between it and the axis. `growth_chart` goes by the same rule.
+    an eigenvalue half-way between it and the axis. `growth_chart` follows the same rule.
 
     Args:
         system: `LinearSystem`, `MassOnBelt`, `RigidBodies` or a `System`, at time 0.
@@ -211,7 +236,7 @@ def stability(
     >>> import math
     >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, stability
     >>> law = FrictionLaw(Ellipse(30.0, 10.0, angle=math.pi / 6), Ellipse(3.0, 1.0))
-    >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
+    >>> belt = MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
     >>> stability(belt).kind
     'neutral'
     >>> found = stability(belt.replace(belt_velocity=[math.cos(0.9), math.sin(0.9)]))

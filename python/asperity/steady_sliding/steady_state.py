@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import Result
 from asperity._base.value import Value
 from asperity.errors import ConvergenceError, ParameterError
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 from asperity.steady_sliding.field import STEP, Field, start
 from asperity.steady_sliding.linearisation import Linearisation, linearisation, total
 
@@ -21,7 +22,7 @@ _ITERATIONS = 50
 _EXACT = 1e-15
 
 
-class Equilibrium(Value):
+class Equilibrium(Result, Value):
     """Steady sliding: u = 0 while the contacts slide with γ = χ, 0 = h + W_N λ_N + W λ.
 
     Args:
@@ -63,6 +64,21 @@ class Equilibrium(Value):
             residual=float(residual),
         )
 
+    def summary(self) -> str:
+        """Return where the system is and how its contacts slide."""
+        q = ", ".join(f"{value:.6g}" for value in self.q.tolist())
+        lines = [
+            f"The system slides steadily at q = ({q}), with a residual of {self.residual:.2g}."
+        ]
+        for number, force in enumerate(self.normal_force.tolist()):
+            speed = float(np.sqrt(np.nansum(self.slip[number] ** 2)))
+            friction = float(np.sqrt(np.nansum(self.force[number] ** 2)))
+            lines.append(
+                f"Contact {number} slips with {speed:.6g} m/s under a normal force of "
+                f"{force:.6g} N; its friction is {friction:.6g} N."
+            )
+        return "\n".join(lines)
+
 
 def equilibrium(
     system: Model,
@@ -93,7 +109,13 @@ def equilibrium(
     Reference: [WL19] §4.1, (77).
 
     >>> from asperity import FrictionLaw, MassOnBelt, equilibrium
-    >>> belt = MassOnBelt(1.0, 2.0, FrictionLaw.isotropic(0.5), 10.0, [1.0, 0.0])
+    >>> belt = MassOnBelt(
+    ...     1.0,
+    ...     stiffness=2.0,
+    ...     law=FrictionLaw.isotropic(0.5),
+    ...     normal_force=10.0,
+    ...     belt_velocity=[1.0, 0.0],
+    ... )
     >>> equilibrium(belt).q.round(12).tolist()
     [2.5, 0.0]
     """

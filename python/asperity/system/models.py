@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,6 +14,7 @@ from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.system.contacts import Contact
+from asperity.system.labels import Labels
 from asperity.system.linear import LinearSystem
 
 
@@ -26,7 +29,7 @@ class SlidingPoint(Value):
     Reference: [WL19] §5.3, Fig. 27.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
-    >>> block = SlidingPoint(0.018, FrictionLaw.isotropic(0.5))
+    >>> block = SlidingPoint(0.018, law=FrictionLaw.isotropic(0.5))
     >>> path = simulate(block, dt=1e-4, t_end=1.0, u0=[1.0, 0.0], until_rest=True)
     >>> round(float(path.q[-1, 0]), 6)  # v²/(2 μ g)
     0.101937
@@ -37,12 +40,16 @@ class SlidingPoint(Value):
     gravity: float
     linear: LinearSystem
 
-    def __init__(self, mass: float, law: FrictionLaw, *, gravity: float = 9.81) -> None:
+    def __init__(self, mass: float, *, law: FrictionLaw, gravity: float = 9.81) -> None:
         mass, gravity = arrays.positive(mass, "mass"), arrays.positive(gravity, "gravity")
         _check_law(law)
         self._set(mass=mass, law=law, gravity=gravity)
-        contact = Contact(law, np.eye(law.dimension), normal_force=mass * gravity)
-        self._keep(linear=LinearSystem(mass, contacts=[contact]))
+        contact = Contact(law, direction=np.eye(law.dimension), normal_force=mass * gravity)
+        self._keep(linear=LinearSystem(mass, contacts=[contact], **_lengths(law.dimension)))
+
+    def with_law(self, law: FrictionLaw) -> Self:
+        """Return the same system with another friction law."""
+        return self.replace(law=law)
 
     @property
     def dof(self) -> int:
@@ -53,6 +60,11 @@ class SlidingPoint(Value):
     def contacts(self) -> tuple[Contact, ...]:
         """The one contact, with W = I."""
         return self.linear.contacts
+
+    @property
+    def labels(self) -> Labels:
+        """Names and units of coordinates and contacts."""
+        return self.linear.labels
 
     @property
     def _core(self) -> _core.LinearSystem:
@@ -72,7 +84,13 @@ class MassOnBelt(Value):
     Reference: [WL19] §4.3, (76).
 
     >>> from asperity import FrictionLaw, MassOnBelt
-    >>> belt = MassOnBelt(1.0, 2.0, FrictionLaw.isotropic(0.5), 10.0, [1.0, 0.0])
+    >>> belt = MassOnBelt(
+    ...     1.0,
+    ...     stiffness=2.0,
+    ...     law=FrictionLaw.isotropic(0.5),
+    ...     normal_force=10.0,
+    ...     belt_velocity=[1.0, 0.0],
+    ... )
     >>> belt.equilibrium.tolist()
     [2.5, 0.0]
     """
@@ -87,6 +105,7 @@ class MassOnBelt(Value):
     def __init__(
         self,
         mass: float,
+        *,
         stiffness: ArrayLike,
         law: FrictionLaw,
         normal_force: float,
@@ -105,18 +124,22 @@ class MassOnBelt(Value):
             normal_force=normal_force,
             belt_velocity=arrays.read_only(belt),
         )
-        contact = Contact(law, np.eye(p), normal_force=normal_force, velocity=-belt)
-        self._keep(linear=LinearSystem(mass, springs, contacts=[contact]))
+        contact = Contact(law, direction=np.eye(p), normal_force=normal_force, velocity=-belt)
+        self._keep(linear=LinearSystem(mass, stiffness=springs, contacts=[contact], **_lengths(p)))
 
     @property
     def equilibrium(self) -> Array:
         """Sliding equilibrium q_eq = K⁻¹ λ(−v) in m, shape ``(p,)``; [WL19] (77)."""
         try:
-            force = self.law.force(-self.belt_velocity, self.normal_force)
+            force = self.law.force(-self.belt_velocity, normal_force=self.normal_force)
             position = np.linalg.solve(self.stiffness, force)
         except np.linalg.LinAlgError:
             raise ParameterError("stiffness", "must be regular for an equilibrium") from None
         return arrays.array(position, "equilibrium")
+
+    def with_law(self, law: FrictionLaw) -> Self:
+        """Return the same system with another friction law."""
+        return self.replace(law=law)
 
     @property
     def dof(self) -> int:
@@ -129,8 +152,21 @@ class MassOnBelt(Value):
         return self.linear.contacts
 
     @property
+    def labels(self) -> Labels:
+        """Names and units of coordinates and contacts."""
+        return self.linear.labels
+
+    @property
     def _core(self) -> _core.LinearSystem:
         return self.linear._core
+
+
+def _lengths(p: int) -> dict[str, list[str]]:
+    """Return names and units of p coordinates that are lengths along e₁, e₂, e₃."""
+    return {
+        "coordinate_names": [f"x{axis + 1}" for axis in range(p)],
+        "coordinate_units": ["m"] * p,
+    }
 
 
 def _check_law(law: object) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.files import ResultFolder
+from asperity._base.progress import Progress
 from asperity._base.report import Facts, Picture, Section, write_report
 from asperity._base.tables import aligned
 from asperity.errors import ParameterError
@@ -61,7 +62,7 @@ class TrackedRecording:
         error = np.nanmedian(track.position_error, axis=0)
         rows = [
             ("recording", f"{self.source}, {len(track)} frames at {track.fps:g} 1/s (stated)"),
-            ("frames", track.summary()),
+            ("frames", track.quality),
             ("diameter of the mark", f"{1e3 * np.nanmedian(track.diameter):.4g} mm"),
             (
                 "standard error of a centre",
@@ -104,16 +105,23 @@ class TrackedRecording:
     def _figures(self) -> dict[str, Figure]:
         from matplotlib.figure import Figure
 
-        from asperity.plot import plot_motion, plot_track, style
+        from asperity.plot import plot_history, plot_path, plot_track, style
 
         with style():
             overlay = Figure(figsize=(9.0, 5.5), layout="constrained")
-            ax = overlay.add_subplot()
-            plot_track(self.track, ax, image=self.last)
+            motion = Figure(figsize=(9.0, 4.5), layout="constrained")
+            ax = plot_track(self.track, ax=overlay.add_subplot(), image=self.last)
             ax.set_title(f"{len(self.track)} frames, {1e3 / self.track.fps:.3g} ms apart")
             ax.legend(loc="upper right", labelcolor="white")
-            motion = Figure(figsize=(9.0, 4.5), layout="constrained")
-            plot_motion(self.path, motion)
+            grid = motion.add_gridspec(2, 2)
+            plot_path(self.path, ax=motion.add_subplot(grid[:, 0]))
+            speed = motion.add_subplot(grid[0, 1])
+            plot_history(self.path, quantity="speed", ax=speed)
+            acceleration = motion.add_subplot(grid[1, 1], sharex=speed)
+            plot_history(self.path, quantity="acceleration", ax=acceleration)
+            speed.set_title(
+                f"cubics within ± {1e3 * self.path.bandwidth:.3g} ms, 2 standard errors"
+            )
         return {"overlay": overlay, "motion": motion}
 
 
@@ -135,7 +143,7 @@ def track_recording(
     config: Path,
     out: Path,
     *,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress = None,
 ) -> TrackedRecording:
     """Track a recording and write what `FILES` lists into `out`; nothing if something is wrong.
 
@@ -143,7 +151,7 @@ def track_recording(
         video: a video, or a folder of images.
         config: TOML file, see `read_config`.
         out: folder; made if it is not there.
-        progress: called with the number of frames seen and of all frames.
+        progress: as of `track_mark`.
 
     Raises:
         ConfigurationError: naming file, line and key.

@@ -12,7 +12,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.system import time_functions
+from asperity.system import labels, time_functions
 from asperity.system.rigid import rotation
 from asperity.system.rigid.rotation import Orientation
 from asperity.system.time_functions import Signal, TimeFunction
@@ -32,6 +32,7 @@ class State(TypedDict, total=False):
     angular_velocity: ArrayLike
     force: TimeFunction
     torque: TimeFunction
+    name: str | None
 
 
 class PlanarState(TypedDict, total=False):
@@ -43,6 +44,7 @@ class PlanarState(TypedDict, total=False):
     angular_velocity: float
     force: TimeFunction
     torque: TimeFunction
+    name: str | None
 
 
 class Body(Value):
@@ -54,22 +56,24 @@ class Body(Value):
             ``(3,)`` or the matrix ``(3, 3)``, symmetric to 1e-12 of its largest entry.
         position: of the centre of mass in m, shape ``(3,)``.
         orientation: what turns the body's axes into the world's: a `Rotation` of SciPy, or a
-            quaternion (w, x, y, z), which is normalised. SciPy's own order is (x, y, z, w).
+            quaternion (w, x, y, z), which is normalised, such as of `axis_angle`. SciPy's own order
+            is (x, y, z, w).
         velocity: of the centre of mass in m/s, shape ``(3,)``.
         angular_velocity: ω in rad/s in the world's axes, shape ``(3,)``.
         force: on the centre of mass in N besides gravity, in the world's axes: shape ``(3,)``, or a
             `Signal` or a function of t in s with such values.
         torque: in N m in the world's axes, likewise.
+        name: of the body, in tables and messages; by default its number, as in ``"body 0"``.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import Body
-    >>> Body.ball(1.0, 0.1, position=(0.0, 0.0, 1.0)).inertia.diagonal().round(9).tolist()
+    >>> Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 1.0)).inertia.diagonal().round(9).tolist()
     [0.004, 0.004, 0.004]
     >>> from scipy.spatial.transform import Rotation
     >>> turn = Rotation.from_euler("z", 90.0, degrees=True)
-    >>> Body.ball(1.0, 0.1, orientation=turn).orientation.round(6).tolist()
+    >>> Body.ball(1.0, radius=0.1, orientation=turn).orientation.round(6).tolist()
     [0.707107, 0.0, 0.0, 0.707107]
     """
 
@@ -81,18 +85,20 @@ class Body(Value):
     angular_velocity: Array
     force: Array | Signal | Callable[[float], ArrayLike]
     torque: Array | Signal | Callable[[float], ArrayLike]
+    name: str | None
 
     def __init__(
         self,
         mass: float,
-        inertia: ArrayLike,
         *,
+        inertia: ArrayLike,
         position: ArrayLike = (0.0, 0.0, 0.0),
         orientation: Orientation = (1.0, 0.0, 0.0, 0.0),
         velocity: ArrayLike = (0.0, 0.0, 0.0),
         angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
         force: TimeFunction = (0.0, 0.0, 0.0),
         torque: TimeFunction = (0.0, 0.0, 0.0),
+        name: str | None = None,
     ) -> None:
         self._set(
             mass=arrays.positive(mass, "mass"),
@@ -103,10 +109,11 @@ class Body(Value):
             angular_velocity=_vector(angular_velocity, "angular_velocity", 3),
             force=time_functions.checked(force, "force", (3,)),
             torque=time_functions.checked(torque, "torque", (3,)),
+            name=labels.name(name),
         )
 
     @classmethod
-    def box(cls, mass: float, half_sizes: ArrayLike, **state: Unpack[State]) -> Self:
+    def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[State]) -> Self:
         """Return a homogeneous box.
 
         Args:
@@ -115,10 +122,12 @@ class Body(Value):
             **state: as of `Body`.
         """
         squares = positive_vector(half_sizes, "half_sizes", 3) ** 2
-        return cls(mass, arrays.positive(mass, "mass") / 3.0 * (squares.sum() - squares), **state)
+        return cls(
+            mass, inertia=arrays.positive(mass, "mass") / 3.0 * (squares.sum() - squares), **state
+        )
 
     @classmethod
-    def ball(cls, mass: float, radius: float, **state: Unpack[State]) -> Self:
+    def ball(cls, mass: float, *, radius: float, **state: Unpack[State]) -> Self:
         """Return a homogeneous ball, J = ⅖ m R².
 
         Args:
@@ -127,10 +136,10 @@ class Body(Value):
             **state: as of `Body`.
         """
         square = arrays.positive(radius, "radius") ** 2
-        return cls(mass, np.full(3, 0.4 * arrays.positive(mass, "mass") * square), **state)
+        return cls(mass, inertia=np.full(3, 0.4 * arrays.positive(mass, "mass") * square), **state)
 
     @classmethod
-    def cylinder(cls, mass: float, radius: float, height: float, **state: Unpack[State]) -> Self:
+    def cylinder(cls, mass: float, *, radius: float, height: float, **state: Unpack[State]) -> Self:
         """Return a homogeneous cylinder about the body's third axis.
 
         Args:
@@ -142,7 +151,7 @@ class Body(Value):
         mass = arrays.positive(mass, "mass")
         square = arrays.positive(radius, "radius") ** 2
         across = mass * (3.0 * square + arrays.positive(height, "height") ** 2) / 12.0
-        return cls(mass, [across, across, 0.5 * mass * square], **state)
+        return cls(mass, inertia=[across, across, 0.5 * mass * square], **state)
 
     @property
     def coordinates(self) -> Array:
@@ -169,12 +178,13 @@ class PlanarBody(Value):
         force: on the centre of mass in N besides gravity: shape ``(2,)``, or a `Signal` or a
             function of t in s with such values.
         torque: in N m: a number, or a `Signal` or a function of t in s.
+        name: of the body, in tables and messages; by default its number, as in ``"body 0"``.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import PlanarBody
-    >>> PlanarBody.disk(2.0, 1.0).inertia
+    >>> PlanarBody.disk(2.0, radius=1.0).inertia
     1.0
     """
 
@@ -186,18 +196,20 @@ class PlanarBody(Value):
     angular_velocity: float
     force: Array | Signal | Callable[[float], ArrayLike]
     torque: float | Signal | Callable[[float], ArrayLike]
+    name: str | None
 
     def __init__(
         self,
         mass: float,
-        inertia: float,
         *,
+        inertia: float,
         position: ArrayLike = (0.0, 0.0),
         angle: float = 0.0,
         velocity: ArrayLike = (0.0, 0.0),
         angular_velocity: float = 0.0,
         force: TimeFunction = (0.0, 0.0),
         torque: TimeFunction = 0.0,
+        name: str | None = None,
     ) -> None:
         self._set(
             mass=arrays.positive(mass, "mass"),
@@ -208,10 +220,11 @@ class PlanarBody(Value):
             angular_velocity=arrays.number(angular_velocity, "angular_velocity"),
             force=time_functions.checked(force, "force", (2,)),
             torque=time_functions.checked(torque, "torque", ()),
+            name=labels.name(name),
         )
 
     @classmethod
-    def box(cls, mass: float, half_sizes: ArrayLike, **state: Unpack[PlanarState]) -> Self:
+    def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[PlanarState]) -> Self:
         """Return a homogeneous rectangle.
 
         Args:
@@ -220,10 +233,10 @@ class PlanarBody(Value):
             **state: as of `PlanarBody`.
         """
         squares = positive_vector(half_sizes, "half_sizes", 2) ** 2
-        return cls(mass, arrays.positive(mass, "mass") / 3.0 * squares.sum(), **state)
+        return cls(mass, inertia=arrays.positive(mass, "mass") / 3.0 * squares.sum(), **state)
 
     @classmethod
-    def disk(cls, mass: float, radius: float, **state: Unpack[PlanarState]) -> Self:
+    def disk(cls, mass: float, *, radius: float, **state: Unpack[PlanarState]) -> Self:
         """Return a homogeneous disk, J = ½ m R².
 
         Args:
@@ -232,7 +245,7 @@ class PlanarBody(Value):
             **state: as of `PlanarBody`.
         """
         square = arrays.positive(radius, "radius") ** 2
-        return cls(mass, 0.5 * arrays.positive(mass, "mass") * square, **state)
+        return cls(mass, inertia=0.5 * arrays.positive(mass, "mass") * square, **state)
 
     @property
     def coordinates(self) -> Array:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,17 +14,35 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
-from asperity.system import time_functions
+from asperity.law import FrictionLaw
+from asperity.system import labels, time_functions
+from asperity.system.contacts import relawed
+from asperity.system.labels import Labels
 from asperity.system.rigid import rotation
 from asperity.system.rigid.bodies import Body, PlanarBody
-from asperity.system.rigid.pairs import Pair
+from asperity.system.rigid.pairs import Pair, PlanePair, SphereSphere
 from asperity.system.rigid.springs import Spring
+from asperity.system.rigid.surfaces import Line
 
 if TYPE_CHECKING:
-    from asperity.runs.trajectory import Trajectory
+    from asperity.runs.run import Run
 
 
 _Part = TypeVar("_Part", Pair, Spring)
+
+
+# Coordinates and velocities of a body, with their units.
+_SPATIAL = {
+    "q": {"x": "m", "y": "m", "z": "m", "qw": "-", "qx": "-", "qy": "-", "qz": "-"},
+    "u": {
+        **{"vx": "m/s", "vy": "m/s", "vz": "m/s"},
+        **{"omega1": "rad/s", "omega2": "rad/s", "omega3": "rad/s"},
+    },
+}
+_PLANAR = {
+    "q": {"x": "m", "y": "m", "phi": "rad"},
+    "u": {"vx": "m/s", "vy": "m/s", "omega": "rad/s"},
+}
 
 
 class ContactLabel(NamedTuple):
@@ -58,9 +77,9 @@ class RigidBodies(Value):
     Reference: [WL19] (16), (19).
 
     >>> from asperity import Body, FrictionLaw, Plane, RigidBodies, SpherePlane, simulate
-    >>> ball = Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1), velocity=(0.7, 0.0, 0.0))
-    >>> table = SpherePlane(0, 0.1, Plane(), FrictionLaw.isotropic(0.3))
-    >>> motion = simulate(RigidBodies([ball], [table]), dt=1e-3, t_end=1.0)
+    >>> ball = Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1), velocity=(0.7, 0.0, 0.0))
+    >>> table = SpherePlane(0, radius=0.1, plane=Plane(), law=FrictionLaw.isotropic(0.3))
+    >>> motion = simulate(RigidBodies([ball], pairs=[table]), dt=1e-3, t_end=1.0)
     >>> motion.u[-1, 0].round(9)  # rolls with 5/7 of its velocity
     np.float64(0.5)
     """
@@ -71,13 +90,15 @@ class RigidBodies(Value):
     gravity: Array
     contacts: tuple[ContactLabel, ...]
     """Where each contact comes from, in the order of a trajectory's contacts."""
+    labels: Labels
+    """Names and units of coordinates, velocities and contacts."""
     _core: _core.RigidBodies
 
     def __init__(
         self,
         bodies: Sequence[Body] | Sequence[PlanarBody],
-        pairs: Sequence[Pair] = (),
         *,
+        pairs: Sequence[Pair] = (),
         springs: Sequence[Spring] = (),
         gravity: ArrayLike | None = None,
     ) -> None:
@@ -106,12 +127,82 @@ class RigidBodies(Value):
             [spring._core_data() for spring in self.springs],
             self.gravity,
         )
-        labels = tuple(
+        contacts = tuple(
             ContactLabel(number, corner)
             for number, pair in enumerate(self.pairs)
             for corner in range(pair.contacts)
         )
-        self._keep(_core=core, contacts=labels)
+        self._keep(_core=core, contacts=contacts, labels=self._labels())
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """Names of the bodies; those without one are called by their numbers."""
+        bodies: tuple[Body | PlanarBody, ...] = self.bodies
+        return tuple(
+            f"body {number}" if body.name is None else body.name
+            for number, body in enumerate(bodies)
+        )
+
+    def _labels(self) -> Labels:
+        names = self.body_names
+        labels.unique(names, "bodies")
+        q, u = (_PLANAR if self.planar else _SPATIAL).values()
+        contacts = [
+            f"{pair} corner {corner}" if one.contacts > 1 else pair
+            for one, pair in zip(self.pairs, self._pair_names(), strict=True)
+            for corner in range(one.contacts)
+        ]
+        labels.unique(contacts, "pairs")
+        return Labels(
+            [f"{name} {part}" for name in names for part in q],
+            [*q.values()] * len(names),
+            [f"{name} {part}" for name in names for part in u],
+            [*u.values()] * len(names),
+            contacts,
+        )
+
+    def _pair_names(self) -> list[str]:
+        """Return the pairs' names; those without one say what touches what, with a number."""
+        given = [pair.name for pair in self.pairs if pair.name is not None]
+        labels.unique(given, "pairs")
+        own = [self._touching(pair) if pair.name is None else pair.name for pair in self.pairs]
+        alike = Counter(own)
+        used: Counter[str] = Counter()
+        names = []
+        for pair, name in zip(self.pairs, own, strict=True):
+            if pair.name is None and alike[name] > 1:
+                used[name] += 1
+                name = f"{name} {used[name] - 1}"
+            names.append(name)
+        return names
+
+    def _touching(self, pair: Pair) -> str:
+        names = self.body_names
+        body = names[pair.body]
+        if isinstance(pair, SphereSphere):
+            return f"{body} on {names[pair.other]}"
+        assert isinstance(pair, PlanePair)
+        if pair.plane.body is not None:
+            return f"{body} on {names[pair.plane.body]}"
+        return f"{body} on {'line' if isinstance(pair.plane, Line) else 'plane'}"
+
+    def with_law(
+        self, law: FrictionLaw, *, pairs: int | str | Sequence[int | str] | None = None
+    ) -> Self:
+        """Return the same system, of which pairs obey another friction law.
+
+        Args:
+            law: of the dimension of the pairs' laws.
+            pairs: numbers or names of the pairs; default all.
+
+        >>> from asperity import Body, BoxPlane, FrictionLaw, Plane, RigidBodies
+        >>> half = (0.1, 0.1, 0.1)
+        >>> table = BoxPlane(0, half_sizes=half, plane=Plane(), law=FrictionLaw.isotropic(0.3))
+        >>> system = RigidBodies([Body.box(1.0, half_sizes=half)], pairs=[table])
+        >>> system.with_law(FrictionLaw.isotropic(0.1)).pairs[0].law
+        FrictionLaw(Disk(0.1), Disk(0.1))
+        """
+        return self.replace(pairs=relawed(self.pairs, law, pairs, "pairs"))
 
     @property
     def planar(self) -> bool:
@@ -143,7 +234,7 @@ class RigidBodies(Value):
         """Initial velocities, shape ``(dof,)``."""
         return np.concatenate([body.velocities for body in self.bodies])
 
-    def positions(self, trajectory: Trajectory) -> Array:
+    def positions(self, trajectory: Run) -> Array:
         """Return the centres of mass in m, shape ``(n_t, n_body, 3)``, planar ``(n_t, n_body, 2)``.
 
         Args:
@@ -151,7 +242,7 @@ class RigidBodies(Value):
         """
         return self._states(trajectory)[0][..., : self._space].copy()
 
-    def rotations(self, trajectory: Trajectory) -> Array:
+    def rotations(self, trajectory: Run) -> Array:
         """Return the matrices that turn the bodies' axes into the world's.
 
         Args:
@@ -162,7 +253,7 @@ class RigidBodies(Value):
         """
         return self._rotations(self._states(trajectory)[0])
 
-    def angular_velocities(self, trajectory: Trajectory) -> Array:
+    def angular_velocities(self, trajectory: Run) -> Array:
         """Return ω in rad/s in the world's axes, shape ``(n_t, n_body, 3)``; planar the numbers.
 
         Args:
@@ -173,7 +264,7 @@ class RigidBodies(Value):
             return u[..., 2].copy()
         return _turned(self._rotations(q), u[..., 3:])
 
-    def energy(self, trajectory: Trajectory) -> Array:
+    def energy(self, trajectory: Run) -> Array:
         """Return the kinetic energy plus that of the loads in J, shape ``(n_t,)``.
 
         Loads with a potential are the weight and constant forces, zero for centres of mass at the
@@ -184,14 +275,14 @@ class RigidBodies(Value):
             trajectory: of this system.
 
         >>> from asperity import Body, RigidBodies, simulate
-        >>> flight = RigidBodies([Body.ball(2.0, 0.1, velocity=(0.0, 3.0, 4.0))])
+        >>> flight = RigidBodies([Body.ball(2.0, radius=0.1, velocity=(0.0, 3.0, 4.0))])
         >>> flight.energy(simulate(flight, dt=0.1, t_end=1.0)).round(9)[[0, -1]].tolist()
         [25.0, 25.0]
         """
         self._states(trajectory)
         return self._core.energy(trajectory.t, trajectory.q, trajectory.u)
 
-    def momentum(self, trajectory: Trajectory) -> Array:
+    def momentum(self, trajectory: Run) -> Array:
         """Return Σ m v in N s, shape ``(n_t, 3)``, planar ``(n_t, 2)``.
 
         Args:
@@ -200,7 +291,7 @@ class RigidBodies(Value):
         self._states(trajectory)
         return self._core.momentum(trajectory.u)[:, : self._space]
 
-    def angular_momentum(self, trajectory: Trajectory, *, about: ArrayLike | None = None) -> Array:
+    def angular_momentum(self, trajectory: Run, *, about: ArrayLike | None = None) -> Array:
         """Return Σ (x − o) × m v + J ω in N m s, shape ``(n_t, 3)``, planar ``(n_t,)``.
 
         Args:
@@ -214,7 +305,7 @@ class RigidBodies(Value):
         momentum = self._core.angular_momentum(trajectory.q, trajectory.u, point)
         return momentum[:, 2] if self.planar else momentum
 
-    def contact_points(self, trajectory: Trajectory) -> Array:
+    def contact_points(self, trajectory: Run) -> Array:
         """Return where the contacts are in m, shape ``(n_t, n_contact, 3)``, planar ``(…, 2)``.
 
         An open contact with a plane is at the nearest point of the body, one between spheres
@@ -228,13 +319,14 @@ class RigidBodies(Value):
 
     def contact_forces(
         self,
-        trajectory: Trajectory,
+        trajectory: Run,
         *,
         frame: Literal["surface", "world", "body"] = "surface",
     ) -> Array:
         """Return the forces of the contacts on their (first) bodies in N.
 
-        World and body axes are those of the midpoint of the step, where the force acted. The torque
+        World and body axes are those of the midpoint of the step, where the force acted; of a
+        motion those of the sample. The torque
         about the normal in a contact with drilling is not among these forces: it is `patch_radius`
         times the third component of ``trajectory.force``.
 
@@ -248,9 +340,9 @@ class RigidBodies(Value):
 
         >>> from asperity import Body, BoxPlane, FrictionLaw, Plane, RigidBodies, simulate
         >>> half = (0.1, 0.1, 0.1)
-        >>> block = Body.box(2.0, half, position=(0.0, 0.0, 0.1))
-        >>> table = BoxPlane(0, half, Plane(), FrictionLaw.isotropic(0.3))
-        >>> system = RigidBodies([block], [table])
+        >>> block = Body.box(2.0, half_sizes=half, position=(0.0, 0.0, 0.1))
+        >>> table = BoxPlane(0, half_sizes=half, plane=Plane(), law=FrictionLaw.isotropic(0.3))
+        >>> system = RigidBodies([block], pairs=[table])
         >>> motion = simulate(system, dt=1e-3, t_end=1e-2)
         >>> system.contact_forces(motion, frame="world")[-1].sum(axis=0).round(6)[2].item()
         19.62
@@ -261,8 +353,10 @@ class RigidBodies(Value):
         forces = np.concatenate([tangential, trajectory.normal_force[..., None]], axis=-1)
         if frame == "surface":
             return forces
-        middle = self._core.advance(trajectory.q, trajectory.u, -0.5 * trajectory.dt)
-        times = trajectory.t - 0.5 * trajectory.dt
+        # Of a motion, which has no steps of its own, forces are those of the sample.
+        half = 0.5 * getattr(trajectory, "dt", 0.0)
+        middle = self._core.advance(trajectory.q, trajectory.u, -half)
+        times = trajectory.t - half
         axes = self._core.contact_geometry(times, middle)[1][..., self._rows, : self._space]
         forces = _turned(np.swapaxes(axes, -1, -2), forces)
         if frame == "world":
@@ -283,11 +377,13 @@ class RigidBodies(Value):
     def _per_body(self, values: Array) -> Array:
         return values.reshape(len(values), len(self.bodies), -1)
 
-    def _states(self, trajectory: Trajectory) -> tuple[Array, Array]:
+    def _states(self, trajectory: Run) -> tuple[Array, Array]:
         """Return coordinates and velocities per body of a trajectory that may be this system's."""
         q, u = getattr(trajectory, "q", None), getattr(trajectory, "u", None)
         if not isinstance(q, np.ndarray) or not isinstance(u, np.ndarray):
-            raise ParameterError("trajectory", f"must be a Trajectory, got {trajectory!r}")
+            raise ParameterError(
+                "trajectory", f"must be a Trajectory or a Motion, got {trajectory!r}"
+            )
         found = q.shape[1], u.shape[1], trajectory.phase.shape[1]
         own = self.coordinates, self.dof, len(self.contacts)
         if found != own:

@@ -27,9 +27,10 @@
 use nalgebra::Vector3;
 
 use super::contact::{Contact, Touching, direction};
-use super::rotation::Turn;
+use super::pose::{Pose, Twist, angular, linear};
+use super::rigid_bodies::RigidBodies;
 use super::surface::{Surface, SurfaceCourse};
-use super::{Pose, RigidBodies, Twist, angular, linear};
+use crate::system::rotation::Turn;
 use crate::system::{Midpoint, Moment};
 
 /// Radians per step up to which a rotation is followed. Beyond, the chord has little to do with the velocity, and from
@@ -116,11 +117,11 @@ impl Contact {
                     Some(timed) => timed.course(&surface, t, dt),
                 };
                 match second {
-                    None => on_plane(&arm, *radius, (&surface, &course), first, None, dt),
+                    None => on_plane(&arm, *radius, &surface, &course, first, None, dt),
                     Some(second) => {
                         let course = course.at(&second.pose.rotation);
                         let surface = surface.at(&second.pose);
-                        on_plane(&arm, *radius, (&surface, &course), first, Some(second), dt)
+                        on_plane(&arm, *radius, &surface, &course, first, Some(second), dt)
                     }
                 }
             }
@@ -135,7 +136,8 @@ impl Contact {
 fn on_plane(
     arm: &Vector3<f64>,
     radius: f64,
-    (surface, course): (&Surface, &SurfaceCourse),
+    surface: &Surface,
+    course: &SurfaceCourse,
     first: &Course,
     second: Option<&Course>,
     dt: f64,
