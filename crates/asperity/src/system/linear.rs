@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError};
+use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError, TimeDependence};
 use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::law::Law;
 use crate::vectors::dot;
@@ -194,6 +194,10 @@ impl System for LinearSystem {
             forces[i] += k * at.q[j] + b * u[j];
         }
         Ok(())
+    }
+
+    fn time_dependence(&self, _q: &[f64], _u: &[f64], _t_end: f64) -> Option<TimeDependence> {
+        None
     }
 
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
