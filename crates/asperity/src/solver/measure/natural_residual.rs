@@ -104,8 +104,7 @@ pub(crate) fn residual(measured: &Measured<'_>) -> Residual {
     let (mut worst, mut worst_contact) = (-1.0, 0);
     for (i, contact) in problem.contacts().iter().enumerate() {
         let defect = measured.defect(contact, problem.rho(i));
-        let relative =
-            if defect == 0.0 { 0.0 } else { defect / scale(problem, i, percussion, velocity) };
+        let relative = relative(defect, || scale(problem, i, percussion, velocity));
         // Not-a-number counts as the worst of all.
         if !(relative <= worst) {
             (worst, worst_contact) = (relative, i);
@@ -113,6 +112,17 @@ pub(crate) fn residual(measured: &Measured<'_>) -> Residual {
     }
     let value = if worst < 0.0 { 0.0 } else { f64::sqrt(worst) };
     Residual { value, worst_contact }
+}
+
+/// A defect relative to its scale, both squared. Percussions whose squares are no numbers are no solution of anything:
+/// beside an infinite scale every defect would vanish.
+#[inline]
+pub(super) fn relative(defect: f64, scale: impl FnOnce() -> f64) -> f64 {
+    if defect == 0.0 {
+        return 0.0;
+    }
+    let scale = scale();
+    if scale < f64::INFINITY { defect / scale } else { f64::INFINITY }
 }
 
 /// Square of what the defect of a contact is compared with: its percussion, its free velocity and the
