@@ -253,12 +253,21 @@ impl Solver {
         let Workspace { sweeper, groups, next, methods, .. } = workspace;
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
-        forget_runaways(&task, &mut iterate, groups);
         let once = self.sweeps_once(problem);
         let (mut iterations, mut ended, mut residual) = if once {
-            let ended = sweeper.solve_uncoupled(&task, &mut iterate);
-            (1, ended, iterate.measure(&task))
+            let swept = sweeper.solve_uncoupled(&task, &mut iterate);
+            let measured = swept.ended != Ended::TimeLimit && stop.measure == Measure::Contact;
+            let residual = if measured { swept.residual() } else { iterate.measure(&task) };
+            // Most steps end here: what follows looks for what is wrong.
+            if swept.ended == Ended::Done && !swept.may_grow && residual.value <= stop.tolerance {
+                let findings = Findings { ambiguous: swept.ambiguous, ..Findings::default() };
+                let stage = Stage::of(Method::GaussSeidel, 1, residual);
+                iterate.stages.push(stage);
+                return SolveReport::new(swept.ended, 1, residual, findings, stop.tolerance);
+            }
+            (1, swept.ended, residual)
         } else {
+            forget_runaways(&task, &mut iterate, groups);
             // What sweeps find depends on the memory, not on what the workspace has seen before.
             iterate.states.copy_from_slice(task.history);
             sweeper.renew_efforts();
@@ -291,8 +300,7 @@ impl Solver {
             iterate.classify(problem);
         }
         if let Some(method) = method {
-            let (factorizations, residual) = (0, residual.value);
-            iterate.stages.push(Stage { method, iterations, factorizations, residual });
+            iterate.stages.push(Stage::of(method, iterations, residual));
         }
         SolveReport::new(ended, iterations, residual, findings, stop.tolerance)
     }

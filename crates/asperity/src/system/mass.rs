@@ -71,4 +71,27 @@ impl MassFactors {
             self.solve_block(system, block, &mut values[blocks.range(block)]);
         }
     }
+
+    /// `u ← u_B + Δt M⁻¹ h` for all velocities.
+    #[inline]
+    pub(crate) fn accelerate(
+        &self,
+        system: &dyn System,
+        before: &[f64],
+        (dt, forces): (f64, &[f64]),
+        u: &mut [f64],
+    ) {
+        if self.cholesky.is_empty() {
+            let accelerations = forces.iter().zip(&self.reciprocals);
+            for ((u, before), (force, reciprocal)) in u.iter_mut().zip(before).zip(accelerations) {
+                *u = before + dt * (force * reciprocal);
+            }
+            return;
+        }
+        u.copy_from_slice(forces);
+        self.solve(system, u);
+        for (u, before) in u.iter_mut().zip(before) {
+            *u = before + dt * *u;
+        }
+    }
 }

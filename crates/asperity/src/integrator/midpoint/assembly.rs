@@ -12,7 +12,7 @@ use super::products::Part;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
 use crate::system::mass::MassFactors;
-use crate::system::{Configuration, ContactLaw, Midpoint, System, SystemError};
+use crate::system::{Configuration, Constancy, ContactLaw, Midpoint, System, SystemError};
 
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
@@ -25,7 +25,8 @@ const SLIDING: f64 = 4.0;
 /// The system and its closed contacts at the midpoint.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
-    /// Whether contacts neither open, close nor change their directions.
+    /// What of the system never changes, and whether its contacts neither open, close nor change their directions.
+    constancy: Constancy,
     fixed: bool,
     midpoint: Midpoint,
     mass: MassFactors,
@@ -120,6 +121,7 @@ impl Assembly {
         let momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
         let given = |contact: &ContactLaw| contact.normal_force().is_some();
         Self {
+            constancy,
             fixed: constancy.contacts && system.contacts().iter().all(given),
             midpoint: Midpoint {
                 q: q.to_vec(),
@@ -171,18 +173,15 @@ impl Assembly {
         closed: &mut Closed,
     ) -> Result<Change, StepError> {
         system.begin(t, dt, (q, u), &mut self.midpoint)?;
-        let new_mass = !(self.has_mass && system.constancy().mass);
+        let new_mass = !(self.has_mass && self.constancy.mass);
         if new_mass {
             self.has_mass = self.mass.update(system, &self.midpoint.q)?;
             if !self.has_mass {
                 return Err(StepError::SingularMass { time: t });
             }
         }
-        self.free.copy_from_slice(&self.midpoint.forces);
-        self.mass.solve(system, &mut self.free);
-        for (free, before) in self.free.iter_mut().zip(&self.midpoint.before) {
-            *free = before + dt * *free;
-        }
+        let Midpoint { before, forces, .. } = &self.midpoint;
+        self.mass.accelerate(system, before, (dt, forces), &mut self.free);
         let (mut same, mut changed) = (true, false);
         if closed.ready && self.fixed && !new_mass {
             for place in 0..self.contacts.len() {
@@ -230,7 +229,7 @@ impl Assembly {
         closed.gaps.clear();
         closed.stay.clear();
         let (mut same, mut changed) = (closed.ready, new_mass);
-        let constant = system.constancy().contacts;
+        let constant = self.constancy.contacts;
         for (contact, law) in system.contacts().iter().enumerate() {
             // What was closed most probably still is.
             let was_closed = closed.was_closed(contact);
@@ -350,11 +349,12 @@ impl Assembly {
         let rows = &self.contacts[place];
         let own = rows.first..rows.first + rows.len;
         let (chi, chord) = (&self.chi[own.clone()], &self.chord[own.clone()]);
-        let free = self.velocities(rows, &self.free);
         let loads = &mut closed.problem.free_velocity_mut()[own.clone()];
-        for (k, load) in loads.iter_mut().enumerate() {
-            *load = free[k] + closing_row(k, closing, chi) + chord[k];
+        for (load, (chi, chord)) in loads.iter_mut().zip(chi.iter().zip(chord)) {
+            *load = chi + chord;
         }
+        loads[0] += closing;
+        self.add_velocities(rows, &self.free, loads);
         if closed.bounces() || self.factors.any() {
             let before = self.velocities(rows, &self.midpoint.before);
             for (k, slip) in self.slip[own].iter_mut().enumerate() {
@@ -364,14 +364,19 @@ impl Assembly {
     }
 
     /// `Wᵀu` of the rows of a contact.
-    #[inline]
     fn velocities(&self, rows: &Rows, u: &[f64]) -> [f64; 4] {
         let mut sums = [0.0; 4];
+        self.add_velocities(rows, u, &mut sums[..rows.len]);
+        sums
+    }
+
+    /// Adds `Wᵀu` of the rows of a contact.
+    #[inline(always)]
+    fn add_velocities(&self, rows: &Rows, u: &[f64], sums: &mut [f64]) {
         for side in &self.sides[rows.sides.clone()] {
             let own = &u[side.velocity..side.velocity + side.len];
-            rows.part(0, side, &self.directions).add_product(own, &mut sums[..rows.len]);
+            rows.part(0, side, &self.directions).add_product(own, sums);
         }
-        sums
     }
 
     /// Rows and operator for a new set of closed contacts.

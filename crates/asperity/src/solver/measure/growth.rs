@@ -174,6 +174,14 @@ pub(crate) fn of(
     }
 }
 
+/// Whether the growth of a contact by itself asks for a second look, by [`of`]: from the velocity `ξ_N` and its load, and
+/// from the squares of percussions and of the percussions `ρ‖b + e γ_B‖` that loads of this size call for.
+#[inline(always)]
+pub(crate) fn may_grow((xi, load): (f64, f64), percussion: f64, loads: f64) -> bool {
+    // The comparison also finds NaN.
+    xi.abs() > APPROACHING * load.abs() || !(percussion <= GROWN * GROWN * loads)
+}
+
 /// Whether growth is measured by a contact: the normal percussion is unknown, and there is one.
 #[inline]
 fn pushes(rows: &ContactRows, percussion: &[f64]) -> bool {

@@ -1,6 +1,7 @@
 //! Measures of percussions, which no solver owns and which grade them all: how far they are from a solution, what
 //! contacts do under them, and whether they run away.
 
+pub(crate) mod alone;
 pub(crate) mod certificate;
 pub(crate) mod growth;
 pub(crate) mod natural_map;

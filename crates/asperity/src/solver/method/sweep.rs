@@ -10,6 +10,7 @@ use std::ops::Range;
 use super::task::{Iterate, Task};
 use super::threads;
 use crate::contact::{ContactProblem, ContactState, Phase};
+use crate::solver::measure::alone::{OwnMeasure, measure_alone};
 use crate::solver::measure::natural_residual::Residual;
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
@@ -118,37 +119,84 @@ impl Sweeper {
         stuck
     }
 
-    /// Solves contacts that do not influence each other, side by side: one sweep is enough.
+    /// Solves and measures contacts that do not influence each other, side by side: one sweep is enough.
     #[inline]
-    pub(crate) fn solve_uncoupled(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>) -> Ended {
+    pub(crate) fn solve_uncoupled(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>) -> Swept {
         let Self { blocks, candidates, .. } = self;
+        let Iterate { percussion, velocity, states, ambiguous, .. } = iterate;
         // The belt and the disk of many a model: one contact needs no batches.
-        if let ([_], [state], [ambiguous]) =
-            (task.problem.contacts(), &mut *iterate.states, &mut *iterate.ambiguous)
+        if let ([_], [block], [state], [ambiguous]) =
+            (task.problem.contacts(), &blocks[..], &mut **states, &mut **ambiguous)
         {
-            let history = &task.history[0];
-            let contact = OneContact::alone(task.problem, 0, &blocks[0]);
-            let solved =
-                solve_alone(contact, history, iterate.percussion, state, ambiguous, candidates);
-            return if solved { Ended::Done } else { Ended::Stuck(0) };
+            let contact = OneContact::alone(task.problem, 0, block);
+            let own = Own { percussion, velocity, state, ambiguous };
+            return solve_alone(contact, &task.history[0], own, candidates);
         }
         let mut rest = Uncoupled {
             contacts: 0..task.problem.contacts().len(),
-            percussion: &mut *iterate.percussion,
-            states: &mut *iterate.states,
-            ambiguous: &mut *iterate.ambiguous,
+            percussion,
+            velocity,
+            states,
+            ambiguous,
         };
-        let mut stuck = None;
+        let mut swept = Swept::NOTHING;
         while rest.contacts.len() > BATCH {
             let (batch, after) = rest.split(task.problem, BATCH);
             rest = after;
-            stuck = batch.run(task, blocks, candidates).or(stuck);
+            swept = swept.and(batch.run(task, blocks, candidates));
             if task.stop.early() {
                 rest.states.copy_from_slice(&task.history[rest.contacts]);
-                return Ended::TimeLimit;
+                return Swept { ended: Ended::TimeLimit, ..swept };
             }
         }
-        rest.run(task, blocks, candidates).or(stuck).map_or(Ended::Done, Ended::Stuck)
+        swept.and(rest.run(task, blocks, candidates))
+    }
+}
+
+/// What has come of a sweep over contacts that do not influence each other.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Swept {
+    /// Done, or stuck at the last contact without a solution.
+    pub(crate) ended: Ended,
+    /// Square of the largest relative defect, negative without contacts, and the first contact that has it.
+    defect: f64,
+    worst_contact: usize,
+    /// Whether percussions may have grown.
+    pub(crate) may_grow: bool,
+    /// Whether a contact has several solutions.
+    pub(crate) ambiguous: bool,
+}
+
+impl Swept {
+    /// Of no contacts.
+    const NOTHING: Self = Self {
+        ended: Ended::Done,
+        defect: -1.0,
+        worst_contact: 0,
+        may_grow: false,
+        ambiguous: false,
+    };
+
+    /// With contacts that come later.
+    #[inline(always)]
+    fn and(self, later: Self) -> Self {
+        // Not-a-number counts as the worst of all.
+        let worse = !(later.defect <= self.defect);
+        let worst = if worse { later } else { self };
+        Self {
+            ended: if later.ended == Ended::Done { self.ended } else { later.ended },
+            defect: worst.defect,
+            worst_contact: worst.worst_contact,
+            may_grow: self.may_grow || later.may_grow,
+            ambiguous: self.ambiguous || later.ambiguous,
+        }
+    }
+
+    /// The natural residual, where all contacts were visited.
+    #[inline(always)]
+    pub(crate) fn residual(&self) -> Residual {
+        let value = if self.defect < 0.0 { 0.0 } else { self.defect.sqrt() };
+        Residual { value, worst_contact: self.worst_contact }
     }
 }
 
@@ -167,26 +215,37 @@ fn record(
     *ambiguous = found.is_some_and(|found| found.ambiguous);
 }
 
-/// Solves a contact that no other influences; whether there is a solution.
+/// What belongs to one contact.
+struct Own<'a> {
+    percussion: &'a mut [f64],
+    velocity: &'a mut [f64],
+    state: &'a mut ContactState,
+    ambiguous: &'a mut bool,
+}
+
+/// Solves and measures a contact that no other influences.
 #[inline(always)]
 fn solve_alone(
     contact: OneContact<'_>,
     history: &ContactState,
-    percussion: &mut [f64],
-    state: &mut ContactState,
-    ambiguous: &mut bool,
+    own: Own<'_>,
     candidates: &mut Candidates,
-) -> bool {
+) -> Swept {
+    let Own { percussion, velocity, state, ambiguous } = own;
     let (start, effort) = (Start { history, slip: None }, &mut Effort::alone());
     let found = contact.solve(Policy::Prove, start, percussion, candidates, effort);
     record(found, history, state, ambiguous);
-    found.is_some()
+    let OneContact { problem, contact: number, .. } = contact;
+    let OwnMeasure { defect, may_grow } = measure_alone(problem, number, percussion, velocity);
+    let ended = if found.is_some() { Ended::Done } else { Ended::Stuck(number) };
+    Swept { ended, defect, worst_contact: number, may_grow, ambiguous: *ambiguous }
 }
 
 /// Contacts that do not influence each other, in a row, with what belongs to them.
 struct Uncoupled<'a> {
     contacts: Range<usize>,
     percussion: &'a mut [f64],
+    velocity: &'a mut [f64],
     states: &'a mut [ContactState],
     ambiguous: &'a mut [bool],
 }
@@ -194,16 +253,19 @@ struct Uncoupled<'a> {
 impl<'a> Uncoupled<'a> {
     /// The first `count` contacts and the others.
     fn split(self, problem: &ContactProblem, count: usize) -> (Self, Self) {
-        let Self { contacts, percussion, states, ambiguous } = self;
+        let Self { contacts, percussion, velocity, states, ambiguous } = self;
         let middle = contacts.start + count;
         let row = problem.contacts()[middle].offset - problem.contacts()[contacts.start].offset;
         let (percussion, other_percussion) = percussion.split_at_mut(row);
+        let (velocity, other_velocity) = velocity.split_at_mut(row);
         let (states, other_states) = states.split_at_mut(count);
         let (ambiguous, other_ambiguous) = ambiguous.split_at_mut(count);
-        let first = Self { contacts: contacts.start..middle, percussion, states, ambiguous };
+        let (first, second) = (contacts.start..middle, middle..contacts.end);
+        let first = Self { contacts: first, percussion, velocity, states, ambiguous };
         let others = Self {
-            contacts: middle..contacts.end,
+            contacts: second,
             percussion: other_percussion,
+            velocity: other_velocity,
             states: other_states,
             ambiguous: other_ambiguous,
         };
@@ -211,7 +273,7 @@ impl<'a> Uncoupled<'a> {
     }
 
     #[inline(always)]
-    fn run(self, task: &Task<'_>, blocks: &[Block], candidates: &mut Candidates) -> Option<usize> {
+    fn run(self, task: &Task<'_>, blocks: &[Block], candidates: &mut Candidates) -> Swept {
         if task.threads.serve(self.contacts.len()) {
             let (problem, history) = (task.problem, task.history);
             return task.threads.run(|| self.solve_in_halves(problem, history, blocks));
@@ -219,13 +281,13 @@ impl<'a> Uncoupled<'a> {
         self.solve(task.problem, task.history, blocks, candidates)
     }
 
-    /// The last contact without a solution. The order of contacts does not matter, nor who solves them.
+    /// The order of contacts does not matter, nor who solves them.
     fn solve_in_halves(
         self,
         problem: &ContactProblem,
         history: &[ContactState],
         blocks: &[Block],
-    ) -> Option<usize> {
+    ) -> Swept {
         if self.contacts.len() <= threads::LEAF {
             return self.solve(problem, history, blocks, &mut Candidates::default());
         }
@@ -235,7 +297,7 @@ impl<'a> Uncoupled<'a> {
             || left.solve_in_halves(problem, history, blocks),
             || right.solve_in_halves(problem, history, blocks),
         );
-        right.or(left)
+        left.and(right)
     }
 
     #[inline(always)]
@@ -245,19 +307,19 @@ impl<'a> Uncoupled<'a> {
         history: &[ContactState],
         blocks: &[Block],
         candidates: &mut Candidates,
-    ) -> Option<usize> {
-        let Self { contacts, mut percussion, states, ambiguous } = self;
-        let mut stuck = None;
+    ) -> Swept {
+        let Self { contacts, mut percussion, mut velocity, states, ambiguous } = self;
+        let mut swept = Swept::NOTHING;
         for ((i, state), ambiguous) in contacts.zip(states).zip(ambiguous) {
-            let (own, rest) =
-                std::mem::take(&mut percussion).split_at_mut(problem.contacts()[i].len());
-            percussion = rest;
+            let len = problem.contacts()[i].len();
+            let (own, rest) = std::mem::take(&mut percussion).split_at_mut(len);
+            let (own_velocity, rest_velocity) = std::mem::take(&mut velocity).split_at_mut(len);
+            (percussion, velocity) = (rest, rest_velocity);
             let contact = OneContact::alone(problem, i, &blocks[i]);
-            if !solve_alone(contact, &history[i], own, state, ambiguous, candidates) {
-                stuck = Some(i);
-            }
+            let own = Own { percussion: own, velocity: own_velocity, state, ambiguous };
+            swept = swept.and(solve_alone(contact, &history[i], own, candidates));
         }
-        stuck
+        swept
     }
 }
 
