@@ -3,6 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVectorViewMut, Dyn};
 
 use super::{System, SystemError};
+use crate::vectors::for_each;
 
 /// The mass matrix ready to be solved with.
 #[derive(Debug, Clone, Default)]
@@ -82,10 +83,10 @@ impl MassFactors {
         u: &mut [f64],
     ) {
         if self.cholesky.is_empty() {
-            let accelerations = forces.iter().zip(&self.reciprocals);
-            for ((u, before), (force, reciprocal)) in u.iter_mut().zip(before).zip(accelerations) {
-                *u = before + dt * (force * reciprocal);
-            }
+            let n = u.len();
+            let (before, forces, reciprocals) =
+                (&before[..n], &forces[..n], &self.reciprocals[..n]);
+            for_each(n, |i| u[i] = before[i] + dt * (forces[i] * reciprocals[i]));
             return;
         }
         u.copy_from_slice(forces);

@@ -21,6 +21,7 @@ pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
 use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::law::Law;
+use crate::vectors::{combine, copy};
 
 /// What of a system never changes, so that it is computed once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -274,9 +275,7 @@ pub trait System: Debug + Sync {
     /// `out ← q ⊕ dt u`, the coordinates after moving with the velocities `u` for `dt`.
     #[inline]
     fn advance(&self, q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
-        for (out, (q, u)) in out.iter_mut().zip(q.iter().zip(u)) {
-            *out = q + dt * u;
-        }
+        combine(q, dt, u, out);
     }
 
     /// The rotations of space among the coordinates, in ascending order. The other coordinates have the other
@@ -420,7 +419,7 @@ pub trait System: Debug + Sync {
         midpoint.t = t;
         self.advance(q, u, 0.5 * dt, &mut midpoint.q);
         self.derive(&midpoint.q, &mut midpoint.derived);
-        midpoint.before.copy_from_slice(u);
+        copy(u, &mut midpoint.before);
         let at = Configuration { t, piece: t, q: &midpoint.q, derived: &midpoint.derived };
         self.forces(&at, u, &mut midpoint.forces)
     }
@@ -438,7 +437,7 @@ pub trait System: Debug + Sync {
         dt: f64,
         (q, u): (&mut [f64], &mut [f64]),
     ) -> Result<(), SystemError> {
-        u.copy_from_slice(after);
+        copy(after, u);
         self.advance(&midpoint.q, u, 0.5 * dt, q);
         Ok(())
     }

@@ -13,6 +13,7 @@ use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
 use crate::system::mass::MassFactors;
 use crate::system::{Configuration, Constancy, ContactLaw, Midpoint, System, SystemError};
+use crate::vectors::copy;
 
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
@@ -47,8 +48,20 @@ pub(super) struct Assembly {
     /// The blocks that a new contact touches.
     struck: Vec<bool>,
     factors: Factors,
+    /// The entries of `Wᵀ` and `M⁻¹W` where neither changes from step to step and all that a step needs of the contacts is
+    /// products with them.
+    constant: Option<Vec<Entry>>,
     /// The contact whose rows were evaluated last.
     evaluated: Evaluated,
+}
+
+/// An entry of `Wᵀ` with that of `M⁻¹W` in the same place.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    row: usize,
+    velocity: usize,
+    direction: f64,
+    response: f64,
 }
 
 /// Rows and χ of one contact.
@@ -184,9 +197,7 @@ impl Assembly {
         self.mass.accelerate(system, before, (dt, forces), &mut self.free);
         let (mut same, mut changed) = (true, false);
         if closed.ready && self.fixed && !new_mass {
-            for place in 0..self.contacts.len() {
-                self.update_velocities(place, 0.0, closed);
-            }
+            self.update_all_velocities(closed);
         } else {
             (same, changed) = self.find_closed(system, (u, dt), new_mass, closed)?;
             if !same {
@@ -199,6 +210,7 @@ impl Assembly {
         if !same || changed || self.factors.any() {
             self.fill(system, closed);
             closed.check_directions()?;
+            self.find_constant(closed);
         }
         if closed.bounces() {
             closed.bounce(|row| self.slip[row]);
@@ -340,26 +352,85 @@ impl Assembly {
         }
     }
 
+    /// The entries that are not zero, if nothing but them is needed from now on.
+    fn find_constant(&mut self, closed: &Closed) {
+        let plain =
+            !self.factors.any() && !closed.bounces() && self.chord.iter().all(|&c| c == 0.0);
+        if !(self.fixed && self.constancy.mass && plain) {
+            self.constant = None;
+            return;
+        }
+        let mut entries = Vec::new();
+        for rows in &self.contacts {
+            for k in 0..rows.len {
+                for side in &self.sides[rows.sides.clone()] {
+                    let first = rows.place + k * rows.width + side.offset;
+                    for i in 0..side.len {
+                        let (row, velocity) = (rows.first + k, side.velocity + i);
+                        let direction = self.directions[first + i];
+                        let response = self.responses[first + i];
+                        if direction != 0.0 || response != 0.0 {
+                            entries.push(Entry { row, velocity, direction, response });
+                        }
+                    }
+                }
+            }
+        }
+        self.constant = Some(entries);
+    }
+
+    /// Brings the velocities of all contacts up to date where these neither open nor close.
+    #[inline(always)]
+    fn update_all_velocities(&mut self, closed: &mut Closed) {
+        let Some(entries) = &self.constant else {
+            return (0..self.contacts.len())
+                .for_each(|place| self.update_velocities(place, 0.0, closed));
+        };
+        let loads = closed.problem.free_velocity_mut();
+        copy(&self.chi, loads);
+        for entry in entries {
+            loads[entry.row] += entry.direction * self.free[entry.velocity];
+        }
+    }
+
     /// Brings the velocities of a contact up to date; `closing` is that with which it closes its gap in a step.
     ///
     /// After the step the laws see the mean velocities on the way to the next midpoint, before it those on the way from
     /// the last one, which to second order differ from those at the midpoint by as much on the other side.
     #[inline]
     fn update_velocities(&mut self, place: usize, closing: f64, closed: &mut Closed) {
-        let rows = &self.contacts[place];
-        let own = rows.first..rows.first + rows.len;
-        let (chi, chord) = (&self.chi[own.clone()], &self.chord[own.clone()]);
-        let loads = &mut closed.problem.free_velocity_mut()[own.clone()];
-        for (load, (chi, chord)) in loads.iter_mut().zip(chi.iter().zip(chord)) {
-            *load = chi + chord;
+        let Rows { first, len, .. } = self.contacts[place];
+        let loads = &mut closed.problem.free_velocity_mut()[first..first + len];
+        match len {
+            1 => self.load::<1>(place, closing, loads),
+            2 => self.load::<2>(place, closing, loads),
+            3 => self.load::<3>(place, closing, loads),
+            _ => self.load::<4>(place, closing, loads),
         }
-        loads[0] += closing;
-        self.add_velocities(rows, &self.free, loads);
         if closed.bounces() || self.factors.any() {
-            let before = self.velocities(rows, &self.midpoint.before);
-            for (k, slip) in self.slip[own].iter_mut().enumerate() {
-                *slip = before[k] + closing_row(k, closing, chi) - chord[k];
-            }
+            self.update_slip(place, closing);
+        }
+    }
+
+    /// The velocities of a contact with `N` rows after a step without percussions.
+    #[inline(always)]
+    fn load<const N: usize>(&self, place: usize, closing: f64, loads: &mut [f64]) {
+        let rows = &self.contacts[place];
+        let own = rows.first..rows.first + N;
+        let (chi, chord) = (&self.chi[own.clone()], &self.chord[own]);
+        let mut sums: [f64; N] = std::array::from_fn(|k| chi[k] + chord[k]);
+        sums[0] += closing;
+        self.add_velocities(rows, &self.free, &mut sums);
+        loads[..N].copy_from_slice(&sums);
+    }
+
+    /// The velocities of a contact before the step.
+    fn update_slip(&mut self, place: usize, closing: f64) {
+        let rows = &self.contacts[place];
+        let before = self.velocities(rows, &self.midpoint.before);
+        for (k, row) in (rows.first..rows.first + rows.len).enumerate() {
+            let closing = if k == 0 { closing } else { 0.0 };
+            self.slip[row] = before[k] + self.chi[row] + closing - self.chord[row];
         }
     }
 
@@ -493,6 +564,12 @@ impl Assembly {
         dt: f64,
         state: (&mut [f64], &mut [f64]),
     ) -> Result<(), SystemError> {
+        if let Some(entries) = &self.constant {
+            for entry in entries {
+                self.free[entry.velocity] += entry.response * percussion[entry.row];
+            }
+            return system.finish(&mut self.midpoint, &self.free, dt, state);
+        }
         for rows in &self.contacts {
             let own = &percussion[rows.first..rows.first + rows.len];
             for side in &self.sides[rows.sides.clone()] {
@@ -509,10 +586,4 @@ impl Assembly {
 fn width(system: &dyn System, contact: usize) -> usize {
     let blocks = system.blocks();
     system.touched(contact).iter().map(|&block| blocks.range(block).len()).sum()
-}
-
-/// χ of row `k` with the velocity at which the contact closes its gap, which is in the first row.
-#[inline]
-fn closing_row(k: usize, closing: f64, chi: &[f64]) -> f64 {
-    if k == 0 { chi[k] + closing } else { chi[k] }
 }

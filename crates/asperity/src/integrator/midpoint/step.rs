@@ -32,8 +32,10 @@ impl Stepper<'_> {
         if updated.is_err() {
             self.closed.ready = false;
         }
-        if updated? != Change::None {
-            self.workspace.prepare(&self.closed.problem);
+        match updated? {
+            Change::None => {}
+            Change::Operator => self.workspace.refresh(&self.closed.problem),
+            Change::Contacts => self.workspace.prepare(&self.closed.problem),
         }
         self.check_problem()?;
         std::mem::swap(&mut self.before, &mut self.memory);
@@ -70,11 +72,18 @@ impl Stepper<'_> {
     }
 
     /// Solves the contact problem, again and again where factors of the friction follow from the solution.
+    #[inline]
     fn solve(&mut self, stop: Stop<'_>) -> SolveReport {
-        let Self { system, solver, closed, assembly, memory, before, workspace, .. } = self;
-        if !assembly.factors().rises() {
-            return solver.solve_from(&closed.problem, stop, before, memory, workspace);
+        let Self { solver, closed, assembly, memory, before, workspace, .. } = self;
+        if assembly.factors().rises() {
+            return self.solve_with_rising_factors(stop);
         }
+        solver.solve_from(&closed.problem, stop, before, memory, workspace)
+    }
+
+    #[inline(never)]
+    fn solve_with_rising_factors(&mut self, stop: Stop<'_>) -> SolveReport {
+        let Self { system, solver, closed, assembly, memory, before, workspace, .. } = self;
         memory.copy_from(before);
         let (mut iterations, mut correction) = (0, 0);
         let (mut settled, mut following) = (false, false);
@@ -146,7 +155,7 @@ impl Stepper<'_> {
                 factors.follow(&closed.problem, &mut memory.states);
             }
             assembly.fill(*system, closed);
-            workspace.prepare(&closed.problem);
+            workspace.refresh(&closed.problem);
             correction += 1;
         }
     }

@@ -1,10 +1,10 @@
 //! Measures of percussions, which no solver owns and which grade them all: how far they are from a solution, what
 //! contacts do under them, and whether they run away.
 
-pub(crate) mod alone;
 pub(crate) mod certificate;
 pub(crate) mod growth;
 pub(crate) mod natural_map;
 pub(crate) mod natural_residual;
+pub(crate) mod own;
 pub(crate) mod phase;
 pub(crate) mod stop;

@@ -7,18 +7,18 @@
 
 use std::ops::Range;
 
+use super::swept::Swept;
 use super::task::{Iterate, Task};
 use super::threads;
-use crate::contact::{ContactProblem, ContactState, Phase};
-use crate::solver::measure::alone::{OwnMeasure, measure_alone};
-use crate::solver::measure::natural_residual::Residual;
+use crate::contact::{Components, ContactProblem, ContactState, Members, Phase};
+use crate::solver::measure::own::{OwnMeasure, measure_alone};
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};
 use crate::solver::report::Ended;
 
 /// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
-const BATCH: usize = 8 * threads::LEAF;
+pub(super) const BATCH: usize = 8 * threads::LEAF;
 
 /// Prepared blocks and buffers.
 #[derive(Debug, Clone, Default)]
@@ -27,6 +27,8 @@ pub(crate) struct Sweeper {
     blocks: Vec<Block>,
     /// What is left of the work on contacts in sweeps.
     efforts: Vec<Effort>,
+    /// Contacts that influence each other, directly or by others.
+    pub(super) islands: Members,
     pub(crate) candidates: Candidates,
 }
 
@@ -35,6 +37,18 @@ impl Sweeper {
     pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
         let contacts = problem.contacts().len();
         self.efforts.resize(contacts, Effort::in_sweeps());
+        let mut connected = Components::default();
+        connected.separate(contacts);
+        for i in 0..contacts {
+            problem.delassus().blocks().neighbours(i).iter().for_each(|&j| connected.join(i, j));
+        }
+        self.islands = connected.into();
+        self.refresh(problem);
+    }
+
+    /// Prepares the blocks of a problem whose operator has other entries than before.
+    pub(crate) fn refresh(&mut self, problem: &ContactProblem) {
+        let contacts = problem.contacts().len();
         self.blocks.clear();
         self.blocks.extend((0..contacts).map(|contact| Block::new(problem, contact)));
     }
@@ -50,32 +64,6 @@ impl Sweeper {
         self.efforts.fill(Effort::in_sweeps());
     }
 
-    /// Sweeps until the natural residual is below the tolerance; their number, why they ended and the residual.
-    pub(crate) fn solve(
-        &mut self,
-        task: &Task<'_>,
-        iterate: &mut Iterate<'_>,
-        max_sweeps: usize,
-    ) -> (usize, Ended, Residual) {
-        let goal = f64::max(0.1 * task.stop.tolerance, 4.0 * f64::EPSILON);
-        let mut sweeps = 0;
-        loop {
-            // Contacts without a solution may find one when the others have moved.
-            self.sweep(task, iterate, Policy::Prove, sweeps == 0);
-            sweeps += 1;
-            let residual = iterate.measure(task);
-            if residual.value <= goal {
-                return (sweeps, Ended::Done, residual);
-            }
-            if task.stop.early() {
-                return (sweeps, Ended::TimeLimit, residual);
-            }
-            if sweeps >= max_sweeps {
-                return (sweeps, Ended::MaxIterations, residual);
-            }
-        }
-    }
-
     /// One sweep; the last contact that had no solution.
     ///
     /// The states before the step decide between several solutions; Newton's method starts from them in the first
@@ -87,51 +75,77 @@ impl Sweeper {
         policy: Policy,
         first: bool,
     ) -> Option<usize> {
-        let (problem, mut stuck) = (task.problem, None);
-        for (i, rows) in problem.contacts().iter().enumerate() {
-            let (history, block) = (&task.history[i], &self.blocks[i]);
-            let state = &mut iterate.states[i];
-            let held = problem.contact_velocity(i, iterate.percussion, false);
-            let percussion = &mut iterate.percussion[rows.rows()];
-            if policy == Policy::FirstFound && block.pressed && held[0] >= 0.0 {
-                percussion.fill(0.0);
-                state.phase = Phase::Open;
-                continue;
-            }
-            let slip = (!first).then_some(state.slip);
-            let contact = OneContact { problem, contact: i, block, held };
-            let (candidates, effort) = (&mut self.candidates, &mut self.efforts[i]);
-            let start = Start { history, slip };
-            let found = contact.solve(policy, start, percussion, candidates, effort);
-            if found.is_none() {
+        let mut stuck = None;
+        for i in 0..task.problem.contacts().len() {
+            if !self.visit(task, iterate, policy, first, i) {
                 stuck = Some(i);
-            }
-            match (policy, found) {
-                (Policy::Prove, found) => {
-                    record(found, history, state, &mut iterate.ambiguous[i]);
-                }
-                (Policy::FirstFound, Some(found)) => {
-                    (state.phase, state.slip) = (found.phase, found.slip);
-                }
-                (Policy::FirstFound, None) => {}
             }
         }
         stuck
     }
 
-    /// Solves and measures contacts that do not influence each other, side by side: one sweep is enough.
+    /// Solves a contact with the percussions of the others held; whether there is a solution.
     #[inline]
+    pub(super) fn visit(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        policy: Policy,
+        first: bool,
+        i: usize,
+    ) -> bool {
+        let (problem, history, block) = (task.problem, &task.history[i], &self.blocks[i]);
+        let state = &mut iterate.states[i];
+        let held = problem.contact_velocity(i, iterate.percussion, false);
+        let percussion = &mut iterate.percussion[problem.contacts()[i].rows()];
+        if policy == Policy::FirstFound && block.pressed && held[0] >= 0.0 {
+            percussion.fill(0.0);
+            state.phase = Phase::Open;
+            return true;
+        }
+        let slip = (!first).then_some(state.slip);
+        let contact = OneContact { problem, contact: i, block, held };
+        let (candidates, effort) = (&mut self.candidates, &mut self.efforts[i]);
+        let start = Start { history, slip };
+        let found = contact.solve(policy, start, percussion, candidates, effort);
+        match (policy, found) {
+            (Policy::Prove, found) => record(found, history, state, &mut iterate.ambiguous[i]),
+            (Policy::FirstFound, Some(found)) => {
+                (state.phase, state.slip) = (found.phase, found.slip);
+            }
+            (Policy::FirstFound, None) => {}
+        }
+        found.is_some()
+    }
+
+    /// Whether a contact has more than one solution with the percussions of the others held.
+    #[inline]
+    pub(super) fn is_ambiguous(
+        &mut self,
+        task: &Task<'_>,
+        percussion: &[f64],
+        contact: usize,
+    ) -> bool {
+        let one = OneContact::new(task.problem, contact, &self.blocks[contact], percussion);
+        one.is_ambiguous(&task.history[contact], &mut self.candidates)
+    }
+
+    /// Solves and measures the only contact of a problem.
+    #[inline(always)]
+    pub(crate) fn solve_only(
+        &mut self,
+        problem: &ContactProblem,
+        history: &ContactState,
+        own: Own<'_>,
+    ) -> Swept {
+        let contact = OneContact::alone(problem, 0, &self.blocks[0]);
+        solve_alone(contact, history, own, &mut self.candidates)
+    }
+
+    /// Solves and measures contacts that do not influence each other, side by side: one sweep is enough.
     pub(crate) fn solve_uncoupled(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>) -> Swept {
         let Self { blocks, candidates, .. } = self;
         let Iterate { percussion, velocity, states, ambiguous, .. } = iterate;
-        // The belt and the disk of many a model: one contact needs no batches.
-        if let ([_], [block], [state], [ambiguous]) =
-            (task.problem.contacts(), &blocks[..], &mut **states, &mut **ambiguous)
-        {
-            let contact = OneContact::alone(task.problem, 0, block);
-            let own = Own { percussion, velocity, state, ambiguous };
-            return solve_alone(contact, &task.history[0], own, candidates);
-        }
         let mut rest = Uncoupled {
             contacts: 0..task.problem.contacts().len(),
             percussion,
@@ -153,53 +167,6 @@ impl Sweeper {
     }
 }
 
-/// What has come of a sweep over contacts that do not influence each other.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Swept {
-    /// Done, or stuck at the last contact without a solution.
-    pub(crate) ended: Ended,
-    /// Square of the largest relative defect, negative without contacts, and the first contact that has it.
-    defect: f64,
-    worst_contact: usize,
-    /// Whether percussions may have grown.
-    pub(crate) may_grow: bool,
-    /// Whether a contact has several solutions.
-    pub(crate) ambiguous: bool,
-}
-
-impl Swept {
-    /// Of no contacts.
-    const NOTHING: Self = Self {
-        ended: Ended::Done,
-        defect: -1.0,
-        worst_contact: 0,
-        may_grow: false,
-        ambiguous: false,
-    };
-
-    /// With contacts that come later.
-    #[inline(always)]
-    fn and(self, later: Self) -> Self {
-        // Not-a-number counts as the worst of all.
-        let worse = !(later.defect <= self.defect);
-        let worst = if worse { later } else { self };
-        Self {
-            ended: if later.ended == Ended::Done { self.ended } else { later.ended },
-            defect: worst.defect,
-            worst_contact: worst.worst_contact,
-            may_grow: self.may_grow || later.may_grow,
-            ambiguous: self.ambiguous || later.ambiguous,
-        }
-    }
-
-    /// The natural residual, where all contacts were visited.
-    #[inline(always)]
-    pub(crate) fn residual(&self) -> Residual {
-        let value = if self.defect < 0.0 { 0.0 } else { self.defect.sqrt() };
-        Residual { value, worst_contact: self.worst_contact }
-    }
-}
-
 /// The state of a contact after its solution; the state before where there is none.
 #[inline(always)]
 fn record(
@@ -216,11 +183,11 @@ fn record(
 }
 
 /// What belongs to one contact.
-struct Own<'a> {
-    percussion: &'a mut [f64],
-    velocity: &'a mut [f64],
-    state: &'a mut ContactState,
-    ambiguous: &'a mut bool,
+pub(crate) struct Own<'a> {
+    pub(crate) percussion: &'a mut [f64],
+    pub(crate) velocity: &'a mut [f64],
+    pub(crate) state: &'a mut ContactState,
+    pub(crate) ambiguous: &'a mut bool,
 }
 
 /// Solves and measures a contact that no other influences.
@@ -236,9 +203,10 @@ fn solve_alone(
     let found = contact.solve(Policy::Prove, start, percussion, candidates, effort);
     record(found, history, state, ambiguous);
     let OneContact { problem, contact: number, .. } = contact;
-    let OwnMeasure { defect, may_grow } = measure_alone(problem, number, percussion, velocity);
+    let OwnMeasure { defect, size } = measure_alone(problem, number, percussion, velocity);
     let ended = if found.is_some() { Ended::Done } else { Ended::Stuck(number) };
-    Swept { ended, defect, worst_contact: number, may_grow, ambiguous: *ambiguous }
+    let may_grow = size.may_have_grown();
+    Swept { sweeps: 1, ended, defect, worst_contact: number, may_grow, ambiguous: *ambiguous }
 }
 
 /// Contacts that do not influence each other, in a row, with what belongs to them.

@@ -132,7 +132,6 @@ fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>>
     if !local.block.sound {
         return None;
     }
-    let bounds = local.law.bounds();
     let stick = local.stick();
     let certain = certain(local, &stick);
     if let Some(solution) = stick.solution {
@@ -142,22 +141,30 @@ fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>>
         if certain {
             return Some(solution);
         }
-        let table = local.law.walk().table;
-        let slip = Slip::new(local, bounds.largest_radius);
-        return Scan::new(&slip, table).open().next().is_none().then_some(solution);
+        return is_only(local).then_some(solution);
     }
-    let slip = Slip::new(local, bounds.largest_radius);
+    let slip = Slip::new(local, local.law.bounds().largest_radius);
     let mut found = newton(&slip, &guess());
     if found.is_none() {
         // Where the last direction is far off, the normal below the load is a good start.
         found = newton(&slip, &local.law.direction().gauge_jet(&stick.load).1);
     }
     let solution = found?;
-    let only = || {
-        let table = local.law.walk().table;
-        Scan::new(&slip, table).has_one_root(&slip, table)
-    };
-    (certain || only()).then_some(solution)
+    (certain || has_one_root(local, &slip)).then_some(solution)
+}
+
+/// Whether there is no slip beside stick.
+#[inline(never)]
+fn is_only(local: &Local<'_, 2>) -> bool {
+    let slip = Slip::new(local, local.law.bounds().largest_radius);
+    Scan::new(&slip, local.law.walk().table).open().next().is_none()
+}
+
+/// Whether there is one slip only.
+#[inline(never)]
+fn has_one_root(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> bool {
+    let table = local.law.walk().table;
+    Scan::new(slip, table).has_one_root(slip, table)
 }
 
 /// The open contact, if it opens; `None` where friction may pull it towards the surface.
