@@ -24,11 +24,11 @@ pub(crate) fn copy(from: &[f64], to: &mut [f64]) {
     for_each(from.len(), |i| to[i] = from[i]);
 }
 
-/// `out ← x + factor y`, all of the same length.
+/// `out ← x + factor y` as far as all of them go.
 #[inline(always)]
 pub(crate) fn combine(x: &[f64], factor: f64, y: &[f64], out: &mut [f64]) {
-    let n = out.len();
-    let (x, y) = (&x[..n], &y[..n]);
+    let n = out.len().min(x.len()).min(y.len());
+    let (x, y, out) = (&x[..n], &y[..n], &mut out[..n]);
     for_each(n, |i| out[i] = x[i] + factor * y[i]);
 }
 

@@ -181,6 +181,21 @@ impl Workspace {
         }
     }
 
+    /// Solves the only contact of a problem.
+    #[inline(always)]
+    fn solve_only(
+        &mut self,
+        problem: &ContactProblem,
+        history: &ContactState,
+        memory: &mut Memory,
+    ) -> Option<Swept> {
+        let Memory { percussion, states } = memory;
+        let Self { velocity, ambiguous, sweeper, .. } = self;
+        let ([state], [ambiguous]) = (&mut states[..], &mut ambiguous[..]) else { return None };
+        let own = Own { percussion, velocity, state, ambiguous };
+        Some(sweeper.solve_only(problem, history, own))
+    }
+
     /// The report on a problem that sweeps have solved.
     #[inline(always)]
     fn solved(&mut self, residual: Residual, iterations: usize, ambiguous: bool) -> SolveReport {
@@ -247,13 +262,22 @@ impl Solver {
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
-        let report = match &before.states[..] {
-            [history] if self.sweeps_once(problem) => {
-                solve_only(problem, &stop, (before, history), memory, workspace)
+        // The belt and the disk of many a model: nothing is done here but what one contact needs.
+        if let [history] = &before.states[..]
+            && self.sweeps_once(problem)
+            && workspace.fits(problem)
+            && before.fits(problem)
+        {
+            memory.start_from(before);
+            if let Some(swept) = workspace.solve_only(problem, history, memory) {
+                let residual = swept.residual();
+                let solved = stop.measure == Measure::Contact && residual.value <= stop.tolerance;
+                if solved && swept.is_clear() {
+                    return workspace.solved(residual, 1, swept.ambiguous);
+                }
             }
-            _ => None,
-        };
-        report.unwrap_or_else(|| self.solve_many(problem, stop, before, memory, workspace))
+        }
+        self.solve_many(problem, stop, before, memory, workspace)
     }
 
     /// The same for any number of contacts, and where something is wrong.
@@ -440,29 +464,6 @@ impl Solver {
         };
         (iterations, ended, iterate.measure(task))
     }
-}
-
-/// Solves the only contact of a problem, the belt or the disk of many a model, and says so if nothing is wrong with it.
-#[inline(always)]
-fn solve_only(
-    problem: &ContactProblem,
-    stop: &Stop<'_>,
-    (before, history): (&Memory, &ContactState),
-    memory: &mut Memory,
-    workspace: &mut Workspace,
-) -> Option<SolveReport> {
-    if !(workspace.fits(problem) && before.fits(problem)) {
-        return None;
-    }
-    memory.start_from(before);
-    let Memory { percussion, states } = memory;
-    let Workspace { velocity, ambiguous, sweeper, .. } = &mut *workspace;
-    let ([state], [ambiguous]) = (&mut states[..], &mut ambiguous[..]) else { return None };
-    let swept =
-        sweeper.solve_only(problem, history, Own { percussion, velocity, state, ambiguous });
-    let residual = swept.residual();
-    let solved = stop.measure == Measure::Contact && residual.value <= stop.tolerance;
-    (solved && swept.is_clear()).then(|| workspace.solved(residual, 1, swept.ambiguous))
 }
 
 /// What takes the place of [`Solver::Auto`] for a matrix-free operator.

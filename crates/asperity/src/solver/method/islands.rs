@@ -113,7 +113,8 @@ impl Sweeper {
                 swept.ended = stuck.map_or(Ended::Done, Ended::Stuck);
             }
             *visited += members.len();
-            if *visited >= BATCH {
+            // As often as if all contacts were swept together, but where they are many.
+            if *visited >= BATCH.min(task.problem.contacts().len()) {
                 *visited = 0;
                 if task.stop.early() {
                     return Swept { sweeps, ended: Ended::TimeLimit, ..swept };
