@@ -1,4 +1,4 @@
-"""A law fitted to measured forces: sets, parameters with bands, residuals, report."""
+"""A law fitted to measured forces: sets, parameters with their uncertainty, residuals, report."""
 
 from __future__ import annotations
 
@@ -30,8 +30,9 @@ from asperity.identify.fitting.uncertainty.bands import Bands
 from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
 from asperity.identify.fitting.uncertainty.covariance import Covariance, estimate, has_angle
 from asperity.identify.forces.measured_sets import MeasuredSets
+from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.records.resolution import Steps, coarse_channels
-from asperity.law import FrictionLaw
+from asperity.law import FrictionLaw, Provenance
 from asperity.sets import StarSet
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ class Fit(Value):
         family: the models.
         descent: where their coordinates ended.
         loss: of the residuals, with its scale.
-        confidence: of the bands; None for none.
+        confidence: level of the confidence intervals; None for none.
         comparison: with other models, where there was one.
         held: whether samples on the axes of D hold its angle.
         samples: of `data`, if they are at hand.
@@ -148,8 +149,55 @@ class Fit(Value):
         return FrictionLaw(self.reservoir, self.direction)
 
     @cached_property
+    def identified_law(self) -> IdentifiedLaw:
+        """The law with the values of its parameters and their covariance, to sample and to save.
+
+        Raises:
+            FitError: if the fitted D is not convex.
+        """
+        return self._identified(None)
+
+    def save_law(
+        self, path: str | os.PathLike[str], *, provenance: Provenance | None = None
+    ) -> Path:
+        """Write the law, its parameters and their covariance to a readable TOML file.
+
+        ``FrictionLaw.load`` reads the law in it, `IdentifiedLaw.load` all of it; the same file is
+        written by ``asperity identify`` as ``law.toml``.
+
+        Args:
+            path: of the file; it is complete or not there.
+            provenance: where the measurement comes from, to keep with the law.
+
+        Returns:
+            The path.
+
+        Raises:
+            FitError: if the fitted D is not convex.
+        """
+        self._identified(provenance).save(path)
+        return Path(path)
+
+    def _identified(self, provenance: Provenance | None) -> IdentifiedLaw:
+        known, family = self.covariance, self._family
+        parts = (None,) * 3 if known is None else known.parts
+        degrees = (math.inf,) * 3 if known is None else known.degrees
+        values = [
+            float(scale.natural(x)) for x, scale in zip(self.coordinates, self.scales, strict=True)
+        ]
+        return IdentifiedLaw(
+            self.law,
+            family.reservoir,
+            family.direction,
+            values,
+            *parts,
+            degrees_of_freedom=degrees,
+            provenance=provenance,
+        )
+
+    @cached_property
     def parameters(self) -> dict[str, Estimate]:
-        """Estimates with bands by name: ``reservoir.a``, ``direction.ratio`` = p₁/p₂ and others.
+        """Estimates with confidence intervals by name: ``reservoir.a``, ``direction.ratio`` ….
 
         Semi-axes are per unit normal force, angles in rad within ±45°. An angle is identifiable if
         the set differs from one that has none (at the level 0.01); the scale of D never is. Nor is
@@ -263,7 +311,7 @@ class Fit(Value):
         return self._family.forces(angles, self.coordinates)[0]
 
     def bands(self, phi: ArrayLike) -> Bands:
-        """Return the model forces at sliding directions φ in rad with their bands."""
+        """Return the model forces at sliding directions φ in rad with confidence bands."""
         angles = arrays.array(phi, "phi", (None,))
         force, derivative = self._family.forces(angles, self.coordinates)
         e = arrays.unit_vectors(angles)
@@ -283,7 +331,7 @@ class Fit(Value):
         )
 
     def radius_band(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
-        """Return r_C at angles θ in rad and the ends of its band, each ``(n,)``."""
+        """Return r_C at angles θ in rad and the ends of its confidence band, each ``(n,)``."""
         angles = arrays.array(theta, "theta", (None,))
         part = slice(0, self._family.split)
         log_radius, _, by = self._family.reservoir.log_radius(
@@ -296,7 +344,7 @@ class Fit(Value):
 
     @cached_property
     def comparison(self) -> Comparison:
-        """Other models of the same data, by BIC and by turns left out."""
+        """Other models of the same data, by BIC and by leave-one-turn-out cross-validation."""
         given: Comparison | None = self._parameters["comparison"]
         if given is not None:
             return given

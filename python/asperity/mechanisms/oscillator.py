@@ -32,7 +32,7 @@ class FrictionalImpactOscillator(Value, System):
 
     Beyond μ = tan φ (1 + d_φ/(d_y l² s²)) the part of the normal force that grows with the velocity
     feeds more power into the motion than the dampers take; at μ = tan φ + (m₂/m₁) cot φ Painlevé's
-    paradox begins. There is no gravity. The parameters are own ones: [WL19] gives none.
+    paradox begins. There is no gravity. [WL19] gives no parameters; these were chosen here.
 
     Args:
         mu: friction coefficient μ.
@@ -121,16 +121,16 @@ class FrictionalImpactOscillator(Value, System):
         turning = lever * (math.cos(self.angle) + self.mu * math.sin(self.angle))
         contact = Contact(
             self.contacts[0].law,
-            self.direction(0.0, q, 0),
+            direction=self.direction(0.0, q, 0),
             normal=self.normal(0.0, q, 0),
             velocity=[-self.belt_velocity],
             normal_restitution=self.normal_restitution,
         )
         return LinearSystem(
             self.mass(q),
-            self.stiffness - [0.0, turning],
-            self.damping,
-            self._stretch,
+            stiffness=self.stiffness - [0.0, turning],
+            damping=self.damping,
+            force=self._stretch,
             contacts=[contact],
         )
 

@@ -152,7 +152,9 @@ class ProcessedData(Value):
         run, frequency = self.raw.recordings[number], self.cut_off_frequency[number]
         if frequency is None:
             return signal
-        return filters.low_pass(signal, run.sample_rate, frequency, order=self.order)
+        return filters.low_pass(
+            signal, sample_rate=run.sample_rate, cut_off=frequency, order=self.order
+        )
 
     def __repr__(self) -> str:
         return (
@@ -274,7 +276,7 @@ class ProcessedData(Value):
         return full_bins(self.phi, self.turn, arrays.count(most, "most", 8), each_turn=each_turn)
 
     def turn_averages(self, bins: int | None = None) -> dict[str, TurnAverage]:
-        """Return l_t and l_p, per unit normal force, and λ_N in N over each turn, with bands.
+        """Return l_t, l_p (per unit normal force), λ_N in N over each turn with confidence bands.
 
         By default in 360 bins, or as many as hold samples of every turn.
         """
@@ -288,7 +290,7 @@ class ProcessedData(Value):
             "normal": self.normal_force,
         }
         return {
-            name: average_turns(self.phi, values, self.turn, bins=bins)
+            name: average_turns(self.phi, values=values, turn=self.turn, bins=bins)
             for name, values in channels.items()
         }
 

@@ -46,7 +46,9 @@ def turn_numbers(recording: Recording, sign: float) -> NDArray[np.int32]:
     >>> from asperity.identify import Recording
     >>> from asperity.identify.forces.turns import turn_numbers
     >>> t = np.arange(25) / 10.0
-    >>> turn_numbers(Recording(t, 2.0 * np.pi * t, np.zeros((25, 3))), 1.0)[[0, 9, 10, 20]].tolist()
+    >>> turn_numbers(Recording(t, angle=2.0 * np.pi * t, readings=np.zeros((25, 3))), 1.0)[
+    ...     [0, 9, 10, 20]
+    ... ].tolist()
     [0, 0, 1, -1]
     """
     # The last sample stands for the step that follows it.
@@ -65,12 +67,12 @@ class TurnAverage(Value):
     Args:
         phi: centres of the bins in rad, shape ``(k,)``.
         turns: mean of each turn in each bin, shape ``(m, k)``.
-        confidence: of the bands.
+        confidence: level of the confidence bands.
 
     Attributes:
         mean: over the turns, shape ``(k,)``.
-        low, high: band of the mean from the scatter of the turns, Student's t; shape ``(k,)``;
-            infinite for a single turn.
+        low, high: confidence band of the mean from the scatter of the turns, Student's t;
+            shape ``(k,)``; infinite for a single turn.
         offset: mean of each turn minus the mean of all, shape ``(m,)``.
         drift: slope of the turns' means, per turn.
     """
@@ -122,9 +124,9 @@ def _half_width(values: Array, confidence: float) -> Array:
 
 def average_turns(
     phi: ArrayLike,
+    *,
     values: ArrayLike,
     turn: ArrayLike,
-    *,
     bins: int = 360,
     confidence: float = 0.95,
 ) -> TurnAverage:
@@ -135,7 +137,7 @@ def average_turns(
         values: signal, shape ``(n,)``.
         turn: number of the turn of each sample, negative where it does not count; shape ``(n,)``.
         bins: number k of bins.
-        confidence: of the bands of the mean.
+        confidence: level of the confidence bands of the mean.
 
     Raises:
         ParameterError: if a bin of a turn holds no sample, or there is no complete turn.
@@ -143,7 +145,7 @@ def average_turns(
     >>> import numpy as np
     >>> from asperity.identify import average_turns
     >>> phi = 2.0 * np.pi * np.arange(2000) / 1000
-    >>> average = average_turns(phi, 3.0 + np.cos(phi), phi // (2.0 * np.pi), bins=10)
+    >>> average = average_turns(phi, values=3.0 + np.cos(phi), turn=phi // (2.0 * np.pi), bins=10)
     >>> len(average.turns), round(float(average.mean.mean()), 9), abs(average.drift) < 1e-12
     (2, 3.0, True)
     """
