@@ -69,6 +69,9 @@ struct Entry {
 struct Evaluated {
     rows: Vec<f64>,
     chi: [f64; 4],
+    /// What they change by on the way to the next midpoint, and whether they do, once that was asked for.
+    chord: [f64; 4],
+    bends: Option<bool>,
 }
 
 impl Evaluated {
@@ -84,7 +87,26 @@ impl Evaluated {
         if self.rows.len() < entries {
             self.rows.resize(entries, 0.0);
         }
+        self.bends = None;
         system.rows(at, contact, &mut self.rows[..entries], &mut self.chi[..len])
+    }
+
+    /// What the rows of a contact, which were evaluated last, change by; zero where nothing changes.
+    fn chord(
+        &mut self,
+        system: &dyn System,
+        midpoint: &Midpoint,
+        step: &Step<'_>,
+        contact: usize,
+    ) -> [f64; 4] {
+        if self.bends.is_none() {
+            let len = system.contacts()[contact].rows();
+            let rows = &self.rows[..len * width(system, contact)];
+            self.chord = [0.0; 4];
+            let bends = system.chord(midpoint, step, contact, rows, &mut self.chord[..len]);
+            self.bends = Some(bends);
+        }
+        if self.bends == Some(true) { self.chord } else { [0.0; 4] }
     }
 }
 
@@ -164,7 +186,7 @@ impl Assembly {
     ) -> Result<[f64; 3], SystemError> {
         self.evaluated.update(system, at, contact)?;
         let (law, width) = (&system.contacts()[contact], width(system, contact));
-        let Evaluated { rows, chi } = &self.evaluated;
+        let Evaluated { rows, chi, .. } = &self.evaluated;
         let mut slip = [0.0; 3];
         let tangent = law.normal_rows()..law.rows();
         let (slip_rows, mut entries) = (tangent.len(), &rows[tangent.start * width..]);
@@ -293,9 +315,7 @@ impl Assembly {
             let change = self.free[range.clone()].iter().zip(&self.midpoint.before[range]);
             gained += change.zip(&mut row).map(|((a, b), w)| (w * (a - b)).abs()).sum::<f64>();
         }
-        let (law, mut chord) = (&system.contacts()[contact], [0.0; 4]);
-        let (len, rows) = (law.rows(), &self.evaluated.rows);
-        system.chord(&self.midpoint, step, contact, rows, &mut chord[..len]);
+        let chord = self.evaluated.chord(system, &self.midpoint, step, contact);
         Ok(step.dt * (ROUNDING * gained + chord[0].abs()))
     }
 
@@ -334,11 +354,13 @@ impl Assembly {
         contact: usize,
         undisturbed: bool,
     ) {
-        let Rows { first, len, width, .. } = self.contacts[place];
-        let (entries, own) = (&self.evaluated.rows[..len * width], first..first + len);
-        let chord = &mut self.chord[own.clone()];
-        if !(undisturbed && system.chord(&self.midpoint, step, contact, entries, chord)) {
-            chord.fill(0.0);
+        let Rows { first, len, .. } = self.contacts[place];
+        let (own, mut chord) = (first..first + len, [0.0; 4]);
+        if undisturbed {
+            chord = self.evaluated.chord(system, &self.midpoint, step, contact);
+        }
+        self.chord[own.clone()].copy_from_slice(&chord[..len]);
+        if !undisturbed || self.evaluated.bends != Some(true) {
             return;
         }
         let (rows, tangent) =
@@ -500,7 +522,6 @@ impl Assembly {
 
     /// `M⁻¹W`, scaled by the factors of the speed, and the Delassus operator.
     pub(super) fn fill(&mut self, system: &dyn System, closed: &mut Closed) {
-        self.responses.copy_from_slice(&self.directions);
         for rows in &self.contacts {
             for k in 0..rows.len {
                 let factor = self.factors.of(rows.first + k);
@@ -508,6 +529,7 @@ impl Assembly {
                 for side in &self.sides[rows.sides.clone()] {
                     let first = start + side.offset;
                     let response = &mut self.responses[first..first + side.len];
+                    response.copy_from_slice(&self.directions[first..first + side.len]);
                     self.mass.solve_block(system, side.block, response);
                     if factor != 1.0 {
                         response.iter_mut().for_each(|value| *value *= factor);
