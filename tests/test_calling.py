@@ -44,15 +44,15 @@ PAIRS = {
     "contact.grading.natural_map": "a problem and what is said to solve it",
     "contact.grading.proves_no_solution": "a problem and the proof about it",
     "contact.files.Percussions": "the parts of a file that belong together",
-    "LawFile": "a law and where it comes from: what a file holds",
     "Provenance.of_table": "a table and its name in the file",
     "problems.Scene": "columns of one table of bodies and contacts",
 }
 """Callables with several arguments by position, and why: none of these is more the subject."""
 
 RESULTS = {
-    "BifurcationDiagram", "ContactSolution", "Equilibrium", "Event", "FlowReport", "InfeasibleCase",
-    "LimitCycle", "LocalSolution", "Motion", "PathComparison", "Stability", "Stage", "Trajectory",
+    "BifurcationDiagram", "ContactSolution", "CriticalIntervals", "Equilibrium", "Event",
+    "FlowReport", "GrowthChart", "InfeasibleCase", "Labels", "LimitCycle", "LocalSolution",
+    "Motion", "Origin", "PathComparison", "Stability", "Stage", "Trajectory",
     "identify.Averaged", "identify.Bands", "identify.Candidate", "identify.Dependence",
     "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw", "track.Track",
     "track.TrackConfig",

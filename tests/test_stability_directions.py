@@ -184,7 +184,7 @@ def test_chart_agrees_with_stability():
         system = asp.MassOnBelt(
             2.0, stiffness=stiffness, law=law, normal_force=0.5, belt_velocity=[0.8, 0.0]
         )
-        chart = asp.growth_chart(system, phi=phi, zeta=zeta)
+        chart = asp.growth_chart(system, phi=phi, zeta=zeta).growth
         assert chart.shape == (181, 91)
         for i, j in zip(rng.integers(181, size=40), rng.integers(91, size=40), strict=True):
             turned = asp.FrictionLaw(law.reservoir.rotated(zeta[j]), THREE, rate=law.rate)
@@ -199,14 +199,14 @@ def test_chart_shows_the_critical_rotations():
         asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0]),
         phi=phi,
         zeta=zeta,
-    )
+    ).growth
     assert (chart.max(axis=0) > 0.0).tolist() == [False, True, True, True, False]
     assert chart.min() == 0.0
     assert (
         asp.growth_chart(
             asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0]),
             phi=0.1,
-        ).shape
+        ).growth.shape
         == ()
     )
 
@@ -227,7 +227,7 @@ def largest_rise(system, rng, dt=2e-3):
         asp.simulate(system, dt=dt, t_end=6.0, q0=rng.normal(size=n), u0=rng.normal(size=n))
         for _ in "ab"
     ]
-    t, V = asp.incremental_distance(*runs, system)
+    t, V = asp.incremental_distance(*runs, system=system)
     assert len(t) == len(runs[0])
     return np.diff(V).max() / V[0]
 
@@ -253,7 +253,7 @@ def test_distance_grows_with_the_extended_law_in_the_critical_range():
     )
     rest, aside = system.equilibrium, np.array([1e-4, 0.0])
     runs = [asp.simulate(system, dt=1e-3, t_end=10.0, q0=q0) for q0 in (rest, rest + aside)]
-    _, V = asp.incremental_distance(*runs, system)
+    _, V = asp.incremental_distance(*runs, system=system)
     assert V.max() > 100.0 * V[0]
 
 
@@ -285,20 +285,20 @@ def test_distance_takes_motions():
         belt_velocity=[0.3, 0.2],
     )
     starts = [[1.0, 0.0], [0.0, 1.5]]
-    exact = [asp.integrate(system, t_end=6.0, dt=0.125, q0=q0) for q0 in starts]
+    exact = [asp.integrate(system, t_end=6.0, sample_every=0.125, q0=q0) for q0 in starts]
     steps = [asp.simulate(system, dt=1e-3, t_end=6.0, q0=q0) for q0 in starts]
-    t, V = asp.incremental_distance(*exact, system)
+    t, V = asp.incremental_distance(*exact, system=system)
     np.testing.assert_allclose(t, np.arange(49) * 0.125, atol=1e-9)
     assert np.diff(V).max() < 1e-9 * V[0]
     for pair in (steps, (exact[0], steps[1])):
-        at, stepped = asp.incremental_distance(*pair, system)
+        at, stepped = asp.incremental_distance(*pair, system=system)
         stepped = stepped[np.isin(at.round(9), t.round(9))]
         np.testing.assert_allclose(stepped, V, atol=2e-2 * V[0])
     # Without samples in common steps only the ends are the same; events have two samples.
     free = [asp.integrate(system, t_end=6.0, q0=q0) for q0 in starts]
     assert free[0].events
     assert (np.diff(free[0].t) == 0.0).any()
-    at, V_free = asp.incremental_distance(*free, system)
+    at, V_free = asp.incremental_distance(*free, system=system)
     np.testing.assert_allclose(V_free[[0, -1]], V[[0, -1]], atol=1e-8)
     own, zero = asp.incremental_distance(free[0], free[0], system=system)
     assert (np.diff(own) > 0.0).all()
@@ -316,7 +316,7 @@ def test_chart_goes_by_the_belt_and_directions_by_the_slip():
     chart = asp.growth_chart(
         asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0]),
         phi=phi,
-    )
+    ).growth
     assert np.array_equal(np.roll(slips, 360), chart > 0.0)
     assert not np.array_equal(slips, chart > 0.0)
 

@@ -10,8 +10,9 @@ from asperity._base.arrays import Array
 from asperity.cycles.place import Place
 from asperity.errors import NoCycleError
 from asperity.runs.event_driven import integrate
-from asperity.runs.motion import Motion, Section
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
+from asperity.runs.motion import Motion
+from asperity.runs.section import Section
 
 # Step of difference quotients relative to the scale of the states.
 _FORWARD = 1e-6
@@ -58,7 +59,7 @@ class ReturnMap:
             u0=state[n:],
             tolerance=self.tolerance,
             section=self.section.replace(after=self.share * period),
-            dt=dt,
+            sample_every=dt,
         )
         if not motion.at_section:
             raise NoCycleError(

@@ -2,6 +2,7 @@
 
 from asperity.system.contacts import Contact, ContactLaw
 from asperity.system.custom import System
+from asperity.system.labels import Labels
 from asperity.system.linear import LinearSystem
 from asperity.system.models import MassOnBelt, SlidingPoint
 from asperity.system.rigid import (
@@ -17,6 +18,7 @@ from asperity.system.rigid import (
     SpherePlane,
     SphereSphere,
     Spring,
+    axis_angle,
 )
 from asperity.system.sliding_disk import SlidingDisk
 from asperity.system.time_functions import Signal, Sine
@@ -27,6 +29,7 @@ __all__ = [
     "BoxPlane",
     "Contact",
     "ContactLaw",
+    "Labels",
     "Line",
     "LinearSystem",
     "MassOnBelt",
@@ -43,4 +46,5 @@ __all__ = [
     "SphereSphere",
     "Spring",
     "System",
+    "axis_angle",
 ]

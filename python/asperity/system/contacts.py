@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +13,9 @@ from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
+from asperity.system import labels
+
+_Part = TypeVar("_Part", bound=Value)
 
 
 class ContactLaw(Value):
@@ -22,6 +26,7 @@ class ContactLaw(Value):
         normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral, with ``normal`` and ``gap``.
         normal_restitution: e_N in [0, 1].
         tangential_restitution: e_T in [0, 1].
+        name: of the contact, in tables and messages; by default its number.
 
     >>> from asperity import ContactLaw, FrictionLaw
     >>> ContactLaw(FrictionLaw.isotropic(0.3), normal_force=9.81)
@@ -32,6 +37,7 @@ class ContactLaw(Value):
     normal_force: float | None
     normal_restitution: float
     tangential_restitution: float
+    name: str | None
 
     def __init__(
         self,
@@ -40,8 +46,12 @@ class ContactLaw(Value):
         normal_force: float | None = None,
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
+        name: str | None = None,
     ) -> None:
-        self._set(**checked_laws(law, normal_force, normal_restitution, tangential_restitution))
+        self._set(
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
+            name=labels.name(name),
+        )
 
     @property
     def unilateral(self) -> bool:
@@ -66,6 +76,7 @@ class Contact(Value):
         velocity: χ in m/s, shape ``(p,)``; a belt moving with v has χ = −v. Default 0.
         normal_restitution: e_N in [0, 1].
         tangential_restitution: e_T in [0, 1].
+        name: of the contact, in tables and messages; by default its number.
 
     Reference: [WL19] (23), with +χ.
 
@@ -85,6 +96,7 @@ class Contact(Value):
     velocity: Array
     normal_restitution: float
     tangential_restitution: float
+    name: str | None
 
     def __init__(
         self,
@@ -97,6 +109,7 @@ class Contact(Value):
         velocity: ArrayLike | None = None,
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
+        name: str | None = None,
     ) -> None:
         laws = checked_laws(law, normal_force, normal_restitution, tangential_restitution)
         if (normal_force is None) == (normal is None):
@@ -118,6 +131,7 @@ class Contact(Value):
             else arrays.read_only(arrays.array(normal, "normal", (len(columns),))),
             gap=arrays.number(gap, "gap"),
             velocity=arrays.read_only(arrays.array(belt, "velocity", (law.dimension,))),
+            name=labels.name(name),
         )
 
     @property
@@ -127,6 +141,38 @@ class Contact(Value):
 
     def _core_data(self) -> dict[str, Any]:
         return {**self._parameters, "law": self.law._core}
+
+
+def relawed(
+    parts: Sequence[_Part],
+    law: FrictionLaw,
+    chosen: int | str | Sequence[int | str] | None,
+    argument: str,
+) -> tuple[_Part, ...]:
+    """Return contacts or pairs, of which those chosen by number or name obey another law."""
+    names = [getattr(part, "name", None) for part in parts]
+    wanted = set(range(len(parts)))
+    if chosen is not None:
+        one = isinstance(chosen, int | str | np.integer)
+        given: Sequence[Any] = [chosen] if one else arrays.several(chosen, argument)
+        wanted = {_number(each, names, argument) for each in given}
+    if not wanted:
+        raise ParameterError(argument, "must name one whose law is to change, there is none")
+    return tuple(
+        part.replace(law=law) if number in wanted else part for number, part in enumerate(parts)
+    )
+
+
+def _number(chosen: Any, names: list[str | None], argument: str) -> int:
+    if isinstance(chosen, str):
+        if chosen not in names:
+            known = ", ".join(repr(name) for name in names if name) or "none has a name"
+            raise ParameterError(argument, f"must be among the names ({known}), got {chosen!r}")
+        return names.index(chosen)
+    number = arrays.count(chosen, argument, 0)
+    if number >= len(names):
+        raise ParameterError(argument, f"must be below {len(names)}, got {number}")
+    return number
 
 
 def checked_laws(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,6 +14,7 @@ from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.system.contacts import Contact
+from asperity.system.labels import Labels
 from asperity.system.linear import LinearSystem
 
 
@@ -42,7 +45,11 @@ class SlidingPoint(Value):
         _check_law(law)
         self._set(mass=mass, law=law, gravity=gravity)
         contact = Contact(law, direction=np.eye(law.dimension), normal_force=mass * gravity)
-        self._keep(linear=LinearSystem(mass, contacts=[contact]))
+        self._keep(linear=LinearSystem(mass, contacts=[contact], **_lengths(law.dimension)))
+
+    def with_law(self, law: FrictionLaw) -> Self:
+        """Return the same system with another friction law."""
+        return self.replace(law=law)
 
     @property
     def dof(self) -> int:
@@ -53,6 +60,11 @@ class SlidingPoint(Value):
     def contacts(self) -> tuple[Contact, ...]:
         """The one contact, with W = I."""
         return self.linear.contacts
+
+    @property
+    def labels(self) -> Labels:
+        """Names and units of coordinates and contacts."""
+        return self.linear.labels
 
     @property
     def _core(self) -> _core.LinearSystem:
@@ -113,7 +125,7 @@ class MassOnBelt(Value):
             belt_velocity=arrays.read_only(belt),
         )
         contact = Contact(law, direction=np.eye(p), normal_force=normal_force, velocity=-belt)
-        self._keep(linear=LinearSystem(mass, stiffness=springs, contacts=[contact]))
+        self._keep(linear=LinearSystem(mass, stiffness=springs, contacts=[contact], **_lengths(p)))
 
     @property
     def equilibrium(self) -> Array:
@@ -124,6 +136,10 @@ class MassOnBelt(Value):
         except np.linalg.LinAlgError:
             raise ParameterError("stiffness", "must be regular for an equilibrium") from None
         return arrays.array(position, "equilibrium")
+
+    def with_law(self, law: FrictionLaw) -> Self:
+        """Return the same system with another friction law."""
+        return self.replace(law=law)
 
     @property
     def dof(self) -> int:
@@ -136,8 +152,21 @@ class MassOnBelt(Value):
         return self.linear.contacts
 
     @property
+    def labels(self) -> Labels:
+        """Names and units of coordinates and contacts."""
+        return self.linear.labels
+
+    @property
     def _core(self) -> _core.LinearSystem:
         return self.linear._core
+
+
+def _lengths(p: int) -> dict[str, list[str]]:
+    """Return names and units of p coordinates that are lengths along e₁, e₂, e₃."""
+    return {
+        "coordinate_names": [f"x{axis + 1}" for axis in range(p)],
+        "coordinate_units": ["m"] * p,
+    }
 
 
 def _check_law(law: object) -> None:

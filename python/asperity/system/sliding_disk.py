@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -125,15 +126,29 @@ class SlidingDisk(RigidBodies):
             orientation=(np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)),
             velocity=(*start, 0.0),
             angular_velocity=(0.0, 0.0, spin),
+            name="disk",
         )
         points = [
             *_ring(PADS, 0.5 * pad_circle, -0.5 * height),
             *_ring(_EDGE_POINTS, 0.5 * diameter, pad_height - 0.5 * height),
             *_ring(_EDGE_POINTS, 0.5 * diameter, 0.5 * height),
         ]
-        touching = [PointPlane(0, point=point, plane=Plane(), law=law) for point in points]
+        rings = (("pad", PADS), ("lower edge", _EDGE_POINTS), ("upper edge", _EDGE_POINTS))
+        names = [f"{ring} {number}" for ring, count in rings for number in range(count)]
+        touching = [
+            PointPlane(0, point=point, plane=Plane(), law=law, name=name)
+            for point, name in zip(points, names, strict=True)
+        ]
         super().__init__([body], pairs=touching, gravity=down)
         self._set(law=law, velocity=start, position=place, **given, gravity=self.gravity)
+
+    def with_law(
+        self, law: FrictionLaw, *, pairs: int | str | Sequence[int | str] | None = None
+    ) -> Self:
+        """Return the same disk with another friction law, which all its pads share."""
+        if pairs is not None:
+            raise ParameterError("pairs", "must be None: all pads of the disk share one law")
+        return self.replace(law=law)
 
     def path(self, trajectory: Trajectory) -> Array:
         """Return the positions (x₁, x₂) of the centre of mass in m, shape ``(n_t, 2)``.
