@@ -23,6 +23,7 @@ pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
 use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::law::Law;
+use crate::vectors::copy;
 use time_function::{Extent, sample_times};
 
 /// What of a system never changes, so that it is computed once.
@@ -461,7 +462,7 @@ pub trait System: Debug + Sync {
         midpoint.t = t;
         self.advance(q, u, 0.5 * dt, &mut midpoint.q);
         self.derive(&midpoint.q, &mut midpoint.derived);
-        midpoint.before.copy_from_slice(u);
+        copy(u, &mut midpoint.before);
         let at = Configuration { t, piece: t, q: &midpoint.q, derived: &midpoint.derived };
         self.forces(&at, u, &mut midpoint.forces)
     }
@@ -480,7 +481,7 @@ pub trait System: Debug + Sync {
         q: &mut [f64],
         u: &mut [f64],
     ) -> Result<(), SystemError> {
-        u.copy_from_slice(after);
+        copy(after, u);
         self.advance(&midpoint.q, u, 0.5 * dt, q);
         Ok(())
     }
