@@ -32,6 +32,8 @@ RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 ROOMS_WITHIN = {
     "identify": ["records", "forces", "fitting"],
     "identify/fitting": ["models", "data", "least_squares", "uncertainty"],
+    "steady_sliding": ["critical", "linearised"],
+    "track": ["film", "image", "following"],
 }
 MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "runs"}
 MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "commands"}

@@ -2,9 +2,12 @@
 
 from asperity.steady_sliding.analysis import Stability, stability
 from asperity.steady_sliding.chart import growth_chart
-from asperity.steady_sliding.directions import critical_directions, ellipses_can_be_unstable
+from asperity.steady_sliding.critical.directions import (
+    critical_directions,
+    ellipses_can_be_unstable,
+)
+from asperity.steady_sliding.critical.rotations import critical_rotation
 from asperity.steady_sliding.incremental import incremental_distance
-from asperity.steady_sliding.rotations import critical_rotation
 from asperity.steady_sliding.steady_state import Equilibrium, equilibrium
 
 __all__ = [

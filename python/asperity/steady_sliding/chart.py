@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
-from asperity.steady_sliding.pencil import ROUNDING, SAFETY, Complex, Pencil
+from asperity.steady_sliding.linearised.pencil import ROUNDING, SAFETY, Complex, Pencil
 from asperity.system import MassOnBelt
 
 # In first-order matrices without entries above this size real parts below and above these parts of

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.steady_sliding.pencil import Complex, Pencil
+from asperity.steady_sliding.linearised.pencil import Complex, Pencil
 
 # Real part, in parts of the eigenvalue, that errors should not hide.
 _FINE = 1e-6

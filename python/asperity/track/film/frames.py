@@ -190,7 +190,7 @@ def open_frames(source: str | os.PathLike[str] | Frames | Iterable[Pixels]) -> F
         return ImageFolder(path)
     if not path.is_file():
         raise ParameterError(str(path), "is neither a video file nor a folder of images")
-    from asperity.track.video import VideoFile
+    from asperity.track.film.video import VideoFile
 
     return VideoFile(path)
 

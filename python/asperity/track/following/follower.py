@@ -9,11 +9,11 @@ import numpy as np
 
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
-from asperity.track.circle import Circle, fit_circle
-from asperity.track.frames import Frame
-from asperity.track.scene import Scene
-from asperity.track.segmentation import Candidates, Mark, Outline, outline, search
-from asperity.track.sight import Sight, Sighting
+from asperity.track.film.frames import Frame
+from asperity.track.following.sight import Sight, Sighting
+from asperity.track.image.circle import Circle, fit_circle
+from asperity.track.image.scene import Scene
+from asperity.track.image.segmentation import Candidates, Mark, Outline, outline, search
 
 # The region of interest in radii of the mark, and how often it may be widened.
 _REGION, _WIDENING, _TRIES = 1.4, 1.6, 4

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity.steady_sliding.linearisation import (
+from asperity.steady_sliding.linearised.linearisation import (
     CONE,
     COUPLING,
     DIRECTION,
@@ -18,8 +18,8 @@ from asperity.steady_sliding.linearisation import (
     Linearisation,
     total,
 )
-from asperity.steady_sliding.pencil import Pencil
-from asperity.steady_sliding.spectrum import Spectrum, spectrum
+from asperity.steady_sliding.linearised.pencil import Pencil
+from asperity.steady_sliding.linearised.spectrum import Spectrum, spectrum
 
 DAMPING, STIFFNESS = "negative damping", "negative stiffness"
 # What the direction of friction does where its part of B is symmetric.

@@ -13,7 +13,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.track.frames import Pixels
+from asperity.track.film.frames import Pixels
 
 Colour = Literal["red", "green", "blue", "yellow", "magenta", "cyan", "white", "black"]
 _COLOURS: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {

@@ -9,8 +9,8 @@ import numpy as np
 from asperity._base.arrays import Array, unit_vectors
 from asperity.errors import DimensionError, ParameterError
 from asperity.sets import StarSet
-from asperity.steady_sliding.directions import angle_of, margins
-from asperity.steady_sliding.scan import NARROW, TURN, Interval, least, negative, refined
+from asperity.steady_sliding.critical.directions import angle_of, margins
+from asperity.steady_sliding.critical.scan import NARROW, TURN, Interval, least, negative, refined
 
 _ROTATIONS, _POINTS = 360, 360
 # Minima over the sliding direction that are followed to the end.

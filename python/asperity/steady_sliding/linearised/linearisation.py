@@ -10,10 +10,10 @@ import numpy as np
 
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
-from asperity.steady_sliding.field import STEP, Field
-from asperity.steady_sliding.painleve import not_keeping_apart
-from asperity.steady_sliding.pencil import ROUNDING, SAFETY, Pencil
-from asperity.steady_sliding.sliding import Sliding
+from asperity.steady_sliding.linearised.field import STEP, Field
+from asperity.steady_sliding.linearised.painleve import not_keeping_apart
+from asperity.steady_sliding.linearised.pencil import ROUNDING, SAFETY, Pencil
+from asperity.steady_sliding.linearised.sliding import Sliding
 
 # Names of the contributions to B and K.
 INTERNAL = "internal"

@@ -12,7 +12,7 @@ import numpy as np
 from asperity._base import arrays
 from asperity._base.files import replaced
 from asperity.errors import ParameterError
-from asperity.track.frames import Frame, Pixels
+from asperity.track.film.frames import Frame, Pixels
 
 # Clocks of cameras jitter and count in ticks: an interval of a constant rate differs from the usual
 # one by less than this factor or by one tick, and a stamp from an even clock's by one interval.

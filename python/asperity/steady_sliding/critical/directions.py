@@ -9,7 +9,7 @@ from asperity._base.arrays import Array, unit_vectors
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
-from asperity.steady_sliding.scan import Interval, negative, refined
+from asperity.steady_sliding.critical.scan import Interval, negative, refined
 
 # Angle by which normals are taken on both sides of a point, to see corners.
 _SIDE = 1e-12

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
-from asperity.track.frames import Frame
-from asperity.track.sight import Sight, Sighting
+from asperity.track.film.frames import Frame
+from asperity.track.following.sight import Sight, Sighting
 
 # A mark that went on by `_MOVING` pixels per frame before and after and hardly moves, to this share
 # of it, in `_LONGEST` frames or fewer in between, may have been shown again.

@@ -9,8 +9,8 @@ import numpy as np
 
 from asperity._base.arrays import Array
 from asperity.law import FrictionLaw
-from asperity.steady_sliding.directions import margins
-from asperity.steady_sliding.field import ContactState
+from asperity.steady_sliding.critical.directions import margins
+from asperity.steady_sliding.linearised.field import ContactState
 
 
 @dataclass(frozen=True, eq=False)
