@@ -11,8 +11,9 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 demo: $(VENV)/.installed
 	$(BIN)/asperity demo --out out/demo
 
+# FIGURES names some of them by number: `make figures FIGURES="1 17"`.
 figures: $(VENV)/.installed
-	$(BIN)/asperity figures --out out/figures
+	cd examples && ../$(BIN)/python -m paper --out ../out/figures $(FIGURES)
 
 test: test-rust test-python
 
