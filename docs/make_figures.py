@@ -3,8 +3,7 @@
 Run: PYTHONPATH=examples python docs/make_figures.py
 """
 
-import subprocess
-import sys
+import runpy
 from pathlib import Path
 from typing import Any
 
@@ -323,8 +322,9 @@ def bifurcation() -> None:
 
 def conveyor() -> None:
     """Run the example of the vibratory conveyor."""
-    script = ROOT / "examples" / "vibratory_conveyor.py"
-    subprocess.run([sys.executable, script, IMAGES / "conveyor.png"], check=True)
+    script = ROOT / "examples" / "bodies" / "vibratory_conveyor.py"
+    runpy.run_path(str(script))
+    asp.plot.save_figure(plt.gcf(), IMAGES / "conveyor.png")
 
 
 def paper() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -151,9 +150,7 @@ def report(checks: Sequence[Check]) -> None:
 
 
 def show(draw: Callable[[], Redrawn]) -> None:
-    """Draw a figure, print its checks, and write the picture to the path that is given."""
+    """Draw a figure, print its checks, and show it."""
     with asp.plot.style():
-        drawn = draw()
-    report(drawn.checks)
-    if len(sys.argv) > 1:
-        asp.plot.save_figure(drawn.figure, sys.argv[1])
+        report(draw().checks)
+    plt.show()

@@ -1,18 +1,26 @@
-"""A system written in Python: a rigid pendulum with a rough bearing.
+"""A system of one's own
+========================
 
-Run: python custom_system.py pendulum.png
+A pendulum hangs in a rough bearing. After how many swings does it rest, and how far from the
+vertical? The system is written in Python: mass matrix, forces, and the direction of each friction
+force.
 """
 
-import sys
-
 import asperity as asp
+import matplotlib.pyplot as plt
 import numpy as np
 
 MASS, LENGTH, GRAVITY, BEARING_RADIUS = 0.5, 0.3, 9.81, 0.01
 
+# %%
+# Equations of motion
+# -------------------
+# With the angle :math:`\varphi` from the vertical, :math:`m l^2 \ddot\varphi = -m g l \sin\varphi +
+# R \lambda`. The pin of the bearing slides with the velocity :math:`R\dot\varphi`.
+
 
 class Pendulum(asp.System):
-    """One angle; the bearing's pin slides with the velocity R φ̇ under a constant load."""
+    """One angle, and a friction force under the constant load m g."""
 
     dof = 1
 
@@ -33,14 +41,19 @@ class Pendulum(asp.System):
         return np.array([[BEARING_RADIUS]])
 
 
+# %%
+# Until rest
+# ----------
+
 motion = asp.simulate(Pendulum(friction=0.8), dt=1e-3, t_end=30.0, q0=[1.2], until_rest=True)
 print(motion.summary())
 print(f"at rest after {motion.t[-1]:.2f} s, {np.rad2deg(motion.q[-1, 0]):.3f}° from the vertical")
 
-with asp.plot.style():
-    import matplotlib.pyplot as plt
+# %%
+# Dry friction takes the same angle from every swing, so that amplitudes fall along a straight line.
 
+with asp.plot.style():
     figure, ax = plt.subplots(layout="constrained")
-ax.plot(motion.t, np.rad2deg(motion.q[:, 0]))
-ax.set(xlabel="time in s", ylabel="angle in degrees")
-asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "custom_system.png")
+    ax.plot(motion.t, np.rad2deg(motion.q[:, 0]))
+    ax.set(xlabel="time in s", ylabel="angle from the vertical in degrees")
+plt.show()
