@@ -50,7 +50,7 @@ print(motion.summary())
 print(f"at rest after {motion.t[-1]:.2f} s, {np.rad2deg(motion.q[-1, 0]):.3f}° from the vertical")
 
 # %%
-# Dry friction takes the same angle from every swing, so that amplitudes fall along a straight line.
+# Dry friction takes nearly the same angle from every swing: amplitudes fall along a straight line.
 
 with asp.plot.style():
     figure, ax = plt.subplots(layout="constrained")
