@@ -19,7 +19,27 @@ MODULES = [
     ),
 ]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
+SOURCES = sorted([*PAGES, *(ROOT / "python" / "asperity").rglob("*.py")])
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
+
+
+def _avoided():
+    """Return the phrases that CONTRIBUTING lists as ones to avoid."""
+    table = (ROOT / "CONTRIBUTING.md").read_text().split("| write | not |\n|---|---|\n")[1]
+    rows = table[: table.index("\n\n")].splitlines()
+    return [phrase.strip() for row in rows for phrase in row.split("|")[2].split(",")]
+
+
+def test_preferred_terms():
+    avoided = _avoided()
+    assert len(avoided) > 5
+    found = [
+        f"{path.relative_to(ROOT)}: {phrase}"
+        for path in SOURCES
+        for phrase in avoided
+        if re.search(rf"\b{phrase}\b", " ".join(path.read_text().split()), re.IGNORECASE)
+    ]
+    assert not found
 
 
 @pytest.mark.parametrize("name", MODULES)

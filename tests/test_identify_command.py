@@ -269,8 +269,8 @@ def test_one_turn_is_fitted_without_bands(tmp_path, capsys):
     assert identify(tmp_path, "run_1.csv", out=tmp_path / "out") == 1
     printed = capsys.readouterr().out
     assert "nan" not in printed
-    assert "warning: there are no bands: one complete turn" in printed
-    assert "there are no bands" in (tmp_path / "out" / "report.html").read_text()
+    assert "warning: there are no confidence intervals: one complete turn" in printed
+    assert "there are no confidence intervals" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_radii_on_the_axes_are_those_of_the_reservoir():

@@ -45,7 +45,7 @@ def test_report_is_one_file_that_needs_no_other(tmp_path):
 def test_reports_of_fits_that_lack_something(tmp_path):
     phi, force = data(turns=1)
     text = fit_law((phi, force), confidence=None).report(tmp_path / "one.html").read_text()
-    assert "without bands" in text
+    assert "without confidence intervals" in text
     assert "ΔBIC" not in text
     fit = fit_law(data(noise=0.0), "fourier", FourierDirection(30))
     text = fit.report(tmp_path / "two.html").read_text()

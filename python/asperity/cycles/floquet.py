@@ -14,7 +14,7 @@ from asperity.runs.motion import Motion
 Complex = NDArray[np.complex128]
 
 # The multipliers are found by central differences of motions that are integrated as sharply as
-# this, with steps in parts of the scale of the states.
+# this, with steps relative to the scale of the states.
 _SHARP, _ASIDE = 1e-13, 1e-4
 # A multiplier that is one to this accuracy belongs to a continuum of periodic orbits.
 _ISOLATED = 1e-4

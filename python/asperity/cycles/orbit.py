@@ -23,7 +23,7 @@ class LimitCycle(Value):
         section: the section.
         multipliers: Floquet multipliers, the 2n − 1 eigenvalues of the return map's derivative, by
             falling modulus; a motion with stick has zeros among them.
-        residual: ‖P(x) − x‖ in parts of the orbit's extent.
+        residual: ‖P(x) − x‖ relative to the orbit's extent.
         iterations: of Newton's method.
     """
 

@@ -14,7 +14,7 @@ SAME_TURN = 6
 """Turns of a section that may make up one period."""
 
 RECURRENCE = 0.02
-"""Newton's method begins when two passages are so close, in parts of the orbit's extent."""
+"""Newton's method begins when two passages are so close, relative to the orbit's extent."""
 
 _PASSAGES = 200
 # Passages that recur are this many times closer than the turns of a spiral grow.
@@ -31,7 +31,7 @@ def recurring(
     """Return scale, state and period when the motion passes the section as it did before.
 
     Where deviations from an equilibrium grow by the share `growth` per turn, passages of such a
-    spiral differ by half of it in parts of the extent: closer ones are asked for.
+    spiral differ by half of it relative to the extent: closer ones are asked for.
     """
     close = min(RECURRENCE, growth / _WITHIN_A_SPIRAL) if growth > 0.0 else RECURRENCE
     states: list[Array] = []

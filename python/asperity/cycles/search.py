@@ -66,7 +66,7 @@ def limit_cycle(
             the linearised system and the longest stick.
         near: cycle of a similar system; Newton's method starts from it at once. Excludes the other
             starts.
-        tolerance: largest ‖P(x) − x‖ in parts of the orbit's extent.
+        tolerance: largest ‖P(x) − x‖ relative to the orbit's extent.
 
     Returns:
         The cycle, stable or not; the motion's own recurrence leads to stable ones, and to others

@@ -13,7 +13,7 @@ from asperity.runs.event_driven import integrate
 from asperity.runs.motion import Motion, Section
 from asperity.runs.time_stepping import Model
 
-# Step of difference quotients in parts of the scale of the states.
+# Step of difference quotients relative to the scale of the states.
 _FORWARD = 1e-6
 _ITERATIONS = 15
 # A return is looked for up to so many times the expected period.
@@ -68,7 +68,7 @@ class ReturnMap:
         return Return(end, float(motion.t[-1]), motion)
 
     def defect(self, state: Array, image: Array) -> float:
-        """Return ‖P(x) − x‖ in parts of the scale of the states."""
+        """Return ‖P(x) − x‖ relative to the scale of the states."""
         return float(np.abs((image - state) / self.scale).max())
 
     def place(self, image: Return) -> Place:

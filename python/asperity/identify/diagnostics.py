@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 _AT_BOUND = 1e-6
 # So many samples that are half as large again as the others move Cauchy's loss by half a standard
-# error: 33 of 40 bands of 95 % held the truth with 5 %, 37 of 40 with 1 % and with none.
+# error: 33 of 40 confidence intervals of 95 % held the truth with 5 %, 37 of 40 with 1 % and with
+# none.
 _MUCH = 0.03
 # Between forces farther apart than this, the shape of C is a guess of its model.
 _WIDEST_GAP = np.deg2rad(30.0)
@@ -49,8 +50,8 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
     sentences = _records_missing(fit)
     if fit.turns == 1:
         sentences.append(
-            "there are no bands: one complete turn has no scatter between turns; record at least "
-            "2 turns (10 are better)"
+            "there are no confidence intervals: one complete turn has no scatter between turns; "
+            "record at least 2 turns (10 are better)"
         )
     for (name, estimate), stuck in zip(fit.parameters.items(), fit.at_bounds, strict=False):
         if stuck:
@@ -74,13 +75,14 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
     if "lack of fit" in defects and defects["lack of fit"].matters:
         sentences.append(
             f"the model does not fit: it misses the mean forces by "
-            f"{defects['lack of fit'].size:.1%}, more than turns scatter; bands do not hold this"
+            f"{defects['lack of fit'].size:.1%}, more than turns scatter; the "
+            "confidence intervals do not include this"
         )
     return (*sentences, *_unlike_noise(fit))
 
 
 def _unlike_noise(fit: Fit) -> list[str]:
-    """Return what differs from the scatter of turns that bands hold: outliers, drift, steps."""
+    """Return what confidence intervals do not include: outliers, drift, steps."""
     sentences = []
     far, kind = fit.outliers, fit.loss.kind
     follows = {
@@ -94,17 +96,18 @@ def _unlike_noise(fit: Fit) -> list[str]:
         remedy = "leave them out" if kind == "cauchy" else "choose the loss 'cauchy'"
         sentences.append(
             f"{far.share:.2g} of the samples are outliers{side}, which the loss {kind!r} follows; "
-            f"bands do not hold this: {remedy}"
+            f"the confidence intervals do not include this: {remedy}"
         )
     if fit.drift.matters:
         sentences.append(
             f"forces drift by {fit.drift.size:+.2%} from the first turn of a run to its last: a "
-            "gain, a zero or the friction changes; bands do not hold this"
+            "gain, a zero or the friction changes; the confidence intervals do not include this"
         )
     for channel, step, noise in fit.coarse_channels:
         sentences.append(
             f"the {channel} channel has steps of {step:.3g}, which its noise of {noise:.2g} does "
-            "not blur: errors of rounding follow the force, and bands do not hold them"
+            "not blur: errors of rounding follow the force, and the confidence intervals do not "
+            "include them"
         )
     return sentences
 
@@ -119,7 +122,7 @@ _MOST_NAMED = 6
 
 def _records_missing(fit: Fit) -> list[str]:
     """Return what errors of which nothing is known would do to the parameters."""
-    bands = "" if fit.covariance is None else "; bands do not hold this"
+    bands = "" if fit.covariance is None else "; the confidence intervals do not include this"
     return [
         f"{what}: {_ERRORS[cause]} would change {_changes(fit, moved)}{bands}"
         for cause, (what, moved) in fit.missing.items()

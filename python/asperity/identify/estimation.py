@@ -53,8 +53,9 @@ def fit_law(
 ) -> Fit:
     """Fit a law's sets C and D to measured forces: min Σ‖−λ − λ_N f(φ)‖² over all samples.
 
-    The model meets the unfiltered samples. Bands hold what differs between turns, or between runs
-    where there are three or more, and the uncertainty of calibration and zeros, which all share.
+    The model meets the unfiltered samples. Confidence intervals include what differs between
+    turns, or runs where there are three or more, and the uncertainty of calibration and zeros,
+    which all share.
     Degrees of freedom are one less than turns or runs, and those of the calibration.
 
     Args:
@@ -66,7 +67,8 @@ def fit_law(
         joint: fit C and D together to the forces; else C to their magnitudes over their
             directions and D to their directions over the sliding directions.
         loss: ``"linear"``, or ``"huber"`` or ``"cauchy"`` against outliers.
-        confidence: of the bands; None for a fit without bands, then one turn will do.
+        confidence: level of the confidence intervals; None for a fit without them, for which one
+            turn is enough.
 
     Raises:
         FitError: if directions are missing, forces do not oppose sliding, or nothing fits.
@@ -202,7 +204,7 @@ def _descend_about_axes(
             break
         descent = _descend(family, samples, p, loss, {family.size - 1: held})
         p = descent.p
-    # The bands are those of an angle that is free.
+    # The confidence intervals are those of an angle that is free.
     return descent._replace(sums=family.sums(samples, p, loss)), True
 
 
@@ -227,5 +229,5 @@ def _descend_on_shared_axes(
             best, cost = trial, trial.cost
     if best is None:
         return None
-    # The bands are those of angles that are free.
+    # The confidence intervals are those of angles that are free.
     return best._replace(sums=family.sums(samples, best.p, loss))

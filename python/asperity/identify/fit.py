@@ -1,4 +1,4 @@
-"""A law fitted to measured forces: sets, parameters with bands, residuals, report."""
+"""A law fitted to measured forces: sets, parameters with their uncertainty, residuals, report."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Fit(Value):
         family: the models.
         descent: where their coordinates ended.
         loss: of the residuals, with its scale.
-        confidence: of the bands; None for none.
+        confidence: level of the confidence intervals; None for none.
         comparison: with other models, where there was one.
         held: whether samples on the axes of D hold its angle.
         samples: of `data`, if they are at hand.
@@ -149,7 +149,7 @@ class Fit(Value):
 
     @cached_property
     def parameters(self) -> dict[str, Estimate]:
-        """Estimates with bands by name: ``reservoir.a``, ``direction.ratio`` = p₁/p₂ and others.
+        """Estimates with confidence intervals by name: ``reservoir.a``, ``direction.ratio`` ….
 
         Semi-axes are per unit normal force, angles in rad within ±45°. An angle is identifiable if
         the set differs from one that has none (at the level 0.01); the scale of D never is. Nor is
@@ -263,7 +263,7 @@ class Fit(Value):
         return self._family.forces(angles, self.coordinates)[0]
 
     def bands(self, phi: ArrayLike) -> Bands:
-        """Return the model forces at sliding directions φ in rad with their bands."""
+        """Return the model forces at sliding directions φ in rad with confidence bands."""
         angles = arrays.array(phi, "phi", (None,))
         force, derivative = self._family.forces(angles, self.coordinates)
         e = arrays.unit_vectors(angles)
@@ -283,7 +283,7 @@ class Fit(Value):
         )
 
     def radius_band(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
-        """Return r_C at angles θ in rad and the ends of its band, each ``(n,)``."""
+        """Return r_C at angles θ in rad and the ends of its confidence band, each ``(n,)``."""
         angles = arrays.array(theta, "theta", (None,))
         part = slice(0, self._family.split)
         log_radius, _, by = self._family.reservoir.log_radius(
@@ -296,7 +296,7 @@ class Fit(Value):
 
     @cached_property
     def comparison(self) -> Comparison:
-        """Other models of the same data, by BIC and by turns left out."""
+        """Other models of the same data, by BIC and by leave-one-turn-out cross-validation."""
         given: Comparison | None = self._parameters["comparison"]
         if given is not None:
             return given

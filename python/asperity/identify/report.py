@@ -44,7 +44,11 @@ def write_report(
 
 
 def _summary(fit: Fit) -> str:
-    bands = "without bands" if fit.confidence is None else f"bands of {100 * fit.confidence:g} %"
+    bands = (
+        "without confidence intervals"
+        if fit.confidence is None
+        else f"confidence intervals of {100 * fit.confidence:g} %"
+    )
     return (
         f"Reservoir C: {fit.reservoir_model}, direction set D: {fit.direction_model}, "
         f"{'jointly' if fit.joint else 'apart'}, {fit.loss.kind} loss. "
@@ -65,10 +69,11 @@ def _parameters(fit: Fit) -> list[Block]:
             for share in shares.tolist()
         ]
     sources = (
-        "Bands hold the scatter between turns, or between three runs or more (Student's t), "
-        "and the uncertainty of the calibration and of the records without load where these "
-        "are known; the last columns are their shares of the variance that is known. "
-        "Semi-axes are per unit normal force. The scale of D has no effect on forces."
+        "Confidence intervals include the scatter between turns, or between runs if there are "
+        "three or more (Student's t), and the uncertainty of the calibration and of the records "
+        "without load where these are known; the last columns are their shares of the variance "
+        "that is known. Semi-axes are per unit normal force. The scale of D has no effect on "
+        "forces."
     )
     return [Grid([*head, "turns", "calibration", "zeros"], rows), Text(sources)]
 
@@ -134,10 +139,10 @@ def _comparison(fit: Fit) -> list[Section]:
     ]
     note = (
         f"BIC prefers {best.reservoir} and {best.direction}; the smallest pair that predicts "
-        "turns left out as well as the best one, within a standard error, is "
+        "left-out turns as well as the best one, within a standard error, is "
         f"{predicting.reservoir} and {predicting.direction}. The samples are worth "
         f"{comparison.effective_samples:.0f} independent components of forces."
     )
-    head = ("C, D", "parameters", "residuals N", "ΔBIC", "turns left out")
+    head = ("C, D", "parameters", "residuals N", "ΔBIC", "cross-validation")
     marked = comparison.candidates.index(best)
     return [Section("Comparison of models", Grid(head, rows, marked), Text(note))]

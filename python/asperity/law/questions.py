@@ -88,7 +88,7 @@ class Questions(Evaluation):
             other: law with the same C and rate factor.
 
         Returns:
-            The verdict; its defect is the largest shortfall in parts of the other's dissipation,
+            The verdict; its defect is the largest shortfall relative to the other's dissipation,
             its witness the sliding direction where that is, shape ``(1, p)``.
 
         Raises:

@@ -32,7 +32,7 @@ class FrictionalImpactOscillator(Value, System):
 
     Beyond μ = tan φ (1 + d_φ/(d_y l² s²)) the part of the normal force that grows with the velocity
     feeds more power into the motion than the dampers take; at μ = tan φ + (m₂/m₁) cot φ Painlevé's
-    paradox begins. There is no gravity. The parameters are own ones: [WL19] gives none.
+    paradox begins. There is no gravity. [WL19] gives no parameters; these were chosen here.
 
     Args:
         mu: friction coefficient μ.

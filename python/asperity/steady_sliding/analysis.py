@@ -192,7 +192,7 @@ def stability(
 
     An eigenvalue counts as being on the imaginary axis unless it is certain that it is not: that no
     matrices within the errors of the entries of M, B and K, of rounding and of differences, have
-    an eigenvalue half-way between it and the axis. `growth_chart` goes by the same rule.
+    an eigenvalue half-way between it and the axis. `growth_chart` follows the same rule.
 
     Args:
         system: `LinearSystem`, `MassOnBelt`, `RigidBodies` or a `System`, at time 0.

@@ -22,7 +22,7 @@ def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> A
     Args:
         system: mass on a planar belt, of which stiffness, law and speed of the belt are used.
         phi: directions φ of the belt velocity from e₁ in rad, shape ``(m,)``; the slip of the mass
-            has the direction φ + π, which is what `critical_directions` tells of.
+            has the direction φ + π, which is what `critical_directions` returns.
         zeta: angles ζ in rad by which the reservoir C of the law is turned counter-clockwise, D
             stays; shape ``(k,)``.
 

@@ -1,4 +1,4 @@
-"""Comparison of models: Bayesian information criterion and prediction of turns left out."""
+"""Comparison of models: Bayesian information criterion and leave-one-turn-out cross-validation."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ class Comparison(Value):
 
     @property
     def best_predicting(self) -> Candidate:
-        """The smallest candidate that predicts turns left out as well as the best one.
+        """The smallest candidate that predicts left-out turns as well as the best one.
 
         As well means within one standard error.
         """
@@ -159,7 +159,7 @@ def compare_models(
     variances of the coordinates by the scatter of turns and by JᵀJ, on the average over the
     coordinates of the pair that fits best. Then BIC = (n/κ) ln(RSS/n) + k ln(n/κ), where the sum of
     squares RSS leaves out what errors of calibration and zeros within their covariance explain.
-    Turns left out have these errors in common with the others: there, models may follow them.
+    Left-out turns have these errors in common with the others: there, models may follow them.
 
     Args:
         data: as for `fit_law`, with at least two turns.

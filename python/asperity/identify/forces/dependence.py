@@ -24,11 +24,12 @@ class Dependence(Value):
     Args:
         values: λ_N in N or ‖γ‖ in m/s of each run, shape ``(m,)``.
         coefficients: mean of ‖λ‖/λ_N over the complete turns of each run, shape ``(m,)``.
-        confidence: of the band of n.
+        confidence: level of the confidence interval of n.
 
     Attributes:
         exponent: n; 0 where μ does not depend on x, for the load Amontons' law.
-        low, high: band of n from the scatter of the runs about the power, Student's t.
+        low, high: confidence interval of n from the scatter of the runs about the power,
+            Student's t.
 
     Raises:
         ParameterError: with fewer than three runs, or if they hardly differ.
@@ -74,7 +75,7 @@ class Dependence(Value):
 
     @property
     def is_independent(self) -> bool:
-        """Whether the band of the exponent holds 0."""
+        """Whether the confidence interval of the exponent holds 0."""
         return self.low <= 0.0 <= self.high
 
 
@@ -85,7 +86,7 @@ def load_dependence(
 
     Args:
         data: processed runs, of one pairing and similar speed.
-        confidence: of the band of the exponent.
+        confidence: level of the confidence interval of the exponent.
 
     Reference: [WL19] §3.
     """
@@ -100,7 +101,7 @@ def speed_dependence(
 
     Args:
         data: processed runs of raw data with `radius`, of one pairing and similar load.
-        confidence: of the band of the exponent.
+        confidence: level of the confidence interval of the exponent.
 
     Reference: [WL19] Def. 10.
     """

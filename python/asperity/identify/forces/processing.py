@@ -274,7 +274,7 @@ class ProcessedData(Value):
         return full_bins(self.phi, self.turn, arrays.count(most, "most", 8), each_turn=each_turn)
 
     def turn_averages(self, bins: int | None = None) -> dict[str, TurnAverage]:
-        """Return l_t and l_p, per unit normal force, and λ_N in N over each turn, with bands.
+        """Return l_t, l_p (per unit normal force), λ_N in N over each turn with confidence bands.
 
         By default in 360 bins, or as many as hold samples of every turn.
         """

@@ -65,12 +65,12 @@ class TurnAverage(Value):
     Args:
         phi: centres of the bins in rad, shape ``(k,)``.
         turns: mean of each turn in each bin, shape ``(m, k)``.
-        confidence: of the bands.
+        confidence: level of the confidence bands.
 
     Attributes:
         mean: over the turns, shape ``(k,)``.
-        low, high: band of the mean from the scatter of the turns, Student's t; shape ``(k,)``;
-            infinite for a single turn.
+        low, high: confidence band of the mean from the scatter of the turns, Student's t;
+            shape ``(k,)``; infinite for a single turn.
         offset: mean of each turn minus the mean of all, shape ``(m,)``.
         drift: slope of the turns' means, per turn.
     """
@@ -135,7 +135,7 @@ def average_turns(
         values: signal, shape ``(n,)``.
         turn: number of the turn of each sample, negative where it does not count; shape ``(n,)``.
         bins: number k of bins.
-        confidence: of the bands of the mean.
+        confidence: level of the confidence bands of the mean.
 
     Raises:
         ParameterError: if a bin of a turn holds no sample, or there is no complete turn.

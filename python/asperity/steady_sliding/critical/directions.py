@@ -43,7 +43,7 @@ def critical_directions(law: FrictionLaw) -> list[Interval]:
 
     There a body with M ∝ I slides unsteadily on a belt. φ is the direction of γ, of the body's slip
     over the ground: on a belt that moves along φ_b a resting body slips along φ_b + π, which is
-    not the same unless C and D are symmetric; `growth_chart` goes by φ_b. Where D is flat the
+    not the same unless C and D are symmetric; `growth_chart` uses φ_b. Where D is flat the
     force is set-valued for one direction, which is no interval and is not reported.
 
     Args:

@@ -12,7 +12,7 @@ from asperity._base.arrays import Array
 Complex = NDArray[np.complex128]
 
 _EPS = float(np.finfo(np.float64).eps)
-# Rounding in matrices of n equations and their inverses, in parts of the entries and of n.
+# Rounding in matrices of n equations and their inverses, relative to the entries and to n.
 ROUNDING = 50.0 * _EPS
 # Factor for estimated errors.
 SAFETY = 4.0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from asperity.steady_sliding.linearised.pencil import Complex, Pencil
 
-# Real part, in parts of the eigenvalue, that errors should not hide.
+# Real part, relative to the eigenvalue, that errors should not hide.
 _FINE = 1e-6
 
 

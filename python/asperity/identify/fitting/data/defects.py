@@ -69,7 +69,7 @@ def asymmetry(phi: Array, force: Array) -> Defect:
 
 
 def common_error(data: Any, force: Array) -> float:
-    """Return the standard error of λ_t or λ_r that all turns share, in parts of the force."""
+    """Return the standard error of λ_t or λ_r that all turns share, relative to the force."""
     calibration = getattr(data, "calibration_covariance", None)
     zero = getattr(data, "zero_covariance", None)
     if calibration is None and zero is None:
@@ -104,7 +104,7 @@ def closure(phi: Array, force: Array, error: float = 0.0) -> Defect:
 
 
 def lack_of_fit(left: Array, force: Array, error: float = 0.0) -> Defect:
-    """Return the mean distance of the model from mean forces, in parts of the force.
+    """Return the mean distance of the model from mean forces, relative to the force.
 
     It matters where means of all turns are farther off than the scatter of turns explains.
 
@@ -112,7 +112,7 @@ def lack_of_fit(left: Array, force: Array, error: float = 0.0) -> Defect:
         left: means of measured minus model forces, ``(g, n, 2)``. The model is that at the samples:
             where forces turn fast, its mean over a bin is not what it is in the middle.
         force: mean forces, ``(g, n, 2)``.
-        error: standard error that all turns share, in parts of the force.
+        error: standard error that all turns share, relative to the force.
     """
     mean = left.mean(axis=0)
     size = float(np.sqrt((mean**2).sum(axis=-1).mean()) / _mean_size(force))

@@ -22,7 +22,7 @@ class Drift(NamedTuple):
     """A trend of the forces over the turns of a run.
 
     Attributes:
-        size: change from the first turn of a run to its last, in parts of the force: the mean over
+        size: change from the first turn of a run to its last, relative to the force: the mean over
             runs if they have one trend in common, else that of the run that drifts most.
         matters: whether it is neither scatter nor too small.
     """

@@ -19,7 +19,7 @@ FLATTEST, SHARPEST = 0.3, 60.0
 
 
 class Scale(Enum):
-    """How a reported parameter follows from its coordinate: monotone, so that bands map too."""
+    """How a reported parameter follows from its coordinate: monotone, so that intervals map."""
 
     PLAIN = "x"
     LOG = "exp x"
@@ -81,14 +81,15 @@ def folded(p: Array, axes: int | slice, swapped: Array) -> Array:
 
 
 class Estimate(Record):
-    """A parameter with its band.
+    """A parameter with its confidence interval.
 
     Args:
         value: estimate, in SI units or rad.
-        low: lower end of the band.
-        high: upper end of the band.
+        low: lower end of the confidence interval.
+        high: upper end of the confidence interval.
         standard_error: standard deviation of the estimate.
-        identifiable: False if the data cannot tell this parameter; then the band is all there is.
+        identifiable: False if the data do not determine this parameter; then only the interval
+            has a meaning.
 
     >>> from asperity.identify import Estimate
     >>> Estimate(0.54, 0.53, 0.55, 0.005).covers(0.536)
@@ -102,7 +103,7 @@ class Estimate(Record):
     identifiable: bool = True
 
     def covers(self, truth: float) -> bool:
-        """Return whether the band holds a value."""
+        """Return whether the confidence interval holds a value."""
         return self.low <= arrays.number(truth, "truth") <= self.high
 
     def __str__(self) -> str:

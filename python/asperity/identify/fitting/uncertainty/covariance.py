@@ -248,7 +248,7 @@ def has_angle(p: Array, roundness: Roundness, covariance: Covariance) -> bool:
 def estimate(
     x: float, coordinate: Coordinate, half_width: float, standard_error: float, told: bool
 ) -> Estimate:
-    """Return a parameter with its band from its coordinate."""
+    """Return a parameter with its confidence interval from its coordinate."""
     scale = coordinate.scale
     value, low, high = scale.natural(np.array([x, x - half_width, x + half_width]))
     slope = float(scale.slope(np.array(x)))

@@ -9,7 +9,8 @@ at which angle of D it has the direction that was measured. The minimum is at on
 or next to it, unless the samples away from the axes know the angle better than those on them.
 
 What error such an angle has is no question of derivatives either: it may be far smaller than that
-of the samples away from the axes. Its band is as wide as that of the latter, which is safe.
+of the samples away from the axes. Its confidence interval is as wide as that of the latter,
+which is safe.
 """
 
 from __future__ import annotations
