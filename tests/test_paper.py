@@ -13,6 +13,7 @@ mpl.use("Agg")
 from asperity.commands.options import table
 from asperity.demo import Check, belt, sliding, table1
 from paper.__main__ import FIGURES, main, redraw
+from paper.curves import write_curves
 from paper.laws import fig01, fig10
 from paper.statements import (
     never_positive,
@@ -107,7 +108,7 @@ SCHEMATIC = {(4, "a"), (6, "a"), (10, "a"), (14, "a"), (14, "b")}
 SCHEMATIC |= {(13, panel) for panel in "abcd"} | {(18, "a"), (22, "a")}
 """Panels that show nothing computed."""
 
-FILLED = {"gauge", "edge of the half-plane", "contour of no growth", "eigenvalues", "orbit"}
+FILLED = {"gauge", "contour of no growth", "eigenvalues", "orbit"}
 """Curves that bound a filling or have changing colours; neither lines nor arrows."""
 
 
@@ -144,15 +145,14 @@ def tabulated(path):
 def test_data_of_a_redrawn_figure_are_what_is_drawn(redrawn, number, tmp_path):
     """Every point of a line and every arrow is in the file, and nothing else is."""
     figure, curves = redrawn[number].figure, redrawn[number].curves
-    curves.write(tmp_path / "data.csv")
+    write_curves(tmp_path / "data.csv", curves)
     header, found = tabulated(tmp_path / "data.csv")
     assert header == ["panel", "curve", "x", "y", *(["z"] if number == 2 else []), "dx", "dy"]
     titled = {ax.get_title("left") or ax.get_title(): ax for ax in figure.axes}
     # Bars of colours have no title.
     panels = {title[1]: ax for title, ax in titled.items() if title}
     computed = {panel for panel in panels if (number, panel) not in SCHEMATIC}
-    # The sketches of Figs. 20 and 21 have no panels; their tables hold what is labelled.
-    assert {panel for panel, _ in found} == ({"a"} if number in (20, 21) else computed)
+    assert {panel for panel, _ in found} == computed
     for panel in computed:
         points, arrows = drawn_in(panels[panel])
         lines = {
@@ -184,21 +184,19 @@ FORCES |= {"12a": 20, "12b": 20, "12c": 8}
 def test_data_hold_forces_on_the_boundary_with_their_sliding_directions(redrawn, name, count):
     """A polygon through the boundary's points has gauge 1 at the forces, up to its chords."""
     number, panel = int(name[:-1]), name[-1]
-    columns = redrawn[number].curves.columns()
-    rows = list(zip(*columns.values(), strict=True))
 
-    def rows_of(curve):
-        prefix = "T " if name == "8a" else ""
-        return np.array([row[2:] for row in rows if row[:2] == (panel, prefix + curve)], float)
+    def data(curve):
+        curve = f"T {curve}" if name == "8a" else curve
+        return np.vstack([rows for *at, rows in redrawn[number].curves if at == [panel, curve]])
 
-    forces = rows_of("force")
-    forces = forces[:, :2] if np.isnan(forces[:, 2:]).all() else forces[:, 2:]
+    forces = data("force")
+    forces = forces if forces.shape[1] == 2 else forces[:, 2:]
     assert len(forces) == count
-    outline = rows_of("bdry C")[:-1, :2]
+    outline = data("bdry C")[:-1]
     # One chord of a rectangle's outline cuts off each corner.
     chords = 3e-3 if name == "6b" else 2e-4
     np.testing.assert_allclose(asp.Polygon(outline).gauge(forces), 1.0, atol=chords)
-    slips = rows_of("sliding direction")
+    slips = data("sliding direction")
     assert {tuple(tail) for tail in slips[:, :2]} == {tuple(force) for force in forces}
     assert (slips[:, :2] * slips[:, 2:]).sum(axis=1).min() > 0.0
 

@@ -98,11 +98,6 @@ def test_figures_say_that_their_law_is_invented(figures):
         assert any("synthetic" in text for text in texts), number
 
 
-def test_tables_of_the_sketches_hold_their_labels(figures):
-    assert "linear ball spline" in figures[20].curves.columns()["curve"]
-    assert "sensor" in figures[21].curves.columns()["curve"]
-
-
 def test_panels_of_the_laws_are_of_one_size_and_explained_once(figures):
     figure = figures[26].figure
     assert len({round(ax.get_window_extent().height, 3) for ax in figure.axes}) == 1

@@ -3,8 +3,6 @@
 Run in examples/: python -m paper --out ../out/figures 1 2 17
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from importlib import import_module
@@ -13,7 +11,7 @@ from pathlib import Path
 import asperity as asp
 import matplotlib as mpl
 import matplotlib.pyplot as plt
-
+from paper.curves import write_curves
 from paper.frame import Redrawn, report
 
 HERE = Path(__file__).parent
@@ -47,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for number in options.figures or FIGURES:
         drawn = redraw(number)
         asp.plot.save_figure(drawn.figure, options.out / f"fig{number:02d}.png")
-        drawn.curves.write(options.out / f"fig{number:02d}.csv")
+        write_curves(options.out / f"fig{number:02d}.csv", drawn.curves)
         plt.close(drawn.figure)
         report(drawn.checks)
         checks += drawn.checks

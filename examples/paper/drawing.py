@@ -1,7 +1,5 @@
 """Colours, directions, outlines and arrows that the figures share."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import asperity as asp

@@ -1,14 +1,11 @@
 """What a redrawn figure of [WL19] consists of, and the frame that all of them share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import asperity as asp
 import matplotlib.pyplot as plt
-import numpy as np
 from asperity.demo import Check
 from asperity.plot import plot_law
 from matplotlib.artist import Artist
@@ -16,19 +13,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.quiver import Quiver
-from matplotlib.text import Annotation
-
-from paper.curves import Curves
+from paper.curves import Curve, drawn_curves, named
 from paper.drawing import GREY, INK, Array
 
 
 @dataclass(frozen=True)
 class Redrawn:
-    """A figure, its data and the checks of what the paper states with it."""
+    """A figure and the checks of what the paper states with it."""
 
     figure: Figure
-    curves: Curves
     checks: list[Check]
+    others: list[Curve] = field(default_factory=list)
+    """Data of what is neither a line nor an arrow."""
+
+    @property
+    def curves(self) -> list[Curve]:
+        """The data of the figure."""
+        return drawn_curves(self.figure) + self.others
 
 
 OWN = "own parameters: the paper gives none"
@@ -74,34 +75,8 @@ def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> 
     )
 
 
-def record(curves: Curves, panel: str, curve: str, artists: Sequence[Artist]) -> None:
-    """Put what lines and arrows show into the table; several lines are numbered.
-
-    NaN, which interrupts a line, is left out.
-    """
-    lines = [one for one in artists if isinstance(one, Line2D)]
-    for k, line in enumerate(lines, start=1):
-        name = curve if len(lines) == 1 else f"{curve} {k}"
-        points = np.column_stack(line.get_data(orig=True))
-        curves.add(panel, name, points[np.isfinite(points).all(axis=1)])
-    for arrows in artists:
-        if isinstance(arrows, Quiver):
-            vectors = np.column_stack([arrows.U, arrows.V])
-            curves.add_arrows(panel, curve, np.asarray(arrows.get_offsets()), vectors)
-
-
-def record_texts(curves: Curves, panel: str, ax: Axes) -> None:
-    """Put the texts of a schematic drawing and the points they belong to into the table."""
-    for text in ax.texts:
-        place = text.xy if isinstance(text, Annotation) else text.get_position()
-        if name := " ".join(text.get_text().split()):
-            curves.add(panel, name, np.array(place, dtype=float))
-
-
-def draw_law(
-    curves: Curves, panel: str, law: asp.FrictionLaw, ax: Axes, *, prefix: str = "", **options: Any
-) -> None:
-    """Draw a law without legend and record its sets, forces, sliding directions and lines."""
+def draw_law(law: asp.FrictionLaw, ax: Axes, *, prefix: str = "", **options: Any) -> None:
+    """Draw a law without legend and name its sets, forces, sliding directions and lines."""
     outline, *others, force = plot_law(law, ax, legend=False, **options)
     lines = [one for one in others if isinstance(one, Line2D)]
     direction = [one for one in lines if str(one.get_label()).startswith("direction set")]
@@ -112,7 +87,7 @@ def draw_law(
         ("sliding direction", [one for one in others if isinstance(one, Quiver)]),
         ("force", [force]),
     ):
-        record(curves, panel, prefix + name, artists)
+        named(prefix + name, artists)
 
 
 def bare(ax: Axes) -> None:

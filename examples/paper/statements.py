@@ -3,12 +3,9 @@
 A statement is a check whose expected value is 1, for true, or 0, for a quantity that vanishes.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
-
 from paper.drawing import Array, circle, unit_vectors
 
 _PAIRS = 20_000

@@ -5,26 +5,21 @@ How is a sliding path measured? A camera films a mark on the disk. The film is s
 virtual camera, so that the truth is known.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from asperity.demo import Check
 from asperity.demo.film import Film
 from matplotlib.axes import Axes
-
-from paper.curves import Curves
 from paper.drawing import ORANGE
-from paper.frame import Redrawn, panels, record, show
+from paper.frame import Redrawn, panels, show
 from paper.measurements.filmed import SYNTHETIC, filmed
 from paper.sketches import experiments as setup_sketches
 
 
-def _draw_frame(curves: Curves, film: Film, ax: Axes) -> None:
+def _draw_frame(film: Film, ax: Axes) -> None:
     *_, last = film.camera.frames()
     ax.imshow(last)
     seen = film.track.pixel
-    (dots,) = ax.plot(*seen.T, ".", color=ORANGE, markersize=2.0, label="centres, 2 ms apart")
-    record(curves, "b", "tracked centre in pixels", [dots])
+    ax.plot(*seen.T, ".", color=ORANGE, markersize=2.0, label="centres, 2 ms apart")
     ax.grid(False)
     ax.set(title="(b) tracked path over the last frame", xticks=[], yticks=[])
     ax.legend(loc="upper left", labelcolor="white", markerscale=3.0)
@@ -46,11 +41,11 @@ def draw() -> Redrawn:
     figure, axes = panels(
         18, "tracking of a sliding disk", 2, figsize=(11.0, 4.9), parameters=SYNTHETIC
     )
-    curves, film = Curves(), filmed()
+    film = filmed()
     setup_sketches.sliding_experiment(axes[0])
     axes[0].set_title("(a) experiment")
-    _draw_frame(curves, film, axes[1])
-    return Redrawn(figure, curves, _frame_checks(film))
+    _draw_frame(film, axes[1])
+    return Redrawn(figure, _frame_checks(film))
 
 
 # %%

@@ -5,8 +5,6 @@ How do initial speed and direction decide where a disk goes? The law is that of 
 the paths are simulated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import asperity as asp
@@ -14,10 +12,8 @@ import numpy as np
 from asperity.demo import Check
 from asperity.demo.film import slide
 from matplotlib.axes import Axes
-
-from paper.curves import Curves
 from paper.drawing import GREY, INK, Array
-from paper.frame import Redrawn, panels, record, show
+from paper.frame import Redrawn, panels, show
 from paper.measurements.pairings import PVC
 from paper.statements import truth
 
@@ -31,21 +27,22 @@ _EVERY = 100
 _SLOW = 0.05
 
 
-def _draw_paths(
-    curves: Curves, panel: str, runs: Sequence[asp.Trajectory], names: Sequence[str], ax: Axes
-) -> None:
+def _draw_paths(runs: Sequence[asp.Trajectory], names: Sequence[str], ax: Axes) -> None:
     colors = _shades(len(runs))
     for run, name, color in zip(runs, names, colors, strict=True):
-        place = 1e3 * run.q[:, :2]
-        (line,) = ax.plot(*place.T, color=color, label=name)
-        (dots,) = ax.plot(*place[::_EVERY].T, "o", color=color, markersize=2.5)
+        place, plain = 1e3 * run.q[:, :2], name.replace("$", "")
+        ax.plot(*place.T, color=color, label=name)
+        ax.plot(*place[::_EVERY].T, "o", color=color, markersize=2.5, gid=f"{plain}, 10 ms apart")
         ahead = run.u[0, :2] / np.linalg.norm(run.u[0, :2])
         reach = np.stack([np.zeros(2), np.linalg.norm(place[-1]) * ahead])
-        (ray,) = ax.plot(*reach.T, color=GREY, linewidth=0.8, linestyle=":", zorder=1.0)
-        plain = name.replace("$", "")
-        record(curves, panel, plain, [line])
-        record(curves, panel, f"{plain}, 10 ms apart", [dots])
-        record(curves, panel, f"{plain}, initial direction", [ray])
+        ax.plot(
+            *reach.T,
+            color=GREY,
+            linewidth=0.8,
+            linestyle=":",
+            zorder=1.0,
+            gid=f"{plain}, initial direction",
+        )
     ax.plot([], [], "o", color=INK, markersize=2.5, label="10 ms apart")
     ax.set_aspect("equal")
     ax.set(xlabel="$x$ across the grooves in mm", ylabel="$y$ along the grooves in mm")
@@ -106,16 +103,15 @@ def draw() -> Redrawn:
     figure, axes = panels(
         19, "sliding paths on ground steel", 2, figsize=(12.0, 5.4), parameters=parameters
     )
-    curves = Curves()
     by_speed = [slide(PVC.law, speed, 47.0)[1] for speed in SPEEDS]
     by_angle = [slide(PVC.law, SPEEDS[-1], angle)[1] for angle in ANGLES]
     names = [f"$v_0$ = {speed:g} m/s" for speed in SPEEDS]
-    _draw_paths(curves, "a", by_speed, names, axes[0])
+    _draw_paths(by_speed, names, axes[0])
     axes[0].set_title(r"(a) $\varphi$ = 47° to the grooves")
     names = [rf"$\varphi$ = {angle:g}°" for angle in ANGLES]
-    _draw_paths(curves, "b", by_angle, names, axes[1])
+    _draw_paths(by_angle, names, axes[1])
     axes[1].set_title(f"(b) $v_0$ = {SPEEDS[-1]:g} m/s")
-    return Redrawn(figure, curves, [*_speed_checks(by_speed), *_angle_checks(by_angle)])
+    return Redrawn(figure, [*_speed_checks(by_speed), *_angle_checks(by_angle)])
 
 
 # %%

@@ -4,14 +4,10 @@
 How are forces over all sliding directions measured? A pin slides on a disk that turns.
 """
 
-from __future__ import annotations
-
 import math
 
 from asperity.demo import Check
-
-from paper.curves import Curves
-from paper.frame import Redrawn, panels, record_texts, show
+from paper.frame import Redrawn, panels, show
 from paper.sketches import experiments as setup_sketches
 
 _PIN_DIAMETER = 7.0
@@ -21,10 +17,8 @@ def draw() -> Redrawn:
     """Draw the pin-on-disk tribometer."""
     figure, (ax,) = panels(20, "tribometer", 1, figsize=(8.0, 6.0), parameters="not to scale")
     setup_sketches.tribometer_view(ax)
-    curves = Curves()
-    record_texts(curves, "a", ax)
     area = 0.25 * math.pi * _PIN_DIAMETER**2
-    return Redrawn(figure, curves, [Check("Fig. 20 area of the pin", 38.0, area, 0.5, "mm²")])
+    return Redrawn(figure, [Check("Fig. 20 area of the pin", 38.0, area, 0.5, "mm²")])
 
 
 # %%

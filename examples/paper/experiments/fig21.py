@@ -4,12 +4,8 @@
 What carries the pin and the sensor, and how fast does the pin slide?
 """
 
-from __future__ import annotations
-
 from asperity.demo import Check
-
-from paper.curves import Curves
-from paper.frame import Redrawn, panels, record_texts, show
+from paper.frame import Redrawn, panels, show
 from paper.measurements.pairings import PVC, SANDBLASTED, STEEL, processed
 from paper.sketches import experiments as setup_sketches
 
@@ -20,8 +16,6 @@ def draw() -> Redrawn:
         21, "experimental setup", 1, figsize=(8.0, 6.6), parameters="not to scale"
     )
     setup_sketches.tribometer_section(ax)
-    curves = Curves()
-    record_texts(curves, "a", ax)
     speeds = (
         Check(
             f"Fig. 21 sliding speed, {pair.name}",
@@ -32,7 +26,7 @@ def draw() -> Redrawn:
         )
         for pair in (SANDBLASTED, PVC, STEEL)
     )
-    return Redrawn(figure, curves, list(speeds))
+    return Redrawn(figure, list(speeds))
 
 
 # %%

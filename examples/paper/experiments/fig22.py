@@ -5,14 +5,11 @@ How do C and D follow from measured forces? C by the forces themselves, D by int
 between force and sliding direction, (124).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from asperity.demo import Check
 from asperity.plot import plot_set
 from matplotlib.axes import Axes
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import (
     BLUE,
     DIRECTION,
@@ -24,12 +21,12 @@ from paper.drawing import (
     draw_arrows,
     unit_vectors,
 )
-from paper.frame import Redrawn, note, panels, record, show
+from paper.frame import Redrawn, note, panels, show
 from paper.measurements.pairings import PVC
 from paper.sketches import experiments as setup_sketches
 
 
-def _draw_construction(curves: Curves, ax: Axes) -> None:
+def _draw_construction(ax: Axes) -> None:
     law = PVC.law
     (outline, _), (inner, _) = (
         plot_set(chosen, ax, color=color, label=label)
@@ -38,8 +35,8 @@ def _draw_construction(curves: Curves, ax: Axes) -> None:
             (law.direction, DIRECTION, "direction set $D$"),
         )
     )
-    record(curves, "b", "bdry C", [outline])
-    record(curves, "b", "bdry D", [inner])
+    named("bdry C", [outline])
+    named("bdry D", [inner])
     phi = np.deg2rad(64.0)
     e = unit_vectors(phi)
     force = -law.force(e)
@@ -51,17 +48,14 @@ def _draw_construction(curves: Curves, ax: Axes) -> None:
         ("normal of D", r"$n_D$", foot, 0.2 * e, GREEN, (-16, 6)),
         ("r_D", "$r_D$", np.zeros(2), foot, ORANGE, (-10, -28)),
     ):
-        arrow = draw_arrows(ax, tail[None], vector[None], color=color, zorder=5.0)
-        record(curves, "b", name, [arrow])
+        draw_arrows(ax, tail[None], vector[None], color=color, zorder=5.0, gid=name)
         note(ax, text, tail + vector, offset, color=color)
     for angle, reach, text, color in ((phi, 0.13, r"$\varphi$", GREEN), (theta, 0.22, "θ", INK)):
         points = reach * unit_vectors(np.linspace(0.0, angle, 40))
-        (arc,) = ax.plot(*points.T, color=color, linewidth=0.9)
-        record(curves, "b", f"angle {text}", [arc])
+        ax.plot(*points.T, color=color, linewidth=0.9, gid=f"angle {text}")
         note(ax, text, 1.12 * reach * unit_vectors(0.4 * angle), color=color)
     ray = np.stack([np.zeros(2), 0.26 * e])
-    (ahead,) = ax.plot(*ray.T, color=GREEN, linewidth=0.9, linestyle=":")
-    record(curves, "b", "direction of sliding", [ahead])
+    ax.plot(*ray.T, color=GREEN, linewidth=0.9, linestyle=":", gid="direction of sliding")
     ax.axhline(0.0, color=GREY, linewidth=0.7, zorder=0.9)
     ax.axvline(0.0, color=GREY, linewidth=0.7, zorder=0.9)
     ax.set(title="(b) force and sliding direction", xlabel="$x_1$", ylabel="$x_2$")
@@ -98,11 +92,10 @@ def draw() -> Redrawn:
         figsize=(10.6, 5.2),
         parameters="synthetic: invented law of Fig. 24",
     )
-    curves = Curves()
     setup_sketches.disk_frames(axes[0])
     axes[0].set_title("(a) disk from above")
-    _draw_construction(curves, axes[1])
-    return Redrawn(figure, curves, _construction_checks())
+    _draw_construction(axes[1])
+    return Redrawn(figure, _construction_checks())
 
 
 # %%

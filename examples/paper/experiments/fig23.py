@@ -4,11 +4,8 @@
 What does an isotropic pair measure like? The data are synthetic, from a virtual tribometer.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from asperity.demo import Check
-
 from paper.frame import Redrawn, show
 from paper.measurements.forces_and_sets import (
     _direction_variation,

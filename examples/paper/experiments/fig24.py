@@ -5,10 +5,7 @@ What does a strongly anisotropic pair measure like? The data are synthetic, from
 tribometer.
 """
 
-from __future__ import annotations
-
 from asperity.demo import Check
-
 from paper.frame import Redrawn, show
 from paper.measurements.forces_and_sets import _forces_and_sets, _set_checks
 from paper.measurements.pairings import PVC, processed

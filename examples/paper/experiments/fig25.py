@@ -5,11 +5,8 @@ Can friction be greater along the grooves than across? The data are synthetic, f
 tribometer.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from asperity.demo import Check
-
 from paper.frame import Redrawn, show
 from paper.measurements.forces_and_sets import _alike, _forces_and_sets, _resistance, _set_checks
 from paper.measurements.pairings import STEEL, processed

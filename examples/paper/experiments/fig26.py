@@ -5,24 +5,19 @@ Which sets of Table 1 describe what was measured? Ellipse and superellipses are 
 synthetic data of Fig. 24.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from asperity.demo import Check, table1
 from asperity.identify import ProcessedData
 from matplotlib.axes import Axes
-
-from paper.curves import Curves
 from paper.drawing import GREY
-from paper.frame import Redrawn, cross, draw_law, panels, record, shared_legend, show
+from paper.frame import Redrawn, cross, draw_law, panels, shared_legend, show
 from paper.measurements.identified import Identified, identified
 from paper.measurements.pairings import SYNTHETIC
 
 
-def _draw_points(curves: Curves, panel: str, data: ProcessedData, ax: Axes) -> None:
+def _draw_points(data: ProcessedData, ax: Axes) -> None:
     points = data.sets.reservoir_points
-    (dots,) = ax.plot(*points.T, ".", color=GREY, markersize=3.0, zorder=1.5, label="measured $C$")
-    record(curves, panel, "points of bdry C", [dots])
+    ax.plot(*points.T, ".", color=GREY, markersize=3.0, zorder=1.5, label="measured $C$")
 
 
 def table_checks(found: Identified) -> list[Check]:
@@ -67,23 +62,23 @@ def draw() -> Redrawn:
     figure, axes = panels(
         26, "laws of PVC on ground steel", 3, figsize=(13.0, 4.9), parameters=SYNTHETIC
     )
-    curves, found = Curves(), identified()
+    found = identified()
     laws = list(found.laws.values())
     titles = (
         "(a) associated ($D = C$), ellipse",
         "(b) associated ($D = C$), superellipse",
         "(c) extended",
     )
-    for ax, panel, law, title in zip(axes, "abc", (laws[0], laws[1], laws[3]), titles, strict=True):
-        _draw_points(curves, panel, found.data, ax)
-        draw_law(curves, panel, law, ax, angles=24)
+    for ax, law, title in zip(axes, (laws[0], laws[1], laws[3]), titles, strict=True):
+        _draw_points(found.data, ax)
+        draw_law(law, ax, angles=24)
         cross(ax)
         for line in ax.get_lines():
             if law.is_associated and line.get_label() == "reservoir $C$ = direction set $D$":
                 line.set_label("reservoir $C$")
         ax.set(title=title, xlim=(-0.8, 0.8), ylim=(-0.75, 0.75))
     shared_legend(figure, axes, columns=6)
-    return Redrawn(figure, curves, table_checks(found))
+    return Redrawn(figure, table_checks(found))
 
 
 # %%

@@ -5,8 +5,6 @@ Does a law identified from forces predict where a disk goes? Four laws run from 
 next to the tracked path. All data are synthetic, so that the truth is known.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 
@@ -15,10 +13,9 @@ import numpy as np
 from asperity.demo import Check
 from asperity.demo.film import STEP, Film, until_rest
 from matplotlib.axes import Axes
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import BLUE, GREEN, INK, ORANGE, PURPLE
-from paper.frame import Redrawn, panels, record, show
+from paper.frame import Redrawn, panels, show
 from paper.measurements.filmed import SPEED, filmed
 from paper.measurements.identified import Identified, identified
 from paper.statements import truth
@@ -44,18 +41,17 @@ def simulated(found: Identified, film: Film) -> dict[str, asp.Trajectory]:
     }
 
 
-def _draw_paths(curves: Curves, film: Film, runs: Mapping[str, asp.Trajectory], ax: Axes) -> None:
+def _draw_paths(film: Film, runs: Mapping[str, asp.Trajectory], ax: Axes) -> None:
     fifth = 1e3 * film.path.position[film.path.seen][::5]
-    (dots,) = ax.plot(
+    ax.plot(
         *fifth.T, "o", color=INK, markersize=4.5, markerfacecolor="white", label="tracked, 10 ms"
     )
-    record(curves, "a", "tracked", [dots])
     for (name, run), color in zip(runs.items(), _COLORS, strict=True):
         (line,) = ax.plot(*(1e3 * run.q[:, :2]).T, color=color, label=name)
-        record(curves, "a", name, [line])
+        named(name, [line])
     spinning = _spinning().q[:, :2]
     (line,) = ax.plot(*(1e3 * spinning).T, ":", color=INK, label=f"disk with spin {_SPIN:g} rad/s")
-    record(curves, "a", "disk with spin", [line])
+    named("disk with spin", [line])
     ax.set_aspect("equal")
     ax.set(
         title="(a) paths",
@@ -68,24 +64,22 @@ def _draw_paths(curves: Curves, film: Film, runs: Mapping[str, asp.Trajectory], 
 _COLORS = (BLUE, GREEN, PURPLE, ORANGE)
 
 
-def _draw_distances(curves: Curves, compared: Mapping[str, asp.PathComparison], ax: Axes) -> None:
+def _draw_distances(compared: Mapping[str, asp.PathComparison], ax: Axes) -> None:
     for (name, comparison), color in zip(compared.items(), _COLORS, strict=True):
-        (line,) = ax.plot(1e3 * comparison.time, 1e3 * comparison.distance, color=color)
-        record(curves, "b", name, [line])
+        ax.plot(1e3 * comparison.time, 1e3 * comparison.distance, color=color, gid=name)
     ax.set_yscale("log")
     ax.set_ylim(bottom=1e-2)
     ax.set(title="(b) distance from the tracked path", xlabel="time in ms", ylabel="distance in mm")
 
 
-def _draw_loads(curves: Curves, film: Film, ax: Axes) -> None:
+def _draw_loads(film: Film, ax: Axes) -> None:
     runs = {"without spin": film.run, f"{_SPIN:g} rad/s": _spinning()}
     for (name, run), linestyle in zip(runs.items(), ("-", ":"), strict=True):
         moving = run.normal_force[1:]
         for pad, color in enumerate((BLUE, ORANGE, GREEN)):
             label = f"pad {pad + 1}, {name}"
             time = 1e3 * run.t[1:]
-            (line,) = ax.plot(time, 1e3 * moving[:, pad], linestyle, color=color, label=label)
-            record(curves, "c", label, [line])
+            ax.plot(time, 1e3 * moving[:, pad], linestyle, color=color, label=label)
     ax.set_ylim(0.0, 135.0)
     ax.set(title="(c) loads of the pads", xlabel="time in ms", ylabel=r"$\lambda_N$ in mN")
     ax.legend(loc="upper left", ncols=2, fontsize="small")
@@ -139,13 +133,13 @@ def draw() -> Redrawn:
         parameters="synthetic data: virtual tribometer and camera",
         width_ratios=(1.25, 1.0, 1.0),
     )
-    film, found, curves = filmed(), identified(), Curves()
+    film, found = filmed(), identified()
     runs = simulated(found, film)
     compared = {name: asp.compare_path(run, film.path) for name, run in runs.items()}
-    _draw_paths(curves, film, runs, axes[0])
-    _draw_distances(curves, compared, axes[1])
-    _draw_loads(curves, film, axes[2])
-    return Redrawn(figure, curves, [*_path_checks(film, compared), *_disk_checks(film)])
+    _draw_paths(film, runs, axes[0])
+    _draw_distances(compared, axes[1])
+    _draw_loads(film, axes[2])
+    return Redrawn(figure, [*_path_checks(film, compared), *_disk_checks(film)])
 
 
 # %%

@@ -5,8 +5,6 @@ Which mechanisms make steady sliding unstable although friction is isotropic? Be
 stands what the system of `asperity.mechanisms` does. The paper gives no parameters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import asperity as asp
@@ -16,17 +14,18 @@ from asperity import mechanisms
 from asperity.demo import Check
 from asperity.plot import plot_growth_chart, plot_root_locus
 from matplotlib.axes import Axes
-from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
-
-from paper.curves import Curves
+from paper.curves import Curve, named
 from paper.drawing import BLUE, INK, SLIP, STICK, Array
-from paper.frame import OWN, Redrawn, heading, record, show
+from paper.frame import OWN, Redrawn, heading, show
 from paper.sketches import mechanisms as sketches
 from paper.statements import truth, vanishes
 
 FLUTTER, DIVERGENCE = 3.5 - 2.0**0.5, 3.5 + 2.0**0.5
 """Loads p = Pl/c at which the pendulum of Fig. 13d begins to flutter and to diverge."""
+
+BORDER = "contour of no growth"
+"""Name of the borders of instability in the table."""
 
 _ROD = mechanisms.FrictionalImpactOscillator(1.0)
 
@@ -47,24 +46,23 @@ def stick_slip(dt: float = 5e-4) -> asp.Trajectory:
     return motion.slice(begins[0], begins[1])
 
 
-def _draw_cycle(ax: Axes, cycle: asp.Trajectory, curves: Curves) -> None:
+def _draw_cycle(ax: Axes, cycle: asp.Trajectory) -> None:
     x, u = cycle.q[:, 0], cycle.u[:, 0]
     sticking = cycle.phase[:, 0] == asp.Phase.STICK
     for name, chosen, color in (("stick", sticking, STICK), ("slip", ~sticking, SLIP)):
         # Lines of the two phases touch: each begins at the last sample of the other.
         shown = chosen | np.append(chosen[1:], False)
-        line = ax.plot(x[shown], u[shown], color=color, linewidth=2.0, label=name)
-        record(curves, "e", name, line)
+        ax.plot(x[shown], u[shown], color=color, linewidth=2.0, label=name)
     rest = 1.0 / (1.0 + 3.0 * 0.2)
-    dot = ax.plot([rest], [0.0], "o", color=INK, markerfacecolor="white", label="unstable sliding")
-    record(curves, "e", "equilibrium", dot)
+    ax.plot([rest], [0.0], "o", color=INK, markerfacecolor="white", label="unstable sliding")
     ax.set(title="(e) limit cycle of (a)", xlabel="$x$ in m", ylabel=r"$\dot x$ in m/s")
     ax.legend(loc="center", bbox_to_anchor=(0.42, 0.35))
 
 
-def _draw_coupling(ax: Axes, curves: Curves) -> None:
+def _draw_coupling(ax: Axes) -> None:
     mu, damping = np.linspace(0.3, 1.3, 141), np.linspace(0.0, 0.5, 101)
-    _chart(ax, "f", mu, damping, coupling_growth(mu[:, None], damping), curves)
+    growth = coupling_growth(mu[:, None], damping)
+    named(BORDER, plot_growth_chart(mu, damping, growth, ax))
     ax.set(
         title="(f) growth rate of (b)",
         xlabel=r"friction coefficient $\mu$",
@@ -72,18 +70,15 @@ def _draw_coupling(ax: Axes, curves: Curves) -> None:
     )
 
 
-def _draw_oscillator(ax: Axes, curves: Curves) -> None:
+def _draw_oscillator(ax: Axes) -> None:
     mu, angle = np.linspace(0.0, 2.6, 161), np.deg2rad(np.linspace(10.0, 60.0, 121))
     growth = oscillator_growth(mu[:, None], angle)
     # Towards Painlevé's limit the inertia against the motion vanishes.
-    _chart(ax, "g", mu, np.rad2deg(angle), growth, curves, limit=0.6)
+    named(BORDER, plot_growth_chart(mu, np.rad2deg(angle), growth, ax, limit=0.6))
     m1, m2 = _ROD.masses
     limit = np.tan(angle) + m2 / m1 / np.tan(angle)
     inside = limit <= mu[-1]
-    line = ax.plot(
-        limit[inside], np.rad2deg(angle[inside]), color=BLUE, linestyle="--", label="Painlevé"
-    )
-    record(curves, "g", "Painlevé limit", line)
+    ax.plot(limit[inside], np.rad2deg(angle[inside]), color=BLUE, linestyle="--", label="Painlevé")
     ax.set(
         title="(g) growth rate of (c)",
         xlabel=r"friction coefficient $\mu$",
@@ -92,30 +87,15 @@ def _draw_oscillator(ax: Axes, curves: Curves) -> None:
     ax.legend(loc="upper left")
 
 
-def _draw_follower(ax: Axes, curves: Curves) -> None:
+def _draw_follower(ax: Axes) -> list[Curve]:
     load = np.linspace(1.0, 6.0, 501)
     roots = np.linalg.eigvals(_first_order(*follower_matrices(load)))
-    artists = plot_root_locus(roots, load, ax, label="$p = Pl/c$")
-    record(curves, "h", "least p", artists)
-    for p, row in zip(load[::10], roots[::10], strict=True):
-        curves.add("h", f"eigenvalues at p = {p:.2f}", np.column_stack([row.real, row.imag]))
+    named("least p", plot_root_locus(roots, load, ax, label="$p = Pl/c$"))
     ax.set_title("(h) eigenvalues of (d)")
-
-
-def _chart(
-    ax: Axes,
-    panel: str,
-    x: Array,
-    y: Array,
-    growth: Array,
-    curves: Curves,
-    limit: float | None = None,
-) -> None:
-    """Draw a chart and record its border of instability."""
-    for artist in plot_growth_chart(x, y, growth, ax, limit=limit):
-        if isinstance(artist, QuadContourSet):
-            for path in artist.get_paths():
-                curves.add(panel, "contour of no growth", np.asarray(path.vertices))
+    return [
+        ("h", f"eigenvalues at p = {p:.2f}", np.column_stack([row.real, row.imag]))
+        for p, row in zip(load[::10], roots[::10], strict=True)
+    ]
 
 
 def _stribeck_checks(cycle: asp.Trajectory) -> list[Check]:
@@ -251,7 +231,7 @@ def _matrix(rows: list[list[Array | float]]) -> Array:
 def draw() -> Redrawn:
     """Draw the mechanisms and what they do: a limit cycle, two stability charts, a root locus."""
     figure, upper, lower = _panels()
-    curves, cycle = Curves(), stick_slip()
+    cycle = stick_slip()
     for ax, draw, title in zip(
         upper,
         (
@@ -266,11 +246,11 @@ def draw() -> Redrawn:
         draw(ax)
         ax.set_anchor("N")
         ax.set_title(title)
-    _draw_cycle(lower[0], cycle, curves)
-    _draw_coupling(lower[1], curves)
-    _draw_oscillator(lower[2], curves)
-    _draw_follower(lower[3], curves)
-    return Redrawn(figure, curves, [*_stribeck_checks(cycle), *_limits(), *_chart_checks()])
+    _draw_cycle(lower[0], cycle)
+    _draw_coupling(lower[1])
+    _draw_oscillator(lower[2])
+    eigenvalues = _draw_follower(lower[3])
+    return Redrawn(figure, [*_stribeck_checks(cycle), *_limits(), *_chart_checks()], eigenvalues)
 
 
 # %%

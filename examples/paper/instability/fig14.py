@@ -5,14 +5,10 @@ What remains if no other mechanism acts than anisotropic friction? A mass on two
 the model has two degrees of freedom.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
 from asperity.demo.belt import LAW
-
-from paper.curves import Curves
 from paper.drawing import circle, unit_vectors
 from paper.frame import Redrawn, panels, show
 from paper.sketches.mechanisms import belt_from_above, belt_in_space
@@ -57,7 +53,7 @@ def draw() -> Redrawn:
     for ax in (left, right):
         ax.set_anchor("N")
     right.set_title("(b) the model from above")
-    return Redrawn(figure, Curves(), _model_checks())
+    return Redrawn(figure, _model_checks())
 
 
 # %%

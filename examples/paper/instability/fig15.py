@@ -5,8 +5,6 @@ Which sliding directions are unstable, and how far must C be turned for any to b
 must lead into the tangent cone of C at the force. The parameters are those of §4.3.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import asperity as asp
@@ -16,8 +14,7 @@ from asperity.demo.belt import LAW
 from asperity.plot import plot_cones, plot_set
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import (
     BLUE,
     DIRECTION,
@@ -31,7 +28,7 @@ from paper.drawing import (
     draw_arrows,
     unit_vectors,
 )
-from paper.frame import Redrawn, cross, note, panels, record, shared_legend, show
+from paper.frame import Redrawn, cross, note, panels, shared_legend, show
 from paper.statements import truth, vanishes
 
 ZETA = float(np.deg2rad(30.0))
@@ -52,13 +49,13 @@ def _deepest() -> float:
     return float(phi[np.argmin(sines)])
 
 
-def _draw_tangent_cone(ax: Axes, phi: float, curves: Curves) -> None:
+def _draw_tangent_cone(ax: Axes, phi: float) -> None:
     slip = unit_vectors(phi)
     force = -LAW.force(slip)
-    record(curves, "a", "bdry C", plot_set(LAW.reservoir, ax, label="reservoir $C$"))
+    named("bdry C", plot_set(LAW.reservoir, ax, label="reservoir $C$"))
     cone = plot_cones(LAW.reservoir, force, ax, normal=False, size=18.0)
-    record(curves, "a", "force", cone[:1])
-    record(curves, "a", "edges of the tangent cone", cone[1:])
+    named("force", cone[:1])
+    named("edges of the tangent cone", cone[1:])
     ax.plot([], [], color=PURPLE, label=r"tangent cone $T_C(-\lambda)$ at $-\lambda$")
     _, mode = _damping_mode(LAW, slip)
     # Towards the side on which C goes on anticlockwise.
@@ -68,21 +65,20 @@ def _draw_tangent_cone(ax: Axes, phi: float, curves: Curves) -> None:
         ("sliding direction", force, 15.0 * slip, SLIDING, r"$\gamma$", (-3, 5)),
         ("eigenvector", force, 12.0 * mode, ORANGE, "$w$", (6, -6)),
     ):
-        arrows = draw_arrows(ax, tail[None], vector[None], color=color, zorder=5.0)
-        record(curves, "a", name, [arrows])
+        draw_arrows(ax, tail[None], vector[None], color=color, zorder=5.0, gid=name)
         share = 0.5 if tail is not force else 1.0
         note(ax, text, tail + share * vector, place, color=color)
     ax.set_title(r"(a) $\gamma \in$ int $T_C(-\lambda)$")
     ax.set(xlabel=r"$-\lambda_1$ in N", ylabel=r"$-\lambda_2$ in N")
 
 
-def _draw_ellipses(ax: Axes, curves: Curves) -> None:
+def _draw_ellipses(ax: Axes) -> None:
     reservoir, direction = LAW.reservoir, asp.Ellipse(30.0, 10.0)
-    record(curves, "b", "bdry C", plot_set(reservoir, ax, label="reservoir $C$"))
+    named("bdry C", plot_set(reservoir, ax, label="reservoir $C$"))
     dashed: dict[str, Any] = {"color": DIRECTION, "linestyle": "--", "label": "direction set $D$"}
-    record(curves, "b", "bdry D", ax.plot(*closed_outline(direction).T, **dashed))
+    named("bdry D", ax.plot(*closed_outline(direction).T, **dashed))
     axis = np.stack([np.zeros(2), 33.0 * unit_vectors(ZETA)])
-    record(curves, "b", "long axis of C", ax.plot(*axis.T, color=BLUE, linewidth=0.9))
+    named("long axis of C", ax.plot(*axis.T, color=BLUE, linewidth=0.9))
     ax.add_patch(Arc((0.0, 0.0), 32.0, 32.0, theta2=np.rad2deg(ZETA), color=INK))
     note(ax, r"$\zeta$", 18.0 * unit_vectors(0.5 * ZETA), ha="center", va="center")
     for text, star, angle, place in (
@@ -92,8 +88,15 @@ def _draw_ellipses(ax: Axes, curves: Curves) -> None:
         ("$p_2$", direction, 0.5 * np.pi, (6, -12)),
     ):
         point = star.radius(angle) * unit_vectors(angle)
-        dot = ax.plot(*point, "o", color=INK, markerfacecolor="white", markersize=4.5, zorder=4.0)
-        record(curves, "b", text.strip("$"), dot)
+        ax.plot(
+            *point,
+            "o",
+            color=INK,
+            markerfacecolor="white",
+            markersize=4.5,
+            zorder=4.0,
+            gid=text.strip("$"),
+        )
         note(ax, text, point, place)
     ax.set_title(r"(b) ellipses, $\zeta = 30°$")
     ax.set(xlabel=r"$-\lambda_1$ in N", ylabel=r"$-\lambda_2$ in N")
@@ -151,14 +154,13 @@ def draw() -> Redrawn:
     figure, (left, right) = panels(
         15, "when sliding is unstable", 2, figsize=(11.0, 4.9), parameters=_PAPER
     )
-    curves = Curves()
-    _draw_tangent_cone(left, _deepest(), curves)
-    _draw_ellipses(right, curves)
+    _draw_tangent_cone(left, _deepest())
+    _draw_ellipses(right)
     for ax in (left, right):
         cross(ax)
         ax.set(xlim=(-33.0, 35.0), ylim=(-21.0, 25.0), aspect="equal")
     shared_legend(figure, [left, right], columns=5)
-    return Redrawn(figure, curves, [*_damping_checks(), *_rotation_checks()])
+    return Redrawn(figure, [*_damping_checks(), *_rotation_checks()])
 
 
 # %%

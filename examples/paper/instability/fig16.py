@@ -5,8 +5,6 @@ For which directions of the belt does the equilibrium lose its stability, and to
 The parameters are those of §4.3.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import asperity as asp
@@ -16,10 +14,9 @@ from asperity.demo.belt import LAW
 from asperity.plot import plot_bifurcation, plot_growth_chart
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import INK, PURPLE, Array, draw_arrows, unit_vectors
-from paper.frame import Redrawn, cross, draw_law, panels, record, shared_legend, show
+from paper.frame import Redrawn, cross, draw_law, panels, shared_legend, show
 from paper.instability.fig14 import belt
 from paper.instability.fig15 import _PAPER, ZETA
 from paper.statements import truth, vanishes
@@ -35,40 +32,43 @@ def bifurcations(step: float = 1.0) -> asp.BifurcationDiagram:
     )
 
 
-def _draw_diagram(ax: Axes, diagram: asp.BifurcationDiagram, curves: Curves) -> None:
+def _draw_diagram(ax: Axes, diagram: asp.BifurcationDiagram) -> None:
     artists = plot_bifurcation(diagram.replace(values=np.rad2deg(diagram.values)), ax, legend=False)
     for line in artists:
         if isinstance(line, Line2D):
             label = str(line.get_label())
-            record(curves, "a", "limit cycle" if label.startswith("_") else label, [line])
+            named("limit cycle" if label.startswith("_") else label, [line])
     ax.set(title="(a) bifurcation diagram", xlabel=r"belt direction $\varphi$ in degrees")
     ax.set(ylabel="$x$ in m", xticks=np.arange(0.0, 161.0, 40.0))
 
 
-def _draw_critical(ax: Axes, curves: Curves) -> None:
-    draw_law(curves, "b", LAW, ax, angles=24)
+def _draw_critical(ax: Axes) -> None:
+    draw_law(LAW, ax, angles=24)
     span = asp.critical_directions(LAW)[0]
     inside = np.linspace(*span, 61)
     forces = -LAW.force(unit_vectors(inside))
     arc: dict[str, Any] = {"color": PURPLE, "linewidth": 4.0, "alpha": 0.7, "zorder": 3.5}
-    line = ax.plot(*forces.T, label=r"$\gamma \in$ int $T_C(-\lambda)$", **arc)
-    record(curves, "b", "forces of critical directions", line)
-    ends = draw_arrows(ax, forces[[0, -1]], 13.0 * unit_vectors(np.array(span)), color=PURPLE)
-    record(curves, "b", "sliding direction at the borders", [ends])
+    ax.plot(*forces.T, label=r"$\gamma \in$ int $T_C(-\lambda)$", gid="critical forces", **arc)
+    draw_arrows(
+        ax,
+        forces[[0, -1]],
+        13.0 * unit_vectors(np.array(span)),
+        color=PURPLE,
+        gid="sliding direction at the borders",
+    )
     cross(ax)
     ax.set(title=r"(b) the law, $\zeta = 30°$", aspect="equal")
     ax.set(xlabel=r"$-\lambda_1$ in N", ylabel=r"$-\lambda_2$ in N")
 
 
-def _draw_chart(ax: Axes, curves: Curves) -> None:
+def _draw_chart(ax: Axes) -> None:
     phi, zeta = np.linspace(0.0, np.pi, 181), np.linspace(0.0, 0.5 * np.pi, 91)
     unturned = belt(0.0).replace(
         law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0), asp.Ellipse(3.0, 1.0))
     )
     growth = asp.growth_chart(unturned, phi, zeta)
     plot_growth_chart(np.rad2deg(phi), np.rad2deg(zeta), growth, ax, border=False)
-    line = ax.plot(*np.rad2deg(_border()).T, color=INK, linewidth=1.2)
-    record(curves, "c", "border of instability", line)
+    ax.plot(*np.rad2deg(_border()).T, color=INK, linewidth=1.2, gid="border of instability")
     ax.axhline(np.rad2deg(ZETA), color=INK, linewidth=0.8, linestyle=":")
     ax.set(title="(c) growth rate", xlabel=r"belt direction $\varphi$ in degrees")
     ax.set(ylabel=r"rotation $\zeta$ of $C$ in degrees")
@@ -135,12 +135,12 @@ def draw() -> Redrawn:
         width_ratios=(1.15, 1.25, 1.2),
         parameters=_PAPER,
     )
-    curves, diagram = Curves(), bifurcations()
-    _draw_diagram(left, diagram, curves)
-    _draw_critical(middle, curves)
-    _draw_chart(right, curves)
+    diagram = bifurcations()
+    _draw_diagram(left, diagram)
+    _draw_critical(middle)
+    _draw_chart(right)
     shared_legend(figure, [left, middle], columns=8)
-    return Redrawn(figure, curves, _border_checks(diagram))
+    return Redrawn(figure, _border_checks(diagram))
 
 
 # %%

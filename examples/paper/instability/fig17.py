@@ -5,18 +5,15 @@ What does the mass do where steady sliding is unstable? It sticks and slips on a
 here by shooting and compared with time stepping.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
 from asperity.demo import belt as stepped
 from asperity.plot import plot_forces_in_reservoir, plot_phase
 from matplotlib.axes import Axes
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import INK, SLIDING, draw_arrows
-from paper.frame import Redrawn, panels, record, show
+from paper.frame import Redrawn, panels, show
 
 # Crosses on the orbit and arrows at the forces, evenly spaced in time.
 _MARKS, _ARROWS = 80, 50
@@ -30,27 +27,22 @@ def _every(cycle: asp.LimitCycle, marks: int) -> np.ndarray:
     return np.unique(np.searchsorted(cycle.motion.t, times).clip(0, len(cycle.motion.t) - 1))
 
 
-def _draw_orbit(curves: Curves, cycle: asp.LimitCycle, rest: np.ndarray, ax: Axes) -> None:
+def _draw_orbit(cycle: asp.LimitCycle, rest: np.ndarray, ax: Axes) -> None:
     plot_phase(cycle.motion, ax)
     at = _every(cycle, _MARKS)
-    (marks,) = ax.plot(*cycle.motion.q[at].T, "x", color=INK, markersize=3.5)
-    (equilibrium,) = ax.plot(*rest, "+", color=INK, markersize=10.0, label="equilibrium")
-    curves.add("a", "orbit", cycle.motion.q)
-    record(curves, "a", "equal times", [marks])
-    record(curves, "a", "equilibrium", [equilibrium])
+    ax.plot(*cycle.motion.q[at].T, "x", color=INK, markersize=3.5, gid="equal times")
+    ax.plot(*rest, "+", color=INK, markersize=10.0, label="equilibrium")
     ax.set(title=f"(a) orbit, period {cycle.period:.6f} s", xlabel="$x$ in m", ylabel="$y$ in m")
     ax.legend(loc="upper left", frameon=False)
 
 
-def _draw_forces(curves: Curves, cycle: asp.LimitCycle, ax: Axes) -> None:
+def _draw_forces(cycle: asp.LimitCycle, ax: Axes) -> None:
     outline, *_ = plot_forces_in_reservoir(cycle.motion, stepped.LAW, ax)
-    record(curves, "b", "bdry C", [outline])
+    named("bdry C", [outline])
     force, slip = -cycle.motion.force[:, 0], cycle.motion.slip[:, 0]
-    curves.add("b", "force", force)
     at = _every(cycle, _ARROWS)
     at = at[cycle.motion.phase[at, 0] == asp.Phase.SLIP]
-    arrows = draw_arrows(ax, force[at], 1.2 * slip[at], color=SLIDING)
-    record(curves, "b", "relative velocity", [arrows])
+    draw_arrows(ax, force[at], 1.2 * slip[at], color=SLIDING, gid="relative velocity")
     ax.set_title("(b) friction force and relative velocity")
 
 
@@ -81,10 +73,10 @@ def draw() -> Redrawn:
     figure, axes = panels(
         17, "limit cycle, belt at 50°", 2, figsize=(11.0, 5.4), parameters="parameters of §4.3"
     )
-    curves = Curves()
-    _draw_orbit(curves, cycle, belt.equilibrium, axes[0])
-    _draw_forces(curves, cycle, axes[1])
-    return Redrawn(figure, curves, _checks(cycle))
+    _draw_orbit(cycle, belt.equilibrium, axes[0])
+    _draw_forces(cycle, axes[1])
+    data = [("a", "orbit", cycle.motion.q), ("b", "force", -cycle.motion.force[:, 0])]
+    return Redrawn(figure, _checks(cycle), data)
 
 
 # %%

@@ -6,15 +6,11 @@ from the origin to each point must lie in the set: it is star-shaped. Convexity 
 segments. The paper gives no numbers for these sets; those here are our own.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
 from matplotlib.axes import Axes
 from matplotlib.path import Path
-
-from paper.curves import Curves
 from paper.drawing import GREEN, INK, ORANGE, RESERVOIR, Array, closed_outline, unit_vectors
 from paper.frame import Redrawn, panels, shared_legend, show
 from paper.statements import never_positive, truth
@@ -52,10 +48,9 @@ def hidden(outline: Array) -> Array:
     return farthest
 
 
-def _draw_segment(ax: Axes, ends: Array, curves: Curves, panel: str, *, inside: bool) -> None:
+def _draw_segment(ax: Axes, ends: Array, *, inside: bool) -> None:
     color, label = (GREEN, "segment in the set") if inside else (ORANGE, "segment leaving the set")
     ax.plot(*ends.T, "o-", color=color, markersize=4.5, label=label, zorder=1.9)
-    curves.add(panel, label, ends)
 
 
 def _kinds(outline: Array) -> list[Check]:
@@ -82,27 +77,25 @@ def _kinds(outline: Array) -> list[Check]:
 def draw() -> Redrawn:
     """Draw a convex, a star-shaped and a not star-shaped set with segments that tell them apart."""
     figure, axes = panels(1, "convex, star-shaped and other sets", 3)
-    curves, outline = Curves(), hooked()
+    outline = hooked()
     chord, ray = CONVEX.boundary(72)[[10, 40]], STAR.boundary(72)[38]
     leaving = STAR.is_convex.witness
     outlines = [closed_outline(CONVEX), closed_outline(STAR), np.vstack([outline, outline[:1]])]
     titles = ("(a) convex", "(b) star-shaped, not convex", "(c) not star-shaped")
-    for ax, panel, title, closed in zip(axes, "abc", titles, outlines, strict=True):
-        ax.plot(*closed.T, color=RESERVOIR)
+    for ax, title, closed in zip(axes, titles, outlines, strict=True):
+        ax.plot(*closed.T, color=RESERVOIR, gid="boundary")
         ax.fill(*closed.T, color=RESERVOIR, alpha=0.08, linewidth=0.0)
         ax.plot(0.0, 0.0, "o", color=INK, markersize=3.5, label="origin")
         ax.set(title=title, xlabel="$x_1$", ylabel="$x_2$", aspect="equal")
         ax.set(xlim=(-1.2, 1.2), ylim=(-1.1, 1.2))
-        curves.add(panel, "boundary", closed)
-        curves.add(panel, "origin", np.zeros(2))
-    _draw_segment(axes[0], chord, curves, "a", inside=True)
-    _draw_segment(axes[1], np.stack([np.zeros(2), ray]), curves, "b", inside=True)
+    _draw_segment(axes[0], chord, inside=True)
+    _draw_segment(axes[1], np.stack([np.zeros(2), ray]), inside=True)
     if leaving is not None:
-        _draw_segment(axes[1], leaving, curves, "b", inside=False)
+        _draw_segment(axes[1], leaving, inside=False)
     far = np.stack([np.zeros(2), hidden(outline)])
-    _draw_segment(axes[2], far, curves, "c", inside=False)
+    _draw_segment(axes[2], far, inside=False)
     shared_legend(figure, axes)
-    return Redrawn(figure, curves, _kinds(outline))
+    return Redrawn(figure, _kinds(outline))
 
 
 # %%

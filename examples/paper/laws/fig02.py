@@ -6,17 +6,14 @@ the nearest points follow from it. The paper gives no numbers for these sets; th
 own.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
 from asperity.plot import plot_cones, plot_gauge, plot_projection, plot_set
 from matplotlib.axes import Axes
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import INK, Array, closed_outline, unit_vectors
-from paper.frame import Redrawn, panels, record, show
+from paper.frame import Redrawn, panels, show
 from paper.statements import never_positive, vanishes
 
 CORNERED = asp.Ellipse(1.0, 0.7) & asp.Rectangle(0.8, 1.0)
@@ -29,18 +26,18 @@ _HEIGHT = 1.3
 """Value of the gauge at which its surface in Fig. 2a ends."""
 
 
-def _draw_projection(ax: Axes, z: Array, curves: Curves) -> None:
+def _draw_projection(ax: Axes, z: Array) -> None:
     *lines, points, feet = plot_projection(CORNERED, z, ax)
     for name, artists in (("z", [points]), ("prox(z)", [feet]), ("line from z to prox(z)", lines)):
-        record(curves, "b", name, artists)
+        named(name, artists)
 
 
-def _draw_cones(ax: Axes, name: str, x: Array, curves: Curves) -> None:
+def _draw_cones(ax: Axes, name: str, x: Array) -> None:
     point, *normals = plot_cones(CORNERED, x, ax, tangent=False, size=0.36)
     _, *tangents = plot_cones(CORNERED, x, ax, normal=False, size=0.36)
-    record(curves, "b", name, [point])
-    record(curves, "b", f"N_C({name})", normals)
-    record(curves, "b", f"edge of T_C({name})", tangents)
+    named(name, [point])
+    named(f"N_C({name})", normals)
+    named(f"edge of T_C({name})", tangents)
 
 
 def _cone_checks(set: asp.StarSet, points: list[Array]) -> list[Check]:
@@ -70,28 +67,25 @@ def draw() -> Redrawn:
     """Draw (a) a gauge with its level curve C, (b) normal and tangent cones and proximal points."""
     figure, (left, right) = panels(2, "gauge, cones and proximal points", 2, figsize=(10.4, 4.8))
     left.remove()
-    curves = Curves(("x", "y", "z"))
     smooth = float(CORNERED.radius(2.1)) * unit_vectors(2.1)
     outside = np.array([CORNER + 0.55 * unit_vectors(0.35), [1.25, -0.2], [-0.35, -1.1]])
     space = figure.add_subplot(1, 2, 1, projection="3d")
-    plot_gauge(CORNERED, space, height=_HEIGHT)
+    _, level, image, _ = plot_gauge(CORNERED, space, height=_HEIGHT)
+    named("level curve", [level])
+    named("boundary", [image])
     space.set_title(r"(a) gauge $k_C$ and level set $C = \{k_C \leq 1\}$")
-    plot_set(CORNERED, right, label="$C$")
-    _draw_projection(right, outside, curves)
+    named("boundary", plot_set(CORNERED, right, label="$C$"))
+    _draw_projection(right, outside)
     for name, point in (("smooth point", smooth), ("corner", CORNER)):
-        _draw_cones(right, name, point, curves)
+        _draw_cones(right, name, point)
     right.annotate("$N_C(x)$", (1.06, 0.74), color=INK)
     right.annotate("$T_C(x)$", (0.61, 0.22), color=INK, ha="center")
     right.set_title("(b) normal and tangent cones, proximal points")
     right.legend(loc="upper left", bbox_to_anchor=(0.0, -0.13), ncols=3)
     outline = closed_outline(CORNERED)
-    for name, height in (("level curve", 1.0), ("boundary", 0.0)):
-        level = np.full((len(outline), 1), height)
-        curves.add("a", name, np.hstack([outline, level]))
     k = np.linspace(0.0, _HEIGHT, 27)[:, None, None] * np.ones((1, len(outline), 1))
-    curves.add("a", "gauge", np.concatenate([k * outline, k], axis=-1)[:, ::4].reshape(-1, 3))
-    curves.add("b", "boundary", outline)
-    return Redrawn(figure, curves, _cone_checks(CORNERED, [smooth, CORNER]))
+    gauge = np.concatenate([k * outline, k], axis=-1)[:, ::4].reshape(-1, 3)
+    return Redrawn(figure, _cone_checks(CORNERED, [smooth, CORNER]), [("a", "gauge", gauge)])
 
 
 # %%

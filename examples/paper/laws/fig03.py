@@ -6,29 +6,24 @@ direction lies in a half-plane that the force decides. The paper gives no number
 those here are our own.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
 from asperity.plot import plot_set
 from matplotlib.axes import Axes
 from matplotlib.path import Path
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import (
     GREY,
     INK,
     ORANGE,
     RESERVOIR,
     SLIDING,
-    Array,
-    closed_outline,
     draw_arrows,
     draw_sector,
     unit_vectors,
 )
-from paper.frame import Redrawn, cross, note, panels, record, shared_legend, show
+from paper.frame import Redrawn, cross, note, panels, shared_legend, show
 from paper.laws.fig01 import STAR, hidden, hooked
 from paper.statements import proposition_1, truth, vanishes
 
@@ -42,20 +37,17 @@ _FORCE = 1.1
 """Polar angle of the force in panel (c)."""
 
 
-def _draw_hook(ax: Axes, curves: Curves) -> list[Check]:
+def _draw_hook(ax: Axes) -> list[Check]:
     outline = 0.6 * hooked()
     closed = np.vstack([outline, outline[:1]])
     ax.plot(*closed.T, color=RESERVOIR, label="reservoir $C$")
     ax.fill(*closed.T, color=RESERVOIR, alpha=0.08, linewidth=0.0)
     ends = np.outer([1.0, 0.6], hidden(outline))
-    force = draw_arrows(ax, np.zeros((1, 2)), ends[:1], color=INK)
-    dot = ax.plot(*ends[1], "o", color=ORANGE, markersize=5.0, zorder=4.0)
+    draw_arrows(ax, np.zeros((1, 2)), ends[:1], color=INK, gid="force A")
+    ax.plot(*ends[1], "o", color=ORANGE, markersize=5.0, zorder=4.0, gid="force B")
     for name, point in zip("AB", ends, strict=True):
         note(ax, name, point, (5, -12))
     ax.set_title("(a) not star-shaped: not admissible")
-    curves.add("a", "bdry C", closed)
-    record(curves, "a", "force A", [force])
-    record(curves, "a", "force B", dot)
     # A lies on the boundary: a little of slack counts it in.
     shape = Path(outline)
     inside = [shape.contains_point(ends[0], radius=1e-3), shape.contains_point(ends[1])]
@@ -65,20 +57,21 @@ def _draw_hook(ax: Axes, curves: Curves) -> list[Check]:
     ]
 
 
-def _draw_flat(ax: Axes, curves: Curves) -> list[Check]:
+def _draw_flat(ax: Axes) -> list[Check]:
     forces = FLAT.b * _NORMAL + np.linspace(-0.28, 0.28, 5)[:, None] * _ALONG
     level = np.stack([forces[0] - 0.35 * _ALONG, forces[-1] + 0.3 * _ALONG])
-    plot_set(FLAT, ax, label="reservoir $C$")
-    constant = ax.plot(
-        *level.T, color=GREY, linewidth=1.0, linestyle="--", label=r"$-\lambda^T\gamma$ constant"
+    named("bdry C", plot_set(FLAT, ax, label="reservoir $C$"))
+    ax.plot(
+        *level.T,
+        color=GREY,
+        linewidth=1.0,
+        linestyle="--",
+        label=r"$-\lambda^T\gamma$ constant",
+        gid="constant dissipation",
     )
-    arrows = draw_arrows(ax, np.zeros_like(forces), forces, color=INK)
-    slips = draw_arrows(ax, forces, np.tile(0.2 * _NORMAL, (5, 1)), color=SLIDING)
+    draw_arrows(ax, np.zeros_like(forces), forces, color=INK, gid="force")
+    draw_arrows(ax, forces, np.tile(0.2 * _NORMAL, (5, 1)), color=SLIDING, gid="sliding direction")
     ax.set_title("(b) one rate of dissipation, many forces")
-    curves.add("b", "bdry C", closed_outline(FLAT))
-    record(curves, "b", "constant dissipation", constant)
-    record(curves, "b", "force", [arrows])
-    record(curves, "b", "sliding direction", [slips])
     power = forces @ _NORMAL
     law = asp.FrictionLaw.associated(FLAT)
     return [
@@ -91,34 +84,25 @@ def _draw_flat(ax: Axes, curves: Curves) -> list[Check]:
     ]
 
 
-def _draw_admissible(ax: Axes, curves: Curves) -> list[Check]:
+def _draw_admissible(ax: Axes) -> list[Check]:
     reservoir: asp.StarSet = STAR.scaled(0.6)
     force = reservoir.radius(_FORCE) * unit_vectors(_FORCE)
     slips = np.stack([law.slip_direction(-force) for law in _laws(reservoir)])
-    plot_set(reservoir, ax, label="reservoir $C$")
+    named("bdry C", plot_set(reservoir, ax, label="reservoir $C$"))
     label = r"$\{\gamma : -\lambda^T\gamma \geq 0\}$"
     draw_sector(ax, force, _FORCE - 0.5 * np.pi, np.pi, 0.36, color=SLIDING, alpha=0.2, label=label)
     tails = np.tile(force, (len(slips), 1))
-    chosen = draw_arrows(ax, tails, 0.36 * slips, color=SLIDING, width=0.011)
-    arrow = draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK)
+    draw_arrows(ax, tails, 0.36 * slips, color=SLIDING, width=0.011, gid="sliding direction")
+    draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK, gid="force")
     ax.plot([], [], color=INK, label=r"force $-\lambda$")
     ax.plot([], [], color=SLIDING, label=r"sliding direction $\gamma$")
     ax.set_title("(c) admissible sliding directions")
-    curves.add("c", "bdry C", closed_outline(reservoir))
-    curves.add("c", "edge of the half-plane", force + 0.36 * _sides(_FORCE))
-    record(curves, "c", "force", [arrow])
-    record(curves, "c", "sliding direction", [chosen])
     return [
         truth("Fig. 3c sliding directions dissipate", (slips @ force).min() > 0.0),
         truth(
             "Fig. 3c laws found dissipative", all(law.is_dissipative for law in _laws(reservoir))
         ),
     ]
-
-
-def _sides(angle: float) -> Array:
-    """Return the two unit vectors at right angles to a direction."""
-    return unit_vectors(angle + np.array([-0.5, 0.5]) * np.pi)
 
 
 def _laws(reservoir: asp.StarSet) -> list[asp.FrictionLaw]:
@@ -138,20 +122,13 @@ def draw() -> Redrawn:
     and the directions that twelve laws with the same C choose.
     """
     figure, axes = panels(3, "reservoirs, dissipation and sliding directions", 3)
-    curves = Curves()
-    checks = [
-        *_draw_hook(axes[0], curves),
-        *_draw_flat(axes[1], curves),
-        *_draw_admissible(axes[2], curves),
-    ]
+    checks = [*_draw_hook(axes[0]), *_draw_flat(axes[1]), *_draw_admissible(axes[2])]
     for ax in axes:
         cross(ax)
         ax.set(xlabel=r"$-\lambda_1/\lambda_N$", ylabel=r"$-\lambda_2/\lambda_N$")
         ax.set_aspect("equal")
     shared_legend(figure, axes)
-    return Redrawn(
-        figure, curves, [*checks, *proposition_1("Fig. 3b", asp.FrictionLaw.associated(FLAT))]
-    )
+    return Redrawn(figure, [*checks, *proposition_1("Fig. 3b", asp.FrictionLaw.associated(FLAT))])
 
 
 # %%

@@ -5,14 +5,10 @@ Which forces act in the contact plane, in stick and in slip? The paper gives no 
 sets; those here are our own.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
-
-from paper.curves import Curves
 from paper.drawing import INK, circle, draw_arrows, unit_vectors
-from paper.frame import Redrawn, cross, draw_law, note, panels, record, shared_legend, show
+from paper.frame import Redrawn, cross, draw_law, note, panels, shared_legend, show
 from paper.sketches.laws import contact_plane
 from paper.statements import vanishes
 
@@ -23,13 +19,12 @@ MU = 0.3
 def draw() -> Redrawn:
     """Draw (a) the contact plane and the forces on body 1, (b) isotropic friction."""
     figure, (left, right) = panels(4, "planar contact and isotropic friction", 2)
-    law, curves = asp.FrictionLaw.isotropic(MU), Curves()
+    law = asp.FrictionLaw.isotropic(MU)
     stick, slip = 0.55 * MU * unit_vectors(-0.6), np.array([0.3, 2.5, 4.4])
     contact_plane(left)
     left.set_title("(a) contact forces on body 1")
-    draw_law(curves, "b", law, right, angles=slip, forces="arrows")
-    sticking = draw_arrows(right, np.zeros((1, 2)), stick[None], color=INK)
-    record(curves, "b", "force in stick", [sticking])
+    draw_law(law, right, angles=slip, forces="arrows")
+    draw_arrows(right, np.zeros((1, 2)), stick[None], color=INK, gid="force in stick")
     note(right, r"stick: $\gamma = 0$", stick, (-24, -14))
     note(right, "slip", MU * unit_vectors(slip[0]), (12, -12))
     right.set_title(r"(b) isotropic friction, $\mu = 0.3$")
@@ -40,7 +35,7 @@ def draw() -> Redrawn:
         vanishes("Fig. 4b (33) λ + μ γ/‖γ‖", law.force(slips) + MU * slips / 2.0, 1e-12),
         vanishes("Fig. 4b γ in stick", law.slip_direction(-stick), 0.0),
     ]
-    return Redrawn(figure, curves, checks)
+    return Redrawn(figure, checks)
 
 
 # %%

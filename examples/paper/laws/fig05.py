@@ -5,17 +5,13 @@ Where does a body go on grooved ground if the sliding direction is normal to an 
 The paper gives no numbers for these sets; those here are our own.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
-
-from paper.curves import Curves
 from paper.drawing import GREY, INK, PURPLE, SLIDING, draw_arrows, unit_vectors
-from paper.frame import Redrawn, cross, draw_law, panels, record, shared_legend, show
+from paper.frame import Redrawn, cross, draw_law, panels, shared_legend, show
 from paper.statements import proposition_2, propositions_3_and_4
 
 PAIR = (0.6, 0.3)
@@ -25,12 +21,11 @@ ELLIPTIC = asp.FrictionLaw.associated(asp.Ellipse(*PAIR))
 """The law of Fig. 5."""
 
 
-def _draw_path(ax: Axes, path: asp.Trajectory, curves: Curves) -> None:
+def _draw_path(ax: Axes, path: asp.Trajectory) -> None:
     reach = 1.3 * path.q[-1]
     grooves = np.arange(-0.075, reach[0], 0.006)
     ax.vlines(grooves, -0.03, reach[1], color="#E3E3E3", linewidth=0.8)
-    line = ax.plot(*path.q.T, color=INK, linewidth=1.0, linestyle="--", label="path of the body")
-    record(curves, "a", "path [m]", line)
+    ax.plot(*path.q.T, color=INK, linewidth=1.0, linestyle="--", label="path of the body")
     for share in (0.0, 0.3, 0.55, 1.0):
         k = round(share * (len(path.t) - 1))
         ax.add_patch(
@@ -42,8 +37,7 @@ def _draw_path(ax: Axes, path: asp.Trajectory, curves: Curves) -> None:
                 ("sliding direction", 0.05 * direction, SLIDING),
                 ("force on the body", 0.09 * ELLIPTIC.force(direction), PURPLE),
             ):
-                arrow = draw_arrows(ax, path.q[[k]], vector[None], color=color)
-                record(curves, "a", name, [arrow])
+                draw_arrows(ax, path.q[[k]], vector[None], color=color, gid=name)
     ax.plot([], [], color=PURPLE, label=r"force $\lambda$ on the body")
     ax.grid(False)
     ax.set(xlim=(grooves[0], grooves[-1]), ylim=(-0.03, reach[1]), aspect="equal")
@@ -72,7 +66,6 @@ def _associated_checks() -> list[Check]:
 def draw() -> Redrawn:
     """Draw (a) a computed sliding path on grooved ground, (b) its associated elliptic law."""
     figure, (left, right) = panels(5, "associated Coulomb friction", 2, width_ratios=(1.0, 1.3))
-    curves = Curves()
     path = asp.simulate(
         asp.SlidingPoint(1.0, ELLIPTIC),
         dt=1e-4,
@@ -80,12 +73,12 @@ def draw() -> Redrawn:
         u0=1.5 * unit_vectors(np.deg2rad(35.0)),
         until_rest=True,
     )
-    _draw_path(left, path, curves)
-    draw_law(curves, "b", ELLIPTIC, right, angles=12, forces="arrows")
+    _draw_path(left, path)
+    draw_law(ELLIPTIC, right, angles=12, forces="arrows")
     right.set_title(r"(b) $\mu_1 = 0.6$, $\mu_2 = 0.3$")
     cross(right)
     shared_legend(figure, [left, right], columns=3)
-    return Redrawn(figure, curves, [*_path_checks(path), *_associated_checks()])
+    return Redrawn(figure, [*_path_checks(path), *_associated_checks()])
 
 
 # %%

@@ -5,12 +5,8 @@ Which law do two slide bearings at right angles make? Its reservoir is a rectang
 no numbers for these sets; those here are our own.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
-
-from paper.curves import Curves
 from paper.frame import Redrawn, cross, draw_law, panels, shared_legend, show
 from paper.laws.fig05 import PAIR
 from paper.sketches.laws import xy_table
@@ -25,11 +21,11 @@ _SIDES = np.vstack([_HALF, -_HALF])
 def draw() -> Redrawn:
     """Draw (a) an X–Y table, (b) its associated law with rectangular reservoir."""
     figure, (left, right) = panels(6, "X–Y table", 2, figsize=(9.6, 4.4))
-    law, curves = asp.FrictionLaw.associated(asp.Rectangle(*PAIR)), Curves()
+    law = asp.FrictionLaw.associated(asp.Rectangle(*PAIR))
     x, y = PAIR[0] * _SIDES[:, 0], PAIR[1] * _SIDES[:, 1]
     xy_table(left)
     left.set_title("(a) two slide bearings, from above")
-    draw_law(curves, "b", law, right, angles=np.arctan2(y, x))
+    draw_law(law, right, angles=np.arctan2(y, x))
     right.set_title(r"(b) $\mu_1 = 0.6$, $\mu_2 = 0.3$")
     cross(right)
     shared_legend(figure, [right])
@@ -45,7 +41,7 @@ def draw() -> Redrawn:
         truth("Fig. 6b is convex", law.reservoir.is_convex),
         truth("Fig. 6b is not strictly convex", not law.reservoir.is_strictly_convex),
     ]
-    return Redrawn(figure, curves, checks)
+    return Redrawn(figure, checks)
 
 
 # %%

@@ -5,15 +5,12 @@ What lies between an ellipse and a rectangle? Superellipses, and a rectangle wit
 The paper gives no numbers for these sets; those here are our own.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import BLUE, GREEN, GREY, INK, ORANGE, SKY, circle, closed_outline, unit_vectors
-from paper.frame import Redrawn, cross, draw_law, panels, record, shared_legend, show
+from paper.frame import Redrawn, cross, draw_law, panels, shared_legend, show
 from paper.laws.fig05 import PAIR
 from paper.statements import never_positive, truth, vanishes
 
@@ -60,25 +57,23 @@ def _runner_checks() -> list[Check]:
 def draw() -> Redrawn:
     """Draw (a) superelliptic reservoirs, (b) a rectangle with two half-ellipses."""
     figure, (left, right) = panels(7, "further force reservoirs", 2, figsize=(10.6, 4.0))
-    curves = Curves()
     for s, color in zip(ROUNDNESS, _COLORS, strict=True):
         star = asp.Superellipse(*PAIR, s)
         dash = "-" if star.is_convex else "--"
         left.plot(*closed_outline(star).T, dash, color=color, label=f"$s = {s:g}$")
-        curves.add("a", f"s = {s:g}", closed_outline(star))
     left.set(title="(a) superellipses with roundness factor $s$", aspect="equal")
     left.legend(loc="upper center", ncols=3, fontsize="small")
-    draw_law(curves, "b", asp.FrictionLaw.associated(RUNNER), right, angles=20)
+    draw_law(asp.FrictionLaw.associated(RUNNER), right, angles=20)
     x, y = np.array([[-RUNNER.a], [RUNNER.a]]), np.array([-RUNNER.b, RUNNER.b])
     seams = [line for at in x for line in right.plot(np.tile(at, 2), y, ":", color=GREY)]
-    record(curves, "b", "end of the rectangle", seams)
+    named("end of the rectangle", seams)
     right.set_title("(b) rectangle and two half-ellipses")
     for ax in (left, right):
         cross(ax)
         ax.set(xlabel=r"$-\lambda_1/\lambda_N$", ylabel=r"$-\lambda_2/\lambda_N$")
         ax.set(xlim=(-0.85, 0.85), ylim=(-0.55, 0.62))
     shared_legend(figure, [right])
-    return Redrawn(figure, curves, [*_superellipse_checks(), *_runner_checks()])
+    return Redrawn(figure, [*_superellipse_checks(), *_runner_checks()])
 
 
 # %%

@@ -6,13 +6,9 @@ associated with its own reservoir. The parameters are our own. Fig. 9, a sketch 
 inclined plane, is left out.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
-
-from paper.curves import Curves
 from paper.drawing import Array, circle, unit_vectors
 from paper.frame import Redrawn, cross, draw_law, panels, shared_legend, show
 from paper.statements import truth, vanishes
@@ -53,22 +49,21 @@ def _gap(convex: asp.StarSet, x: Array, y: Array) -> Array:
 def draw() -> Redrawn:
     """Draw the collinear law (a) transformed to the unit disk, (b) with its elliptic reservoir."""
     figure, (left, right) = panels(8, "collinear friction law", 2, width_ratios=(1.0, 1.45))
-    curves = Curves()
     phi = 2.0 * np.pi * np.arange(16) / 16
     force = -COLLINEAR.force(unit_vectors(phi))
     transformed = np.arctan2(*(force / PAIR).T[::-1])
-    draw_law(curves, "a", asp.FrictionLaw.isotropic(1.0), left, prefix="T ", angles=transformed)
+    draw_law(asp.FrictionLaw.isotropic(1.0), left, prefix="T ", angles=transformed)
     left.set(
         title=r"(a) $T\gamma \in N_{TC}(-T\lambda)$",
         xlabel=r"$-\lambda_1/(\mu_1\lambda_N)$",
         ylabel=r"$-\lambda_2/(\mu_2\lambda_N)$",
     )
-    draw_law(curves, "b", COLLINEAR, right, angles=phi)
+    draw_law(COLLINEAR, right, angles=phi)
     right.set_title(r"(b) $\mu_1 = 0.6$, $\mu_2 = 0.3$")
     for ax in (left, right):
         cross(ax)
     shared_legend(figure, [right])
-    return Redrawn(figure, curves, _collinear_checks())
+    return Redrawn(figure, _collinear_checks())
 
 
 # %%

@@ -5,13 +5,9 @@ What do wedge-shaped asperities do to friction? The reservoir ceases to be conve
 = 1.2, β = 36° are those of the paper.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
-
-from paper.curves import Curves
 from paper.drawing import Array, circle, unit_vectors
 from paper.frame import Redrawn, cross, draw_law, panels, shared_legend, show
 from paper.sketches.laws import wedges
@@ -82,14 +78,14 @@ def draw() -> Redrawn:
         figsize=(10.8, 4.3),
         width_ratios=(1.0, 1.45),
     )
-    law, curves = asp.FrictionLaw.asperity(MU, float(BETA)), Curves()
+    law = asp.FrictionLaw.asperity(MU, float(BETA))
     wedges(left, float(BETA))
     left.set_title("(a) springs on wedge asperities")
-    draw_law(curves, "b", law, right, angles=32)
+    draw_law(law, right, angles=32)
     right.set_title(r"(b) $\mu = 1.2$, $\beta = 36°$")
     cross(right)
     shared_legend(figure, [right])
-    return Redrawn(figure, curves, [*_asperity_checks(law), *_convexity_checks(law)])
+    return Redrawn(figure, [*_asperity_checks(law), *_convexity_checks(law)])
 
 
 # %%

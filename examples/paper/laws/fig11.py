@@ -5,8 +5,6 @@ How does a second set D give the sliding direction, where C holds the forces? Th
 numbers for these laws; those here are our own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import asperity as asp
@@ -14,10 +12,9 @@ import numpy as np
 from asperity.demo import Check
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import INK, SLIDING, circle, draw_arrows, unit_vectors
-from paper.frame import Redrawn, cross, draw_law, note, panels, record, shared_legend, show
+from paper.frame import Redrawn, cross, draw_law, note, panels, shared_legend, show
 from paper.statements import never_positive, proposition_5, truth, vanishes
 
 ELLIPSES = asp.FrictionLaw(asp.Ellipse(0.6, 0.3), asp.Ellipse(1.0, 0.85))
@@ -75,21 +72,20 @@ def _dented_checks() -> list[Check]:
 def draw() -> Redrawn:
     """Draw non-associated laws (a) with elliptic sets, (b) with a reservoir that is not convex."""
     figure, axes = panels(11, "non-associated friction laws", 2)
-    curves = Curves()
     titles = ("(a) elliptic $C$ and $D$", "(b) non-convex $C$")
     chosen = np.deg2rad([12.0, 68.0])
     places = (((-4, 9), (-66, 10)), ((9, -7), (-63, -25)))
-    for ax, panel, law, title, theta, labels in zip(
-        axes, "ab", (ELLIPSES, DENTED), titles, chosen, places, strict=True
+    for ax, law, title, theta, labels in zip(
+        axes, (ELLIPSES, DENTED), titles, chosen, places, strict=True
     ):
-        draw_law(curves, panel, law, ax, angles=[theta, theta + np.pi, np.pi - theta, -theta])
+        draw_law(law, ax, angles=[theta, theta + np.pi, np.pi - theta, -theta])
         scaling = _draw_scaling(ax, law, theta, labels)
         for name, artist in scaling.items():
-            record(curves, panel, name, [artist])
+            named(name, [artist])
         ax.set_title(title)
         cross(ax)
     shared_legend(figure, axes)
-    return Redrawn(figure, curves, [*_ellipse_checks(), *_dented_checks()])
+    return Redrawn(figure, [*_ellipse_checks(), *_dented_checks()])
 
 
 # %%

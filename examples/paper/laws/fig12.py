@@ -5,19 +5,16 @@ Can laws of second-order and fourth-order tensors be written as a pair (C, D)? T
 parameters are not public; those here are our own.
 """
 
-from __future__ import annotations
-
 import asperity as asp
 import numpy as np
 from asperity.demo import Check
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc
-from scipy.integrate import cumulative_simpson
-
-from paper.curves import Curves
+from paper.curves import named
 from paper.drawing import INK, SLIDING, Array, circle, draw_arrows, unit_vectors
-from paper.frame import Redrawn, cross, draw_law, note, panels, record, shared_legend, show
+from paper.frame import Redrawn, cross, draw_law, note, panels, shared_legend, show
 from paper.statements import proposition_5, truth, vanishes
+from scipy.integrate import cumulative_simpson
 
 SECOND_ORDER = np.diag([0.3, 0.1])
 """Tensor of Fig. 12a."""
@@ -45,22 +42,22 @@ def tensor_laws() -> dict[str, asp.FrictionLaw]:
     }
 
 
-def _draw_angles(ax: Axes, law: asp.FrictionLaw, phi: float, curves: Curves) -> None:
+def _draw_angles(ax: Axes, law: asp.FrictionLaw, phi: float) -> None:
     """Mark θ, the angle of a force −λ, and φ, that of its sliding direction γ."""
     slip = unit_vectors(phi)
     force = -law.force(slip)
     theta = float(np.arctan2(force[1], force[0]))
-    arrow = draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK)
-    record(curves, "c", "force from the origin", [arrow])
-    along = draw_arrows(ax, force[None], 0.09 * slip[None], color=SLIDING)
-    record(curves, "c", "sliding direction of this force", [along])
+    draw_arrows(ax, np.zeros((1, 2)), force[None], color=INK, gid="force from the origin")
+    draw_arrows(
+        ax, force[None], 0.09 * slip[None], color=SLIDING, gid="sliding direction of this force"
+    )
     for apex, angle, radius, name in (
         (np.zeros(2), theta, 0.11, "theta"),
         (force, phi, 0.05, "varphi"),
     ):
         ax.add_patch(Arc(tuple(apex), 2 * radius, 2 * radius, theta2=np.rad2deg(angle), color=INK))
         level = apex + np.array([[0.0, 0.0], [1.3 * radius, 0.0]])
-        record(curves, "c", f"{name} is counted from", ax.plot(*level.T, color=INK, linewidth=0.8))
+        named(f"{name} is counted from", ax.plot(*level.T, color=INK, linewidth=0.8))
         middle = apex + 1.35 * radius * unit_vectors(0.45 * angle)
         note(ax, rf"$\{name}$", middle, ha="center", va="center")
 
@@ -137,19 +134,19 @@ def draw() -> Redrawn:
     figure, axes = panels(
         12, "tensor laws", 3, parameters="own parameters: those of the paper are not public"
     )
-    curves, laws = Curves(), tensor_laws()
+    laws = tensor_laws()
     titles = {
         "a": r"(a) $F = \mathrm{diag}(0.3, 0.1)$",
         "b": r"(b) $F = (0.2 + 0.05\cos 4\varphi)\,I$",
         "c": "(c) fourth order",
     }
     for ax, (panel, law) in zip(axes, laws.items(), strict=True):
-        draw_law(curves, panel, law, ax, angles=8 if panel == "c" else 20)
+        draw_law(law, ax, angles=8 if panel == "c" else 20)
         ax.set_title(titles[panel])
         cross(ax)
-    _draw_angles(axes[2], laws["c"], np.deg2rad(60.0), curves)
+    _draw_angles(axes[2], laws["c"], np.deg2rad(60.0))
     shared_legend(figure, axes)
-    return Redrawn(figure, curves, _tensor_checks(laws))
+    return Redrawn(figure, _tensor_checks(laws))
 
 
 # %%

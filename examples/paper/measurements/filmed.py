@@ -3,7 +3,6 @@
 from functools import cache
 
 from asperity.demo.film import Film, film, slide
-
 from paper.measurements.pairings import PVC
 
 SYNTHETIC = "synthetic data: virtual camera"

@@ -1,17 +1,13 @@
 """Figs. 20–25 of [WL19]: the tribometer, what it measures and the sets that follow."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 from asperity.demo import Check
 from asperity.identify import ProcessedData
 from matplotlib.axes import Axes
-
-from paper.curves import Curves
 from paper.drawing import BLUE, DIRECTION, GREY, INK, ORANGE, Array, unit_vectors
-from paper.frame import Redrawn, panels, record, shared_legend
+from paper.frame import Redrawn, panels, shared_legend
 from paper.measurements.pairings import SYNTHETIC, Pairing, processed
 
 _BINS = 360
@@ -27,14 +23,14 @@ def _resistance(data: ProcessedData) -> Array:
 
 def _forces_and_sets(number: int, pair: Pairing, checks: list[Check]) -> Redrawn:
     figure, axes = panels(number, pair.name, 2, figsize=(10.6, 5.0), parameters=SYNTHETIC)
-    curves, data = Curves(), processed(pair)
-    _draw_forces(curves, data, pair, axes[0])
-    _draw_sets(curves, data, pair, axes[1])
+    data = processed(pair)
+    _draw_forces(data, pair, axes[0])
+    _draw_sets(data, pair, axes[1])
     shared_legend(figure, axes, columns=6)
-    return Redrawn(figure, curves, checks)
+    return Redrawn(figure, checks)
 
 
-def _draw_forces(curves: Curves, data: ProcessedData, pair: Pairing, ax: Axes) -> None:
+def _draw_forces(data: ProcessedData, pair: Pairing, ax: Axes) -> None:
     phi = np.rad2deg(data.sets.phi)
     first = data.turn == 0
     e = unit_vectors(data.phi[first])
@@ -55,10 +51,8 @@ def _draw_forces(curves: Curves, data: ProcessedData, pair: Pairing, ax: Axes) -
             "markersize": 2.0,
             "markeredgewidth": 0.0,
         }
-        (dots,) = ax.plot(turned[::8], samples[::8], ".", **look)
-        record(curves, "a", f"{name}, one turn", [dots])
-        (line,) = ax.plot(phi, values, color=color, label=text)
-        record(curves, "a", name, [line])
+        ax.plot(turned[::8], samples[::8], ".", **look, gid=f"{name}, one turn")
+        ax.plot(phi, values, color=color, label=text)
     ax.axhline(0.0, color=GREY, linewidth=0.7, zorder=0.9)
     ax.set_xlim(0.0, 360.0)
     ax.set(
@@ -69,23 +63,20 @@ def _draw_forces(curves: Curves, data: ProcessedData, pair: Pairing, ax: Axes) -
     )
 
 
-def _draw_sets(curves: Curves, data: ProcessedData, pair: Pairing, ax: Axes) -> None:
+def _draw_sets(data: ProcessedData, pair: Pairing, ax: Axes) -> None:
     sets, scale = data.sets, pair.normal_force
     for points, name, text, color in (
         (sets.reservoir_points, "points of bdry C", "$C$ measured", BLUE),
         (sets.direction_by_support, "points of bdry D", "$D$ measured", DIRECTION),
     ):
-        (dots,) = ax.plot(*(scale * points).T, ".", color=color, markersize=3.0)
+        ax.plot(*(scale * points).T, ".", color=color, markersize=3.0, gid=name)
         ax.plot([], [], "o", color=color, markersize=4.0, label=text)
-        record(curves, "b", name, [dots])
     corners = scale * sets.direction.polygon.vertices
-    (convex,) = ax.plot(*np.vstack([corners, corners[:1]]).T, color=DIRECTION, linewidth=0.8)
-    record(curves, "b", "convex D", [convex])
+    ax.plot(*np.vstack([corners, corners[:1]]).T, color=DIRECTION, linewidth=0.8, gid="convex D")
     truth_look: dict[str, Any] = {"color": INK, "linewidth": 0.8, "linestyle": "--"}
     for chosen, name in ((pair.law.reservoir, "true C"), (pair.law.direction, "true D")):
         outline = scale * chosen.boundary(_BINS)
-        (line,) = ax.plot(*np.vstack([outline, outline[:1]]).T, **truth_look)
-        record(curves, "b", name, [line])
+        ax.plot(*np.vstack([outline, outline[:1]]).T, **truth_look, gid=name)
     ax.plot([], [], **truth_look, label="true sets")
     ax.set_aspect("equal")
     ax.set(

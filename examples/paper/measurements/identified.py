@@ -1,14 +1,11 @@
 """The law of PVC on ground steel, identified from synthetic measurements: Table 1 and Fig. 26."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 
 import asperity as asp
 from asperity.demo import table1
 from asperity.identify import Fit, ProcessedData, fit_law
-
 from paper.measurements.pairings import PVC, processed
 
 

@@ -4,8 +4,6 @@ No measurement is public. A virtual tribometer measures laws with the features t
 reports; everything computed from these data is labelled as synthetic.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cache
@@ -14,7 +12,6 @@ import asperity as asp
 import numpy as np
 from asperity.demo import table1
 from asperity.identify import ProcessedData, RawData, VirtualTribometer, process
-
 from paper.drawing import Array
 
 SYNTHETIC = "synthetic data: virtual tribometer"

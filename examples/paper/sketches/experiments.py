@@ -1,7 +1,5 @@
 """Schematic drawings of the experiments of [WL19] §5: sliding disk, pin-on-disk tribometer."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -9,7 +7,6 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, Ellipse, FancyArrowPatch, Polygon, Rectangle
 from matplotlib.path import Path
 from numpy.typing import ArrayLike
-
 from paper.drawing import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, Array, unit_vectors
 from paper.frame import bare
 from paper.sketches import parts

@@ -1,11 +1,8 @@
 """Schematic drawings: contact plane, X–Y table, wedge asperities."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, Polygon, Rectangle
-
 from paper.drawing import BLUE, GREEN, GREY, INK, PURPLE, Array, draw_arrows, unit_vectors
 from paper.frame import bare, note
 from paper.sketches.parts import METAL, PLATE, spring

@@ -1,12 +1,9 @@
 """Schematic drawings of the mechanisms of Fig. 13 and of the mass on a belt, Fig. 14."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Polygon, Rectangle
 from numpy.typing import ArrayLike
-
 from paper.drawing import BLUE, GREEN, GREY, INK, PURPLE, Array, unit_vectors
 from paper.frame import bare
 from paper.sketches import parts

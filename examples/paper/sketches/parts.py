@@ -1,14 +1,11 @@
 """Parts of schematic drawings: springs, dampers, belts, walls, masses."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 from numpy.typing import ArrayLike
-
 from paper.drawing import GREEN, GREY, INK, Array, draw_arrows, unit_vectors
 
 METAL, PLATE = "#C9CED6", "#DCE6F0"

@@ -1,7 +1,5 @@
 """Fig. 17 of [WL19]: limit cycle of a mass on a moving belt."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,5 @@
 """Comparison of computed with expected numbers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

@@ -1,7 +1,5 @@
 """A disk on three pads slides, is filmed by a virtual camera, and its mark is tracked."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

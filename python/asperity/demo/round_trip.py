@@ -1,7 +1,5 @@
 """From synthetic forces and films to a law and its sliding path: part of ``asperity demo``."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,5 @@
 """Fig. 27 of [WL19]: sliding paths of a PVC disk on ground steel under four friction laws."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
