@@ -18,9 +18,12 @@ TILT = np.deg2rad(8.0)
 # All four corners may touch the floor; with a friction coefficient of 10 none of them slides.
 
 c, s = np.cos(TILT), np.sin(TILT)
-block = asp.PlanarBody.box(1.0, HALF, position=[[c, -s], [s, c]] @ HALF, angle=TILT)
-floor = asp.BoxPlane(0, HALF, asp.Line(), asp.FrictionLaw.isotropic(10.0, dimension=1))
-system = asp.RigidBodies([block], [floor])
+block = asp.PlanarBody.box(1.0, half_sizes=HALF, position=[[c, -s], [s, c]] @ HALF, angle=TILT)
+rough = asp.FrictionLaw.isotropic(10.0, dimension=1)
+floor = asp.BoxPlane(
+    0, half_sizes=HALF, plane=asp.Line(), law=asp.FrictionLaw.isotropic(10.0, dimension=1)
+)
+system = asp.RigidBodies([block], pairs=[floor])
 motion = asp.simulate(system, dt=2e-5, t_end=2.0, save_every=2)
 
 # %%

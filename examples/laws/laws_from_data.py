@@ -72,10 +72,10 @@ except asp.ParameterError as refused:
 
 with asp.plot.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 5.0), layout="constrained")
-    asp.plot.plot_law(law, left, angles=20, legend=False)
+    asp.plot.plot_law(law, ax=left, angles=20, legend=False)
     left.plot(*measured.T, "x", color="black", label="measured", zorder=4.0)
     left.set_title("From 36 noisy samples")
-    asp.plot.plot_law(tensor, right, angles=20, legend=False)
+    asp.plot.plot_law(tensor, ax=right, angles=20, legend=False)
     right.set_title("From the tensor diag(0.5, 0.3)")
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=5)
 plt.show()

@@ -32,7 +32,7 @@ angle = np.deg2rad(58.0)
 start = 1.52 * np.array([np.cos(angle), np.sin(angle)])
 paths = {}
 for name, law in laws.items():
-    disk = asp.SlidingPoint(0.018, law)
+    disk = asp.SlidingPoint(0.018, law=law)
     paths[name] = asp.simulate(disk, dt=1e-4, t_end=1.0, u0=start, until_rest=True)
     x, y = 1e3 * paths[name].q[-1]
     print(f"{name:<11} stops after {paths[name].t[-1]:.4f} s at ({x:.2f}, {y:.2f}) mm")
@@ -46,7 +46,7 @@ for name, law in laws.items():
 with asp.plot.style():
     figure, ax = plt.subplots(layout="constrained")
     for name, path in paths.items():
-        asp.plot.plot_path(path, ax, label=name)
+        asp.plot.plot_path(path, ax=ax, label=name)
     ax.set(xlabel="$x$ across the grooves in m", ylabel="$y$ along the grooves in m")
     ax.legend()
 plt.show()

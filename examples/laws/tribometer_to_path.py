@@ -53,7 +53,7 @@ def slide(law: asp.FrictionLaw) -> asp.Trajectory:
     """Return the path of a disk of 18 g that starts with 1.52 m/s at 32°."""
     angle = np.deg2rad(32.0)
     start = 1.52 * np.array([np.cos(angle), np.sin(angle)])
-    disk = asp.SlidingPoint(0.018, law)
+    disk = asp.SlidingPoint(0.018, law=law)
     return asp.simulate(disk, dt=1e-4, t_end=1.0, u0=start, until_rest=True)
 
 
@@ -64,10 +64,10 @@ print(asp.compare_path(found, known).summary())
 
 with asp.plot.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.6), layout="constrained")
-    asp.plot.plot_fitted_sets(fit, left)
+    asp.plot.plot_fitted_sets(fit, ax=left)
     left.set_title("Identified sets")
-    asp.plot.plot_path(known, right, label="law that was measured", linewidth=4.0, alpha=0.35)
-    asp.plot.plot_path(found, right, label="law that was identified")
+    asp.plot.plot_path(known, ax=right, label="law that was measured", linewidth=4.0, alpha=0.35)
+    asp.plot.plot_path(found, ax=right, label="law that was identified")
     right.set(xlabel="$x$ across the grooves in m", ylabel="$y$ along the grooves in m")
     right.set_title("Sliding path")
     right.legend()

@@ -6,6 +6,7 @@ from typing import Any
 
 import asperity as asp
 import matplotlib.pyplot as plt
+import numpy as np
 from asperity.demo import Check
 from asperity.plot import plot_law
 from matplotlib.artist import Artist
@@ -75,19 +76,32 @@ def shared_legend(figure: Figure, axes: Sequence[Axes], *, columns: int = 4) -> 
     )
 
 
+def drawn(plot: Callable[..., Axes], what: object, ax: Axes, **options: Any) -> list[Artist]:
+    """Return the artists that a function of `asperity.plot` adds to axes."""
+    before = list(ax.get_children())
+    plot(what, ax=ax, **options)
+    return [one for one in ax.get_children() if one not in before]
+
+
 def draw_law(law: asp.FrictionLaw, ax: Axes, *, prefix: str = "", **options: Any) -> None:
     """Draw a law without legend and name its sets, forces, sliding directions and lines."""
-    outline, *others, force = plot_law(law, ax, legend=False, **options)
-    lines = [one for one in others if isinstance(one, Line2D)]
+    artists = drawn(plot_law, law, ax, legend=False, **options)
+    shown = [one for one in artists if isinstance(one, Line2D)]
+    # Lines without points are there for the legend.
+    outline, *lines = (one for one in shown if np.size(one.get_xdata()))
+    arrows: list[Artist] = [one for one in artists if isinstance(one, Quiver)]
+    # The forces are drawn last, as dots or arrows.
+    force = arrows.pop() if options.get("forces") == "arrows" else lines.pop()
     direction = [one for one in lines if str(one.get_label()).startswith("direction set")]
-    for name, artists in (
+    groups: tuple[tuple[str, Sequence[Artist]], ...] = (
         ("bdry C", [outline]),
         ("bdry D", direction),
         ("line from D to C", [one for one in lines if one not in direction]),
-        ("sliding direction", [one for one in others if isinstance(one, Quiver)]),
+        ("sliding direction", arrows),
         ("force", [force]),
-    ):
-        named(prefix + name, artists)
+    )
+    for name, group in groups:
+        named(prefix + name, group)
 
 
 def bare(ax: Axes) -> None:

@@ -29,7 +29,7 @@ print(motion.summary())
 
 with asp.plot.style():
     figure, ax = plt.subplots(layout="constrained")
-    asp.plot.plot_phase(motion.slice(150.0, 200.0), ax)
+    asp.plot.plot_path(motion.slice(150.0, 200.0), ax=ax, contact=0)
     ax.plot(*belt.equilibrium, "+", color="black", markersize=10.0, label="unstable equilibrium")
     ax.set(xlabel="$x$ in m", ylabel="$y$ in m")
     ax.legend(loc="upper left")

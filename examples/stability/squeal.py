@@ -40,7 +40,7 @@ print(motion.summary())
 
 with asp.plot.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
-    asp.plot.plot_root_locus(found, mu, left, label=r"friction coefficient $\mu$")
+    asp.plot.plot_root_locus(found, values=mu, ax=left, label=r"friction coefficient $\mu$")
     left.set_title("Two modes meet")
     right.plot(motion.t, motion.q[:, 1], label="mass $y$")
     right.plot(motion.t, motion.q[:, 2], label="belt $z$", linewidth=1.0)

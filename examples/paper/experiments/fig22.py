@@ -21,7 +21,7 @@ from paper.drawing import (
     draw_arrows,
     unit_vectors,
 )
-from paper.frame import Redrawn, note, panels, show
+from paper.frame import Redrawn, drawn, note, panels, show
 from paper.measurements.pairings import PVC
 from paper.sketches import experiments as setup_sketches
 
@@ -29,7 +29,7 @@ from paper.sketches import experiments as setup_sketches
 def _draw_construction(ax: Axes) -> None:
     law = PVC.law
     (outline, _), (inner, _) = (
-        plot_set(chosen, ax, color=color, label=label)
+        drawn(plot_set, chosen, ax, color=color, label=label)
         for chosen, color, label in (
             (law.reservoir, BLUE, "reservoir $C$"),
             (law.direction, DIRECTION, "direction set $D$"),

@@ -30,7 +30,7 @@ def simulated(found: Identified, film: Film) -> dict[str, asp.Trajectory]:
     place, velocity = film.path.start
     return {
         name: asp.simulate(
-            asp.SlidingPoint(film.disk.mass, law),
+            asp.SlidingPoint(film.disk.mass, law=law),
             dt=STEP,
             t_end=1.0,
             q0=place,
@@ -104,7 +104,7 @@ def _path_checks(film: Film, compared: Mapping[str, asp.PathComparison]) -> list
 
 def _disk_checks(film: Film) -> list[Check]:
     point = asp.simulate(
-        asp.SlidingPoint(film.disk.mass, film.disk.law),
+        asp.SlidingPoint(film.disk.mass, law=film.disk.law),
         dt=STEP,
         t_end=1.0,
         u0=film.disk.velocity,

@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from paper.curves import Curve, named
 from paper.drawing import BLUE, INK, SLIP, STICK, Array
-from paper.frame import OWN, Redrawn, heading, show
+from paper.frame import OWN, Redrawn, drawn, heading, show
 from paper.sketches import mechanisms as sketches
 from paper.statements import truth, vanishes
 
@@ -62,7 +62,7 @@ def _draw_cycle(ax: Axes, cycle: asp.Trajectory) -> None:
 def _draw_coupling(ax: Axes) -> None:
     mu, damping = np.linspace(0.3, 1.3, 141), np.linspace(0.0, 0.5, 101)
     growth = coupling_growth(mu[:, None], damping)
-    named(BORDER, plot_growth_chart(mu, damping, growth, ax))
+    named(BORDER, drawn(plot_growth_chart, growth, ax, x=mu, y=damping))
     ax.set(
         title="(f) growth rate of (b)",
         xlabel=r"friction coefficient $\mu$",
@@ -74,7 +74,7 @@ def _draw_oscillator(ax: Axes) -> None:
     mu, angle = np.linspace(0.0, 2.6, 161), np.deg2rad(np.linspace(10.0, 60.0, 121))
     growth = oscillator_growth(mu[:, None], angle)
     # Towards Painlevé's limit the inertia against the motion vanishes.
-    named(BORDER, plot_growth_chart(mu, np.rad2deg(angle), growth, ax, limit=0.6))
+    named(BORDER, drawn(plot_growth_chart, growth, ax, x=mu, y=np.rad2deg(angle), limit=0.6))
     m1, m2 = _ROD.masses
     limit = np.tan(angle) + m2 / m1 / np.tan(angle)
     inside = limit <= mu[-1]
@@ -90,7 +90,7 @@ def _draw_oscillator(ax: Axes) -> None:
 def _draw_follower(ax: Axes) -> list[Curve]:
     load = np.linspace(1.0, 6.0, 501)
     roots = np.linalg.eigvals(_first_order(*follower_matrices(load)))
-    named("least p", plot_root_locus(roots, load, ax, label="$p = Pl/c$"))
+    named("least p", drawn(plot_root_locus, roots, ax, values=load, label="$p = Pl/c$"))
     ax.set_title("(h) eigenvalues of (d)")
     return [
         ("h", f"eigenvalues at p = {p:.2f}", np.column_stack([row.real, row.imag]))

@@ -17,7 +17,9 @@ from paper.statements import vanishes
 
 def belt(phi: float, speed: float = 1.0) -> asp.MassOnBelt:
     """Return the paper's mass on a belt that runs in the direction φ."""
-    return asp.MassOnBelt(1.0, 1.0, LAW, 1.0, speed * unit_vectors(phi))
+    return asp.MassOnBelt(
+        1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=speed * unit_vectors(phi)
+    )
 
 
 def _model_checks() -> list[Check]:

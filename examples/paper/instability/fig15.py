@@ -28,7 +28,7 @@ from paper.drawing import (
     draw_arrows,
     unit_vectors,
 )
-from paper.frame import Redrawn, cross, note, panels, shared_legend, show
+from paper.frame import Redrawn, cross, drawn, note, panels, shared_legend, show
 from paper.statements import truth, vanishes
 
 ZETA = float(np.deg2rad(30.0))
@@ -52,8 +52,8 @@ def _deepest() -> float:
 def _draw_tangent_cone(ax: Axes, phi: float) -> None:
     slip = unit_vectors(phi)
     force = -LAW.force(slip)
-    named("bdry C", plot_set(LAW.reservoir, ax, label="reservoir $C$"))
-    cone = plot_cones(LAW.reservoir, force, ax, normal=False, size=18.0)
+    named("bdry C", drawn(plot_set, LAW.reservoir, ax, label="reservoir $C$"))
+    cone = drawn(plot_cones, LAW.reservoir, ax, x=force, normal=False, size=18.0)
     named("force", cone[:1])
     named("edges of the tangent cone", cone[1:])
     ax.plot([], [], color=PURPLE, label=r"tangent cone $T_C(-\lambda)$ at $-\lambda$")
@@ -74,7 +74,7 @@ def _draw_tangent_cone(ax: Axes, phi: float) -> None:
 
 def _draw_ellipses(ax: Axes) -> None:
     reservoir, direction = LAW.reservoir, asp.Ellipse(30.0, 10.0)
-    named("bdry C", plot_set(reservoir, ax, label="reservoir $C$"))
+    named("bdry C", drawn(plot_set, reservoir, ax, label="reservoir $C$"))
     dashed: dict[str, Any] = {"color": DIRECTION, "linestyle": "--", "label": "direction set $D$"}
     named("bdry D", ax.plot(*closed_outline(direction).T, **dashed))
     axis = np.stack([np.zeros(2), 33.0 * unit_vectors(ZETA)])

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from paper.curves import named
 from paper.drawing import INK, PURPLE, Array, draw_arrows, unit_vectors
-from paper.frame import Redrawn, cross, draw_law, panels, shared_legend, show
+from paper.frame import Redrawn, cross, draw_law, drawn, panels, shared_legend, show
 from paper.instability.fig14 import belt
 from paper.instability.fig15 import _PAPER, ZETA
 from paper.statements import truth, vanishes
@@ -28,12 +28,14 @@ BORDERS = (44.106, 75.894)
 def bifurcations(step: float = 1.0) -> asp.BifurcationDiagram:
     """Return equilibria and limit cycles for belt directions from 0 to 160° in steps."""
     return asp.bifurcation_diagram(
-        belt, "phi", np.deg2rad(np.arange(0.0, 160.0 + 0.5 * step, step))
+        belt, parameter="phi", values=np.deg2rad(np.arange(0.0, 160.0 + 0.5 * step, step))
     )
 
 
 def _draw_diagram(ax: Axes, diagram: asp.BifurcationDiagram) -> None:
-    artists = plot_bifurcation(diagram.replace(values=np.rad2deg(diagram.values)), ax, legend=False)
+    artists = drawn(
+        plot_bifurcation, diagram.replace(values=np.rad2deg(diagram.values)), ax, legend=False
+    )
     for line in artists:
         if isinstance(line, Line2D):
             label = str(line.get_label())
@@ -66,8 +68,8 @@ def _draw_chart(ax: Axes) -> None:
     unturned = belt(0.0).replace(
         law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0), asp.Ellipse(3.0, 1.0))
     )
-    growth = asp.growth_chart(unturned, phi, zeta)
-    plot_growth_chart(np.rad2deg(phi), np.rad2deg(zeta), growth, ax, border=False)
+    growth = asp.growth_chart(unturned, phi=phi, zeta=zeta)
+    plot_growth_chart(growth, x=np.rad2deg(phi), y=np.rad2deg(zeta), ax=ax, border=False)
     ax.plot(*np.rad2deg(_border()).T, color=INK, linewidth=1.2, gid="border of instability")
     ax.axhline(np.rad2deg(ZETA), color=INK, linewidth=0.8, linestyle=":")
     ax.set(title="(c) growth rate", xlabel=r"belt direction $\varphi$ in degrees")

@@ -9,11 +9,11 @@ import asperity as asp
 import numpy as np
 from asperity.demo import Check
 from asperity.demo import belt as stepped
-from asperity.plot import plot_forces_in_reservoir, plot_phase
+from asperity.plot import plot_forces_in_reservoir, plot_path
 from matplotlib.axes import Axes
 from paper.curves import named
 from paper.drawing import INK, SLIDING, draw_arrows
-from paper.frame import Redrawn, panels, show
+from paper.frame import Redrawn, drawn, panels, show
 
 # Crosses on the orbit and arrows at the forces, evenly spaced in time.
 _MARKS, _ARROWS = 80, 50
@@ -28,7 +28,7 @@ def _every(cycle: asp.LimitCycle, marks: int) -> np.ndarray:
 
 
 def _draw_orbit(cycle: asp.LimitCycle, rest: np.ndarray, ax: Axes) -> None:
-    plot_phase(cycle.motion, ax)
+    plot_path(cycle, ax=ax, contact=0)
     at = _every(cycle, _MARKS)
     ax.plot(*cycle.motion.q[at].T, "x", color=INK, markersize=3.5, gid="equal times")
     ax.plot(*rest, "+", color=INK, markersize=10.0, label="equilibrium")
@@ -37,7 +37,7 @@ def _draw_orbit(cycle: asp.LimitCycle, rest: np.ndarray, ax: Axes) -> None:
 
 
 def _draw_forces(cycle: asp.LimitCycle, ax: Axes) -> None:
-    outline, *_ = plot_forces_in_reservoir(cycle.motion, stepped.LAW, ax)
+    outline, *_ = drawn(plot_forces_in_reservoir, cycle, ax, law=stepped.LAW)
     named("bdry C", [outline])
     force, slip = -cycle.motion.force[:, 0], cycle.motion.slip[:, 0]
     at = _every(cycle, _ARROWS)

@@ -13,7 +13,7 @@ from asperity.plot import plot_cones, plot_gauge, plot_projection, plot_set
 from matplotlib.axes import Axes
 from paper.curves import named
 from paper.drawing import INK, Array, closed_outline, unit_vectors
-from paper.frame import Redrawn, panels, show
+from paper.frame import Redrawn, drawn, panels, show
 from paper.statements import never_positive, vanishes
 
 CORNERED = asp.Ellipse(1.0, 0.7) & asp.Rectangle(0.8, 1.0)
@@ -27,14 +27,14 @@ _HEIGHT = 1.3
 
 
 def _draw_projection(ax: Axes, z: Array) -> None:
-    *lines, points, feet = plot_projection(CORNERED, z, ax)
+    *lines, points, feet = drawn(plot_projection, CORNERED, ax, z=z)
     for name, artists in (("z", [points]), ("prox(z)", [feet]), ("line from z to prox(z)", lines)):
         named(name, artists)
 
 
 def _draw_cones(ax: Axes, name: str, x: Array) -> None:
-    point, *normals = plot_cones(CORNERED, x, ax, tangent=False, size=0.36)
-    _, *tangents = plot_cones(CORNERED, x, ax, normal=False, size=0.36)
+    point, *normals = drawn(plot_cones, CORNERED, ax, x=x, tangent=False, size=0.36)
+    _, *tangents = drawn(plot_cones, CORNERED, ax, x=x, normal=False, size=0.36)
     named(name, [point])
     named(f"N_C({name})", normals)
     named(f"edge of T_C({name})", tangents)
@@ -70,11 +70,11 @@ def draw() -> Redrawn:
     smooth = float(CORNERED.radius(2.1)) * unit_vectors(2.1)
     outside = np.array([CORNER + 0.55 * unit_vectors(0.35), [1.25, -0.2], [-0.35, -1.1]])
     space = figure.add_subplot(1, 2, 1, projection="3d")
-    _, level, image, _ = plot_gauge(CORNERED, space, height=_HEIGHT)
-    named("level curve", [level])
-    named("boundary", [image])
+    plot_gauge(CORNERED, ax=space, height=_HEIGHT)
+    for name, line in zip(("level curve", "boundary"), space.lines, strict=True):
+        named(name, [line])
     space.set_title(r"(a) gauge $k_C$ and level set $C = \{k_C \leq 1\}$")
-    named("boundary", plot_set(CORNERED, right, label="$C$"))
+    named("boundary", drawn(plot_set, CORNERED, right, label="$C$"))
     _draw_projection(right, outside)
     for name, point in (("smooth point", smooth), ("corner", CORNER)):
         _draw_cones(right, name, point)

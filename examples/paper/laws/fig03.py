@@ -23,11 +23,11 @@ from paper.drawing import (
     draw_sector,
     unit_vectors,
 )
-from paper.frame import Redrawn, cross, note, panels, shared_legend, show
+from paper.frame import Redrawn, cross, drawn, note, panels, shared_legend, show
 from paper.laws.fig01 import STAR, hidden, hooked
 from paper.statements import proposition_1, truth, vanishes
 
-FLAT = asp.CappedRectangle(0.3, 0.3, 0.25, angle=0.5)
+FLAT = asp.CappedRectangle(0.3, 0.3, cap=0.25, angle=0.5)
 """A reservoir with two flats of length 0.6, their normals at 0.5 rad ± 90°."""
 
 _NORMAL = unit_vectors(FLAT.angle + 0.5 * np.pi)
@@ -60,7 +60,7 @@ def _draw_hook(ax: Axes) -> list[Check]:
 def _draw_flat(ax: Axes) -> list[Check]:
     forces = FLAT.b * _NORMAL + np.linspace(-0.28, 0.28, 5)[:, None] * _ALONG
     level = np.stack([forces[0] - 0.35 * _ALONG, forces[-1] + 0.3 * _ALONG])
-    named("bdry C", plot_set(FLAT, ax, label="reservoir $C$"))
+    named("bdry C", drawn(plot_set, FLAT, ax, label="reservoir $C$"))
     ax.plot(
         *level.T,
         color=GREY,
@@ -88,7 +88,7 @@ def _draw_admissible(ax: Axes) -> list[Check]:
     reservoir: asp.StarSet = STAR.scaled(0.6)
     force = reservoir.radius(_FORCE) * unit_vectors(_FORCE)
     slips = np.stack([law.slip_direction(-force) for law in _laws(reservoir)])
-    named("bdry C", plot_set(reservoir, ax, label="reservoir $C$"))
+    named("bdry C", drawn(plot_set, reservoir, ax, label="reservoir $C$"))
     label = r"$\{\gamma : -\lambda^T\gamma \geq 0\}$"
     draw_sector(ax, force, _FORCE - 0.5 * np.pi, np.pi, 0.36, color=SLIDING, alpha=0.2, label=label)
     tails = np.tile(force, (len(slips), 1))

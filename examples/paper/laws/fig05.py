@@ -67,7 +67,7 @@ def draw() -> Redrawn:
     """Draw (a) a computed sliding path on grooved ground, (b) its associated elliptic law."""
     figure, (left, right) = panels(5, "associated Coulomb friction", 2, width_ratios=(1.0, 1.3))
     path = asp.simulate(
-        asp.SlidingPoint(1.0, ELLIPTIC),
+        asp.SlidingPoint(1.0, law=ELLIPTIC),
         dt=1e-4,
         t_end=1.0,
         u0=1.5 * unit_vectors(np.deg2rad(35.0)),

@@ -19,7 +19,7 @@ ROUNDNESS = (0.7, 1.0, 1.5, 2.0, 4.0, 30.0)
 
 _COLORS = (GREY, SKY, GREEN, BLUE, ORANGE, INK)
 
-RUNNER = asp.CappedRectangle(0.35, 0.3, 0.25)
+RUNNER = asp.CappedRectangle(0.35, 0.3, cap=0.25)
 """Rectangle of half-widths 0.35, 0.3 with half-ellipses of semi-axis 0.25 on both ends."""
 
 

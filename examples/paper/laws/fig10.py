@@ -21,7 +21,7 @@ RADII = (7.643276410, 5.719896099, 3.471719339, 2.332058637, 1.796360109, 1.5537
 
 
 def _asperity_checks(law: asp.FrictionLaw) -> list[Check]:
-    reservoir = asp.WedgeAsperity(MU, float(BETA))
+    reservoir = asp.WedgeAsperity(MU, beta=float(BETA))
     checks = [
         Check(f"Fig. 10b (50) r_C at {15 * k}°", expected, float(computed), 1e-9)
         for k, (expected, computed) in enumerate(
@@ -56,9 +56,11 @@ def _convexity_checks(law: asp.FrictionLaw) -> list[Check]:
         truth("Fig. 10b C is star-shaped", asp.star_shape(law.reservoir.boundary(720))),
         truth(
             "Fig. 10 convex just below μ tan β = 1/√2",
-            asp.WedgeAsperity(MU, limit - 1e-6).is_convex,
+            asp.WedgeAsperity(MU, beta=limit - 1e-6).is_convex,
         ),
-        truth("Fig. 10 not convex just above", not asp.WedgeAsperity(MU, limit + 1e-6).is_convex),
+        truth(
+            "Fig. 10 not convex just above", not asp.WedgeAsperity(MU, beta=limit + 1e-6).is_convex
+        ),
         truth("Fig. 10b D ⊆ C", law.direction.margin_inside(law.reservoir) >= -1e-12),
         never_positive(
             "Fig. 10b trace criterion, largest −(l_t + dl_p/dφ)",
@@ -78,7 +80,7 @@ def draw() -> Redrawn:
         figsize=(10.8, 4.3),
         width_ratios=(1.0, 1.45),
     )
-    law = asp.FrictionLaw.asperity(MU, float(BETA))
+    law = asp.FrictionLaw.asperity(MU, beta=float(BETA))
     wedges(left, float(BETA))
     left.set_title("(a) springs on wedge asperities")
     draw_law(law, right, angles=32)

@@ -38,7 +38,7 @@ def tensor_laws() -> dict[str, asp.FrictionLaw]:
     return {
         "a": asp.FrictionLaw.tensor(SECOND_ORDER),
         "b": asp.FrictionLaw.tensor_function(coefficient),
-        "c": asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth_order()),
+        "c": asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth_order=fourth_order()),
     }
 
 

@@ -43,7 +43,7 @@ class Cycle:
 def system(speed: float = 1.0) -> asp.MassOnBelt:
     """Return the paper's system, m = 1 kg, k = 1 N/m; the belt moves at φ = 50°."""
     velocity = speed * np.array([np.cos(_DIRECTION), np.sin(_DIRECTION)])
-    return asp.MassOnBelt(1.0, 1.0, LAW, 1.0, velocity)
+    return asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=velocity)
 
 
 def run(dt: float = 1e-3) -> Cycle:
@@ -105,13 +105,13 @@ def draw(cycle: Cycle) -> Figure:
         figure = plt.figure(figsize=(11.0, 7.4), layout="constrained")
         grid = figure.add_gridspec(2, 2, height_ratios=(1.8, 1.0))
         orbit = figure.add_subplot(grid[0, 0])
-        asp.plot.plot_phase(once, orbit)
+        asp.plot.plot_path(once, ax=orbit, contact=0)
         equilibrium = system().equilibrium
         orbit.plot(*equilibrium, "+", color="black", markersize=9, label="sliding equilibrium")
         orbit.set(title="Limit cycle", xlabel="$x$ in m", ylabel="$y$ in m")
         orbit.legend(loc="upper left")
         forces = figure.add_subplot(grid[0, 1])
-        asp.plot.plot_forces_in_reservoir(once, LAW, forces)
+        asp.plot.plot_forces_in_reservoir(once, law=LAW, ax=forces)
         forces.set_title("Friction force within the reservoir")
         _draw_time(once, figure.add_subplot(grid[1, :]))
         figure.suptitle(

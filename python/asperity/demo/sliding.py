@@ -68,7 +68,7 @@ def slide(name: str, law: asp.FrictionLaw, angle: float, dt: float) -> SlidingPa
     """Simulate one path; `angle` in degrees."""
     direction = np.deg2rad(angle)
     trajectory = asp.simulate(
-        asp.SlidingPoint(MASS, law),
+        asp.SlidingPoint(MASS, law=law),
         dt=dt,
         t_end=1.0,
         u0=[SPEED * np.cos(direction), SPEED * np.sin(direction)],
@@ -144,7 +144,7 @@ def draw(paths: Sequence[SlidingPath]) -> Figure:
             chosen = [path for path in paths if path.angle == angle]
             for path in chosen:
                 motion = path.trajectory
-                asp.plot.plot_path(motion.replace(q=1e3 * motion.q), ax, label=path.law)
+                asp.plot.plot_path(motion.replace(q=1e3 * motion.q), ax=ax, label=path.law)
             reach = max(np.hypot(*path.end) for path in chosen)
             direction = np.deg2rad(angle)
             ax.plot(

@@ -3,7 +3,7 @@
 >>> import asperity as asp
 >>> law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(3.0, 2.0))
 >>> raw = asp.identify.VirtualTribometer(law, normal_force=9.3, turns=4, sample_rate=200.0).record()
->>> fit = asp.identify.fit_law(asp.identify.process(raw), "ellipse", "ellipse")
+>>> fit = asp.identify.fit_law(asp.identify.process(raw), reservoir="ellipse", direction="ellipse")
 >>> fit.parameters["direction.ratio"].covers(1.5)
 True
 
@@ -31,6 +31,7 @@ from asperity.identify.forces.filters import low_pass
 from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
+from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import Configuration, read_raw
 from asperity.identify.records.reading import read_csv
@@ -53,6 +54,7 @@ __all__ = [
     "Fit",
     "FourierDirection",
     "FourierReservoir",
+    "IdentifiedLaw",
     "MeasuredSets",
     "ProcessedData",
     "Processing",

@@ -119,8 +119,8 @@ class SlidingDisk(RigidBodies):
             raise ParameterError("gravity", f"must press the disk on the plane, got {gravity!r}")
         body = Body.cylinder(
             mass,
-            0.5 * diameter,
-            height,
+            radius=0.5 * diameter,
+            height=height,
             position=(*place, 0.5 * height),
             orientation=(np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)),
             velocity=(*start, 0.0),
@@ -131,8 +131,8 @@ class SlidingDisk(RigidBodies):
             *_ring(_EDGE_POINTS, 0.5 * diameter, pad_height - 0.5 * height),
             *_ring(_EDGE_POINTS, 0.5 * diameter, 0.5 * height),
         ]
-        touching = [PointPlane(0, point, Plane(), law) for point in points]
-        super().__init__([body], touching, gravity=down)
+        touching = [PointPlane(0, point=point, plane=Plane(), law=law) for point in points]
+        super().__init__([body], pairs=touching, gravity=down)
         self._set(law=law, velocity=start, position=place, **given, gravity=self.gravity)
 
     def path(self, trajectory: Trajectory) -> Array:
