@@ -68,7 +68,7 @@ def _draw_chart(ax: Axes) -> None:
     unturned = belt(0.0).replace(
         law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0), asp.Ellipse(3.0, 1.0))
     )
-    growth = asp.growth_chart(unturned, phi=phi, zeta=zeta)
+    growth = asp.growth_chart(unturned, phi=phi, zeta=zeta).growth
     plot_growth_chart(growth, x=np.rad2deg(phi), y=np.rad2deg(zeta), ax=ax, border=False)
     ax.plot(*np.rad2deg(_border()).T, color=INK, linewidth=1.2, gid="border of instability")
     ax.axhline(np.rad2deg(ZETA), color=INK, linewidth=0.8, linestyle=":")
