@@ -36,7 +36,8 @@ def drawn_curves(figure: Figure) -> list[Curve]:
         line: Any
         for line in ax.lines:
             name = line.get_gid() or str(line.get_label()).replace("$", "")
-            if not name.startswith("_"):
+            # Lines across the whole panel have coordinates of their own.
+            if not name.startswith("_") and line.get_transform() == ax.transData:
                 space = ax.name == "3d"
                 points = np.column_stack(line.get_data_3d() if space else line.get_data(orig=True))
                 lines[title[1], name].append(points[np.isfinite(points).all(axis=1)])
