@@ -24,7 +24,7 @@ floor = asp.BoxPlane(
     0, half_sizes=HALF, plane=asp.Line(), law=asp.FrictionLaw.isotropic(10.0, dimension=1)
 )
 system = asp.RigidBodies([block], pairs=[floor])
-motion = asp.simulate(system, dt=2e-5, t_end=2.0, save_every=2)
+motion = asp.simulate(system, dt=2e-5, t_end=2.0, sample_every=4e-5)
 
 # %%
 # Energy that is left

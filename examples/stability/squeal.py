@@ -29,7 +29,7 @@ print(found[-1].reason)
 # A disturbance of a millimetre grows until the mass lifts off the belt.
 
 motion = asp.simulate(
-    mechanisms.mode_coupling(0.9), dt=1e-2, t_end=120.0, q0=[1e-3, 0.0, 0.0], save_every=5
+    mechanisms.mode_coupling(0.9), dt=1e-2, t_end=120.0, q0=[1e-3, 0.0, 0.0], sample_every=0.05
 )
 print(motion.summary())
 
