@@ -8,8 +8,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from asperity._base.tables import aligned
+
 if TYPE_CHECKING:
-    from asperity.paper.checks import Check
+    from asperity.demo import Check
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 """Where verbs are added."""
@@ -26,8 +28,6 @@ def add_out(parser: argparse.ArgumentParser) -> None:
 
 def print_checks(run: Callable[[], Sequence[Check]], out: Path) -> int:
     """Run, print the table of checks, and return the exit code."""
-    from asperity.paper.checks import table
-
     start = time.perf_counter()
     checks = run()
     seconds = time.perf_counter() - start
@@ -35,3 +35,28 @@ def print_checks(run: Callable[[], Sequence[Check]], out: Path) -> int:
     off = sum(not check.ok for check in checks)
     print(f"\n{len(checks)} checks, {off} off; figures and tables in {out}; {seconds:.1f} s")
     return DOUBTFUL if off else SUCCESS
+
+
+def table(checks: Sequence[Check]) -> str:
+    """Return a text table: quantity, expected, computed, error, tolerance, unit, verdict.
+
+    >>> from asperity.commands.options import table
+    >>> from asperity.demo import Check
+    >>> print(table([Check("period", 28.703, 28.6, 0.02, "s")]))
+    quantity   expected   computed     error  tolerance
+    period    28.703000  28.600000  -1.0e-01    2.0e-02  s  OFF
+    """
+    rows = [
+        (
+            check.quantity,
+            f"{check.expected:.6f}",
+            f"{check.computed:.6f}",
+            f"{check.error:.1e}",
+            f"{check.tolerance:.1e}",
+            check.unit,
+            "ok" if check.ok else "OFF",
+        )
+        for check in checks
+    ]
+    header = ("quantity", "expected", "computed", "error", "tolerance")
+    return aligned([header, *rows], right=range(1, 5))
