@@ -1,19 +1,25 @@
-"""The reader of configurations in TOML: what is not known is refused with file, line and key."""
+"""The one reader and the one writer of TOML.
+
+What is not known is refused with file, line and key; what is written is read back to the bit.
+"""
 
 from __future__ import annotations
 
 import difflib
 import json
+import math
 import os
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, NoReturn, TypeAlias
 
 import numpy as np
 
+from asperity._base.files import atomic
+from asperity._base.key_lines import KeyLines
 from asperity.errors import ConfigurationError, ParameterError, RecordError
 
 
@@ -28,7 +34,13 @@ class Kind(NamedTuple):
         return Kind(f"{self.words} or several", lambda value: all(map(self.holds, _listed(value))))
 
 
-Schema: TypeAlias = Mapping[str, "Kind | Mapping[str, Kind]"]
+class Tables(NamedTuple):
+    """A list of tables ``[[key]]``, each with these keys."""
+
+    schema: Schema
+
+
+Schema: TypeAlias = "Mapping[str, Kind | Tables | Schema]"
 """Kinds by key, and sections of such."""
 
 
@@ -47,10 +59,12 @@ def _holds_numbers(value: Any) -> bool:
 
 
 TEXT = Kind("a text", lambda value: _is(value, str))
+TEXTS = Kind("a list of texts", lambda value: isinstance(value, list) and all(map(TEXT.holds, value)))
 NUMBER = Kind("a number", lambda value: _is(value, int, float))
 COUNT = Kind("a whole number", lambda value: _is(value, int))
 SWITCH = Kind("true or false", lambda value: _is(value, bool))
 NUMBERS = Kind("numbers", _holds_numbers)
+TABLE = Kind("a table of keys and values", lambda value: isinstance(value, Mapping))
 
 
 def check(values: Mapping[str, Any], schema: Schema) -> None:
@@ -66,69 +80,172 @@ def check(values: Mapping[str, Any], schema: Schema) -> None:
     Traceback (most recent call last):
     asperity.errors.ParameterError: mark.diametre: is not known, did you mean 'diameter'?
     """
-    for key, value in values.items():
-        kind = schema.get(key)
+    _check(values, schema, "", schema)
+
+
+def _check(values: Mapping[str, Any], schema: Schema, section: str, whole: Schema) -> None:
+    for name, value in values.items():
+        key = f"{section}.{name}" if section else name
+        kind = schema.get(name)
         if kind is None:
-            _refuse(key, key, schema, schema)
+            _refuse(name, key, schema, whole)
         elif isinstance(kind, Kind):
-            _check_kind(key, value, kind)
-        elif not isinstance(value, Mapping):
-            raise ParameterError(key, f"must be a section [{key}], got {value!r}")
+            if value is not None and not kind.holds(value):
+                raise ParameterError(key, f"must be {kind.words}, got {value!r}")
+        elif isinstance(kind, Tables):
+            if not isinstance(value, list | tuple):
+                raise ParameterError(key, f"must be tables [[{key}]], got {value!r}")
+            for i, one in enumerate(value):
+                _check_section(one, kind.schema, f"{key}[{i}]", whole)
         else:
-            for inner, one in value.items():
-                if inner not in kind:
-                    _refuse(inner, f"{key}.{inner}", kind, schema)
-                _check_kind(f"{key}.{inner}", one, kind[inner])
+            _check_section(value, kind, key, whole)
 
 
-def _check_kind(key: str, value: Any, kind: Kind) -> None:
-    if value is not None and not kind.holds(value):
-        raise ParameterError(key, f"must be {kind.words}, got {value!r}")
+def _check_section(value: Any, schema: Schema, key: str, whole: Schema) -> None:
+    if not isinstance(value, Mapping):
+        raise ParameterError(key, f"must be a section [{key}], got {value!r}")
+    _check(value, schema, key, whole)
 
 
-def _refuse(name: str, key: str, known: Mapping[str, Any], schema: Schema) -> None:
+def _refuse(name: str, key: str, known: Mapping[str, Any], schema: Schema) -> NoReturn:
     """Refuse a key, with what it was perhaps meant to be."""
     homes = _homes(name, schema)
-    near = difflib.get_close_matches(name, known, 1)
     if homes or (name in schema and name != key):
         advice = f"belongs into [{homes[0]}]" if homes else "belongs above all sections"
         raise ParameterError(key, f"is not known here, it {advice}")
-    if near:
-        raise ParameterError(key, f"is not known, did you mean {near[0]!r}?")
-    raise ParameterError(key, f"is not known; known are {', '.join(known)}")
+    raise ParameterError(key, f"is not known{advice_on(name, known)}")
 
 
-def text(values: Mapping[str, Any]) -> str:
-    """Return the text of a file with these keys and sections; None is left out.
+def advice_on(name: str, known: Iterable[str]) -> str:
+    """Return the end of a sentence that refuses a word: what it was perhaps meant to be.
 
-    >>> from asperity._base.toml import text
-    >>> print(text({"fps": 500.0, "mark": {"colour": "red", "diameter": None}}))
-    fps = 500.0
-    <BLANKLINE>
-    [mark]
-    colour = "red"
-    <BLANKLINE>
+    >>> from asperity._base.toml import advice_on
+    >>> advice_on("Elipse", ["Disk", "Ellipse"]), advice_on("Torus", ["Disk", "Ellipse"])
+    (", did you mean 'Ellipse'?", '; known are Disk, Ellipse')
     """
-    keys = {key: value for key, value in values.items() if not isinstance(value, Mapping)}
-    parts = [_keys_text(keys)] if keys else []
-    for name, section in values.items():
-        if isinstance(section, Mapping):
-            parts.append(f"[{name}]\n{_keys_text(section)}")
-    return "\n".join(parts)
-
-
-def _keys_text(values: Mapping[str, Any]) -> str:
-    # Texts, finite numbers, truth values and lists of these are written alike in JSON and TOML.
-    return "".join(
-        f"{key} = {json.dumps(value, ensure_ascii=False)}\n"
-        for key, value in values.items()
-        if value is not None
-    )
+    words = list(known)
+    near = difflib.get_close_matches(name, words, 1)
+    return f", did you mean {near[0]!r}?" if near else f"; known are {', '.join(words)}"
 
 
 def _homes(name: str, schema: Schema) -> list[str]:
     """Return the sections that know a key."""
-    return [home for home, keys in schema.items() if not isinstance(keys, Kind) and name in keys]
+    return [home for home, keys in schema.items() if isinstance(keys, Mapping) and name in keys]
+
+
+def write(
+    path: str | os.PathLike[str],
+    values: Mapping[str, Any],
+    comments: Mapping[str, str] | None = None,
+) -> None:
+    """Write a file with these keys and sections, see `text`; it is complete or not there."""
+    written = text(values, comments).encode()
+    with atomic(path) as file:
+        file.write(written)
+
+
+# Numbers of a list that does not fit on a line are broken at this column.
+_COLUMNS = 100
+
+
+def text(values: Mapping[str, Any], comments: Mapping[str, str] | None = None) -> str:
+    """Return the text of a file with these keys and sections; None is left out.
+
+    Args:
+        values: texts, numbers, truth values, lists and arrays of these, sections.
+        comments: lines above keys and sections, by the key after those of its sections and dots;
+            those of the whole file by ``""``.
+
+    >>> from asperity._base.toml import text
+    >>> print(text({"fps": 500.0, "mark": {"colour": "red", "diameter": None}}, {"mark": "seen"}))
+    fps = 500.0
+    <BLANKLINE>
+    # seen
+    [mark]
+    colour = "red"
+    <BLANKLINE>
+    """
+    said = {} if comments is None else comments
+    parts = [_comment(said.get("")), *_section_texts(values, "", "", said)]
+    return "\n".join(part for part in parts if part)
+
+
+def _section_texts(
+    values: Mapping[str, Any], section: str, head: str, comments: Mapping[str, str]
+) -> Iterator[str]:
+    """Yield the text of a section and of those within it."""
+    own, within = "", []
+    for name, value in values.items():
+        key = f"{section}.{name}" if section else name
+        if isinstance(value, Mapping):
+            within.append((f"[{_path(section, name)}]", key, _path(section, name), value))
+        elif isinstance(value, list | tuple) and value and isinstance(value[0], Mapping):
+            path = _path(section, name)
+            within += [(f"[[{path}]]", key, path, one) for one in value]
+        elif value is not None:
+            own += f"{_comment(comments.get(key))}{_key(name)} = {_value(value, name)}\n"
+    comment = _comment(comments.get(section)) if section else ""
+    # A section that only holds others needs no line of its own.
+    if own or (head and not within):
+        yield f"{comment}{head}\n{own}" if head else own
+    for header, _, path, value in within:
+        yield from _section_texts(value, path, header, comments)
+
+
+def _path(section: str, name: str) -> str:
+    return f"{section}.{_key(name)}" if section else _key(name)
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _quoted(name)
+
+
+def _comment(lines: str | None) -> str:
+    return "" if not lines else "".join(f"# {line}".rstrip() + "\n" for line in lines.split("\n"))
+
+
+def _quoted(words: str) -> str:
+    # JSON leaves DEL as it is, which TOML does not take; halves of pairs cannot be encoded.
+    whole = words.encode("utf-8", "replace").decode()
+    return json.dumps(whole, ensure_ascii=False).replace("\x7f", "\\u007F")
+
+
+def _value(value: Any, name: str) -> str:
+    """Return a value as TOML; lists that do not fit behind their name are broken into lines."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if not isinstance(value, list | tuple):
+        return _scalar(value)
+    line = _one_line(value)
+    if len(name) + len(" = ") + len(line) <= _COLUMNS:
+        return line
+    if any(isinstance(one, list | tuple) for one in value):
+        rows = "".join(f"    {_one_line(one)},\n" for one in value)
+        return f"[\n{rows}]"
+    rows, row = "", "   "
+    for one in value:
+        word = f" {_scalar(one)},"
+        if len(row) + len(word) > _COLUMNS:
+            rows, row = f"{rows}{row}\n", "   "
+        row += word
+    return f"[\n{rows}{row}\n]"
+
+
+def _one_line(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_one_line, value))}]"
+    return _scalar(value)
+
+
+def _scalar(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return _quoted(value)
+    if isinstance(value, int | float):
+        # The shortest digits that are read back to the bit; TOML has words for NaN and infinity.
+        return repr(value)
+    raise TypeError(f"no value of TOML: {value!r}")
 
 
 class TomlFile:
@@ -149,36 +266,48 @@ class TomlFile:
     def __init__(self, path: str | os.PathLike[str], schema: Schema) -> None:
         self.path = Path(path)
         self._schema = schema
-        self._lines: list[str] = []
+        self._lines = KeyLines("")
         self.values = self._parsed()
-        try:
+        with self.named():
+            _refuse_beyond(self.values, "")
             check(self.values, schema)
-        except ParameterError as error:
-            raise self.error(error.argument, error.message) from None
 
     def _parsed(self) -> dict[str, Any]:
-        line = None
+        line, key = None, ""
         try:
-            text = self.path.read_text(encoding="utf-8-sig")
-            self._lines = text.splitlines()
-            return tomllib.loads(text)
-        except UnicodeDecodeError:
-            problem = "is no TOML: save it as UTF-8"
-        except tomllib.TOMLDecodeError as error:
+            raw = self.path.read_bytes()
+            content = raw.decode("utf-8-sig")
+            self._lines = KeyLines(content)
+            return tomllib.loads(content)
+        except UnicodeDecodeError as error:
+            problem, line = "is no TOML: save it as UTF-8", raw.count(b"\n", 0, error.start) + 1
+        except RecursionError:
+            problem = "is no TOML that can be read: lists are nested too deeply"
+        except ValueError as error:
+            # Also of numbers with thousands of digits, which Python does not read.
             problem, _, place = f"is no TOML: {error}".partition(" (at ")
             number = re.match(r"line (\d+)", place)
-            line = int(number[1]) if number else None
+            line = int(number[1]) if number else self._lines.count if place else None
+            key = self._lines.begun(line)
         except IsADirectoryError:
             problem = "is a folder: name the file in it"
         except OSError as error:
             problem = f"cannot be read: {error.strerror}"
-        raise ConfigurationError(str(self.path), problem, line=line)
+        raise ConfigurationError(str(self.path), problem, key=self._written(key), line=line)
 
     def error(self, key: str, message: str) -> ConfigurationError:
         """Return what to raise for a key, such as ``"file.header"`` or ``"file"``."""
         return ConfigurationError(
-            str(self.path), message, key=self._written(key), line=self._line(key)
+            str(self.path), message, key=self._written(key), line=self._lines.of(key)
         )
+
+    @contextmanager
+    def named(self) -> Iterator[None]:
+        """Say of a wrong argument, whose name is its key, in which file and line it is."""
+        try:
+            yield
+        except ParameterError as error:
+            raise self.error(error.argument, error.message) from None
 
     @contextmanager
     def blamed(self) -> Iterator[None]:
@@ -188,15 +317,15 @@ class TomlFile:
         except RecordError as error:
             if not error.options:
                 raise
-            *others, last = (self._written(self._key(name)) for name in error.options)
+            *others, last = (self._written(self._home(name)) for name in error.options)
             places = (*others, f"{last} in {self.path}")
             raise RecordError(error.source, error.message, places) from None
         except ParameterError as error:
             if error.argument not in self._schema and not _homes(error.argument, self._schema):
                 raise
-            raise self.error(self._key(error.argument), error.message) from None
+            raise self.error(self._home(error.argument), error.message) from None
 
-    def _key(self, name: str) -> str:
+    def _home(self, name: str) -> str:
         """Return the key of an option by its section, if only one section has it."""
         homes = [] if name in self._schema else _homes(name, self._schema)
         return f"{homes[0]}.{name}" if len(homes) == 1 else name
@@ -207,17 +336,16 @@ class TomlFile:
             return f"[{section}] {name}"
         return f"[{key}]" if isinstance(self._schema.get(key), Mapping) else key
 
-    def _line(self, key: str) -> int | None:
-        """Return the line in which a key stands, else that of its section, else none."""
-        wanted, _, name = key.rpartition(".")
-        section, found = "", None
-        for number, line in enumerate(self._lines, 1):
-            head = re.match(r"\s*\[\s*([^\[\]]+?)\s*\]", line)
-            if head:
-                section = head[1]
-                found = number if section in (wanted, key) else found
-            elif section == wanted and re.match(
-                rf"""\s*["']?{re.escape(name)}["']?\s*[=.]""", line
-            ):
-                return number
-        return found
+
+def _refuse_beyond(value: Any, key: str) -> None:
+    """Refuse numbers that are none, and whole ones of more bits than TOML promises to keep."""
+    if isinstance(value, Mapping):
+        for name, one in value.items():
+            _refuse_beyond(one, f"{key}.{name}" if key else name)
+    elif isinstance(value, list):
+        for i, one in enumerate(value):
+            _refuse_beyond(one, f"{key}[{i}]")
+    elif isinstance(value, float) and not math.isfinite(value):
+        raise ParameterError(key, f"must be finite, got {value!r}")
+    elif isinstance(value, int) and not -(2**63) <= value < 2**63:
+        raise ParameterError(key, "must be a whole number of 64 bits at most, or a decimal one")

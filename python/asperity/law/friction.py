@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -317,6 +318,73 @@ class FrictionLaw(Questions):
             noise=data.noise,
         )
         return cls(*sets, report=report)
+
+    def save(self, path: str | os.PathLike[str], *, note: str = "") -> None:
+        """Write the law to a readable TOML file, from which `load` makes it again to the bit.
+
+        The file holds the sets with all their numbers, samples of curves included, the rate factor
+        and the report, not how they were made: a function does not come back. `LawFile` keeps
+        more of the provenance, and `identify.Fit.save_law` the parameters of a measured law with
+        their covariance. The Rust crate reads the same files.
+
+        Args:
+            path: of the file; it is complete or not there.
+            note: free text to keep with it.
+
+        Raises:
+            ParameterError: if the law, or a set in it, is of a class that is not asperity's.
+
+        >>> import os, tempfile
+        >>> from asperity import Ellipse, FrictionLaw
+        >>> law = FrictionLaw(Ellipse(0.6, 0.2), Ellipse(3.0, 2.0))
+        >>> path = os.path.join(tempfile.mkdtemp(), "pvc.toml")
+        >>> law.save(path, note="PVC on PVC, dry")
+        >>> FrictionLaw.load(path) == law
+        True
+        """
+        from asperity.law.file import LawFile, Provenance
+
+        LawFile(self, Provenance(note=note)).save(path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> FrictionLaw:
+        """Read the law in a TOML file that `save` has written, or anybody else.
+
+        Nothing in the file is executed.
+
+        .. code:: toml
+
+            format = "asperity law"
+            version = 1
+
+            [law.reservoir]
+            type = "Superellipse"
+            a = 0.54
+            b = 0.46
+            exponent = 2.9
+
+            [law.direction]
+            type = "Ellipse"
+            a = 1.84
+            b = 1.19
+            angle = 0.1
+
+            [law.rate]
+            speed = 0.05
+            ratio = 0.8
+
+        A set is a table with its ``type``, the name of its class, and the arguments of that; so are
+        sets in sets. The rate factor may be left out.
+
+        Args:
+            path: of the file.
+
+        Raises:
+            ConfigurationError: with file, line and key of what is wrong.
+        """
+        from asperity.law.file import LawFile
+
+        return LawFile.load(path).law
 
     def _misfit(self, phi: Array, force: Array) -> float:
         error = np.linalg.norm(-self.force(arrays.unit_vectors(phi)) - force, axis=-1)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -187,6 +188,50 @@ class StarSet(SupportMethods):
         [0.5]
         """
         return self.mapped(arrays.inverse(matrix, "matrix", self.dimension))
+
+    def save(self, path: str | os.PathLike[str], *, note: str = "") -> None:
+        """Write the set to a readable TOML file, from which `load` makes it again to the bit.
+
+        Args:
+            path: of the file; it is complete or not there.
+            note: free text to keep with it.
+
+        Raises:
+            ParameterError: if the set is, or is made of, one of a class that is not asperity's.
+
+        >>> import os, tempfile
+        >>> from asperity import Ellipse, StarSet
+        >>> path = os.path.join(tempfile.mkdtemp(), "set.toml")
+        >>> Ellipse(0.6, 0.2).save(path)
+        >>> StarSet.load(path)
+        Ellipse(0.6, 0.2)
+        """
+        from asperity.sets import file
+
+        file.save(self, path, note)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a set that `save` has written, or anybody else; nothing in the file is executed.
+
+        Args:
+            path: of the file.
+
+        Raises:
+            ConfigurationError: with file, line and key of what is wrong.
+            ParameterError: if it is a set of another class than the one whose `load` is called;
+                ``StarSet.load`` reads all.
+        """
+        from asperity.sets import file
+
+        found = file.load(path)
+        if not isinstance(found, cls):
+            raise ParameterError(
+                "path",
+                f"must hold a set of the class {cls.__name__}, {os.fspath(path)} holds one of the "
+                f"class {type(found).__name__}: StarSet.load reads it",
+            )
+        return found
 
     def __and__(self, other: StarSet) -> Intersection:
         from asperity.sets.combined import Intersection

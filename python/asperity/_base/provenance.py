@@ -1,0 +1,120 @@
+"""Where the contents of a file come from."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from asperity._base import arrays
+from asperity._base.toml import TABLE, TEXT, Tables
+from asperity._base.value import Value
+from asperity.errors import ParameterError
+
+SCHEMA = {
+    "asperity": TEXT,
+    "date": TEXT,
+    "made_by": TEXT,
+    "note": TEXT,
+    "files": Tables({"name": TEXT, "sha256": TEXT}),
+    "configuration": TABLE,
+}
+"""Of the section ``[provenance]``."""
+
+
+class Provenance(Value):
+    """Where a law or a set comes from, as its file says.
+
+    Args:
+        asperity: version of the package that wrote the file.
+        date: of writing, as ``"2026-11-22"``.
+        made_by: command or function that made it.
+        note: free text.
+        files: name and SHA-256 of what it was made of.
+        configuration: the options with which these files were read, by sections.
+
+    >>> from asperity import Provenance
+    >>> Provenance(note="PVC on PVC, dry").note
+    'PVC on PVC, dry'
+    """
+
+    asperity: str
+    date: str
+    made_by: str
+    note: str
+    files: tuple[tuple[str, str], ...]
+    configuration: Mapping[str, Any] | None
+
+    def __init__(
+        self,
+        *,
+        asperity: str = "",
+        date: str = "",
+        made_by: str = "",
+        note: str = "",
+        files: Iterable[tuple[str, str]] = (),
+        configuration: Mapping[str, Any] | None = None,
+    ) -> None:
+        texts = {"asperity": asperity, "date": date, "made_by": made_by, "note": note}
+        for name, words in texts.items():
+            if not isinstance(words, str):
+                raise ParameterError(name, f"must be a text, got {words!r}")
+        pairs = tuple(arrays.pair(one, "files") for one in arrays.several(files, "files"))
+        if not all(isinstance(word, str) for one in pairs for word in one):
+            raise ParameterError("files", f"must be pairs of name and hash, got {files!r}")
+        if not isinstance(configuration, Mapping | None):
+            raise ParameterError("configuration", f"must hold sections, got {configuration!r}")
+        kept = None if configuration is None else dict(configuration)
+        self._set(**texts, files=pairs, configuration=kept)
+
+    def __hash__(self) -> int:
+        return hash(repr(self))
+
+    @classmethod
+    def of_files(cls, paths: Iterable[str | os.PathLike[str]], **others: Any) -> Provenance:
+        """Return the provenance of what was made of some files, with their hashes.
+
+        Args:
+            paths: of the files.
+            others: arguments of `Provenance`.
+
+        Raises:
+            OSError: if a file cannot be read.
+        """
+        return cls(files=[(Path(one).name, _sha256(one)) for one in paths], **others)
+
+    def written_by(self, version: str) -> Provenance:
+        """Return the provenance with the version of the package that writes, and today's date."""
+        return self.replace(asperity=version, date=datetime.date.today().isoformat())
+
+    def table(self) -> dict[str, Any]:
+        """Return the section of the file."""
+        texts = ("asperity", "date", "made_by", "note")
+        return {
+            **{name: self._parameters[name] or None for name in texts},
+            "configuration": self.configuration,
+            "files": [{"name": name, "sha256": digest} for name, digest in self.files] or None,
+        }
+
+    @classmethod
+    def of_table(cls, table: Mapping[str, Any], key: str) -> Provenance:
+        """Return what a section says that fits `SCHEMA`.
+
+        Raises:
+            ParameterError: whose argument is the key of what is wrong.
+        """
+        files = []
+        for i, one in enumerate(table.get("files", [])):
+            for name in ("name", "sha256"):
+                if name not in one:
+                    raise ParameterError(f"{key}.files[{i}].{name}", "is missing")
+            files.append((one["name"], one["sha256"]))
+        return cls(**{**table, "files": files})
+
+
+def _sha256(path: str | os.PathLike[str]) -> str:
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

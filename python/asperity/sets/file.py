@@ -1,0 +1,87 @@
+"""Sets as tables of data, and in files of their own."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from asperity import _core
+from asperity._base import data, provenance, toml
+from asperity._base.data import HEAD_SCHEMA, FileFormat, Kinds
+from asperity._base.provenance import Provenance
+from asperity._base.toml import TABLE, TomlFile
+from asperity.errors import ParameterError
+from asperity.sets.boxes import Box, CappedRectangle, Interval, Rectangle
+from asperity.sets.combined import Intersection, MinkowskiSum, Union
+from asperity.sets.curves import PolarCurve, Polygon, SupportCurve
+from asperity.sets.drilling import CoulombContensou
+from asperity.sets.mapped import Mapped
+from asperity.sets.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse
+from asperity.sets.star import StarSet
+from asperity.sets.wedge import WedgeAsperity
+
+KINDS: Kinds = {
+    kind.__name__: kind
+    for kind in (
+        Ball,
+        Box,
+        CappedRectangle,
+        CoulombContensou,
+        Disk,
+        Ellipse,
+        Ellipsoid,
+        Intersection,
+        Interval,
+        Mapped,
+        MinkowskiSum,
+        PolarCurve,
+        Polygon,
+        Rectangle,
+        Superellipse,
+        SupportCurve,
+        Union,
+        WedgeAsperity,
+    )
+}
+"""The only classes that are made of what stands in a file."""
+
+FORMAT = FileFormat("asperity set", 1)
+_SCHEMA = {**HEAD_SCHEMA, "set": TABLE, "provenance": provenance.SCHEMA}
+_COMMENTS = {"": "A set of forces or directions. Angles are in rad."}
+
+
+def table_of(value: StarSet, key: str) -> dict[str, Any]:
+    """Return a set as a table: its ``type`` and the arguments of that constructor.
+
+    Raises:
+        ParameterError: for a set of a class that is not asperity's.
+    """
+    return data.typed(value, key, KINDS)
+
+
+def set_of(table: Any, key: str) -> StarSet:
+    """Return the set of a table.
+
+    Raises:
+        ParameterError: whose argument is the key of what is wrong.
+    """
+    found = data.built_as_typed(table, key, KINDS)
+    assert isinstance(found, StarSet)
+    return found
+
+
+def save(value: StarSet, path: str | os.PathLike[str], note: str) -> None:
+    """Write a set."""
+    origin = Provenance(note=note).written_by(_core.__version__)
+    written = {"set": table_of(value, "set"), "provenance": origin.table()}
+    toml.write(path, {**FORMAT.head(), **written}, _COMMENTS)
+
+
+def load(path: str | os.PathLike[str]) -> StarSet:
+    """Read a set."""
+    file = TomlFile(path, _SCHEMA)
+    FORMAT.check(file)
+    with file.named():
+        if "set" not in file.values:
+            raise ParameterError("set", "is missing")
+        return set_of(file.values["set"], "set")
