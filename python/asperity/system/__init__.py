@@ -2,6 +2,7 @@
 
 from asperity.system.contacts import Contact, ContactLaw
 from asperity.system.custom import System
+from asperity.system.labels import Labels
 from asperity.system.linear import LinearSystem
 from asperity.system.models import MassOnBelt, SlidingPoint
 from asperity.system.rigid import (
@@ -28,6 +29,7 @@ __all__ = [
     "Contact",
     "ContactLaw",
     "Line",
+    "Labels",
     "LinearSystem",
     "MassOnBelt",
     "PlanarBody",

@@ -12,6 +12,7 @@ from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
+from asperity.system import labels
 
 
 class ContactLaw(Value):
@@ -22,6 +23,7 @@ class ContactLaw(Value):
         normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral, with ``normal`` and ``gap``.
         normal_restitution: e_N in [0, 1].
         tangential_restitution: e_T in [0, 1].
+        name: of the contact, in tables and messages; by default its number.
 
     >>> from asperity import ContactLaw, FrictionLaw
     >>> ContactLaw(FrictionLaw.isotropic(0.3), normal_force=9.81)
@@ -32,6 +34,7 @@ class ContactLaw(Value):
     normal_force: float | None
     normal_restitution: float
     tangential_restitution: float
+    name: str | None
 
     def __init__(
         self,
@@ -40,8 +43,12 @@ class ContactLaw(Value):
         normal_force: float | None = None,
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
+        name: str | None = None,
     ) -> None:
-        self._set(**checked_laws(law, normal_force, normal_restitution, tangential_restitution))
+        self._set(
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
+            name=labels.name(name),
+        )
 
     @property
     def unilateral(self) -> bool:
@@ -66,6 +73,7 @@ class Contact(Value):
         velocity: χ in m/s, shape ``(p,)``; a belt moving with v has χ = −v. Default 0.
         normal_restitution: e_N in [0, 1].
         tangential_restitution: e_T in [0, 1].
+        name: of the contact, in tables and messages; by default its number.
 
     Reference: [WL19] (23), with +χ.
 
@@ -83,6 +91,7 @@ class Contact(Value):
     velocity: Array
     normal_restitution: float
     tangential_restitution: float
+    name: str | None
 
     def __init__(
         self,
@@ -95,6 +104,7 @@ class Contact(Value):
         velocity: ArrayLike | None = None,
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
+        name: str | None = None,
     ) -> None:
         laws = checked_laws(law, normal_force, normal_restitution, tangential_restitution)
         if (normal_force is None) == (normal is None):
@@ -116,6 +126,7 @@ class Contact(Value):
             else arrays.read_only(arrays.array(normal, "normal", (len(columns),))),
             gap=arrays.number(gap, "gap"),
             velocity=arrays.read_only(arrays.array(belt, "velocity", (law.dimension,))),
+            name=labels.name(name),
         )
 
     @property

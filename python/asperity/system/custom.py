@@ -13,8 +13,10 @@ import numpy as np
 from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.errors import ParameterError
+from asperity.errors import DimensionError, ParameterError
+from asperity.system import labels
 from asperity.system.contacts import ContactLaw
+from asperity.system.labels import Labels
 
 
 class System:
@@ -37,6 +39,9 @@ class System:
     Where velocities are not the rates of the coordinates, as of rotations in space, `advance` moves
     the coordinates, and ``coordinates`` is their number if it is not ``dof``. Such systems are for
     `simulate` and `stability`; `integrate` refuses them.
+
+    ``coordinate_names`` and ``coordinate_units``, one text per coordinate, are what tables and
+    messages call them; contacts have the ``name`` of their `ContactLaw`.
 
     Reference: [WL19] (16), §2.2–2.3.
 
@@ -62,6 +67,8 @@ class System:
     contacts: Sequence[ContactLaw] = ()
     blocks: Sequence[int] | None = None
     coordinates: int | None = None
+    coordinate_names: Sequence[str] | None = None
+    coordinate_units: Sequence[str] | None = None
     constant_mass: bool = False
     constant_contacts: bool = False
 
@@ -112,6 +119,24 @@ class System:
     def gap(self, t: float, q: Array, contact: int) -> float:
         """Return g_N of a unilateral contact in m."""
         raise NotImplementedError
+
+    @property
+    def labels(self) -> Labels:
+        """Names and units of coordinates and contacts."""
+        contacts = labels.contact_names([contact.name for contact in self.contacts])
+        n = self.dof if self.coordinates is None else self.coordinates
+        plain = Labels.numbered(n, self.dof, len(contacts)).replace(contacts=contacts)
+        names, units = self.coordinate_names, self.coordinate_units
+        if names is None and units is None:
+            return plain
+        for argument, given in (("coordinate_names", names), ("coordinate_units", units)):
+            if given is not None and len(given) != n:
+                raise DimensionError(argument, f"must hold {n} texts, one per coordinate")
+        names = plain.coordinates if names is None else names
+        units = plain.coordinate_units if units is None else units
+        if n == self.dof and not self._advances:
+            return Labels.of_rates(names, units, contacts)
+        return plain.replace(coordinates=names, coordinate_units=units)
 
     @property
     def _core(self) -> _core.CallbackSystem:

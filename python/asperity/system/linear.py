@@ -12,7 +12,9 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
+from asperity.system import labels
 from asperity.system.contacts import Contact
+from asperity.system.labels import Labels
 
 
 class LinearSystem(Value):
@@ -26,6 +28,9 @@ class LinearSystem(Value):
         damping: B, shape ``(n, n)``. Default 0.
         force: constant f, shape ``(n,)``. Default 0.
         contacts: the contacts.
+        coordinate_names: one per coordinate; default ``"q0"``, ``"q1"``, ….
+        coordinate_units: such as ``["m", "rad"]``; default ``"SI"``, which may be a length or an
+            angle.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -44,6 +49,10 @@ class LinearSystem(Value):
     damping: Array
     force: Array
     contacts: tuple[Contact, ...]
+    coordinate_names: tuple[str, ...] | None
+    coordinate_units: tuple[str, ...] | None
+    labels: Labels
+    """Names and units of coordinates and contacts."""
     _core: _core.LinearSystem
 
     def __init__(
@@ -54,6 +63,8 @@ class LinearSystem(Value):
         force: ArrayLike | None = None,
         *,
         contacts: Sequence[Contact] = (),
+        coordinate_names: Sequence[str] | None = None,
+        coordinate_units: Sequence[str] | None = None,
     ) -> None:
         listed = _contacts(contacts)
         n = _dof(mass, listed)
@@ -65,6 +76,8 @@ class LinearSystem(Value):
                 arrays.array(np.zeros(n) if force is None else force, "force", (n,))
             ),
             contacts=listed,
+            coordinate_names=_texts(coordinate_names, "coordinate_names", n),
+            coordinate_units=_texts(coordinate_units, "coordinate_units", n),
         )
         for contact in listed:
             arrays.array(contact.direction, "direction", (n, contact.law.dimension))
@@ -75,7 +88,18 @@ class LinearSystem(Value):
             self.force,
             [contact._core_data() for contact in listed],
         )
-        self._keep(_core=core)
+        self._keep(_core=core, labels=self._labels())
+
+    def _labels(self) -> Labels:
+        n, contacts = self.dof, labels.contact_names([contact.name for contact in self.contacts])
+        plain = Labels.numbered(n, n, len(contacts)).replace(contacts=contacts)
+        if self.coordinate_names is None and self.coordinate_units is None:
+            return plain
+        return Labels.of_rates(
+            plain.coordinates if self.coordinate_names is None else self.coordinate_names,
+            plain.coordinate_units if self.coordinate_units is None else self.coordinate_units,
+            contacts,
+        )
 
     @property
     def dof(self) -> int:
@@ -88,6 +112,17 @@ def _contacts(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
     for contact in listed:
         if not isinstance(contact, Contact):
             raise ParameterError("contacts", f"must be a sequence of Contact, got {contact!r}")
+    return listed
+
+
+def _texts(given: Sequence[str] | None, argument: str, n: int) -> tuple[str, ...] | None:
+    if given is None:
+        return None
+    listed = labels.texts(given, argument)
+    if len(listed) != n:
+        raise DimensionError(argument, f"must hold {n} texts, one per coordinate, got {listed!r}")
+    if argument == "coordinate_names":
+        labels.unique(listed, argument)
     return listed
 
 

@@ -12,6 +12,7 @@ from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.system.contacts import Contact
+from asperity.system.labels import Labels
 from asperity.system.linear import LinearSystem
 
 
@@ -42,7 +43,7 @@ class SlidingPoint(Value):
         _check_law(law)
         self._set(mass=mass, law=law, gravity=gravity)
         contact = Contact(law, np.eye(law.dimension), normal_force=mass * gravity)
-        self._keep(linear=LinearSystem(mass, contacts=[contact]))
+        self._keep(linear=LinearSystem(mass, contacts=[contact], **_lengths(law.dimension)))
 
     @property
     def dof(self) -> int:
@@ -53,6 +54,11 @@ class SlidingPoint(Value):
     def contacts(self) -> tuple[Contact, ...]:
         """The one contact, with W = I."""
         return self.linear.contacts
+
+    @property
+    def labels(self) -> Labels:
+        """Names and units of coordinates and contacts."""
+        return self.linear.labels
 
     @property
     def _core(self) -> _core.LinearSystem:
@@ -106,7 +112,7 @@ class MassOnBelt(Value):
             belt_velocity=arrays.read_only(belt),
         )
         contact = Contact(law, np.eye(p), normal_force=normal_force, velocity=-belt)
-        self._keep(linear=LinearSystem(mass, springs, contacts=[contact]))
+        self._keep(linear=LinearSystem(mass, springs, contacts=[contact], **_lengths(p)))
 
     @property
     def equilibrium(self) -> Array:
@@ -129,8 +135,21 @@ class MassOnBelt(Value):
         return self.linear.contacts
 
     @property
+    def labels(self) -> Labels:
+        """Names and units of coordinates and contacts."""
+        return self.linear.labels
+
+    @property
     def _core(self) -> _core.LinearSystem:
         return self.linear._core
+
+
+def _lengths(p: int) -> dict[str, list[str]]:
+    """Return names and units of p coordinates that are lengths along e₁, e₂, e₃."""
+    return {
+        "coordinate_names": [f"x{axis + 1}" for axis in range(p)],
+        "coordinate_units": ["m"] * p,
+    }
 
 
 def _check_law(law: object) -> None:

@@ -125,13 +125,19 @@ class SlidingDisk(RigidBodies):
             orientation=(np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)),
             velocity=(*start, 0.0),
             angular_velocity=(0.0, 0.0, spin),
+            name="disk",
         )
         points = [
             *_ring(PADS, 0.5 * pad_circle, -0.5 * height),
             *_ring(_EDGE_POINTS, 0.5 * diameter, pad_height - 0.5 * height),
             *_ring(_EDGE_POINTS, 0.5 * diameter, 0.5 * height),
         ]
-        touching = [PointPlane(0, point, Plane(), law) for point in points]
+        rings = (("pad", PADS), ("lower edge", _EDGE_POINTS), ("upper edge", _EDGE_POINTS))
+        names = [f"{ring} {number}" for ring, count in rings for number in range(count)]
+        touching = [
+            PointPlane(0, point, Plane(), law, name=name)
+            for point, name in zip(points, names, strict=True)
+        ]
         super().__init__([body], touching, gravity=down)
         self._set(law=law, velocity=start, position=place, **given, gravity=self.gravity)
 

@@ -12,7 +12,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.system import time_functions
+from asperity.system import labels, time_functions
 from asperity.system.rigid import rotation
 from asperity.system.rigid.rotation import Orientation
 from asperity.system.time_functions import Signal, TimeFunction
@@ -32,6 +32,7 @@ class State(TypedDict, total=False):
     angular_velocity: ArrayLike
     force: TimeFunction
     torque: TimeFunction
+    name: str | None
 
 
 class PlanarState(TypedDict, total=False):
@@ -43,6 +44,7 @@ class PlanarState(TypedDict, total=False):
     angular_velocity: float
     force: TimeFunction
     torque: TimeFunction
+    name: str | None
 
 
 class Body(Value):
@@ -60,6 +62,7 @@ class Body(Value):
         force: on the centre of mass in N besides gravity, in the world's axes: shape ``(3,)``, or a
             `Signal` or a function of t in s with such values.
         torque: in N m in the world's axes, likewise.
+        name: of the body, in tables and messages; by default its number, as in ``"body 0"``.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -81,6 +84,7 @@ class Body(Value):
     angular_velocity: Array
     force: Array | Signal | Callable[[float], ArrayLike]
     torque: Array | Signal | Callable[[float], ArrayLike]
+    name: str | None
 
     def __init__(
         self,
@@ -93,6 +97,7 @@ class Body(Value):
         angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
         force: TimeFunction = (0.0, 0.0, 0.0),
         torque: TimeFunction = (0.0, 0.0, 0.0),
+        name: str | None = None,
     ) -> None:
         self._set(
             mass=arrays.positive(mass, "mass"),
@@ -103,6 +108,7 @@ class Body(Value):
             angular_velocity=_vector(angular_velocity, "angular_velocity", 3),
             force=time_functions.checked(force, "force", (3,)),
             torque=time_functions.checked(torque, "torque", (3,)),
+            name=labels.name(name),
         )
 
     @classmethod
@@ -169,6 +175,7 @@ class PlanarBody(Value):
         force: on the centre of mass in N besides gravity: shape ``(2,)``, or a `Signal` or a
             function of t in s with such values.
         torque: in N m: a number, or a `Signal` or a function of t in s.
+        name: of the body, in tables and messages; by default its number, as in ``"body 0"``.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -186,6 +193,7 @@ class PlanarBody(Value):
     angular_velocity: float
     force: Array | Signal | Callable[[float], ArrayLike]
     torque: float | Signal | Callable[[float], ArrayLike]
+    name: str | None
 
     def __init__(
         self,
@@ -198,6 +206,7 @@ class PlanarBody(Value):
         angular_velocity: float = 0.0,
         force: TimeFunction = (0.0, 0.0),
         torque: TimeFunction = 0.0,
+        name: str | None = None,
     ) -> None:
         self._set(
             mass=arrays.positive(mass, "mass"),
@@ -208,6 +217,7 @@ class PlanarBody(Value):
             angular_velocity=arrays.number(angular_velocity, "angular_velocity"),
             force=time_functions.checked(force, "force", (2,)),
             torque=time_functions.checked(torque, "torque", ()),
+            name=labels.name(name),
         )
 
     @classmethod

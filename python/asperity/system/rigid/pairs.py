@@ -12,6 +12,7 @@ from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
+from asperity.system import labels
 from asperity.system.contacts import checked_laws
 from asperity.system.rigid.bodies import positive_vector
 from asperity.system.rigid.surfaces import BodyAxis, Frame, Line, Plane, checked_frame
@@ -27,6 +28,7 @@ class Pair(Value):
         tangential_restitution: e_T in [0, 1].
         patch_radius: R in m of the contact patch of a law with drilling, whose slip is
             (γ₁, γ₂, R ω_n) and whose third force is the torque divided by R.
+        name: of the pair, from which those of its contacts follow; ``None``: from the bodies'.
     """
 
     _kind: ClassVar[str]
@@ -37,6 +39,7 @@ class Pair(Value):
     normal_restitution: float
     tangential_restitution: float
     patch_radius: float | None
+    name: str | None
 
     @property
     def planar(self) -> bool:
@@ -77,6 +80,7 @@ class PointPlane(PlanePair):
         tangential_restitution: e_T in [0, 1].
         normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral.
         patch_radius: R > 0 in m, with p = 3 and only then.
+        name: of the pair; its contacts are named after it. Default: after the bodies.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -102,9 +106,11 @@ class PointPlane(PlanePair):
         tangential_restitution: float = 0.0,
         normal_force: float | None = None,
         patch_radius: float | None = None,
+        name: str | None = None,
     ) -> None:
         self._set(
             **_on_plane(body, plane, law, frame, patch_radius),
+            name=labels.name(name),
             **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
             point=_vector(point, "point", len(plane.point)),
         )
@@ -124,6 +130,7 @@ class SpherePlane(PlanePair):
         tangential_restitution: e_T in [0, 1].
         normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral.
         patch_radius: R > 0 in m, with p = 3 and only then.
+        name: of the pair; its contacts are named after it. Default: after the bodies.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -151,9 +158,11 @@ class SpherePlane(PlanePair):
         tangential_restitution: float = 0.0,
         normal_force: float | None = None,
         patch_radius: float | None = None,
+        name: str | None = None,
     ) -> None:
         self._set(
             **_on_plane(body, plane, law, frame, patch_radius),
+            name=labels.name(name),
             **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
             radius=arrays.positive(radius, "radius"),
             center=_vector(center, "center", len(plane.point)),
@@ -173,6 +182,7 @@ class BoxPlane(PlanePair):
         tangential_restitution: e_T in [0, 1].
         normal_force: prescribed λ_N ≥ 0 in N of each corner; ``None``: unilateral.
         patch_radius: R > 0 in m of each corner, with p = 3 and only then.
+        name: of the pair; its contacts are named after it. Default: after the bodies.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -198,9 +208,11 @@ class BoxPlane(PlanePair):
         tangential_restitution: float = 0.0,
         normal_force: float | None = None,
         patch_radius: float | None = None,
+        name: str | None = None,
     ) -> None:
         self._set(
             **_on_plane(body, plane, law, frame, patch_radius),
+            name=labels.name(name),
             **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
             half_sizes=positive_vector(half_sizes, "half_sizes", len(plane.point)),
         )
@@ -228,6 +240,7 @@ class SphereSphere(Pair):
         tangential_restitution: e_T in [0, 1].
         normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral.
         patch_radius: R > 0 in m, with p = 3 and only then.
+        name: of the pair; its contacts are named after it. Default: after the bodies.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -261,6 +274,7 @@ class SphereSphere(Pair):
         tangential_restitution: float = 0.0,
         normal_force: float | None = None,
         patch_radius: float | None = None,
+        name: str | None = None,
     ) -> None:
         checked = checked_laws(law, normal_force, normal_restitution, tangential_restitution)
         size = 2 if law.dimension == 1 else 3
@@ -280,6 +294,7 @@ class SphereSphere(Pair):
             other_center=_vector(other_center, "other_center", size),
             frame=frame,
             patch_radius=_patch_radius(patch_radius, law),
+            name=labels.name(name),
         )
 
     def _core_data(self) -> dict[str, Any]:

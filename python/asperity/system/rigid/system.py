@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
@@ -13,10 +14,12 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
-from asperity.system import time_functions
+from asperity.system import labels, time_functions
+from asperity.system.labels import Labels
 from asperity.system.rigid import rotation
 from asperity.system.rigid.bodies import Body, PlanarBody
-from asperity.system.rigid.pairs import Pair
+from asperity.system.rigid.pairs import Pair, PlanePair, SphereSphere
+from asperity.system.rigid.surfaces import Line
 from asperity.system.rigid.springs import Spring
 
 if TYPE_CHECKING:
@@ -24,6 +27,20 @@ if TYPE_CHECKING:
 
 
 _Part = TypeVar("_Part", Pair, Spring)
+
+
+# Coordinates and velocities of a body, with their units.
+_SPATIAL = {
+    "q": {"x": "m", "y": "m", "z": "m", "qw": "-", "qx": "-", "qy": "-", "qz": "-"},
+    "u": {
+        **{"vx": "m/s", "vy": "m/s", "vz": "m/s"},
+        **{"omega1": "rad/s", "omega2": "rad/s", "omega3": "rad/s"},
+    },
+}
+_PLANAR = {
+    "q": {"x": "m", "y": "m", "phi": "rad"},
+    "u": {"vx": "m/s", "vy": "m/s", "omega": "rad/s"},
+}
 
 
 class ContactLabel(NamedTuple):
@@ -71,6 +88,8 @@ class RigidBodies(Value):
     gravity: Array
     contacts: tuple[ContactLabel, ...]
     """Where each contact comes from, in the order of a trajectory's contacts."""
+    labels: Labels
+    """Names and units of coordinates, velocities and contacts."""
     _core: _core.RigidBodies
 
     def __init__(
@@ -106,12 +125,63 @@ class RigidBodies(Value):
             [spring._core_data() for spring in self.springs],
             self.gravity,
         )
-        labels = tuple(
+        contacts = tuple(
             ContactLabel(number, corner)
             for number, pair in enumerate(self.pairs)
             for corner in range(pair.contacts)
         )
-        self._keep(_core=core, contacts=labels)
+        self._keep(_core=core, contacts=contacts, labels=self._labels())
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """Names of the bodies; those without one are called by their numbers."""
+        return tuple(
+            f"body {number}" if body.name is None else body.name
+            for number, body in enumerate(self.bodies)
+        )
+
+    def _labels(self) -> Labels:
+        names = self.body_names
+        labels.unique(names, "bodies")
+        q, u = (_PLANAR if self.planar else _SPATIAL).values()
+        contacts = [
+            f"{pair} corner {corner}" if one.contacts > 1 else pair
+            for one, pair in zip(self.pairs, self._pair_names(), strict=True)
+            for corner in range(one.contacts)
+        ]
+        labels.unique(contacts, "pairs")
+        return Labels(
+            [f"{name} {part}" for name in names for part in q],
+            [*q.values()] * len(names),
+            [f"{name} {part}" for name in names for part in u],
+            [*u.values()] * len(names),
+            contacts,
+        )
+
+    def _pair_names(self) -> list[str]:
+        """Return the pairs' names; those without one say what touches what, with a number."""
+        given = [pair.name for pair in self.pairs if pair.name is not None]
+        labels.unique(given, "pairs")
+        own = [self._touching(pair) if pair.name is None else pair.name for pair in self.pairs]
+        alike = Counter(own)
+        used: Counter[str] = Counter()
+        names = []
+        for pair, name in zip(self.pairs, own, strict=True):
+            if pair.name is None and alike[name] > 1:
+                used[name] += 1
+                name = f"{name} {used[name] - 1}"
+            names.append(name)
+        return names
+
+    def _touching(self, pair: Pair) -> str:
+        names = self.body_names
+        body = names[pair.body]
+        if isinstance(pair, SphereSphere):
+            return f"{body} on {names[pair.other]}"
+        assert isinstance(pair, PlanePair)
+        if pair.plane.body is not None:
+            return f"{body} on {names[pair.plane.body]}"
+        return f"{body} on {'line' if isinstance(pair.plane, Line) else 'plane'}"
 
     @property
     def planar(self) -> bool:
