@@ -76,6 +76,7 @@ def _body(file: TomlFile, key: str, table: Mapping[str, Any]) -> Body:
             raise file.error(f"{key}.turned_about", "must not be zero")
         angle = np.deg2rad(table.get("turned_deg", 0.0))
         state["orientation"] = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis))
+    state["name"] = table["name"]
     mass = _number(file, key, table, "mass")
     with _blaming(file, key):
         if shape == "box":
@@ -167,16 +168,13 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
         pairs += _pairs(file, f"contacts[{i}]", one, shapes, planes, laws)
     gravity = vector(file, "gravity", file.values.get("gravity", [0.0, 0.0, -9.81]), 3)
     with file.blamed():
-        return Setup(NamedBodies(bodies, pairs, gravity=gravity))
-
-
-class NamedBodies(RigidBodies):
-    """Rigid bodies; their names are those of the file."""
+        return Setup(RigidBodies(bodies, pairs, gravity=gravity))
 
 
 def _paths(system: Model, run: Run) -> dict[str, Array]:
-    positions = cast(RigidBodies, system).positions(cast(Trajectory, run))
-    return {f"body {i + 1}": positions[:, i] for i in range(positions.shape[1])}
+    bodies = cast(RigidBodies, system)
+    positions = bodies.positions(cast(Trajectory, run))
+    return {str(body.name): positions[:, i] for i, body in enumerate(bodies.bodies)}
 
 
 def _quantities(system: Model, run: Run) -> Sequence[Quantity]:
@@ -216,3 +214,64 @@ _CONTACT: dict[str, Any] = {
     "normal_restitution": NUMBER,
     "tangential_restitution": NUMBER,
 }
+
+RIGID_BODIES = Kind(
+    name="rigid bodies",
+    meaning="boxes, balls and cylinders that slide, roll, tip and hop on planes",
+    schema={
+        "gravity": NUMBERS,
+        "bodies": Tables(_BODY),
+        "planes": Tables(_PLANE),
+        "contacts": Tables(_CONTACT),
+    },
+    build=_build,
+    paths=_paths,
+    quantities=_quantities,
+    has_end=False,
+    example="""\
+# A box and a ball that slide and roll on a plane.
+# Lengths are in m, times in s, masses in kg; x and y are horizontal, z points up.
+kind = "rigid bodies"
+law = "law.toml"            # written by `asperity identify`, or by hand
+gravity = [0.0, 0.0, -9.81] # m/s2
+
+[[bodies]]
+name = "box"
+shape = "box"
+mass = 1.0                  # kg
+size = [0.1, 0.1, 0.04]     # m, its edges
+position = [0.0, 0.0, 0.02] # m, of the centre of mass
+velocity = [1.0, 0.5, 0.0]  # m/s
+turned_about = [0.0, 0.0, 1.0]
+turned_deg = 20.0
+
+[[bodies]]
+name = "ball"
+shape = "ball"
+mass = 0.5                  # kg
+diameter = 0.06             # m
+position = [0.0, 0.3, 0.03]
+velocity = [1.0, 0.0, 0.0]
+
+[[planes]]
+name = "floor"              # through the origin, with its normal along z
+axis = [1.0, 0.0, 0.0]      # e1 of the friction law
+
+[[contacts]]
+body = "box"
+plane = "floor"
+
+[[contacts]]
+body = "ball"
+plane = "floor"
+
+[run]
+duration = 1.0              # s, at most
+step = 1e-3                 # s
+
+[bands]                     # for --bands: what the uncertainty of the law means for the motion
+samples = 50                # laws that are drawn
+confidence = 0.95
+seed = 1
+""",
+)
