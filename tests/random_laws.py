@@ -4,6 +4,8 @@ import asperity as asp
 import numpy as np
 
 TURN = 2.0 * np.pi
+# Laws of combined sets take long to make: a part of a second.
+COMBINED = 0.06
 
 
 def size(rng):
@@ -53,7 +55,7 @@ def convex_plane(rng, deep=True):
         lambda: asp.WedgeAsperity(0.3 + 0.3 * rng.random(), 0.5 * rng.random(), angle(rng)),
         lambda: support_curve(rng),
     ]
-    if not deep or rng.random() < 0.7:
+    if not deep or rng.random() > COMBINED:
         return simple[rng.integers(len(simple))]()
     first, second = convex_plane(rng), convex_plane(rng, deep=False)
     matrix = np.eye(2) + 0.3 * rng.normal(size=(2, 2))
@@ -70,7 +72,7 @@ def star_plane(rng):
         lambda: convex_plane(rng) | star_plane(rng),
         lambda: star_plane(rng) & convex_plane(rng, deep=False),
     ]
-    return stars[rng.integers(len(stars))]()
+    return stars[rng.integers(5 if rng.random() > COMBINED else len(stars))]()
 
 
 def line(rng):

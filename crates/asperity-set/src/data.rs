@@ -25,6 +25,9 @@
 //! | `Intersection`, `Union`, `MinkowskiSum` | `sets` |
 //! | `Mapped` | `set`, `matrix`, row by row |
 //!
+//! Python reads and writes the same tables, but for `Superellipsoid`, the `axes` of an `Ellipsoid` and a `Box` with
+//! `lower` and `upper`, for which it has no class.
+//!
 //! Sets of users hold code: they are refused when they are to be written.
 
 use std::any::Any;

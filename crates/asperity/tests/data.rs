@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::collections::BTreeSet;
 use std::fmt::Debug;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -10,6 +11,7 @@ use asperity::contact::{
     BlockMatrix, ContactProblem, Csr, DelassusOperator, Factored, MatrixFree, NormalForce,
 };
 use asperity::event::{self, Motion};
+use asperity::law::data::LawFile;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
 use asperity::set::{Ball, CoulombContensou, Ellipsoid, Interval, Pressure, Vector};
 use asperity::simulate::{Options, simulate};
@@ -255,4 +257,69 @@ fn motions_come_back_to_the_bit() {
     refused(&text, "failed_steps", "failed", "unknown field `failed`");
     refused(&motion, "contact = 0", "contact = 9", "events: must be of contacts");
     refused(&motion, "kind = \"stick\"", "kind = \"glue\"", "unknown variant `glue`");
+}
+
+/// Files that Python has written: `python tests/stored_laws.py` writes them anew.
+const STORED: [&str; 6] = ["plane", "reported", "line", "drilling", "space", "pentagon"];
+
+fn stored(name: &str) -> String {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/laws");
+    std::fs::read_to_string(format!("{folder}/{name}")).unwrap()
+}
+
+fn force(law: &Law, slip: &[f64]) -> Vec<f64> {
+    fn of<const P: usize>(law: &FrictionLaw<P>, slip: &[f64]) -> Vec<f64> {
+        law.force(&Vector::from_column_slice(slip), 2.0).unwrap().as_slice().to_vec()
+    }
+    match law {
+        Law::One(law) => of(law, slip),
+        Law::Two(law) => of(law, slip),
+        Law::Three(law) => of(law, slip),
+    }
+}
+
+#[test]
+fn files_of_python_are_read() {
+    let expected: serde_json::Value = serde_json::from_str(&stored("forces.json")).unwrap();
+    for name in STORED {
+        let file: LawFile = toml::from_str(&stored(&format!("{name}.toml"))).unwrap();
+        let numbers = |key: &str| -> Vec<Vec<f64>> {
+            serde_json::from_value(expected[name][key].clone()).unwrap()
+        };
+        let (slips, forces) = (numbers("slip"), numbers("force"));
+        assert!(slips.len() > 9);
+        for (slip, wanted) in slips.iter().zip(forces) {
+            for (found, wanted) in force(&file.law, slip).iter().zip(wanted) {
+                assert!((found - wanted).abs() < 1e-9, "{name}: {found} instead of {wanted}");
+            }
+        }
+        returns(&file);
+    }
+}
+
+#[test]
+fn both_languages_have_the_same_kinds_of_sets() {
+    let complaint = toml::from_str::<Law>("reservoir = { type = \"none\" }").unwrap_err();
+    let listed = complaint.message().split_once("expected one of ").unwrap().1;
+    let mut known: BTreeSet<&str> = listed.split(", ").map(|name| name.trim_matches('`')).collect();
+    // Python has superellipses of the plane only.
+    assert!(known.remove("Superellipsoid"));
+    let files: String = STORED.map(|name| stored(&format!("{name}.toml"))).concat();
+    let kinds = files.lines().filter_map(|line| line.strip_prefix("type = "));
+    assert_eq!(kinds.map(|name| name.trim_matches('"')).collect::<BTreeSet<_>>(), known);
+}
+
+#[test]
+fn files_of_laws_say_what_they_are() {
+    let text = stored("line.toml");
+    for (old, new, complaint) in [
+        ("asperity law", "asperity set", "format: must be \"asperity law\""),
+        ("version = 1", "version = 2", "version: must be 1 to 1"),
+        ("version = 1\n", "", "missing field `version`"),
+        ("[law.reservoir]", "[law.reservior]", "unknown field `reservior`"),
+    ] {
+        let wrong = text.replacen(old, new, 1);
+        let told = toml::from_str::<LawFile>(&wrong).unwrap_err().to_string();
+        assert!(told.contains(complaint), "{told}");
+    }
 }

@@ -31,6 +31,7 @@ from asperity.identify.forces.filters import low_pass
 from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
+from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import Configuration, read_raw
 from asperity.identify.records.reading import read_csv
@@ -53,6 +54,7 @@ __all__ = [
     "Fit",
     "FourierDirection",
     "FourierReservoir",
+    "IdentifiedLaw",
     "MeasuredSets",
     "ProcessedData",
     "Processing",

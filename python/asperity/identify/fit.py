@@ -30,8 +30,9 @@ from asperity.identify.fitting.uncertainty.bands import Bands
 from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
 from asperity.identify.fitting.uncertainty.covariance import Covariance, estimate, has_angle
 from asperity.identify.forces.measured_sets import MeasuredSets
+from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.records.resolution import Steps, coarse_channels
-from asperity.law import FrictionLaw
+from asperity.law import FrictionLaw, Provenance
 from asperity.sets import StarSet
 
 if TYPE_CHECKING:
@@ -146,6 +147,53 @@ class Fit(Value):
             FitError: if the fitted D is not convex.
         """
         return FrictionLaw(self.reservoir, self.direction)
+
+    @cached_property
+    def identified_law(self) -> IdentifiedLaw:
+        """The law with the values of its parameters and their covariance, to sample and to save.
+
+        Raises:
+            FitError: if the fitted D is not convex.
+        """
+        return self._identified(None)
+
+    def save_law(
+        self, path: str | os.PathLike[str], *, provenance: Provenance | None = None
+    ) -> Path:
+        """Write the law, its parameters and their covariance to a readable TOML file.
+
+        ``FrictionLaw.load`` reads the law in it, `IdentifiedLaw.load` all of it; the same file is
+        written by ``asperity identify`` as ``law.toml``.
+
+        Args:
+            path: of the file; it is complete or not there.
+            provenance: where the measurement comes from, to keep with the law.
+
+        Returns:
+            The path.
+
+        Raises:
+            FitError: if the fitted D is not convex.
+        """
+        self._identified(provenance).save(path)
+        return Path(path)
+
+    def _identified(self, provenance: Provenance | None) -> IdentifiedLaw:
+        known, family = self.covariance, self._family
+        parts = (None,) * 3 if known is None else known.parts
+        degrees = (math.inf,) * 3 if known is None else known.degrees
+        values = [
+            float(scale.natural(x)) for x, scale in zip(self.coordinates, self.scales, strict=True)
+        ]
+        return IdentifiedLaw(
+            self.law,
+            family.reservoir,
+            family.direction,
+            values,
+            *parts,
+            degrees_of_freedom=degrees,
+            provenance=provenance,
+        )
 
     @cached_property
     def parameters(self) -> dict[str, Estimate]:

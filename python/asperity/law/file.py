@@ -47,6 +47,9 @@ COMMENTS = {
     "law.direction": "D, the direction set: only its shape has an effect",
     "law.rate": "factor of the force in slip that depends on the speed: speed in m/s, viscous in s/m",
     "law.report": "how C and D were found from forces over the sliding direction",
+    "parameters.covariance.turns": "covariance of the coordinates, from what differs between turns",
+    "parameters.covariance.calibration": "... from errors of the calibration",
+    "parameters.covariance.zeros": "... from errors of the zeros",
     "provenance": "where this law comes from",
 }
 

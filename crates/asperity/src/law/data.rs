@@ -2,12 +2,31 @@
 //!
 //! A law is a table with its `reservoir` and its `direction`, each a set as in [`asperity_set::data`], and its `rate` if
 //! the friction depends on the speed, with `speed`, `ratio`, `shape` (`"exponential"` or `"hyperbolic"`), `exponent` and
-//! `viscous`; all but the speed may be left out. What is read goes through the checked constructors.
+//! `viscous`; all but the speed may be left out. What is read goes through the checked constructors. A `report` on how
+//! the sets were found, which laws of Python may have, is passed over.
+//!
+//! A file of a law, which Python's `FrictionLaw.save` and `asperity identify` write, is a [`LawFile`]: two lines on its
+//! format, and the law in its table `law`. With the crate `toml`:
+//!
+//! ```
+//! use asperity::law::data::LawFile;
+//!
+//! let text = r#"
+//!     format = "asperity law"
+//!     version = 1
+//!     [law]
+//!     reservoir = { type = "Ellipse", a = 0.6, b = 0.2 }
+//!     direction = { type = "Disk", radius = 1.0 }
+//! "#;
+//! let file: LawFile = toml::from_str(text)?;
+//! assert_eq!(file.law.dimension(), 2);
+//! # Ok::<(), toml::de::Error>(())
+//! ```
 
 use asperity_set::SetError;
 use asperity_set::data::SetData;
-use serde::de::Error as _;
-use serde::ser::Error as _;
+use serde::de::{Error as _, IgnoredAny};
+use serde::ser::{Error as _, SerializeStruct as _};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Fall, FrictionLaw, Law, LawError, Stribeck};
@@ -19,6 +38,9 @@ struct LawData {
     direction: SetData,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     rate: Option<Stribeck>,
+    #[serde(default, skip_serializing)]
+    #[allow(dead_code)]
+    report: Option<IgnoredAny>,
 }
 
 impl LawData {
@@ -36,7 +58,7 @@ impl<const P: usize> TryFrom<&FrictionLaw<P>> for LawData {
 
     fn try_from(law: &FrictionLaw<P>) -> Result<Self, SetError> {
         let (reservoir, direction) = (law.reservoir().try_into()?, law.direction().try_into()?);
-        Ok(Self { reservoir, direction, rate: law.rate().copied() })
+        Ok(Self { reservoir, direction, rate: law.rate().copied(), report: None })
     }
 }
 
@@ -75,6 +97,59 @@ impl<'de> Deserialize<'de> for Law {
             }
         }
         .map_err(D::Error::custom)
+    }
+}
+
+/// What a file of a law says of itself.
+const FORMAT: &str = "asperity law";
+/// The newest version of such files that this crate reads, and the one that it writes.
+const VERSION: u32 = 1;
+
+/// A file of a law, such as Python's `FrictionLaw.save` and `asperity identify` write.
+///
+/// What such a file says besides of the parameters of a fit and of its provenance is passed over.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct LawFile {
+    /// The law.
+    pub law: Law,
+}
+
+impl LawFile {
+    /// The file of a law.
+    pub fn new(law: Law) -> Self {
+        Self { law }
+    }
+}
+
+impl Serialize for LawFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut file = serializer.serialize_struct("LawFile", 3)?;
+        file.serialize_field("format", FORMAT)?;
+        file.serialize_field("version", &VERSION)?;
+        file.serialize_field("law", &self.law)?;
+        file.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for LawFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        struct Contents {
+            format: String,
+            version: u32,
+            law: Law,
+        }
+        let Contents { format, version, law } = Contents::deserialize(deserializer)?;
+        if format != FORMAT {
+            return Err(D::Error::custom(format!("format: must be {FORMAT:?}, got {format:?}")));
+        }
+        if !(1..=VERSION).contains(&version) {
+            let message =
+                format!("version: must be 1 to {VERSION} for this asperity, got {version}");
+            return Err(D::Error::custom(message));
+        }
+        Ok(Self { law })
     }
 }
 

@@ -1,4 +1,4 @@
-"""Friction laws as JSON: the names of constructors and their parameters."""
+"""Friction laws as JSON: the tables of their own files."""
 
 from __future__ import annotations
 
@@ -6,56 +6,61 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from asperity import sets
-from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.law import FlowReport, FrictionLaw
-from asperity.law.rate import Stribeck
-
-# Only these are called, with parameters that are numbers, words, lists or each other.
-_CONSTRUCTORS: dict[str, type[Value]] = {
-    kind.__name__: kind
-    for kind in [FrictionLaw, FlowReport, Stribeck, *map(vars(sets).get, sets.__all__)]
-    if isinstance(kind, type) and issubclass(kind, Value) and kind is not sets.StarSet
-}
+from asperity.law import FrictionLaw
+from asperity.law.file import law_of, table_of
 
 
 def written(laws: Sequence[FrictionLaw]) -> str:
-    """Return the laws as text; floats keep all their bits."""
-    return json.dumps([_tree(law) for law in laws])
+    """Return the laws as text; floats keep all their bits.
+
+    Raises:
+        ParameterError: for a law, or a set in it, of a class that is not asperity's.
+    """
+    return json.dumps([table_of(law, f"laws[{i}]") for i, law in enumerate(laws)])
 
 
 def read(text: str, key: str) -> list[FrictionLaw]:
-    """Return the laws of a text."""
+    """Return the laws of a text.
+
+    Raises:
+        ParameterError: whose argument is the key, and whose message tells what in it is wrong.
+    """
     try:
-        trees = json.loads(text)
-        laws = [_built(tree, key) for tree in trees]
-    except (TypeError, ValueError, RecursionError) as error:
+        tables = json.loads(text)
+        if not isinstance(tables, list):
+            raise ParameterError(key, f"must be a list of laws, got {tables!r}")
+        return [law_of(_of_today(table), f"{key}[{i}]") for i, table in enumerate(tables)]
+    except ParameterError as error:
+        raise type(error)(key, str(error)) from None
+    except (ValueError, RecursionError) as error:
         raise ParameterError(key, f"must be laws that asperity has written: {error}") from None
-    for law in laws:
-        if not isinstance(law, FrictionLaw):
-            raise ParameterError(key, f"must hold friction laws, got {law!r}")
-    return laws
 
 
-def _tree(value: Any) -> Any:
-    if isinstance(value, Value):
-        parameters = {name: _tree(part) for name, part in value._parameters.items()}
-        return {"type": type(value).__name__, "parameters": parameters}
-    if isinstance(value, tuple):
-        return [_tree(part) for part in value]
-    return value.tolist() if isinstance(value, np.ndarray) else value
+def _of_today(table: Any) -> Any:
+    """Return the table of a law that version 0.1 has written.
+
+    It had the arguments of every object under a key of their own, and the types of all.
+    """
+    if not isinstance(table, dict) or "parameters" not in table:
+        return table
+    law = _flat(table)
+    for name in ("rate", "report"):
+        if isinstance(law.get(name), dict):
+            del law[name]["type"]
+    if law.pop("type") != "FrictionLaw":
+        raise ValueError(f"no law, {table.get('type')!r}")
+    return {name: value for name, value in law.items() if value is not None}
 
 
-def _built(tree: Any, key: str) -> Any:
-    if isinstance(tree, list):
-        return [_built(part, key) for part in tree]
-    if not isinstance(tree, dict):
-        return tree
-    name, parameters = tree.get("type"), tree.get("parameters")
-    if name not in _CONSTRUCTORS or not isinstance(parameters, dict):
-        raise ParameterError(key, f"must hold sets and laws of asperity only, got {name!r}")
-    built = {word: _built(part, key) for word, part in parameters.items()}
-    return _CONSTRUCTORS[name](**built)
+def _flat(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_flat(one) for one in value]
+    if not isinstance(value, dict):
+        return value
+    if not isinstance(value.get("parameters"), dict) or not isinstance(value.get("type"), str):
+        raise ValueError("a table of version 0.1 without its type or its parameters")
+    return {
+        "type": value["type"],
+        **{name: _flat(one) for name, one in value["parameters"].items() if one is not None},
+    }

@@ -1,0 +1,482 @@
+"""A law with the uncertainty of the parameters it was identified by: in a file, and at random."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity._base import arrays, data
+from asperity._base.arrays import Array
+from asperity._base.provenance import Provenance
+from asperity._base.tables import aligned
+from asperity._base.toml import advice_on
+from asperity.errors import AsperityError, FitError, ParameterError
+from asperity.identify.fitting.models.coordinates import Coordinate, Scale
+from asperity.identify.fitting.models.directions import (
+    CircleDirection,
+    FourierDirection,
+    SuperellipseDirection,
+)
+from asperity.identify.fitting.models.names import (
+    DIRECTIONS,
+    RESERVOIRS,
+    DirectionName,
+    ReservoirName,
+    direction_model,
+    name_of,
+    reservoir_model,
+)
+from asperity.identify.fitting.models.reservoirs import (
+    CircleReservoir,
+    FourierReservoir,
+    SuperellipseReservoir,
+)
+from asperity.identify.fitting.uncertainty.covariance import Covariance
+from asperity.law import FrictionLaw, LawFile
+from asperity.law.file import checked
+
+_RESERVOIRS: data.Kinds = {
+    kind.__name__: kind for kind in (CircleReservoir, SuperellipseReservoir, FourierReservoir)
+}
+_DIRECTIONS: data.Kinds = {
+    kind.__name__: kind for kind in (CircleDirection, SuperellipseDirection, FourierDirection)
+}
+_PARTS = ("turns", "calibration", "zeros")
+# Radii of a law and of the law of its parameters differ by rounding only.
+_SAME, _DIRECTIONS_COMPARED = 1e-9, 72
+# How far eigenvalues of a covariance may be below zero, relative to the largest one.
+_ROUNDING = 1e-9
+# So many draws for every law are made at most: most of them must be laws.
+_DRAWS, _FEWEST_DRAWS = 20, 200
+
+
+class Structure(NamedTuple):
+    """The models of C and D, and with them what the parameters of a law mean."""
+
+    reservoir: Any
+    direction: Any
+
+    @property
+    def coordinates(self) -> tuple[tuple[str, Coordinate], ...]:
+        """Names of the parameters, and the coordinates that the models have for them."""
+        return tuple(
+            (f"{part}.{one.name}", one)
+            for part, model in (("reservoir", self.reservoir), ("direction", self.direction))
+            for one in model.coordinates
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return tuple(name for name, _ in self.coordinates)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of the parameters."""
+        return tuple("rad" if one.scale is Scale.ANGLE else "-" for _, one in self.coordinates)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What the coordinates are, in which the covariance is."""
+        words = {Scale.LOG: "ln({})", Scale.LOG_EXCESS: "ln({} - 1)"}
+        return tuple(words.get(one.scale, "{}").format(name) for name, one in self.coordinates)
+
+    def of_values(self, values: Array) -> Array:
+        """Return the coordinates of parameters."""
+        result = values.copy()
+        for i, (name, one) in enumerate(self.coordinates):
+            least = 1.0 if one.scale is Scale.LOG_EXCESS else 0.0
+            if one.scale in (Scale.LOG, Scale.LOG_EXCESS):
+                if values[i] <= least:
+                    message = f"{name} must be above {least:g}, got {values[i]}"
+                    raise ParameterError("values", message)
+                result[i] = math.log(values[i] - least)
+        return result
+
+    def values(self, coordinates: Array) -> Array:
+        """Return the parameters of coordinates ``(..., k)``."""
+        columns = [
+            one.scale.natural(coordinates[..., i]) for i, (_, one) in enumerate(self.coordinates)
+        ]
+        return np.stack(columns, axis=-1) if columns else coordinates.copy()
+
+    def within_bounds(self, coordinates: Array) -> bool:
+        """Return whether the models look for coordinates there."""
+        pairs = zip(coordinates, self.coordinates, strict=True)
+        return all(one.low <= x <= one.high for x, (_, one) in pairs)
+
+    def law(self, coordinates: Array) -> FrictionLaw:
+        """Return the law of coordinates."""
+        split = len(self.reservoir.coordinates)
+        return FrictionLaw(
+            self.reservoir.reservoir(coordinates[:split]),
+            self.direction.direction(coordinates[split:]),
+        )
+
+
+class IdentifiedLaw(LawFile):
+    """A law with the models, the values and the covariance of its parameters: a file of both.
+
+    `fit_law` gives it as `Fit.identified_law`, ``asperity identify`` writes it as ``law.toml``. Its
+    `sample` draws laws that are as uncertain as the measurement leaves them; motions of these are a
+    band of the motion.
+
+    Args:
+        law: the law of the parameters; it may have a rate factor beside.
+        reservoir_model: model of C, as for `fit_law`.
+        direction_model: model of D, likewise.
+        values: the parameters, in the order of `names`.
+        turns: covariance of the `coordinates` from what differs between turns, ``(k, k)``; None if
+            there are no bands, and then nothing can be drawn.
+        calibration: covariance from the calibration; None if its error is not known.
+        zeros: covariance from the records without load; likewise.
+        degrees_of_freedom: of these three; infinite where errors are known.
+        provenance: where the law comes from.
+
+    Raises:
+        ParameterError: if the law is not that of the parameters, or a covariance is none.
+
+    >>> import numpy as np
+    >>> from asperity import Ellipse, FrictionLaw
+    >>> from asperity.identify import IdentifiedLaw
+    >>> law = FrictionLaw.collinear(Ellipse(0.5, 0.4))
+    >>> spread = np.diag([0.01, 0.01, 0.02]) ** 2
+    >>> found = IdentifiedLaw(law, "ellipse", "circle", [0.5, 0.4, 0.0], spread)
+    >>> found.names
+    ('reservoir.a', 'reservoir.b', 'reservoir.angle')
+    >>> found.standard_errors.round(9).tolist()
+    [0.005, 0.004, 0.02]
+    >>> len(found.sample(10, seed=1))
+    10
+    """
+
+    reservoir_model: ReservoirName
+    direction_model: DirectionName
+    values: Array
+    turns: Array | None
+    calibration: Array | None
+    zeros: Array | None
+    degrees_of_freedom: tuple[float, float, float]
+    _structure: Structure
+    _at: Array
+
+    def __init__(
+        self,
+        law: FrictionLaw,
+        reservoir_model: ReservoirName,
+        direction_model: DirectionName,
+        values: ArrayLike,
+        turns: ArrayLike | None = None,
+        calibration: ArrayLike | None = None,
+        zeros: ArrayLike | None = None,
+        *,
+        degrees_of_freedom: tuple[float, float, float] = (math.inf, math.inf, math.inf),
+        provenance: Provenance | None = None,
+    ) -> None:
+        structure = _structure(reservoir_model, direction_model)
+        count = len(structure.names)
+        numbers = arrays.array(values, "values", (count,))
+        parts = {
+            name: None if part is None else _covariance(part, name, count)
+            for name, part in zip(_PARTS, (turns, calibration, zeros), strict=True)
+        }
+        self._set(
+            **checked(law, provenance),
+            reservoir_model=_short(structure.reservoir),
+            direction_model=_short(structure.direction),
+            values=arrays.read_only(numbers),
+            **parts,
+            degrees_of_freedom=_degrees(degrees_of_freedom),
+        )
+        self._keep(_structure=structure, _at=arrays.read_only(structure.of_values(numbers)))
+        _check_same(self.law, structure.law(self._at))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, such as ``"reservoir.a"``."""
+        return self._structure.names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of the parameters, ``"rad"`` of angles and ``"-"`` of all others."""
+        return self._structure.units
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """What the covariances are of: such as ``"ln(reservoir.a)"``, for semi-axes are positive."""
+        return self._structure.labels
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the `coordinates` from all causes that are known, ``(k, k)``.
+
+        Raises:
+            ParameterError: if none is known.
+        """
+        return self._known().total
+
+    @property
+    def standard_errors(self) -> Array:
+        """Standard errors of the parameters, ``(k,)``.
+
+        Raises:
+            ParameterError: if no covariance is known.
+        """
+        slopes = [
+            float(one.scale.slope(x))
+            for x, (_, one) in zip(self._at, self._structure.coordinates, strict=True)
+        ]
+        errors: Array = np.sqrt(np.maximum(np.diag(self.covariance), 0.0)) * slopes
+        return errors
+
+    def law_of(self, values: ArrayLike) -> FrictionLaw:
+        """Return the law of other values of the parameters, with the rate factor of this one.
+
+        Args:
+            values: in the order of `names`, shape ``(k,)``.
+
+        Raises:
+            ParameterError: if these are the parameters of no law.
+            FitError: if a curve of D is not convex.
+        """
+        numbers = arrays.array(values, "values", (len(self.names),))
+        found = self._structure.law(self._structure.of_values(numbers))
+        return found if self.law.rate is None else found.replace(rate=self.law.rate)
+
+    def sample_values(self, n: int, *, seed: int) -> Array:
+        """Draw parameters that are as uncertain as the measurement leaves them.
+
+        Their coordinates are the estimate and, for every cause of errors, a draw of Student's t
+        with its covariance and degrees of freedom, as in the bands of the fit. Draws that are no
+        law, or beyond the bounds of a model, are repeated.
+
+        Args:
+            n: number of draws.
+            seed: of the random numbers; the same seed gives the same draws.
+
+        Returns:
+            Values in the order of `names`, ``(n, k)``.
+
+        Raises:
+            ParameterError: if no covariance is known.
+            FitError: if hardly any draws are laws.
+        """
+        return self._draw(n, seed)[0]
+
+    def sample(self, n: int, *, seed: int) -> tuple[FrictionLaw, ...]:
+        """Draw laws that are as uncertain as the measurement leaves them, see `sample_values`.
+
+        Args:
+            n: number of laws.
+            seed: of the random numbers; the same seed gives the same laws.
+
+        Raises:
+            ParameterError: if no covariance is known.
+            FitError: if hardly any draws are laws.
+        """
+        return self._draw(n, seed)[1]
+
+    def _draw(self, n: int, seed: int) -> tuple[Array, tuple[FrictionLaw, ...]]:
+        count = arrays.count(n, "n")
+        random = np.random.default_rng(arrays.count(seed, "seed", least=0))
+        known = self._known()
+        factors = [
+            (_root(part), degrees)
+            for part, degrees in zip(known.parts, known.degrees, strict=True)
+            if part is not None
+        ]
+        values: list[Array] = []
+        laws: list[FrictionLaw] = []
+        for _ in range(_DRAWS * count + _FEWEST_DRAWS):
+            at = self._at.copy()
+            for root, degrees in factors:
+                step = root @ random.normal(size=at.size)
+                if math.isfinite(degrees):
+                    step *= math.sqrt(degrees / random.chisquare(degrees))
+                at += step
+            if not self._structure.within_bounds(at):
+                continue
+            drawn = self._structure.values(at)
+            try:
+                laws.append(self.law_of(drawn))
+            except AsperityError:
+                continue
+            values.append(drawn)
+            if len(laws) == count:
+                return np.array(values), tuple(laws)
+        raise FitError(
+            f"only {len(laws)} of {_DRAWS * count + _FEWEST_DRAWS} draws are laws: the measurement "
+            "does not tell the parameters, choose models with fewer of them or record more turns"
+        )
+
+    def _known(self) -> Covariance:
+        if self.turns is None:
+            raise ParameterError(
+                "covariance", "is not known: fit with bands, which take two turns or more"
+            )
+        return Covariance(self.turns, self.calibration, self.zeros, self.degrees_of_freedom)
+
+    def _parameters_table(self) -> tuple[dict[str, Any] | None, str]:
+        covariance = {}
+        for name, degrees in zip(_PARTS, self.degrees_of_freedom, strict=True):
+            part = self._parameters[name]
+            if part is not None:
+                known = {"degrees_of_freedom": degrees} if math.isfinite(degrees) else {}
+                covariance[name] = {**known, "matrix": part}
+        models = {
+            "reservoir_model": _model_table(self.reservoir_model, "reservoir_model", _RESERVOIRS),
+            "direction_model": _model_table(self.direction_model, "direction_model", _DIRECTIONS),
+        }
+        table = {
+            **{key: model for key, model in models.items() if isinstance(model, str)},
+            "names": self.names,
+            "values": self.values,
+            "units": self.units,
+            "coordinates": self.coordinates,
+            **{key: model for key, model in models.items() if not isinstance(model, str)},
+            "covariance": covariance or None,
+        }
+        return table, f"parameters of the law, from which [law] follows\n{self._estimates()}"
+
+    def _estimates(self) -> str:
+        """Return the parameters as a table to read."""
+        errors = np.full(self.values.shape, np.nan) if self.turns is None else self.standard_errors
+        rows = [("name", "estimate", "standard error", "unit")]
+        rows += [
+            (name, f"{value:.6g}", f"{error:.2g}" if math.isfinite(error) else "not known", unit)
+            for name, value, error, unit in zip(
+                self.names, self.values, errors, self.units, strict=True
+            )
+        ]
+        lines = aligned(rows, right=(1, 2)).split("\n")
+        return "\n".join(f"  {line}" for line in lines)
+
+    @classmethod
+    def _of_parts(
+        cls, law: FrictionLaw, provenance: Provenance, parameters: Mapping[str, Any] | None
+    ) -> Self:
+        key = "parameters"
+        if parameters is None:
+            raise ParameterError(
+                key, "is missing: this law was not identified, FrictionLaw.load or LawFile.load it"
+            )
+        for name in ("reservoir_model", "direction_model", "names", "values", "coordinates"):
+            if name not in parameters:
+                raise ParameterError(f"{key}.{name}", "is missing")
+        models = (
+            _model(parameters["reservoir_model"], f"{key}.reservoir_model", RESERVOIRS, _RESERVOIRS),
+            _model(parameters["direction_model"], f"{key}.direction_model", DIRECTIONS, _DIRECTIONS),
+        )
+        structure = _structure(*models)
+        for name, known in (
+            ("names", structure.names),
+            ("coordinates", structure.labels),
+            ("units", structure.units),
+        ):
+            given = parameters.get(name, known)
+            if tuple(given) != known:
+                raise ParameterError(f"{key}.{name}", f"must be {list(known)} for these models")
+        covariance = parameters.get("covariance", {})
+        degrees, parts = [], []
+        for name in _PARTS:
+            part = covariance.get(name, {})
+            if name in covariance and "matrix" not in part:
+                raise ParameterError(f"{key}.covariance.{name}.matrix", "is missing")
+            parts.append(part.get("matrix"))
+            degrees.append(part.get("degrees_of_freedom", math.inf))
+        try:
+            return cls(
+                law,
+                *models,
+                parameters["values"],
+                *parts,
+                degrees_of_freedom=(degrees[0], degrees[1], degrees[2]),
+                provenance=provenance,
+            )
+        except ParameterError as error:
+            name, _, rest = error.argument.partition(".")
+            if name in _PARTS:
+                name = f"covariance.{name}.{rest or 'matrix'}"
+            raise type(error)(
+                error.argument if name == "law" else f"{key}.{name}", error.message
+            ) from None
+
+
+def _structure(reservoir: Any, direction: Any) -> Structure:
+    models = []
+    for name, model, made in (
+        ("reservoir_model", reservoir, reservoir_model),
+        ("direction_model", direction, direction_model),
+    ):
+        try:
+            models.append(made(model))
+        except ParameterError as error:
+            raise ParameterError(name, error.message) from None
+    return Structure(*models)
+
+
+def _short(model: Any) -> Any:
+    """Return the name of a model that has one, else the model."""
+    name = name_of(model)
+    return name if name in RESERVOIRS or name in DIRECTIONS else model
+
+
+def _model_table(model: Any, name: str, kinds: data.Kinds) -> Any:
+    return model if isinstance(model, str) else data.typed(model, f"parameters.{name}", kinds)
+
+
+def _model(given: Any, key: str, names: Mapping[str, Any], kinds: data.Kinds) -> Any:
+    if not isinstance(given, str):
+        return data.built_as_typed(given, key, kinds)
+    if given not in names:
+        raise ParameterError(key, f"{given!r} is not known{advice_on(given, names)}")
+    return given
+
+
+def _covariance(given: ArrayLike, name: str, count: int) -> Array:
+    part = arrays.array(given, name, (count, count))
+    largest = float(np.abs(part).max(initial=0.0))
+    if not np.allclose(part, part.T, rtol=0.0, atol=_ROUNDING * largest):
+        raise ParameterError(name, "must be a covariance, it is not symmetric")
+    least = float(np.linalg.eigvalsh(0.5 * (part + part.T)).min(initial=0.0))
+    if least < -_ROUNDING * largest:
+        raise ParameterError(name, f"must be a covariance, it has the eigenvalue {least:.3g}")
+    return arrays.read_only(part)
+
+
+def _root(covariance: Array) -> Array:
+    """Return L with L Lᵀ the covariance, which may be singular."""
+    sizes, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    root: Array = vectors * np.sqrt(np.maximum(sizes, 0.0))
+    return root
+
+
+def _degrees(given: Any) -> tuple[float, float, float]:
+    found = []
+    for name, one in zip(_PARTS, arrays.several(given, "degrees_of_freedom"), strict=True):
+        key = f"{name}.degrees_of_freedom"
+        # Errors that are known have infinitely many.
+        found.append(math.inf if one == math.inf else arrays.positive(one, key))
+    return found[0], found[1], found[2]
+
+
+def _check_same(law: FrictionLaw, own: FrictionLaw) -> None:
+    """Refuse a law that is not the one of the parameters."""
+    if law.dimension != 2:
+        raise ParameterError("law", f"must be of the plane, has p = {law.dimension}")
+    theta = 2.0 * math.pi * np.arange(_DIRECTIONS_COMPARED) / _DIRECTIONS_COMPARED
+    for name, one, other in (
+        ("reservoir", law.reservoir, own.reservoir),
+        ("direction", law.direction, own.direction),
+    ):
+        off = float(np.abs(one.radius(theta) / other.radius(theta) - 1.0).max())
+        if not off <= _SAME:
+            raise ParameterError(
+                f"law.{name}",
+                f"must be that of the parameters, its radii differ by {off:.2g} of theirs: change "
+                "both, or leave out [parameters]",
+            )
