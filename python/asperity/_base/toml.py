@@ -59,7 +59,9 @@ def _holds_numbers(value: Any) -> bool:
 
 
 TEXT = Kind("a text", lambda value: _is(value, str))
-TEXTS = Kind("a list of texts", lambda value: isinstance(value, list) and all(map(TEXT.holds, value)))
+TEXTS = Kind(
+    "a list of texts", lambda value: isinstance(value, list) and all(map(TEXT.holds, value))
+)
 NUMBER = Kind("a number", lambda value: _is(value, int, float))
 COUNT = Kind("a whole number", lambda value: _is(value, int))
 SWITCH = Kind("true or false", lambda value: _is(value, bool))
@@ -254,6 +256,7 @@ class TomlFile:
     Args:
         path: of the file.
         schema: what it may hold.
+        others: whether it may hold other keys, which are not looked at.
 
     Attributes:
         path: of the file.
@@ -263,14 +266,17 @@ class TomlFile:
         ConfigurationError: if it cannot be read, is no TOML, or holds what is not known.
     """
 
-    def __init__(self, path: str | os.PathLike[str], schema: Schema) -> None:
+    def __init__(
+        self, path: str | os.PathLike[str], schema: Schema, *, others: bool = False
+    ) -> None:
         self.path = Path(path)
         self._schema = schema
         self._lines = KeyLines("")
         self.values = self._parsed()
         with self.named():
             _refuse_beyond(self.values, "")
-            check(self.values, schema)
+            known = {key: one for key, one in self.values.items() if key in schema or not others}
+            check(known, schema)
 
     def _parsed(self) -> dict[str, Any]:
         line, key = None, ""

@@ -7,11 +7,22 @@ import sys
 from collections.abc import Sequence
 
 from asperity import __version__
-from asperity.commands import demo, figures, identify, info, solve, track
+from asperity.commands import (
+    demo,
+    figures,
+    identify,
+    info,
+    init,
+    law,
+    simulate,
+    solve,
+    stability,
+    track,
+)
 from asperity.commands.options import INTERRUPTED, USER_ERROR
 from asperity.errors import AsperityError, ParameterError
 
-_VERBS = (demo, figures, solve, identify, track, info)
+_VERBS = (demo, figures, init, identify, law, simulate, stability, track, solve, info)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from asperity._base.toml import COUNT, NUMBER, SWITCH, TEXT, Schema, TomlFile, advice_on
-from asperity.errors import ConfigurationError, ParameterError
+from asperity.errors import ParameterError
 from asperity.law import FrictionLaw, LawFile
+from asperity.law.file import SCHEMA as law_schema
 from asperity.predict.kinds import KINDS, Kind, Quantity, Setup
 from asperity.runs import integrate, simulate
 from asperity.runs.run import Run
@@ -174,14 +175,7 @@ class Scenario:
 
 def _kind(path: str | os.PathLike[str]) -> Kind:
     """Return the kind of a scenario, which says what else its file may hold."""
-
-    class _Any(dict[str, Any]):
-        """A schema that lets everything but the kind pass."""
-
-        def get(self, key: str, default: Any = None) -> Any:
-            return super().get(key, _ANYTHING if default is None else default)
-
-    file = TomlFile(path, _Any(kind=TEXT))
+    file = TomlFile(path, {"kind": TEXT}, others=True)
     name = file.values.get("kind")
     if name is None:
         raise file.error("kind", f"is missing; kinds are {', '.join(KINDS)}")
@@ -191,15 +185,25 @@ def _kind(path: str | os.PathLike[str]) -> Kind:
 
 
 def _law(file: TomlFile, name: str, replaced: str | os.PathLike[str] | None) -> LawFile:
-    from asperity.identify import IdentifiedLaw
-
     path = Path(file.path.parent, name) if replaced is None else Path(replaced)
     if not path.is_file():
         problem = f"names the file {path}, which is not there"
         if replaced is None:
             raise file.error("law", problem)
         raise ParameterError("law", problem)
-    return IdentifiedLaw.load(path)
+    return load_law(path)
+
+
+def load_law(path: str | os.PathLike[str]) -> LawFile:
+    """Read the file of a law, as an `IdentifiedLaw` if it has parameters with their covariance.
+
+    Raises:
+        ConfigurationError: with file, line and key of what is wrong.
+    """
+    from asperity.identify import IdentifiedLaw
+
+    identified = "parameters" in TomlFile(path, law_schema).values
+    return IdentifiedLaw.load(path) if identified else LawFile.load(path)
 
 
 def _options(file: TomlFile) -> RunOptions:

@@ -117,6 +117,8 @@ def end_point(path: Array, run: Run) -> list[Quantity]:
         Quantity("end point e1", "m", float(last[0])),
         Quantity("end point e2", "m", float(last[1])),
         Quantity("distance of the end point from the start", "m", float(np.hypot(*way))),
-        Quantity("direction of the end point", "deg", float(np.rad2deg(np.arctan2(way[1], way[0])))),
+        Quantity(
+            "direction of the end point", "deg", float(np.rad2deg(np.arctan2(way[1], way[0])))
+        ),
         Quantity("time at the end", "s", float(run.t[-1])),
     ]

@@ -17,7 +17,8 @@ from asperity.runs.run import Run
 from asperity.runs.time_stepping import Model
 from asperity.runs.trajectory import Trajectory
 from asperity.system import Body, BoxPlane, Plane, PointPlane, RigidBodies, SpherePlane
-from asperity.system.rigid import Pair, SphereSphere
+from asperity.system.rigid import SphereSphere
+from asperity.system.rigid.pairs import Pair
 
 _SIZES = {"box": ("size",), "ball": ("diameter",), "cylinder": ("diameter", "height")}
 # A cylinder touches planes with so many points of either edge.
@@ -59,7 +60,9 @@ def _half_sizes(file: TomlFile, key: str, table: Mapping[str, Any]) -> Array:
 def _body(file: TomlFile, key: str, table: Mapping[str, Any]) -> Body:
     shape = table.get("shape", "box")
     if shape not in _SIZES:
-        raise file.error(f"{key}.shape", f"of the name {shape!r} is not known{advice_on(shape, _SIZES)}")
+        raise file.error(
+            f"{key}.shape", f"of the name {shape!r} is not known{advice_on(shape, _SIZES)}"
+        )
     for name in ("size", "diameter", "height"):
         if name in table and name not in _SIZES[shape]:
             raise file.error(f"{key}.{name}", f"is not known of a {shape}")
