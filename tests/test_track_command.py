@@ -128,7 +128,7 @@ POINTS = "pixels = [[0, 0], [1, 0], [0, 1]]\nplane = [[0, 0], [1, 0], [0, 1]]\n"
         ("metres", "miles", r"\[scene\] miles_per_pixel: .* did you mean 'metres_per_pixel'"),
         (CONFIG[CONFIG.index("[scene]") :], "", r"track.toml: \[scene\]: is missing"),
         ("[10, 20]", "[10]", r"line 9: \[scene\] origin: must have shape"),
-        ("[mark]", "[mark", "track.toml, line 4: \[mark\]: is no TOML"),
+        ("[mark]", "[mark", r"track.toml, line 4: \[mark\]: is no TOML"),
         ("fps", "\ufefffps", "is no TOML"),
         ("metres_per_pixel = 2e-4\norigin = [10, 20]\n", POINTS, "pixels: must hold at least 4"),
         ("origin", POINTS + "origin", r"line 7: \[scene\]: gives points and a scale"),

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from asperity._base.toml import COUNT, TEXT, TomlFile, advice_on
+from asperity._base.toml import COUNT, TEXT, Schema, advice_on
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 
@@ -45,9 +45,7 @@ def arguments(value: Value, key: str, table: Callable[[Value, str], Any]) -> dic
     return {name: plain(part, f"{key}.{name}") for name, part in given if part is not None}
 
 
-def built(
-    kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str], Any]
-) -> AnyValue:
+def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str], Any]) -> AnyValue:
     """Return the value of a table of arguments.
 
     Args:
@@ -143,24 +141,22 @@ class FileFormat(NamedTuple):
         """Return these lines."""
         return {"format": self.name, "version": self.version}
 
-    def check(self, file: TomlFile) -> None:
-        """Refuse a file of another format, or of a newer version.
+    def check(self, values: Mapping[str, Any]) -> None:
+        """Refuse what is of another format, or of a newer version.
 
         Raises:
-            ConfigurationError: with file, line and key.
+            ParameterError: whose argument is the key.
         """
-        with file.named():
-            for key in ("format", "version"):
-                if key not in file.values:
-                    raise ParameterError(key, f"is missing: it is {self.head()[key]!r}")
-            name, version = file.values["format"], file.values["version"]
-            if name != self.name:
-                raise ParameterError("format", f"must be {self.name!r}, got {name!r}")
-            if not 1 <= version <= self.version:
-                raise ParameterError(
-                    "version", f"must be 1 to {self.version} for this asperity, got {version}"
-                )
+        for key, expected in self.head().items():
+            if key not in values:
+                raise ParameterError(key, f"is missing: it is {expected!r}")
+        name, version = values["format"], values["version"]
+        if name != self.name:
+            raise ParameterError("format", f"must be {self.name!r}, got {name!r}")
+        if not COUNT.holds(version) or not 1 <= version <= self.version:
+            known = "1" if self.version == 1 else f"1 to {self.version}"
+            raise ParameterError("version", f"must be {known} for this asperity, got {version!r}")
 
 
-HEAD_SCHEMA = {"format": TEXT, "version": COUNT}
+HEAD_SCHEMA: Schema = {"format": TEXT, "version": COUNT}
 """Of these lines."""

@@ -23,7 +23,7 @@ class _Token(NamedTuple):
 
 
 class KeyLines:
-    """Lines of keys and of entries of lists, such as ``law.reservoir.sets[1].radius``, from 1.
+    r"""Lines of keys and of entries of lists, such as ``law.reservoir.sets[1].radius``, from 1.
 
     A text that is no TOML is understood as far as it goes.
 
@@ -31,7 +31,7 @@ class KeyLines:
         count: number of lines.
 
     >>> from asperity._base.key_lines import KeyLines
-    >>> lines = KeyLines('x = [1,\\n2]\\n[[law.sets]]\\nset = {radius = 1.0}\\n')
+    >>> lines = KeyLines('x = [1,\n2]\n[[law.sets]]\nset = {radius = 1.0}\n')
     >>> lines.of("x[1]"), lines.of("law.sets[0].set.radius"), lines.of("law.direction")
     (2, 4, 3)
     """

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from asperity._base import arrays
-from asperity._base.toml import TABLE, TEXT, Tables
+from asperity._base.toml import TABLE, TEXT, Schema, Tables
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 
-SCHEMA = {
+SCHEMA: Schema = {
     "asperity": TEXT,
     "date": TEXT,
     "made_by": TEXT,

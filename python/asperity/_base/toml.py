@@ -256,6 +256,7 @@ class TomlFile:
     Args:
         path: of the file.
         schema: what it may hold.
+        head: looks at the values before the schema does, to refuse a file of another kind.
         others: whether it may hold other keys, which are not looked at.
 
     Attributes:
@@ -267,39 +268,47 @@ class TomlFile:
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], schema: Schema, *, others: bool = False
+        self,
+        path: str | os.PathLike[str],
+        schema: Schema,
+        head: Callable[[Mapping[str, Any]], object] = lambda _: None,
+        *,
+        others: bool = False,
     ) -> None:
         self.path = Path(path)
         self._schema = schema
         self._lines = KeyLines("")
         self.values = self._parsed()
         with self.named():
-            _refuse_beyond(self.values, "")
+            _refuse_beyond(self.values, "", 0)
+            head(self.values)
             known = {key: one for key, one in self.values.items() if key in schema or not others}
             check(known, schema)
 
     def _parsed(self) -> dict[str, Any]:
-        line, key = None, ""
+        line = None
         try:
             raw = self.path.read_bytes()
-            content = raw.decode("utf-8-sig")
-            self._lines = KeyLines(content)
-            return tomllib.loads(content)
+            self._lines = KeyLines(raw.decode("utf-8-sig", "replace"))
+            return tomllib.loads(raw.decode("utf-8-sig"))
         except UnicodeDecodeError as error:
             problem, line = "is no TOML: save it as UTF-8", raw.count(b"\n", 0, error.start) + 1
         except RecursionError:
-            problem = "is no TOML that can be read: lists are nested too deeply"
-        except ValueError as error:
-            # Also of numbers with thousands of digits, which Python does not read.
+            problem, line = "must not be nested so deeply", self._lines.count
+        except tomllib.TOMLDecodeError as error:
             problem, _, place = f"is no TOML: {error}".partition(" (at ")
             number = re.match(r"line (\d+)", place)
-            line = int(number[1]) if number else self._lines.count if place else None
-            key = self._lines.begun(line)
+            line = int(number[1]) if number else self._lines.count
+        except ValueError:
+            # Python reads no more digits.
+            problem, long = "has too many digits", re.search(rb"[0-9_]{4300,}", raw)
+            line = None if long is None else raw.count(b"\n", 0, long.start()) + 1
         except IsADirectoryError:
             problem = "is a folder: name the file in it"
         except OSError as error:
             problem = f"cannot be read: {error.strerror}"
-        raise ConfigurationError(str(self.path), problem, key=self._written(key), line=line)
+        key = self._written(self._lines.begun(line))
+        raise ConfigurationError(str(self.path), problem, key=key, line=line)
 
     def error(self, key: str, message: str) -> ConfigurationError:
         """Return what to raise for a key, such as ``"file.header"`` or ``"file"``."""
@@ -343,14 +352,20 @@ class TomlFile:
         return f"[{key}]" if isinstance(self._schema.get(key), Mapping) else key
 
 
-def _refuse_beyond(value: Any, key: str) -> None:
-    """Refuse numbers that are none, and whole ones of more bits than TOML promises to keep."""
+# More than anyone nests tables, less than Python nests calls.
+_DEEPEST = 100
+
+
+def _refuse_beyond(value: Any, key: str, depth: int) -> None:
+    """Refuse numbers that are none, whole ones of more bits than TOML keeps, and deep nesting."""
+    if depth > _DEEPEST:
+        raise ParameterError(key.partition(".")[0], "must not be nested so deeply")
     if isinstance(value, Mapping):
         for name, one in value.items():
-            _refuse_beyond(one, f"{key}.{name}" if key else name)
+            _refuse_beyond(one, f"{key}.{name}" if key else name, depth + 1)
     elif isinstance(value, list):
         for i, one in enumerate(value):
-            _refuse_beyond(one, f"{key}[{i}]")
+            _refuse_beyond(one, f"{key}[{i}]", depth + 1)
     elif isinstance(value, float) and not math.isfinite(value):
         raise ParameterError(key, f"must be finite, got {value!r}")
     elif isinstance(value, int) and not -(2**63) <= value < 2**63:

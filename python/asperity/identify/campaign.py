@@ -20,12 +20,14 @@ from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage
-from asperity.identify.records.configuration import read_raw
+from asperity.identify.records.configuration import Configuration
 from asperity.identify.report import write_report
+from asperity.law import Provenance
 
 _PICTURES = ("sets.png", "forces.png", "residuals.png")
 _TABLES = ("parameters.csv", "directions.csv", "turns.csv", "models.csv")
-FILES = (*_PICTURES, *_TABLES, "report.html")
+_LAW = "law.toml"
+FILES = (_LAW, *_PICTURES, *_TABLES, "report.html")
 """What `identify_campaign` writes."""
 
 STAGES = ("reading", "fitting", "comparing models", "writing")
@@ -36,10 +38,11 @@ _DIRECTIONS = 360
 
 @dataclass(frozen=True)
 class Identification:
-    """What a campaign of measurements tells."""
+    """What a campaign of measurements tells, and where it comes from."""
 
     data: ProcessedData
     fit: Fit
+    provenance: Provenance
 
     @cached_property
     def averaged(self) -> Averaged:
@@ -108,6 +111,7 @@ class Identification:
         from asperity.plot import save_figure
         from asperity.plot.identification import report_figures
 
+        self.fit.save_law(folder / _LAW, provenance=self.provenance)
         figures = report_figures(self.fit)
         for name, figure in zip(_PICTURES, figures.values(), strict=True):
             save_figure(figure, folder / name)
@@ -225,11 +229,19 @@ def identify_campaign(
     """
     folder = ResultFolder(out, FILES)
     announce("reading")
-    data = process(read_raw(list(paths), config))
+    loaded = Configuration.load(config)
+    data = process(loaded.read(list(paths)))
+    origin = Provenance.of_files(
+        [*paths, config, *loaded.files],
+        made_by=f"asperity identify --reservoir {reservoir} --direction {direction} --loss {loss} "
+        f"--confidence {confidence!r}",
+        configuration=loaded.sections,
+    )
     announce("fitting")
     # The bands need two turns.
     bands = confidence if data.turns > 1 else None
-    found = Identification(data, fit_law(data, reservoir, direction, loss=loss, confidence=bands))
+    fit = fit_law(data, reservoir, direction, loss=loss, confidence=bands)
+    found = Identification(data, fit, origin)
     if not np.isfinite(found.fit.law.alpha_min):
         raise FitError("the fitted sets make no law")
     announce("comparing models")

@@ -207,7 +207,7 @@ class IdentifiedLaw(LawFile):
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """What the covariances are of: such as ``"ln(reservoir.a)"``, for semi-axes are positive."""
+        """What the covariances are of, such as ``"ln(reservoir.a)"``: semi-axes are positive."""
         return self._structure.labels
 
     @property
@@ -368,8 +368,12 @@ class IdentifiedLaw(LawFile):
             if name not in parameters:
                 raise ParameterError(f"{key}.{name}", "is missing")
         models = (
-            _model(parameters["reservoir_model"], f"{key}.reservoir_model", RESERVOIRS, _RESERVOIRS),
-            _model(parameters["direction_model"], f"{key}.direction_model", DIRECTIONS, _DIRECTIONS),
+            _model(
+                parameters["reservoir_model"], f"{key}.reservoir_model", RESERVOIRS, _RESERVOIRS
+            ),
+            _model(
+                parameters["direction_model"], f"{key}.direction_model", DIRECTIONS, _DIRECTIONS
+            ),
         )
         structure = _structure(*models)
         for name, known in (

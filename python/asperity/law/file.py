@@ -10,7 +10,7 @@ from asperity import _core
 from asperity._base import data, provenance, toml
 from asperity._base.data import HEAD_SCHEMA, FileFormat
 from asperity._base.provenance import Provenance
-from asperity._base.toml import NUMBERS, TABLE, TEXTS, Kind, TomlFile
+from asperity._base.toml import NUMBERS, TABLE, TEXTS, Kind, Schema, TomlFile
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law.flow import FlowReport
@@ -20,9 +20,9 @@ from asperity.sets import StarSet
 from asperity.sets import file as set_file
 
 FORMAT = FileFormat("asperity law", 1)
-_MODEL = Kind("the name of a model, or a table of it", lambda value: isinstance(value, str | dict))
+_MODEL = Kind("a model: its name, or a table", lambda value: isinstance(value, str | dict))
 _PART = {"degrees_of_freedom": NUMBERS, "matrix": NUMBERS}
-SCHEMA = {
+SCHEMA: Schema = {
     **HEAD_SCHEMA,
     "law": {"reservoir": TABLE, "direction": TABLE, "rate": TABLE, "report": TABLE},
     "parameters": {
@@ -39,10 +39,10 @@ SCHEMA = {
 """Of a file of a law. What the parameters mean, `identify.IdentifiedLaw` knows."""
 
 COMMENTS = {
-    "": "A law of dry friction, per unit normal force λ_N. The friction force λ on the body is such\n"
-    "that -λ/λ_N lies in the force reservoir C: inside while the contact sticks, on its boundary\n"
-    "while it slips. Sliding is along the normal of the direction set D in the direction of -λ.\n"
-    "Axes e1, e2 are fixed to the surface, angles counter-clockwise from e1 in rad.",
+    "": "A law of dry friction, per unit normal force λ_N. The friction force λ on the body is\n"
+    "such that -λ/λ_N lies in the force reservoir C: inside while the contact sticks, on its\n"
+    "boundary while it slips. Sliding is along the normal of the direction set D in the direction\n"
+    "of -λ. Axes e1, e2 are fixed to the surface, angles counter-clockwise from e1 in rad.",
     "law.reservoir": "C, the force reservoir: dimensionless like a friction coefficient",
     "law.direction": "D, the direction set: only its shape has an effect",
     "law.rate": "factor of the force in slip that depends on the speed: speed in m/s, viscous in s/m",
@@ -151,8 +151,7 @@ class LawFile(Value):
         Raises:
             ConfigurationError: with file, line and key of what is wrong.
         """
-        file = TomlFile(path, SCHEMA)
-        FORMAT.check(file)
+        file = TomlFile(path, SCHEMA, FORMAT.check)
         with file.named():
             if "law" not in file.values:
                 raise ParameterError("law", "is missing")

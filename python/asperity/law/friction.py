@@ -342,7 +342,8 @@ class FrictionLaw(Questions):
         >>> FrictionLaw.load(path) == law
         True
         """
-        from asperity.law.file import LawFile, Provenance
+        from asperity._base.provenance import Provenance
+        from asperity.law.file import LawFile
 
         LawFile(self, Provenance(note=note)).save(path)
 

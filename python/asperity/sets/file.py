@@ -9,7 +9,7 @@ from asperity import _core
 from asperity._base import data, provenance, toml
 from asperity._base.data import HEAD_SCHEMA, FileFormat, Kinds
 from asperity._base.provenance import Provenance
-from asperity._base.toml import TABLE, TomlFile
+from asperity._base.toml import TABLE, Schema, TomlFile
 from asperity.errors import ParameterError
 from asperity.sets.boxes import Box, CappedRectangle, Interval, Rectangle
 from asperity.sets.combined import Intersection, MinkowskiSum, Union
@@ -46,7 +46,7 @@ KINDS: Kinds = {
 """The only classes that are made of what stands in a file."""
 
 FORMAT = FileFormat("asperity set", 1)
-_SCHEMA = {**HEAD_SCHEMA, "set": TABLE, "provenance": provenance.SCHEMA}
+_SCHEMA: Schema = {**HEAD_SCHEMA, "set": TABLE, "provenance": provenance.SCHEMA}
 _COMMENTS = {"": "A set of forces or directions. Angles are in rad."}
 
 
@@ -79,8 +79,7 @@ def save(value: StarSet, path: str | os.PathLike[str], note: str) -> None:
 
 def load(path: str | os.PathLike[str]) -> StarSet:
     """Read a set."""
-    file = TomlFile(path, _SCHEMA)
-    FORMAT.check(file)
+    file = TomlFile(path, _SCHEMA, FORMAT.check)
     with file.named():
         if "set" not in file.values:
             raise ParameterError("set", "is missing")

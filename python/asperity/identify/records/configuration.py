@@ -102,6 +102,15 @@ class Configuration(Value):
         loaded._keep(_file=file)
         return loaded
 
+    @property
+    def files(self) -> list[Path]:
+        """The files that it names: weighings and records without load."""
+        idle = self._section("no_load").get("files", [])
+        names = [idle] if isinstance(idle, str) else list(idle)
+        weighings = self._section("calibration").get("file")
+        listed = names if weighings is None else [weighings, *names]
+        return [Path(self.folder, name) for name in listed]
+
     def read(self, paths: PathLike | Iterable[PathLike]) -> RawData:
         """Return the runs in some files, with the calibration, records without load and options.
 
