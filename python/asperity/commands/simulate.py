@@ -19,9 +19,9 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "sizes, the start and the file of the friction law; `asperity init` writes an example to "
         "edit. With --bands the law is drawn again and again from the uncertainty with which it "
         "was measured, and intervals of all results are given. Writes results.csv, path.csv, "
-        "run.npz, path.png, history.png and report.html, with --bands draws.csv. Exit code 1 if a result is "
-        "doubtful: the body does not come to rest in time, steps did not converge, or drawn laws "
-        "gave no motion. Exit code 2 if something is wrong with the files.",
+        "run.npz, path.png, history.png and report.html, with --bands draws.csv. Exit code 1 if a "
+        "result is doubtful: the body does not come to rest in time, steps did not converge, or "
+        "drawn laws gave no motion. Exit code 2 if something is wrong with the files.",
         epilog="example: asperity simulate scenario.toml --law out/identify/law.toml --bands "
         "--out out/simulate",
     )

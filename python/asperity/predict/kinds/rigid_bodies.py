@@ -162,10 +162,10 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
     bodies = [_body(file, f"bodies[{i}]", one) for i, one in enumerate(shapes)]
     planes: dict[str, Plane] = {}
     tables = file.values.get("planes") or [{"name": "floor"}]
-    for i, one in enumerate(_named(file, "planes", tables)):
-        name = one.pop("name")
+    for i, table in enumerate(_named(file, "planes", tables)):
+        name = table.pop("name")
         with _blaming(file, f"planes[{i}]"):
-            planes[name] = Plane(**one)
+            planes[name] = Plane(**table)
     pairs: list[Pair] = []
     for i, one in enumerate(_tables(file, "contacts")):
         pairs += _pairs(file, f"contacts[{i}]", one, shapes, planes, laws)

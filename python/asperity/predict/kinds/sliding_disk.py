@@ -52,7 +52,8 @@ def _paths(system: Model, run: Run) -> dict[str, Array]:
 
 def _quantities(system: Model, run: Run) -> Sequence[Quantity]:
     disk = cast(SlidingDisk, system)
-    turned = disk.rotations(run)[-1, 0] @ disk.rotations(run)[0, 0].T
+    rotations = disk.rotations(cast(Trajectory, run))[:, 0]
+    turned = rotations[-1] @ rotations[0].T
     angle = float(np.rad2deg(np.arctan2(turned[1, 0], turned[0, 0])))
     return [
         *end_point(disk.path(cast(Trajectory, run)), run),
