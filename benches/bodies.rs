@@ -8,7 +8,7 @@ use std::time::Instant;
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::solver::Solver;
-use asperity::stepper::Stepper;
+use asperity::stepper::{State, Stepper};
 use asperity::system::rigid::{Body, Pair, Plane, RigidBodies, Shape};
 
 const G: [f64; 3] = [0.0, 0.0, -9.81];
@@ -87,7 +87,7 @@ fn system(n: usize, body: impl Fn(usize) -> Body, shape: impl Fn(usize) -> Shape
 /// Nanoseconds per step and body: the best of several.
 fn nanoseconds(system: &RigidBodies, solver: Solver) -> f64 {
     let (q, u) = (system.q0(), system.u0());
-    let mut stepper = Stepper::new(system, solver, 1e-10, 1e-3, q, u).unwrap();
+    let mut stepper = Stepper::new(system, solver, 1e-10, 1e-3, &State::new(0.0, q, u)).unwrap();
     for _ in 0..5 {
         stepper.step().unwrap();
     }

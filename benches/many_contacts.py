@@ -36,7 +36,7 @@ ENOUGH = 1.0
 def wall(contacts: int):
     """Return a square wall with about as many contacts."""
     side = max(1, round(np.sqrt(contacts / 8)))
-    return problems.wall(side + (side == 1), side, push=1.0)
+    return problems.wall(side + (side == 1), columns=side, push=1.0)
 
 
 SCENES = {
@@ -44,7 +44,7 @@ SCENES = {
     "coupled sliders": lambda contacts: problems.sliders(contacts, coupled=True),
     "stack": lambda contacts: problems.stack(max(1, contacts // 4)),
     "wall": wall,
-    "columns of 10": lambda contacts: problems.columns(max(1, round(contacts / 28)), 10),
+    "columns of 10": lambda contacts: problems.columns(max(1, round(contacts / 28)), height=10),
     "arch": lambda contacts: problems.arch(max(1, contacts // 4 - 1)),
 }
 

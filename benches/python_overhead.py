@@ -39,7 +39,7 @@ def python() -> float:
     law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.deg2rad(30.0)), asp.Ellipse(3.0, 1.0))
     direction = np.deg2rad(50.0)
     velocity = [np.cos(direction), np.sin(direction)]
-    belt = asp.MassOnBelt(1.0, 1.0, law, normal_force=1.0, belt_velocity=velocity)
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=velocity)
     best = np.inf
     for _ in range(7):
         start = time.perf_counter()

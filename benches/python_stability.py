@@ -15,7 +15,9 @@ DIRECTIONS, ROTATIONS, VALUES = 181, 91, 200
 def belt(phi: float, zeta: float = np.pi / 6) -> asp.MassOnBelt:
     """Return the mass on a belt of Fig. 17 with the belt along φ."""
     law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=zeta), asp.Ellipse(3.0, 1.0))
-    return asp.MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(phi), np.sin(phi)])
+    return asp.MassOnBelt(
+        1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[np.cos(phi), np.sin(phi)]
+    )
 
 
 def best(run, repeat: int = 3) -> float:
@@ -31,7 +33,7 @@ def best(run, repeat: int = 3) -> float:
 def chart() -> None:
     """Compare a chart with the eigenvalues of as many matrices, NumPy's alone."""
     phi, zeta = np.linspace(0.0, np.pi, DIRECTIONS), np.linspace(0.0, np.pi, ROTATIONS)
-    whole = best(lambda: asp.growth_chart(belt(0.0, 0.0), phi, zeta))
+    whole = best(lambda: asp.growth_chart(belt(0.0, 0.0), phi=phi, zeta=zeta))
     matrices = np.random.default_rng(1).normal(size=(DIRECTIONS * ROTATIONS, 4, 4))
     floor = best(lambda: np.linalg.eigvals(matrices))
     print(f"growth chart {DIRECTIONS} x {ROTATIONS}: {whole:.3f} s", end="")
@@ -48,7 +50,7 @@ def cycles() -> None:
     print(f"limit cycle from rest: {1e3 * shooting:.1f} ms, {shooting / flow:.1f} periods")
     values = np.deg2rad(np.linspace(44.2, 75.8, VALUES))
     start = time.perf_counter()
-    diagram = asp.bifurcation_diagram(belt, "phi", values)
+    diagram = asp.bifurcation_diagram(belt, parameter="phi", values=values)
     seconds = time.perf_counter() - start
     found = sum(cycle is not None for cycle in diagram.cycles)
     print(f"bifurcation diagram of {VALUES} values, {found} limit cycles: {seconds:.2f} s", end="")

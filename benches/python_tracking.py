@@ -28,7 +28,7 @@ MARKS = {"mark of 10 mm": 0.010, "whole disk, 28 mm": 0.028}
 def run() -> asp.Trajectory:
     """Return the sliding path of Fig. 27."""
     return asp.simulate(
-        asp.SlidingPoint(0.018, LAW),
+        asp.SlidingPoint(0.018, law=LAW),
         dt=1e-4,
         t_end=1.0,
         u0=[1.52 * np.cos(ANGLE), 1.52 * np.sin(ANGLE)],

@@ -106,7 +106,7 @@ def selection() -> None:
     """Draw the loads with several solutions, and the three solutions of one of them."""
     direction = np.array([np.cos(np.deg2rad(60.0)), np.sin(np.deg2rad(60.0))])
     load = -LAW.force(direction) + 0.05 * direction
-    problem = asp.ContactProblem(np.eye(2), load, LAW, normal_force=1.0)
+    problem = asp.ContactProblem(np.eye(2), free_velocity=load, laws=LAW, normal_force=1.0)
     with asp.plot.style():
         figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.9), layout="constrained")
         closed = LAW.reservoir.boundary(720)[np.r_[0:720, 0]]
@@ -146,7 +146,9 @@ def draw_several(ax: Axes, n: int = 640) -> None:
     loads = np.linspace(0.94, 1.03, 160)[:, None, None] * rays
     several = np.zeros(loads.shape[:2])
     for index in np.ndindex(several.shape):
-        problem = asp.ContactProblem(np.eye(2), loads[index], LAW, normal_force=1.0)
+        problem = asp.ContactProblem(
+            np.eye(2), free_velocity=loads[index], laws=LAW, normal_force=1.0
+        )
         several[index] = problem.solve().ambiguous
     ax.contourf(*np.moveaxis(loads, -1, 0), several, levels=[0.5, 1.5], colors=[ORANGE])
     ax.fill([], [], color=ORANGE, label="several solutions")
@@ -161,8 +163,8 @@ def sets() -> None:
         "Rectangle": asp.Rectangle(0.9, 0.5),
         "Superellipse, $s = 4$": asp.Superellipse(1.0, 0.6, 4.0),
         "Superellipse, $s = 0.6$": asp.Superellipse(1.0, 0.8, 0.6),
-        "CappedRectangle": asp.CappedRectangle(0.5, 0.5, 0.45),
-        "WedgeAsperity": asp.WedgeAsperity(1.2, np.deg2rad(35.0)).scaled(0.16),
+        "CappedRectangle": asp.CappedRectangle(0.5, 0.5, cap=0.45),
+        "WedgeAsperity": asp.WedgeAsperity(1.2, beta=np.deg2rad(35.0)).scaled(0.16),
         "Polygon": asp.Polygon([[1.0, -0.5], [0.4, 0.2], [0.8, 0.9], [-0.9, 0.5], [-0.5, -0.8]]),
         "PolarCurve": asp.PolarCurve(theta, 0.75 + 0.2 * np.cos(3.0 * theta)),
         "Intersection  &": asp.Ellipse(1.0, 0.6) & asp.Rectangle(0.7, 0.9, angle=0.3),
@@ -172,7 +174,7 @@ def sets() -> None:
     with asp.plot.style():
         figure, axes = plt.subplots(3, 4, figsize=(10.0, 7.0), layout="constrained")
         for ax, (name, star) in zip(axes.flat, gallery.items(), strict=True):
-            asp.plot.plot_set(star, ax, color=BLUE if star.is_convex else ORANGE)
+            asp.plot.plot_set(star, ax=ax, color=BLUE if star.is_convex else ORANGE)
             ax.plot(0.0, 0.0, "o", color=INK, markersize=3.0)
             ax.set(title=name, xlabel="", ylabel="", xlim=(-1.25, 1.25), ylim=(-1.0, 1.0))
             ax.tick_params(labelbottom=False, labelleft=False)
@@ -191,15 +193,15 @@ def cones() -> None:
     cross = asp.Rectangle(1.0, 0.4) | asp.Rectangle(0.4, 1.0)
     with asp.plot.style():
         figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.6), layout="constrained")
-        asp.plot.plot_set(lens, left, label="$C$")
+        asp.plot.plot_set(lens, ax=left, label="$C$")
         smooth = lens.radius(2.0) * np.array([np.cos(2.0), np.sin(2.0)])
         for point in ([0.8, 0.42], smooth):
-            asp.plot.plot_cones(lens, point, left, size=0.35)
-        asp.plot.plot_projection(lens, [[1.2, -0.75], [0.3, -1.1], [-1.25, 0.1]], left)
+            asp.plot.plot_cones(lens, x=point, ax=left, size=0.35)
+        asp.plot.plot_projection(lens, z=[[1.2, -0.75], [0.3, -1.1], [-1.25, 0.1]], ax=left)
         left.set_title("Convex: normal and tangent cones, projections")
-        asp.plot.plot_set(cross, right)
+        asp.plot.plot_set(cross, ax=right)
         for point in ([0.4, 0.4], [1.0, -0.4], [-0.4, 0.75]):
-            asp.plot.plot_cones(cross, point, right, normal=False, size=0.35)
+            asp.plot.plot_cones(cross, x=point, ax=right, normal=False, size=0.35)
         right.set_title("Star-shaped: tangent cones")
         handles, labels = left.get_legend_handles_labels()
         handles += [Patch(color=GREEN, alpha=0.4), Patch(color=PURPLE, alpha=0.4)]
@@ -220,9 +222,9 @@ def made_laws() -> dict[str, asp.FrictionLaw]:
     slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     noise = 0.01 * np.random.default_rng(7).normal(size=slip.shape)
     return {
-        "asperity(0.6, 30°)": asp.FrictionLaw.asperity(0.6, np.deg2rad(30.0)),
-        "asperity(0.5, (15°, 50°))": asp.FrictionLaw.asperity(0.5, np.deg2rad([15.0, 50.0])),
-        "tensor(F, K)": asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth),
+        "asperity(0.6, 30°)": asp.FrictionLaw.asperity(0.6, beta=np.deg2rad(30.0)),
+        "asperity(0.5, (15°, 50°))": asp.FrictionLaw.asperity(0.5, beta=np.deg2rad([15.0, 50.0])),
+        "tensor(F, K)": asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth_order=fourth),
         "from_samples, 36 noisy ones": asp.FrictionLaw.from_samples(
             phi, noise - surface.force(slip)
         ),
@@ -234,7 +236,7 @@ def laws() -> None:
     with asp.plot.style():
         figure, axes = plt.subplots(2, 2, figsize=(9.6, 8.4), layout="constrained")
         for ax, (title, law) in zip(axes.flat, made_laws().items(), strict=True):
-            asp.plot.plot_law(law, ax, angles=24, legend=False)
+            asp.plot.plot_law(law, ax=ax, angles=24, legend=False)
             ax.set_title(title)
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     asp.plot.save_figure(figure, IMAGES / "laws.png", dpi=110)
@@ -252,8 +254,8 @@ def directions() -> None:
     with asp.plot.style():
         figure, axes = plt.subplots(1, 3, figsize=(12.6, 4.2), layout="constrained")
         for (name, law), color in zip(chosen.items(), (BLUE, GREEN, ORANGE), strict=True):
-            asp.plot.plot_friction_coefficient(law, axes[0], label=name, color=color)
-            asp.plot.plot_deflection(law, axes[1], color=color)
+            asp.plot.plot_friction_coefficient(law, ax=axes[0], label=name, color=color)
+            asp.plot.plot_deflection(law, ax=axes[1], color=color)
             axes[2].plot(np.rad2deg(phi), law.trace_criterion(phi), color=color)
         handles, labels = axes[0].get_legend_handles_labels()
         axes[0].get_legend().remove()
@@ -270,7 +272,9 @@ def directions() -> None:
 def belt(phi: float) -> asp.MassOnBelt:
     """Return the mass on a belt of docs/stability.md; the belt moves at the angle φ."""
     law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
-    return asp.MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(phi), np.sin(phi)])
+    return asp.MassOnBelt(
+        1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[np.cos(phi), np.sin(phi)]
+    )
 
 
 def growth() -> None:
@@ -279,10 +283,10 @@ def growth() -> None:
         law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0), asp.Ellipse(3.0, 1.0))
     )
     phi, zeta = np.linspace(20.0, 100.0, 401), np.linspace(0.0, 90.0, 361)
-    rates = asp.growth_chart(unturned, np.deg2rad(phi), np.deg2rad(zeta))
+    rates = asp.growth_chart(unturned, phi=np.deg2rad(phi), zeta=np.deg2rad(zeta))
     with asp.plot.style():
         figure, ax = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
-        asp.plot.plot_growth_chart(phi, zeta, rates, ax, limit=12.0)
+        asp.plot.plot_growth_chart(rates, x=phi, y=zeta, ax=ax, limit=12.0)
         ax.axhline(30.0, color=INK, linewidth=0.9, linestyle=":")
         ax.set(
             title="Growth rate of small motions",
@@ -295,12 +299,12 @@ def growth() -> None:
 def bifurcation() -> None:
     """Draw equilibria and limit cycles of docs/stability.md, and the periods of the cycles."""
     phi = np.linspace(30.0, 90.0, 241)
-    diagram = asp.bifurcation_diagram(belt, "phi", np.deg2rad(phi))
+    diagram = asp.bifurcation_diagram(belt, parameter="phi", values=np.deg2rad(phi))
     found = [cycle is not None and cycle.is_stable for cycle in diagram.cycles]
     plain: dict[str, Any] = {"frameon": True, "framealpha": 1.0, "edgecolor": "none"}
     with asp.plot.style():
         figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
-        asp.plot.plot_bifurcation(diagram.replace(values=phi), left)
+        asp.plot.plot_bifurcation(diagram.replace(values=phi), ax=left)
         for name, shown, marker in (("stable", found, "o"), ("unstable", np.invert(found), "x")):
             right.plot(
                 phi[shown],

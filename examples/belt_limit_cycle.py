@@ -14,5 +14,5 @@ belt = asp.MassOnBelt(mass=1.0, stiffness=1.0, law=law, normal_force=1.0, belt_v
 motion = asp.simulate(belt, dt=1e-3, t_end=200.0)
 print(motion.summary())
 
-lines, *_ = asp.plot.plot_phase(motion.slice(150.0, 200.0))
-asp.plot.save_figure(lines.figure, sys.argv[1] if len(sys.argv) > 1 else "belt_limit_cycle.png")
+ax = asp.plot.plot_path(motion.slice(150.0, 200.0), contact=0)
+asp.plot.save_figure(ax.figure, sys.argv[1] if len(sys.argv) > 1 else "belt_limit_cycle.png")

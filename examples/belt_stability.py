@@ -15,7 +15,9 @@ PHI = np.deg2rad(np.linspace(30.0, 90.0, 241))
 def belt(phi, zeta=np.pi / 6):
     """Return 1 kg on springs of 1 N/m; the long axis of C lies at the angle ζ to that of D."""
     law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=zeta), asp.Ellipse(3.0, 1.0))
-    return asp.MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(phi), np.sin(phi)])
+    return asp.MassOnBelt(
+        1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[np.cos(phi), np.sin(phi)]
+    )
 
 
 [(first, last), _] = np.rad2deg(asp.critical_directions(belt(0.0).law))
@@ -35,7 +37,7 @@ with asp.plot.style():
         1, 2, figsize=(10.0, 4.8), width_ratios=(1.5, 1.0), layout="constrained"
     )
     for zeta in (20.0, 30.0, 40.0):
-        growth = asp.growth_chart(belt(0.0, 0.0), PHI, np.deg2rad(zeta))
+        growth = asp.growth_chart(belt(0.0, 0.0), phi=PHI, zeta=np.deg2rad(zeta))
         left.plot(np.rad2deg(PHI), growth, label=f"C turned by {zeta:.0f}°")
     left.set(
         title="How fast small motions grow",

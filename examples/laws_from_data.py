@@ -49,10 +49,10 @@ with asp.plot.style():
     import matplotlib.pyplot as plt
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 5.0), layout="constrained")
-    asp.plot.plot_law(law, left, angles=20, legend=False)
+    asp.plot.plot_law(law, ax=left, angles=20, legend=False)
     left.plot(*measured.T, "x", color="black", label="measured", zorder=4.0)
     left.set_title("From 36 noisy samples")
-    asp.plot.plot_law(tensor, right, angles=20, legend=False)
+    asp.plot.plot_law(tensor, ax=right, angles=20, legend=False)
     right.set_title("From the tensor diag(0.5, 0.3)")
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=5)
 asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "laws_from_data.png")

@@ -15,11 +15,13 @@ START = np.deg2rad(8.0)
 def standing_on_an_edge(angle):
     """Return the block on its left edge, tilted by `angle`."""
     c, s = np.cos(angle), np.sin(angle)
-    return asp.PlanarBody.box(1.0, HALF, position=[[c, -s], [s, c]] @ HALF, angle=angle)
+    return asp.PlanarBody.box(1.0, half_sizes=HALF, position=[[c, -s], [s, c]] @ HALF, angle=angle)
 
 
-floor = asp.BoxPlane(0, HALF, asp.Line(), asp.FrictionLaw.isotropic(10.0, dimension=1))
-system = asp.RigidBodies([standing_on_an_edge(START)], [floor])
+floor = asp.BoxPlane(
+    0, half_sizes=HALF, plane=asp.Line(), law=asp.FrictionLaw.isotropic(10.0, dimension=1)
+)
+system = asp.RigidBodies([standing_on_an_edge(START)], pairs=[floor])
 motion = asp.simulate(system, dt=2e-5, t_end=2.0, save_every=2)
 angle, energy = np.rad2deg(motion.q[:, 2]), system.energy(motion)
 

@@ -15,9 +15,11 @@ with asp.plot.style():
 
     figure, (speeds, forces) = plt.subplots(2, 1, sharex=True, layout="constrained")
 for spin in (50.0, 10.0):
-    ball = asp.Body.ball(1.0, RADIUS, position=(0.0, 0.0, 1.0), angular_velocity=(0.0, spin, 0.0))
-    table = asp.SpherePlane(0, RADIUS, asp.Plane(), asp.FrictionLaw.isotropic(MU))
-    system = asp.RigidBodies([ball], [table])
+    ball = asp.Body.ball(
+        1.0, radius=RADIUS, position=(0.0, 0.0, 1.0), angular_velocity=(0.0, spin, 0.0)
+    )
+    table = asp.SpherePlane(0, radius=RADIUS, plane=asp.Plane(), law=asp.FrictionLaw.isotropic(MU))
+    system = asp.RigidBodies([ball], pairs=[table])
     motion = asp.simulate(system, dt=1e-4, t_end=1.0)
 
     velocity = motion.u[:, 0]

@@ -21,7 +21,7 @@ with asp.plot.style():
     figure, ax = plt.subplots(layout="constrained")
 for name, law in laws.items():
     path = asp.simulate(
-        asp.SlidingPoint(0.018, law),
+        asp.SlidingPoint(0.018, law=law),
         dt=1e-4,
         t_end=1.0,
         u0=[1.52 * np.cos(angle), 1.52 * np.sin(angle)],
@@ -29,6 +29,6 @@ for name, law in laws.items():
     )
     x, y = 1e3 * path.q[-1]
     print(f"{name:<11} stops after {path.t[-1]:.4f} s at ({x:.2f}, {y:.2f}) mm")
-    asp.plot.plot_path(path, ax, label=name)
+    asp.plot.plot_path(path, ax=ax, label=name)
 ax.legend()
 asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "sliding_path.png")

@@ -24,7 +24,7 @@ print(motion.summary())
 
 with style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
-    plot_root_locus(found, mu, left, label=r"friction coefficient $\mu$")
+    plot_root_locus(found, values=mu, ax=left, label=r"friction coefficient $\mu$")
     left.set_title("two modes meet")
     right.plot(motion.t, motion.q[:, 1], label="mass $y$")
     right.plot(motion.t, motion.q[:, 2], label="belt $z$", linewidth=1.0)

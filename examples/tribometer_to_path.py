@@ -35,7 +35,7 @@ def slide(law: asp.FrictionLaw) -> asp.Trajectory:
     """Return the path of a disk of 18 g that starts with 1.52 m/s at 32°."""
     angle = np.deg2rad(32.0)
     start = [1.52 * np.cos(angle), 1.52 * np.sin(angle)]
-    block = asp.SlidingPoint(0.018, law)
+    block = asp.SlidingPoint(0.018, law=law)
     return asp.simulate(block, dt=1e-4, t_end=1.0, u0=start, until_rest=True)
 
 
@@ -47,8 +47,8 @@ with asp.plot.style():
     import matplotlib.pyplot as plt
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.6), layout="constrained")
-asp.plot.plot_fitted_sets(fit, left)
-asp.plot.plot_path(known, right, label="law that was measured", linewidth=4.0, alpha=0.35)
-asp.plot.plot_path(found, right, label="law that was identified")
+asp.plot.plot_fitted_sets(fit, ax=left)
+asp.plot.plot_path(known, ax=right, label="law that was measured", linewidth=4.0, alpha=0.35)
+asp.plot.plot_path(found, ax=right, label="law that was identified")
 right.legend()
 asp.plot.save_figure(figure, sys.argv[1] if len(sys.argv) > 1 else "tribometer_to_path.png")

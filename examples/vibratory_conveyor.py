@@ -22,12 +22,12 @@ def carried(grooves):
     """Return the motion of a part on a tray with grooves at an angle to the shaking, along x."""
     stroke = AMPLITUDE * np.array([np.cos(RISE), 0.0, np.sin(RISE)])
     # From the lowest point of the swing on.
-    shaking = asp.Sine(stroke, FREQUENCY, phase=np.full(3, -np.pi / 2))
+    shaking = asp.Sine(stroke, frequency=FREQUENCY, phase=np.full(3, -np.pi / 2))
     across = (np.sin(grooves), -np.cos(grooves), 0.0)
     tray = asp.Plane(axis=across, motion=asp.PlaneMotion(displacement=shaking))
-    part = asp.Body.ball(0.01, 0.005, position=-stroke)
-    contact = asp.PointPlane(0, (0.0, 0.0, 0.0), tray, LAW)
-    system = asp.RigidBodies([part], [contact])
+    part = asp.Body.ball(0.01, radius=0.005, position=-stroke)
+    contact = asp.PointPlane(0, point=(0.0, 0.0, 0.0), plane=tray, law=LAW)
+    system = asp.RigidBodies([part], pairs=[contact])
     return asp.integrate(system, t_end=PERIODS / FREQUENCY, dt=0.05 / FREQUENCY)
 
 

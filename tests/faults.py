@@ -31,14 +31,14 @@ Write = Callable[[Path], object]
 
 
 def _run(speed):
-    system = asp.SlidingPoint(1.0, LAW)
+    system = asp.SlidingPoint(1.0, law=LAW)
     return asp.simulate(system, dt=1e-4, t_end=0.3, u0=[speed, 0.0])
 
 
 def _problem(size):
     rng = np.random.default_rng(size)
     root = rng.normal(size=(3 * size, 3 * size))
-    return asp.ContactProblem(root @ root.T, rng.normal(size=3 * size), LAW)
+    return asp.ContactProblem(root @ root.T, free_velocity=rng.normal(size=3 * size), laws=LAW)
 
 
 def trajectory():
@@ -62,6 +62,14 @@ def problem_npz():
 def problem_hdf5():
     first, second = _problem(20), _problem(60)
     return lambda out: first.save(out / "problem.h5"), lambda out: second.save(out / "problem.h5")
+
+
+def law():
+    first, second = (
+        asp.FrictionLaw.isotropic(0.3),
+        asp.FrictionLaw.tensor([[0.3, 0.1], [0.1, 0.2]], np.zeros((2, 2, 2, 2))),
+    )
+    return lambda out: first.save(out / "law.toml"), lambda out: second.save(out / "law.toml")
 
 
 def figure():
@@ -150,7 +158,9 @@ def report():
 
     phi = np.linspace(0.0, 4.0 * np.pi, 500, endpoint=False)
     ray = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-    first, second = (fit_law((phi, mu * ray), "circle", "circle") for mu in (0.3, 0.5))
+    first, second = (
+        fit_law((phi, mu * ray), reservoir="circle", direction="circle") for mu in (0.3, 0.5)
+    )
     return lambda out: first.report(out / "fit.html"), lambda out: second.report(out / "fit.html")
 
 
@@ -223,7 +233,7 @@ def folder():
 WRITERS = {
     one.__name__: one
     for one in (
-        trajectory, table, problem_npz, problem_hdf5, figure, figure_data, frames, path, video,
+        trajectory, table, problem_npz, problem_hdf5, law, figure, figure_data, frames, path, video,
         raw_data, report, command_identify, command_track, command_solve, folder,
     )
 }  # fmt: skip
@@ -243,6 +253,9 @@ def contents(out: Path, name: str) -> dict[str, object]:
             # Archives hold the time at which they were written.
             with np.load(one) as file:
                 found[one.name] = {key: file[key].tobytes() for key in file}
+        elif one.suffix == ".toml":
+            # Laws hold the day on which they were written.
+            found[one.name] = re.sub(rb"date = .*", b"", one.read_bytes())
         elif name in DIFFERENT:
             found[one.name] = re.sub(r"[-+.e\d]+", "0", one.read_text())
         else:

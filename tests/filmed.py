@@ -6,7 +6,7 @@ from table_1 import TABLE_1
 
 ANGLE = np.deg2rad(32.0)
 RUN = asp.simulate(
-    asp.SlidingPoint(0.018, TABLE_1),
+    asp.SlidingPoint(0.018, law=TABLE_1),
     dt=1e-4,
     t_end=1.0,
     u0=[1.52 * np.cos(ANGLE), 1.52 * np.sin(ANGLE)],

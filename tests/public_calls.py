@@ -21,13 +21,13 @@ _NUMBERS = re.compile(r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b|\b
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.5), asp.Ellipse(3.0, 1.0))
 DISK = asp.Disk(0.5)
-BELT = asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [0.1, 0.2])
-PROBLEM = asp.ContactProblem(np.eye(3), [-1.0, 0.2, 3.0], LAW)
+BELT = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.2])
+PROBLEM = asp.ContactProblem(np.eye(3), free_velocity=[-1.0, 0.2, 3.0], laws=LAW)
 PHI = np.arange(24) * np.pi / 12
 UNIT = np.stack([np.cos(PHI), np.sin(PHI)], axis=-1)
 PLANE = asp.Plane()
-BALL = asp.Body.ball(1.0, 0.1)
-BODIES = asp.RigidBodies([BALL], [asp.SpherePlane(0, 0.1, PLANE, LAW)])
+BALL = asp.Body.ball(1.0, radius=0.1)
+BODIES = asp.RigidBodies([BALL], pairs=[asp.SpherePlane(0, radius=0.1, plane=PLANE, law=LAW)])
 MACHINE = identify.VirtualTribometer(
     LAW, normal_force=9.3, turns=2, turn_rate=0.5, sample_rate=250.0, no_load_time=1.0
 )
@@ -65,8 +65,10 @@ TABLE.write_text(
 )
 PROBLEMS = [
     PROBLEM.replace(tangential_restitution=0.1, initial_velocity=[-1.0, 0.2, 3.0]),
-    asp.ContactProblem.from_bodies(np.eye(3), np.eye(3), [-1.0, 0.2, 3.0], LAW),
-    asp.ContactProblem(np.eye(2), [0.2, 3.0], LAW, normal_force=1.0),
+    asp.ContactProblem.from_bodies(
+        np.eye(3), directions=np.eye(3), free_velocity=[-1.0, 0.2, 3.0], laws=LAW
+    ),
+    asp.ContactProblem(np.eye(2), free_velocity=[0.2, 3.0], laws=LAW, normal_force=1.0),
 ]
 OBJECTS = [
     *PROBLEMS,
@@ -82,6 +84,7 @@ OBJECTS = [
     *DATA.turn_averages().values(),
     FIT,
     FIT.parameters["mu"] if "mu" in FIT.parameters else next(iter(FIT.parameters.values())),
+    FIT.identified_law,
     identify.Processing(),
     identify.CircleReservoir(),
     identify.FourierReservoir(3),
@@ -200,6 +203,9 @@ ARGUMENTS = {
     "identify.Fit.bands": {"phi": PHI},
     "identify.Fit.forces": {"phi": PHI},
     "identify.Fit.radius_band": {"theta": PHI},
+    "identify.IdentifiedLaw.law_of": {"values": FIT.identified_law.values},
+    "identify.IdentifiedLaw.sample": {"n": 2, "seed": 1},
+    "identify.IdentifiedLaw.sample_values": {"n": 2, "seed": 1},
     "identify.Estimate.covers": {"truth": 1.0},
     "identify.VirtualTribometer.perfect": {"law": LAW, "normal_force": 10.0},
     # tracking
@@ -245,15 +251,23 @@ ARGUMENTS = {
     "plot.save_figure": {"figure": Figure(), "path": f"{FOLDER.name}/empty.png"},
     "plot.plot_bifurcation": {"diagram": DIAGRAM},
     "plot.plot_cones": {"set": DISK, "x": [0.5, 0.0]},
-    "plot.plot_forces_in_reservoir": {"law": LAW, "trajectory": RUN},
+    "plot.plot_bodies": {"run": RUN_OF_BODIES, "system": BODIES, "at": [0.0, 0.1]},
+    "plot.plot_forces_in_reservoir": {"law": LAW, "run": RUN},
+    "plot.plot_history": {"run": RUN},
     "plot.plot_gauge": {"set": DISK},
     "plot.plot_growth_chart": {"x": [0.0, 1.0], "y": [0.0, 1.0], "growth": np.eye(2)},
     "plot.plot_law": {"law": LAW},
-    "plot.plot_path": {"trajectory": RUN},
-    "plot.plot_phase": {"trajectory": RUN},
+    "plot.plot_path": {"run": RUN},
+    "plot.plot_phase_portrait": {"run": RUN},
     "plot.plot_projection": {"set": DISK, "z": [1.0, 0.0]},
     "plot.plot_root_locus": {"eigenvalues": [[1.0, 2.0], [1.0, 3.0]], "values": [0.0, 1.0]},
     "plot.plot_track": {"track": FILM},
+    "plot.save_animation": {
+        "run": RUN_OF_BODIES,
+        "path": f"{FOLDER.name}/ball.gif",
+        "system": BODIES,
+        "size": (2.0, 2.0),
+    },
 }
 """By the key of the callable, or by the name of a method for all classes that have it."""
 

@@ -46,13 +46,15 @@ def convex_plane(rng, deep=True):
     simple = [
         lambda: asp.Disk(a),
         lambda: asp.Ball(a, dimension=2),
-        lambda: asp.Ellipse(a, b, angle(rng)),
+        lambda: asp.Ellipse(a, b, angle=angle(rng)),
         lambda: asp.Ellipsoid([a, b]),
-        lambda: asp.Rectangle(a, b, angle(rng)),
+        lambda: asp.Rectangle(a, b, angle=angle(rng)),
         lambda: asp.Box([a, b]),
-        lambda: asp.CappedRectangle(a, b, size(rng), angle(rng)),
-        lambda: asp.Superellipse(a, b, rng.uniform(1.0, 6.0), angle(rng)),
-        lambda: asp.WedgeAsperity(0.3 + 0.3 * rng.random(), 0.5 * rng.random(), angle(rng)),
+        lambda: asp.CappedRectangle(a, b, cap=size(rng), angle=angle(rng)),
+        lambda: asp.Superellipse(a, b, rng.uniform(1.0, 6.0), angle=angle(rng)),
+        lambda: asp.WedgeAsperity(
+            0.3 + 0.3 * rng.random(), beta=0.5 * rng.random(), angle=angle(rng)
+        ),
         lambda: support_curve(rng),
     ]
     if not deep or rng.random() > COMBINED:
@@ -67,8 +69,8 @@ def star_plane(rng):
         lambda: convex_plane(rng),
         lambda: polar_curve(rng),
         lambda: polygon(rng),
-        lambda: asp.Superellipse(size(rng), size(rng), rng.uniform(0.3, 1.0), angle(rng)),
-        lambda: asp.WedgeAsperity(1.2, rng.uniform(0.5, 0.6), angle(rng)),
+        lambda: asp.Superellipse(size(rng), size(rng), rng.uniform(0.3, 1.0), angle=angle(rng)),
+        lambda: asp.WedgeAsperity(1.2, beta=rng.uniform(0.5, 0.6), angle=angle(rng)),
         lambda: convex_plane(rng) | star_plane(rng),
         lambda: star_plane(rng) & convex_plane(rng, deep=False),
     ]
@@ -88,7 +90,7 @@ def space(rng):
         lambda: asp.Ball(size(rng)),
         lambda: asp.Box([size(rng), size(rng), size(rng)]),
         lambda: asp.Ellipsoid([size(rng), size(rng), size(rng)]),
-        lambda: asp.CoulombContensou(size(rng), str(rng.choice(["hertz", "uniform"]))),
+        lambda: asp.CoulombContensou(size(rng), pressure=str(rng.choice(["hertz", "uniform"]))),
         lambda: asp.Mapped(asp.Ball(1.0), np.eye(3) + 0.2 * rng.normal(size=(3, 3))),
     ]
     return simple[rng.integers(len(simple))]()
@@ -99,7 +101,7 @@ def rate(rng):
         return None
     return asp.Stribeck(
         size(rng),
-        rng.random(),
+        ratio=rng.random(),
         shape=str(rng.choice(["exponential", "hyperbolic"])),
         exponent=rng.uniform(0.5, 2.0),
         viscous=rng.choice([0.0, rng.random()]),

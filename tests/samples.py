@@ -32,14 +32,14 @@ CONVEX_PLANE = [
     asp.Rectangle(2.0, 1.0),
     asp.Rectangle(0.3, 1.2, angle=-0.4),
     asp.Box([1.5, 0.5]),
-    asp.CappedRectangle(0.3, 0.1, 0.2),
-    asp.CappedRectangle(0.5, 1.2, 0.9, angle=2.0),
+    asp.CappedRectangle(0.3, 0.1, cap=0.2),
+    asp.CappedRectangle(0.5, 1.2, cap=0.9, angle=2.0),
     asp.Superellipse(3.0, 1.0, 1.0),
     asp.Superellipse(4.99, 4.25, 2.94),
     asp.Superellipse(1.0, 2.0, 1.3, angle=1.1),
     asp.Superellipse(1.0, 2.0, 20.0),
-    asp.WedgeAsperity(0.5, 0.6),
-    asp.WedgeAsperity(1.0, 0.3, angle=0.4),
+    asp.WedgeAsperity(0.5, beta=0.6),
+    asp.WedgeAsperity(1.0, beta=0.3, angle=0.4),
     PENTAGON,
     EGG,
     ROUND,
@@ -57,8 +57,8 @@ CONVEX_PLANE = [
 STAR_PLANE = [
     asp.Superellipse(2.0, 1.0, 0.5),
     asp.Superellipse(1.0, 1.0, 0.8, angle=0.3),
-    asp.WedgeAsperity(1.2, np.deg2rad(36.0)),
-    asp.WedgeAsperity(0.9, 0.7, angle=-1.0),
+    asp.WedgeAsperity(1.2, beta=np.deg2rad(36.0)),
+    asp.WedgeAsperity(0.9, beta=0.7, angle=-1.0),
     STAR_POLYGON,
     BEAN,
     asp.Mapped(BEAN, [[2.0, 0.0], [1.0, 1.0]]),
@@ -80,7 +80,7 @@ SPACE = [
     asp.Ellipsoid([3.0, 1.0, 2.0]),
     asp.Mapped(asp.Ball(1.0), np.diag([3.0, 1.0, 2.0])),
     asp.CoulombContensou(0.3),
-    asp.CoulombContensou(1.5, "uniform"),
+    asp.CoulombContensou(1.5, pressure="uniform"),
     asp.Box([1.0, 2.0, 0.5]) & asp.Ball(1.2),
     asp.Ellipsoid([1.0, 0.4, 0.6]) + asp.CoulombContensou(0.5),
     asp.Box([1.0, 1.0, 1.0]) + asp.Ball(0.5),
@@ -108,15 +108,15 @@ PLANE_LAWS = [
     SUPERELLIPSES,
     asp.FrictionLaw.collinear(BEAN),
     asp.FrictionLaw(STAR_POLYGON.scaled(0.25), asp.Ellipse(2.0, 1.0)),
-    asp.FrictionLaw.asperity(0.3, 0.5),
+    asp.FrictionLaw.asperity(0.3, beta=0.5),
     asp.FrictionLaw.tensor(np.diag([0.3, 0.1])),
 ]
 """Laws with a smooth strictly convex D, with which all solvers are tested."""
 
 CURVE_LAWS = [
-    asp.FrictionLaw.asperity(1.2, np.deg2rad(36.0)),
-    asp.FrictionLaw.asperity(0.4, (0.3, 0.6)),
-    asp.FrictionLaw.tensor(0.2 * np.eye(2), FOURTH_ORDER),
+    asp.FrictionLaw.asperity(1.2, beta=np.deg2rad(36.0)),
+    asp.FrictionLaw.asperity(0.4, beta=(0.3, 0.6)),
+    asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth_order=FOURTH_ORDER),
     asp.FrictionLaw.associated(EGG.scaled(0.3)),
     asp.FrictionLaw(STAR_POLYGON, asp.Ellipse(2.0, 1.0) + EGG),
 ]
@@ -173,7 +173,7 @@ def random_problem(rng, laws, contacts, unilateral):
     jacobian = rng.normal(size=(rows, rows + 2))
     return asp.ContactProblem(
         jacobian @ jacobian.T / rows,
-        rng.normal(size=rows),
-        chosen,
+        free_velocity=rng.normal(size=rows),
+        laws=chosen,
         normal_force=[None if one else rng.uniform(0.2, 2.0) for one in unilateral],
     )

@@ -60,7 +60,7 @@ def convex_set(rng: np.random.Generator) -> asp.StarSet:
         case 0:
             return asp.Rectangle(a, b, angle=angle)
         case 1:
-            return asp.CappedRectangle(a, b, rng.uniform(0.1, 0.5), angle=angle)
+            return asp.CappedRectangle(a, b, cap=rng.uniform(0.1, 0.5), angle=angle)
         case 2:
             corners = (np.arange(6) + 0.3 * rng.uniform(-1, 1, 6)) * np.pi / 3
             return asp.Polygon(a * np.stack([np.cos(corners), np.sin(corners)], -1))
@@ -181,7 +181,7 @@ class Masses:
         contacts = [
             asp.Contact(
                 rub.law,
-                rows(rub.point, np.eye(2)),
+                direction=rows(rub.point, np.eye(2)),
                 normal_force=rub.load,
                 velocity=-rub.belt,
             )
@@ -189,7 +189,7 @@ class Masses:
         ] + [
             asp.Contact(
                 stop.law,
-                rows(stop.point, stop.tangent[:, None]),
+                direction=rows(stop.point, stop.tangent[:, None]),
                 normal=rows(stop.point, stop.normal[:, None])[:, 0],
                 gap=stop.gap,
                 normal_restitution=stop.restitution,
@@ -199,9 +199,9 @@ class Masses:
         mass = np.repeat(self.mass, 2)
         return asp.LinearSystem(
             mass,
-            self.stiffness,
-            self.damping * np.diag(mass),
-            self.force,
+            stiffness=self.stiffness,
+            damping=self.damping * np.diag(mass),
+            force=self.force,
             contacts=contacts,
         )
 
@@ -250,7 +250,10 @@ class Masses:
             laws.append(contact.law)
         directions, percussion = np.vstack(rows), np.concatenate(known)
         problem = asp.ContactProblem(
-            directions / mass @ directions.T, np.concatenate(given), laws, normal_force=loads
+            directions / mass @ directions.T,
+            free_velocity=np.concatenate(given),
+            laws=laws,
+            normal_force=loads,
         )
         reached = free + directions.T @ percussion / mass
         error = float(np.abs(reached - run.u[k + 1]).max()) / float(np.abs(free).max())
@@ -353,7 +356,7 @@ def masses(
                     restitution=float(rng.choice([0.0, 0.5])),
                 )
             )
-    rate = asp.Stribeck(rng.uniform(0.2, 1.0), rng.uniform(0.3, 1.0))
+    rate = asp.Stribeck(rng.uniform(0.2, 1.0), ratio=rng.uniform(0.3, 1.0))
     if rubs and rng.random() < 0.2:
         rubs = (replace(rubs[0], law=rubs[0].law.replace(rate=rate)), *rubs[1:])
     return Masses(
@@ -392,13 +395,17 @@ class Bodies:
         for i, (_, size, law) in enumerate(self.parts):
             options = {"normal_restitution": self.restitution}
             if np.ndim(size) == 0:
-                pairs.append(asp.SpherePlane(i, float(size), self.plane, law, **options))
+                pairs.append(
+                    asp.SpherePlane(i, radius=float(size), plane=self.plane, law=law, **options)
+                )
                 continue
-            pairs.append(asp.BoxPlane(i, size, self.plane, law, **options))
+            pairs.append(asp.BoxPlane(i, half_sizes=size, plane=self.plane, law=law, **options))
             if self.feet:
                 foot = [0.0, 0.0, -size[2]]
-                pairs.append(asp.PointPlane(i, foot, self.plane, law, **options))
-        return asp.RigidBodies([body for body, _, _ in self.parts], pairs, gravity=self.gravity)
+                pairs.append(asp.PointPlane(i, point=foot, plane=self.plane, law=law, **options))
+        return asp.RigidBodies(
+            [body for body, _, _ in self.parts], pairs=pairs, gravity=self.gravity
+        )
 
     def run(self, **options: object) -> asp.Trajectory:
         settings = {
@@ -426,14 +433,18 @@ def bodies(
             size = rng.uniform(0.05, 0.3)
             place[2] = size + above
             law = plane_law(rng, convex=True)
-            parts.append((asp.Body.ball(mass, size, position=place, **motion), size, law))
+            parts.append((asp.Body.ball(mass, radius=size, position=place, **motion), size, law))
             continue
         half = rng.uniform(0.1, 0.4, 3)
         half[2] = min(half[2], 0.5 * min(half[:2]))
         place[2] = half[2] + above
         inertia = mass / 3 * (np.sum(half**2) - half**2)
         parts.append(
-            (asp.Body(mass, inertia, position=place, **motion), half, plane_law(rng, convex=True))
+            (
+                asp.Body(mass, inertia=inertia, position=place, **motion),
+                half,
+                plane_law(rng, convex=True),
+            )
         )
     belt = rng.uniform(-1, 1, 2) if rng.random() < 0.5 else np.zeros(2)
     return Bodies(
@@ -458,7 +469,10 @@ class Problem:
 
     def problem(self) -> asp.ContactProblem:
         return asp.ContactProblem(
-            self.delassus, self.free_velocity, list(self.laws), normal_force=list(self.loads)
+            self.delassus,
+            free_velocity=self.free_velocity,
+            laws=list(self.laws),
+            normal_force=list(self.loads),
         )
 
     def slices(self) -> list[slice]:

@@ -16,22 +16,22 @@ WAVES = asp.Superellipse(0.54, 0.46, 2.9, angle=0.1) | asp.Mapped(BEAN, [[2.0, 0
 EVERYTHING = (
     WAVES
     | asp.Polygon([[0.7, -0.3], [0.5, 0.4], [-0.2, 0.6], [-0.5, -0.4]])
-    | asp.WedgeAsperity(0.5, 0.4, angle=0.3)
-    | (asp.Rectangle(0.6, 0.3, angle=0.2) & asp.CappedRectangle(0.4, 0.3, 0.2, angle=-0.2))
+    | asp.WedgeAsperity(0.5, beta=0.4, angle=0.3)
+    | (asp.Rectangle(0.6, 0.3, angle=0.2) & asp.CappedRectangle(0.4, 0.3, cap=0.2, angle=-0.2))
 )
 ROUND = asp.Ellipse(1.2, 0.7, angle=0.4) + asp.Disk(0.2) + CORNERED.scaled(0.1) + EGG
 LAWS = {
     "plane": asp.FrictionLaw(
         EVERYTHING,
         ROUND,
-        rate=asp.Stribeck(0.1, 0.6, shape="hyperbolic", exponent=1.5, viscous=0.01),
+        rate=asp.Stribeck(0.1, ratio=0.6, shape="hyperbolic", exponent=1.5, viscous=0.01),
     ),
     "reported": asp.FrictionLaw(
         BEAN, EGG, report=asp.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36)
     ),
     "line": asp.FrictionLaw.associated(asp.Interval(-0.2, 0.3)),
     "drilling": asp.FrictionLaw(
-        asp.CoulombContensou(0.3, "uniform"), asp.Ellipsoid([1.0, 0.8, 0.5])
+        asp.CoulombContensou(0.3, pressure="uniform"), asp.Ellipsoid([1.0, 0.8, 0.5])
     ),
     "space": asp.FrictionLaw(asp.Ball(0.4), asp.Box([1.0, 0.8, 0.5]) + asp.Ball(0.3)),
     "pentagon": asp.FrictionLaw.associated(PENTAGON.scaled(0.3)),
@@ -42,7 +42,7 @@ LAWS = {
 def answers(law):
     """Return slips and the forces there, as lists."""
     slip = np.random.default_rng(3).normal(size=(20, law.dimension))
-    return {"slip": slip.tolist(), "force": law.force(slip, 2.0).tolist()}
+    return {"slip": slip.tolist(), "force": law.force(slip, normal_force=2.0).tolist()}
 
 
 def without_origin(text):

@@ -21,7 +21,7 @@ DEFECTS = [
 
 
 def contact(free=(-1.0, 0.2, 0.0), **options):
-    return asp.ContactProblem(np.eye(3), free, LAW, **options)
+    return asp.ContactProblem(np.eye(3), free_velocity=free, laws=LAW, **options)
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_restitution_belongs_to_the_velocity():
 
 
 def test_prescribed_forces_have_no_normal_defects():
-    problem = asp.ContactProblem(np.eye(2), [3.0, 4.0], LAW, normal_force=1.0)
+    problem = asp.ContactProblem(np.eye(2), free_velocity=[3.0, 4.0], laws=LAW, normal_force=1.0)
     certificate = problem.certificate([-0.6, -0.8])
     assert certificate.cone_violation == pytest.approx(0.5)
     assert certificate.penetration_velocity == certificate.tension == 0.0
@@ -68,7 +68,7 @@ def test_prescribed_forces_have_no_normal_defects():
 
 def test_counts():
     free = [1.0, 0.0, 0.0, -1.0, 0.1, 0.0, -1.0, 3.0, 4.0]
-    solution = asp.ContactProblem(np.eye(9), free, LAW).solve()
+    solution = asp.ContactProblem(np.eye(9), free_velocity=free, laws=LAW).solve()
     certificate = solution.certificate
     assert (certificate.open, certificate.stick, certificate.slip) == (1, 1, 1)
     for name in DEFECTS:
@@ -115,7 +115,9 @@ def test_stages_tell_what_was_done():
 
 
 PARADOX = asp.ContactProblem(
-    [[1.0, 2.0], [2.0, 3.0]], [-1.0, 5.0], asp.FrictionLaw.isotropic(1.0, dimension=1)
+    [[1.0, 2.0], [2.0, 3.0]],
+    free_velocity=[-1.0, 5.0],
+    laws=asp.FrictionLaw.isotropic(1.0, dimension=1),
 )
 """Painlevé's paradox."""
 
@@ -125,7 +127,7 @@ def jaws(squeeze, sliding, law=LAW):
     operator = np.block([[np.eye(3), np.diag([-1.0, 1.0, 1.0])]] * 2)
     operator[3:] = np.block([np.diag([-1.0, 1.0, 1.0]), np.eye(3)])
     free = np.array([-squeeze, sliding, 0.0, 0.0, sliding, 0.0])
-    return asp.ContactProblem(operator, free, law)
+    return asp.ContactProblem(operator, free_velocity=free, laws=law)
 
 
 def test_infeasible_problems_end_with_status_and_proof():
@@ -202,8 +204,8 @@ def test_squeezed_boxes_are_proven_to_be(seed):
     mass, directions, free = squeezed_boxes(np.random.default_rng(seed))
     dense = directions.T @ np.linalg.inv(mass) @ directions
     for problem in (
-        asp.ContactProblem.from_bodies(mass, directions, free, LAW),
-        asp.ContactProblem(dense, free, LAW),
+        asp.ContactProblem.from_bodies(mass, directions=directions, free_velocity=free, laws=LAW),
+        asp.ContactProblem(dense, free_velocity=free, laws=LAW),
     ):
         solution = problem.solve(tolerance=1e-8, time_limit=20.0, on_failure="record")
         # Every face closes by its share of the walls' unit speed.
@@ -234,7 +236,9 @@ def test_paradoxes_are_proven_for_every_law(law):
         block = root @ root.T + 1e-3 * np.eye(law.dimension + 1)
         # Friction that presses the contact onto the surface where it slides.
         block[0, 1:] *= 10.0
-        problem = asp.ContactProblem(block, np.r_[-1.0, 10.0 * rng.normal(size=law.dimension)], law)
+        problem = asp.ContactProblem(
+            block, free_velocity=np.r_[-1.0, 10.0 * rng.normal(size=law.dimension)], laws=law
+        )
         solution = problem.solve(on_failure="record")
         assert solution.converged or solution.status is Status.NO_SOLUTION
         if solution.status is Status.NO_SOLUTION:
@@ -269,7 +273,7 @@ def random_system(seed):
     if rng.random() < 0.5:
         free[:: 1 + p] -= rng.exponential(size=contacts) * rng.choice([1e-3, 1.0])
     law = (asp.FrictionLaw.isotropic(0.4, dimension=1), LAW)[p - 1]
-    return directions, asp.ContactProblem(directions.T @ directions, free, law)
+    return directions, asp.ContactProblem(directions.T @ directions, free_velocity=free, laws=law)
 
 
 def closes(directions, problem):
@@ -340,10 +344,16 @@ def hinge(rng, p):
     restitution = rng.choice([0.0, 0.3, 0.8])
     law = asp.FrictionLaw.isotropic(rng.uniform(0.1, 1.5), dimension=p)
     problem = asp.ContactProblem(
-        np.outer(w, w), free, law, normal_restitution=restitution, initial_velocity=free
+        np.outer(w, w),
+        free_velocity=free,
+        laws=law,
+        normal_restitution=restitution,
+        initial_velocity=free,
     )
     slip = free[1:] - (1.0 + restitution) * free[0] * w[1:] / w[0]
-    resistance = w[0] * (w[0] + w[1:] @ law.force(slip, 1.0)) if restitution else w[0] ** 2
+    resistance = (
+        w[0] * (w[0] + w[1:] @ law.force(slip, normal_force=1.0)) if restitution else w[0] ** 2
+    )
     return problem, resistance
 
 
@@ -479,7 +489,9 @@ def normals(entries, loads):
     operator = np.kron(np.asarray(entries), np.diag([1.0, 0.0])) + np.kron(np.eye(count), line)
     free = np.zeros(2 * count)
     free[::2] = loads
-    return asp.ContactProblem(operator, free, asp.FrictionLaw.isotropic(0.3, dimension=1))
+    return asp.ContactProblem(
+        operator, free_velocity=free, laws=asp.FrictionLaw.isotropic(0.3, dimension=1)
+    )
 
 
 @pytest.mark.parametrize("loads", [(-1.1, 1.0), (-1.01, 1.0), (1.0, -1.1), (-1.0, -0.1)])
@@ -532,7 +544,10 @@ def test_bodies_that_the_operator_has_lost_are_asked_as_well(mass):
     exact = np.array([mass, 0.0, mass, 0.0])
     assert not (directions.T @ (before + directions @ exact / masses)).any()
     problem = asp.ContactProblem.from_bodies(
-        np.diag(masses), directions, directions.T @ before, normals([[1.0]], [-1.0]).laws[0]
+        np.diag(masses),
+        directions=directions,
+        free_velocity=directions.T @ before,
+        laws=normals([[1.0]], [-1.0]).laws[0],
     )
     for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.InteriorPoint()):
         solution = problem.solve(solver, on_failure="record", time_limit=20.0)
@@ -555,7 +570,7 @@ def close_jaws(sliding, squeeze=1e-3):
     for i, j in [(0, 3), (3, 0)]:
         operator[i, j] = -1.0
     free = np.array([-squeeze, sliding, 0.0, -squeeze, sliding, 0.0])
-    return asp.ContactProblem(operator, free, LAW)
+    return asp.ContactProblem(operator, free_velocity=free, laws=LAW)
 
 
 @pytest.mark.parametrize("sliding", [0.0, 1.0, 1e3])

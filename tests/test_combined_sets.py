@@ -169,13 +169,13 @@ def test_support_function_is_the_integral_over_the_contact_area(u, pressure):
         "uniform": lambda r: 1 / np.pi,
     }[pressure]
     expected = by_quadrature(u, 1.0, density)
-    found = asp.CoulombContensou(0.7, pressure).support([u, 0.0, 1.0])
+    found = asp.CoulombContensou(0.7, pressure=pressure).support([u, 0.0, 1.0])
     assert found == pytest.approx(0.7 * expected, rel=1e-7)
 
 
 def test_pure_sliding_and_pure_drilling():
     for pressure, torque in (("hertz", 3 * np.pi / 16), ("uniform", 2 / 3)):
-        reservoir = asp.CoulombContensou(0.5, pressure)
+        reservoir = asp.CoulombContensou(0.5, pressure=pressure)
         np.testing.assert_allclose(reservoir.support_point([0.0, 0.0, 2.0]), [0, 0, 0.5 * torque])
         np.testing.assert_allclose(
             reservoir.support_point([0.0, -3.0, 0.0]), [0, -0.5, 0], atol=1e-12
@@ -186,7 +186,7 @@ def test_pure_sliding_and_pure_drilling():
 
 
 def test_force_is_the_gradient_of_the_dissipation():
-    law = asp.FrictionLaw.associated(asp.CoulombContensou(0.4, "uniform"))
+    law = asp.FrictionLaw.associated(asp.CoulombContensou(0.4, pressure="uniform"))
     slip = random_directions(np.random.default_rng(5), 50, 3)
     for j, e in enumerate(1e-6 * np.eye(3)):
         slope = (law.dissipation(slip + e) - law.dissipation(slip - e)) / 2e-6

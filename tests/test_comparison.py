@@ -8,7 +8,7 @@ import pytest
 from asperity.runs import comparison
 
 MU, SPEED = 0.5, 1.2
-BLOCK = asp.SlidingPoint(0.018, asp.FrictionLaw.isotropic(MU))
+BLOCK = asp.SlidingPoint(0.018, law=asp.FrictionLaw.isotropic(MU))
 REST = SPEED / (MU * 9.81)
 RUN = asp.simulate(BLOCK, dt=1e-4, t_end=1.0, u0=[SPEED, 0.0], until_rest=True)
 

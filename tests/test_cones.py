@@ -183,12 +183,15 @@ def unit(angle):
 
 
 def test_cones_at_the_origin_of_wedges():
-    wedges = asp.WedgeAsperity(0.5, 0.6)
+    wedges = asp.WedgeAsperity(0.5, beta=0.6)
     around = unit(np.arange(8) * np.pi / 4)
     normal = wedges.normal_cone([0.0, 0.0])
     assert not normal.is_empty
     assert normal.generators.shape == (0, 2)
-    for cone in (wedges.tangent_cone([0.0, 0.0]), asp.WedgeAsperity(1.2, 0.5).tangent_cone([0, 0])):
+    for cone in (
+        wedges.tangent_cone([0.0, 0.0]),
+        asp.WedgeAsperity(1.2, beta=0.5).tangent_cone([0, 0]),
+    ):
         assert cone.contains(around, tolerance=0.0).all()
 
 

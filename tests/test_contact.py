@@ -12,10 +12,13 @@ LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
 
 def test_rows_come_contact_by_contact():
     problem = asp.ContactProblem(
-        np.eye(7), np.zeros(7), [ISOTROPIC, LINE, ISOTROPIC], normal_force=[None, None, 1.0]
+        np.eye(7),
+        free_velocity=np.zeros(7),
+        laws=[ISOTROPIC, LINE, ISOTROPIC],
+        normal_force=[None, None, 1.0],
     )
     assert problem.row_slices == (slice(0, 3), slice(3, 5), slice(5, 7))
-    assert asp.ContactProblem(np.eye(6), np.zeros(6), ISOTROPIC).row_slices == (
+    assert asp.ContactProblem(np.eye(6), free_velocity=np.zeros(6), laws=ISOTROPIC).row_slices == (
         slice(0, 3),
         slice(3, 6),
     )
@@ -30,7 +33,7 @@ def test_rows_come_contact_by_contact():
     ],
 )
 def test_unit_delassus(free, phase, percussion):
-    problem = asp.ContactProblem(np.eye(3), free, ISOTROPIC)
+    problem = asp.ContactProblem(np.eye(3), free_velocity=free, laws=ISOTROPIC)
     solution = problem.solve()
     assert solution.phase.tolist() == [phase]
     np.testing.assert_allclose(solution.percussion, percussion, atol=1e-14)
@@ -42,13 +45,17 @@ def test_unit_delassus(free, phase, percussion):
 
 def test_restitution():
     problem = asp.ContactProblem(
-        np.eye(2), [-2.0, 0.0], LINE, normal_restitution=0.5, initial_velocity=[-2.0, 0.0]
+        np.eye(2),
+        free_velocity=[-2.0, 0.0],
+        laws=LINE,
+        normal_restitution=0.5,
+        initial_velocity=[-2.0, 0.0],
     )
     assert problem.solve().velocity[0] == pytest.approx(1.0)
     sliding = asp.ContactProblem(
         np.eye(2),
-        [-2.0, 0.1],
-        LINE,
+        free_velocity=[-2.0, 0.1],
+        laws=LINE,
         tangential_restitution=1.0,
         initial_velocity=[-2.0, 0.1],
     )
@@ -61,7 +68,7 @@ def random_ellipses(rng):
     for _ in range(2):
         a, b, angle = 1.0, rng.uniform(0.1, 0.5), rng.uniform(0.0, np.pi)
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        sets.append(asp.Ellipse(a, b, angle))
+        sets.append(asp.Ellipse(a, b, angle=angle))
         matrices.append(turn @ np.diag([a**-2, b**-2]) @ turn.T)
     return asp.FrictionLaw(*sets), *matrices
 
@@ -98,7 +105,7 @@ def test_solutions_are_those_of_the_oracle():
         jacobian = rng.normal(size=(2, 4))
         delassus, normal = jacobian @ jacobian.T, rng.uniform(0.5, 2.0)
         free = delassus @ rng.normal(size=2) * normal
-        problem = asp.ContactProblem(delassus, free, law, normal_force=normal)
+        problem = asp.ContactProblem(delassus, free_velocity=free, laws=law, normal_force=normal)
         expected = oracle(delassus, free, normal, q_c, q_d)
         ours = np.array(sorted(tuple(one.percussion) for one in problem.solutions(0)))
         assert len(ours) == len(expected)
@@ -115,7 +122,9 @@ def ambiguous():
     """A load inside C under an unstable law: stick and two slip solutions are admissible."""
     law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
     slip = 0.05 * np.array([np.cos(np.deg2rad(60.0)), np.sin(np.deg2rad(60.0))])
-    return asp.ContactProblem(np.eye(2), slip - law.force(slip), law, normal_force=1.0)
+    return asp.ContactProblem(
+        np.eye(2), free_velocity=slip - law.force(slip), laws=law, normal_force=1.0
+    )
 
 
 def test_non_uniqueness_is_found_and_reported(ambiguous):
@@ -141,7 +150,9 @@ def test_selection_continues_the_previous_state(ambiguous):
 def test_painleve_has_a_status_of_its_own():
     # P_N = −b_N/(g_NN − μ g_NT) < 0 for forward slip, and no other state is admissible.
     problem = asp.ContactProblem(
-        [[1.0, 2.0], [2.0, 3.0]], [-1.0, 5.0], asp.FrictionLaw.isotropic(1.0, dimension=1)
+        [[1.0, 2.0], [2.0, 3.0]],
+        free_velocity=[-1.0, 5.0],
+        laws=asp.FrictionLaw.isotropic(1.0, dimension=1),
     )
     assert problem.solutions(0) == []
     with pytest.raises(asp.NoSolutionError) as caught:
@@ -153,7 +164,9 @@ def test_painleve_has_a_status_of_its_own():
 
 def test_solutions_hold_the_other_contacts():
     delassus = np.eye(4) + 0.5 * np.eye(4)[[2, 3, 0, 1]]
-    problem = asp.ContactProblem(delassus, [2.0, 0.0, 0.0, 0.0], ISOTROPIC, normal_force=[1.0, 1.0])
+    problem = asp.ContactProblem(
+        delassus, free_velocity=[2.0, 0.0, 0.0, 0.0], laws=ISOTROPIC, normal_force=[1.0, 1.0]
+    )
     alone = problem.solutions(0)[0]
     np.testing.assert_allclose(alone.velocity, [1.5, 0.0], atol=1e-12)
     pushed = problem.solutions(0, percussion=[0.0, 0.0, 0.4, 0.0])[0]
@@ -161,7 +174,9 @@ def test_solutions_hold_the_other_contacts():
 
 
 def test_prescribed_normal_percussion_bounds_the_friction():
-    problem = asp.ContactProblem(np.eye(2), [10.0, 0.0], ISOTROPIC, normal_force=2.0)
+    problem = asp.ContactProblem(
+        np.eye(2), free_velocity=[10.0, 0.0], laws=ISOTROPIC, normal_force=2.0
+    )
     np.testing.assert_allclose(problem.solve().percussion, [-1.0, 0.0])
     assert not problem.replace(normal_force=0.0).solve().percussion.any()
 
@@ -174,7 +189,9 @@ def test_a_rank_one_block_sticks():
     direction = np.array([0.6, 0.1, 0.1])
     delassus = np.outer(direction, direction)
     percussion = np.array([1.0, 0.0, 0.1])
-    problem = asp.ContactProblem(delassus, -delassus @ percussion, asp.FrictionLaw.isotropic(0.3))
+    problem = asp.ContactProblem(
+        delassus, free_velocity=-delassus @ percussion, laws=asp.FrictionLaw.isotropic(0.3)
+    )
     assert problem.residual(percussion) < 1e-15
     assert problem.solve().phase.tolist() == [Phase.STICK]
     (found,) = problem.solutions(0)
@@ -189,7 +206,7 @@ def test_one_degree_of_freedom_always_has_a_solution(law):
     for _ in range(300):
         direction = rng.normal(size=3)
         free = -np.sign(direction[0]) * direction
-        problem = asp.ContactProblem(np.outer(direction, direction), free, law)
+        problem = asp.ContactProblem(np.outer(direction, direction), free_velocity=free, laws=law)
         for solver in (asp.Auto(), asp.Exact()):
             assert problem.solve(solver).residual < 1e-12
 
@@ -202,7 +219,7 @@ def test_ill_conditioned_blocks_stick_to_the_last_digit(size):
         delassus = rows @ rows.T + size * np.eye(3)
         percussion = np.r_[1, rng.uniform(-0.3, 0.3, 2)]
         problem = asp.ContactProblem(
-            delassus, -delassus @ percussion, asp.FrictionLaw.isotropic(0.8)
+            delassus, free_velocity=-delassus @ percussion, laws=asp.FrictionLaw.isotropic(0.8)
         )
         assert problem.solve().residual < 1e-12
         for found in problem.solutions(0):
@@ -214,12 +231,12 @@ def test_a_lever_swings_through_its_contact():
     law = asp.FrictionLaw.isotropic(0.93228214966411)
     contact = asp.Contact(
         law,
-        [[-1.0041310508106343, 0.8974350015972649]],
+        direction=[[-1.0041310508106343, 0.8974350015972649]],
         normal=[1.1043125974838122],
         gap=0.2763908478373134,
     )
     force = [-1.8972252908543603]
-    lever = asp.LinearSystem(1.0, 2.4864470804467307, force=force, contacts=[contact])
+    lever = asp.LinearSystem(1.0, stiffness=2.4864470804467307, force=force, contacts=[contact])
     run = asp.simulate(lever, dt=2e-3, t_end=3.0, u0=[-0.7995834678077132])
     assert run.failed_steps == 0
 
@@ -232,7 +249,7 @@ def test_huge_percussions_are_not_preferred_to_slip():
         [0.04198764309490787, 0.08904579694085772, 0.0006978471443426125],
     ]
     free = [-0.15629588272287434, 0.0822433172342229, 1.5348967962530509]
-    problem = asp.ContactProblem(delassus, free, asp.FrictionLaw.isotropic(0.8))
+    problem = asp.ContactProblem(delassus, free_velocity=free, laws=asp.FrictionLaw.isotropic(0.8))
     solution = problem.solve()
     assert solution.phase.tolist() == [Phase.SLIP]
     assert solution.residual < 1e-14
@@ -322,7 +339,7 @@ def check_painleve(name, count):
             continue
         free = rng.normal(size=rows)
         free[0] = -rng.random()
-        problem = asp.ContactProblem(delassus, free, law)
+        problem = asp.ContactProblem(delassus, free_velocity=free, laws=law)
         status = problem.solve(on_failure="record").status
         if status is Status.NO_SOLUTION:
             said += 1
@@ -356,7 +373,7 @@ def test_loads_beside_a_corner_slip_there():
         for sign in (1, -1):
             d = sign * 10.0**-exponent
             load = np.array([0.54 * (1 + d), 0.48 * (1 + 2 * d)])
-            problem = asp.ContactProblem(np.eye(2), load, law, normal_force=1.0)
+            problem = asp.ContactProblem(np.eye(2), free_velocity=load, laws=law, normal_force=1.0)
             phases = [solution.phase for solution in problem.solutions(0)]
             assert phases == [Phase.SLIP if sign > 0 else Phase.STICK], d
             assert problem.solve().residual < 1e-14
@@ -397,7 +414,9 @@ def test_roots_beside_the_cusp_of_a_caustic_are_told_apart():
                 load = points[i] + along[0] * normals[i]
                 value = cross(fine_normals, load - fine_points)
                 slips = np.count_nonzero(value[1:] * value[:-1] < 0)
-                problem = asp.ContactProblem(np.eye(2), load, law, normal_force=1.0)
+                problem = asp.ContactProblem(
+                    np.eye(2), free_velocity=load, laws=law, normal_force=1.0
+                )
                 found = [s for s in problem.solutions(0) if s.phase is Phase.SLIP]
                 assert len(found) >= slips
                 assert problem.solve().ambiguous or slips == 1
@@ -409,15 +428,17 @@ def test_roots_beside_the_cusp_of_a_caustic_are_told_apart():
 def test_velocities_beyond_reason_are_refused_by_name(size):
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(0.6, 0.3) & asp.Disk(0.4))
     if size < 1e100:
-        problem = asp.ContactProblem(np.eye(2), [size, size], law, normal_force=size)
+        problem = asp.ContactProblem(
+            np.eye(2), free_velocity=[size, size], laws=law, normal_force=size
+        )
         assert problem.solve().converged
         return
     for normal in (size, 1.0, None):
         free = [-size] * (2 + (normal is None))
         with pytest.raises(asp.ParameterError, match="free_velocity"):
-            asp.ContactProblem(np.eye(len(free)), free, law, normal_force=normal)
+            asp.ContactProblem(np.eye(len(free)), free_velocity=free, laws=law, normal_force=normal)
     with pytest.raises(asp.ParameterError, match="normal_force"):
-        asp.ContactProblem(np.eye(2), [1.0, 1.0], law, normal_force=size)
+        asp.ContactProblem(np.eye(2), free_velocity=[1.0, 1.0], laws=law, normal_force=size)
 
 
 # Drilling contacts.
@@ -434,7 +455,7 @@ def test_drilling_contacts_do_not_panic(seed, contacts, dof):
     rows[::4] += 1.5
     free = rng.normal(size=4 * contacts)
     free[::4] -= 2
-    problem = asp.ContactProblem(rows @ rows.T, free, law)
+    problem = asp.ContactProblem(rows @ rows.T, free_velocity=free, laws=law)
     for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.SemismoothNewton()):
         solution = problem.solve(solver, on_failure="record")
         assert solution.status in Status
@@ -453,8 +474,10 @@ def test_light_contact_does_not_hide_the_defect_of_heavy_ones():
     delassus[4, 4] = delassus[5, 5] = light
     free = [1.0, 0.2, 0.5, -0.3, 1.0, 0.5]
     normal = [10 * light, 10 * light, 10 * heavy]
-    alone = asp.ContactProblem(delassus[:4, :4], free[:4], ISO, normal_force=normal[:2]).solve()
-    problem = asp.ContactProblem(delassus, free, ISO, normal_force=normal)
+    alone = asp.ContactProblem(
+        delassus[:4, :4], free_velocity=free[:4], laws=ISO, normal_force=normal[:2]
+    ).solve()
+    problem = asp.ContactProblem(delassus, free_velocity=free, laws=ISO, normal_force=normal)
     for solver in (asp.Exact(), asp.ProxGaussSeidel(), asp.ProxJacobi()):
         together = problem.solve(solver)
         np.testing.assert_allclose(together.percussion[:4], alone.percussion, rtol=1e-7)
@@ -464,20 +487,24 @@ def test_light_contact_does_not_hide_the_defect_of_heavy_ones():
 def test_singular_block_sticks(dimension):
     law = asp.FrictionLaw.isotropic(0.3, dimension=dimension)
     rows = dimension + 1
-    problem = asp.ContactProblem(np.ones((rows, rows)) + 0.0, -np.ones(rows), law)
+    problem = asp.ContactProblem(
+        np.ones((rows, rows)) + 0.0, free_velocity=-np.ones(rows), laws=law
+    )
     for solution in problem.solutions(0):
         assert problem.residual(solution.percussion) < 1e-12
     assert problem.solve().converged
 
 
 def test_continuum_of_stick_is_ambiguous():
-    problem = asp.ContactProblem(np.ones((2, 2)), [-0.1, -0.1], ISO, normal_force=1.0)
+    problem = asp.ContactProblem(
+        np.ones((2, 2)), free_velocity=[-0.1, -0.1], laws=ISO, normal_force=1.0
+    )
     assert problem.solve().ambiguous
     assert [one.degenerate for one in problem.solutions(0)] == [True]
 
 
 def test_solutions_with_drilling_are_not_called_none():
     law = asp.FrictionLaw.associated(asp.CoulombContensou(0.3))
-    problem = asp.ContactProblem(np.eye(4), [-1.0, 0.1, 0.0, 0.0], law)
+    problem = asp.ContactProblem(np.eye(4), free_velocity=[-1.0, 0.1, 0.0, 0.0], laws=law)
     with pytest.raises(ParameterError, match="p = 3"):
         problem.solutions(0)

@@ -187,10 +187,10 @@ def test_rotation_commutes_with_support_and_projection(convex, rng):
 
 
 SMOOTH = [
-    asp.Ellipse(3.0, 1.0, 0.4),
+    asp.Ellipse(3.0, 1.0, angle=0.4),
     asp.Superellipse(3.0, 1.0, 2.94),
-    asp.CappedRectangle(2.0, 1.0, 0.7),
-    asp.WedgeAsperity(0.5, 0.6),
+    asp.CappedRectangle(2.0, 1.0, cap=0.7),
+    asp.WedgeAsperity(0.5, beta=0.6),
     EGG,
     asp.Ellipse(1.0, 0.3) + EGG,
     asp.Ellipsoid([2.0, 1.0, 1.5]),

@@ -12,7 +12,13 @@ LAW = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0,
 
 
 def belt(phi=DIRECTION, speed=1.0, law=LAW):
-    return asp.MassOnBelt(1.0, 1.0, law, 1.0, speed * np.array([np.cos(phi), np.sin(phi)]))
+    return asp.MassOnBelt(
+        1.0,
+        stiffness=1.0,
+        law=law,
+        normal_force=1.0,
+        belt_velocity=speed * np.array([np.cos(phi), np.sin(phi)]),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -64,8 +70,8 @@ def test_multipliers_of_an_uncoupled_oscillator(damping):
     # Its coordinate does not move on the cycle; its states turn and shrink by exp(-dT/2).
     falling = asp.Stribeck(1.0 / 3.0, shape="hyperbolic")
     law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(rate=falling)
-    contact = asp.Contact(law, [1.0, 0.0], normal_force=1.0, velocity=[-0.2])
-    system = asp.LinearSystem(1.0, [1.0, 7.0], [0.0, damping], contacts=[contact])
+    contact = asp.Contact(law, direction=[1.0, 0.0], normal_force=1.0, velocity=[-0.2])
+    system = asp.LinearSystem(1.0, stiffness=[1.0, 7.0], damping=[0.0, damping], contacts=[contact])
     cycle = asp.limit_cycle(system)
     omega = np.sqrt(7.0 - 0.25 * damping**2)
     expected = np.exp((-0.5 * damping + 1j * omega) * cycle.period)
@@ -81,7 +87,9 @@ def test_multipliers_of_an_uncoupled_oscillator(damping):
 def test_stribeck_block(speed, period, slip, stick, largest):
     falling = asp.Stribeck(1.0 / 3.0, shape="hyperbolic")
     law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(rate=falling)
-    cycle = asp.limit_cycle(asp.MassOnBelt(1.0, 1.0, law, 1.0, [speed]))
+    cycle = asp.limit_cycle(
+        asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[speed])
+    )
     assert cycle.period == pytest.approx(period, abs=1e-6)
     assert cycle.share(Phase.SLIP) * cycle.period == pytest.approx(slip, abs=1e-6)
     assert cycle.share(Phase.STICK) * cycle.period == pytest.approx(stick, abs=1e-6)
@@ -91,28 +99,28 @@ def test_stribeck_block(speed, period, slip, stick, largest):
 def test_a_continuum_of_periodic_orbits_is_no_limit_cycle():
     # Along γ friction is constant: the mass swings harmonically, with any amplitude below v.
     law = asp.FrictionLaw.isotropic(0.5)
-    steady = asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
+    steady = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
     with pytest.raises(NoCycleError, match="continuum"):
         asp.limit_cycle(steady, q0=steady.equilibrium + np.array([0.3, 0.0]), u0=[0.0, 0.0])
 
 
 def test_a_damped_motion_settles():
     law = asp.FrictionLaw.isotropic(0.5)
-    contact = asp.Contact(law, np.eye(2), normal_force=1.0, velocity=[-1.0, 0.0])
-    damped = asp.LinearSystem(1.0, 1.0, 0.2, contacts=[contact])
+    contact = asp.Contact(law, direction=np.eye(2), normal_force=1.0, velocity=[-1.0, 0.0])
+    damped = asp.LinearSystem(1.0, stiffness=1.0, damping=0.2, contacts=[contact])
     with pytest.raises(NoCycleError, match="settle"):
         asp.limit_cycle(damped)
 
 
 def test_bifurcation_over_the_belt_direction():
     values = np.deg2rad(np.linspace(40.0, 80.0, 21))
-    diagram = asp.bifurcation_diagram(belt, "phi", values)
+    diagram = asp.bifurcation_diagram(belt, parameter="phi", values=values)
     unstable = (values > np.deg2rad(44.106)) & (values < np.deg2rad(75.894))
     assert [kind == "unstable" for kind in diagram.kinds] == unstable.tolist()
     found = np.isfinite(diagram.periods)
     assert found[unstable].all(), [f for f in diagram.failures if f]
     assert (diagram.cycle_minima[found] < diagram.equilibria[found]).all()
-    again = asp.bifurcation_diagram(belt, "phi", values, threads=1)
+    again = asp.bifurcation_diagram(belt, parameter="phi", values=values, threads=1)
     assert again.cycles == diagram.cycles
     assert again.failures == diagram.failures
 
@@ -148,7 +156,7 @@ def test_a_cycle_with_impacts():
 
 def test_every_value_of_the_critical_interval_has_a_cycle():
     values = np.deg2rad(np.linspace(44.2, 75.8, 60))
-    diagram = asp.bifurcation_diagram(belt, "phi", values)
+    diagram = asp.bifurcation_diagram(belt, parameter="phi", values=values)
     assert set(diagram.kinds) == {"unstable"}
     assert np.isfinite(diagram.periods).all(), [f for f in diagram.failures if f]
 
@@ -166,25 +174,27 @@ def test_equilibria_are_continued():
         def forces(self, t, q, u):
             return self.p * q - q**3 - 0.1 * u
 
-    diagram = asp.bifurcation_diagram(Duffing, "p", [0.5, 1.0, 2.0], cycles=False, q0=[1.0])
+    diagram = asp.bifurcation_diagram(
+        Duffing, parameter="p", values=[0.5, 1.0, 2.0], cycles=False, q0=[1.0]
+    )
     assert diagram.equilibria[:, 0] == pytest.approx(np.sqrt([0.5, 1.0, 2.0]))
     assert set(diagram.kinds) == {"asymptotically stable"}
 
 
 def test_members_that_cannot_be_made_are_named():
     family = asp.mechanisms.mode_coupling
-    diagram = asp.bifurcation_diagram(family, "mu", [0.0, 0.5], cycles=False)
+    diagram = asp.bifurcation_diagram(family, parameter="mu", values=[0.0, 0.5], cycles=False)
     assert diagram.kinds == ("none", "neutral")
     assert "mu" in diagram.failures[0]
     with pytest.raises(asp.ParameterError, match="nosuch"):
-        asp.bifurcation_diagram(family, "nosuch", [0.0, 0.5])
+        asp.bifurcation_diagram(family, parameter="nosuch", values=[0.0, 0.5])
 
 
 def test_bad_arguments_are_named(cycle):
     with pytest.raises(asp.ParameterError, match="section"):
         asp.limit_cycle(belt(), section="x")
     with pytest.raises(asp.ParameterError, match="system"):
-        asp.limit_cycle(asp.RigidBodies([asp.Body(1.0, [1.0, 1.0, 1.0])]))
+        asp.limit_cycle(asp.RigidBodies([asp.Body(1.0, inertia=[1.0, 1.0, 1.0])]))
     with pytest.raises(asp.ParameterError, match="near"):
         asp.limit_cycle(belt(), near=3)
     with pytest.raises(asp.ParameterError, match="near"):
@@ -204,11 +214,11 @@ def test_the_impact_oscillator_hops_periodically():
 def test_arguments_of_a_diagram_that_fit_no_member_are_refused_at_once():
     values = np.deg2rad([40.0, 50.0])
     with pytest.raises(asp.DimensionError, match="q0"):
-        asp.bifurcation_diagram(belt, "phi", values, q0=[1.0])
+        asp.bifurcation_diagram(belt, parameter="phi", values=values, q0=[1.0])
     with pytest.raises(asp.ParameterError, match="t_end"):
-        asp.bifurcation_diagram(belt, "phi", values, t_end=-1.0)
+        asp.bifurcation_diagram(belt, parameter="phi", values=values, t_end=-1.0)
     with pytest.raises(asp.ParameterError, match="threads"):
-        asp.bifurcation_diagram(belt, "phi", values, cycles=False, threads=0)
+        asp.bifurcation_diagram(belt, parameter="phi", values=values, cycles=False, threads=0)
 
 
 TWINS = {"heavy": (4.0, 9.0, 36.0), "loaded": (1.0, 1.0, 1e4), "tiny": (7.3e-3, 2.1e4, 3.3e-5)}
@@ -217,9 +227,17 @@ TWINS = {"heavy": (4.0, 9.0, 36.0), "loaded": (1.0, 1.0, 1e4), "tiny": (7.3e-3, 
 def check_twin(phi, speed, mass, stiffness, load):
     """v √(km)/λ_N: its twin has the same value; lengths scale with λ_N/k, times with √(m/k)."""
     direction = np.array([np.cos(np.deg2rad(phi)), np.sin(np.deg2rad(phi))])
-    cycle = asp.limit_cycle(asp.MassOnBelt(1.0, 1.0, LAW, 1.0, speed * direction))
+    cycle = asp.limit_cycle(
+        asp.MassOnBelt(
+            1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=speed * direction
+        )
+    )
     faster = speed * load / np.sqrt(mass * stiffness)
-    twin = asp.limit_cycle(asp.MassOnBelt(mass, stiffness, LAW, load, faster * direction))
+    twin = asp.limit_cycle(
+        asp.MassOnBelt(
+            mass, stiffness=stiffness, law=LAW, normal_force=load, belt_velocity=faster * direction
+        )
+    )
     assert twin.period * np.sqrt(stiffness / mass) == pytest.approx(cycle.period, rel=1e-8)
     np.testing.assert_allclose(twin.maximum * stiffness / load, cycle.maximum, rtol=1e-7)
 

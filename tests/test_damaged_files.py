@@ -47,7 +47,7 @@ def problem_file(problem, suffix):
 
 
 def trajectory_file(folder):
-    system = asp.SlidingPoint(1.0, LAW)
+    system = asp.SlidingPoint(1.0, law=LAW)
     asp.simulate(system, dt=0.01, t_end=0.1, u0=[1.0, 0.0]).save(folder / "run.npz")
     return folder / "run.npz"
 
@@ -83,6 +83,31 @@ def track_toml(folder):
         "plane = [[0.0, 0.0], [0.25, 0.0], [0.25, 0.13], [0.0, 0.13]]\n"
     )
     return path
+
+
+def law_toml(folder):
+    reservoir = asp.Ellipse(0.6, 0.2) & asp.Mapped(asp.Disk(0.5), [[1.0, 0.1], [0.0, 1.0]])
+    law = asp.FrictionLaw(reservoir, asp.Disk(1.0), rate=asp.Stribeck(0.1, 0.5))
+    origin = asp.Provenance(note="dry", files=[("run.csv", "0f")])
+    asp.LawFile(law, origin).save(folder / "law.toml")
+    return folder / "law.toml"
+
+
+def identified_toml(folder):
+    spread = np.array([[2e-4, 1e-4], [1e-4, 3e-4]])
+    model = identify.FourierReservoir(1, odd=True)
+    law = asp.FrictionLaw.collinear(model.reservoir(np.array([-1.0, 0.0, 0.0])))
+    identify.IdentifiedLaw(
+        law, model, "circle", [-1.0, 0.0, 0.0], np.pad(spread, (0, 1)), degrees_of_freedom=(3, 1, 1)
+    ).save(folder / "identified.toml")
+    return folder / "identified.toml"
+
+
+def set_toml(folder):
+    asp.Union([asp.Ellipse(0.6, 0.2), asp.Polygon([[1, 0], [0, 1], [-1, -1]])]).save(
+        folder / "set.toml"
+    )
+    return folder / "set.toml"
 
 
 def image(suffix, pixels):
@@ -128,6 +153,9 @@ READERS = {
     "tribometer.toml": (tribometer_toml, read_campaign, False),
     "weighings": (lambda folder: campaign(folder) / "calibration.csv", read_campaign, False),
     "track.toml": (track_toml, track.read_config, False),
+    "law.toml": (law_toml, asp.LawFile.load, False),
+    "identified law": (identified_toml, identify.IdentifiedLaw.load, False),
+    "set.toml": (set_toml, asp.StarSet.load, False),
     "png": (image(".png", NOISE), lambda p: whole(track.ImageFolder(p.parent)), False),
     "tiff": (image(".tiff", DEEP), lambda p: whole(track.ImageFolder(p.parent)), False),
     "jpeg": (image(".jpg", NOISE), lambda p: whole(track.ImageFolder(p.parent)), False),
@@ -357,7 +385,9 @@ def places(table):
 
 
 @every_amount
-@pytest.mark.parametrize("name", ["tribometer.toml", "track.toml"])
+@pytest.mark.parametrize(
+    "name", ["tribometer.toml", "track.toml", "law.toml", "identified law", "set.toml"]
+)
 def test_configurations_with_other_values_are_refused_or_valid(name, amount, folders):
     write, read, _ = READERS[name]
     path = write(folders())

@@ -14,8 +14,8 @@ DISK = asp.Disk(0.5)
 LAW = asp.FrictionLaw.isotropic(0.5)
 SQUARE = asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.5))
 LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
-BLOCK = asp.SlidingPoint(1.0, LAW)
-PROBLEM = asp.ContactProblem(np.eye(2), [1.0, 0.0], LAW, normal_force=1.0)
+BLOCK = asp.SlidingPoint(1.0, law=LAW)
+PROBLEM = asp.ContactProblem(np.eye(2), free_velocity=[1.0, 0.0], laws=LAW, normal_force=1.0)
 NAN = float("nan")
 INF = float("inf")
 PHI = np.arange(12) * np.pi / 6
@@ -24,7 +24,7 @@ from_samples = asp.FrictionLaw.from_samples
 
 
 def linear(mass=1.0, **arguments):
-    contact = asp.Contact(LAW, np.eye(2), normal_force=1.0)
+    contact = asp.Contact(LAW, direction=np.eye(2), normal_force=1.0)
     return asp.LinearSystem(mass, contacts=[contact], **arguments)
 
 
@@ -32,7 +32,9 @@ def bodies(mass=1.0, directions=1.0, **options):
     """One contact of a point mass, with arguments to spoil."""
     mass = np.eye(3) if isinstance(mass, float) else mass
     directions = np.eye(3) if isinstance(directions, float) else directions
-    return asp.ContactProblem.from_bodies(mass, directions, [-1.0, 0.1, 0.0], LAW, **options)
+    return asp.ContactProblem.from_bodies(
+        mass, directions=directions, free_velocity=[-1.0, 0.1, 0.0], laws=LAW, **options
+    )
 
 
 def broken_csr():
@@ -94,13 +96,13 @@ BAD_INPUT = [
     ("n", ParameterError, lambda: DISK.boundary(0)),
     ("semi_axes", ParameterError, lambda: asp.Ellipsoid([1.0, -1.0])),
     ("semi_axes", DimensionError, lambda: asp.Ellipsoid(np.ones(4))),
-    ("cap", ParameterError, lambda: asp.CappedRectangle(1.0, 1.0, 0.0)),
-    ("mu", ParameterError, lambda: asp.WedgeAsperity(0.0, 0.3)),
-    ("beta", ParameterError, lambda: asp.WedgeAsperity(0.3, -0.1)),
-    ("beta", ParameterError, lambda: asp.WedgeAsperity(1.2, 0.7)),
-    ("beta", ParameterError, lambda: asp.WedgeAsperity(0.3, 1.6)),
+    ("cap", ParameterError, lambda: asp.CappedRectangle(1.0, 1.0, cap=0.0)),
+    ("mu", ParameterError, lambda: asp.WedgeAsperity(0.0, beta=0.3)),
+    ("beta", ParameterError, lambda: asp.WedgeAsperity(0.3, beta=-0.1)),
+    ("beta", ParameterError, lambda: asp.WedgeAsperity(1.2, beta=0.7)),
+    ("beta", ParameterError, lambda: asp.WedgeAsperity(0.3, beta=1.6)),
     ("mu", ParameterError, lambda: asp.CoulombContensou(-0.3)),
-    ("pressure", ParameterError, lambda: asp.CoulombContensou(0.3, "parabolic")),
+    ("pressure", ParameterError, lambda: asp.CoulombContensou(0.3, pressure="parabolic")),
     ("vertices", DimensionError, lambda: asp.Polygon([[1.0, 0.0, 0.0]])),
     ("vertices", ParameterError, lambda: asp.Polygon([[1.0, -1.0], [0.0, 1.0]])),
     ("vertices", ParameterError, lambda: asp.Polygon([[1.0, NAN], [0.0, 1.0], [-1.0, -1.0]])),
@@ -130,10 +132,10 @@ BAD_INPUT = [
     ("x", ParameterError, lambda: DISK.gauge([1.0, np.ma.masked])),
     ("x", ParameterError, lambda: DISK.gauge([np.ma.array([1.0, 2.0], mask=[False, True])])),
     ("x", ParameterError, lambda: DISK.gauge([1.0 + 0j, 2.0])),
-    ("normal_force", ParameterError, lambda: LAW.force([1.0, 0.0], np.ma.masked)),
-    ("ratio", ParameterError, lambda: asp.Stribeck(0.1, np.ma.masked)),
+    ("normal_force", ParameterError, lambda: LAW.force([1.0, 0.0], normal_force=np.ma.masked)),
+    ("ratio", ParameterError, lambda: asp.Stribeck(0.1, ratio=np.ma.masked)),
     ("tolerance", ParameterError, lambda: PROBLEM.solve(tolerance=np.ma.masked)),
-    ("pressure", ParameterError, lambda: asp.CoulombContensou(0.3, np.ma.masked)),
+    ("pressure", ParameterError, lambda: asp.CoulombContensou(0.3, pressure=np.ma.masked)),
     # cones and rates
     ("dimension", DimensionError, lambda: asp.Cone([])),
     ("dimension", DimensionError, lambda: asp.Cone([np.eye(4)])),
@@ -142,7 +144,7 @@ BAD_INPUT = [
     ("cone", ParameterError, lambda: asp.Cone([], dimension=2).project([1.0, 0.0])),
     ("cone", ParameterError, lambda: asp.Cone([], dimension=2).polar()),
     ("speed", ParameterError, lambda: asp.Stribeck(0.0)),
-    ("ratio", ParameterError, lambda: asp.Stribeck(0.1, 1.2)),
+    ("ratio", ParameterError, lambda: asp.Stribeck(0.1, ratio=1.2)),
     ("shape", ParameterError, lambda: asp.Stribeck(0.1, shape="linear")),
     ("exponent", ParameterError, lambda: asp.Stribeck(0.1, exponent=0.0)),
     ("viscous", ParameterError, lambda: asp.Stribeck(0.1, viscous=-1.0)),
@@ -162,8 +164,8 @@ BAD_INPUT = [
     ("slip", ParameterError, lambda: LAW.jacobian([[1.0, 0.0], [0.0, 0.0]])),
     ("slip", ParameterError, lambda: LAW.force([NAN, 0.0])),
     ("slip", DimensionError, lambda: LAW.force([1.0, 0.0, 0.0])),
-    ("normal_force", ParameterError, lambda: LAW.force([1.0, 0.0], -1.0)),
-    ("normal_force", DimensionError, lambda: LAW.force(np.ones((3, 2)), np.ones(4))),
+    ("normal_force", ParameterError, lambda: LAW.force([1.0, 0.0], normal_force=-1.0)),
+    ("normal_force", DimensionError, lambda: LAW.force(np.ones((3, 2)), normal_force=np.ones(4))),
     ("force", ParameterError, lambda: LAW.slip_direction([1.0, 0.0])),
     # laws from flow rules
     ("phi", ParameterError, lambda: from_samples([[0.0]], [[1.0, 0.0]])),
@@ -178,21 +180,37 @@ BAD_INPUT = [
     ("n", ParameterError, lambda: asp.FrictionLaw.from_flow_rule(np.cos, n=3)),
     ("tensor", ParameterError, lambda: asp.FrictionLaw.tensor_function(np.eye(2))),
     ("tensor", ParameterError, lambda: asp.FrictionLaw.tensor_function(lambda phi: np.eye(2))),
-    ("fourth_order", ParameterError, lambda: asp.FrictionLaw.tensor(np.eye(2), np.eye(2))),
+    (
+        "fourth_order",
+        ParameterError,
+        lambda: asp.FrictionLaw.tensor(np.eye(2), fourth_order=np.eye(2)),
+    ),
     ("second_order", ParameterError, lambda: asp.FrictionLaw.tensor(np.eye(3))),
-    ("weights", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, (0.2, 0.3), (-1.0, 1.0))),
-    ("weights", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, (0.2, 0.3), (0.0, 0.0))),
-    ("beta", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, (0.2, -0.3))),
-    ("beta", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, (0.2, 0.3, 0.4))),
-    ("mu", ParameterError, lambda: asp.FrictionLaw.asperity(0.0, (0.2, 0.3))),
+    (
+        "weights",
+        ParameterError,
+        lambda: asp.FrictionLaw.asperity(0.3, beta=(0.2, 0.3), weights=(-1.0, 1.0)),
+    ),
+    (
+        "weights",
+        ParameterError,
+        lambda: asp.FrictionLaw.asperity(0.3, beta=(0.2, 0.3), weights=(0.0, 0.0)),
+    ),
+    ("beta", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, beta=(0.2, -0.3))),
+    ("beta", ParameterError, lambda: asp.FrictionLaw.asperity(0.3, beta=(0.2, 0.3, 0.4))),
+    ("mu", ParameterError, lambda: asp.FrictionLaw.asperity(0.0, beta=(0.2, 0.3))),
     # contact problems
     (
         "delassus",
         DimensionError,
-        lambda: asp.ContactProblem(np.eye(3), [1, 2], LAW, normal_force=1),
+        lambda: asp.ContactProblem(np.eye(3), free_velocity=[1, 2], laws=LAW, normal_force=1),
     ),
     ("delassus", ParameterError, lambda: PROBLEM.replace(delassus=[[NAN, 0.0], [0.0, 1.0]])),
-    ("free_velocity", DimensionError, lambda: asp.ContactProblem(np.eye(4), np.ones(4), LAW)),
+    (
+        "free_velocity",
+        DimensionError,
+        lambda: asp.ContactProblem(np.eye(4), free_velocity=np.ones(4), laws=LAW),
+    ),
     ("free_velocity", DimensionError, lambda: PROBLEM.replace(free_velocity=np.ones(3))),
     ("free_velocity", ParameterError, lambda: PROBLEM.replace(free_velocity=[INF, 0.0])),
     ("laws", ParameterError, lambda: PROBLEM.replace(laws=[0.3])),
@@ -227,12 +245,16 @@ BAD_INPUT = [
     (
         "normal_force",
         DimensionError,
-        lambda: asp.ContactProblem(np.eye(6), np.ones(6), [LAW] * 2, normal_force=[None]),
+        lambda: asp.ContactProblem(
+            np.eye(6), free_velocity=np.ones(6), laws=[LAW] * 2, normal_force=[None]
+        ),
     ),
     (
         "free_velocity",
         DimensionError,
-        lambda: asp.ContactProblem(np.eye(6), np.ones(6), [LAW] * 2, normal_force=[None, 1.0]),
+        lambda: asp.ContactProblem(
+            np.eye(6), free_velocity=np.ones(6), laws=[LAW] * 2, normal_force=[None, 1.0]
+        ),
     ),
     ("mass", ParameterError, lambda: bodies(mass=np.diag([1.0, -1.0, 1.0]))),
     ("mass", ParameterError, lambda: bodies(mass=np.eye(3) + np.eye(3, k=1))),
@@ -275,18 +297,48 @@ BAD_INPUT = [
     ("force", DimensionError, lambda: linear(force=[1.0])),
     ("direction", DimensionError, lambda: linear([1.0, 1.0, 1.0])),
     ("contacts", ParameterError, lambda: asp.LinearSystem(1.0, contacts=[LAW])),
-    ("law", ParameterError, lambda: asp.Contact(0.3, np.eye(2), normal_force=1.0)),
-    ("direction", DimensionError, lambda: asp.Contact(LAW, [1.0, 0.0], normal_force=1.0)),
-    ("normal_force", ParameterError, lambda: asp.Contact(LAW, np.eye(2))),
-    ("normal_force", ParameterError, lambda: asp.Contact(LAW, np.eye(2), normal_force=-1.0)),
-    ("normal", DimensionError, lambda: asp.Contact(LAW, np.eye(2), normal=[1.0])),
-    ("gap", ParameterError, lambda: asp.Contact(LAW, np.eye(2), normal_force=1.0, gap=0.1)),
-    ("velocity", DimensionError, lambda: asp.Contact(LAW, np.eye(2), normal_force=1, velocity=[1])),
-    ("mass", ParameterError, lambda: asp.SlidingPoint(0.0, LAW)),
-    ("gravity", ParameterError, lambda: asp.SlidingPoint(1.0, LAW, gravity=-9.81)),
-    ("belt_velocity", DimensionError, lambda: asp.MassOnBelt(1.0, 1.0, LAW, 1.0, 1.0)),
-    ("stiffness", DimensionError, lambda: asp.MassOnBelt(1.0, np.eye(3), LAW, 1.0, [1.0, 0.0])),
-    ("stiffness", ParameterError, lambda: asp.MassOnBelt(1, 0, LAW, 1.0, [1.0, 0.0]).equilibrium),
+    ("law", ParameterError, lambda: asp.Contact(0.3, direction=np.eye(2), normal_force=1.0)),
+    ("direction", DimensionError, lambda: asp.Contact(LAW, direction=[1.0, 0.0], normal_force=1.0)),
+    ("normal_force", ParameterError, lambda: asp.Contact(LAW, direction=np.eye(2))),
+    (
+        "normal_force",
+        ParameterError,
+        lambda: asp.Contact(LAW, direction=np.eye(2), normal_force=-1.0),
+    ),
+    ("normal", DimensionError, lambda: asp.Contact(LAW, direction=np.eye(2), normal=[1.0])),
+    (
+        "gap",
+        ParameterError,
+        lambda: asp.Contact(LAW, direction=np.eye(2), normal_force=1.0, gap=0.1),
+    ),
+    (
+        "velocity",
+        DimensionError,
+        lambda: asp.Contact(LAW, direction=np.eye(2), normal_force=1, velocity=[1]),
+    ),
+    ("mass", ParameterError, lambda: asp.SlidingPoint(0.0, law=LAW)),
+    ("gravity", ParameterError, lambda: asp.SlidingPoint(1.0, law=LAW, gravity=-9.81)),
+    (
+        "belt_velocity",
+        DimensionError,
+        lambda: asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=1.0),
+    ),
+    (
+        "stiffness",
+        DimensionError,
+        lambda: asp.MassOnBelt(
+            1.0, stiffness=np.eye(3), law=LAW, normal_force=1.0, belt_velocity=[1.0, 0.0]
+        ),
+    ),
+    (
+        "stiffness",
+        ParameterError,
+        lambda: (
+            asp.MassOnBelt(
+                1, stiffness=0, law=LAW, normal_force=1.0, belt_velocity=[1.0, 0.0]
+            ).equilibrium
+        ),
+    ),
     # simulation
     ("dt", ParameterError, lambda: run(dt=0.0)),
     ("dt", ParameterError, lambda: run(dt=-0.1)),
@@ -303,7 +355,7 @@ BAD_INPUT = [
     ("system", ParameterError, lambda: asp.simulate(LAW, dt=0.1, t_end=1.0)),
     # plots
     ("set", DimensionError, lambda: plot_set(asp.Ball(1.0))),
-    ("path", ParameterError, lambda: save_figure(plot_set(DISK)[0].figure, "plot.xyz")),
+    ("path", ParameterError, lambda: save_figure(plot_set(DISK).figure, "plot.xyz")),
 ]
 
 
@@ -363,11 +415,11 @@ ISO = asp.FrictionLaw.isotropic(0.3)
 
 
 def test_numbers_beyond_all_reason_are_named():
-    problem = asp.ContactProblem(np.eye(2), [0.1, 0.0], ISO, normal_force=1.0)
+    problem = asp.ContactProblem(np.eye(2), free_velocity=[0.1, 0.0], laws=ISO, normal_force=1.0)
     assert problem.solve(time_limit=1e30).converged
     with pytest.raises(asp.ParameterError, match="max_sweeps"):
         asp.Exact(max_sweeps=2**70)
-    block = asp.SlidingPoint(1.0, ISO)
+    block = asp.SlidingPoint(1.0, law=ISO)
     with pytest.raises(asp.ParameterError, match="save_every"):
         asp.simulate(block, dt=0.1, t_end=1.0, save_every=2**70)
     with pytest.raises(asp.ParameterError, match="dt"):
@@ -393,11 +445,13 @@ QUOTES = {
     "rate": lambda: asp.FrictionLaw(LONG, LONG, rate=LONG),
     "report": lambda: asp.FrictionLaw(LONG, LONG, report=LONG),
     "other": lambda: LAW.dissipates_at_least(LONG),
-    "contact": lambda: asp.Contact(LONG, np.eye(2), normal_force=1.0),
-    "problem": lambda: asp.ContactProblem(np.eye(2), [1.0, 0.0], LONG, normal_force=1.0),
+    "contact": lambda: asp.Contact(LONG, direction=np.eye(2), normal_force=1.0),
+    "problem": lambda: asp.ContactProblem(
+        np.eye(2), free_velocity=[1.0, 0.0], laws=LONG, normal_force=1.0
+    ),
     "system": lambda: asp.simulate(LONG, dt=0.1, t_end=1.0),
     "solver": lambda: asp.simulate(
-        asp.SlidingPoint(1.0, LAW), dt=0.1, t_end=1.0, u0=[1.0, 0.0], solver=LONG
+        asp.SlidingPoint(1.0, law=LAW), dt=0.1, t_end=1.0, u0=[1.0, 0.0], solver=LONG
     ),
 }
 

@@ -75,13 +75,15 @@ def test_what_a_missing_record_would_tell_is_what_its_error_does():
     def zero_off(part):
         mixing = np.linalg.inv(whole.calibration.matrix)
         shift = 9.3 * mixing @ part
-        off = [Recording(run.time, run.angle, run.readings + shift) for run in runs]
+        off = [Recording(run.time, angle=run.angle, readings=run.readings + shift) for run in runs]
         return RawData(off, calibration=whole.calibration)
 
     def gain_off(part):
         forces = [run.readings @ whole.calibration.matrix.T * (1.0 + part) for run in runs]
         pairs = zip(runs, forces, strict=True)
-        return RawData([Recording(run.time, run.angle, force) for run, force in pairs])
+        return RawData(
+            [Recording(run.time, angle=run.angle, readings=force) for run, force in pairs]
+        )
 
     for changed, words, others in (
         (zero_off, "no records without load: the error of the zeros is not known", "gains"),
@@ -309,7 +311,9 @@ def test_models_that_hold_the_law_fit_where_forces_turn_fast(ratio, noise, sampl
     """In a bin the force of a slender D turns so far that its mean is not that of the middle."""
     law = FrictionLaw(Ellipse(0.3, 0.3), Ellipse(ratio, 1.0))
     for seed in range(3):
-        fit = fit_law(sampled(law, samples, 6, noise, seed), "ellipse", "ellipse")
+        fit = fit_law(
+            sampled(law, samples, 6, noise, seed), reservoir="ellipse", direction="ellipse"
+        )
         assert fit.parameters["direction.ratio"].value == pytest.approx(ratio, rel=3.0 * noise)
         assert not any(defect.matters for defect in fit.defects.values()), fit.defects
         # At 8:1 hardly any force acts across the long axis, which is said.
@@ -320,7 +324,7 @@ def test_models_that_hold_the_law_fit_where_forces_turn_fast(ratio, noise, sampl
 def test_noise_is_no_lack_of_fit(noise):
     law = FrictionLaw(Ellipse(0.54, 0.46), Ellipse(1.5, 1.0))
     for seed in range(5):
-        fit = fit_law(sampled(law, 4320, 6, noise, seed), "ellipse", "ellipse")
+        fit = fit_law(sampled(law, 4320, 6, noise, seed), reservoir="ellipse", direction="ellipse")
         assert fit.defects["lack of fit"].size > 0.1 * noise
         assert not fit.defects["lack of fit"].matters
 
@@ -328,7 +332,7 @@ def test_noise_is_no_lack_of_fit(noise):
 def test_a_model_that_does_not_hold_the_law_does_not_fit():
     """A superellipse misses the C of wedges with μ tan β = 0.87 by 2 % to 3 %."""
     for mu in (0.6, 1.0):
-        law = FrictionLaw.asperity(mu, np.arctan(0.87 / mu))
+        law = FrictionLaw.asperity(mu, beta=np.arctan(0.87 / mu))
         for noise in (1e-4, 3e-3):
             fit = fit_law(sampled(law, 4320, 6, noise), direction="ellipse")
             assert "the model does not fit: it misses the mean forces by " in fit.warnings[-1]
@@ -398,7 +402,7 @@ def of_machine(seed, gain_drift=0.0, **options):
     run = raw.recordings[0]
     gain = np.ones((len(run), 3))
     gain[:, 0] += gain_drift * np.arange(len(run)) / len(run)
-    drifted = Recording(run.time, run.angle, run.readings * gain)
+    drifted = Recording(run.time, angle=run.angle, readings=run.readings * gain)
     return fit_law(process(raw.replace(recordings=[drifted])))
 
 
@@ -435,7 +439,9 @@ def test_drifts_of_opposite_senses_do_not_cancel(sizes):
             raw = machine.replace(seed=seed, crosstalk=np.eye(3)).record()
             run = raw.recordings[0]
             gain = (1.0 + size * np.arange(len(run)) / len(run))[:, None] ** [1, 1, 0]
-            runs.append(Recording(run.time + 1e3 * seed, run.angle, run.readings * gain))
+            runs.append(
+                Recording(run.time + 1e3 * seed, angle=run.angle, readings=run.readings * gain)
+            )
         return fit_law(process(raw.replace(recordings=runs))).drift
 
     found = drift(sizes)

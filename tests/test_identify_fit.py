@@ -95,7 +95,7 @@ def test_random_laws_are_found_again():
         a, b, p = np.exp(random.uniform(-0.8, 0.8, 3))
         s, t = random.uniform(1.4, 6.0, 2)
         x, y = random.uniform(-0.7, 0.7, 2)
-        law = FrictionLaw(Superellipse(a, b, s, x), Superellipse(p, 1.0, t, y))
+        law = FrictionLaw(Superellipse(a, b, s, angle=x), Superellipse(p, 1.0, t, angle=y))
         data = sampled(law, 2000, 2)
         fit = fit_law(data, confidence=None)
         missed += abs(fit.forces(data[0]) - data[1]).max() > 1e-3 * np.hypot(a, b)
@@ -108,7 +108,9 @@ def test_minimum_is_that_of_another_solver():
 
     def residuals(x):
         a, b, s, c_angle, ratio, t, d_angle = x
-        law = FrictionLaw(Superellipse(a, b, s, c_angle), Superellipse(ratio, 1.0, t, d_angle))
+        law = FrictionLaw(
+            Superellipse(a, b, s, angle=c_angle), Superellipse(ratio, 1.0, t, angle=d_angle)
+        )
         return (force + law.force(np.stack([np.cos(phi), np.sin(phi)], axis=-1))).ravel()
 
     fit = fit_law((phi, force))
@@ -147,7 +149,7 @@ def test_samples_on_the_axes_of_a_slender_turned_direction_set():
         fit = fit_law((phi, error - law.force(e)), loss=loss)
         assert (fit.residuals**2).sum() < 1.005 * (error**2).sum()
     for exponent in (4.0, 10.0):
-        law = FrictionLaw(Ellipse(0.5, 0.4, 0.3), Superellipse(1.2, 1.0, exponent, 0.3))
+        law = FrictionLaw(Ellipse(0.5, 0.4, angle=0.3), Superellipse(1.2, 1.0, exponent, angle=0.3))
         turned = phi + 0.3
         e = np.stack([np.cos(turned), np.sin(turned)], axis=-1)
         fit = fit_law((turned, error - law.force(e)))
@@ -226,7 +228,7 @@ def test_isotropic_friction_has_no_angle():
 
 def test_angles_lie_within_an_eighth_of_a_turn():
     law = FrictionLaw(Ellipse(0.5, 0.3, angle=1.3), Ellipse(2.0, 1.0, angle=-2.0))
-    fit = fit_law(sampled(law), "ellipse", "ellipse")
+    fit = fit_law(sampled(law), reservoir="ellipse", direction="ellipse")
     assert fit.parameters["reservoir.angle"].value == pytest.approx(1.3 - np.pi / 2)
     assert fit.parameters["reservoir.a"].value == pytest.approx(0.3)
     assert fit.parameters["direction.angle"].value == pytest.approx(-2.0 + np.pi / 2)
@@ -340,9 +342,9 @@ def test_what_cannot_be_fitted_is_refused():
     with pytest.raises(FitError, match=r"what process\(\) returns"):
         fit_law("forces.csv")
     with pytest.raises(ParameterError, match=r"reservoir: must be 'circle'"):
-        fit_law((phi, force), "square")
+        fit_law((phi, force), reservoir="square")
     with pytest.raises(ParameterError, match=r"direction: must be 'circle'"):
-        fit_law((phi, force), "circle", "square")
+        fit_law((phi, force), reservoir="circle", direction="square")
     with pytest.raises(ParameterError, match="loss"):
         fit_law((phi, force), loss="absolute")
     with pytest.raises(ParameterError, match="confidence"):
@@ -351,6 +353,6 @@ def test_what_cannot_be_fitted_is_refused():
 
 def test_a_direction_set_that_is_not_convex_is_named():
     law = FrictionLaw(Superellipse(0.5, 0.4, 3.0), Superellipse(1.0, 1.0, 9.0))
-    fit = fit_law(sampled(law), "fourier", FourierDirection(12))
+    fit = fit_law(sampled(law), reservoir="fourier", direction=FourierDirection(12))
     with pytest.raises(FitError, match="not convex at φ"):
         _ = fit.law

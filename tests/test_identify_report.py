@@ -47,7 +47,7 @@ def test_reports_of_fits_that_lack_something(tmp_path):
     text = fit_law((phi, force), confidence=None).report(tmp_path / "one.html").read_text()
     assert "without confidence intervals" in text
     assert "ΔBIC" not in text
-    fit = fit_law(data(noise=0.0), "fourier", FourierDirection(30))
+    fit = fit_law(data(noise=0.0), reservoir="fourier", direction=FourierDirection(30))
     text = fit.report(tmp_path / "two.html").read_text()
     assert "curve through many points" in text or "not convex" in text
 
@@ -68,11 +68,10 @@ def test_only_fits_are_drawn(plot, other):
 
 
 @pytest.mark.parametrize("plot", [plot_fitted_sets, plot_fitted_forces, plot_residuals])
-def test_figures_take_axes_and_return_artists(plot):
+def test_figures_take_axes_and_return_them(plot):
     from matplotlib.figure import Figure
 
     ax = Figure().add_subplot()
-    artists = plot(fit_law(data(), confidence=None), ax)
-    assert artists
-    assert all(artist.axes is ax for artist in artists)
-    assert isinstance(plot(fit_law(data()))[0].axes, Axes)
+    assert plot(fit_law(data(), confidence=None), ax=ax) is ax
+    assert ax.has_data()
+    assert isinstance(plot(fit_law(data())), Axes)

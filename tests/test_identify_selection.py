@@ -22,7 +22,7 @@ LAWS = {
         FrictionLaw(Superellipse(0.54, 0.46, 2.94), Superellipse(1.84, 1.19, 2.51)),
         ("superellipse", "superellipse"),
     ),
-    "wedges": (FrictionLaw.asperity(1.2, np.deg2rad(36.0)), ("fourier", "superellipse")),
+    "wedges": (FrictionLaw.asperity(1.2, beta=np.deg2rad(36.0)), ("fourier", "superellipse")),
 }
 
 
@@ -58,13 +58,13 @@ def test_no_model_follows_the_errors_of_the_calibration():
         raw = VirtualTribometer(law, normal_force=9.3, turn_rate=rate, seed=3).record()
         data = process(raw)
         pairs = [("superellipse", "superellipse"), ("fourier", "superellipse")]
-        best = compare_models(data, pairs).best
+        best = compare_models(data, pairs=pairs).best
         assert (best.reservoir, best.direction) == (reservoir, direction)
         # Taken as exact, the distorted forces are a curve's rather than a superellipse's.
         blind = SimpleNamespace(
             phi=data.phi, force=data.force, normal_force=data.normal_force, turn=data.turn
         )
-        assert compare_models(blind, pairs).best.reservoir == "fourier"
+        assert compare_models(blind, pairs=pairs).best.reservoir == "fourier"
 
 
 def test_wedges_need_a_curve_for_the_reservoir():
@@ -75,7 +75,7 @@ def test_wedges_need_a_curve_for_the_reservoir():
 
 def test_candidates_tell_what_they_are():
     pairs = [("circle", "circle"), ("ellipse", "ellipse"), (FourierReservoir(4), "ellipse")]
-    comparison = compare_models(sampled(LAWS["ellipses"][0]), pairs)
+    comparison = compare_models(sampled(LAWS["ellipses"][0]), pairs=pairs)
     first, second, third = comparison.candidates
     assert [c.parameters for c in comparison.candidates] == [1, 5, 7]
     assert third.reservoir == "FourierReservoir(order=4)" or "4" in third.reservoir
@@ -90,22 +90,27 @@ def test_candidates_tell_what_they_are():
 @pytest.mark.parametrize("name", list(LAWS)[:-1])
 def test_the_best_pair_is_fitted(name):
     law, models = LAWS[name]
-    fit = fit_law(sampled(law), "best", "best")
+    fit = fit_law(sampled(law), reservoir="best", direction="best")
     assert (fit.reservoir_model, fit.direction_model) == models
-    assert fit.parameters == fit_law(sampled(law), *models).parameters
+    chosen = fit_law(sampled(law), reservoir=models[0], direction=models[1])
+    assert fit.parameters == chosen.parameters
     best = fit.comparison.best
     assert (best.reservoir, best.direction, best.bic) == (*models, 0.0)
 
 
 def test_one_of_the_models_may_be_given():
     law, models = LAWS["ellipses"]
-    for given in ((models[0], "best"), ("best", models[1]), ("best", SuperellipseDirection(2.0))):
-        fit = fit_law(sampled(law), *given)
+    for reservoir, direction in (
+        (models[0], "best"),
+        ("best", models[1]),
+        ("best", SuperellipseDirection(2.0)),
+    ):
+        fit = fit_law(sampled(law), reservoir=reservoir, direction=direction)
         assert (fit.reservoir_model, fit.direction_model) == models
 
 
 def test_uncorrelated_samples_count_fully():
-    comparison = compare_models(sampled(LAWS["ellipses"][0]), [("ellipse", "ellipse")])
+    comparison = compare_models(sampled(LAWS["ellipses"][0]), pairs=[("ellipse", "ellipse")])
     assert 0.5 * 12_000 < comparison.effective_samples <= 12_000 + 1e-6
 
 
@@ -114,7 +119,7 @@ def test_one_turn_cannot_be_left_out():
     with pytest.raises(FitError, match="one turn"):
         compare_models((phi, force))
     with pytest.raises(FitError, match="pairs"):
-        compare_models(sampled(LAWS["isotropic"][0]), [])
+        compare_models(sampled(LAWS["isotropic"][0]), pairs=[])
 
 
 def test_exact_forces_can_be_compared():

@@ -14,7 +14,7 @@ LAWS = {
     ),
     "isotropic": asp.FrictionLaw.isotropic(0.14),
     "collinear": asp.FrictionLaw.collinear(asp.Superellipse(0.5, 0.3, 0.8)),
-    "wedges": asp.FrictionLaw.asperity(1.2, np.deg2rad(36.0)),
+    "wedges": asp.FrictionLaw.asperity(1.2, beta=np.deg2rad(36.0)),
 }
 
 
@@ -86,7 +86,7 @@ def test_closure_and_convexity_defects_of_laws_that_have_none_of_these_sets():
 
 
 def test_a_law_that_tells_forwards_from_backwards():
-    law = asp.FrictionLaw.asperity(0.8, [0.1, 0.7])
+    law = asp.FrictionLaw.asperity(0.8, beta=[0.1, 0.7])
     sets = measured(law)
     forces = [-law.force(unit(np.array(angle))) for angle in (0.0, np.pi)]
     expected = np.hypot(*(forces[0] + forces[1])) / sets.radius.max()

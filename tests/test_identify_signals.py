@@ -37,7 +37,7 @@ def test_the_filter_has_the_exact_response_of_two_passes_in_mid_record(frequency
     middle = slice(240_000, 360_000)
     wave = np.sin(2.0 * np.pi * frequency * t + 0.3)
     gain = abs(sosfreqz(butterworth(rate, 0.5), [frequency], fs=rate)[1][0]) ** 2
-    error = low_pass(wave, rate, 0.5)[middle] - gain * wave[middle]
+    error = low_pass(wave, sample_rate=rate, cut_off=0.5)[middle] - gain * wave[middle]
     assert abs(error).max() < 1e-6
 
 
@@ -50,19 +50,19 @@ def test_the_cut_off_is_that_of_one_or_of_both_passes(order, kind, gain):
 
 def test_the_filter_refuses_what_it_cannot_do():
     with pytest.raises(ParameterError, match="cut_off: must lie below half"):
-        low_pass(np.zeros(100), 10.0, 5.0)
+        low_pass(np.zeros(100), sample_rate=10.0, cut_off=5.0)
     with pytest.raises(ParameterError, match="cut_off: must lie below half"):
-        low_pass(np.zeros(100), 10.0, 500.0, cut_off_of="double")
+        low_pass(np.zeros(100), sample_rate=10.0, cut_off=500.0, cut_off_of="double")
     with pytest.raises(ParameterError, match="cut_off_of"):
-        low_pass(np.zeros(100), 10.0, 1.0, cut_off_of="triple")
+        low_pass(np.zeros(100), sample_rate=10.0, cut_off=1.0, cut_off_of="triple")
     with pytest.raises(ParameterError, match="values"):
-        low_pass([1.0], 10.0, 1.0)
+        low_pass([1.0], sample_rate=10.0, cut_off=1.0)
 
 
 def test_turns_are_counted_from_the_first_sample():
     t = np.arange(2500) / 1000.0
     for sign in (1.0, -1.0):
-        run = Recording(t, sign * 2.0 * np.pi * t + 5.0, np.zeros((2500, 3)))
+        run = Recording(t, angle=sign * 2.0 * np.pi * t + 5.0, readings=np.zeros((2500, 3)))
         number = turn_numbers(run, sign)
         assert np.bincount(number + 1).tolist() == [500, 1000, 1000]
         assert (np.diff(number[:2000]) >= 0).all()
@@ -70,7 +70,7 @@ def test_turns_are_counted_from_the_first_sample():
 
 def test_a_disk_that_turns_back_is_refused():
     t = np.arange(1000) / 100.0
-    run = Recording(t, 8.0 * np.sin(t), np.ones((1000, 3)), source="swing")
+    run = Recording(t, angle=8.0 * np.sin(t), readings=np.ones((1000, 3)), source="swing")
     with pytest.raises(RecordError, match=r"swing: angle: the disk turns back before row \d+"):
         process(RawData([run]))
 
@@ -78,13 +78,13 @@ def test_a_disk_that_turns_back_is_refused():
 def test_turn_averages_have_means_offsets_drift_and_bands_that_cover():
     phi = np.linspace(0.0, 20.0 * np.pi, 10_000, endpoint=False)
     turn = np.floor(phi / (2.0 * np.pi) + 1e-9)
-    average = average_turns(phi, 0.1 * turn, turn, bins=20)
+    average = average_turns(phi, values=0.1 * turn, turn=turn, bins=20)
     assert average.drift == pytest.approx(0.1)
     np.testing.assert_allclose(average.offset, 0.1 * (np.arange(10) - 4.5), atol=1e-12)
     covered = []
     for seed in range(40):
         noise = np.random.default_rng(seed).normal(size=phi.size)
-        band = average_turns(phi, noise, turn, bins=20)
+        band = average_turns(phi, values=noise, turn=turn, bins=20)
         covered.append(np.mean((band.low <= 0.0) & (band.high >= 0.0)))
     # 800 bins, nominal 95 %: three standard errors are 2.3 %.
     assert np.mean(covered) == pytest.approx(0.95, abs=0.023)
@@ -94,9 +94,9 @@ def test_empty_bins_are_refused():
     phi = 2.0 * np.pi * np.arange(100) / 50
     turn = np.arange(100) // 50
     with pytest.raises(ParameterError, match="bins: must be fewer"):
-        average_turns(phi, phi, turn, bins=360)
+        average_turns(phi, values=phi, turn=turn, bins=360)
     with pytest.raises(ParameterError, match="turn: must number"):
-        average_turns(phi, phi, np.full(100, -1))
+        average_turns(phi, values=phi, turn=np.full(100, -1))
 
 
 @pytest.mark.parametrize("fit_zero", [False, True])
@@ -181,7 +181,11 @@ def test_the_zero_is_interpolated_between_records_before_and_after():
 
     def part(start, force):
         t = clock + start
-        return Recording(t, 2.0 * np.pi * t, force + np.array([1.0, 2.0, 3.0]) + t[:, None] * slope)
+        return Recording(
+            t,
+            angle=2.0 * np.pi * t,
+            readings=force + np.array([1.0, 2.0, 3.0]) + t[:, None] * slope,
+        )
 
     load = np.array([2.0, 0.5, 10.0])
     no_load = [part(-20.0, 0.0), part(30.0, 0.0)]
@@ -206,7 +210,7 @@ def test_each_run_has_the_zero_of_the_records_around_it():
 
     def part(start, force):
         t = clock + start
-        return Recording(t, 2.0 * np.pi * t, force + bent(t))
+        return Recording(t, angle=2.0 * np.pi * t, readings=force + bent(t))
 
     def tare(start):
         # Where the kink is the mean counts, as if the zero stayed.
@@ -238,7 +242,9 @@ def test_a_zero_from_one_side_is_as_uncertain_as_its_drift():
 
 def test_records_on_several_clocks_are_refused():
     clock = np.arange(1000) / 100.0
-    run = Recording(clock, 2.0 * np.pi * clock, np.tile([1.0, 0.0, 9.0], (1000, 1)), source="a")
+    run = Recording(
+        clock, angle=2.0 * np.pi * clock, readings=np.tile([1.0, 0.0, 9.0], (1000, 1)), source="a"
+    )
     tare = run.replace(readings=np.zeros((1000, 3)), source="b")
     with pytest.raises(RecordError, match="one clock"):
         process(RawData([run], no_load=[tare]))
@@ -328,8 +334,10 @@ def test_a_calibration_of_unknown_error_has_no_covariance():
 
 def test_a_file_without_a_complete_turn_is_named():
     t = np.arange(1000) / 500.0
-    whole = Recording(t, 2.0 * np.pi * t, np.tile([1.0, 0.0, 9.0], (1000, 1)), source="whole")
-    half = Recording(t, 0.5 * np.pi * t, whole.readings, source="half")
+    whole = Recording(
+        t, angle=2.0 * np.pi * t, readings=np.tile([1.0, 0.0, 9.0], (1000, 1)), source="whole"
+    )
+    half = Recording(t, angle=0.5 * np.pi * t, readings=whole.readings, source="half")
     with pytest.raises(RecordError, match=r"half: angle: covers 0\.5 turns"):
         process(RawData([whole, half]))
     # Of a file that was cut, some pieces may be too short.
@@ -391,14 +399,14 @@ def test_recordings_report_rows():
     broken = readings.copy()
     broken[[4, 9], 1] = np.nan
     with pytest.raises(RecordError, match="f: readings: NaN or infinity in rows 5, 10"):
-        Recording(t, t, broken, source="f")
+        Recording(t, angle=t, readings=broken, source="f")
     late = np.where(np.arange(100) > 41, t + 1.0, t)
     with pytest.raises(RecordError, match="time: does not go on without gap after row 42"):
-        Recording(late, t, readings)
+        Recording(late, angle=t, readings=readings)
     with pytest.raises(RecordError, match="time: does not rise after row 10"):
-        Recording(np.where(np.arange(100) == 10, t[9], t), t, readings)
+        Recording(np.where(np.arange(100) == 10, t[9], t), angle=t, readings=readings)
     with pytest.raises(asp.DimensionError, match="angle"):
-        Recording(t, t[:-1], readings)
+        Recording(t, angle=t[:-1], readings=readings)
 
 
 def test_sparse_records_get_fewer_bins():

@@ -101,7 +101,7 @@ class Rod(asp.System):
 
 def stribeck_block():
     law = LINE[1.0].replace(rate=asp.Stribeck(1.0 / 3.0, shape="hyperbolic"))
-    return asp.MassOnBelt(1.0, 1.0, law, 1.0, [0.2])
+    return asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.2])
 
 
 def times(motion, kind):
@@ -159,9 +159,10 @@ def test_bounces_in_a_ring_end():
 def spring_on_two_belts():
     """One mass, two contacts that share a direction, μ = .1 and 1."""
     contacts = [
-        asp.Contact(LINE[mu], [[1.0]], normal_force=1.0, velocity=[-0.1]) for mu in (0.1, 1.0)
+        asp.Contact(LINE[mu], direction=[[1.0]], normal_force=1.0, velocity=[-0.1])
+        for mu in (0.1, 1.0)
     ]
-    return asp.LinearSystem([[1.0]], [[1.0]], contacts=contacts)
+    return asp.LinearSystem([[1.0]], stiffness=[[1.0]], contacts=contacts)
 
 
 def test_redundant_contacts_stick_as_long_as_they_can_together():
@@ -179,7 +180,9 @@ def test_redundant_contacts_stick_as_long_as_they_can_together():
 @pytest.mark.parametrize("t_end", [10.0, 100.0])
 def test_gaps_that_close_for_a_moment_are_seen(depth, t_end):
     """25 − c − 10 t + t² < 0 for 2 √c s."""
-    contact = asp.Contact(LINE[0.1], [[0.0], [1.0]], normal=[1.0, 0.0], normal_restitution=0.5)
+    contact = asp.Contact(
+        LINE[0.1], direction=[[0.0], [1.0]], normal=[1.0, 0.0], normal_restitution=0.5
+    )
     system = asp.LinearSystem(np.eye(2), force=[2.0, 0.0], contacts=[contact])
     motion = asp.integrate(system, t_end=t_end, q0=[25.0 - depth, 0.0], u0=[-10.0, 0.0])
     assert times(motion, "impact")[0] == pytest.approx(5.0 - np.sqrt(depth), abs=1e-10)
@@ -206,7 +209,7 @@ def test_lengths_are_those_of_the_contact():
     ball = asp.LinearSystem(
         np.eye(2),
         force=[-10.0, 0.0],
-        contacts=[asp.Contact(LINE[0.1], [[0.0], [1.0]], normal=[1.0, 0.0])],
+        contacts=[asp.Contact(LINE[0.1], direction=[[0.0], [1.0]], normal=[1.0, 0.0])],
     )
     motion = asp.integrate(ball, t_end=0.1, q0=[9e-5, 1e5])
     assert times(motion, "impact") == pytest.approx(np.sqrt(1.8e-5), rel=1e-9)
@@ -265,7 +268,7 @@ def test_samples_are_as_exact_as_steps():
 
 def arm(mu, along, across, raised=0.0):
     """A hinged arm pressed on a plane: one degree of freedom, two rows."""
-    contact = asp.Contact(line(mu), [along], normal=[across], gap=-across * raised)
+    contact = asp.Contact(line(mu), direction=[along], normal=[across], gap=-across * raised)
     return asp.LinearSystem(1.0, force=[-1.0], contacts=[contact])
 
 
@@ -290,7 +293,7 @@ def random_arm(p, n, rng):
     return asp.LinearSystem(
         root @ root.T + np.eye(n),
         force=-across - along @ held,
-        contacts=[asp.Contact(law, along, normal=across)],
+        contacts=[asp.Contact(law, direction=along, normal=across)],
     )
 
 
@@ -329,7 +332,9 @@ def test_many_random_arms_come_to_their_end():
 def graze(mu, degrees, on_belt):
     """Place at t = 40 s of a mass on a belt whose γ touches 0 once a turn, and the true place."""
     e = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
-    belt = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(mu), 1.0, e)
+    belt = asp.MassOnBelt(
+        1.0, stiffness=1.0, law=asp.FrictionLaw.isotropic(mu), normal_force=1.0, belt_velocity=e
+    )
     motion = asp.integrate(belt, t_end=40.0, u0=e if on_belt else None)
     # From the belt: stick until the spring is as strong as friction, then q = μ + sin(t − μ).
     # From rest: q = μ (1 − cos t), which reaches the speed of the belt if μ > 1.
@@ -362,7 +367,9 @@ def test_slips_that_graze_zero_go_on_in_all_directions(mu):
 
 def test_the_grazing_belt_has_no_isolated_cycle():
     e = np.array([np.cos(np.radians(10.0)), np.sin(np.radians(10.0))])
-    belt = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(3.0), 1.0, e)
+    belt = asp.MassOnBelt(
+        1.0, stiffness=1.0, law=asp.FrictionLaw.isotropic(3.0), normal_force=1.0, belt_velocity=e
+    )
     with pytest.raises(asp.NoCycleError, match="continuum"):
         asp.limit_cycle(belt)
 
@@ -427,7 +434,7 @@ EXPONENTS = [1.2, 1.3, 1.5, 2.0, 2.2, 2.5, 2.6, 3.0, 4.0, 5.0, 6.0]
 
 def check_stops(exponent, angles):
     law = asp.FrictionLaw(RESERVOIR, asp.Superellipse(*AXES, exponent))
-    point = asp.SlidingPoint(1.0, law)
+    point = asp.SlidingPoint(1.0, law=law)
     for angle in angles:
         u0 = np.array([np.cos(angle), np.sin(angle)])
         place, duration = stop_of_a_point(exponent, u0)
@@ -453,13 +460,13 @@ def test_slips_along_flat_directions_agree_with_scipy(exponent):
     law = asp.FrictionLaw(RESERVOIR, asp.Superellipse(*AXES, exponent))
 
     def field(_, y):
-        return [*y[2:], *law.force(y[2:], 9.81)]
+        return [*y[2:], *law.force(y[2:], normal_force=9.81)]
 
     u0 = [0.8, 0.6]
     expected = solve_ivp(
         field, (0.0, 0.1), [0.0, 0.0, *u0], method="DOP853", rtol=1e-11, atol=1e-13
     ).y[:, -1]
-    motion = asp.integrate(asp.SlidingPoint(1.0, law), t_end=0.1, u0=u0)
+    motion = asp.integrate(asp.SlidingPoint(1.0, law=law), t_end=0.1, u0=u0)
     assert np.concatenate([motion.q[-1], motion.u[-1]]) == pytest.approx(expected, abs=1e-8)
 
 
@@ -467,9 +474,11 @@ def test_slips_along_flat_directions_agree_with_scipy(exponent):
 def test_slips_stay_on_flat_axes_under_a_small_load(exponent):
     """Across the axis the slip follows the load as a high power of it."""
     law = asp.FrictionLaw.associated(asp.Superellipse(0.5, 0.4, exponent))
-    contact = asp.Contact(law, np.eye(2), normal_force=10.0, velocity=[1.0, 0.0])
+    contact = asp.Contact(law, direction=np.eye(2), normal_force=10.0, velocity=[1.0, 0.0])
     load = np.array([0.0, 0.2])
-    system = asp.LinearSystem(np.eye(2), np.diag([1.0, 0.0]), force=load, contacts=[contact])
+    system = asp.LinearSystem(
+        np.eye(2), stiffness=np.diag([1.0, 0.0]), force=load, contacts=[contact]
+    )
     motion = asp.integrate(system, t_end=1.0)
     # z = (.5 c, .4 s) with c^s + s^s = 1 has the normal (c^(s−1)/.5, s^(s−1)/.4), and 10 z₂ = .2.
     share = 0.2 / (10.0 * 0.4)
@@ -480,7 +489,7 @@ def test_slips_stay_on_flat_axes_under_a_small_load(exponent):
 
 @pytest.mark.parametrize("q0", [-1e-18, 1e-18, 0.0])
 def test_a_state_at_rest_is_taken(q0):
-    contact = asp.Contact(line(0.3), [[1.0]], normal=[1.0])
+    contact = asp.Contact(line(0.3), direction=[[1.0]], normal=[1.0])
     block = asp.LinearSystem([[1.0]], force=[-1.0], contacts=[contact])
     motion = asp.integrate(block, t_end=1.0, q0=[q0])
     assert abs(motion.q[-1, 0]) <= 1e-18
@@ -490,7 +499,7 @@ def test_a_state_at_rest_is_taken(q0):
 
 @pytest.mark.parametrize("excess", [0.0, 1e-16, 1e-13])
 def test_a_load_at_the_limit_of_friction_is_held(excess):
-    contact = asp.Contact(line(0.3), [[1.0]], normal_force=1.0)
+    contact = asp.Contact(line(0.3), direction=[[1.0]], normal_force=1.0)
     block = asp.LinearSystem([[1.0]], force=[0.3 * (1.0 + excess)], contacts=[contact])
     motion = asp.integrate(block, t_end=1.0)
     assert abs(motion.q[-1, 0]) <= 1e-13
@@ -559,10 +568,10 @@ def test_a_state_at_rest_with_light_and_heavy_parts_is_taken_in_few_steps():
     rows = [[-0.197174072265625, -0.04595947265625], [0.957000732421875, -0.476409912109375]]
     system = asp.LinearSystem(
         np.diag([38.40710927766292, 0.14293920660513285]),
-        [[1.875, 0.5], [0.762725830078125, 2.625]],
-        0.0,
-        [0.1778279410038923, -17.78279410038923],
-        contacts=[asp.Contact(law, rows, normal_force=65.43285927366601)],
+        stiffness=[[1.875, 0.5], [0.762725830078125, 2.625]],
+        damping=0.0,
+        force=[0.1778279410038923, -17.78279410038923],
+        contacts=[asp.Contact(law, direction=rows, normal_force=65.43285927366601)],
     )
     for t_end in (0.05, 0.18679571509277595, 10.0):
         motion = asp.integrate(system, t_end=t_end, tolerance=1e-6)
@@ -578,10 +587,12 @@ def test_no_contact_pulls_where_another_one_sticks(load, width):
     side = asp.Superellipse(53.06, 40.46, 3.075)
     stop = asp.FrictionLaw(asp.Superellipse(width, width, 8.0), asp.Ellipse(1, 1))
     contacts = [
-        asp.Contact(asp.FrictionLaw(side, side), [[-0.4394, 0.375]], normal_force=37.68),
-        asp.Contact(stop, [[1.0, 0.0]], normal=[1.0], gap=0.0, velocity=[-0.1079, 0.0]),
+        asp.Contact(asp.FrictionLaw(side, side), direction=[[-0.4394, 0.375]], normal_force=37.68),
+        asp.Contact(stop, direction=[[1.0, 0.0]], normal=[1.0], gap=0.0, velocity=[-0.1079, 0.0]),
     ]
-    system = asp.LinearSystem([[30.96]], [[1.003]], 0.0, [load], contacts=contacts)
+    system = asp.LinearSystem(
+        [[30.96]], stiffness=[[1.003]], damping=0.0, force=[load], contacts=contacts
+    )
     motion = asp.integrate(system, t_end=1.0)
     assert motion.normal_force.min() >= 0
     assert np.abs(motion.u).max() < 1e-12
@@ -593,9 +604,13 @@ def test_no_contact_pulls_where_another_one_sticks(load, width):
 def test_a_start_at_rest_up_to_rounding_sticks(u0):
     # With μ = 100 a slip would lift the contact or need an impact, depending on its sign.
     law = asp.FrictionLaw.isotropic(100.0, dimension=1)
-    contact = asp.Contact(law, [[1.0], [0.0]], normal=[0.0, 1.0])
+    contact = asp.Contact(law, direction=[[1.0], [0.0]], normal=[0.0, 1.0])
     system = asp.LinearSystem(
-        np.linalg.inv([[1.0, 0.5], [0.5, 1.0]]), 0.0, 0.0, [0.0, -9.81], contacts=[contact]
+        np.linalg.inv([[1.0, 0.5], [0.5, 1.0]]),
+        stiffness=0.0,
+        damping=0.0,
+        force=[0.0, -9.81],
+        contacts=[contact],
     )
     motion = asp.integrate(system, t_end=1.0, u0=[u0, 0.0])
     assert motion.events == ()
@@ -608,7 +623,13 @@ PAPER = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.
 
 def slow_belt(phi, speed, direction=PAPER.direction):
     velocity = speed * np.array([np.cos(np.deg2rad(phi)), np.sin(np.deg2rad(phi))])
-    return asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw(PAPER.reservoir, direction), 1.0, velocity)
+    return asp.MassOnBelt(
+        1.0,
+        stiffness=1.0,
+        law=asp.FrictionLaw(PAPER.reservoir, direction),
+        normal_force=1.0,
+        belt_velocity=velocity,
+    )
 
 
 @pytest.mark.parametrize(("phi", "stick"), [(50.0, 46.77587116164), (60.0, 64.80520875063)])
@@ -641,10 +662,12 @@ def test_slips_that_repel_are_left_among_other_contacts():
     speed, angles = 1e-2, (50.0, 60.0)
     belts = [slow_belt(phi, speed) for phi in angles]
     contacts = [
-        asp.Contact(PAPER, np.eye(4)[:, 2 * k : 2 * k + 2], normal_force=1.0, velocity=-velocity)
+        asp.Contact(
+            PAPER, direction=np.eye(4)[:, 2 * k : 2 * k + 2], normal_force=1.0, velocity=-velocity
+        )
         for k, velocity in enumerate(belt.belt_velocity for belt in belts)
     ]
-    both = asp.LinearSystem(np.eye(4), np.eye(4), contacts=contacts)
+    both = asp.LinearSystem(np.eye(4), stiffness=np.eye(4), contacts=contacts)
     motion = asp.integrate(both, t_end=3e4, u0=np.concatenate([b.belt_velocity for b in belts]))
     for k, belt in enumerate(belts):
         alone = asp.integrate(belt, t_end=3e4, u0=belt.belt_velocity)
@@ -690,10 +713,10 @@ def test_an_impact_in_a_corner_says_whether_it_drives_back_what_leaves(u0, drive
     law = asp.FrictionLaw.isotropic(0.01, dimension=1)
     normals = np.array([[0.0, 1.0], [0.6, -0.8]])
     stops = [
-        asp.Contact(law, np.array([[n[1]], [-n[0]]]), normal=n, normal_restitution=0.8)
+        asp.Contact(law, direction=np.array([[n[1]], [-n[0]]]), normal=n, normal_restitution=0.8)
         for n in normals
     ]
-    wedge = asp.LinearSystem(np.eye(2), np.zeros((2, 2)), contacts=stops)
+    wedge = asp.LinearSystem(np.eye(2), stiffness=np.zeros((2, 2)), contacts=stops)
     # One hits at once, the other one is left.
     assert normals[0] @ u0 < 0.0 < normals[1] @ u0
     motion = asp.integrate(wedge, t_end=0.1, u0=u0)
@@ -707,7 +730,7 @@ ENDS = [10.0**k for k in range(2, 9)]
 
 def spring(mu=0.3):
     """A stiff spring, ω = 100/s, that friction brings to rest."""
-    contact = asp.Contact(line(mu), [1.0], normal_force=1.0)
+    contact = asp.Contact(line(mu), direction=[1.0], normal_force=1.0)
     return asp.LinearSystem(1.0, stiffness=1e4, contacts=[contact])
 
 
@@ -742,7 +765,7 @@ def test_fast_damping_and_forcing_from_rest_do_not_depend_on_the_end(t_end):
 @pytest.mark.parametrize("gap", [1e-9, 1e-6, 1e-2])
 @pytest.mark.parametrize("t_end", ENDS)
 def test_an_open_contact_falls_shut_whatever_the_end(gap, t_end):
-    contact = asp.Contact(line(0.3), [1.0, 0.0], normal=[0.0, 1.0])
+    contact = asp.Contact(line(0.3), direction=[1.0, 0.0], normal=[0.0, 1.0])
     block = asp.LinearSystem(np.eye(2), force=[0.0, -10.0], contacts=[contact])
     motion = asp.integrate(block, t_end=t_end, q0=[0.0, gap], u0=[1.0, 0.0])
     impact = motion.events[0]
@@ -762,7 +785,7 @@ def test_an_open_contact_falls_shut_whatever_the_end(gap, t_end):
 @pytest.mark.parametrize("approach", [0.0, 1e-12, 1e-6])
 def test_a_contact_that_can_open_opens_though_slip_could_keep_it_closed(approach):
     """The indeterminate zone of Painlevé: w_NᵀM⁻¹(w_N + Wf) < 0 and γ̈_N > 0 without the contact."""
-    contact = asp.Contact(line(1.0), [2.0, 1.0], normal=[1.0, 0.0], velocity=[1.0])
+    contact = asp.Contact(line(1.0), direction=[2.0, 1.0], normal=[1.0, 0.0], velocity=[1.0])
     system = asp.LinearSystem(np.eye(2), force=[0.1, 0.0], contacts=[contact])
     motion = asp.integrate(system, t_end=0.1, u0=[approach, 0.0])
     assert EventKind.IMPACT_WITHOUT_COLLISION not in [event.kind for event in motion.events]
@@ -776,7 +799,7 @@ def test_a_contact_that_can_open_opens_though_slip_could_keep_it_closed(approach
 
 @pytest.mark.parametrize("t_end", ENDS)
 def test_a_fall_from_rest_does_not_depend_on_the_end(t_end):
-    contact = asp.Contact(line(0.3), [1.0, 0.0], normal=[0.0, 1.0])
+    contact = asp.Contact(line(0.3), direction=[1.0, 0.0], normal=[0.0, 1.0])
     block = asp.LinearSystem(np.eye(2), force=[0.0, -10.0], contacts=[contact])
     motion = asp.integrate(block, t_end=t_end, q0=[0.0, 1e-2])
     (impact,) = motion.events
@@ -787,7 +810,7 @@ def test_a_contact_pressed_into_the_paradox_is_stopped_by_an_impact():
     """Its percussion is finite although the approach that calls for it vanishes."""
     rows = np.array([[0.47, -0.05, -0.03], [1.05, -0.72, -0.47], [-0.52, 1.17, 0.99]])
     law = asp.FrictionLaw.isotropic(0.9)
-    contact = asp.Contact(law, rows[1:].T, normal=rows[0], velocity=[1.29, -0.03])
+    contact = asp.Contact(law, direction=rows[1:].T, normal=rows[0], velocity=[1.29, -0.03])
     force = np.array([-0.16, 0.85, -0.39])
     system = asp.LinearSystem(np.eye(3), force=force, contacts=[contact])
     motion = asp.integrate(system, t_end=1e-3)
@@ -809,7 +832,7 @@ def random_openings(count):
         if rows[0] @ sliding > -1e-3 or rows[0] @ force < 1e-2:
             continue
         met += 1
-        contact = asp.Contact(law, rows[1:].T, normal=rows[0], velocity=slip)
+        contact = asp.Contact(law, direction=rows[1:].T, normal=rows[0], velocity=slip)
         system = asp.LinearSystem(np.eye(3), force=force, contacts=[contact])
         motion = asp.integrate(system, t_end=1e-3)
         if np.abs(motion.q[-1] - 0.5e-6 * force).max() > 1e-12:

@@ -14,7 +14,8 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends SIGINT")
 
 SIMULATE = """
 import asperity as asp
-belt = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(0.5), 1.0, [0.1, 0.0])
+law = asp.FrictionLaw.isotropic(0.5)
+belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.1, 0.0])
 print("ready", flush=True)
 try:
     asp.simulate(belt, dt=1e-6, t_end=1e6, save_every=1000)
@@ -31,7 +32,7 @@ SOLVE = """
 import asperity as asp
 import numpy as np
 law = asp.FrictionLaw.isotropic(0.5)
-problem = asp.ContactProblem(np.eye(2), [0.2, 0.3], law, normal_force=1.0)
+problem = asp.ContactProblem(np.eye(2), free_velocity=[0.2, 0.3], laws=law, normal_force=1.0)
 print("ready", flush=True)
 try:
     # The step is far too large: the iteration jumps from side to side for ever.
@@ -44,7 +45,8 @@ except KeyboardInterrupt:
 
 WITHIN_A_STEP = """
 import asperity as asp
-belt = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(0.5), 1.0, [0.1, 0.0])
+law = asp.FrictionLaw.isotropic(0.5)
+belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.1, 0.0])
 # The step of the iteration is far too large: where the mass sticks, it jumps to and fro for ever.
 solver = asp.ProxJacobi(r=1e8, max_iterations=10**15)
 print("ready", flush=True)
@@ -97,8 +99,8 @@ LONG_CALLS = {
     "gauge": "(asp.Superellipse(0.3, 0.2, 3.0) + asp.Ellipse(0.2, 0.1)).gauge",
     "gauge_gradient": "(asp.Superellipse(0.3, 0.2, 3.0) + asp.Ellipse(0.2, 0.1)).gauge_gradient",
     "project": "(asp.Superellipse(0.3, 0.2, 3.0) + asp.Ellipse(0.2, 0.1)).project",
-    "support_point": "asp.Mapped(asp.WedgeAsperity(0.5, 0.6), [[1, 0.4], [0, 1]]).support_point",
-    "force": "asp.FrictionLaw(asp.Disk(0.3) + asp.Disk(0.1), asp.WedgeAsperity(0.5, 0.6)).force",
+    "support_point": "asp.Mapped(wedge, [[1, 0.4], [0, 1]]).support_point",
+    "force": "asp.FrictionLaw(asp.Disk(0.3) + asp.Disk(0.1), wedge).force",
     "cone": "asp.Cone([np.ones((60, 2)) * np.cos(np.arange(60))[:, None]]).project",
 }
 
@@ -141,7 +143,7 @@ def test_interrupt_ends_a_long_question_to_a_set(question):
 
 INTERRUPTED = """
 import asperity as asp, numpy as np
-problem = asp.problems.wall(12, 12)
+problem = asp.problems.wall(12, columns=12)
 rng = np.random.default_rng(0)
 free = problem.free_velocity * (1 + 1e-2 * rng.normal(size=problem.free_velocity.size))
 problem = problem.replace(free_velocity=free)

@@ -57,18 +57,22 @@ def test_slip_direction_at_a_corner_is_an_element_of_the_normal_cone(law):
 def test_force_is_dry_and_scales_with_the_normal_force(law):
     slip = directions(law)
     np.testing.assert_allclose(law.force(1e-6 * slip), law.force(slip), rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(law.force(slip, 7.0), 7.0 * law.force(slip), rtol=1e-14)
+    np.testing.assert_allclose(law.force(slip, normal_force=7.0), 7.0 * law.force(slip), rtol=1e-14)
     normal = np.arange(1.0, 4.0)[:, None]
-    assert law.force(slip, normal).shape == (3, 40, law.dimension)
-    np.testing.assert_array_equal(law.force(slip, normal)[2], law.force(slip, 3.0))
+    assert law.force(slip, normal_force=normal).shape == (3, 40, law.dimension)
+    np.testing.assert_array_equal(
+        law.force(slip, normal_force=normal)[2], law.force(slip, normal_force=3.0)
+    )
 
 
 @pytest.mark.parametrize("law", LAWS, ids=identify)
 def test_dissipation_is_strictly_positive(law):
     """Prop. 5: −λᵀγ = Ψ*_D(γ)/α."""
     slip = directions(law)
-    dissipation = law.dissipation(slip, 2.0)
-    np.testing.assert_allclose(dissipation, -(law.force(slip, 2.0) * slip).sum(1), rtol=1e-10)
+    dissipation = law.dissipation(slip, normal_force=2.0)
+    np.testing.assert_allclose(
+        dissipation, -(law.force(slip, normal_force=2.0) * slip).sum(1), rtol=1e-10
+    )
     assert dissipation.min() > 0.0
     x = -law.force(slip)
     alpha = 1 / (law.direction.gauge(x) - law.reservoir.gauge(x) + 1)
@@ -78,9 +82,11 @@ def test_dissipation_is_strictly_positive(law):
 @smooth_laws
 def test_jacobian_is_the_derivative_of_the_force(law):
     slip = directions(law)
-    jacobian = law.jacobian(slip, 3.0)
+    jacobian = law.jacobian(slip, normal_force=3.0)
     for j, e in enumerate(1e-6 * np.eye(law.dimension)):
-        column = (law.force(slip + e, 3.0) - law.force(slip - e, 3.0)) / 2e-6
+        column = (
+            law.force(slip + e, normal_force=3.0) - law.force(slip - e, normal_force=3.0)
+        ) / 2e-6
         np.testing.assert_allclose(jacobian[..., j], column, rtol=1e-4, atol=1e-5)
     np.testing.assert_allclose(np.einsum("nij,nj->ni", jacobian, slip), 0.0, atol=1e-8)
 
@@ -138,7 +144,7 @@ def test_rotation_commutes_with_the_law(law):
 
 def test_one_and_three_dimensions():
     one_way = asp.FrictionLaw.associated(asp.Interval(-0.2, 0.3))
-    np.testing.assert_allclose(one_way.force([[2.0], [-1.0]], 10.0), [[-3.0], [2.0]])
+    np.testing.assert_allclose(one_way.force([[2.0], [-1.0]], normal_force=10.0), [[-3.0], [2.0]])
     drilling = asp.FrictionLaw.isotropic(0.5, dimension=3)
     np.testing.assert_allclose(drilling.force([0.0, 3.0, 4.0]), [0.0, -0.3, -0.4])
     with pytest.raises(asp.DimensionError):
@@ -148,13 +154,13 @@ def test_one_and_three_dimensions():
 
 
 def test_reservoir_per_unit_normal_force_at_zero_load():
-    assert not TILTED_ELLIPSES.force([[1.0, 0.3]], 0.0).any()
+    assert not TILTED_ELLIPSES.force([[1.0, 0.3]], normal_force=0.0).any()
 
 
 @pytest.mark.parametrize("size", [5.0, 1e100, 1e150])
 def test_forces_beyond_the_reservoir_are_refused_by_a_readable_number(size):
     with pytest.raises(asp.ParameterError, match="outside the reservoir, its gauge is") as caught:
-        asp.FrictionLaw.isotropic(0.5).slip_direction([size, 0.0], 1.0)
+        asp.FrictionLaw.isotropic(0.5).slip_direction([size, 0.0], normal_force=1.0)
     assert float(str(caught.value).split()[-1]) == pytest.approx(2.0 * size)
     assert len(str(caught.value)) < 80
 
@@ -179,7 +185,7 @@ ISO = asp.FrictionLaw.isotropic(0.3)
 def test_tiny_slips_have_forces():
     assert ISO.force([1e-200, 0.0]).tolist() == [-0.3, 0.0]
     with pytest.raises(asp.ParameterError, match="normal_force"):
-        ISO.slip_direction([0.1, 0.0], 0.0)
+        ISO.slip_direction([0.1, 0.0], normal_force=0.0)
     # The force jumps where D is flat.
     rectangle = asp.FrictionLaw.associated(asp.Rectangle(1.0, 0.5))
     assert rectangle.jacobian([1.0, 0.0]).tolist() == [[0.0, 0.0], [0.0, -np.inf]]

@@ -15,7 +15,7 @@ from random_laws import random_law
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 from test_values import VALUES
 
-RATED = PLANE_LAWS[3].replace(rate=asp.Stribeck(0.1, 0.5, shape="hyperbolic", viscous=-0.0))
+RATED = PLANE_LAWS[3].replace(rate=asp.Stribeck(0.1, ratio=0.5, shape="hyperbolic", viscous=-0.0))
 ALL_LAWS = [*LAWS, *(one for one in VALUES if isinstance(one, asp.FrictionLaw)), RATED]
 
 
@@ -68,7 +68,9 @@ def test_the_crate_is_tested_with_what_is_written_today(name, tmp_path):
     assert written == stored_laws.without_origin(stored.read_text())
     assert_same(asp.FrictionLaw.load(stored), law)
     expected = json.loads((stored_laws.FOLDER / "forces.json").read_text())[name]
-    np.testing.assert_allclose(law.force(expected["slip"], 2.0), expected["force"], atol=1e-12)
+    np.testing.assert_allclose(
+        law.force(expected["slip"], normal_force=2.0), expected["force"], atol=1e-12
+    )
 
 
 def test_the_crate_is_tested_with_every_kind_of_set():
@@ -149,7 +151,9 @@ def test_classes_of_users_are_refused_by_name(law, message, tmp_path):
 
 def test_problems_with_laws_of_users_are_refused_by_name(tmp_path):
     law = asp.FrictionLaw(OwnDisk(0.3), DISK)
-    problem = asp.ContactProblem(np.eye(3), [-1.0, 0.2, 3.0], law, normal_restitution=0.5)
+    problem = asp.ContactProblem(
+        np.eye(3), free_velocity=[-1.0, 0.2, 3.0], laws=law, normal_restitution=0.5
+    )
     with pytest.raises(asp.ParameterError, match=r"laws\[0\].reservoir: of the class OwnDisk is"):
         problem.save(tmp_path / "problem.npz")
     assert not list(tmp_path.iterdir())
@@ -215,6 +219,9 @@ def test_inline_tables_and_left_out_defaults_are_read(tmp_path):
         ('type = "Ellipse"\n', "", r"line 5: \[law.reservoir.sets\[0\]\] type: is missing: it is"),
         ("a = 0.6", "a = -0.6", r"line 7: \[law.reservoir.sets\[0\]\] a: must be positive"),
         ("a = 0.6", 'a = "wide"', r"line 7: .* a: must hold real numbers, got 'wide'"),
+        ("a = 0.6", "a = true", r"line 7: .* a: must not be a truth value, got True"),
+        ("[0.0, 1.0]", "[0, false]", r"line 13: .* matrix\[1\]\[1\]: must not be a truth value"),
+        ("a = 0.6", "a = 0,6", r"line 7: .* a: is no TOML: .*; decimals take a point"),
         ("a = 0.6", "a = nan", r"line 7: .* a: must be finite, got nan"),
         ("a = 0.6", "a = 1e400", r"line 7: .* a: must be finite, got inf"),
         ("a = 0.6", f"a = {10**30}", r"line 7: .* a: must be a whole number of 64 bits"),
@@ -249,6 +256,16 @@ def test_what_is_wrong_is_named_with_line_and_key(old, new, message, tmp_path):
         loaded(TEXT.replace(old, new, 1), tmp_path)
     assert refused.value.file == str(tmp_path / "law.toml")
     assert len(str(refused.value)) < 500
+
+
+def test_what_people_write_is_read(tmp_path):
+    """Dates of TOML, a mark of the byte order, lines that end as on other systems."""
+    text = "\ufeff" + TEXT.replace("version = 1\n", "version = 1 # the first\n")
+    text += "[provenance]\ndate = 2026-11-22\nnote = 'dry'\n"
+    (tmp_path / "law.toml").write_bytes(text.replace("\n", "\r\n").encode())
+    read = asp.LawFile.load(tmp_path / "law.toml")
+    assert (read.provenance.date, read.provenance.note) == ("2026-11-22", "dry")
+    assert read.law == loaded(TEXT, tmp_path)
 
 
 def test_files_that_are_none_are_named(tmp_path):

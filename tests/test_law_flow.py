@@ -24,7 +24,7 @@ def unit(angle):
 def test_asperity_law_has_the_forces_of_the_springs(mu, degrees):
     """(49) against (50), and tan θ = cos²β tan φ."""
     beta = np.deg2rad(degrees)
-    law = asp.FrictionLaw.asperity(mu, beta)
+    law = asp.FrictionLaw.asperity(mu, beta=beta)
     length = np.hypot(np.cos(PHI), np.cos(beta) * np.sin(PHI))
     c1, c2 = np.cos(PHI) / length, np.cos(beta) * np.sin(PHI) / length
     denominator = np.cos(beta) ** 2 - (mu * c1 * np.sin(beta)) ** 2
@@ -36,10 +36,10 @@ def test_asperity_law_has_the_forces_of_the_springs(mu, degrees):
 
 
 def test_equal_flanks_given_as_a_pair_agree_with_the_closed_form():
-    closed = asp.FrictionLaw.asperity(1.2, 0.6)
+    closed = asp.FrictionLaw.asperity(1.2, beta=0.6)
     for law in (
-        asp.FrictionLaw.asperity(1.2, (0.6, 0.6)),
-        asp.FrictionLaw.asperity(1.2, 0.6, (1, 1)),
+        asp.FrictionLaw.asperity(1.2, beta=(0.6, 0.6)),
+        asp.FrictionLaw.asperity(1.2, beta=0.6, weights=(1, 1)),
     ):
         np.testing.assert_allclose(law.force(unit(PHI)), closed.force(unit(PHI)), atol=2e-7)
         assert law.report.closure == pytest.approx(1.0, abs=1e-9)
@@ -49,7 +49,7 @@ def test_equal_flanks_given_as_a_pair_agree_with_the_closed_form():
 def test_unequal_flanks_across_the_wedges(weights):
     """Along ±e₁ a spring climbs with tan(β + ρ) and descends with tan(ρ − β), tan ρ = μ."""
     mu, rising, falling = 0.4, 0.3, 0.6
-    law = asp.FrictionLaw.asperity(mu, (rising, falling), weights)
+    law = asp.FrictionLaw.asperity(mu, beta=(rising, falling), weights=weights)
     share = np.array(weights or (1 / np.tan(rising), 1 / np.tan(falling)))
     share /= share.sum()
     friction = np.arctan(mu)
@@ -59,20 +59,20 @@ def test_unequal_flanks_across_the_wedges(weights):
         law.force([[1.0, 0.0], [-1.0, 0.0]]), [[-forward, 0], [backward, 0]], atol=1e-7
     )
     mirrored = asp.FrictionLaw.asperity(
-        mu, (falling, rising), None if weights is None else weights[::-1]
+        mu, beta=(falling, rising), weights=None if weights is None else weights[::-1]
     )
     np.testing.assert_allclose(mirrored.force(-unit(PHI)), -law.force(unit(PHI)), atol=1e-6)
 
 
 def test_without_friction_unequal_flanks_carry_no_mean_force():
-    force = asp.FrictionLaw.asperity(1e-4, (0.2, 0.5)).force(unit(PHI))
+    force = asp.FrictionLaw.asperity(1e-4, beta=(0.2, 0.5)).force(unit(PHI))
     assert np.linalg.norm(force, axis=1).max() < 2e-4
 
 
 @pytest.mark.parametrize("beta", [0.8, (0.2, 0.8), (0.8, 0.2)])
 def test_locking_springs_are_refused(beta):
     with pytest.raises(asp.ParameterError, match="beta"):
-        asp.FrictionLaw.asperity(1.2, beta)
+        asp.FrictionLaw.asperity(1.2, beta=beta)
 
 
 # Tensors
@@ -151,7 +151,7 @@ def test_sine_terms_of_a_tensor_function():
 
 def test_fourth_order_tensor_with_non_convex_reservoir_and_convex_direction_set():
     """Fig. 12c with own parameters."""
-    law = asp.FrictionLaw.tensor(0.2 * np.eye(2), FOURTH_ORDER)
+    law = asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth_order=FOURTH_ORDER)
     c, s = np.cos(PHI), np.sin(PHI)
     f1 = 0.2 * c + 0.1 * c**3 - 0.1 * c * s**2
     f2 = 0.2 * s + 0.1 * s**3 - 0.1 * s * c**2
@@ -164,7 +164,7 @@ def test_fourth_order_tensor_with_non_convex_reservoir_and_convex_direction_set(
 def test_flow_rule_whose_force_turns_back_is_refused_with_the_direction():
     """A fourth-order tensor so strong that θ(φ) falls: no convex D."""
     with pytest.raises(asp.ParameterError) as caught:
-        asp.FrictionLaw.tensor(0.2 * np.eye(2), -1.5 * FOURTH_ORDER)
+        asp.FrictionLaw.tensor(0.2 * np.eye(2), fourth_order=-1.5 * FOURTH_ORDER)
     assert caught.value.argument == "fourth_order"
     assert "convex" in caught.value.message
 
@@ -302,8 +302,8 @@ TURNING = [[0.0, -0.3], [0.3, 0.0]]
         ("tensor", lambda: asp.FrictionLaw.tensor_function([(NEGATIVE, np.zeros((2, 2)))])),
         ("tensor", lambda: asp.FrictionLaw.tensor_function(lambda phi: np.ones((3, 3)))),
         ("tensor", lambda: asp.FrictionLaw.tensor_function(3)),
-        ("weights", lambda: asp.FrictionLaw.asperity(0.3, (0.3, 0.6), (0.0, 1.0))),
-        ("beta", lambda: asp.FrictionLaw.asperity(1.2, (0.2, 0.8))),
+        ("weights", lambda: asp.FrictionLaw.asperity(0.3, beta=(0.3, 0.6), weights=(0.0, 1.0))),
+        ("beta", lambda: asp.FrictionLaw.asperity(1.2, beta=(0.2, 0.8))),
         ("f", lambda: asp.FrictionLaw.from_flow_rule(lambda phi: -unit(phi))),
         ("f", lambda: asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi)[:5])),
     ],

@@ -157,7 +157,7 @@ STABLE = [
     asp.FrictionLaw.tensor(np.diag([0.3, 0.1])),
     asp.FrictionLaw.tensor([[0.9, 0.2], [0.2, 0.1]]),
     *[
-        asp.FrictionLaw.asperity(mu, share * np.arctan(1 / mu))
+        asp.FrictionLaw.asperity(mu, beta=share * np.arctan(1 / mu))
         for mu in (0.1, 0.5, 1.2)
         for share in (0.3, 0.9, 0.99)
     ],
@@ -195,7 +195,7 @@ def test_unstable_directions_point_into_the_tangent_cone():
 
 
 @pytest.mark.parametrize(
-    "direction", [asp.Ellipse(0.6, 0.2 * (1 + 1e-6)), asp.Ellipse(0.6, 0.2, 1e-6)]
+    "direction", [asp.Ellipse(0.6, 0.2 * (1 + 1e-6)), asp.Ellipse(0.6, 0.2, angle=1e-6)]
 )
 def test_nearly_associated_laws_are_not_associated(direction):
     law = asp.FrictionLaw(asp.Ellipse(0.6, 0.2), direction)

@@ -72,9 +72,9 @@ def pile(rng, laws, contacts, per_pair, unilateral=0.8):
     velocity = np.tile(0.01 * GRAVITY, bodies) + 0.05 * rng.normal(size=6 * bodies)
     return asp.ContactProblem.from_bodies(
         block_diag(blocks, format="csr"),
-        directions,
-        directions.T @ velocity,
-        chosen,
+        directions=directions,
+        free_velocity=directions.T @ velocity,
+        laws=chosen,
         normal_force=forces,
     )
 
@@ -125,8 +125,8 @@ def full_rank(rng, laws, contacts):
     jacobian = rng.normal(size=(rows, 2 * rows))
     return asp.ContactProblem(
         csr_array(jacobian @ jacobian.T / rows),
-        rng.normal(size=rows),
-        chosen,
+        free_velocity=rng.normal(size=rows),
+        laws=chosen,
         normal_force=rng.uniform(0.2, 2.0, size=contacts),
     )
 
@@ -246,9 +246,9 @@ def test_every_solver_takes_every_form_of_every_kind_of_problem(solver, kind, p)
     mass, directions, free, law = stack(kind, p)
     dense = directions.T @ np.linalg.inv(mass) @ directions
     for problem in (
-        asp.ContactProblem(dense, free, law),
-        asp.ContactProblem(csr_array(dense), free, law),
-        asp.ContactProblem.from_bodies(mass, directions, free, law),
+        asp.ContactProblem(dense, free_velocity=free, laws=law),
+        asp.ContactProblem(csr_array(dense), free_velocity=free, laws=law),
+        asp.ContactProblem.from_bodies(mass, directions=directions, free_velocity=free, laws=law),
     ):
         solution = problem.solve(solver, tolerance=1e-9, on_failure="record")
         assert solution.converged == (problem.residual(solution.percussion) <= 1e-9)
@@ -272,10 +272,12 @@ def test_a_heavy_block_on_a_light_one_has_a_solution(solver, bodies, ratio):
     fall = 9.81e-3
     free = directions.T @ np.array([0.0, -fall, 0.05, -fall])
     if bodies:
-        problem = asp.ContactProblem.from_bodies(mass, directions, free, line)
+        problem = asp.ContactProblem.from_bodies(
+            mass, directions=directions, free_velocity=free, laws=line
+        )
     else:
         dense = directions.T @ np.linalg.inv(mass) @ directions
-        problem = asp.ContactProblem(dense, free, line)
+        problem = asp.ContactProblem(dense, free_velocity=free, laws=line)
     solution = problem.solve(solver, on_failure="record")
     assert solution.converged
     # The measure is relative to percussions: the errors of velocities are up to 1e-10 times their
@@ -295,7 +297,10 @@ def test_a_stop_that_only_friction_presses_is_solved(solver, normal_load):
         coupling, slip, cross = rng.uniform([0.1, 0.1, -0.3], [0.9, 1.0, 0.3])
         operator = [[1.0, coupling, 0.1], [coupling, 1.1, cross], [0.1, cross, 1.3]]
         problem = asp.ContactProblem(
-            operator, [slip, normal_load, 0.0], DIMENSIONS[1], normal_force=[1.0, None]
+            operator,
+            free_velocity=[slip, normal_load, 0.0],
+            laws=DIMENSIONS[1],
+            normal_force=[1.0, None],
         )
         solution = problem.solve(solver)
         assert solution.residual == problem.residual(solution.percussion) <= 1e-10
@@ -307,9 +312,11 @@ def test_verdicts_do_not_depend_on_units(exponents):
     kilogram, metre, second = 10.0 ** np.array(exponents, dtype=float)
     speed = metre / second
     closing = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.diag([1.0, 0.0])) + np.diag([0, 1, 0, 1])
-    squeezed = asp.ContactProblem(closing, [-0.2, 0.5, -0.1, 0.5], DIMENSIONS[1])
+    squeezed = asp.ContactProblem(closing, free_velocity=[-0.2, 0.5, -0.1, 0.5], laws=DIMENSIONS[1])
     mass, directions, free, law = stack("heavy on light", 2)
-    solved = asp.ContactProblem(directions.T @ np.linalg.inv(mass) @ directions, free, law)
+    solved = asp.ContactProblem(
+        directions.T @ np.linalg.inv(mass) @ directions, free_velocity=free, laws=law
+    )
     for problem in (squeezed, solved):
         twin = problem.replace(
             delassus=problem.delassus / kilogram, free_velocity=problem.free_velocity * speed
@@ -391,7 +398,7 @@ def test_extreme_eigenvalues_are_estimated():
     "problem",
     [
         asp.problems.sliders(1500, coupled=True, seed=2),
-        asp.problems.wall(10, 9, law=asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.4))),
+        asp.problems.wall(10, columns=9, law=asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.4))),
     ],
     ids=["sliders", "wall"],
 )
@@ -416,7 +423,11 @@ def test_contact_of_bodies_without_directions():
     directions[:3, :3] = np.eye(3)
     operator = np.diag([1.0, 1.0, 1.0, 1e-8, 1e-8, 1e-8])
     problem = asp.ContactProblem.from_bodies(
-        np.eye(6), directions, [-1.0, 0.2, 0.0, -1e-9, 0.0, 0.0], LAW, delassus=operator
+        np.eye(6),
+        directions=directions,
+        free_velocity=[-1.0, 0.2, 0.0, -1e-9, 0.0, 0.0],
+        laws=LAW,
+        delassus=operator,
     )
     for solver in (asp.Auto(), asp.ProximalPoint(), asp.InteriorPoint()):
         found = problem.solve(solver, tolerance=1e-6, on_failure="record")
@@ -428,14 +439,14 @@ def test_sweeps_solve_contacts_that_friction_can_pull_to_the_surface(coupling):
     block = np.array([[1.0, coupling, 0.0], [coupling, 3.0, 0.0], [0.0, 0.0, 3.0]])
     operator = np.kron(np.eye(2), block) + 0.05 * np.ones((6, 6))
     law = asp.FrictionLaw.isotropic(0.8)
-    problem = asp.ContactProblem(operator, [-1.0, 0.5, 0.1, -1.0, 0.2, 0.3], law)
+    problem = asp.ContactProblem(operator, free_velocity=[-1.0, 0.5, 0.1, -1.0, 0.2, 0.3], laws=law)
     solution = problem.solve()
     assert [stage.method for stage in solution.stages] == ["gauss_seidel"]
 
 
 @pytest.mark.parametrize("solver", [asp.Exact(), asp.ProxGaussSeidel(), asp.Auto()], ids=repr)
 def test_a_loose_tolerance_is_no_paradox(solver):
-    problem = asp.problems.wall(5, 5)
+    problem = asp.problems.wall(5, columns=5)
     assert problem.solve(solver, tolerance=1e-2).residual <= 1e-2
 
 
@@ -447,13 +458,15 @@ def test_masses_that_couple_everything_are_refused():
     directions = np.zeros((n, 3))
     directions[:3] = np.eye(3)
     with pytest.raises(ParameterError, match="mass: must couple"):
-        asp.ContactProblem.from_bodies(mass, directions, [-1.0, 0.0, 0.0], LAW).solve()
+        asp.ContactProblem.from_bodies(
+            mass, directions=directions, free_velocity=[-1.0, 0.0, 0.0], laws=LAW
+        ).solve()
 
 
 @pytest.mark.parametrize("solver", [asp.InteriorPoint(), asp.ADMM()], ids=repr)
 def test_asymmetric_intervals_are_no_cones(solver):
     law = asp.FrictionLaw.associated(asp.Interval(-0.1, 0.9))
-    problem = asp.ContactProblem(np.eye(4) + 0.1, [-1.0, 3.0, -1.0, -3.0], law)
+    problem = asp.ContactProblem(np.eye(4) + 0.1, free_velocity=[-1.0, 3.0, -1.0, -3.0], laws=law)
     with pytest.raises(ParameterError, match="solver"):
         problem.solve(solver)
     assert problem.solve().converged
@@ -465,7 +478,9 @@ def test_moving_contacts_are_not_said_to_stick(solver):
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.2), asp.Ellipse(0.2, 0.5))
     for _ in range(50):
         root = rng.normal(size=(6, 6))
-        problem = asp.ContactProblem(root @ root.T + 0.1 * np.eye(6), rng.normal(size=6), law)
+        problem = asp.ContactProblem(
+            root @ root.T + 0.1 * np.eye(6), free_velocity=rng.normal(size=6), laws=law
+        )
         solution = problem.solve(solver, tolerance=1e-6, on_failure="record")
         slips = np.linalg.norm(solution.velocity.reshape(2, 3)[:, 1:], axis=1)
         sticking = solution.phase == int(asp.Phase.STICK)
@@ -473,14 +488,14 @@ def test_moving_contacts_are_not_said_to_stick(solver):
 
 
 def test_default_solver_follows_the_rule_of_selection():
-    law = asp.FrictionLaw(asp.Ellipse(0.3, 0.1, np.deg2rad(30.0)), asp.Ellipse(3.0, 1.0))
+    law = asp.FrictionLaw(asp.Ellipse(0.3, 0.1, angle=np.deg2rad(30.0)), asp.Ellipse(3.0, 1.0))
     rng = np.random.default_rng(5)
     ambiguous = different = 0
     for _ in range(300):
         operator = np.eye(4)
         operator[:2, 2:] = operator[2:, :2] = 1e-6 * np.eye(2)
         before = rng.normal(size=4) * 0.4
-        problem = asp.ContactProblem(operator, before, law, normal_force=1.0)
+        problem = asp.ContactProblem(operator, free_velocity=before, laws=law, normal_force=1.0)
         first = problem.solve(asp.Exact())
         then = problem.replace(free_velocity=before + 0.05 * rng.normal(size=4))
         exact, auto = (then.solve(solver, start=first) for solver in (asp.Exact(), asp.Auto()))

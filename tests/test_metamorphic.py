@@ -248,7 +248,7 @@ def from_forces(rng):
     ):
         start = {"dt": 5e-3, "t_end": 0.3, "u0": rng.uniform(-1, 1, 2)}
         mass = rng.uniform(0.5, 2.0)
-        paths = [asp.simulate(asp.SlidingPoint(mass, each), **start) for each in (one, two)]
+        paths = [asp.simulate(asp.SlidingPoint(mass, law=each), **start) for each in (one, two)]
         certain(*paths)
         close(paths[1].q, paths[0].q, tolerance, "paths")
 
@@ -515,14 +515,28 @@ def belt(rng):
 def stability_in_other_frames(rng):
     """Eigenvalues know neither the orientation nor the mirror; they scale with time."""
     mass, stiffness, law, load, velocity = belt(rng)
-    one = asp.stability(asp.MassOnBelt(mass, stiffness, law, load, velocity))
+    one = asp.stability(
+        asp.MassOnBelt(
+            mass, stiffness=stiffness, law=law, normal_force=load, belt_velocity=velocity
+        )
+    )
     matrix = scenes.turn(rng.uniform(-3, 3)) @ np.diag([1.0, rng.choice([-1.0, 1.0])])
-    moved = asp.MassOnBelt(mass, stiffness, scenes.mirrored(law, matrix), load, matrix @ velocity)
+    moved = asp.MassOnBelt(
+        mass,
+        stiffness=stiffness,
+        law=scenes.mirrored(law, matrix),
+        normal_force=load,
+        belt_velocity=matrix @ velocity,
+    )
     two = asp.stability(moved)
     kg, m, s = 2.0 ** rng.integers(-20, 21, 3)
     three = asp.stability(
         asp.MassOnBelt(
-            mass * kg, stiffness * kg / s**2, law, load * kg * m / s**2, velocity * m / s
+            mass * kg,
+            stiffness=stiffness * kg / s**2,
+            law=law,
+            normal_force=load * kg * m / s**2,
+            belt_velocity=velocity * m / s,
         )
     )
 
@@ -542,14 +556,30 @@ def cycle_in_other_frames(rng):
     law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
     phi = np.deg2rad(rng.uniform(48.0, 65.0))
     velocity = rng.uniform(0.5, 2.0) * np.array([np.cos(phi), np.sin(phi)])
-    one = asp.limit_cycle(asp.MassOnBelt(1.0, 1.0, law, 1.0, velocity))
+    one = asp.limit_cycle(
+        asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=velocity)
+    )
     kg, m, s = 2.0 ** rng.integers(-3, 4, 3)
-    two = asp.limit_cycle(asp.MassOnBelt(kg, kg / s**2, law, kg * m / s**2, velocity * m / s))
+    two = asp.limit_cycle(
+        asp.MassOnBelt(
+            kg,
+            stiffness=kg / s**2,
+            law=law,
+            normal_force=kg * m / s**2,
+            belt_velocity=velocity * m / s,
+        )
+    )
     close(two.period / s, one.period, 1e-7, "periods")
     close((two.maximum - two.minimum) / m, one.maximum - one.minimum, 1e-6, "swings")
     matrix = scenes.turn(np.pi / 2)
     three = asp.limit_cycle(
-        asp.MassOnBelt(1.0, 1.0, law.rotated(np.pi / 2), 1.0, matrix @ velocity)
+        asp.MassOnBelt(
+            1.0,
+            stiffness=1.0,
+            law=law.rotated(np.pi / 2),
+            normal_force=1.0,
+            belt_velocity=matrix @ velocity,
+        )
     )
     close(three.period, one.period, 1e-7, "periods")
     close((three.maximum - three.minimum)[::-1], one.maximum - one.minimum, 1e-6, "swings")

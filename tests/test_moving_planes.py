@@ -51,8 +51,8 @@ def check(system, known, t_end, *, order=1, factor, steps=(4e-3, 1e-3, 2.5e-4), 
 
 
 def box_on(line, law=SLIPPERY):
-    body = PlanarBody.box(1.0, (0.1, 0.1), position=(0.0, 0.1))
-    return RigidBodies([body], [BoxPlane(0, (0.1, 0.1), line, law)])
+    body = PlanarBody.box(1.0, half_sizes=(0.1, 0.1), position=(0.0, 0.1))
+    return RigidBodies([body], pairs=[BoxPlane(0, half_sizes=(0.1, 0.1), plane=line, law=law)])
 
 
 @pytest.mark.parametrize("acceleration", [2.0, 5.0])
@@ -96,8 +96,8 @@ def slides(t_end, belt, semi_axes, normal_force, u0=(0.0, 0.0)):
 
 
 def point_on(plane, law, **state):
-    body = Body(1.0, [1.0, 1.0, 1.0], **state)
-    return RigidBodies([body], [PointPlane(0, (0.0, 0.0, 0.0), plane, law)])
+    body = Body(1.0, inertia=[1.0, 1.0, 1.0], **state)
+    return RigidBodies([body], pairs=[PointPlane(0, point=(0.0, 0.0, 0.0), plane=plane, law=law)])
 
 
 def of_point(q, u):
@@ -113,7 +113,7 @@ def of_point(q, u):
             [[1.0, 0.5], [2.0, 0.0], [2.5, -0.7], [4.0, 0.3]],
             interpolation="cubic",
         ),
-        Sine([1.0, 1.5], 2.0, phase=[0.0, 1.5], offset=[4.0, 0.0]),
+        Sine([1.0, 1.5], frequency=2.0, phase=[0.0, 1.5], offset=[4.0, 0.0]),
     ],
     ids=["spline", "sine"],
 )
@@ -128,9 +128,12 @@ def test_an_anisotropic_point_on_a_belt_that_changes_its_velocity(belt):
 def test_a_turntable_that_starts():
     # What sticks at a small radius turns with the table.
     spin = Signal([0.0, 0.5, 1.0], [0.0, 1.0, 1.0], interpolation="cubic")
-    body = Body.cylinder(1.0, 0.05, 0.02, position=(0.1, 0.0, 0.01))
-    feet = [PointPlane(0, (x, y, -0.01), Plane(spin=spin), FrictionLaw.isotropic(1.0)) for x, y in
-            [(0.04, 0.0), (-0.02, 0.03), (-0.02, -0.03)]]  # fmt: skip
+    body = Body.cylinder(1.0, radius=0.05, height=0.02, position=(0.1, 0.0, 0.01))
+    table, law = Plane(spin=spin), FrictionLaw.isotropic(1.0)
+    feet = [
+        PointPlane(0, point=(x, y, -0.01), plane=table, law=law)
+        for x, y in [(0.04, 0.0), (-0.02, 0.03), (-0.02, -0.03)]
+    ]
     angle, rate = spin.integral(0.0, 1.4), spin(1.4)
     turn = Rotation.from_euler("z", angle)
     known = np.concatenate(
@@ -141,7 +144,7 @@ def test_a_turntable_that_starts():
             [0.0, 0.0, rate],
         ]
     )
-    check(RigidBodies([body], feet), known, 1.4, order=2, factor=2.0)
+    check(RigidBodies([body], pairs=feet), known, 1.4, order=2, factor=2.0)
 
 
 # Shaken tables.
@@ -149,7 +152,9 @@ def test_a_turntable_that_starts():
 
 def shaker(amplitude, frequency):
     """Up and down from rest: d = A (1 − cos ωt)."""
-    return Sine([0.0, amplitude], frequency, phase=[0.0, -np.pi / 2], offset=[0.0, amplitude])
+    return Sine(
+        [0.0, amplitude], frequency=frequency, phase=[0.0, -np.pi / 2], offset=[0.0, amplitude]
+    )
 
 
 def hops(table, e, t_end):
@@ -195,8 +200,10 @@ def test_parts_hop_on_a_shaken_table(e, t_end, amplitude):
     assert hits >= 2
     law = FrictionLaw.isotropic(0.3, dimension=1)
     line = Line(motion=PlaneMotion(displacement=table))
-    ball = PlanarBody.disk(1.0, 0.1, position=(0.0, 0.1))
-    system = RigidBodies([ball], [SpherePlane(0, 0.1, line, law, normal_restitution=e)])
+    ball = PlanarBody.disk(1.0, radius=0.1, position=(0.0, 0.1))
+    system = RigidBodies(
+        [ball], pairs=[SpherePlane(0, radius=0.1, plane=line, law=law, normal_restitution=e)]
+    )
     known = [0.0, 0.1 + y, 0.0, 0.0, v, 0.0]
     # An impact that comes late by a step changes the velocity by that of the table in it.
     factor = 60.0 if e == 0.0 else 200.0
@@ -225,7 +232,7 @@ def test_a_box_on_a_table_that_is_shaken_gently_never_leaves_it():
 
 
 def test_periodic_samples_over_many_periods():
-    wave = Sine(0.5e-3, 20.0, phase=0.3)
+    wave = Sine(0.5e-3, frequency=20.0, phase=0.3)
     t = np.linspace(0.0, 0.05, 17)
     once = np.stack([np.zeros(17), wave(t)], axis=-1)
     once[-1] = once[0]
@@ -259,9 +266,9 @@ def test_a_table_that_moves_with_kinks_strikes_what_lies_on_it(e):
     # Rests, rises with 0.5 m/s, and rests again.
     table = Signal([0.1, 0.3], [[0.0, 0.0], [0.0, 0.1]], interpolation="linear")
     line = Line(motion=PlaneMotion(displacement=table))
-    ball = PlanarBody.disk(1.0, 0.1, position=(0.0, 0.1))
-    pair = SpherePlane(0, 0.1, line, SLIPPERY, normal_restitution=e)
-    system = RigidBodies([ball], [pair])
+    ball = PlanarBody.disk(1.0, radius=0.1, position=(0.0, 0.1))
+    pair = SpherePlane(0, radius=0.1, plane=line, law=SLIPPERY, normal_restitution=e)
+    system = RigidBodies([ball], pairs=[pair])
     t_end = 0.35
     if e == 0.0:
         known, speed = 0.1 + 0.5 * 0.05 - 0.5 * G * 0.05**2, 0.5 - G * 0.05
@@ -291,9 +298,12 @@ def test_a_table_that_moves_with_kinks_strikes_what_lies_on_it(e):
 def test_a_box_that_a_table_strikes_flat_stays_on_it(inertia):
     """Percussions of corners balance; what rounding leaves of them is neither slip nor bounce."""
     rises = Signal([0.1, 1.0], [[0.0, 0.0], [0.0, 0.9]], interpolation="linear")
-    body = PlanarBody(1.0, inertia, position=(0.0, 0.1))
+    body = PlanarBody(1.0, inertia=inertia, position=(0.0, 0.1))
     line = Line(motion=PlaneMotion(displacement=rises))
-    motion = integrate(RigidBodies([body], [BoxPlane(0, (0.1, 0.1), line, SLIPPERY)]), t_end=0.5)
+    motion = integrate(
+        RigidBodies([body], pairs=[BoxPlane(0, half_sizes=(0.1, 0.1), plane=line, law=SLIPPERY)]),
+        t_end=0.5,
+    )
     assert [event.kind for event in motion.events] == [EventKind.KINK]
     np.testing.assert_allclose(motion.q[-1], [0.0, 0.5, 0.0], atol=1e-12)
     np.testing.assert_allclose(motion.u[-1], [0.0, 1.0, 0.0], atol=1e-12)
@@ -311,7 +321,7 @@ def test_kinks_do_not_count_as_too_many_events():
 @pytest.mark.parametrize(
     "angle",
     [
-        Sine(0.2, 1.5),
+        Sine(0.2, frequency=1.5),
         Signal([0.0, 0.3, 0.8, 1.0], [0.0, 0.2, -0.1, 0.0], interpolation="cubic"),
     ],
     ids=["sine", "spline"],
@@ -321,11 +331,16 @@ def test_a_block_rides_on_a_rocking_table(angle):
     line = Line(point=(0.3, -0.2), motion=PlaneMotion(rotation=angle))
     place = np.array([0.15, 0.05])
     body = PlanarBody.box(
-        1.0, (0.2, 0.05), position=place + line.point,
+        1.0, half_sizes=(0.2, 0.05), position=place + line.point,
         velocity=rate * np.array([-place[1], place[0]]), angular_velocity=rate,
     )  # fmt: skip
     system = RigidBodies(
-        [body], [BoxPlane(0, (0.2, 0.05), line, FrictionLaw.isotropic(2.0, dimension=1))]
+        [body],
+        pairs=[
+            BoxPlane(
+                0, half_sizes=(0.2, 0.05), plane=line, law=FrictionLaw.isotropic(2.0, dimension=1)
+            )
+        ],
     )
     t = 0.9
     c, s, w = np.cos(angle(t)), np.sin(angle(t)), angle.derivative(t)
@@ -340,7 +355,10 @@ def test_a_block_rides_on_a_rocking_table(angle):
 
 def test_a_plate_rides_on_a_table_that_tips_about_two_axes():
     tilt = Sine(
-        [0.1, 0.15, 0.0], 1.0, phase=[0.0, 0.7, 0.0], offset=[0.0, -0.15 * np.sin(0.7), 0.0]
+        [0.1, 0.15, 0.0],
+        frequency=1.0,
+        phase=[0.0, 0.7, 0.0],
+        offset=[0.0, -0.15 * np.sin(0.7), 0.0],
     )
 
     def at(t):
@@ -350,14 +368,14 @@ def test_a_plate_rides_on_a_table_that_tips_about_two_axes():
     place = np.array([0.05, -0.1, 0.02])
     body = Body.box(
         1.0,
-        (0.1, 0.1, 0.02),
+        half_sizes=(0.1, 0.1, 0.02),
         position=place,
         velocity=np.cross(omega, place),
         angular_velocity=omega,
     )
     plane = Plane(motion=PlaneMotion(rotation=tilt))
     feet = [
-        PointPlane(0, (*foot, -0.02), plane, FrictionLaw.isotropic(2.0))
+        PointPlane(0, point=(*foot, -0.02), plane=plane, law=FrictionLaw.isotropic(2.0))
         for foot in [(0.1, 0.0), (-0.05, 0.08), (-0.05, -0.08)]
     ]
     t, h = 0.7, 1e-4
@@ -367,11 +385,11 @@ def test_a_plate_rides_on_a_table_that_tips_about_two_axes():
     known = np.concatenate(
         [at(t).apply(place), at(t).as_quat(scalar_first=True), velocity, spin / (2 * h)]
     )
-    motion = integrate(RigidBodies([body], feet), t_end=t)
+    motion = integrate(RigidBodies([body], pairs=feet), t_end=t)
     np.testing.assert_allclose(np.r_[motion.q[-1], motion.u[-1, :3]], known[:10], atol=1e-8)
     np.testing.assert_allclose(motion.u[-1, 3:], known[10:], atol=1e-6)
     for dt in (4e-3, 1e-3):
-        run = simulate(RigidBodies([body], feet), dt=dt, t_end=t)
+        run = simulate(RigidBodies([body], pairs=feet), dt=dt, t_end=t)
         np.testing.assert_allclose(run.q[-1], known[:7], rtol=0.0, atol=0.3 * dt)
 
 
@@ -385,7 +403,7 @@ def test_a_conveyor_of_anisotropic_surface(direction):
     omega = 2.0 * np.pi * frequency
     along, up = 40.0 / omega**2, 8.0 / omega**2
     way = np.array([along * np.cos(direction), along * np.sin(direction), up])
-    motion = Sine(way, frequency, phase=[np.pi / 2] * 3)
+    motion = Sine(way, frequency=frequency, phase=[np.pi / 2] * 3)
 
     def belt(t):
         return motion.derivative(t)[:2]
@@ -407,16 +425,18 @@ def test_a_conveyor_with_stick_and_hops_by_pieces_in_closed_form():
     """Along a line: sticks, slips and flies; DOP853 integrates every phase up to its event."""
     mu, frequency = 0.4, 15.0
     omega = 2.0 * np.pi * frequency
-    table = Sine([12.0 / omega**2, 13.0 / omega**2], frequency, phase=[0.0, 0.0])
+    table = Sine([12.0 / omega**2, 13.0 / omega**2], frequency=frequency, phase=[0.0, 0.0])
     law = FrictionLaw.isotropic(mu, dimension=1)
-    pair = PointPlane(0, (0.0, 0.0), Line(motion=PlaneMotion(displacement=table)), law)
-    body = PlanarBody(1.0, 1.0, velocity=table.derivative(0.0))
+    pair = PointPlane(
+        0, point=(0.0, 0.0), plane=Line(motion=PlaneMotion(displacement=table)), law=law
+    )
+    body = PlanarBody(1.0, inertia=1.0, velocity=table.derivative(0.0))
     t_end = 0.3
     state, phases = conveyed(table, mu, t_end)
     assert {"stick", "slip", "flight"} <= set(phases)
     known = [state[0], state[1], 0.0, state[2], state[3], 0.0]
     check(
-        RigidBodies([body], [pair]), known, t_end, factor=20.0, steps=(4e-4, 1e-4, 2.5e-5),
+        RigidBodies([body], pairs=[pair]), known, t_end, factor=20.0, steps=(4e-4, 1e-4, 2.5e-5),
         tolerance=1e-8,
     )  # fmt: skip
 
@@ -505,9 +525,14 @@ def test_a_plane_that_moves_uniformly_is_a_belt():
     for options in ({"velocity": velocity}, {"motion": PlaneMotion(displacement=moves)}):
         plane = Plane.oriented(slope, **options)
         body = Body.box(
-            1.0, (0.1, 0.1, 0.05), position=slope.apply([0.0, 0.0, 0.05]), orientation=slope
+            1.0,
+            half_sizes=(0.1, 0.1, 0.05),
+            position=slope.apply([0.0, 0.0, 0.05]),
+            orientation=slope,
         )
-        system = RigidBodies([body], [BoxPlane(0, (0.1, 0.1, 0.05), plane, law)])
+        system = RigidBodies(
+            [body], pairs=[BoxPlane(0, half_sizes=(0.1, 0.1, 0.05), plane=plane, law=law)]
+        )
         runs.append([simulate(system, dt=1e-3, t_end=0.5), integrate(system, t_end=0.5)])
     for a, b in zip(*runs, strict=True):
         np.testing.assert_allclose(a.q[-1], b.q[-1], atol=1e-9)
@@ -520,10 +545,14 @@ def test_galilei_holds_along_the_normal():
 
     def run(motion, velocity):
         body = PlanarBody.box(
-            1.0, (0.1, 0.2), position=(0.0, 0.4), angle=0.3, velocity=np.add((1.0, 0.0), velocity)
+            1.0,
+            half_sizes=(0.1, 0.2),
+            position=(0.0, 0.4),
+            angle=0.3,
+            velocity=np.add((1.0, 0.0), velocity),
         )
-        pair = BoxPlane(0, (0.1, 0.2), Line(motion=motion), SLIPPERY)
-        return simulate(RigidBodies([body], [pair]), dt=1e-3, t_end=1.0)
+        pair = BoxPlane(0, half_sizes=(0.1, 0.2), plane=Line(motion=motion), law=SLIPPERY)
+        return simulate(RigidBodies([body], pairs=[pair]), dt=1e-3, t_end=1.0)
 
     moved = run(PlaneMotion(displacement=rises), v)
     still = run(None, 0.0 * v)
@@ -533,22 +562,22 @@ def test_galilei_holds_along_the_normal():
 
 
 def test_a_shaken_table_is_a_load_in_its_axes():
-    table = Sine([1.5e-3, 0.0, 0.6e-3], 15.0, phase=[0.0, 0.0, 1.0])
+    table = Sine([1.5e-3, 0.0, 0.6e-3], frequency=15.0, phase=[0.0, 0.0, 1.0])
     omega = 2.0 * np.pi * 15.0
     law = FrictionLaw.associated(Ellipse(0.4, 0.25))
-    pushes = Sine(2.0 * omega**2 * table.amplitude, 15.0, phase=table.phase)
+    pushes = Sine(2.0 * omega**2 * table.amplitude, frequency=15.0, phase=table.phase)
     half = (0.1, 0.1, 0.02)
 
     def run(plane, position, velocity, force):
         body = Body.box(
-            2.0, half, position=position + np.array([0.0, 0.0, 0.02]),
+            2.0, half_sizes=half, position=position + np.array([0.0, 0.0, 0.02]),
             velocity=velocity + np.array([0.2, 0.1, 0.0]), force=force,
         )  # fmt: skip
         feet = [
-            PointPlane(0, (*foot, -0.02), plane, law)
+            PointPlane(0, point=(*foot, -0.02), plane=plane, law=law)
             for foot in [(0.1, 0.0), (-0.05, 0.08), (-0.05, -0.08)]
         ]
-        return integrate(RigidBodies([body], feet), t_end=0.2)
+        return integrate(RigidBodies([body], pairs=feet), t_end=0.2)
 
     shaken = run(
         Plane(motion=PlaneMotion(displacement=table)),
@@ -566,13 +595,20 @@ def test_a_shaken_table_is_a_load_in_its_axes():
 
 def test_a_plane_of_a_body_moves_in_the_axes_of_the_body():
     # A tray on a heavy carriage that runs and turns: as if the world's plane did both.
-    lift = Sine([0.0, 2e-3], 5.0)
-    carriage = PlanarBody(1e9, 1e9, velocity=(0.7, 0.0), position=(0.0, 0.0))
+    lift = Sine([0.0, 2e-3], frequency=5.0)
+    carriage = PlanarBody(1e9, inertia=1e9, velocity=(0.7, 0.0), position=(0.0, 0.0))
     rider = PlanarBody.box(
-        1.0, (0.1, 0.1), position=(0.0, 0.1), velocity=(0.7, lift.derivative(0.0)[1])
+        1.0, half_sizes=(0.1, 0.1), position=(0.0, 0.1), velocity=(0.7, lift.derivative(0.0)[1])
     )
-    pairs = [BoxPlane(1, (0.1, 0.1), Line(body=0, motion=PlaneMotion(displacement=lift)), SLIPPERY)]
-    system = RigidBodies([carriage, rider], pairs, gravity=(0.0, 0.0))
+    pairs = [
+        BoxPlane(
+            1,
+            half_sizes=(0.1, 0.1),
+            plane=Line(body=0, motion=PlaneMotion(displacement=lift)),
+            law=SLIPPERY,
+        )
+    ]
+    system = RigidBodies([carriage, rider], pairs=pairs, gravity=(0.0, 0.0))
     pressed = system.replace(bodies=[carriage, rider.replace(force=(0.0, -G))])
     motion = integrate(pressed, t_end=0.43)
     np.testing.assert_allclose(motion.q[-1, 3:], [0.7 * 0.43, 0.1 + lift(0.43)[1], 0.0], atol=1e-7)
@@ -580,7 +616,7 @@ def test_a_plane_of_a_body_moves_in_the_axes_of_the_body():
     np.testing.assert_allclose(run.q[-1, 3:], motion.q[-1, 3:], atol=1e-5)
 
 
-@pytest.mark.parametrize("signal", [Sine([1e-3, 1.5e-3], 12.0)])
+@pytest.mark.parametrize("signal", [Sine([1e-3, 1.5e-3], frequency=12.0)])
 def test_functions_move_planes_as_their_signals_do(signal):
     ends = []
     for displacement in (signal, lambda t: (signal(t), signal.derivative(t))):
@@ -599,10 +635,10 @@ def test_functions_move_planes_as_their_signals_do(signal):
 
 
 def test_moving_planes_are_values():
-    motion = PlaneMotion(displacement=Sine([0.0, 1e-3], 12.0))
+    motion = PlaneMotion(displacement=Sine([0.0, 1e-3], frequency=12.0))
     line = Line(motion=motion)
     assert pickle.loads(pickle.dumps(line)) == line
-    assert line == Line(motion=PlaneMotion(displacement=Sine([0.0, 1e-3], 12.0)))
+    assert line == Line(motion=PlaneMotion(displacement=Sine([0.0, 1e-3], frequency=12.0)))
     system = box_on(line)
     assert pickle.loads(pickle.dumps(system)) == system
     assert system.depends_on_time
@@ -629,19 +665,19 @@ def test_moving_planes_are_values():
             ParameterError,
             "rotation",
         ),
-        (lambda: Plane(motion=Sine(1.0, 1.0)), ParameterError, "motion"),
+        (lambda: Plane(motion=Sine(1.0, frequency=1.0)), ParameterError, "motion"),
         (
-            lambda: Plane(motion=PlaneMotion(displacement=Sine([0.0, 1.0], 1.0))),
+            lambda: Plane(motion=PlaneMotion(displacement=Sine([0.0, 1.0], frequency=1.0))),
             DimensionError,
             "displacement",
         ),
         (
-            lambda: Line(motion=PlaneMotion(rotation=Sine([0.0, 1.0, 0.0], 1.0))),
+            lambda: Line(motion=PlaneMotion(rotation=Sine([0.0, 1.0, 0.0], frequency=1.0))),
             DimensionError,
             "rotation",
         ),
-        (lambda: Line(velocity=Sine([1.0], 1.0)), DimensionError, "velocity"),
-        (lambda: Plane(spin=Sine([1.0], 1.0)), DimensionError, "spin"),
+        (lambda: Line(velocity=Sine([1.0], frequency=1.0)), DimensionError, "velocity"),
+        (lambda: Plane(spin=Sine([1.0], frequency=1.0)), DimensionError, "spin"),
     ],
 )
 def test_arguments_are_checked(make, error, argument):
@@ -670,7 +706,7 @@ def test_what_is_wrong_with_a_function_is_said(function, error):
 
 
 def test_analyses_of_one_instant_refuse_what_depends_on_time():
-    system = box_on(Line(velocity=Sine(1.0, 1.0, offset=2.0)))
+    system = box_on(Line(velocity=Sine(1.0, frequency=1.0, offset=2.0)))
     with pytest.raises(ParameterError, match="depends on time"):
         equilibrium(system)
     with pytest.raises(ParameterError, match="depend on time"):
@@ -684,3 +720,57 @@ def test_contact_points_and_forces_are_those_of_the_time():
     points = system.contact_points(run)[:, 0]
     np.testing.assert_allclose(points[:, 1], run.q[:, 1] - 0.1, atol=1e-12)
     assert run.phase[-1, 0] == Phase.STICK
+
+
+def carried(**motion):
+    """A body on a line that a function of the user moves."""
+    line = Line(motion=PlaneMotion(**motion))
+    pair = PointPlane(0, (0.0, 0.0), line, FrictionLaw.isotropic(0.3, dimension=1))
+    return RigidBodies([PlanarBody(1.0, 1.0)], [pair], gravity=(0.0, -9.81))
+
+
+def run_either(name, system, t_end):
+    return (
+        simulate(system, dt=1e-3 * t_end, t_end=t_end)
+        if name == "simulate"
+        else integrate(system, t_end=t_end)
+    )
+
+
+@pytest.mark.parametrize("run", ["simulate", "integrate"])
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("factor", [0.0, -1.0, 2.0])
+def test_rates_that_contradict_their_values_are_refused(run, scale, factor):
+    def shaken(t):
+        return [0.3 * np.sin(t / scale), 0.0], [factor * 0.3 / scale * np.cos(t / scale), 0.0]
+
+    def tipping(t):
+        return 1e-3 * np.sin(t / scale), factor * 1e-3 / scale * np.cos(t / scale)
+
+    for argument, function in (("displacement", shaken), ("rotation", tipping)):
+        with pytest.raises(ParameterError, match="contradict") as raised:
+            run_either(run, carried(**{argument: function}), 0.1 * scale)
+        assert raised.value.argument == argument
+
+
+def test_rates_that_are_right_are_taken():
+    def far(t):
+        return [1e6 + 1e-9 * t, 0.0], [1e-9, 0.0]
+
+    def fast(t):
+        return [1e-9 * np.sin(1e7 * t), 0.0], [1e-2 * np.cos(1e7 * t), 0.0]
+
+    def resting(t):
+        return [1.0, 0.0], [0.0, 0.0]
+
+    def sampled(t):
+        """Between samples a straight line, with the rate that a gradient finds at them."""
+        times = np.linspace(-0.1, 1.1, 121)
+        values = 0.01 * np.sin(4.0 * times)
+        return (
+            [np.interp(t, times, values), 0.0],
+            [np.interp(t, times, np.gradient(values, times)), 0.0],
+        )
+
+    for function in (far, fast, resting, sampled):
+        assert run_either("simulate", carried(displacement=function), 1.0).status == "finished"

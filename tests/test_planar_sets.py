@@ -43,7 +43,7 @@ def test_from_intercepts_has_the_gauge_of_the_paper(rng):
 
 
 def test_capped_rectangle_consists_of_a_rectangle_and_two_half_ellipses(rng):
-    runner = asp.CappedRectangle(0.3, 0.1, 0.2)
+    runner = asp.CappedRectangle(0.3, 0.1, cap=0.2)
     side = rng.uniform(-0.3, 0.3, size=100)
     np.testing.assert_allclose(
         runner.gauge(np.stack([side, np.full(100, 0.1)], -1)), 1.0, rtol=1e-13
@@ -72,7 +72,7 @@ RADII = [
 
 @pytest.mark.parametrize(("degrees", "radius"), RADII)
 def test_wedge_asperity_has_the_radii_of_figure_ten(degrees, radius):
-    surface = asp.WedgeAsperity(1.2, np.deg2rad(36.0))
+    surface = asp.WedgeAsperity(1.2, beta=np.deg2rad(36.0))
     for quadrant in (degrees, 180 - degrees, 180 + degrees, -degrees):
         assert surface.radius(np.deg2rad(quadrant)) == pytest.approx(radius, abs=1e-9)
 
@@ -81,8 +81,8 @@ def test_wedge_asperity_has_the_radii_of_figure_ten(degrees, radius):
 def test_wedge_asperity_has_the_gauge_of_the_paper_and_its_limit_of_convexity(mu, rng):
     """(50); convex for μ tan β ≤ 1/√2."""
     critical = np.arctan(np.sqrt(0.5) / mu)
-    below = asp.WedgeAsperity(mu, critical * (1 - 1e-9))
-    above = asp.WedgeAsperity(mu, critical * (1 + 1e-9))
+    below = asp.WedgeAsperity(mu, beta=critical * (1 - 1e-9))
+    above = asp.WedgeAsperity(mu, beta=critical * (1 + 1e-9))
     assert below.is_convex
     assert not above.is_convex
     assert below.is_convex.exact
@@ -95,11 +95,11 @@ def test_wedge_asperity_has_the_gauge_of_the_paper_and_its_limit_of_convexity(mu
         * (x[:, 1] ** 2 + bracket * x[:, 0] ** 2)
         / np.sqrt(np.cos(beta) ** 2 * x[:, 0] ** 2 + x[:, 1] ** 2)
     )
-    np.testing.assert_allclose(asp.WedgeAsperity(mu, beta).gauge(x), expected, rtol=1e-11)
+    np.testing.assert_allclose(asp.WedgeAsperity(mu, beta=beta).gauge(x), expected, rtol=1e-11)
 
 
 def test_flat_wedges_are_a_disk():
-    np.testing.assert_allclose(asp.WedgeAsperity(0.4, 0.0).radius(THETA), 0.4, rtol=1e-14)
+    np.testing.assert_allclose(asp.WedgeAsperity(0.4, beta=0.0).radius(THETA), 0.4, rtol=1e-14)
 
 
 @pytest.mark.parametrize("polygon", [PENTAGON, STAR_POLYGON], ids=identify)
@@ -118,7 +118,7 @@ def test_support_of_a_convex_polygon_is_that_of_its_farthest_vertex(rng):
     np.testing.assert_allclose(PENTAGON.support(y), (y @ PENTAGON.vertices.T).max(1), rtol=1e-13)
 
 
-SMOOTH = [asp.Ellipse(3.0, 2.0, angle=0.4), asp.Disk(0.3), asp.WedgeAsperity(0.5, 0.5)]
+SMOOTH = [asp.Ellipse(3.0, 2.0, angle=0.4), asp.Disk(0.3), asp.WedgeAsperity(0.5, beta=0.5)]
 
 
 @pytest.mark.parametrize("original", SMOOTH, ids=identify)

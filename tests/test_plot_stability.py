@@ -12,6 +12,7 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 from asperity.plot import plot_bifurcation, plot_growth_chart, plot_root_locus
+from drawn import drawn
 from matplotlib.artist import Artist
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.contour import QuadContourSet
@@ -45,15 +46,16 @@ def _close():
 @pytest.mark.parametrize(
     "plot",
     [
-        lambda ax: plot_root_locus(ROOTS, DAMPING, ax),
-        lambda ax: plot_growth_chart([0.0, 1.0], [0.0, 1.0], [[-1.0, 1.0], [-2.0, 3.0]], ax),
-        lambda ax: plot_bifurcation(belt(), ax),
+        lambda ax: drawn(plot_root_locus, ROOTS, values=DAMPING, ax=ax),
+        lambda ax: drawn(
+            plot_growth_chart, [[-1.0, 1.0], [-2.0, 3.0]], x=[0.0, 1.0], y=[0.0, 1.0], ax=ax
+        ),
+        lambda ax: drawn(plot_bifurcation, belt(), ax=ax),
     ],
 )
-def test_artists_are_returned_and_drawn_into_the_axes_given(plot):
+def test_artists_are_drawn_into_the_axes_given(plot):
     _, ax = plt.subplots()
     artists = plot(ax)
-    assert isinstance(artists, list)
     assert all(isinstance(one, Artist) and one.axes is ax for one in artists)
     assert len(plot(None)) == len(artists)
     assert len(plt.get_fignums()) == 2
@@ -69,8 +71,8 @@ def test_branches_of_a_root_locus_are_continuous_whatever_the_order_of_the_eigen
     # The branches swap places at random; they come as near to each other as 0.35.
     random = np.random.default_rng(3)
     shuffled = random.permuted(np.column_stack([first, second]), axis=1)
-    drawn = plot_root_locus(shuffled, DAMPING)
-    found = [points(one) for one in drawn if isinstance(one, LineCollection)]
+    artists = drawn(plot_root_locus, shuffled, values=DAMPING)
+    found = [points(one) for one in artists if isinstance(one, LineCollection)]
     assert len(found) == 2
     found.sort(key=lambda branch: -branch[0].imag * np.sign(first[0].imag - second[0].imag))
     np.testing.assert_allclose(found, [first, second])
@@ -78,11 +80,11 @@ def test_branches_of_a_root_locus_are_continuous_whatever_the_order_of_the_eigen
 
 def test_root_locus_takes_objects_with_eigenvalues_and_colours_by_the_parameter():
     objects = [SimpleNamespace(eigenvalues=row) for row in ROOTS]
-    drawn = plot_root_locus(objects, DAMPING, label="damping")
-    lines = [one for one in drawn if isinstance(one, LineCollection)]
+    artists = drawn(plot_root_locus, objects, values=DAMPING, label="damping")
+    lines = [one for one in artists if isinstance(one, LineCollection)]
     np.testing.assert_allclose(lines[0].get_array(), 0.5 * (DAMPING[1:] + DAMPING[:-1]))
     assert lines[0].get_clim() == (-0.5, 3.0)
-    bars = [ax for ax in drawn[0].figure.axes if ax is not drawn[0].axes]
+    bars = [ax for ax in artists[0].figure.axes if ax is not artists[0].axes]
     assert [ax.get_ylabel() for ax in bars] == ["damping"]
     ends = {complex(np.round(points(one)[-1], 9)) for one in lines}
     assert ends == {complex(np.round(root, 9)) for root in ROOTS[-1]}
@@ -91,26 +93,29 @@ def test_root_locus_takes_objects_with_eigenvalues_and_colours_by_the_parameter(
 def test_root_locus_and_chart_take_what_the_analysis_returns():
     mu = np.linspace(0.7, 0.8, 6)
     found = [asp.stability(asp.mechanisms.mode_coupling(value)) for value in mu]
-    drawn = plot_root_locus(found, mu)
-    lines = [one for one in drawn if isinstance(one, LineCollection)]
+    artists = drawn(plot_root_locus, found, values=mu)
+    lines = [one for one in artists if isinstance(one, LineCollection)]
     assert sum(points(one)[-1].real > 1e-3 for one in lines) == 2
     law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
     phi, zeta = np.linspace(0.0, np.pi, 7), np.linspace(0.0, np.pi / 2, 5)
-    belt = asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
-    growth = asp.growth_chart(belt, phi, zeta)
-    mesh = plot_growth_chart(phi, zeta, growth)[0]
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
+    growth = asp.growth_chart(belt, phi=phi, zeta=zeta)
+    mesh = drawn(plot_growth_chart, growth, x=phi, y=zeta)[0]
     np.testing.assert_array_equal(mesh.get_array().reshape(5, 7), growth.T)
 
 
 def test_growth_chart_draws_the_border_where_growth_begins():
     x, y = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 31)
-    mesh, border = plot_growth_chart(x, y, x[:, None] - y)
+    mesh, border = drawn(plot_growth_chart, x[:, None] - y, x=x, y=y)
     assert isinstance(mesh, QuadMesh)
     assert isinstance(border, QuadContourSet)
     low, high = mesh.get_clim()
     assert low == -high == -1.0
-    assert len(plot_growth_chart(x, y, x[:, None] - y, border=False)) == 1
-    assert plot_growth_chart(x, y, x[:, None] - y, limit=0.5)[0].get_clim() == (-0.5, 0.5)
+    assert len(drawn(plot_growth_chart, x[:, None] - y, x=x, y=y, border=False)) == 1
+    assert drawn(plot_growth_chart, x[:, None] - y, x=x, y=y, limit=0.5)[0].get_clim() == (
+        -0.5,
+        0.5,
+    )
     for path in border.get_paths():
         np.testing.assert_allclose(*path.vertices.T, atol=1e-5)
 
@@ -119,12 +124,12 @@ def test_growth_chart_has_no_border_where_nothing_grows_or_everything_does():
     x = np.arange(3.0)
     rounding = 1e-16 * np.random.default_rng(2).normal(size=(3, 3))
     for growth in (np.zeros((3, 3)), np.full((3, 3), -1.0), rounding, rounding - np.eye(3)):
-        assert len(plot_growth_chart(x, x, growth)) == 1
-    assert len(plot_growth_chart(x, x, 1.0 + np.eye(3))) == 1
+        assert len(drawn(plot_growth_chart, growth, x=x, y=x)) == 1
+    assert len(drawn(plot_growth_chart, 1.0 + np.eye(3), x=x, y=x)) == 1
 
 
 def test_bifurcation_shows_every_kind_of_equilibrium_once():
-    filling, lower, upper, *equilibria = plot_bifurcation(belt(), coordinate=1)
+    filling, lower, upper, *equilibria = drawn(plot_bifurcation, belt(), coordinate=1)
     assert [line.get_label() for line in equilibria] == [
         "stable equilibrium",
         "neutral equilibrium",
@@ -143,7 +148,7 @@ def test_bifurcation_shows_every_kind_of_equilibrium_once():
 def test_unstable_cycles_are_dotted():
     diagram = belt()
     diagram.cycle_stable = diagram.values == 1.0
-    lines = plot_bifurcation(diagram)[1:5]
+    lines = drawn(plot_bifurcation, diagram)[1:5]
     assert [line.get_linestyle() for line in lines] == ["-", "-", ":", ":"]
     np.testing.assert_allclose(lines[2].get_ydata(), [np.nan, 0.0, 1.0, 2.0, np.nan, np.nan])
 
@@ -151,24 +156,28 @@ def test_unstable_cycles_are_dotted():
 def test_bifurcation_without_cycles_draws_equilibria_only():
     diagram = belt()
     diagram.cycle_minima = diagram.cycle_maxima = np.full((6, 2), np.nan)
-    assert len(plot_bifurcation(diagram)) == 3
+    assert len(drawn(plot_bifurcation, diagram)) == 3
 
 
 LAW = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
 
 
 def on_belt(phi):
-    return asp.MassOnBelt(1.0, 1.0, LAW, 1.0, [np.cos(phi), np.sin(phi)])
+    return asp.MassOnBelt(
+        1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[np.cos(phi), np.sin(phi)]
+    )
 
 
 @pytest.mark.parametrize("cycles", [True, False])
 @pytest.mark.parametrize("degrees", [[40.0, 80.0], [80.0]])
 @pytest.mark.parametrize("coordinate", [0, 1])
 def test_diagrams_in_which_no_cycle_was_found_are_drawn(cycles, degrees, coordinate):
-    diagram = asp.bifurcation_diagram(on_belt, "phi", np.deg2rad(degrees), cycles=cycles)
+    diagram = asp.bifurcation_diagram(
+        on_belt, parameter="phi", values=np.deg2rad(degrees), cycles=cycles
+    )
     assert diagram.cycle_minima.shape == diagram.equilibria.shape == (len(degrees), 2)
     assert np.isnan(diagram.cycle_maxima).all()
-    (line,) = plot_bifurcation(diagram, coordinate=coordinate)
+    (line,) = drawn(plot_bifurcation, diagram, coordinate=coordinate)
     np.testing.assert_array_equal(line.get_ydata(), diagram.equilibria[:, coordinate])
 
 
@@ -176,10 +185,10 @@ def test_growth_that_is_nowhere_known_is_drawn_grey_without_a_warning():
     x = np.arange(3.0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert len(plot_growth_chart(x, x, np.full((3, 3), np.nan))) == 1
-        assert len(plot_growth_chart([0.0], [0.0, 1.0], [[-1.0, 1.0]])) == 1
+        assert len(drawn(plot_growth_chart, np.full((3, 3), np.nan), x=x, y=x)) == 1
+        assert len(drawn(plot_growth_chart, [[-1.0, 1.0]], x=[0.0], y=[0.0, 1.0])) == 1
         partly = np.where(np.eye(3) > 0, np.nan, x[:, None] - 1.0)
-        assert len(plot_growth_chart(x, x, partly)) == 2
+        assert len(drawn(plot_growth_chart, partly, x=x, y=x)) == 2
 
 
 def nowhere():
@@ -189,19 +198,19 @@ def nowhere():
 @pytest.mark.parametrize(
     ("draw", "argument"),
     [
-        (lambda: plot_root_locus(ROOTS, DAMPING[:-1]), "eigenvalues"),
-        (lambda: plot_root_locus([[1.0, 2.0], [1.0]], [0.0, 1.0]), "eigenvalues"),
-        (lambda: plot_root_locus([[np.nan], [1.0]], [0.0, 1.0]), "eigenvalues"),
-        (lambda: plot_root_locus([[1.0]], [0.0]), "eigenvalues"),
-        (lambda: plot_growth_chart([0.0, 1.0], [0.0], [[1.0, 2.0]]), "growth"),
-        (lambda: plot_growth_chart([0.0], [0.0], [["x"]]), "growth"),
-        (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], tolerance=0.0), "tolerance"),
-        (lambda: plot_growth_chart([0.0], [0.0], [[1.0]], limit=-1.0), "limit"),
-        (lambda: plot_growth_chart([np.nan], [0.0], [[1.0]]), "x"),
+        (lambda: plot_root_locus(ROOTS, values=DAMPING[:-1]), "eigenvalues"),
+        (lambda: plot_root_locus([[1.0, 2.0], [1.0]], values=[0.0, 1.0]), "eigenvalues"),
+        (lambda: plot_root_locus([[np.nan], [1.0]], values=[0.0, 1.0]), "eigenvalues"),
+        (lambda: plot_root_locus([[1.0]], values=[0.0]), "eigenvalues"),
+        (lambda: plot_growth_chart([[1.0, 2.0]], x=[0.0, 1.0], y=[0.0]), "growth"),
+        (lambda: plot_growth_chart([["x"]], x=[0.0], y=[0.0]), "growth"),
+        (lambda: plot_growth_chart([[1.0]], x=[0.0], y=[0.0], tolerance=0.0), "tolerance"),
+        (lambda: plot_growth_chart([[1.0]], x=[0.0], y=[0.0], limit=-1.0), "limit"),
+        (lambda: plot_growth_chart([[1.0]], x=[np.nan], y=[0.0]), "x"),
         (lambda: plot_bifurcation(belt(), coordinate=2), "coordinate"),
-        (lambda: plot_growth_chart([], [], [[]]), "x"),
-        (lambda: plot_growth_chart([0.0], [], [[]]), "y"),
-        (lambda: plot_growth_chart([0.0], [0.0], [[np.inf]]), "growth"),
+        (lambda: plot_growth_chart([[]], x=[], y=[]), "x"),
+        (lambda: plot_growth_chart([[]], x=[0.0], y=[]), "y"),
+        (lambda: plot_growth_chart([[np.inf]], x=[0.0], y=[0.0]), "growth"),
         (lambda: plot_bifurcation("x"), "diagram"),
         (lambda: plot_bifurcation(nowhere()), "diagram"),
     ],

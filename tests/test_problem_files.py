@@ -1,6 +1,7 @@
 """Files of contact problems: round trips, the layouts other engines read, errors that name keys."""
 
 import asperity as asp
+import h5py
 import numpy as np
 import pytest
 from asperity.contact.files import FRICTIONLESS, percussions
@@ -23,14 +24,18 @@ def plain(law=DISK, contacts=4):
     rng = np.random.default_rng(7)
     rows = contacts * (law.dimension + 1)
     root = rng.normal(size=(rows, rows))
-    return asp.ContactProblem(csr_array(root @ root.T), rng.normal(size=rows), law)
+    return asp.ContactProblem(
+        csr_array(root @ root.T), free_velocity=rng.normal(size=rows), laws=law
+    )
 
 
 def of_bodies(law=DISK, **options):
     rng = np.random.default_rng(8)
     directions = random_array((12, 9), density=0.4, rng=rng) + np.eye(12, 9)
     free = directions.T @ rng.normal(size=12)
-    return asp.ContactProblem.from_bodies(blocks(rng, 2), directions, free, law, **options)
+    return asp.ContactProblem.from_bodies(
+        blocks(rng, 2), directions=directions, free_velocity=free, laws=law, **options
+    )
 
 
 def with_everything():
@@ -93,6 +98,47 @@ def test_every_problem_comes_back_equal(tmp_path, suffix, cases):
         assert read.residual(percussion) == problem.residual(percussion)
 
 
+OLD_LAWS = (
+    '[{"type": "FrictionLaw", "parameters": {"reservoir": {"type": "Intersection", "parameters": '
+    '{"sets": [{"type": "Ellipse", "parameters": {"angle": 0.0, "a": 0.6, "b": 0.2}}, {"type": '
+    '"Disk", "parameters": {"radius": 0.5}}]}}, "direction": {"type": "Mapped", "parameters": '
+    '{"set": {"type": "Disk", "parameters": {"radius": 0.19}}, "matrix": [[1.0, 0.5], [0.0, 1.0]]'
+    '}}, "rate": null, "report": {"type": "FlowReport", "parameters": {"closure": 1.0, '
+    '"convexity_defect": 0.0, "smallest_resistance": 0.1, "repair": 0.0, "misfit": 0.0, '
+    '"samples": 9, "order": null, "noise": 0.0}}}}]'
+)
+"""As version 0.1 has written them."""
+
+
+@every_format
+def test_laws_of_version_0_1_are_read(tmp_path, suffix):
+    law = asp.FrictionLaw(
+        asp.Ellipse(0.6, 0.2) & asp.Disk(0.5),
+        asp.Mapped(asp.Disk(0.19), [[1.0, 0.5], [0.0, 1.0]]),
+        report=asp.FlowReport(1.0, 0.0, 0.1, 0.0, misfit=0.0, samples=9),
+    )
+    path, problem = tmp_path / f"problem{suffix}", plain(law)
+    problem.save(path)
+    if suffix == ".npz":
+        with np.load(path) as file:
+            fields = dict(file)
+        np.savez(path, **{**fields, "laws": np.array(OLD_LAWS)})
+    else:
+        with h5py.File(path, "r+") as file:
+            (place,) = (key for key in _keys(file) if key.endswith("laws"))
+            kept = file[place]
+            old = np.frombuffer(OLD_LAWS.encode(), np.uint8) if kept.dtype == np.uint8 else OLD_LAWS
+            del file[place]
+            file[place] = old
+    assert asp.ContactProblem.load(path) == problem
+
+
+def _keys(file):
+    found = []
+    file.visit(found.append)
+    return found
+
+
 @every_format
 def test_a_dense_operator_comes_back_dense(tmp_path, suffix):
     problem = plain().replace(delassus=plain().delassus.toarray())
@@ -125,7 +171,9 @@ def test_bodies_come_back(tmp_path, law, known, suffix):
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: repr(law)[:40])
 def test_every_law_comes_back(tmp_path, law):
     size = law.dimension
-    problem = asp.ContactProblem(csr_array(np.eye(size)), np.ones(size), law, normal_force=1.0)
+    problem = asp.ContactProblem(
+        csr_array(np.eye(size)), free_velocity=np.ones(size), laws=law, normal_force=1.0
+    )
     path = tmp_path / "law.npz"
     problem.save(path)
     assert asp.ContactProblem.load(path).laws == (law,)

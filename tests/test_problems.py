@@ -13,14 +13,14 @@ from scipy.sparse import eye_array, kron
 IMPULSE = 9.81 * 0.01
 SCENES = {
     "stack": (scenes.stack(5, half_sizes=[0.4, 0.3, 0.1], mass=2.0), 5, 20, 30),
-    "wall": (scenes.wall(4, 3), 14, 84, 84),
-    "narrow wall": (scenes.wall(5, 1), 7, 36, 42),
+    "wall": (scenes.wall(4, columns=3), 14, 84, 84),
+    "narrow wall": (scenes.wall(5, columns=1), 7, 36, 42),
     "table": (scenes.table(7), 1, 7, 6),
     "line of feet": (scenes.table([[-1.0, 0.0], [0.2, 0.0], [1.0, 0.0]]), 1, 3, 5),
     "one foot": (scenes.table(1), 1, 1, 3),
     "arch": (scenes.arch(9), 9, 40, 54),
-    "columns": (scenes.columns(5, 4, touching=False), 20, 20, 60),
-    "touching columns": (scenes.columns(9, 4), 36, 84, 212),
+    "columns": (scenes.columns(5, height=4, touching=False), 20, 20, 60),
+    "touching columns": (scenes.columns(9, height=4), 36, 84, 212),
     "pile": (scenes.pile(3), 14, 45, 84),
 }
 FREE_STANDING = ["stack", "wall", "narrow wall", "table", "arch", "touching columns", "pile"]
@@ -117,7 +117,7 @@ def test_inertia_of_a_voussoir_against_integration():
     np.testing.assert_allclose(scene.inertia[0], np.trace(moment) * np.eye(3) - moment, atol=1e-12)
 
 
-@pytest.mark.parametrize("scene", [scenes.columns(7, 3), scenes.pile(4)])
+@pytest.mark.parametrize("scene", [scenes.columns(7, height=3), scenes.pile(4)])
 def test_spheres_touch_and_no_others_do(scene):
     apart = np.linalg.norm(scene.center[:, None] - scene.center, axis=-1)
     touching = np.argwhere(np.triu(np.abs(apart - 1.0) < 1e-9)).tolist()
@@ -131,7 +131,7 @@ def test_spheres_touch_and_no_others_do(scene):
 
 
 def test_boxes_of_a_wall_touch_within_their_faces():
-    scene = scenes.wall(5, 4)
+    scene = scenes.wall(5, columns=4)
     # Half lengths from the inertia about z and y: m (a² + b²)/3, b = 0.5 across.
     half = np.sqrt(3.0 * scene.inertia[:, 2, 2] / scene.mass - 0.25)
     assert set(half.round(9)) == {0.5, 1.0}
@@ -143,9 +143,9 @@ def test_boxes_of_a_wall_touch_within_their_faces():
 
 
 def test_a_scene_is_a_value():
-    scene = scenes.wall(2, 2)
-    assert pickle.loads(pickle.dumps(scene)) == scene == scenes.wall(2, 2)
-    assert scene != scenes.wall(2, 2, mass=2.0)
+    scene = scenes.wall(2, columns=2)
+    assert pickle.loads(pickle.dumps(scene)) == scene == scenes.wall(2, columns=2)
+    assert scene != scenes.wall(2, columns=2, mass=2.0)
     with pytest.raises(AttributeError, match="immutable"):
         scene.mass = np.ones(5)
 
@@ -153,7 +153,9 @@ def test_a_scene_is_a_value():
 def test_free_motion():
     scene = scenes.stack(2, mass=2.0)
     velocity = np.arange(12.0).reshape(2, 6)
-    motion = scene.free_motion(force=scene.pushed(1, 3.0), velocity=velocity, dt=0.1, gravity=10.0)
+    motion = scene.free_motion(
+        force=scene.pushed(1, push=3.0), velocity=velocity, dt=0.1, gravity=10.0
+    )
     expected = velocity + np.zeros((2, 6))
     expected[:, 2] -= 1.0
     expected[1, 0] += 0.15
@@ -166,10 +168,10 @@ def test_free_motion():
         (lambda: scenes.stack(0), "boxes"),
         (lambda: scenes.stack(2, mass=-1.0), "mass"),
         (lambda: scenes.stack(2, half_sizes=[1.0, 1.0]), "half_sizes"),
-        (lambda: scenes.wall(2, 1.5), "columns"),
+        (lambda: scenes.wall(2, columns=1.5), "columns"),
         (lambda: scenes.table([[0.0, 0.0, 0.0]]), "feet"),
         (lambda: scenes.arch(3, thickness=2.5), "thickness"),
-        (lambda: scenes.columns(2, 0), "height"),
+        (lambda: scenes.columns(2, height=0), "height"),
         (lambda: scenes.pile(2, radius=0.0), "radius"),
         (lambda: scenes.stack(2).replace(lower=np.full(8, 2)), "lower"),
         (lambda: scenes.stack(2).replace(upper=np.full(8, -1)), "upper"),
@@ -194,7 +196,7 @@ def test_bad_arguments_are_named(make, argument):
 MAKERS = {
     "sliders": lambda **more: problems.sliders(20, **more),
     "coupled sliders": lambda **more: problems.sliders(20, coupled=True, **more),
-    "columns": lambda **more: problems.columns(4, 3, **more),
+    "columns": lambda **more: problems.columns(4, height=3, **more),
     "pile": lambda **more: problems.pile(3, speed=0.1, **more),
 }
 
@@ -235,7 +237,7 @@ def test_a_pushed_table_presses_on_its_front_feet():
 
 def test_restitution_reaches_the_problem():
     falling = [[0.0, 0.0, -2.0, 0.0, 0.0, 0.0]]
-    problem = scenes.columns(1, 1).problem(velocity=falling, normal_restitution=0.5)
+    problem = scenes.columns(1, height=1).problem(velocity=falling, normal_restitution=0.5)
     assert problem.solve().velocity[0] == pytest.approx(1.0)
 
 
@@ -243,11 +245,11 @@ def test_restitution_reaches_the_problem():
     "problem",
     [
         problems.stack(20, push=3.0),
-        problems.wall(4, 4, push=2.0),
+        problems.wall(4, columns=4, push=2.0),
         problems.table(12, push=3.0),
         problems.arch(15),
-        problems.columns(9, 3),
-        problems.columns(4, 3, normal_restitution=0.5),
+        problems.columns(9, height=3),
+        problems.columns(4, height=3, normal_restitution=0.5),
         problems.pile(3),
         problems.sliders(50, coupled=True),
     ],

@@ -15,6 +15,8 @@ SPOILT = {"nan": NAN, "infinity": INFINITY, "masked": np.ma.masked, "complex": 1
 ALLOWED = {
     ("contact.grading.natural_map", "percussion", "nan"),
     ("contact.grading.natural_map", "percussion", "infinity"),
+    # Errors that are known have infinitely many.
+    ("identify.IdentifiedLaw", "degrees_of_freedom", "infinity"),
     ("track.MeasuredPath", "position", "nan"),
     ("track.MeasuredPath", "position_error", "nan"),
     ("plot.plot_growth_chart", "growth", "nan"),

@@ -44,14 +44,19 @@ def contact(rng, n, p, kind):
     along, across = rng.normal(size=(n, p)), rng.normal(size=n)
     if kind == "belt":
         return asp.Contact(
-            law(rng, p), along, normal_force=rng.uniform(0.5, 3.0), velocity=rng.normal(size=p)
+            law(rng, p),
+            direction=along,
+            normal_force=rng.uniform(0.5, 3.0),
+            velocity=rng.normal(size=p),
         )
     if kind == "hinge":
         seen = rng.normal(size=n)
         along, across = np.outer(seen, rng.normal(size=p)), seen * rng.choice([-1.0, 1.0])
     gap = 0.0 if rng.random() < 0.5 else rng.uniform(0.0, 0.2)
     restitution = rng.choice([0.0, 0.0, 0.3, 0.8])
-    return asp.Contact(law(rng, p), along, normal=across, gap=gap, normal_restitution=restitution)
+    return asp.Contact(
+        law(rng, p), direction=along, normal=across, gap=gap, normal_restitution=restitution
+    )
 
 
 def feet(rng, n, p):
@@ -61,7 +66,7 @@ def feet(rng, n, p):
     lean = rng.normal(size=n)
     for place in np.linspace(-1.0, 1.0, rng.integers(2, 5)):
         turn = place if rng.random() < 0.7 else 0.0
-        out.append(asp.Contact(shared, along, normal=across + turn * lean))
+        out.append(asp.Contact(shared, direction=along, normal=across + turn * lean))
     return out
 
 
@@ -78,7 +83,7 @@ def random_system(seed):
     spring = rng.normal(size=(n, n)) if rng.random() < 0.5 else np.zeros((n, n))
     system = asp.LinearSystem(
         root @ root.T + 0.5 * np.eye(n),
-        spring @ spring.T * 5.0,
+        stiffness=spring @ spring.T * 5.0,
         damping=0.1 * spring @ spring.T,
         force=3.0 * rng.normal(size=n),
         contacts=contacts,

@@ -14,10 +14,10 @@ from samples import (
 
 RATES = [
     Stribeck(0.1),
-    Stribeck(0.1, 0.4),
-    Stribeck(0.3, 0.5, exponent=2.0, viscous=0.2),
-    Stribeck(0.2, 0.1, shape="hyperbolic"),
-    Stribeck(1.0, 0.0, shape="hyperbolic", exponent=1.5, viscous=0.01),
+    Stribeck(0.1, ratio=0.4),
+    Stribeck(0.3, ratio=0.5, exponent=2.0, viscous=0.2),
+    Stribeck(0.2, ratio=0.1, shape="hyperbolic"),
+    Stribeck(1.0, ratio=0.0, shape="hyperbolic", exponent=1.5, viscous=0.01),
 ]
 all_rates = pytest.mark.parametrize("rate", RATES, ids=identify)
 
@@ -46,10 +46,14 @@ def test_force_in_slip_is_the_dry_force_times_the_factor(rate, law, slip):
     rated = law.replace(rate=rate)
     factor = rate(np.linalg.norm(slip, axis=1))
     np.testing.assert_allclose(
-        rated.force(slip, 3.0), factor[:, None] * law.force(slip, 3.0), rtol=1e-12
+        rated.force(slip, normal_force=3.0),
+        factor[:, None] * law.force(slip, normal_force=3.0),
+        rtol=1e-12,
     )
     np.testing.assert_allclose(
-        rated.dissipation(slip, 3.0), factor * law.dissipation(slip, 3.0), rtol=1e-12
+        rated.dissipation(slip, normal_force=3.0),
+        factor * law.dissipation(slip, normal_force=3.0),
+        rtol=1e-12,
     )
 
 
@@ -76,7 +80,7 @@ def test_rate_belongs_to_the_law_but_not_to_its_shape():
 
 
 def test_falling_force_breaks_monotonicity():
-    law = asp.FrictionLaw.isotropic(0.5).replace(rate=Stribeck(0.1, 0.4))
+    law = asp.FrictionLaw.isotropic(0.5).replace(rate=Stribeck(0.1, ratio=0.4))
     assert_breaks_monotonicity(law, law.is_maximal_monotone)
     assert law.is_dissipative
 
@@ -85,7 +89,7 @@ def block_on_belt(dt, t_end):
     """m = k = F_S = 1, belt 0.2 m/s, F = 1/(1 + 3|γ|)."""
     rate = Stribeck(1 / 3, shape="hyperbolic")
     law = asp.FrictionLaw(asp.Interval(-1.0, 1.0), asp.Interval(-1.0, 1.0), rate=rate)
-    contact = asp.Contact(law, [[1.0]], normal_force=1.0, velocity=[-0.2])
+    contact = asp.Contact(law, direction=[[1.0]], normal_force=1.0, velocity=[-0.2])
     block = asp.LinearSystem(1.0, stiffness=1.0, contacts=[contact])
     return asp.simulate(block, dt=dt, t_end=t_end, u0=[0.2])
 
@@ -117,8 +121,10 @@ def test_block_on_belt_sticks_while_the_spring_is_weaker_than_static_friction():
 def test_viscous_friction_is_damped_however_long_the_step(viscous, dt):
     # m = λ_N = μ = 1, f = 1 + κv and a force of 2: v = 1/κ. Taken before the step, the factor
     # would make the velocity swing with a period of two steps from κΔt = 2 on.
-    law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(rate=Stribeck(1, 1, viscous=viscous))
-    contact = asp.Contact(law, [1.0], normal_force=1.0)
+    law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(
+        rate=Stribeck(1, ratio=1, viscous=viscous)
+    )
+    contact = asp.Contact(law, direction=[1.0], normal_force=1.0)
     pushed = asp.LinearSystem(1.0, force=[2.0], contacts=[contact])
     motion = asp.simulate(pushed, dt=dt, t_end=100 * dt, tolerance=1e-12)
     # Each step is v ← (v + Δt)/(1 + κΔt).
@@ -138,23 +144,23 @@ TURNING_LAWS = [
 
 
 def sliding_point(law, rate, *, force=(30.0, 11.0)):
-    contact = asp.Contact(law.replace(rate=rate), np.eye(2), normal_force=5.0)
+    contact = asp.Contact(law.replace(rate=rate), direction=np.eye(2), normal_force=5.0)
     return asp.LinearSystem([1.0, 2.0], force=list(force), contacts=[contact])
 
 
 @pytest.mark.parametrize("dt", [1e-3, 3e-3, 0.05, 1.0])
 @pytest.mark.parametrize("law", [*PLANE_LAWS, *TURNING_LAWS], ids=identify)
 def test_the_factor_is_that_of_the_speed_at_the_end_of_the_step(law, dt):
-    point = sliding_point(law, Stribeck(0.1, 0.5, viscous=300.0))
+    point = sliding_point(law, Stribeck(0.1, ratio=0.5, viscous=300.0))
     # Formed again from the speed, the factor magnifies what the solver leaves over of it.
     motion = asp.simulate(point, dt=dt, t_end=100 * dt, u0=[3.0, -2.0], tolerance=1e-12)
     assert motion.failed_steps == 0
     before, slip = np.linalg.norm(motion.u[:-1], axis=1), motion.slip[1:, 0]
-    falling = Stribeck(0.1, 0.5)(before)
+    falling = Stribeck(0.1, ratio=0.5)(before)
     factor = falling + 300.0 * np.linalg.norm(slip, axis=1)
     sliding = motion.phase[1:, 0] == asp.Phase.SLIP
     assert sliding.sum() > 50
-    expected = factor[sliding, None] * law.force(slip[sliding], 5.0)
+    expected = factor[sliding, None] * law.force(slip[sliding], normal_force=5.0)
     np.testing.assert_allclose(motion.force[1:, 0][sliding], expected, rtol=1e-7, atol=1e-7)
 
 
@@ -169,7 +175,7 @@ def consistent_slips(law, rate, dt, u, force, mass=(1.0, 2.0), load=5.0):
 
     def at(phi):
         e = np.stack([np.cos(phi), np.sin(phi)], axis=1)
-        r = -law.force(e, load) * dt
+        r = -law.force(e, normal_force=load) * dt
         inertia = e * np.asarray(mass)
         along = (e * (inertia + rate.viscous * r)).sum(axis=1)
         speed = (e @ y - falling * (e * r).sum(axis=1)) / along
@@ -192,7 +198,7 @@ def test_long_steps_of_laws_that_turn_the_slip_end_in_the_consistent_solution(la
     rng = np.random.default_rng(5)
     for _ in range(40):
         dt, viscous = 10.0 ** rng.uniform(-3.0, 0.0), 10.0 ** rng.uniform(0.0, 4.0)
-        rate = Stribeck(0.1, 0.5, viscous=viscous)
+        rate = Stribeck(0.1, ratio=0.5, viscous=viscous)
         u = 10.0 ** rng.uniform(-1.0, 1.0) * random_directions(rng, 1, 2)[0]
         force = 30.0 * random_directions(rng, 1, 2)[0]
         point = sliding_point(law, rate, force=force)
@@ -213,7 +219,7 @@ def test_long_steps_of_laws_that_turn_the_slip_end_in_the_consistent_solution(la
 
 @pytest.mark.parametrize("law", TURNING_LAWS[:2], ids=["ellipses", "slender"])
 def test_short_steps_of_laws_that_turn_the_slip_tend_to_the_motion(law):
-    point = sliding_point(law, Stribeck(0.1, 0.5, viscous=30.0))
+    point = sliding_point(law, Stribeck(0.1, ratio=0.5, viscous=30.0))
     motion = asp.integrate(point, t_end=0.02, u0=[3.0, -2.0])
     steps = [4e-4, 2e-4, 1e-4]
     errors = [
@@ -228,7 +234,9 @@ def sliders(rates, laws, loads, force):
     """Points in the plane that know nothing of each other, as one system."""
     n = 2 * len(rates)
     contacts = [
-        asp.Contact(law.replace(rate=rate), np.eye(n)[:, 2 * k : 2 * k + 2], normal_force=load)
+        asp.Contact(
+            law.replace(rate=rate), direction=np.eye(n)[:, 2 * k : 2 * k + 2], normal_force=load
+        )
         for k, (rate, law, load) in enumerate(zip(rates, laws, loads, strict=True))
     ]
     return asp.LinearSystem(np.ones(n), force=np.ravel(force), contacts=contacts)
@@ -242,7 +250,7 @@ def test_thirty_sliders_slide_as_each_alone():
     for identical in (True, False):
         chosen = [laws[2]] * count if identical else laws
         viscous = np.full(count, 300.0) if identical else 10.0 ** rng.uniform(0.0, 4.0, count)
-        rates = [Stribeck(0.1, 0.5, viscous=v) for v in viscous]
+        rates = [Stribeck(0.1, ratio=0.5, viscous=v) for v in viscous]
         loads = np.full(count, 5.0) if identical else rng.uniform(1.0, 10.0, count)
         one = 0 if identical else slice(None)
         force = np.broadcast_to((30.0 * random_directions(rng, count, 2))[one], (count, 2))
@@ -262,12 +270,13 @@ def test_thirty_sliders_slide_as_each_alone():
 
 def test_thirty_contacts_of_one_body_are_one_contact():
     law = asp.FrictionLaw.isotropic(0.4)
-    rate = Stribeck(0.1, 0.6, viscous=100.0)
+    rate = Stribeck(0.1, ratio=0.6, viscous=100.0)
     loads = np.linspace(0.1, 3.0, 30)
     motions = []
     for shares in (loads, [loads.sum()]):
         contacts = [
-            asp.Contact(law.replace(rate=rate), np.eye(2), normal_force=load) for load in shares
+            asp.Contact(law.replace(rate=rate), direction=np.eye(2), normal_force=load)
+            for load in shares
         ]
         table = asp.LinearSystem(2.0, force=[20.0, 5.0], contacts=contacts)
         motions.append(asp.simulate(table, dt=1e-2, t_end=0.5, u0=[1.0, -1.0], tolerance=1e-12))
@@ -276,8 +285,10 @@ def test_thirty_contacts_of_one_body_are_one_contact():
 
 def test_contacts_of_one_body_share_a_stiff_factor():
     # Four contacts under one body: each reacts to the friction of all.
-    law = asp.FrictionLaw.isotropic(0.4).replace(rate=Stribeck(0.1, 0.6, viscous=1e4))
-    contacts = [asp.Contact(law, np.eye(2), normal_force=load) for load in (1.0, 2.0, 3.0, 4.0)]
+    law = asp.FrictionLaw.isotropic(0.4).replace(rate=Stribeck(0.1, ratio=0.6, viscous=1e4))
+    contacts = [
+        asp.Contact(law, direction=np.eye(2), normal_force=load) for load in (1.0, 2.0, 3.0, 4.0)
+    ]
     table = asp.LinearSystem(2.0, force=[8.0, 0.0], contacts=contacts)
     motion = asp.simulate(table, dt=0.05, t_end=2.0, u0=[1.0, 1.0])
     assert motion.failed_steps == 0
@@ -287,15 +298,15 @@ def test_contacts_of_one_body_share_a_stiff_factor():
 
 
 def test_a_box_on_a_stiff_viscous_floor_slides_as_a_point_does():
-    law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(0.1, 1.0, viscous=50.0))
+    law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(0.1, ratio=1.0, viscous=50.0))
     height = 0.01
-    box = asp.Body(2.0, (0.2, 0.2, 0.4), position=(0.0, 0.0, height))
-    floor = asp.BoxPlane(0, (0.5, 0.5, height), asp.Plane(), law)
+    box = asp.Body(2.0, inertia=(0.2, 0.2, 0.4), position=(0.0, 0.0, height))
+    floor = asp.BoxPlane(0, half_sizes=(0.5, 0.5, height), plane=asp.Plane(), law=law)
     options = {"dt": 1e-2, "t_end": 0.5}
     slid = asp.simulate(
-        asp.RigidBodies([box], [floor]), u0=[1.0, 0.5, 0.0, 0.0, 0.0, 0.0], **options
+        asp.RigidBodies([box], pairs=[floor]), u0=[1.0, 0.5, 0.0, 0.0, 0.0, 0.0], **options
     )
-    point = asp.simulate(asp.SlidingPoint(2.0, law), u0=[1.0, 0.5], **options)
+    point = asp.simulate(asp.SlidingPoint(2.0, law=law), u0=[1.0, 0.5], **options)
     assert slid.failed_steps == 0
     np.testing.assert_allclose(slid.u[:, :2], point.u, atol=1e-8)
 
@@ -304,9 +315,9 @@ def test_a_landing_in_the_plane_of_the_friction_takes_the_factor_of_its_end():
     # Three rows of a contact on two velocities: its block is singular, and its friction changes
     # the normal percussion.
     law = asp.FrictionLaw.isotropic(1.5).replace(
-        rate=Stribeck(0.74, 0.0, shape="hyperbolic", exponent=3.4, viscous=0.044)
+        rate=Stribeck(0.74, ratio=0.0, shape="hyperbolic", exponent=3.4, viscous=0.044)
     )
-    slope = asp.Contact(law, np.eye(2), normal=[-0.36, 1.0], gap=3.5)
+    slope = asp.Contact(law, direction=np.eye(2), normal=[-0.36, 1.0], gap=3.5)
     point = asp.LinearSystem([5.6, 48.8], force=[9.8, -2.3], contacts=[slope])
     motion = asp.simulate(point, dt=0.14, t_end=4.2, tolerance=1e-12)
     assert motion.failed_steps == 0
@@ -322,15 +333,15 @@ def test_a_landing_in_the_plane_of_the_friction_takes_the_factor_of_its_end():
 
 
 def test_a_falling_factor_still_costs_one_solve():
-    falling = asp.FrictionLaw.isotropic(0.5).replace(rate=Stribeck(0.1, 0.4))
-    motion = asp.simulate(asp.SlidingPoint(1.0, falling), dt=1e-3, t_end=0.1, u0=[1.0, 0.0])
+    falling = asp.FrictionLaw.isotropic(0.5).replace(rate=Stribeck(0.1, ratio=0.4))
+    motion = asp.simulate(asp.SlidingPoint(1.0, law=falling), dt=1e-3, t_end=0.1, u0=[1.0, 0.0])
     assert motion.iterations.max() == 1
 
 
 @pytest.mark.parametrize("solver", [asp.Exact(), asp.ProxJacobi(), asp.ProxGaussSeidel()])
 def test_friction_that_underflows_lets_slide(solver):
     law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(0.01))
-    point = asp.SlidingPoint(1.0, law)
+    point = asp.SlidingPoint(1.0, law=law)
     motion = asp.simulate(point, dt=1e-2, t_end=0.2, u0=[10.0, 0.0], solver=solver)
     np.testing.assert_allclose(motion.u, [[10.0, 0.0]] * len(motion.u), rtol=1e-9, atol=1e-9)
     assert (motion.phase[1:] == asp.Phase.SLIP).all()
@@ -340,13 +351,13 @@ def test_friction_that_underflows_lets_slide(solver):
 @pytest.mark.parametrize("shape", ["exponential", "hyperbolic"])
 def test_falling_rates_are_never_monotone(speed, shape):
     for ratio, exponent in ((0.0, 1.0), (0.9, 2.0), (0.5, 0.5)):
-        rate = Stribeck(speed, ratio, shape=shape, exponent=exponent)
+        rate = Stribeck(speed, ratio=ratio, shape=shape, exponent=exponent)
         law = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2)).replace(rate=rate)
         assert_breaks_monotonicity(law, law.is_maximal_monotone)
 
 
 def test_rising_rates_do_not_make_a_law_monotone():
-    law = TILTED_ELLIPSES.replace(rate=Stribeck(0.1, 1.0, viscous=0.5))
+    law = TILTED_ELLIPSES.replace(rate=Stribeck(0.1, ratio=1.0, viscous=0.5))
     assert_breaks_monotonicity(law, law.is_maximal_monotone)
 
 

@@ -15,12 +15,12 @@ LAW = asp.FrictionLaw.isotropic(0.5)
 LINE_LAW = asp.FrictionLaw.isotropic(0.5, dimension=1)
 DRILLING = asp.FrictionLaw.associated(asp.CoulombContensou(0.5))
 FLOOR = asp.Plane()
-BALL = asp.Body.ball(1.0, 0.1)
-DISK = asp.PlanarBody.disk(1.0, 0.1)
-POINT = asp.PointPlane(0, (0.0, 0.0, -0.1), FLOOR, LAW)
+BALL = asp.Body.ball(1.0, radius=0.1)
+DISK = asp.PlanarBody.disk(1.0, radius=0.1)
+POINT = asp.PointPlane(0, point=(0.0, 0.0, -0.1), plane=FLOOR, law=LAW)
 ON_DECK = POINT.replace(plane=asp.Plane(body=7))
-SPHERES = asp.SphereSphere(0, 0.1, 1, 0.1, LAW)
-SPRING = asp.Spring(0, (0.0, 0.0, 0.0), stiffness=1.0)
+SPHERES = asp.SphereSphere(0, radius=0.1, other=1, other_radius=0.1, law=LAW)
+SPRING = asp.Spring(0, point=(0.0, 0.0, 0.0), stiffness=1.0)
 HALF = (0.3, 0.2, 0.1)
 
 
@@ -35,22 +35,30 @@ def box_on_incline(slope=0.3, mu=0.5):
     turn = Rotation.from_euler("x", slope)
     x, y, z, w = turn.as_quat()
     axes = turn.as_matrix()
-    body = asp.Body.box(2.0, HALF, position=axes @ [0.0, 0.0, 0.1], orientation=(w, x, y, z))
+    body = asp.Body.box(
+        2.0, half_sizes=HALF, position=axes @ [0.0, 0.0, 0.1], orientation=(w, x, y, z)
+    )
     plane = asp.Plane(normal=axes[:, 2], axis=axes[:, 0])
-    system = asp.RigidBodies([body], [asp.BoxPlane(0, HALF, plane, asp.FrictionLaw.isotropic(mu))])
+    system = asp.RigidBodies(
+        [body],
+        pairs=[asp.BoxPlane(0, half_sizes=HALF, plane=plane, law=asp.FrictionLaw.isotropic(mu))],
+    )
     return system, axes
 
 
 def test_rotations_of_scipy_are_orientations():
     turn = Rotation.from_rotvec([0.3, -0.7, 0.2])
     x, y, z, w = turn.as_quat()
-    given = asp.Body.box(2.0, HALF, orientation=turn)
-    assert given == asp.Body.box(2.0, HALF, orientation=(w, x, y, z))
-    assert given == asp.Body.box(2.0, HALF).replace(orientation=turn)
-    system = asp.RigidBodies([given.replace(angular_velocity=(1.0, 2.0, 3.0))], [])
+    given = asp.Body.box(2.0, half_sizes=HALF, orientation=turn)
+    assert given == asp.Body.box(2.0, half_sizes=HALF, orientation=(w, x, y, z))
+    assert given == asp.Body.box(2.0, half_sizes=HALF).replace(orientation=turn)
+    system = asp.RigidBodies([given.replace(angular_velocity=(1.0, 2.0, 3.0))], pairs=[])
     run = asp.simulate(system, dt=1e-3, t_end=1e-3)
     np.testing.assert_allclose(system.rotations(run)[0, 0], turn.as_matrix(), atol=1e-15)
-    for kind in (asp.Body.ball(1.0, 0.1, orientation=turn), asp.Body(1.0, 1.0, orientation=turn)):
+    for kind in (
+        asp.Body.ball(1.0, radius=0.1, orientation=turn),
+        asp.Body(1.0, inertia=1.0, orientation=turn),
+    ):
         np.testing.assert_array_equal(kind.orientation, given.orientation)
 
 
@@ -91,7 +99,8 @@ def test_every_message_on_quaternions_states_their_order(orientation, use):
 
 def test_orientations_do_not_import_scipy():
     script = (
-        "import sys, asperity as asp; asp.Body.ball(1.0, 0.1, orientation=[1.0, 0.0, 0.0, 0.1]); "
+        "import sys, asperity as asp; "
+        "asp.Body.ball(1.0, radius=0.1, orientation=[1.0, 0.0, 0.0, 0.1]); "
         "asp.Plane.oriented((1.0, 0.1, 0.0, 0.0)); print('scipy' in sys.modules)"
     )
     done = subprocess.run(
@@ -102,13 +111,13 @@ def test_orientations_do_not_import_scipy():
 
 BAD_INPUT = [
     # bodies
-    ("mass", ParameterError, lambda: asp.Body(0.0, (1.0, 1.0, 1.0))),
-    ("mass", ParameterError, lambda: asp.Body.box(-1.0, HALF)),
-    ("mass", ParameterError, lambda: asp.Body.ball(NAN, 1.0)),
-    ("inertia", DimensionError, lambda: asp.Body(1.0, (1.0, 1.0))),
-    ("inertia", ParameterError, lambda: asp.Body(1.0, (1.0, 1.0, 0.0))),
-    ("inertia", ParameterError, lambda: asp.Body(1.0, (1.0, 1.0, 2.5))),
-    ("inertia", ParameterError, lambda: asp.Body(1.0, np.eye(3) + np.eye(3, k=1))),
+    ("mass", ParameterError, lambda: asp.Body(0.0, inertia=(1.0, 1.0, 1.0))),
+    ("mass", ParameterError, lambda: asp.Body.box(-1.0, half_sizes=HALF)),
+    ("mass", ParameterError, lambda: asp.Body.ball(NAN, radius=1.0)),
+    ("inertia", DimensionError, lambda: asp.Body(1.0, inertia=(1.0, 1.0))),
+    ("inertia", ParameterError, lambda: asp.Body(1.0, inertia=(1.0, 1.0, 0.0))),
+    ("inertia", ParameterError, lambda: asp.Body(1.0, inertia=(1.0, 1.0, 2.5))),
+    ("inertia", ParameterError, lambda: asp.Body(1.0, inertia=np.eye(3) + np.eye(3, k=1))),
     ("position", DimensionError, lambda: BALL.replace(position=(0.0, 0.0))),
     ("orientation", ParameterError, lambda: BALL.replace(orientation=np.zeros(4))),
     ("orientation", DimensionError, lambda: BALL.replace(orientation=np.eye(3))),
@@ -116,14 +125,14 @@ BAD_INPUT = [
     ("angular_velocity", DimensionError, lambda: BALL.replace(angular_velocity=1.0)),
     ("force", DimensionError, lambda: BALL.replace(force=1.0)),
     ("torque", ParameterError, lambda: BALL.replace(torque=(0.0, 0.0, NAN))),
-    ("half_sizes", ParameterError, lambda: asp.Body.box(1.0, (1.0, 0.0, 1.0))),
-    ("half_sizes", DimensionError, lambda: asp.Body.box(1.0, (1.0, 1.0))),
-    ("radius", ParameterError, lambda: asp.Body.ball(1.0, -0.1)),
-    ("height", ParameterError, lambda: asp.Body.cylinder(1.0, 0.1, 0.0)),
-    ("inertia", ParameterError, lambda: asp.PlanarBody(1.0, 0.0)),
+    ("half_sizes", ParameterError, lambda: asp.Body.box(1.0, half_sizes=(1.0, 0.0, 1.0))),
+    ("half_sizes", DimensionError, lambda: asp.Body.box(1.0, half_sizes=(1.0, 1.0))),
+    ("radius", ParameterError, lambda: asp.Body.ball(1.0, radius=-0.1)),
+    ("height", ParameterError, lambda: asp.Body.cylinder(1.0, radius=0.1, height=0.0)),
+    ("inertia", ParameterError, lambda: asp.PlanarBody(1.0, inertia=0.0)),
     ("angle", DimensionError, lambda: DISK.replace(angle=(0.0, 0.0))),
-    ("half_sizes", DimensionError, lambda: asp.PlanarBody.box(1.0, HALF)),
-    ("radius", ParameterError, lambda: asp.PlanarBody.disk(1.0, 0.0)),
+    ("half_sizes", DimensionError, lambda: asp.PlanarBody.box(1.0, half_sizes=HALF)),
+    ("radius", ParameterError, lambda: asp.PlanarBody.disk(1.0, radius=0.0)),
     # surfaces
     ("normal", ParameterError, lambda: asp.Plane(normal=np.zeros(3))),
     ("axis", ParameterError, lambda: asp.Plane(normal=(1.0, 0.0, 0.0))),
@@ -138,7 +147,7 @@ BAD_INPUT = [
     ("plane", ParameterError, lambda: POINT.replace(plane=asp.Plane(body=0))),
     ("law", ParameterError, lambda: POINT.replace(law=0.5)),
     ("law", DimensionError, lambda: POINT.replace(law=LINE_LAW)),
-    ("law", DimensionError, lambda: asp.SpherePlane(0, 0.1, asp.Line(), LAW)),
+    ("law", DimensionError, lambda: asp.SpherePlane(0, radius=0.1, plane=asp.Line(), law=LAW)),
     ("point", DimensionError, lambda: POINT.replace(point=(0.0, 0.0))),
     ("body", ParameterError, lambda: POINT.replace(body=-1)),
     ("frame", ParameterError, lambda: POINT.replace(frame="world")),
@@ -147,7 +156,7 @@ BAD_INPUT = [
     (
         "frame",
         ParameterError,
-        lambda: asp.SpherePlane(0, 0.1, asp.Line(), LINE_LAW, frame="polar"),
+        lambda: asp.SpherePlane(0, radius=0.1, plane=asp.Line(), law=LINE_LAW, frame="polar"),
     ),
     ("patch_radius", ParameterError, lambda: POINT.replace(law=DRILLING)),
     ("patch_radius", ParameterError, lambda: POINT.replace(patch_radius=0.1)),
@@ -155,9 +164,17 @@ BAD_INPUT = [
     ("normal_restitution", ParameterError, lambda: POINT.replace(normal_restitution=1.1)),
     ("tangential_restitution", ParameterError, lambda: POINT.replace(tangential_restitution=-0.1)),
     ("normal_force", ParameterError, lambda: POINT.replace(normal_force=-1.0)),
-    ("radius", ParameterError, lambda: asp.SpherePlane(0, 0.0, FLOOR, LAW)),
-    ("center", DimensionError, lambda: asp.SpherePlane(0, 0.1, FLOOR, LAW, center=(0.0, 0.0))),
-    ("half_sizes", DimensionError, lambda: asp.BoxPlane(0, (0.1, 0.1), FLOOR, LAW)),
+    ("radius", ParameterError, lambda: asp.SpherePlane(0, radius=0.0, plane=FLOOR, law=LAW)),
+    (
+        "center",
+        DimensionError,
+        lambda: asp.SpherePlane(0, radius=0.1, plane=FLOOR, law=LAW, center=(0.0, 0.0)),
+    ),
+    (
+        "half_sizes",
+        DimensionError,
+        lambda: asp.BoxPlane(0, half_sizes=(0.1, 0.1), plane=FLOOR, law=LAW),
+    ),
     ("other", ParameterError, lambda: SPHERES.replace(other=0)),
     ("other_radius", ParameterError, lambda: SPHERES.replace(other_radius=-1.0)),
     # springs
@@ -165,20 +182,20 @@ BAD_INPUT = [
     ("damping", ParameterError, lambda: SPRING.replace(damping=NAN)),
     ("length", ParameterError, lambda: SPRING.replace(length=-0.1)),
     ("other", ParameterError, lambda: SPRING.replace(other=0)),
-    ("point", DimensionError, lambda: asp.Spring(0, (0.0,), stiffness=1.0)),
+    ("point", DimensionError, lambda: asp.Spring(0, point=(0.0,), stiffness=1.0)),
     ("other_point", DimensionError, lambda: SPRING.replace(other_point=(0.0, 0.0))),
     # systems
     ("bodies", DimensionError, lambda: asp.RigidBodies([])),
     ("bodies", ParameterError, lambda: asp.RigidBodies(BALL)),
     ("bodies", ParameterError, lambda: asp.RigidBodies([BALL, DISK])),
-    ("pairs", ParameterError, lambda: asp.RigidBodies([BALL], [SPRING])),
-    ("pairs", DimensionError, lambda: asp.RigidBodies([DISK], [POINT])),
+    ("pairs", ParameterError, lambda: asp.RigidBodies([BALL], pairs=[SPRING])),
+    ("pairs", DimensionError, lambda: asp.RigidBodies([DISK], pairs=[POINT])),
     ("springs", ParameterError, lambda: asp.RigidBodies([BALL], springs=[POINT])),
     ("springs", DimensionError, lambda: asp.RigidBodies([DISK], springs=[SPRING])),
     ("gravity", DimensionError, lambda: asp.RigidBodies([BALL], gravity=(0.0, -G))),
-    ("body", ParameterError, lambda: asp.RigidBodies([BALL], [POINT.replace(body=1)])),
-    ("plane.body", ParameterError, lambda: asp.RigidBodies([BALL], [ON_DECK])),
-    ("other", ParameterError, lambda: asp.RigidBodies([BALL], [SPHERES])),
+    ("body", ParameterError, lambda: asp.RigidBodies([BALL], pairs=[POINT.replace(body=1)])),
+    ("plane.body", ParameterError, lambda: asp.RigidBodies([BALL], pairs=[ON_DECK])),
+    ("other", ParameterError, lambda: asp.RigidBodies([BALL], pairs=[SPHERES])),
     ("other", ParameterError, lambda: asp.RigidBodies([BALL], springs=[SPRING.replace(other=4)])),
     # simulations
     ("q0", DimensionError, lambda: asp.simulate(TWO, dt=0.1, t_end=0.1, q0=np.zeros(12))),
@@ -188,7 +205,7 @@ BAD_INPUT = [
     ("about", DimensionError, lambda: FALLING.angular_momentum(FALL, about=(0.0, 0.0))),
     ("frame", ParameterError, lambda: FALLING.contact_forces(FALL, frame="plane")),
 ]
-TWO = asp.RigidBodies([BALL, BALL.replace(position=(0.5, 0.0, 0.0))], [SPHERES])
+TWO = asp.RigidBodies([BALL, BALL.replace(position=(0.5, 0.0, 0.0))], pairs=[SPHERES])
 FALLING = asp.RigidBodies([BALL])
 FALL = asp.simulate(FALLING, dt=0.1, t_end=0.2)
 
@@ -207,13 +224,13 @@ def test_bad_input_is_refused_by_name(argument, kind, call):
 
 def test_moments_of_inertia():
     np.testing.assert_allclose(
-        asp.Body.box(3.0, HALF).inertia.diagonal(), [0.05, 0.1, 0.13], rtol=1e-14
+        asp.Body.box(3.0, half_sizes=HALF).inertia.diagonal(), [0.05, 0.1, 0.13], rtol=1e-14
     )
-    np.testing.assert_allclose(asp.Body.cylinder(12.0, 0.1, 0.2).inertia[2, 2], 0.06)
-    np.testing.assert_allclose(asp.Body.cylinder(12.0, 0.1, 0.2).inertia[0, 0], 0.07)
-    assert asp.PlanarBody.box(3.0, (0.3, 0.2)).inertia == pytest.approx(0.13)
-    full = asp.Body(1.0, np.diag([1.0, 2.0, 2.5]))
-    assert full == asp.Body(1.0, (1.0, 2.0, 2.5))
+    np.testing.assert_allclose(asp.Body.cylinder(12.0, radius=0.1, height=0.2).inertia[2, 2], 0.06)
+    np.testing.assert_allclose(asp.Body.cylinder(12.0, radius=0.1, height=0.2).inertia[0, 0], 0.07)
+    assert asp.PlanarBody.box(3.0, half_sizes=(0.3, 0.2)).inertia == pytest.approx(0.13)
+    full = asp.Body(1.0, inertia=np.diag([1.0, 2.0, 2.5]))
+    assert full == asp.Body(1.0, inertia=(1.0, 2.0, 2.5))
 
 
 def test_inertia_in_turned_axes_is_symmetric_to_rounding():
@@ -223,14 +240,14 @@ def test_inertia_in_turned_axes_is_symmetric_to_rounding():
         axes, _ = random_rotation(seed)
         given = axes @ np.diag(moments) @ axes.T
         rounded += not np.array_equal(given, given.T)
-        inertia = asp.Body(1.0, given).inertia
+        inertia = asp.Body(1.0, inertia=given).inertia
         np.testing.assert_array_equal(inertia, inertia.T)
         np.testing.assert_allclose(inertia, given, atol=1e-15)
         np.testing.assert_allclose(np.linalg.eigvalsh(inertia), moments, rtol=1e-14)
     assert rounded > 10
     tilted = np.diag(moments) + 1e-11 * np.eye(3, k=1)
     with pytest.raises(ParameterError, match="inertia: must be symmetric"):
-        asp.Body(1.0, tilted)
+        asp.Body(1.0, inertia=tilted)
 
 
 def test_initial_state_comes_from_the_bodies():
@@ -268,17 +285,19 @@ def test_planar_bodies_have_an_angle():
 
 
 def test_loads_accelerate_a_body():
-    body = asp.Body(2.0, (1.0, 2.0, 3.0), force=(4.0, 0.0, 0.0), torque=(0.0, 0.0, 6.0))
+    body = asp.Body(2.0, inertia=(1.0, 2.0, 3.0), force=(4.0, 0.0, 0.0), torque=(0.0, 0.0, 6.0))
     system = asp.RigidBodies([body])
     motion = asp.simulate(system, dt=1e-2, t_end=1.0)
     np.testing.assert_allclose(motion.u[-1], [2.0, 0.0, -G, 0.0, 0.0, 2.0], atol=1e-12)
-    planar = asp.PlanarBody(2.0, 3.0, force=(4.0, 0.0), torque=6.0)
+    planar = asp.PlanarBody(2.0, inertia=3.0, force=(4.0, 0.0), torque=6.0)
     motion = asp.simulate(asp.RigidBodies([planar]), dt=1e-2, t_end=1.0)
     np.testing.assert_allclose(motion.u[-1], [2.0, -G, 2.0], atol=1e-12)
 
 
 def test_angular_momentum_about_a_point():
-    body = asp.Body(2.0, (1.0, 1.0, 1.0), position=(1.0, 0.0, 0.0), velocity=(0.0, 3.0, 0.0))
+    body = asp.Body(
+        2.0, inertia=(1.0, 1.0, 1.0), position=(1.0, 0.0, 0.0), velocity=(0.0, 3.0, 0.0)
+    )
     system = asp.RigidBodies([body], gravity=np.zeros(3))
     motion = asp.simulate(system, dt=0.1, t_end=0.3)
     np.testing.assert_allclose(system.angular_momentum(motion), [[0.0, 0.0, 6.0]] * 4)
@@ -288,7 +307,9 @@ def test_angular_momentum_about_a_point():
 
 def test_contacts_are_labelled():
     deck = asp.Plane(body=0)
-    system = asp.RigidBodies([BALL, BALL], [SPHERES, asp.BoxPlane(1, HALF, deck, LAW)])
+    system = asp.RigidBodies(
+        [BALL, BALL], pairs=[SPHERES, asp.BoxPlane(1, half_sizes=HALF, plane=deck, law=LAW)]
+    )
     assert len(system.contacts) == 9
     assert system.contacts[0] == (0, 0)
     assert system.contacts[8].pair == 1
@@ -319,15 +340,17 @@ def test_contact_forces_are_what_changes_the_momentum_of_a_tumbling_box():
     _, orientation = random_rotation(3)
     box = asp.Body.box(
         1.0,
-        HALF,
+        half_sizes=HALF,
         position=(0.0, 0.0, 0.5),
         orientation=orientation,
         velocity=(1.0, 0.5, -2.0),
         angular_velocity=(3.0, -5.0, 2.0),
     )
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.2), asp.Ellipse(1.0, 0.8))
-    floor = asp.BoxPlane(0, HALF, FLOOR, law, frame=asp.BodyAxis((1.0, 0.3, 0.2)))
-    system = asp.RigidBodies([box], [floor])
+    floor = asp.BoxPlane(
+        0, half_sizes=HALF, plane=FLOOR, law=law, frame=asp.BodyAxis((1.0, 0.3, 0.2))
+    )
+    system = asp.RigidBodies([box], pairs=[floor])
     motion = asp.simulate(system, dt=1e-3, t_end=1.0, save_every=1)
     forces = system.contact_forces(motion, frame="world")[1:].sum(axis=1)
     change = np.diff(system.momentum(motion), axis=0) / motion.dt
@@ -339,7 +362,9 @@ def test_contact_forces_are_what_changes_the_momentum_of_a_tumbling_box():
 
 def test_planar_forces_in_three_frames():
     disk = DISK.replace(position=(0.0, 0.1), velocity=(1.0, 0.0), angular_velocity=10.0)
-    system = asp.RigidBodies([disk], [asp.SpherePlane(0, 0.1, asp.Line(), LINE_LAW)])
+    system = asp.RigidBodies(
+        [disk], pairs=[asp.SpherePlane(0, radius=0.1, plane=asp.Line(), law=LINE_LAW)]
+    )
     motion = asp.simulate(system, dt=1e-3, t_end=0.05)
     surface = system.contact_forces(motion)[1:, 0]
     np.testing.assert_allclose(surface, [[-0.5 * G, G]] * 50)
@@ -354,8 +379,10 @@ def test_planar_forces_in_three_frames():
 
 def test_prescribed_normal_force_presses_without_a_gap():
     body = BALL.replace(velocity=(1.0, 0.0, 0.0))
-    clamp = asp.PointPlane(0, (0.0, 0.0, 0.0), FLOOR, LAW, normal_force=4.0)
-    system = asp.RigidBodies([body.replace(force=(0.0, 0.0, -4.0))], [clamp], gravity=np.zeros(3))
+    clamp = asp.PointPlane(0, point=(0.0, 0.0, 0.0), plane=FLOOR, law=LAW, normal_force=4.0)
+    system = asp.RigidBodies(
+        [body.replace(force=(0.0, 0.0, -4.0))], pairs=[clamp], gravity=np.zeros(3)
+    )
     motion = asp.simulate(system, dt=1e-3, t_end=0.4)
     np.testing.assert_allclose(motion.u[-1, 0], 1.0 - 0.5 * 4.0 * 0.4, rtol=1e-9)
     np.testing.assert_allclose(motion.q[:, 2], 0.0, atol=1e-12)
@@ -365,15 +392,15 @@ def test_prescribed_normal_force_presses_without_a_gap():
 def test_turning_the_whole_system_turns_the_motion():
     axes, orientation = random_rotation(5)
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(2.0, 1.0))
-    box = asp.Body.box(1.0, HALF, position=(0, 0, 0.15), velocity=(1.0, 2.0, 0.0))
-    floor = asp.BoxPlane(0, HALF, FLOOR, law)
+    box = asp.Body.box(1.0, half_sizes=HALF, position=(0, 0, 0.15), velocity=(1.0, 2.0, 0.0))
+    floor = asp.BoxPlane(0, half_sizes=HALF, plane=FLOOR, law=law)
     turned_floor = floor.replace(plane=asp.Plane(normal=axes[:, 2], axis=axes[:, 0]))
     turned_box = box.replace(
         position=axes @ box.position, orientation=orientation, velocity=axes @ box.velocity
     )
     options = {"dt": 1e-3, "t_end": 0.3}
-    straight = asp.RigidBodies([box], [floor])
-    turned = asp.RigidBodies([turned_box], [turned_floor], gravity=axes @ [0.0, 0.0, -G])
+    straight = asp.RigidBodies([box], pairs=[floor])
+    turned = asp.RigidBodies([turned_box], pairs=[turned_floor], gravity=axes @ [0.0, 0.0, -G])
     path = straight.positions(asp.simulate(straight, **options))
     turned_path = turned.positions(asp.simulate(turned, **options))
     np.testing.assert_allclose(turned_path, path @ axes.T, atol=1e-8)
@@ -387,7 +414,9 @@ def test_exception_in_a_frame_comes_back():
 
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(2.0, 1.0))
     body = BALL.replace(velocity=(1.0, 0.0, 0.0))
-    system = asp.RigidBodies([body], [asp.PointPlane(0, (0, 0, 0), FLOOR, law, frame=groove)])
+    system = asp.RigidBodies(
+        [body], pairs=[asp.PointPlane(0, point=(0, 0, 0), plane=FLOOR, law=law, frame=groove)]
+    )
     with pytest.raises(ZeroDivisionError, match="user's code") as caught:
         asp.simulate(system, dt=1e-2, t_end=1.0)
     assert caught.value.trajectory.q[-1, 0] < 0.15
@@ -397,9 +426,9 @@ def test_exception_in_a_frame_comes_back():
 
 def test_frame_that_returns_no_angle_is_named():
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(2.0, 1.0))
-    pair = asp.PointPlane(0, (0, 0, 0), FLOOR, law, frame=lambda x1, x2: NAN)
+    pair = asp.PointPlane(0, point=(0, 0, 0), plane=FLOOR, law=law, frame=lambda x1, x2: NAN)
     with pytest.raises(ParameterError, match="frame: must return a finite angle"):
-        asp.simulate(asp.RigidBodies([BALL], [pair]), dt=1e-2, t_end=0.1)
+        asp.simulate(asp.RigidBodies([BALL], pairs=[pair]), dt=1e-2, t_end=0.1)
 
 
 def test_files_of_trajectories_hold_rigid_bodies(tmp_path):

@@ -128,8 +128,12 @@ def test_classes_are_kept_where_the_shape_allows():
     assert asp.Ellipse(3.0, 1.0).rotated(0.2).scaled(2.0) == asp.Ellipse(6.0, 2.0, angle=0.2)
     assert asp.Disk(1.0).rotated(0.2) == asp.Disk(1.0)
     assert isinstance(asp.Box([1.0, 2.0]).rotated(0.2), asp.Mapped)
-    assert asp.WedgeAsperity(0.5, 0.3).rotated(0.2) == asp.WedgeAsperity(0.5, 0.3, angle=0.2)
-    assert asp.CoulombContensou(0.5, "uniform").scaled(2.0) == asp.CoulombContensou(1.0, "uniform")
+    assert asp.WedgeAsperity(0.5, beta=0.3).rotated(0.2) == asp.WedgeAsperity(
+        0.5, beta=0.3, angle=0.2
+    )
+    assert asp.CoulombContensou(0.5, pressure="uniform").scaled(2.0) == asp.CoulombContensou(
+        1.0, pressure="uniform"
+    )
     twice = asp.Box([1.0, 2.0]).mapped([[2.0, 0.0], [0.0, 1.0]]).mapped([[1.0, 0.0], [0.0, 3.0]])
     assert twice == asp.Mapped(asp.Box([1.0, 2.0]), [[2.0, 0.0], [0.0, 3.0]])
 

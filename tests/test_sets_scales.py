@@ -152,7 +152,7 @@ def test_corners_of_an_intersection_of_any_size(size):
         ("upper", lambda s: asp.Interval(-1.0, s)),
         ("half_widths", lambda s: asp.Box([1.0, s])),
         ("a", lambda s: asp.Rectangle(s, 1.0)),
-        ("cap", lambda s: asp.CappedRectangle(1.0, 1.0, s)),
+        ("cap", lambda s: asp.CappedRectangle(1.0, 1.0, cap=s)),
         ("mu", lambda s: asp.CoulombContensou(s)),
         ("vertices", lambda s: asp.Polygon(s * asp.Disk(1.0).boundary(5))),
         ("radius", lambda s: asp.PolarCurve(np.arange(8.0) / 8 * 2 * np.pi, np.full(8, s))),
@@ -173,16 +173,18 @@ def test_laws_at_slips_and_loads_of_any_magnitude(magnitude, load, rng):
     law = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.3), asp.Ellipse(3.0, 1.0))
     unit = whole(random_directions(rng, 12, 2), magnitude)
     slip = unit * magnitude
-    np.testing.assert_allclose(law.force(slip, load), load * law.force(unit), rtol=1e-12)
+    np.testing.assert_allclose(
+        law.force(slip, normal_force=load), load * law.force(unit), rtol=1e-12
+    )
     with np.errstate(over="ignore", invalid="ignore"):
         power = load * law.dissipation(unit) * magnitude
         slope = law.jacobian(unit) * (load / magnitude)
-    found = answer(lambda: law.dissipation(slip, load), "slip")
+    found = answer(lambda: law.dissipation(slip, normal_force=load), "slip")
     if found is None:
         assert np.isinf(power).any()
     else:
         np.testing.assert_allclose(found, power, rtol=1e-12, atol=1e-320)
-    found = answer(lambda: law.jacobian(slip, load), "slip")
+    found = answer(lambda: law.jacobian(slip, normal_force=load), "slip")
     if found is None:
         assert not np.isfinite(slope).all()
     else:
@@ -192,7 +194,7 @@ def test_laws_at_slips_and_loads_of_any_magnitude(magnitude, load, rng):
 
 def test_a_problem_with_forces_beyond_their_squares_does_not_panic():
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(0.6, 0.3) & asp.Disk(0.4))
-    problem = asp.ContactProblem(np.eye(2), [1.0, 1.0], law, normal_force=1.0)
+    problem = asp.ContactProblem(np.eye(2), free_velocity=[1.0, 1.0], laws=law, normal_force=1.0)
     size = 2.0**300
     large = problem.replace(free_velocity=[size, size], normal_force=size).solve()
     np.testing.assert_allclose(large.percussion, size * problem.solve().percussion, rtol=1e-9)

@@ -84,7 +84,7 @@ def test_breaks_follow_each_other_whatever_rounding_does():
 
 @pytest.mark.parametrize("phase", [0.0, [0.3, -1.0]])
 def test_a_sine_is_exact(phase):
-    signal = Sine([2.0, -1.0], 3.0, phase=phase, offset=0.5)
+    signal = Sine([2.0, -1.0], frequency=3.0, phase=phase, offset=0.5)
     t = RNG.uniform(-4.0, 9.0, 50)
     angle = 6.0 * np.pi * t[:, None] + np.broadcast_to(phase, 2)
     a, omega = np.array([2.0, -1.0]), 6.0 * np.pi
@@ -135,10 +135,10 @@ def test_a_sine_is_exact(phase):
             ParameterError,
             "interpolation",
         ),
-        (lambda: Sine(1.0, 0.0), ParameterError, "frequency"),
-        (lambda: Sine([1.0, 2.0], 1.0, phase=[1.0, 2.0, 3.0]), DimensionError, "phase"),
-        (lambda: Sine([[1.0]], 1.0), DimensionError, "amplitude"),
-        (lambda: Sine(1.0, 1.0).derivative(0.0, order=3), ParameterError, "order"),
+        (lambda: Sine(1.0, frequency=0.0), ParameterError, "frequency"),
+        (lambda: Sine([1.0, 2.0], frequency=1.0, phase=[1.0, 2.0, 3.0]), DimensionError, "phase"),
+        (lambda: Sine([[1.0]], frequency=1.0), DimensionError, "amplitude"),
+        (lambda: Sine(1.0, frequency=1.0).derivative(0.0, order=3), ParameterError, "order"),
     ],
 )
 def test_arguments_are_checked(make, error, argument):
@@ -154,7 +154,7 @@ def test_arguments_are_checked(make, error, argument):
 
 
 def planar(**loads):
-    return RigidBodies([PlanarBody(2.0, 0.5, **loads)], gravity=[0.0, 0.0])
+    return RigidBodies([PlanarBody(2.0, inertia=0.5, **loads)], gravity=[0.0, 0.0])
 
 
 def test_loads_that_depend_on_time_drive_bodies():
@@ -181,9 +181,12 @@ def test_loads_that_depend_on_time_drive_bodies():
 
 
 def test_loads_of_space_act_in_the_axes_of_the_world():
-    force, torque = Sine([0.0, 1.0, 2.0], 0.5), Sine([0.3, -0.2, 0.1], 0.8, phase=[0.0, 1.0, 2.0])
+    force, torque = (
+        Sine([0.0, 1.0, 2.0], frequency=0.5),
+        Sine([0.3, -0.2, 0.1], frequency=0.8, phase=[0.0, 1.0, 2.0]),
+    )
     body = Body(
-        2.0, [0.1, 0.2, 0.25], angular_velocity=(1.0, -2.0, 0.5), force=force, torque=torque
+        2.0, inertia=[0.1, 0.2, 0.25], angular_velocity=(1.0, -2.0, 0.5), force=force, torque=torque
     )
     system = RigidBodies([body], gravity=[0.0, 0.0, 0.0])
     motion = integrate(system, t_end=1.3)
@@ -195,16 +198,19 @@ def test_loads_of_space_act_in_the_axes_of_the_world():
 
 @pytest.mark.parametrize(
     "signal",
-    [Sine(0.5, 1.3, phase=0.4, offset=0.6), Signal([0.0, 1.0], [0.2, 0.7], interpolation="linear")],
+    [
+        Sine(0.5, frequency=1.3, phase=0.4, offset=0.6),
+        Signal([0.0, 1.0], [0.2, 0.7], interpolation="linear"),
+    ],
 )
 def test_functions_do_what_their_signals_do(signal):
     def run(load, length):
-        body = PlanarBody(2.0, 0.5, position=(1.0, 0.0), force=load)
-        spring = Spring(0, (0.0, 0.0), stiffness=20.0, length=length)
+        body = PlanarBody(2.0, inertia=0.5, position=(1.0, 0.0), force=load)
+        spring = Spring(0, point=(0.0, 0.0), stiffness=20.0, length=length)
         system = RigidBodies([body], springs=[spring], gravity=[0.0, 0.0])
         return [integrate(system, t_end=1.0).u[-1], simulate(system, dt=1e-2, t_end=1.0).u[-1]]
 
-    given = Sine([1.0, 0.5], 0.7)
+    given = Sine([1.0, 0.5], frequency=0.7)
     for a, b in zip(run(given, signal), run(lambda t: given(t), lambda t: signal(t)), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-9)
 
@@ -212,10 +218,10 @@ def test_functions_do_what_their_signals_do(signal):
 def test_a_spring_that_is_driven_at_its_end():
     # ẍ = −k (x − l(t)) / m with l = 1 + a sin Ωt, by the sum of its own and the driven oscillation.
     omega, drive, a = 6.0, 2.0 * np.pi, 0.2
-    body = PlanarBody(1.0, 1.0, position=(1.0, 0.0))
-    length = Sine(a, 1.0, offset=6.0)
+    body = PlanarBody(1.0, inertia=1.0, position=(1.0, 0.0))
+    length = Sine(a, frequency=1.0, offset=6.0)
     far = (-5.0, 0.0)
-    spring = Spring(0, (0.0, 0.0), other_point=far, stiffness=omega**2, length=length)
+    spring = Spring(0, point=(0.0, 0.0), other_point=far, stiffness=omega**2, length=length)
     system = RigidBodies([body], springs=[spring], gravity=[0.0, 0.0])
     t, forced = 2.7, a * omega**2 / (omega**2 - drive**2)
     known = 1.0 + forced * (np.sin(drive * t) - drive / omega * np.sin(omega * t))
@@ -249,10 +255,13 @@ def test_what_is_wrong_with_a_function_is_said(function, error):
 @pytest.mark.parametrize(
     ("make", "argument"),
     [
-        (lambda: planar(force=Sine([1.0, 0.0, 0.0], 1.0)), "force"),
-        (lambda: planar(torque=Sine([1.0], 1.0)), "torque"),
-        (lambda: Body.ball(1.0, 0.1, torque=Sine(1.0, 1.0)), "torque"),
-        (lambda: Spring(0, (0.0, 0.0), stiffness=1.0, length=Sine([1.0], 1.0)), "length"),
+        (lambda: planar(force=Sine([1.0, 0.0, 0.0], frequency=1.0)), "force"),
+        (lambda: planar(torque=Sine([1.0], frequency=1.0)), "torque"),
+        (lambda: Body.ball(1.0, radius=0.1, torque=Sine(1.0, frequency=1.0)), "torque"),
+        (
+            lambda: Spring(0, point=(0.0, 0.0), stiffness=1.0, length=Sine([1.0], frequency=1.0)),
+            "length",
+        ),
     ],
 )
 def test_signals_of_another_shape_are_refused(make, argument):
@@ -262,9 +271,9 @@ def test_signals_of_another_shape_are_refused(make, argument):
 
 
 def test_lengths_are_not_negative():
-    spring = Spring(0, (0.0, 0.0), stiffness=1.0, length=Sine(0.2, 1.0, offset=0.1))
+    spring = Spring(0, point=(0.0, 0.0), stiffness=1.0, length=Sine(0.2, frequency=1.0, offset=0.1))
     with pytest.raises(ParameterError) as raised:
-        RigidBodies([PlanarBody(1.0, 1.0)], springs=[spring])
+        RigidBodies([PlanarBody(1.0, inertia=1.0)], springs=[spring])
     assert raised.value.argument == "length"
 
 

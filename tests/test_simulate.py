@@ -8,7 +8,7 @@ from samples import SUPERELLIPSES, TILTED_ELLIPSES
 from scipy.integrate import solve_ivp
 
 ISOTROPIC = asp.FrictionLaw.isotropic(0.5)
-BLOCK = asp.SlidingPoint(0.2, ISOTROPIC)
+BLOCK = asp.SlidingPoint(0.2, law=ISOTROPIC)
 
 
 def test_isotropic_block_stops_at_the_known_place_and_time():
@@ -27,7 +27,7 @@ def test_sliding_agrees_with_an_adaptive_integrator(law):
     ).y[:, -1]
     errors = []
     for dt in (2e-4, 1e-4):
-        u = asp.simulate(asp.SlidingPoint(1.0, law), dt=dt, t_end=0.1, u0=u0).u[-1]
+        u = asp.simulate(asp.SlidingPoint(1.0, law=law), dt=dt, t_end=0.1, u0=u0).u[-1]
         errors.append(np.linalg.norm(u - reference))
     assert errors[1] < 1e-3
     assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.2)
@@ -37,7 +37,7 @@ def test_sliding_agrees_with_an_adaptive_integrator(law):
 def test_invariant_of_free_sliding_with_elliptic_direction_set(reservoir):
     law = asp.FrictionLaw(reservoir, asp.Ellipse(2.0, 1.0))
     u0 = np.array([1.0, 0.8])
-    motion = asp.simulate(asp.SlidingPoint(1.0, law), dt=1e-5, t_end=0.2, u0=u0, save_every=100)
+    motion = asp.simulate(asp.SlidingPoint(1.0, law=law), dt=1e-5, t_end=0.2, u0=u0, save_every=100)
     v = np.abs(motion.u / u0)
     sliding = (v > 0.05).all(axis=1)
     assert sliding.sum() > 20
@@ -49,16 +49,18 @@ def test_turning_law_and_motion_together_changes_nothing():
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     u0 = np.array([1.0, 0.4])
     options = {"dt": 1e-3, "t_end": 0.6}
-    plain = asp.simulate(asp.SlidingPoint(1.0, TILTED_ELLIPSES), u0=u0, **options)
+    plain = asp.simulate(asp.SlidingPoint(1.0, law=TILTED_ELLIPSES), u0=u0, **options)
     turned = asp.simulate(
-        asp.SlidingPoint(1.0, TILTED_ELLIPSES.rotated(angle)), u0=turn @ u0, **options
+        asp.SlidingPoint(1.0, law=TILTED_ELLIPSES.rotated(angle)), u0=turn @ u0, **options
     )
     np.testing.assert_allclose(turned.q, plain.q @ turn.T, atol=1e-9)
 
 
 def test_stick_is_exact():
     held = asp.LinearSystem(
-        1.0, force=[3.0, 1.0], contacts=[asp.Contact(ISOTROPIC, np.eye(2), normal_force=9.81)]
+        1.0,
+        force=[3.0, 1.0],
+        contacts=[asp.Contact(ISOTROPIC, direction=np.eye(2), normal_force=9.81)],
     )
     motion = asp.simulate(held, dt=1e-2, t_end=60.0)
     assert (motion.phase[1:] == Phase.STICK).all()
@@ -69,7 +71,9 @@ def test_stick_is_exact():
 
 def test_energy_never_grows():
     oscillator = asp.LinearSystem(
-        1.0, [4.0, 1.0], contacts=[asp.Contact(TILTED_ELLIPSES, np.eye(2), normal_force=1.0)]
+        1.0,
+        stiffness=[4.0, 1.0],
+        contacts=[asp.Contact(TILTED_ELLIPSES, direction=np.eye(2), normal_force=1.0)],
     )
     motion = asp.simulate(oscillator, dt=1e-3, t_end=60.0, q0=[3.0, -2.0])
     energy = 0.5 * (motion.u**2).sum(1) + 0.5 * (motion.q**2 @ [4.0, 1.0])
@@ -88,7 +92,7 @@ def ball(spin):
             contacts=[
                 asp.Contact(
                     asp.FrictionLaw.isotropic(0.2, dimension=1),
-                    [1.0, 0.0, 0.1],
+                    direction=[1.0, 0.0, 0.1],
                     normal=[0.0, 1.0, 0.0],
                     gap=-0.1,
                 )
@@ -155,7 +159,7 @@ def test_sample_zero_is_the_initial_state():
 
 
 def test_every_solver_gives_the_same_motion():
-    system = asp.SlidingPoint(1.0, TILTED_ELLIPSES)
+    system = asp.SlidingPoint(1.0, law=TILTED_ELLIPSES)
     options = {"dt": 1e-3, "t_end": 0.3, "u0": [1.0, 0.5], "tolerance": 1e-13}
     first = asp.simulate(system, **options)
     for solver in (asp.ProxJacobi(), asp.ProxGaussSeidel()):
@@ -202,21 +206,21 @@ def test_progress_bar(capsys):
 
 
 def test_a_system_without_contacts_oscillates():
-    motion = asp.simulate(asp.LinearSystem(1.0, 1.0), dt=1e-3, t_end=1.0, q0=[1.0])
+    motion = asp.simulate(asp.LinearSystem(1.0, stiffness=1.0), dt=1e-3, t_end=1.0, q0=[1.0])
     assert motion.q[-1, 0] == pytest.approx(np.cos(1.0), abs=1e-3)
     assert motion.force.shape[:2] == (1001, 0)
 
 
 def test_same_input_same_bits():
     runs = [
-        asp.simulate(asp.SlidingPoint(1.0, SUPERELLIPSES), dt=1e-3, t_end=0.3, u0=[1.0, 0.5])
+        asp.simulate(asp.SlidingPoint(1.0, law=SUPERELLIPSES), dt=1e-3, t_end=0.3, u0=[1.0, 0.5])
         for _ in range(2)
     ]
     assert runs[0] == runs[1]
 
 
 def test_divergence_keeps_the_part_before():
-    runaway = asp.LinearSystem(1.0, -1e6)
+    runaway = asp.LinearSystem(1.0, stiffness=-1e6)
     with pytest.raises(asp.DivergenceError, match="coordinate 0") as caught:
         asp.simulate(runaway, dt=1.0, t_end=1000.0, q0=[1.0])
     kept = caught.value.trajectory
@@ -255,17 +259,19 @@ def random_system(rng):
             angle = rng.uniform(0.0, 3.0)
             law = asp.FrictionLaw(asp.Ellipse(0.6, 0.3, angle=angle), asp.Ellipse(2.0, 1.0))
         if rng.random() < 0.3:
-            law = law.replace(rate=asp.Stribeck(0.3, 0.5, viscous=rng.choice([0.0, 1.0, 30.0])))
+            law = law.replace(
+                rate=asp.Stribeck(0.3, ratio=0.5, viscous=rng.choice([0.0, 1.0, 30.0]))
+            )
         directions = rng.normal(size=(n, p))
         if rng.random() < 0.5:
             closing = {"normal_force": rng.uniform(0.5, 3.0), "velocity": rng.normal(size=p)}
         else:
             closing = {"normal": rng.normal(size=n), "gap": rng.uniform(0.0, 0.3)}
             closing["normal_restitution"] = rng.choice([0.0, 0.5])
-        contacts.append(asp.Contact(law, directions, **closing))
+        contacts.append(asp.Contact(law, direction=directions, **closing))
     return asp.LinearSystem(
         square @ square.T + np.eye(n),
-        np.diag(rng.uniform(0.5, 3.0, n)),
+        stiffness=np.diag(rng.uniform(0.5, 3.0, n)),
         force=3.0 * rng.normal(size=n),
         contacts=contacts,
     )
@@ -291,9 +297,9 @@ def test_a_continued_run_equals_an_unbroken_one_to_the_bit():
 
 def test_a_continued_run_of_rigid_bodies_equals_an_unbroken_one_to_the_bit():
     # A box of unequal moments tumbles onto the floor; its angular momentum is kept.
-    box = asp.Body(1.0, (2.5e-3, 4.2e-3, 5.0e-3), position=(0.0, 0.0, 0.3))
-    floor = asp.BoxPlane(0, (0.1, 0.07, 0.05), asp.Plane(), ISOTROPIC)
-    system = asp.RigidBodies([box], [floor])
+    box = asp.Body(1.0, inertia=(2.5e-3, 4.2e-3, 5.0e-3), position=(0.0, 0.0, 0.3))
+    floor = asp.BoxPlane(0, half_sizes=(0.1, 0.07, 0.05), plane=asp.Plane(), law=ISOTROPIC)
+    system = asp.RigidBodies([box], pairs=[floor])
     start = {"u0": [1.0, 0.3, 0.0, 3.0, -5.0, 2.0]}
     for cut in (50, 250, 400):
         assert_continues(system, cut, 600, start=start, dt=2e-3)
@@ -335,7 +341,7 @@ def test_what_a_run_may_start_from():
     with pytest.raises(asp.ParameterError, match="start: must be"):
         asp.simulate(BLOCK, dt=1e-2, t_end=0.2, start=0.1)
     with pytest.raises(asp.ParameterError, match="q0: must have 1"):
-        asp.simulate(asp.LinearSystem(1.0, 1.0), dt=1e-2, t_end=0.2, start=run)
+        asp.simulate(asp.LinearSystem(1.0, stiffness=1.0), dt=1e-2, t_end=0.2, start=run)
     assert run.slice(0.05, 0.1).end == run.end
     # Another step: the clock goes on from where it stood. A fresh start at a time is a State, too.
     finer = asp.simulate(BLOCK, dt=3e-3, t_end=0.2, start=run)
@@ -364,8 +370,8 @@ def test_times_may_be_negative_but_must_be_told_apart():
 
 def thrown_box():
     """Return a box of unequal moments in flight, and its state after ten steps."""
-    box = asp.Body(1.0, (2.5e-3, 4.2e-3, 5.0e-3), position=(0.0, 0.0, 0.3))
-    system = asp.RigidBodies([box], [])
+    box = asp.Body(1.0, inertia=(2.5e-3, 4.2e-3, 5.0e-3), position=(0.0, 0.0, 0.3))
+    system = asp.RigidBodies([box], pairs=[])
     run = asp.simulate(system, dt=1e-3, t_end=0.01, u0=[0.0, 0.0, 0.0, 1.4, 1.4, 3.2])
     return system, run.end
 
@@ -387,18 +393,20 @@ def test_velocities_that_replace_others_are_those_of_the_run():
 
 def test_momenta_are_those_that_are_stepped():
     torque = (0.0, 0.0, 1.0)
-    ball = asp.Body(1.0, 0.004, torque=torque)
-    top = asp.Body(1.0, (0.2, 0.4, 0.5), torque=torque)
-    both = asp.simulate(asp.RigidBodies([ball, top], [], gravity=(0, 0, 0)), dt=1e-2, t_end=1.0)
+    ball = asp.Body(1.0, inertia=0.004, torque=torque)
+    top = asp.Body(1.0, inertia=(0.2, 0.4, 0.5), torque=torque)
+    both = asp.simulate(
+        asp.RigidBodies([ball, top], pairs=[], gravity=(0, 0, 0)), dt=1e-2, t_end=1.0
+    )
     np.testing.assert_allclose(both.end.momenta, [[0.0, 0.0, 1.0]], atol=1e-12)
-    alone = asp.simulate(asp.RigidBodies([ball], [], gravity=(0, 0, 0)), dt=1e-2, t_end=0.1)
+    alone = asp.simulate(asp.RigidBodies([ball], pairs=[], gravity=(0, 0, 0)), dt=1e-2, t_end=0.1)
     assert alone.end.momenta.shape == (0, 3)
 
 
 def test_bodies_that_turn_too_far_in_a_step_are_named():
     spin = 80.0 * np.array([0.6, 0.3, 0.7]) / np.linalg.norm([0.6, 0.3, 0.7])
-    body = asp.Body(1.0, (1.0, 2.0, 2.5), angular_velocity=spin)
-    system = asp.RigidBodies([body], [], gravity=(0.0, 0.0, 0.0))
+    body = asp.Body(1.0, inertia=(1.0, 2.0, 2.5), angular_velocity=spin)
+    system = asp.RigidBodies([body], pairs=[], gravity=(0.0, 0.0, 0.0))
     with pytest.raises(asp.ParameterError, match="dt: is too long: body 0 turns by") as caught:
         asp.simulate(system, dt=0.1, t_end=20.0)
     part = caught.value.trajectory
@@ -490,8 +498,8 @@ def test_a_block_dragged_against_a_stop_fails_in_no_step():
         normal = np.array([-np.cos(angle), np.sin(angle)])
         along = np.array([[-normal[1]], [normal[0]]])
         contacts = [
-            asp.Contact(plane, np.eye(2), normal_force=10.0, velocity=[-1.0, 0.0]),
-            asp.Contact(line, along, normal=normal, gap=0.0),
+            asp.Contact(plane, direction=np.eye(2), normal_force=10.0, velocity=[-1.0, 0.0]),
+            asp.Contact(line, direction=along, normal=normal, gap=0.0),
         ]
         dragged = asp.LinearSystem(square @ square.T + np.eye(2), contacts=contacts)
         motion = asp.simulate(dragged, dt=1e-3, t_end=0.2)
@@ -511,7 +519,7 @@ def table(height=-0.3, half=0.5):
     for x, y in [(half, half), (-half, half), (-half, -half), (half, -half)]:
         normal = [0.0, 0.0, 1.0, y, -x]
         direction = np.array([[1, 0], [0, 1], [0, 0], [0, -height], [height, 0]], dtype=float)
-        contacts.append(asp.Contact(ISO, direction, normal=normal))
+        contacts.append(asp.Contact(ISO, direction=direction, normal=normal))
     mass = np.diag([1.0, 1.0, 1.0, 0.1, 0.1])
     return asp.LinearSystem(mass, force=[0.0, 0.0, -9.81, 0.0, 0.0], contacts=contacts)
 
@@ -529,7 +537,7 @@ def test_lifted_contact_opens():
     lift = asp.LinearSystem(
         np.eye(3),
         force=[0.0, 0.0, 1.0],
-        contacts=[asp.Contact(ISO, np.eye(3)[:, :2], normal=[0.0, 0.0, 1.0])],
+        contacts=[asp.Contact(ISO, direction=np.eye(3)[:, :2], normal=[0.0, 0.0, 1.0])],
     )
     motion = asp.simulate(lift, dt=1e-3, t_end=0.1)
     assert motion.phase[-1, 0] == asp.Phase.OPEN
@@ -546,7 +554,7 @@ def test_bouncing_point_comes_to_rest(dt, error):
         contacts=[
             asp.Contact(
                 asp.FrictionLaw.isotropic(0.3, dimension=1),
-                [1.0, 0.0],
+                direction=[1.0, 0.0],
                 normal=[0.0, 1.0],
                 normal_restitution=e,
             )
@@ -562,7 +570,7 @@ def test_bouncing_point_comes_to_rest(dt, error):
 
 def test_directions_must_move_something():
     silent = asp.LinearSystem(
-        np.eye(2), contacts=[asp.Contact(ISO, np.zeros((2, 2)), normal_force=1.0)]
+        np.eye(2), contacts=[asp.Contact(ISO, direction=np.zeros((2, 2)), normal_force=1.0)]
     )
     with pytest.raises(asp.ParameterError, match="direction"):
         asp.simulate(silent, dt=0.1, t_end=1.0)

@@ -33,7 +33,7 @@ def test_pads_carry_the_weight(spin):
 def test_without_spin_the_disk_moves_as_the_point(name, angle):
     disk = asp.SlidingDisk(LAWS[name], velocity=VELOCITY, angle=angle)
     run = slide(disk)
-    point = slide(asp.SlidingPoint(0.018, LAWS[name]), u0=VELOCITY)
+    point = slide(asp.SlidingPoint(0.018, law=LAWS[name]), u0=VELOCITY)
     common = min(len(run), len(point))
     assert disk.path(run)[:common] == pytest.approx(point.q[:common], abs=1e-10)
     assert disk.turn(run) == pytest.approx(0.0, abs=1e-9)
@@ -45,7 +45,7 @@ def test_loads_of_the_pads_follow_from_the_moments(name):
     disk = asp.SlidingDisk(LAWS[name], velocity=VELOCITY, angle=0.4)
     run = slide(disk)
     pads = 0.0105 * np.stack([np.cos(a := 0.4 + 2.0 * np.pi * np.arange(3) / 3), np.sin(a)], 1)
-    friction = LAWS[name].force(run.slip[1:-9, 0], WEIGHT)
+    friction = LAWS[name].force(run.slip[1:-9, 0], normal_force=WEIGHT)
     loads = WEIGHT / 3.0 - 0.0065 / (1.5 * 0.0105**2) * friction @ pads.T
     assert run.normal_force[1:-9, :3] == pytest.approx(loads, rel=1e-6)
 
@@ -103,7 +103,7 @@ def test_the_loads_sum_up_to_the_weight_as_the_tolerance_says(tolerance, share):
 @pytest.mark.parametrize("tolerance", [1e-10, 1e-13])
 def test_the_disk_rests_when_the_point_does(angle, tolerance):
     """Whatever the angle of the pads, to the two steps that the residual velocities may blur."""
-    point = slide(asp.SlidingPoint(0.018, EXTENDED), u0=VELOCITY, dt=1e-4)
+    point = slide(asp.SlidingPoint(0.018, law=EXTENDED), u0=VELOCITY, dt=1e-4)
     disk = asp.SlidingDisk(EXTENDED, velocity=VELOCITY, angle=angle)
     run = asp.simulate(disk, dt=1e-4, t_end=0.4, tolerance=tolerance)
     assert disk.rest_time(run) == pytest.approx(point.t[-1], abs=2.1e-4)

@@ -19,7 +19,9 @@ def problem(contacts, seed=0):
     rng = np.random.default_rng(seed)
     jacobian = rng.normal(size=(3 * contacts, 3 * contacts + 2))
     return asp.ContactProblem(
-        csr_array(jacobian @ jacobian.T / contacts), rng.normal(size=3 * contacts), LAW
+        csr_array(jacobian @ jacobian.T / contacts),
+        free_velocity=rng.normal(size=3 * contacts),
+        laws=LAW,
     )
 
 
@@ -111,7 +113,7 @@ def test_a_folder_without_problems_exits_with_2(capsys, tmp_path):
 
 def test_grader_by_hand():
     """Slip against the wrong direction: the projection of (1, -0.5, 0) - ρξ̃ onto the cone."""
-    sliding = asp.ContactProblem(np.eye(3), [-1.0, 0.5, 3.0], LAW)
+    sliding = asp.ContactProblem(np.eye(3), free_velocity=[-1.0, 0.5, 3.0], laws=LAW)
     percussion = np.array([1.0, -0.5, 0.0])
     # ξ = (0, 0, 3), ξ̃_N = 1.5; moved = (-0.5, -0.5, -3): ‖T‖ = 3.041381, on the edge at
     # (−0.5 + 0.5·3.041381)/1.25 = 0.816553.

@@ -76,7 +76,7 @@ def check_ambiguity(problem, solution):
     if not solution.converged:
         return
     for contact in np.flatnonzero(solution.ambiguous_contacts):
-        listed = problem.solutions(contact, solution.percussion)
+        listed = problem.solutions(contact, percussion=solution.percussion)
         assert len(listed) > 1 or listed[0].degenerate
         rows = problem.row_slices[contact]
         distances = [np.abs(one.percussion - solution.percussion[rows]).max() for one in listed]
@@ -110,7 +110,7 @@ def test_constant_step_fails_where_the_adaptive_one_converges():
     theta = np.linspace(0.0, np.pi, 1000)
     thin = theta[np.argmin(law.direction.radius(theta) / law.reservoir.radius(theta))]
     load = 0.95 * law.reservoir.radius(thin) * np.array([np.cos(thin), np.sin(thin)])
-    problem = asp.ContactProblem(np.eye(2), load, law, normal_force=1.0)
+    problem = asp.ContactProblem(np.eye(2), free_velocity=load, laws=law, normal_force=1.0)
     adaptive = problem.solve(ProxJacobi())
     assert adaptive.phase.tolist() == [asp.Phase.STICK]
     constant = problem.solve(ProxJacobi(r=1.0, max_iterations=20_000), on_failure="record")
@@ -143,7 +143,9 @@ def test_thin_reservoirs_say_that_rounding_limits_them():
     law = asp.FrictionLaw.associated(asp.Ellipse(1.0, 1e-8, angle=0.3))
     rng = np.random.default_rng(1)
     for _ in range(200):
-        problem = asp.ContactProblem(np.eye(2), rng.normal(size=2), law, normal_force=1.0)
+        problem = asp.ContactProblem(
+            np.eye(2), free_velocity=rng.normal(size=2), laws=law, normal_force=1.0
+        )
         solution = problem.solve(on_failure="record")
         assert solution.status in (asp.Status.CONVERGED, asp.Status.INEXACT)
         assert solution.residual < 1e-7

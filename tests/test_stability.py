@@ -14,7 +14,9 @@ def along(phi, speed=1.0):
 
 
 def belt(law, phi, speed=1.0, stiffness=1.0, mass=1.0):
-    return asp.MassOnBelt(mass, stiffness, law, 1.0, along(phi, speed))
+    return asp.MassOnBelt(
+        mass, stiffness=stiffness, law=law, normal_force=1.0, belt_velocity=along(phi, speed)
+    )
 
 
 def random_smooth_law(rng):
@@ -46,8 +48,8 @@ def test_trace_tangent_cone_and_eigenvalues_agree():
         law = random_smooth_law(rng)
         slip = along(rng.uniform(0.0, 2.0 * np.pi, 40)) * rng.uniform(0.1, 3.0, (40, 1))
         load = rng.uniform(0.1, 5.0)
-        B = -law.jacobian(slip, load)
-        force = law.force(slip, load)
+        B = -law.jacobian(slip, normal_force=load)
+        force = law.force(slip, normal_force=load)
         normal = law.reservoir.gauge_gradient(-force)
         sine = (normal * slip).sum(1) / np.linalg.norm(normal, axis=1)
         sine /= np.linalg.norm(slip, axis=1)
@@ -90,7 +92,13 @@ def test_matrices_of_a_contact():
     rng = np.random.default_rng(7)
     for _ in range(100):
         load = rng.uniform(0.5, 3.0)
-        system = asp.MassOnBelt(2.0, 3.0, random_smooth_law(rng), load, along(rng.uniform(0, 6.2)))
+        system = asp.MassOnBelt(
+            2.0,
+            stiffness=3.0,
+            law=random_smooth_law(rng),
+            normal_force=load,
+            belt_velocity=along(rng.uniform(0, 6.2)),
+        )
         found = asp.stability(system)
         contact = found.contacts[0]
         L, H = contact.projector, contact.hessian
@@ -125,9 +133,17 @@ def test_verdict_does_not_depend_on_units():
     for scale in (1e-9, 1e9):
         for phi, kind in ((0.3, "neutral"), (0.9, "unstable")):
             sets = PAPER.reservoir.scaled(scale), PAPER.direction
-            scaled = asp.MassOnBelt(scale, scale, asp.FrictionLaw(*sets), 1.0, along(phi))
+            scaled = asp.MassOnBelt(
+                scale,
+                stiffness=scale,
+                law=asp.FrictionLaw(*sets),
+                normal_force=1.0,
+                belt_velocity=along(phi),
+            )
             assert asp.stability(scaled).kind == kind
-            quick = asp.MassOnBelt(1.0, scale**2, PAPER, scale, along(phi))
+            quick = asp.MassOnBelt(
+                1.0, stiffness=scale**2, law=PAPER, normal_force=scale, belt_velocity=along(phi)
+            )
             assert asp.stability(quick).kind == kind
 
 
@@ -140,7 +156,7 @@ def test_nothing_is_unstable_with_laws_of_these_kinds(kind):
             "collinear": lambda: asp.FrictionLaw.collinear(random_smooth_law(rng).reservoir),
             "tensor": lambda: asp.FrictionLaw.tensor(_dissipative_tensor(rng)),
             "asperity": lambda: asp.FrictionLaw.asperity(
-                rng.uniform(0.05, 1.0), rng.uniform(0.05, 0.7)
+                rng.uniform(0.05, 1.0), beta=rng.uniform(0.05, 0.7)
             ),
         }[kind]()
         assert asp.critical_directions(law) == []
@@ -174,7 +190,13 @@ def test_growth_rate_against_simulation():
 def test_eigenvalues_against_differences_of_an_independent_field(phi):
     """M q̈ = −K q + λ(q̇ − v) written out, differentiated as a whole."""
     K = np.array([[2.0, 0.3], [0.3, 1.0]])
-    system = asp.MassOnBelt(1.7, K, PAPER.replace(rate=asp.Stribeck(2.0, 0.6)), 0.4, along(phi))
+    system = asp.MassOnBelt(
+        1.7,
+        stiffness=K,
+        law=PAPER.replace(rate=asp.Stribeck(2.0, ratio=0.6)),
+        normal_force=0.4,
+        belt_velocity=along(phi),
+    )
     found = asp.stability(system)
 
     def field(x):
@@ -209,10 +231,15 @@ def test_any_mass_matrix_and_stiffness(associated):
             law = asp.FrictionLaw.associated(law.direction)
         n = int(rng.integers(2, 5))
         contact = asp.Contact(
-            law, rng.normal(size=(n, 2)), normal_force=1.0, velocity=along(rng.uniform(0.0, 6.2))
+            law,
+            direction=rng.normal(size=(n, 2)),
+            normal_force=1.0,
+            velocity=along(rng.uniform(0.0, 6.2)),
         )
         K = random_definite(rng, n)
-        found = asp.stability(asp.LinearSystem(random_definite(rng, n), K, contacts=[contact]))
+        found = asp.stability(
+            asp.LinearSystem(random_definite(rng, n), stiffness=K, contacts=[contact])
+        )
         if associated:
             assert found.kind != "unstable"
             assert np.linalg.eigvalsh(found.symmetric).min() > -1e-9 * np.linalg.norm(found.matrix)
@@ -234,15 +261,15 @@ def test_conservative_and_gyroscopic_systems_are_neutral():
             K = (Q * 10.0 ** rng.uniform(-2.0, 2.0, n)) @ Q.T
             K, G = 0.5 * (K + K.T), gyroscopic * (skew - skew.T)
             M = random_definite(rng, n)
-            assert asp.stability(asp.LinearSystem(M, K, G)).kind == "neutral"
-        damped = asp.LinearSystem(M, K, 1e-6 * M)
+            assert asp.stability(asp.LinearSystem(M, stiffness=K, damping=G)).kind == "neutral"
+        damped = asp.LinearSystem(M, stiffness=K, damping=1e-6 * M)
         assert asp.stability(damped).kind == "asymptotically stable"
 
 
 def test_multiple_eigenvalues_with_all_their_modes_are_not_defective():
-    assert not asp.stability(asp.LinearSystem(np.eye(5), 3.0)).is_defective
+    assert not asp.stability(asp.LinearSystem(np.eye(5), stiffness=3.0)).is_defective
     # A free mass drifts: its eigenvalue 0 is double and has one mode.
-    free = asp.stability(asp.LinearSystem(np.eye(2), [1.0, 0.0]))
+    free = asp.stability(asp.LinearSystem(np.eye(2), stiffness=[1.0, 0.0]))
     assert free.is_defective
     assert free.kind == "neutral"
 
@@ -281,7 +308,7 @@ def test_a_belt_whose_velocity_depends_on_the_place():
     def field(x):
         turned = axes(x[:2])
         gamma = turned.T @ (x[2:] - surface(x[:2]))
-        return np.append(x[2:], turned @ PAPER.force(gamma, 0.05) - K @ x[:2])
+        return np.append(x[2:], turned @ PAPER.force(gamma, normal_force=0.05) - K @ x[:2])
 
     rest = np.append(found.equilibrium.q, [0.0, 0.0])
     np.testing.assert_allclose(field(rest), 0.0, atol=1e-9)

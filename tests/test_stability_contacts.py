@@ -15,10 +15,11 @@ def coupled(A):
     """A block with the mass matrix A⁻¹ on contacts along all axes but e₁, along which it slides."""
     n = len(A)
     contacts = [
-        asp.Contact(LINE, np.eye(n)[0], normal=np.eye(n)[i], velocity=[1.0]) for i in range(1, n)
+        asp.Contact(LINE, direction=np.eye(n)[0], normal=np.eye(n)[i], velocity=[1.0])
+        for i in range(1, n)
     ]
     load = np.append(0.0, -np.ones(n - 1))
-    return asp.LinearSystem(np.linalg.inv(A), 1.0, force=load, contacts=contacts)
+    return asp.LinearSystem(np.linalg.inv(A), stiffness=1.0, force=load, contacts=contacts)
 
 
 def test_painleve_of_two_contacts_together():
@@ -114,7 +115,7 @@ def test_systems_with_a_clock_are_refused(part, said):
     """Judged at t = 0 alone they would seem to have an equilibrium."""
     steady = asp.equilibrium(Clocked(None))
     assert asp.stability(Clocked(None)).kind == "asymptotically stable"
-    for judge in (asp.equilibrium, lambda system: asp.stability(system, steady)):
+    for judge in (asp.equilibrium, lambda system: asp.stability(system, equilibrium=steady)):
         with pytest.raises(asp.ParameterError, match=f"depends on time, as its {said}") as caught:
             judge(Clocked(part))
         assert caught.value.argument == "system"
@@ -123,8 +124,10 @@ def test_systems_with_a_clock_are_refused(part, said):
 def test_even_friction_is_not_said_to_make_b_nonsymmetric():
     """Isotropic friction damps across γ only: with a circulatory K that can destabilise."""
     law, K = asp.FrictionLaw.isotropic(0.5), [[1.0, 0.3], [-0.05, 1.5]]
-    contact = asp.Contact(law, np.eye(2), normal_force=1.0, velocity=[math.cos(3.0), math.sin(3.0)])
-    found = asp.stability(asp.LinearSystem(np.eye(2), K, contacts=[contact]))
+    contact = asp.Contact(
+        law, direction=np.eye(2), normal_force=1.0, velocity=[math.cos(3.0), math.sin(3.0)]
+    )
+    found = asp.stability(asp.LinearSystem(np.eye(2), stiffness=K, contacts=[contact]))
     np.testing.assert_allclose(found.skew, 0.0, atol=1e-15)
     assert found.kind == "unstable"
     assert "direction of friction" in found.mechanisms

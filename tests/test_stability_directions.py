@@ -131,7 +131,7 @@ def test_corners_that_coincide_are_those_of_an_associated_law():
     [
         (THREE, asp.Superellipse(2.0, 1.0, 3.0)),
         (asp.Rectangle(2.0, 1.0), asp.Rectangle(2.0, 1.0)),
-        (asp.WedgeAsperity(1.2, 0.6), THREE),
+        (asp.WedgeAsperity(1.2, beta=0.6), THREE),
         (BEAN, asp.Ellipse(5.0, 1.0)),
         (STAR_POLYGON, PENTAGON),
     ],
@@ -178,11 +178,13 @@ def test_round_sets_are_seen_at_once(monkeypatch):
 
 def test_chart_agrees_with_stability():
     rng = np.random.default_rng(2)
-    law = asp.FrictionLaw(THREE.scaled(10.0), THREE, rate=asp.Stribeck(3.0, 0.7))
+    law = asp.FrictionLaw(THREE.scaled(10.0), THREE, rate=asp.Stribeck(3.0, ratio=0.7))
     phi, zeta = np.linspace(0.0, np.pi, 181), np.linspace(0.0, np.pi / 2, 91)
     for stiffness in (1.0, [[2.0, 0.5], [0.5, 1.0]]):
-        system = asp.MassOnBelt(2.0, stiffness, law, 0.5, [0.8, 0.0])
-        chart = asp.growth_chart(system, phi, zeta)
+        system = asp.MassOnBelt(
+            2.0, stiffness=stiffness, law=law, normal_force=0.5, belt_velocity=[0.8, 0.0]
+        )
+        chart = asp.growth_chart(system, phi=phi, zeta=zeta)
         assert chart.shape == (181, 91)
         for i, j in zip(rng.integers(181, size=40), rng.integers(91, size=40), strict=True):
             turned = asp.FrictionLaw(law.reservoir.rotated(zeta[j]), THREE, rate=law.rate)
@@ -193,10 +195,20 @@ def test_chart_agrees_with_stability():
 def test_chart_shows_the_critical_rotations():
     law = asp.FrictionLaw(THREE, THREE)
     phi, zeta = np.linspace(0.0, np.pi, 1801), np.deg2rad([17.0, 17.2, 45.0, 72.8, 73.0])
-    chart = asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), phi, zeta)
+    chart = asp.growth_chart(
+        asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0]),
+        phi=phi,
+        zeta=zeta,
+    )
     assert (chart.max(axis=0) > 0.0).tolist() == [False, True, True, True, False]
     assert chart.min() == 0.0
-    assert asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), 0.1).shape == ()
+    assert (
+        asp.growth_chart(
+            asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0]),
+            phi=0.1,
+        ).shape
+        == ()
+    )
 
 
 MONOTONE = [
@@ -228,13 +240,17 @@ def test_distance_never_grows_with_associated_laws(law):
     for _ in range(12):
         root = rng.normal(size=(p, p))
         K = root @ root.T + 0.2 * np.eye(p)
-        system = asp.MassOnBelt(1.0, K, law, 1.0, rng.normal(size=p))
+        system = asp.MassOnBelt(
+            1.0, stiffness=K, law=law, normal_force=1.0, belt_velocity=rng.normal(size=p)
+        )
         assert largest_rise(system, rng) < 2e-3**2
 
 
 def test_distance_grows_with_the_extended_law_in_the_critical_range():
     law = asp.FrictionLaw(THREE.scaled(10.0).rotated(np.deg2rad(30.0)), THREE)
-    system = asp.MassOnBelt(1.0, 1.0, law, 1.0, vectors(np.deg2rad(50.0)))
+    system = asp.MassOnBelt(
+        1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=vectors(np.deg2rad(50.0))
+    )
     rest, aside = system.equilibrium, np.array([1e-4, 0.0])
     runs = [asp.simulate(system, dt=1e-3, t_end=10.0, q0=q0) for q0 in (rest, rest + aside)]
     _, V = asp.incremental_distance(*runs, system)
@@ -242,20 +258,32 @@ def test_distance_grows_with_the_extended_law_in_the_critical_range():
 
 
 def test_distance_takes_the_common_times():
-    system = asp.MassOnBelt(1.0, 1.0, asp.FrictionLaw.isotropic(0.5), 1.0, [1.0, 0.0])
+    system = asp.MassOnBelt(
+        1.0,
+        stiffness=1.0,
+        law=asp.FrictionLaw.isotropic(0.5),
+        normal_force=1.0,
+        belt_velocity=[1.0, 0.0],
+    )
     fine = asp.simulate(system, dt=1e-3, t_end=1.0, q0=[1.0, 0.0])
     coarse = asp.simulate(system, dt=1e-2, t_end=2.0, q0=[1.0, 1.0])
-    t, V = asp.incremental_distance(fine, coarse, system)
+    t, V = asp.incremental_distance(fine, coarse, system=system)
     np.testing.assert_allclose(t, np.arange(101) * 1e-2, atol=1e-12)
     assert V[0] == 0.5
-    t, _ = asp.incremental_distance(coarse, fine, system)
+    t, _ = asp.incremental_distance(coarse, fine, system=system)
     assert len(t) == 101
 
 
 def test_distance_takes_motions():
     """Steps without and with located events agree on V at the times that both have."""
     law = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2, angle=0.4))
-    system = asp.MassOnBelt(1.0, [[2.0, 0.3], [0.3, 0.0451]], law, 1.0, [0.3, 0.2])
+    system = asp.MassOnBelt(
+        1.0,
+        stiffness=[[2.0, 0.3], [0.3, 0.0451]],
+        law=law,
+        normal_force=1.0,
+        belt_velocity=[0.3, 0.2],
+    )
     starts = [[1.0, 0.0], [0.0, 1.5]]
     exact = [asp.integrate(system, t_end=6.0, dt=0.125, q0=q0) for q0 in starts]
     steps = [asp.simulate(system, dt=1e-3, t_end=6.0, q0=q0) for q0 in starts]
@@ -272,7 +300,7 @@ def test_distance_takes_motions():
     assert (np.diff(free[0].t) == 0.0).any()
     at, V_free = asp.incremental_distance(*free, system)
     np.testing.assert_allclose(V_free[[0, -1]], V[[0, -1]], atol=1e-8)
-    own, zero = asp.incremental_distance(free[0], free[0], system)
+    own, zero = asp.incremental_distance(free[0], free[0], system=system)
     assert (np.diff(own) > 0.0).all()
     assert not zero.any()
 
@@ -285,17 +313,22 @@ def test_chart_goes_by_the_belt_and_directions_by_the_slip():
     found = asp.critical_directions(law)
     phi = np.linspace(0.0, 2.0 * np.pi, 721)[:-1] + 1e-3
     slips = np.array([any(a < p < b or a < p + 2 * np.pi < b for a, b in found) for p in phi])
-    chart = asp.growth_chart(asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0]), phi)
+    chart = asp.growth_chart(
+        asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0]),
+        phi=phi,
+    )
     assert np.array_equal(np.roll(slips, 360), chart > 0.0)
     assert not np.array_equal(slips, chart > 0.0)
 
 
 def test_bad_arguments_are_named():
     law = asp.FrictionLaw.isotropic(0.3, dimension=3)
-    point = asp.MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0, 0.0])
+    point = asp.MassOnBelt(
+        1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0, 0.0]
+    )
     run = asp.simulate(point, dt=0.1, t_end=0.2)
-    turned = asp.LinearSystem(np.eye(3), [[1, 1, 0], [0, 1, 0], [0, 0, 1]])
-    pushing = asp.LinearSystem(np.eye(3), [[1, 2, 0], [2, 1, 0], [0, 0, 1]])
+    turned = asp.LinearSystem(np.eye(3), stiffness=[[1, 1, 0], [0, 1, 0], [0, 0, 1]])
+    pushing = asp.LinearSystem(np.eye(3), stiffness=[[1, 2, 0], [2, 1, 0], [0, 0, 1]])
     cases = [
         ("law", lambda: asp.critical_directions(law)),
         ("law", lambda: asp.critical_directions(THREE)),
@@ -303,12 +336,12 @@ def test_bad_arguments_are_named():
         ("direction", lambda: asp.critical_rotation(THREE, asp.Ball(1.0))),
         ("direction", lambda: asp.critical_rotation(THREE, STAR_POLYGON)),
         ("nu", lambda: asp.ellipses_can_be_unstable(1.0, 1.0, 2.0, 1.0, 1.0)),
-        ("system", lambda: asp.growth_chart(point, 0.0)),
-        ("system", lambda: asp.growth_chart(turned, 0.0)),
-        ("run_b", lambda: asp.incremental_distance(run, None, point)),
-        ("system", lambda: asp.incremental_distance(run, run, turned)),
-        ("system", lambda: asp.incremental_distance(run, run, None)),
-        ("system", lambda: asp.incremental_distance(run, run, pushing)),
+        ("system", lambda: asp.growth_chart(point, phi=0.0)),
+        ("system", lambda: asp.growth_chart(turned, phi=0.0)),
+        ("run_b", lambda: asp.incremental_distance(run, None, system=point)),
+        ("system", lambda: asp.incremental_distance(run, run, system=turned)),
+        ("system", lambda: asp.incremental_distance(run, run, system=None)),
+        ("system", lambda: asp.incremental_distance(run, run, system=pushing)),
     ]
     for name, call in cases:
         with pytest.raises(asp.ParameterError) as caught:

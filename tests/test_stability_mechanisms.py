@@ -14,8 +14,10 @@ LINE = asp.FrictionLaw.isotropic(1.0, dimension=1)
 def on_belt(mu, mass, stiffness, damping=None, force=(0.0, -1.0)):
     """Two coordinates, x along a belt that moves to +x below and z, pressed to z = 0."""
     law = asp.FrictionLaw.isotropic(mu, dimension=1)
-    contact = asp.Contact(law, [1.0, 0.0], normal=[0.0, 1.0], velocity=[-1.0])
-    return asp.LinearSystem(mass, stiffness, damping, force, contacts=[contact])
+    contact = asp.Contact(law, direction=[1.0, 0.0], normal=[0.0, 1.0], velocity=[-1.0])
+    return asp.LinearSystem(
+        mass, stiffness=stiffness, damping=damping, force=force, contacts=[contact]
+    )
 
 
 def mode_coupling(mu, belt_mass):
@@ -25,8 +27,10 @@ def mode_coupling(mu, belt_mass):
         axis = np.array([math.cos(math.radians(degrees)), math.sin(math.radians(degrees)), 0.0])
         K += 2.0 / 3.0 * (2.0 + sign * math.sqrt(3.0)) * np.outer(axis, axis)
     law = asp.FrictionLaw.isotropic(mu, dimension=1)
-    contact = asp.Contact(law, [1.0, 0.0, 0.0], normal=[0.0, 1.0, -1.0], velocity=[1.0])
-    return asp.LinearSystem([1.0, 1.0, belt_mass], K, force=[0.0, -1.0, 0.0], contacts=[contact])
+    contact = asp.Contact(law, direction=[1.0, 0.0, 0.0], normal=[0.0, 1.0, -1.0], velocity=[1.0])
+    return asp.LinearSystem(
+        [1.0, 1.0, belt_mass], stiffness=K, force=[0.0, -1.0, 0.0], contacts=[contact]
+    )
 
 
 class Follower(asp.System):
@@ -55,13 +59,13 @@ class Follower(asp.System):
 def test_stribeck_slope():
     """ẍ + x = F(v − ẋ): growth −F′(v)/2, F = 1/(1 + 3|γ|)."""
     law = LINE.replace(rate=asp.Stribeck(1.0 / 3.0, shape="hyperbolic"))
-    contact = asp.Contact(law, [1.0], normal_force=1.0, velocity=[-0.2])
-    found = asp.stability(asp.LinearSystem(1.0, 1.0, contacts=[contact]))
+    contact = asp.Contact(law, direction=[1.0], normal_force=1.0, velocity=[-0.2])
+    found = asp.stability(asp.LinearSystem(1.0, stiffness=1.0, contacts=[contact]))
     np.testing.assert_allclose(found.growth_rate, 1.5 / 1.6**2, rtol=1e-12)
     np.testing.assert_allclose(found.equilibrium.q, [1.0 / 1.6], rtol=1e-14)
     assert found.mechanisms == {"Stribeck slope": 0.0}
     assert "Stribeck" in found.reason
-    damped = asp.LinearSystem(1.0, 1.0, 2.0, contacts=[contact])
+    damped = asp.LinearSystem(1.0, stiffness=1.0, damping=2.0, contacts=[contact])
     assert asp.stability(damped).kind == "asymptotically stable"
     assert "decay" in asp.stability(damped).reason
 
@@ -69,7 +73,7 @@ def test_stribeck_slope():
 @pytest.mark.parametrize(("mu", "growth"), [(0.9, 0.157147), (1.2, 0.269036)])
 def test_mode_coupling_numbers(mu, growth):
     K = [[2.0, 1.0 - 4.0 * mu / 3.0], [1.0, 2.0]]
-    for system in (mode_coupling(mu, 1e-9), asp.LinearSystem(np.eye(2), K)):
+    for system in (mode_coupling(mu, 1e-9), asp.LinearSystem(np.eye(2), stiffness=K)):
         found = asp.stability(system)
         np.testing.assert_allclose(found.growth_rate, growth, atol=1e-6)
         assert found.mechanisms == {"mode coupling": 0.0}
@@ -122,19 +126,21 @@ def test_follower_force_numbers():
 
 
 def test_negative_damping_and_stiffness_are_named():
-    damping = asp.stability(asp.LinearSystem(np.eye(2), 1.0, [[-0.1, 0.0], [0.0, 1.0]]))
+    damping = asp.stability(
+        asp.LinearSystem(np.eye(2), stiffness=1.0, damping=[[-0.1, 0.0], [0.0, 1.0]])
+    )
     assert damping.mechanisms == {"negative damping": 0.0}
-    stiffness = asp.stability(asp.LinearSystem(1.0, -4.0))
+    stiffness = asp.stability(asp.LinearSystem(1.0, stiffness=-4.0))
     assert stiffness.mechanisms == {"negative stiffness": 0.0}
     np.testing.assert_allclose(stiffness.growth_rate, 2.0)
-    both = asp.stability(asp.LinearSystem(np.eye(2), [1.0, -1.0], [-0.2, 0.0]))
+    both = asp.stability(asp.LinearSystem(np.eye(2), stiffness=[1.0, -1.0], damping=[-0.2, 0.0]))
     assert "together" in both.reason or "not the only" in both.reason
 
 
 def test_two_mechanisms_at_once():
     law = LINE.replace(rate=asp.Stribeck(1.0 / 3.0, shape="hyperbolic"))
-    contact = asp.Contact(law, [1.0], normal_force=1.0, velocity=[-0.2])
-    found = asp.stability(asp.LinearSystem(1.0, 1.0, -0.5, contacts=[contact]))
+    contact = asp.Contact(law, direction=[1.0], normal_force=1.0, velocity=[-0.2])
+    found = asp.stability(asp.LinearSystem(1.0, stiffness=1.0, damping=-0.5, contacts=[contact]))
     np.testing.assert_allclose(found.growth_rate, 0.25 + 1.5 / 1.6**2)
     np.testing.assert_allclose(found.mechanisms["Stribeck slope"], 0.25)
     np.testing.assert_allclose(found.mechanisms["negative damping"], 1.5 / 1.6**2)
@@ -157,15 +163,17 @@ def test_unilateral_contact_stays_closed_in_the_simulation():
 
 def held_ball(phi, law):
     """A ball on a belt, held by springs at six points of its surface."""
-    ball = asp.Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1))
+    ball = asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1))
     places = 0.1 * np.vstack([np.eye(3), -np.eye(3)])
     held = places + np.array([0.0, 0.0, 0.1])
     springs = [
-        asp.Spring(0, p, other_point=at, stiffness=500.0)
+        asp.Spring(0, point=p, other_point=at, stiffness=500.0)
         for p, at in zip(places, held, strict=True)
     ]
     table = asp.Plane(velocity=(math.cos(phi), math.sin(phi)))
-    return asp.RigidBodies([ball], [asp.SpherePlane(0, 0.1, table, law)], springs=springs)
+    return asp.RigidBodies(
+        [ball], pairs=[asp.SpherePlane(0, radius=0.1, plane=table, law=law)], springs=springs
+    )
 
 
 def test_rigid_bodies():
@@ -226,7 +234,10 @@ def test_linear_system_and_the_same_written_in_python():
     cubic = np.zeros((3, 3))
     cubic[:, 0] = 0.9 * own.q[0] ** 2
     tangent = asp.LinearSystem(
-        linear.mass, linear.stiffness - cubic, force=linear.force, contacts=linear.contacts
+        linear.mass,
+        stiffness=linear.stiffness - cubic,
+        force=linear.force,
+        contacts=linear.contacts,
     )
     expected, found = asp.stability(tangent), asp.stability(Same())
     np.testing.assert_allclose(found.stiffness, expected.stiffness, atol=1e-10)
@@ -238,7 +249,9 @@ def test_results_are_values():
     again = pickle.loads(pickle.dumps(found))
     assert again.equilibrium == found.equilibrium
     assert (
-        again.kind == found.kind == asp.stability(mode_coupling(1.6, 0.3), again.equilibrium).kind
+        again.kind
+        == found.kind
+        == asp.stability(mode_coupling(1.6, 0.3), equilibrium=again.equilibrium).kind
     )
     np.testing.assert_array_equal(again.eigenvalues, found.eigenvalues)
     assert "unstable" in repr(found)
@@ -251,18 +264,26 @@ ISOTROPIC = asp.FrictionLaw.isotropic(0.3)
 @pytest.mark.parametrize(
     ("argument", "message", "call"),
     [
-        ("system", "would stick", lambda: asp.equilibrium(asp.SlidingPoint(1.0, ISOTROPIC))),
+        ("system", "would stick", lambda: asp.equilibrium(asp.SlidingPoint(1.0, law=ISOTROPIC))),
         (
             "system",
             "singular",
-            lambda: asp.equilibrium(asp.MassOnBelt(1.0, 0.0, ISOTROPIC, 1.0, [1.0, 0.0])),
+            lambda: asp.equilibrium(
+                asp.MassOnBelt(
+                    1.0, stiffness=0.0, law=ISOTROPIC, normal_force=1.0, belt_velocity=[1.0, 0.0]
+                )
+            ),
         ),
         (
             "system",
             "flat",
             lambda: asp.stability(
                 asp.MassOnBelt(
-                    1.0, 1.0, asp.FrictionLaw.associated(asp.Rectangle(2, 1)), 1.0, [1.0, 0.0]
+                    1.0,
+                    stiffness=1.0,
+                    law=asp.FrictionLaw.associated(asp.Rectangle(2, 1)),
+                    normal_force=1.0,
+                    belt_velocity=[1.0, 0.0],
                 )
             ),
         ),
@@ -285,12 +306,16 @@ ISOTROPIC = asp.FrictionLaw.isotropic(0.3)
         ("system", "must be a system", lambda: asp.equilibrium("belt")),
         ("q0", "shape", lambda: asp.equilibrium(mode_coupling(0.5, 0.1), q0=[0.0])),
         ("tolerance", "positive", lambda: asp.equilibrium(mode_coupling(0.5, 0.1), tolerance=0.0)),
-        ("equilibrium", "Equilibrium", lambda: asp.stability(mode_coupling(0.5, 0.1), 3)),
+        (
+            "equilibrium",
+            "Equilibrium",
+            lambda: asp.stability(mode_coupling(0.5, 0.1), equilibrium=3),
+        ),
         (
             "equilibrium",
             "balance",
             lambda: asp.stability(
-                mode_coupling(0.5, 0.1), asp.equilibrium(mode_coupling(0.9, 0.1))
+                mode_coupling(0.5, 0.1), equilibrium=asp.equilibrium(mode_coupling(0.9, 0.1))
             ),
         ),
     ],
@@ -315,17 +340,19 @@ def test_no_steady_sliding():
 
 def test_redundant_contacts_have_no_unique_forces():
     """Of four corners any three carry the box; all together they leave their forces open."""
-    box = asp.Body.box(1.0, (0.2, 0.15, 0.1), position=(0.0, 0.0, 0.1))
+    box = asp.Body.box(1.0, half_sizes=(0.2, 0.15, 0.1), position=(0.0, 0.0, 0.1))
     held = [
-        asp.Spring(0, p, other_point=np.add(p, (0.0, 0.0, 0.1)), stiffness=100.0)
+        asp.Spring(0, point=p, other_point=np.add(p, (0.0, 0.0, 0.1)), stiffness=100.0)
         for p in ((0.1, 0.0, 0.0), (-0.1, 0.0, 0.0), (0.0, 0.1, 0.0))
     ]
-    table = asp.BoxPlane(0, (0.2, 0.15, 0.1), asp.Plane(velocity=(0.2, 0.1)), ISOTROPIC)
-    system = asp.RigidBodies([box], [table], springs=held)
+    table = asp.BoxPlane(
+        0, half_sizes=(0.2, 0.15, 0.1), plane=asp.Plane(velocity=(0.2, 0.1)), law=ISOTROPIC
+    )
+    system = asp.RigidBodies([box], pairs=[table], springs=held)
     with pytest.raises(asp.ParameterError, match="independent"):
         asp.equilibrium(system)
     touching = [i for i, at in enumerate(Field(system, system.q0).contacts()) if at.gap < 1e-9]
-    found = asp.stability(system, asp.equilibrium(system, closed=touching[:3]))
+    found = asp.stability(system, equilibrium=asp.equilibrium(system, closed=touching[:3]))
     assert len(touching) == 4
     np.testing.assert_allclose(found.equilibrium.normal_force.sum(), 9.81, rtol=1e-6)
 
@@ -340,7 +367,7 @@ def test_leaning_rod_in_full_and_for_small_angles(mu):
     a = s**2 - mu * s * c
     # Masses, length, λ_N and k_y, d_y are 1, k_φ = 4, d_φ = 0.1.
     roots = np.roots([c**2 + a, 0.1 + a, 4.0 + a - (c + mu * s)])
-    for found in (asp.stability(rod, steady), asp.stability(rod.small_angles)):
+    for found in (asp.stability(rod, equilibrium=steady), asp.stability(rod.small_angles)):
         for root in roots:
             assert np.abs(found.eigenvalues - root).min() < 1e-10
         left = found.mechanisms["velocity feedback of the normal force"]

@@ -15,13 +15,19 @@ ISOTROPIC = asp.FrictionLaw.isotropic(0.5)
 @pytest.mark.parametrize("phi", [0.0, 0.7])
 def test_slow_belts_with_falling_friction(v, v_s, phi):
     """Lateral damping μλ_N/v is huge; along the slip it is that of one coordinate, f′(v) μλ_N."""
-    law = ISOTROPIC.replace(rate=asp.Stribeck(v_s, 0.5))
-    belt = asp.MassOnBelt(1.0, 1.0, law, 1.0, [v * np.cos(phi), v * np.sin(phi)])
+    law = ISOTROPIC.replace(rate=asp.Stribeck(v_s, ratio=0.5))
+    belt = asp.MassOnBelt(
+        1.0,
+        stiffness=1.0,
+        law=law,
+        normal_force=1.0,
+        belt_velocity=[v * np.cos(phi), v * np.sin(phi)],
+    )
     drop = 0.25 / v_s * np.exp(-v / v_s)
     found = asp.stability(belt)
     assert found.kind == "unstable"
     np.testing.assert_allclose(found.growth_rate, 0.5 * drop, rtol=1e-6)
-    np.testing.assert_allclose(asp.growth_chart(belt, phi), 0.5 * drop, rtol=1e-6)
+    np.testing.assert_allclose(asp.growth_chart(belt, phi=phi), 0.5 * drop, rtol=1e-6)
     assert found.mechanisms["Stribeck slope"] == 0.0
     # The slow eigenvalue of the lateral motion is not lost beside the fast one.
     slow = found.eigenvalues[2].real
@@ -38,7 +44,7 @@ def test_slow_belts_with_falling_friction(v, v_s, phi):
     ],
 )
 def test_soft_directions_beside_stiff_ones(stiffness, damping, growth):
-    found = asp.stability(asp.LinearSystem(np.eye(2), stiffness, damping))
+    found = asp.stability(asp.LinearSystem(np.eye(2), stiffness=stiffness, damping=damping))
     np.testing.assert_allclose(found.growth_rate, growth, rtol=1e-6)
     assert found.kind == ("unstable" if growth else "neutral")
 
@@ -48,11 +54,11 @@ def test_what_errors_hide_is_called_undecided():
     c, s = np.cos(0.3), np.sin(0.3)
     Q = np.array([[c, -s], [s, c]])
     B = Q @ np.diag([1e12, -1e-6]) @ Q.T
-    found = asp.stability(asp.LinearSystem(np.eye(2), 1.0, 0.5 * (B + B.T)))
+    found = asp.stability(asp.LinearSystem(np.eye(2), stiffness=1.0, damping=0.5 * (B + B.T)))
     assert found.kind == "neutral"
     assert found.reason.startswith("Undecided")
     assert not found.is_defective
-    assert "Undecided" not in asp.stability(asp.LinearSystem(np.eye(2), 1.0)).reason
+    assert "Undecided" not in asp.stability(asp.LinearSystem(np.eye(2), stiffness=1.0)).reason
 
 
 @pytest.mark.parametrize("size", [2, 3, 4, 5])
@@ -62,32 +68,34 @@ def test_jordan_blocks_on_the_axis(size):
     J = np.eye(size) + np.diag(np.ones(size - 1), 1)
     for _ in range(20):
         Q = np.linalg.qr(rng.normal(size=(size, size)))[0]
-        found = asp.stability(asp.LinearSystem(np.eye(size), Q @ J @ Q.T))
+        found = asp.stability(asp.LinearSystem(np.eye(size), stiffness=Q @ J @ Q.T))
         assert found.kind == "neutral"
         assert found.growth_rate == 0.0
         assert found.is_defective
         assert "grow like t" in found.reason
         # All modes, and two blocks of one eigenvalue.
-        assert not asp.stability(asp.LinearSystem(np.eye(size), Q @ Q.T)).is_defective
-        shifted = asp.stability(asp.LinearSystem(np.eye(size), Q @ J @ Q.T, -0.2))
+        assert not asp.stability(asp.LinearSystem(np.eye(size), stiffness=Q @ Q.T)).is_defective
+        shifted = asp.stability(asp.LinearSystem(np.eye(size), stiffness=Q @ J @ Q.T, damping=-0.2))
         assert shifted.kind == "unstable"
 
 
 def test_an_eigenvalue_zero_does_not_make_others_defective():
     """0 is single with a damper on the free coordinate; ±i is double and has both modes."""
-    system = asp.LinearSystem(np.eye(3), [1.0, 1.0, 0.0], [0.0, 0.0, 1.0])
+    system = asp.LinearSystem(np.eye(3), stiffness=[1.0, 1.0, 0.0], damping=[0.0, 0.0, 1.0])
     assert not asp.stability(system).is_defective
     chain = [[1.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]]
-    drift = asp.stability(asp.LinearSystem(np.eye(3), np.multiply(chain, 1.0 / 3.0)))
+    drift = asp.stability(asp.LinearSystem(np.eye(3), stiffness=np.multiply(chain, 1.0 / 3.0)))
     assert drift.is_defective
     assert drift.kind == "neutral"
 
 
 def test_growth_beside_eigenvalues_on_the_axis_at_the_same_frequency():
-    divergence = asp.stability(asp.LinearSystem(np.eye(2), [-4.0, 0.0]))
+    divergence = asp.stability(asp.LinearSystem(np.eye(2), stiffness=[-4.0, 0.0]))
     assert divergence.kind == "unstable"
     np.testing.assert_allclose(divergence.growth_rate, 2.0)
-    flutter = asp.stability(asp.LinearSystem(np.eye(2), [1.0 + 1e-6, 1.0], [-2e-3, 0.0]))
+    flutter = asp.stability(
+        asp.LinearSystem(np.eye(2), stiffness=[1.0 + 1e-6, 1.0], damping=[-2e-3, 0.0])
+    )
     np.testing.assert_allclose(flutter.growth_rate, 1e-3, rtol=1e-9)
 
 
@@ -119,7 +127,7 @@ def test_signs_of_growth_against_exact_ones():
         K = D @ (np.eye(2) + 0.1 * roots[1] @ roots[1].T) @ D
         M, K = 0.5 * (M + M.T), 0.5 * (K + K.T)
         B = D @ rng.normal(size=(2, 2)) * 10.0 ** rng.uniform(-16.0, 0.0)
-        found = asp.stability(asp.LinearSystem(M, K, B))
+        found = asp.stability(asp.LinearSystem(M, stiffness=K, damping=B))
         on_axis, real = found.spectrum.on_axis, found.eigenvalues.real
         growing = int((real[~on_axis] > 0.0).sum())
         assert growing <= right_half_plane(M, B, K) <= growing + on_axis.sum()

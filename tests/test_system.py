@@ -5,21 +5,22 @@ import inspect
 import asperity as asp
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 LAW = asp.FrictionLaw.isotropic(0.5)
 LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
 
 
 def test_matrices_may_be_scalars_diagonals_or_full():
-    contact = asp.Contact(LAW, np.eye(2), normal_force=1.0)
-    full = asp.LinearSystem(np.diag([2.0, 2.0]), np.diag([1.0, 3.0]), contacts=[contact])
-    assert asp.LinearSystem(2.0, [1.0, 3.0], contacts=[contact]) == full
+    contact = asp.Contact(LAW, direction=np.eye(2), normal_force=1.0)
+    full = asp.LinearSystem(np.diag([2.0, 2.0]), stiffness=np.diag([1.0, 3.0]), contacts=[contact])
+    assert asp.LinearSystem(2.0, stiffness=[1.0, 3.0], contacts=[contact]) == full
     assert full.dof == 2
     assert full.damping.tolist() == [[0.0, 0.0], [0.0, 0.0]]
 
 
 def test_belt_velocity_enters_with_minus():
-    belt = asp.MassOnBelt(1.0, 2.0, LAW, 3.0, [0.4, 0.0])
+    belt = asp.MassOnBelt(1.0, stiffness=2.0, law=LAW, normal_force=3.0, belt_velocity=[0.4, 0.0])
     assert belt.contacts[0].velocity.tolist() == [-0.4, 0.0]
     np.testing.assert_allclose(belt.equilibrium, [0.75, 0.0])
     coupled = belt.replace(stiffness=[[2.0, 1.0], [0.0, 1.0]])
@@ -29,10 +30,10 @@ def test_belt_velocity_enters_with_minus():
 def test_equilibrium_of_the_paper():
     belt = asp.MassOnBelt(
         1.0,
-        1.0,
-        asp.FrictionLaw(asp.Ellipse(30.0, 10.0, np.deg2rad(30)), asp.Ellipse(3.0, 1.0)),
-        1.0,
-        [np.cos(np.deg2rad(50)), np.sin(np.deg2rad(50))],
+        stiffness=1.0,
+        law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.deg2rad(30)), asp.Ellipse(3.0, 1.0)),
+        normal_force=1.0,
+        belt_velocity=[np.cos(np.deg2rad(50)), np.sin(np.deg2rad(50))],
     )
     np.testing.assert_allclose(belt.equilibrium, [20.201550, 2.675030], atol=1e-6)
 
@@ -54,7 +55,7 @@ class Block(asp.System):
 
 
 def test_custom_system_equals_the_linear_one():
-    linear = asp.SlidingPoint(1.0, LINE)
+    linear = asp.SlidingPoint(1.0, law=LINE)
     options = {"dt": 1e-3, "t_end": 0.5, "u0": [2.0]}
     custom, model = asp.simulate(Block(), **options), asp.simulate(linear, **options)
     np.testing.assert_array_equal(custom.phase, model.phase)
@@ -316,9 +317,125 @@ def test_advance_counts_where_the_numbers_are_equal():
         asp.integrate(Doubled(), t_end=2.0)
 
 
+class Turned(asp.System):
+    """A body in space by its velocities (v, Ω); the lowest point of its sphere may meet a floor."""
+
+    dof = 6
+    rotations = (3,)
+    constant_mass = True
+
+    def __init__(self, inertia, *, law=None, radius=0.1):
+        self.inertia, self.radius = np.asarray(inertia), radius
+        self.contacts = () if law is None else (asp.ContactLaw(law),)
+
+    def mass(self, q):
+        mass = np.eye(6)
+        mass[3:, 3:] = self.inertia
+        return mass
+
+    def forces(self, t, q, u):
+        return np.concatenate([[0.0, 0.0, -9.81], np.cross(self.inertia @ u[3:], u[3:])])
+
+    def normal(self, t, q, contact):
+        return np.eye(6)[2]
+
+    def gap(self, t, q, contact):
+        return q[2] - self.radius
+
+    def direction(self, t, q, contact):
+        rotation = Rotation.from_quat(np.roll(q[3:], -1)).as_matrix()
+        lever = [0.0, 0.0, -self.radius]
+        return np.array([[*e, *(rotation.T @ np.cross(lever, e))] for e in np.eye(3)[:2]]).T
+
+
+SPUN = [1.0, 0.3, 2.0, 0.3, 5.0, 0.2]
+
+
+@pytest.mark.parametrize("velocity", [[1.0, 0.3, 0.0], [1.0, 0.3, -1.0]])
+def test_a_body_of_the_user_turns_as_a_rigid_body(velocity):
+    law = asp.FrictionLaw.isotropic(0.3)
+    state = {"velocity": velocity, "angular_velocity": SPUN[3:]}
+    ball = asp.Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1 - 0.05 * velocity[2]), **state)
+    bodies = asp.RigidBodies(
+        [ball], [asp.SpherePlane(0, 0.1, asp.Plane(), law)], gravity=(0.0, 0.0, -9.81)
+    )
+    own = Turned(ball.inertia, law=law)
+    start = {"q0": bodies.q0, "u0": bodies.u0}
+    options = {"dt": 1e-3, "t_end": 0.5, "tolerance": 1e-13}
+    run, expected = asp.simulate(own, **start, **options), asp.simulate(bodies, **options)
+    np.testing.assert_allclose(run.q, expected.q, atol=1e-13)
+    np.testing.assert_allclose(run.u, expected.u, atol=1e-12)
+    motion, expected = asp.integrate(own, t_end=0.5, **start), asp.integrate(bodies, t_end=0.5)
+    np.testing.assert_allclose(motion.q[-1], expected.q[-1], atol=1e-12)
+    np.testing.assert_allclose(motion.u[-1], expected.u[-1], atol=1e-12)
+    assert [event.kind for event in motion.events] == [event.kind for event in expected.events]
+
+
+def test_a_tumbling_body_of_the_user_is_integrated():
+    inertia = np.diag([0.1, 0.2, 0.25])
+    body = asp.Body(1.0, inertia, velocity=SPUN[:3], angular_velocity=SPUN[3:])
+    bodies = asp.RigidBodies([body], gravity=(0.0, 0.0, -9.81))
+    # No rotation is where it starts by default.
+    motion = asp.integrate(Turned(inertia), t_end=2.0, u0=SPUN)
+    expected = asp.integrate(bodies, t_end=2.0)
+    np.testing.assert_allclose(motion.q[-1], expected.q[-1], atol=1e-12)
+    # Steps of gyroscopic torques of the user are of first order.
+    errors = []
+    for dt in (1e-3, 5e-4):
+        run = asp.simulate(Turned(inertia), dt=dt, t_end=2.0, u0=SPUN)
+        errors.append(np.abs(run.q[-1] - expected.q[-1]).max())
+    assert 1.9 < errors[0] / errors[1] < 2.1
+
+
+def test_what_has_other_coordinates_is_read_back(tmp_path):
+    runs = [
+        asp.simulate(Turning(), dt=1e-2, t_end=0.1, q0=[1.0, 0.0]),
+        asp.simulate(Turned(np.eye(3)), dt=1e-2, t_end=0.1, u0=SPUN),
+    ]
+    for number, run in enumerate(runs):
+        run.save(tmp_path / f"{number}.npz")
+        assert asp.Trajectory.load(tmp_path / f"{number}.npz") == run
+
+
+@pytest.mark.parametrize("run", ["simulate", "integrate"])
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        ({"rotations": 3}, "rotations: must be a list of integers, got 3"),
+        ({"rotations": [4]}, "rotations: must be ascending numbers of velocities"),
+        ({"rotations": [0, 2]}, "rotations: must be ascending numbers of velocities"),
+        ({"coordinates": 7}, "rotations: must be left out"),
+        ({"advance": lambda self, q, u, dt: q}, "rotations: must be left out"),
+    ],
+)
+def test_rotations_that_do_not_fit_are_named(changes, message, run):
+    system = type("Wrong", (Turned,), changes)(np.eye(3))
+    with pytest.raises(asp.ParameterError, match=message):
+        _run(run, system, u0=SPUN)
+
+
+def _run(name, system, **start):
+    options = {"dt": 0.1} if name == "simulate" else {}
+    return getattr(asp, name)(system, t_end=1.0, **start, **options)
+
+
+@pytest.mark.parametrize("run", ["simulate", "integrate"])
+@pytest.mark.parametrize("wrong", [-np.eye(1), np.zeros((1, 1))])
+def test_the_mass_of_a_block_is_named(wrong, run):
+    def block_mass(self, q, block):
+        return wrong if block == 1 else np.eye(1)
+
+    system = type("Wrong", (RowInBlocks,), {"block_mass": block_mass})(3)
+    with pytest.raises(asp.ParameterError, match="of block 1 ") as raised:
+        _run(run, system)
+    assert raised.value.argument == "block_mass"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"blocks": 3}, "blocks: must be a list of integers, got 3"),
+        ({"blocks": []}, "blocks: must have a block"),
         ({"blocks": [1, 1]}, "dof: must be 2, the sum of blocks, got 3"),
         ({"touched": lambda self, contact: [5]}, "touched: must return ascending numbers"),
         ({"touched": lambda self, contact: [1, 0]}, "touched: must return ascending numbers"),
@@ -381,7 +498,12 @@ FAULTS = {
     "raises": (ZeroDivisionError, "in the user's code"),
     "nan": (asp.ParameterError, "{}: must return finite numbers"),
     "shape": (asp.DimensionError, "{}: must return shape"),
+    "none": (asp.ParameterError, "{}: must return numbers, returned None"),
+    "words": (asp.ParameterError, "{}: must return numbers, returned nothing"),
 }
+
+
+VALUES = {"shape": np.zeros((3, 3)), "none": None, "words": "nothing"}
 
 
 def spoiled(kind, method, fault):
@@ -391,8 +513,8 @@ def spoiled(kind, method, fault):
     def wrong(*arguments):
         if fault == "raises":
             raise ZeroDivisionError("in the user's code")
-        if fault == "shape":
-            return np.zeros((3, 3))
+        if fault in VALUES:
+            return VALUES[fault]
         return np.nan * np.asarray(right(*arguments))
 
     # The signature is checked when the class is defined.

@@ -81,7 +81,7 @@ def test_frames_are_the_same_every_time():
 
 
 def test_the_camera_shows_what_its_scene_says():
-    run = asp.simulate(asp.SlidingPoint(1.0, TABLE_1), dt=1e-3, t_end=0.01, q0=[0.02, 0.01])
+    run = asp.simulate(asp.SlidingPoint(1.0, law=TABLE_1), dt=1e-3, t_end=0.01, q0=[0.02, 0.01])
     scene = Scene.from_scale(5e-4, origin=(30.0, 80.0))
     camera = VirtualCamera(
         run, fps=100.0, size=(120, 100), scene=scene, noise=0.0, mark=Mark(diameter=0.012)

@@ -12,8 +12,10 @@ from asperity.runs.trajectory_file import FORMAT
 @pytest.fixture(scope="module")
 def motion():
     contacts = [
-        asp.Contact(asp.FrictionLaw.isotropic(0.5), np.eye(2), normal_force=2.0),
-        asp.Contact(asp.FrictionLaw.isotropic(0.1, dimension=1), [1.0, 0.0], normal_force=1.0),
+        asp.Contact(asp.FrictionLaw.isotropic(0.5), direction=np.eye(2), normal_force=2.0),
+        asp.Contact(
+            asp.FrictionLaw.isotropic(0.1, dimension=1), direction=[1.0, 0.0], normal_force=1.0
+        ),
     ]
     system = asp.LinearSystem(1.0, contacts=contacts)
     return asp.simulate(system, dt=1e-2, t_end=2.0, u0=[1.0, 0.5])
@@ -248,8 +250,8 @@ def test_damaged_bytes_are_refused_or_do_not_matter(motion, tmp_path, cases):
 @pytest.mark.parametrize(
     "system",
     [
-        asp.SlidingPoint(1.0, asp.FrictionLaw.isotropic(0.3)),
-        asp.LinearSystem(np.eye(2), np.eye(2)),
+        asp.SlidingPoint(1.0, law=asp.FrictionLaw.isotropic(0.3)),
+        asp.LinearSystem(np.eye(2), stiffness=np.eye(2)),
         asp.SlidingDisk(asp.FrictionLaw.isotropic(0.3), velocity=[1.0, 0.0]),
     ],
     ids=["point", "no contact", "bodies in space"],

@@ -12,15 +12,21 @@ from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 from scipy.sparse import coo_array, csc_array, csr_array, csr_matrix
 
 LAW = PLANE_LAWS[3]
-PROBLEM = asp.ContactProblem(np.eye(3), [-1.0, 0.2, 3.0], LAW, normal_restitution=0.5)
-CONTACT = asp.Contact(LAW, np.eye(2), normal_force=1.0, velocity=[0.0, -1.0])
-MOTION = asp.simulate(asp.SlidingPoint(1.0, LAW), dt=0.01, t_end=0.1, u0=[1.0, 0.0])
+PROBLEM = asp.ContactProblem(
+    np.eye(3), free_velocity=[-1.0, 0.2, 3.0], laws=LAW, normal_restitution=0.5
+)
+CONTACT = asp.Contact(LAW, direction=np.eye(2), normal_force=1.0, velocity=[0.0, -1.0])
+MOTION = asp.simulate(asp.SlidingPoint(1.0, law=LAW), dt=0.01, t_end=0.1, u0=[1.0, 0.0])
 BELT = asp.MassOnBelt(
-    1.0, 1.0, asp.FrictionLaw.isotropic(1.0).replace(rate=asp.Stribeck(0.1)), 1.0, [0.1, 0.2]
+    1.0,
+    stiffness=1.0,
+    law=asp.FrictionLaw.isotropic(1.0).replace(rate=asp.Stribeck(0.1)),
+    normal_force=1.0,
+    belt_velocity=[0.1, 0.2],
 )
 CYCLE = asp.limit_cycle(BELT)
 SIGNAL = asp.Signal([0.0, 1.0, 2.0], [0.5, 1.0, 0.5], interpolation="cubic", periodic=True)
-SHAKER = asp.Sine([0.0, 1e-3, 0.0], 50.0, phase=[0.1, 0.0, 0.0], offset=0.1)
+SHAKER = asp.Sine([0.0, 1e-3, 0.0], frequency=50.0, phase=[0.1, 0.0, 0.0], offset=0.1)
 SUMMARISED = (
     asp.PathComparison,
     asp.Trajectory,
@@ -34,7 +40,7 @@ VALUES = [
     *LAWS,
     LAW.replace(rate=asp.Stribeck(0.1)),
     asp.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36, order=7, noise=0.01),
-    asp.Stribeck(0.1, 0.5, shape="hyperbolic", exponent=2.0, viscous=0.1),
+    asp.Stribeck(0.1, ratio=0.5, shape="hyperbolic", exponent=2.0, viscous=0.1),
     asp.LawFile(LAW, asp.Provenance(note="dry")),
     asp.Provenance(
         asperity="0.2.0",
@@ -49,9 +55,11 @@ VALUES = [
     asp.Verdict(True, exact=True, tolerance=0.0, defect=0.0, witness=None),
     asp.Verdict(False, exact=False, tolerance=1e-9, defect=0.1, witness=[[1.0, 0.0]]),
     PROBLEM,
-    asp.ContactProblem(np.eye(4), np.ones(4), LAW, normal_force=[1.0, 2.0]),
+    asp.ContactProblem(np.eye(4), free_velocity=np.ones(4), laws=LAW, normal_force=[1.0, 2.0]),
     PROBLEM.replace(delassus=csc_array(np.eye(3))),
-    asp.ContactProblem.from_bodies(2.0 * np.eye(3), csr_matrix(np.eye(3)), [-1.0, 0.2, 3.0], LAW),
+    asp.ContactProblem.from_bodies(
+        2.0 * np.eye(3), directions=csr_matrix(np.eye(3)), free_velocity=[-1.0, 0.2, 3.0], laws=LAW
+    ),
     PROBLEM.solve(),
     PROBLEM.solve().certificate,
     asp.Stage("newton", 7, 6, 1e-9),
@@ -75,12 +83,12 @@ VALUES = [
     asp.InteriorPoint(),
     asp.ADMM(),
     CONTACT,
-    asp.Contact(LAW, np.eye(2), normal=[0.0, 1.0], gap=0.2, normal_restitution=0.4),
+    asp.Contact(LAW, direction=np.eye(2), normal=[0.0, 1.0], gap=0.2, normal_restitution=0.4),
     asp.ContactLaw(LAW),
-    asp.LinearSystem(2.0, [1.0, 2.0], force=[0.0, 1.0], contacts=[CONTACT]),
-    asp.SlidingPoint(0.018, LAW),
+    asp.LinearSystem(2.0, stiffness=[1.0, 2.0], force=[0.0, 1.0], contacts=[CONTACT]),
+    asp.SlidingPoint(0.018, law=LAW),
     asp.SlidingDisk(LAW, velocity=(1.0, 0.5), spin=2.0),
-    asp.MassOnBelt(1.0, 2.0, LAW, 1.0, [1.0, 0.0]),
+    asp.MassOnBelt(1.0, stiffness=2.0, law=LAW, normal_force=1.0, belt_velocity=[1.0, 0.0]),
     MOTION,
     asp.State([0.1], [0.2], t0=1.0, steps=3, dt=0.1, contacts=np.ones((1, 16))),
     asp.Section([1.0, 0.0], 0.5, after=1.0),
@@ -91,39 +99,45 @@ VALUES = [
     asp.BifurcationDiagram(
         "speed", [0.1, 0.2], [asp.stability(BELT), None], [CYCLE, None], ["", "stuck"]
     ),
-    asp.Body(1.3, (1.0, 2.0, 2.9), orientation=(0.5, 0.1, -0.7, 0.2), torque=(0.0, 0.1, 0.0)),
-    asp.Body.ball(1.0, 0.1),
-    asp.PlanarBody(1.0, 0.1, angle=0.3),
+    asp.Body(
+        1.3, inertia=(1.0, 2.0, 2.9), orientation=(0.5, 0.1, -0.7, 0.2), torque=(0.0, 0.1, 0.0)
+    ),
+    asp.Body.ball(1.0, radius=0.1),
+    asp.PlanarBody(1.0, inertia=0.1, angle=0.3),
     asp.Plane(),
     asp.Plane(normal=(0.3, -0.2, 0.7), axis=(1.0, 0.1, 0.3), spin=1.0, body=1),
     asp.Line(velocity=0.2),
     asp.BodyAxis((0.3, 0.1, 0.7)),
-    asp.PointPlane(0, (0.0, 0.1, 0.0), asp.Plane(), LAW, frame=asp.BodyAxis((1.0, 1.0, 0.0))),
+    asp.PointPlane(
+        0, point=(0.0, 0.1, 0.0), plane=asp.Plane(), law=LAW, frame=asp.BodyAxis((1.0, 1.0, 0.0))
+    ),
     asp.PointPlane(
         0,
-        (0.0, 0.0, 0.0),
-        asp.Plane(),
-        asp.FrictionLaw.associated(asp.CoulombContensou(0.3)),
+        point=(0.0, 0.0, 0.0),
+        plane=asp.Plane(),
+        law=asp.FrictionLaw.associated(asp.CoulombContensou(0.3)),
         frame="polar",
         patch_radius=0.1,
     ),
-    asp.SpherePlane(0, 0.1, asp.Line(), asp.FrictionLaw.isotropic(0.3, dimension=1)),
-    asp.BoxPlane(0, (0.1, 0.2, 0.3), asp.Plane(), LAW, normal_restitution=0.3),
-    asp.SphereSphere(0, 0.1, 1, 0.2, LAW, center=(0.1, 0.0, 0.0)),
-    asp.Spring(0, (0.1, 0.0), stiffness=2.0),
+    asp.SpherePlane(
+        0, radius=0.1, plane=asp.Line(), law=asp.FrictionLaw.isotropic(0.3, dimension=1)
+    ),
+    asp.BoxPlane(0, half_sizes=(0.1, 0.2, 0.3), plane=asp.Plane(), law=LAW, normal_restitution=0.3),
+    asp.SphereSphere(0, radius=0.1, other=1, other_radius=0.2, law=LAW, center=(0.1, 0.0, 0.0)),
+    asp.Spring(0, point=(0.1, 0.0), stiffness=2.0),
     SIGNAL,
     SHAKER,
-    asp.Sine(1.0, 2.0),
+    asp.Sine(1.0, frequency=2.0),
     asp.PlaneMotion(displacement=SHAKER, rotation=SHAKER),
-    asp.Plane(velocity=asp.Sine([1.0, 0.0], 2.0), spin=SIGNAL, motion=asp.PlaneMotion()),
+    asp.Plane(velocity=asp.Sine([1.0, 0.0], frequency=2.0), spin=SIGNAL, motion=asp.PlaneMotion()),
     asp.Line(motion=asp.PlaneMotion(rotation=SIGNAL)),
-    asp.Body.ball(1.0, 0.1, force=SHAKER),
-    asp.Spring(0, (0.1, 0.0), stiffness=2.0, length=asp.Sine(0.1, 1.0, offset=0.2)),
+    asp.Body.ball(1.0, radius=0.1, force=SHAKER),
+    asp.Spring(0, point=(0.1, 0.0), stiffness=2.0, length=asp.Sine(0.1, frequency=1.0, offset=0.2)),
     asp.compare_path(MOTION, MOTION),
     asp.RigidBodies(
-        [asp.Body.ball(1.0, 0.1), asp.Body.ball(2.0, 0.2)],
-        [asp.SphereSphere(0, 0.1, 1, 0.2, LAW)],
-        springs=[asp.Spring(0, (0.1, 0.0, 0.0), 1, stiffness=2.0)],
+        [asp.Body.ball(1.0, radius=0.1), asp.Body.ball(2.0, radius=0.2)],
+        pairs=[asp.SphereSphere(0, radius=0.1, other=1, other_radius=0.2, law=LAW)],
+        springs=[asp.Spring(0, point=(0.1, 0.0, 0.0), other=1, stiffness=2.0)],
     ),
 ]
 NAMES = {name: getattr(asp, name) for name in asp.__all__}
@@ -214,7 +228,9 @@ def test_duplicates_are_summed_and_the_original_stays():
 
 def test_new_operators_forget_bodies_and_new_bodies_old_operators():
     free = [-1.0, 0.2, 3.0]
-    bodies = asp.ContactProblem.from_bodies(2.0 * np.eye(3), np.eye(3), free, LAW)
+    bodies = asp.ContactProblem.from_bodies(
+        2.0 * np.eye(3), directions=np.eye(3), free_velocity=free, laws=LAW
+    )
     assert bodies.delassus.toarray().tolist() == (0.5 * np.eye(3)).tolist()
     known = bodies.replace(delassus=None, mass=bodies.mass, directions=bodies.directions)
     assert known == bodies

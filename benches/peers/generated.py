@@ -17,12 +17,12 @@ def write(folder: Path) -> dict[str, tuple[float, ...]]:
     made = {name: problems.stack(20, push=push, dt=DT) for name, push in STACKS.items()}
     made |= {
         "stack-100": problems.stack(100),
-        "wall-5x5": problems.wall(5, 5),
-        "wall-10x10-pushed": problems.wall(10, 10, push=1.0),
-        "wall-20x20": problems.wall(20, 20),
+        "wall-5x5": problems.wall(5, columns=5),
+        "wall-10x10-pushed": problems.wall(10, columns=10, push=1.0),
+        "wall-20x20": problems.wall(20, columns=20),
         "arch-25": problems.arch(25),
         "table-100-pushed": problems.table(100, push=3.0),
-        "columns-touching-25x10": problems.columns(25, 10),
+        "columns-touching-25x10": problems.columns(25, height=10),
         "pile-8": problems.pile(8),
         "sliders-1000": problems.sliders(1000),
         "sliders-1000-coupled": problems.sliders(1000, coupled=True),

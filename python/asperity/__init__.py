@@ -6,7 +6,7 @@ experimental verification and instability phenomenon*, Nonlinear Dynamics (2019)
 >>> import asperity as asp
 >>> law = asp.FrictionLaw(reservoir=asp.Ellipse(0.6, 0.3), direction=asp.Ellipse(0.5, 0.3))
 >>> path = asp.simulate(
-...     asp.SlidingPoint(0.1, law), dt=1e-3, t_end=1.0, u0=[1.0, 1.0], until_rest=True
+...     asp.SlidingPoint(0.1, law=law), dt=1e-3, t_end=1.0, u0=[1.0, 1.0], until_rest=True
 ... )
 >>> path.status
 Outcome.AT_REST

@@ -204,6 +204,7 @@ class CallbackSystem:
         system: object,
         blocks: Sequence[int],
         touched: Sequence[Sequence[int]] | None,
+        rotations: Sequence[int],
         coordinates: int | None,
         constant: tuple[bool, bool],
         contacts: Sequence[dict[str, Any]],

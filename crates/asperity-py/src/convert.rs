@@ -89,11 +89,17 @@ pub fn returned<'py>(
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let numpy = value.py().import("numpy")?;
+    if value.is_none() {
+        return Err(parameter(method, "must return numbers, returned None"));
+    }
     // The conversion would leave the imaginary parts out.
     if numpy.call_method1("iscomplexobj", (value,))?.is_truthy()? {
         return Err(parameter(method, "must return real numbers, returned complex ones"));
     }
-    let array = numpy.call_method1("ascontiguousarray", (value, "float64"))?;
+    let array = numpy.call_method1("ascontiguousarray", (value, "float64"));
+    let array = array.map_err(|error| {
+        parameter(method, &format!("must return numbers, returned {value:.60}: {error}"))
+    })?;
     let array = array.cast_into::<PyArrayDyn<f64>>()?;
     // ascontiguousarray makes a number an array of one entry.
     let fits = array.shape() == shape || (shape.is_empty() && array.len() == 1);

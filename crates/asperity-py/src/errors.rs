@@ -85,7 +85,6 @@ impl From<EvaluationError> for Failure {
         let text = error.to_string();
         match error {
             EvaluationError::System(error) => error.into(),
-            EvaluationError::SingularMass { .. } => Self(split("mass", &text)),
             _ => Self(unknown(&text)),
         }
     }
@@ -95,6 +94,11 @@ impl From<SystemError> for Failure {
     fn from(error: SystemError) -> Self {
         Self(match error {
             SystemError::Argument(error) => return error.into(),
+            // A system of Python that announces its blocks is asked for one after the other.
+            SystemError::SingularMass { blocks, .. } => {
+                let (text, name) = (error.to_string(), if blocks > 1 { "block_mass" } else { "mass" });
+                parameter(name, text.strip_prefix("mass: ").unwrap_or(&text))
+            }
             SystemError::Rotation { .. } => parameter("dt", &format!("is too long: {error}")),
             // An exception of the user's code comes back as itself.
             SystemError::Foreign(source) => match source.downcast::<PyErr>() {
@@ -112,7 +116,6 @@ impl From<StepError> for Failure {
         match error {
             StepError::Options(error) => error.into(),
             StepError::System(error) => error.into(),
-            StepError::SingularMass { .. } => Self(split("mass", &text)),
             StepError::NotFinite { .. } | StepError::NotFiniteContact { .. } => {
                 Self(make("DivergenceError", (text,)))
             }

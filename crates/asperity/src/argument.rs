@@ -33,6 +33,11 @@ impl ArgumentError {
     pub(crate) fn number(argument: &'static str, allowed: &str, value: f64) -> Self {
         Self::new(argument, format!("must be {allowed}, got {value}"))
     }
+
+    /// The same, which says of which of several it is.
+    pub(crate) fn within(self, what: &str, index: usize) -> Self {
+        Self { message: format!("of {what} {index} {}", self.message), ..self }
+    }
 }
 
 type Checked<T> = Result<T, ArgumentError>;

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use crate::argument::{ArgumentError, positive, refuse};
-use crate::integrator::midpoint::{Attempt, State, StepError, Stepper};
+use crate::integrator::midpoint::{State, StepError, Stepper};
 use crate::integrator::observer::Observer;
 use crate::solver::{SolveReport, Solver, Status, Unsolvable};
 use crate::system::{InitialState, System, SystemError};
@@ -19,9 +19,8 @@ pub struct Options {
     pub dt: f64,
     /// Number of steps.
     pub steps: usize,
-    /// Where to start; by default in the system's own state, [`System::initial_state`]. Not asked for where a run is
-    /// continued.
-    pub start: Option<InitialState>,
+    /// Where to start; by default at the time 0 in the system's own state, [`System::initial_state`].
+    pub start: Option<State>,
     /// Contact solver; [`Solver::default`].
     pub solver: Solver,
     /// Largest natural residual of a step; 1e-10.
@@ -73,10 +72,17 @@ impl Options {
         Self { steps, ..self }
     }
 
-    /// The same from these coordinates and velocities.
+    /// The same from these coordinates and velocities at the time 0.
     #[must_use]
     pub fn with_start(self, q0: &[f64], u0: &[f64]) -> Self {
-        Self { start: Some(InitialState { q: q0.to_vec(), u: u0.to_vec() }), ..self }
+        self.with_state(State::new(0.0, q0, u0))
+    }
+
+    /// The same from where another run has ended, [`Run::end`], as if it had not ended: with the same options what
+    /// follows is the same to the bit.
+    #[must_use]
+    pub fn with_state(self, start: State) -> Self {
+        Self { start: Some(start), ..self }
     }
 
     /// The same with another contact solver.
@@ -152,8 +158,8 @@ pub struct Failure {
 pub struct Run {
     /// The samples; the last one is the state of the last step that was made.
     pub trajectory: Trajectory,
-    /// What [`resume`] asks for to go on after the last sample; nothing where there is no going on, as the
-    /// state is no longer finite.
+    /// What [`Options::with_state`] asks for to go on after the last sample; nothing where there is no going on, as
+    /// the state is no longer finite.
     pub end: Option<State>,
     /// Why the loop ended.
     pub outcome: Outcome,
@@ -189,29 +195,17 @@ pub fn simulate(
     options: &Options,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Run, ArgumentError> {
-    let own = || system.initial_state();
-    let InitialState { q, u } = options.start.clone().unwrap_or_else(own);
-    resume(system, &State::new(0.0, &q, &u), options, observer)
-}
-
-/// Goes on from where another run ended, as if it had not ended: with the same options what follows is the
-/// same to the bit.
-///
-/// # Errors
-///
-/// As [`simulate`], and if the state is not one of this system.
-pub fn resume(
-    system: &dyn System,
-    start: &State,
-    options: &Options,
-    observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
-) -> Result<Run, ArgumentError> {
     if options.save_every == 0 {
         return refuse("save_every", "must be at least 1, got 0");
     }
     let Options { dt, tolerance, solver, .. } = *options;
     let mut trajectory = Trajectory::empty(system);
-    let mut stepper = match Stepper::from_state(system, solver, tolerance, dt, start) {
+    let own = || {
+        let InitialState { q, u } = system.initial_state();
+        State::new(0.0, &q, &u)
+    };
+    let start = options.start.clone().unwrap_or_else(own);
+    let mut stepper = match Stepper::new(system, solver, tolerance, dt, &start) {
         Ok(stepper) => stepper,
         Err(StepError::Options(error)) => return Err(error),
         Err(StepError::System(SystemError::Argument(error))) => return Err(error),
@@ -249,27 +243,26 @@ fn steps(
     unsaved: &mut Option<SolveReport>,
 ) -> Result<Outcome, StepError> {
     let (mut rested, mut fastest) = (0, 0.0_f64);
-    let wanted =
-        |report: &SolveReport| report.status == Status::Converged || !options.stop_on_failure;
     for step in 1..=options.steps {
         // A step that asks but once is over soon: the clock would be a part of its cost.
         let asked = Cell::new(false);
         let cancelled = || asked.replace(true) && observer.asks_to_stop(step - 1);
-        let report = match stepper.attempt(&cancelled, wanted)? {
-            Attempt::Made(report) => report,
-            Attempt::Cancelled => return Ok(Outcome::Interrupted),
-            Attempt::Refused(report) => {
-                return Ok(Outcome::Failed(Failure {
-                    step,
-                    time: stepper.time_after(1),
-                    contact: stepper.contact_of(report.worst_contact),
-                    residual: report.residual,
-                    status: report.status,
-                    unsolvable: stepper.unsolvable().map(Box::new),
-                }));
-            }
+        let report = match stepper.step_unless(&cancelled, !options.stop_on_failure) {
+            Err(StepError::Cancelled { .. }) => return Ok(Outcome::Interrupted),
+            report => report?,
         };
-        trajectory.failed_steps += usize::from(report.status != Status::Converged);
+        let failed = report.status != Status::Converged;
+        if failed && options.stop_on_failure {
+            return Ok(Outcome::Failed(Failure {
+                step,
+                time: stepper.time_after(1),
+                contact: stepper.contact_of(report.worst_contact),
+                residual: report.residual,
+                status: report.status,
+                unsolvable: stepper.unsolvable().map(Box::new),
+            }));
+        }
+        trajectory.failed_steps += usize::from(failed);
         trajectory.count(stepper, report.ambiguous);
         *unsaved = Some(report);
         if options.until_rest {

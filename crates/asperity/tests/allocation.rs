@@ -8,7 +8,7 @@ use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
 use asperity::set::{Convex, CoulombContensou, Ellipse, Ellipsoid, Pressure, Vector};
 use asperity::solver::Solver;
-use asperity::stepper::Stepper;
+use asperity::stepper::{State, Stepper};
 use asperity::system::rigid::{Body, Pair, Plane, PlaneMotion, RigidBodies, Shape};
 use asperity::system::{
     Contact, Interpolation, LinearSystem, Normal, Signal, System, TimeFunction, mass_on_belt,
@@ -70,7 +70,7 @@ fn moving(law: impl Into<Law>) -> RigidBodies {
 
 /// Allocations in steps during which the same contacts are closed.
 fn allocations(solver: Solver, system: &dyn System, q: &[f64], u: &[f64]) -> usize {
-    let mut stepper = Stepper::new(system, solver, 1e-9, 1e-3, q, u).unwrap();
+    let mut stepper = Stepper::new(system, solver, 1e-9, 1e-3, &State::new(0.0, q, u)).unwrap();
     // Until the solver's buffers have met every kind of contact.
     for _ in 0..200 {
         stepper.step().unwrap();
@@ -141,7 +141,8 @@ fn bytes_per_slider() -> f64 {
         let solver = Solver::Exact { max_sweeps: 500 };
         let region = Region::new(ALLOCATOR);
         let mut stepper =
-            Stepper::new(&system, solver, 1e-9, 1e-3, system.q0(), system.u0()).unwrap();
+            Stepper::new(&system, solver, 1e-9, 1e-3, &State::new(0.0, system.q0(), system.u0()))
+                .unwrap();
         for _ in 0..3 {
             stepper.step().unwrap();
         }

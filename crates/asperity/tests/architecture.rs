@@ -35,7 +35,7 @@ const EVENT: [&str; 9] = [
 /// Rooms within which no circle of imports is allowed, crate by crate; all files of the binding are one room.
 const WITHOUT_CIRCLES: [(&str, &[&str]); 3] = [
     ("asperity-set", &["combine", "numeric", "project", "questions", "shapes"]),
-    ("asperity", &["law", "contact", "linear", "solver", "integrator"]),
+    ("asperity", &["law", "contact", "linear", "solver", "system", "integrator"]),
     ("asperity-py", &[""]),
 ];
 

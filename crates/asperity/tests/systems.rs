@@ -93,7 +93,8 @@ impl System for Falling {
         midpoint: &mut Midpoint,
         after: &[f64],
         dt: f64,
-        (q, u): (&mut [f64], &mut [f64]),
+        q: &mut [f64],
+        u: &mut [f64],
     ) -> Result<(), SystemError> {
         u.copy_from_slice(after);
         self.advance(&midpoint.q, u, 0.5 * dt, q);
@@ -138,7 +139,7 @@ impl System for Forgotten {
 const EXACT: Solver = Solver::Exact { max_sweeps: 100 };
 
 fn stepper<'a>(system: &'a dyn System, q: &[f64]) -> Result<Stepper<'a>, StepError> {
-    Stepper::new(system, EXACT, 1e-10, 0.01, q, &vec![0.0; system.dof()])
+    Stepper::new(system, EXACT, 1e-10, 0.01, &State::new(0.0, q, &vec![0.0; system.dof()]))
 }
 
 fn integrate(system: &dyn System, q: &[f64]) -> Result<event::Run, asperity::ArgumentError> {
@@ -226,7 +227,7 @@ fn momenta_of_a_system_are_compared_with_those_that_it_has() {
     run.step().unwrap();
     let end = run.state();
     assert_eq!(end.momenta, end.u);
-    let from = |state: &State| Stepper::from_state(&system, EXACT, 1e-10, 0.01, state).map(|_| ());
+    let from = |state: &State| Stepper::new(&system, EXACT, 1e-10, 0.01, state).map(|_| ());
     assert!(from(&end).is_ok());
     for momenta in [vec![0.0; 2], vec![1.0], vec![0.0, f64::NAN]] {
         let error = from(&State { momenta, ..end.clone() }).unwrap_err();
@@ -242,7 +243,7 @@ fn states_without_steps_are_equal_and_those_with_steps_know_their_length() {
     let system = Falling::new(Blocks::one(2));
     for dt in [None, Some(0.0), Some(-1.0), Some(f64::NAN)] {
         let state = State { dt, steps: 3, ..state.clone() };
-        let made = Stepper::from_state(&system, EXACT, 1e-10, 0.01, &state);
+        let made = Stepper::new(&system, EXACT, 1e-10, 0.01, &state);
         assert!(made.unwrap_err().to_string().starts_with("start: "), "{dt:?}");
     }
 }

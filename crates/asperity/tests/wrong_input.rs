@@ -22,12 +22,14 @@ use asperity::solver::{
     solutions,
 };
 use asperity::stepper::{State, Stepper};
-use asperity::system::rigid::{Body, Pair, PlanarBody, Plane, RigidBodies, Shape, Spring};
+use asperity::system::rigid::{
+    Body, ContactLabel, Pair, Partners, PlanarBody, Plane, RigidBodies, Shape, Spring,
+};
 use asperity::system::{
     Blocks, Configuration, Contact, ContactLaw, LinearSystem, Normal, Rotation, System,
     SystemError, mass_on_belt, sliding_point,
 };
-use nalgebra::{DMatrix, Matrix2, Vector2};
+use nalgebra::{DMatrix, Matrix2, Vector2, Vector3};
 
 const NAN: f64 = f64::NAN;
 /// Numbers that are none, or none that physics knows.
@@ -448,8 +450,8 @@ impl System for Own {
         &self.touched
     }
 
-    fn rotations(&self) -> Vec<Rotation> {
-        self.rotations.clone()
+    fn rotations(&self) -> &[Rotation] {
+        &self.rotations
     }
 
     fn mass(&self, _q: &[f64], _block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
@@ -505,6 +507,10 @@ fn what_systems_of_users_say_of_themselves_is_checked() {
         Own { touched: vec![0, 0], ..Own::new() },
         Own { rotations: vec![rotation], ..Own::new() },
         Own { rotations: vec![rotation], coordinates: 4, ..Own::new() },
+        Own { rotations: vec![Rotation { coordinate: usize::MAX, velocity: 0 }], ..Own::new() },
+        // A rotation beside a coordinate more than velocities, and two in one place.
+        Own { rotations: vec![rotation], coordinates: 5, blocks: Blocks::one(3), ..Own::new() },
+        Own { rotations: vec![rotation; 2], coordinates: 8, blocks: Blocks::one(6), ..Own::new() },
         Own { mass: 0.0, ..Own::new() },
         Own { mass: NAN, ..Own::new() },
         Own { force: NAN, ..Own::new() },
@@ -561,15 +567,16 @@ fn integrators_refuse_wrong_options_and_states() {
         state(|s| (s.dt, s.steps) = (Some(NAN), 3)),
         state(|s| s.steps = 3),
     ] {
-        let resumed = calm(format!("{wrong:?}"), || {
-            simulate::resume(&point, &wrong, &good(), &mut |_, _| ControlFlow::Continue(()))
-        });
+        let resumed = calm(format!("{wrong:?}"), || run(good().with_state(wrong.clone())));
         drop(resumed);
     }
     let solver = Solver::default();
-    refused("u0", || Stepper::new(&point, solver, 1e-9, 1e-3, &[0.0; 2], &[]));
-    refused("dt", || Stepper::new(&point, solver, 1e-9, NAN, &[0.0; 2], &[0.0; 2]));
-    let mut stepper = Stepper::new(&point, solver, 1e-9, 1e-3, &[0.0; 2], &[1.0; 2]).unwrap();
+    refused("u0", || Stepper::new(&point, solver, 1e-9, 1e-3, &State::new(0.0, &[0.0; 2], &[])));
+    refused("dt", || {
+        Stepper::new(&point, solver, 1e-9, NAN, &State::new(0.0, &[0.0; 2], &[0.0; 2]))
+    });
+    let mut stepper =
+        Stepper::new(&point, solver, 1e-9, 1e-3, &State::new(0.0, &[0.0; 2], &[1.0; 2])).unwrap();
     refused("contact", || stepper.output(1));
     assert_eq!(calm("phase", || stepper.phase(7)), Phase::Unknown);
     let integrate = |options: event::Options| {
@@ -667,4 +674,34 @@ fn rigid_bodies_are_checked_where_they_are_made() {
         assert!(made.is_err());
     }
     calm("no bodies", || both(&bodies(vec![]).unwrap()));
+}
+
+#[test]
+fn rigid_bodies_are_asked_for_what_they_have() {
+    let shape =
+        Shape::SpherePlane { body: 0, centre: [0.0; 3], radius: 0.1, plane: Plane::floor() };
+    let body = Body::ball(1.0, 0.1);
+    let pairs = [Pair::new(shape, law())];
+    let system = RigidBodies::new(vec![body], &pairs, vec![], [0.0; 3]).unwrap();
+    let (q, u) = (system.q0(), system.u0());
+    assert_eq!(calm("label", || system.label(0)), Some(ContactLabel { pair: 0, number: 0 }));
+    assert_eq!(calm("partners", || system.partners(0)), Some(Partners { body: 0, other: None }));
+    for wrong in [1, usize::MAX] {
+        assert_eq!(calm("label", || system.label(wrong)), None);
+        assert_eq!(calm("partners", || system.partners(wrong)), None);
+        refused("body", || system.pose(q, wrong));
+        refused("contact", || system.contact_geometry(0.0, q, wrong));
+    }
+    let about = Vector3::zeros();
+    for wrong in [&[][..], &[1.0], &[NAN; 7], &[0.5; 14]] {
+        refused("q", || system.pose(wrong, 0));
+        refused("q", || system.contact_geometry(0.0, wrong, 0));
+        refused("q", || system.potential_energy(0.0, wrong));
+        refused("u", || system.kinetic_energy(wrong));
+        refused("u", || system.momentum(wrong));
+        refused("q", || system.angular_momentum(wrong, u, &about));
+        refused("u", || system.angular_momentum(q, wrong, &about));
+    }
+    refused("t", || system.contact_geometry(NAN, q, 0));
+    refused("t", || system.potential_energy(NAN, q));
 }

@@ -73,7 +73,11 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
             return [made(one, f"{key}[{i}]") for i, one in enumerate(value)]
         return value
 
-    given = {name: made(value, f"{key}.{name}") for name, value in table.items()}
+    given = {}
+    for name, value in table.items():
+        if parameters[name].annotation != "bool":
+            _refuse_truth(value, f"{key}.{name}")
+        given[name] = made(value, f"{key}.{name}")
     try:
         return kind(**given)
     except ParameterError as error:
@@ -120,6 +124,15 @@ def built_as_typed(table: Any, key: str, kinds: Kinds) -> Value:
 def _check_table(table: Any, key: str, words: str) -> None:
     if not isinstance(table, Mapping):
         raise ParameterError(key, f"must be {words}, got {table!r}")
+
+
+def _refuse_truth(value: Any, key: str) -> None:
+    """Refuse true and false, which NumPy takes for numbers."""
+    if isinstance(value, bool):
+        raise ParameterError(key, f"must not be a truth value, got {value!r}")
+    if isinstance(value, list):
+        for i, one in enumerate(value):
+            _refuse_truth(one, f"{key}[{i}]")
 
 
 def _words(kinds: Kinds) -> str:

@@ -37,7 +37,7 @@ class KeyLines:
     """
 
     def __init__(self, text: str) -> None:
-        self.count = max(len(text.splitlines()), 1)
+        self.count = text.count("\n") + 1
         self._tokens = _tokens(text)
         self._next = 0
         self._first: dict[str, int] = {}

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from asperity._base import arrays
-from asperity._base.toml import TABLE, TEXT, Schema, Tables
+from asperity._base.toml import TABLE, TEXT, Kind, Schema, Tables
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 
 SCHEMA: Schema = {
     "asperity": TEXT,
-    "date": TEXT,
+    "date": Kind("a date", lambda value: isinstance(value, str | datetime.date)),
     "made_by": TEXT,
     "note": TEXT,
     "files": Tables({"name": TEXT, "sha256": TEXT}),
@@ -75,7 +75,7 @@ class Provenance(Value):
 
     @classmethod
     def of_files(cls, paths: Iterable[str | os.PathLike[str]], **others: Any) -> Provenance:
-        """Return the provenance of what was made of some files, with their hashes.
+        """Return the provenance of what was made of some files, with the hashes of regular ones.
 
         Args:
             paths: of the files.
@@ -84,7 +84,11 @@ class Provenance(Value):
         Raises:
             OSError: if a file cannot be read.
         """
-        return cls(files=[(Path(one).name, _sha256(one)) for one in paths], **others)
+        # A pipe is empty once it has been read.
+        known = [Path(one) for one in paths]
+        return cls(
+            files=[(one.name, _sha256(one) if one.is_file() else "") for one in known], **others
+        )
 
     def written_by(self, version: str) -> Provenance:
         """Return the provenance with the version of the package that writes, and today's date."""
@@ -112,9 +116,10 @@ class Provenance(Value):
                 if name not in one:
                     raise ParameterError(f"{key}.files[{i}].{name}", "is missing")
             files.append((one["name"], one["sha256"]))
-        return cls(**{**table, "files": files})
+        texts = {"date": str(table["date"])} if "date" in table else {}
+        return cls(**{**table, **texts, "files": files})
 
 
-def _sha256(path: str | os.PathLike[str]) -> str:
-    with open(path, "rb") as file:
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

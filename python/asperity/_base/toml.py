@@ -13,6 +13,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn, TypeAlias
 
@@ -277,7 +278,7 @@ class TomlFile:
     ) -> None:
         self.path = Path(path)
         self._schema = schema
-        self._lines = KeyLines("")
+        self._text = ""
         self.values = self._parsed()
         with self.named():
             _refuse_beyond(self.values, "", 0)
@@ -289,7 +290,7 @@ class TomlFile:
         line = None
         try:
             raw = self.path.read_bytes()
-            self._lines = KeyLines(raw.decode("utf-8-sig", "replace"))
+            self._text = raw.decode("utf-8-sig", "replace")
             return tomllib.loads(raw.decode("utf-8-sig"))
         except UnicodeDecodeError as error:
             problem, line = "is no TOML: save it as UTF-8", raw.count(b"\n", 0, error.start) + 1
@@ -299,6 +300,8 @@ class TomlFile:
             problem, _, place = f"is no TOML: {error}".partition(" (at ")
             number = re.match(r"line (\d+)", place)
             line = int(number[1]) if number else self._lines.count
+            if re.search(r"=\s*[-+]?\d+,\d", "".join(self._text.split("\n")[line - 1 : line])):
+                problem += "; decimals take a point"
         except ValueError:
             # Python reads no more digits.
             problem, long = "has too many digits", re.search(rb"[0-9_]{4300,}", raw)
@@ -309,6 +312,11 @@ class TomlFile:
             problem = f"cannot be read: {error.strerror}"
         key = self._written(self._lines.begun(line))
         raise ConfigurationError(str(self.path), problem, key=key, line=line)
+
+    @cached_property
+    def _lines(self) -> KeyLines:
+        # Curves have thousands of numbers: their lines are sought where something is wrong.
+        return KeyLines(self._text)
 
     def error(self, key: str, message: str) -> ConfigurationError:
         """Return what to raise for a key, such as ``"file.header"`` or ``"file"``."""

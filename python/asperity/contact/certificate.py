@@ -41,7 +41,9 @@ class Certificate(Record, kw_only=True):
 
     >>> import numpy as np
     >>> from asperity import ContactProblem, FrictionLaw
-    >>> problem = ContactProblem(np.eye(3), [-1.0, 0.2, 0.0], FrictionLaw.isotropic(0.5))
+    >>> problem = ContactProblem(
+    ...     np.eye(3), free_velocity=[-1.0, 0.2, 0.0], laws=FrictionLaw.isotropic(0.5)
+    ... )
     >>> problem.certificate([0.9, -0.2, 0.0]).penetration_velocity
     0.09999999999999998
     """
@@ -137,7 +139,7 @@ class Infeasibility(Value):
     >>> line = FrictionLaw.isotropic(0.3, dimension=1)
     >>> normals = np.array([[1.0, -1.0], [-1.0, 1.0]])
     >>> jaws = np.kron(normals, np.diag([1.0, 0.0])) + np.diag([0.0, 1.0, 0.0, 1.0])
-    >>> squeezed = ContactProblem(jaws, [-0.2, 0.0, -0.4, 0.0], line)
+    >>> squeezed = ContactProblem(jaws, free_velocity=[-0.2, 0.0, -0.4, 0.0], laws=line)
     >>> proof = squeezed.solve(on_failure="record").infeasibility
     >>> proof.direction.round(12).tolist(), round(proof.closing_velocity, 12)
     ([0.5, 0.0, 0.5, 0.0], 0.3)

@@ -38,7 +38,9 @@ def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
     Reference: [AcaryBremondHuber2018]; [WL19] (12), (69).
 
     >>> from asperity import ContactProblem, FrictionLaw
-    >>> problem = ContactProblem(np.eye(3), [-1.0, 3.0, 4.0], FrictionLaw.isotropic(0.5))
+    >>> problem = ContactProblem(
+    ...     np.eye(3), free_velocity=[-1.0, 3.0, 4.0], laws=FrictionLaw.isotropic(0.5)
+    ... )
     >>> natural_map(problem, np.array([1.0, -0.3, -0.4])) < 1e-12
     True
     """
@@ -92,7 +94,7 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
 
     >>> from asperity import ContactProblem, FrictionLaw
     >>> line = FrictionLaw.isotropic(1.0, dimension=1)
-    >>> paradox = ContactProblem([[1.0, 2.0], [2.0, 3.0]], [-1.0, 5.0], line)
+    >>> paradox = ContactProblem([[1.0, 2.0], [2.0, 3.0]], free_velocity=[-1.0, 5.0], laws=line)
     >>> proves_no_solution(paradox, paradox.solve(on_failure="record").infeasibility)
     True
     """
@@ -297,7 +299,7 @@ def _frictions(law: FrictionLaw) -> tuple[Array, Array]:
     """Return slip directions and friction per unit normal force, all around and along flats."""
     if law.dimension == 1:
         both = np.array([[1.0], [-1.0]])
-        return both, law.force(both, 1.0)
+        return both, law.force(both, normal_force=1.0)
     angle = np.linspace(0.0, 2.0 * np.pi, 20_001)
     directions = np.column_stack([np.cos(angle), np.sin(angle)])
     ends = law.direction.support_point(directions)

@@ -56,7 +56,10 @@ class ContactProblem(Value):
 
     >>> from asperity import ContactProblem, FrictionLaw
     >>> problem = ContactProblem(
-    ...     [[1.0, 0.0], [0.0, 1.0]], [3.0, 4.0], FrictionLaw.isotropic(0.5), normal_force=1.0
+    ...     [[1.0, 0.0], [0.0, 1.0]],
+    ...     free_velocity=[3.0, 4.0],
+    ...     laws=FrictionLaw.isotropic(0.5),
+    ...     normal_force=1.0,
     ... )
     >>> solution = problem.solve()
     >>> solution.status, solution.percussion.round(12).tolist()
@@ -76,9 +79,9 @@ class ContactProblem(Value):
     def __init__(
         self,
         delassus: ArrayLike | sparray | spmatrix | None,
+        *,
         free_velocity: ArrayLike,
         laws: FrictionLaw | Sequence[FrictionLaw],
-        *,
         normal_force: float | Sequence[float | None] | None = None,
         normal_restitution: ArrayLike = 0.0,
         tangential_restitution: ArrayLike = 0.0,
@@ -119,10 +122,10 @@ class ContactProblem(Value):
     def from_bodies(
         cls,
         mass: ArrayLike | sparray | spmatrix,
+        *,
         directions: ArrayLike | sparray | spmatrix,
         free_velocity: ArrayLike,
         laws: FrictionLaw | Sequence[FrictionLaw],
-        *,
         delassus: ArrayLike | sparray | spmatrix | None = None,
         **options: Any,
     ) -> Self:
@@ -147,11 +150,20 @@ class ContactProblem(Value):
         >>> import numpy as np
         >>> from asperity import ContactProblem, FrictionLaw
         >>> free, law = [-1.0, 0.1, 0.1], FrictionLaw.isotropic(0.3)
-        >>> block = ContactProblem.from_bodies(2.0 * np.eye(3), np.eye(3), free, law)
+        >>> block = ContactProblem.from_bodies(
+        ...     2.0 * np.eye(3), directions=np.eye(3), free_velocity=free, laws=law
+        ... )
         >>> block.solve().percussion.round(12).tolist(), block.delassus.diagonal().tolist()
         ([2.0, -0.2, -0.2], [0.5, 0.5, 0.5])
         """
-        return cls(delassus, free_velocity, laws, mass=mass, directions=directions, **options)
+        return cls(
+            delassus,
+            free_velocity=free_velocity,
+            laws=laws,
+            mass=mass,
+            directions=directions,
+            **options,
+        )
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed.
@@ -235,7 +247,7 @@ class ContactProblem(Value):
 
         >>> from asperity import ContactProblem, FrictionLaw
         >>> law = FrictionLaw.isotropic(0.3, dimension=1)
-        >>> problem = ContactProblem([[1.0]], [0.5], law, normal_force=1.0)
+        >>> problem = ContactProblem([[1.0]], free_velocity=[0.5], laws=law, normal_force=1.0)
         >>> problem.residual([-0.3]) < 1e-12 < problem.residual([-0.2])
         True
         """
@@ -256,7 +268,9 @@ class ContactProblem(Value):
 
         >>> import numpy as np
         >>> from asperity import ContactProblem, FrictionLaw
-        >>> problem = ContactProblem(np.eye(3), [-1.0, 3.0, 4.0], FrictionLaw.isotropic(0.5))
+        >>> problem = ContactProblem(
+        ...     np.eye(3), free_velocity=[-1.0, 3.0, 4.0], laws=FrictionLaw.isotropic(0.5)
+        ... )
         >>> problem.natural_map([1.0, -0.3, -0.4]) < 1e-12
         True
         """
@@ -300,7 +314,9 @@ class ContactProblem(Value):
 
         return load(path)
 
-    def solutions(self, contact: int, percussion: ArrayLike | None = None) -> list[LocalSolution]:
+    def solutions(
+        self, contact: int, *, percussion: ArrayLike | None = None
+    ) -> list[LocalSolution]:
         """Return all solutions of one contact, the percussions of the others held.
 
         Args:
@@ -313,7 +329,10 @@ class ContactProblem(Value):
 
         >>> from asperity import ContactProblem, FrictionLaw
         >>> problem = ContactProblem(
-        ...     [[1.0, 0.0], [0.0, 1.0]], [0.2, 0.0], FrictionLaw.isotropic(0.3), normal_force=1.0
+        ...     [[1.0, 0.0], [0.0, 1.0]],
+        ...     free_velocity=[0.2, 0.0],
+        ...     laws=FrictionLaw.isotropic(0.3),
+        ...     normal_force=1.0,
         ... )
         >>> [solution.phase for solution in problem.solutions(0)]
         [Phase.STICK]

@@ -117,9 +117,9 @@ class BifurcationDiagram(Value):
 
 def bifurcation_diagram(
     family: Family,
+    *,
     parameter: str,
     values: ArrayLike,
-    *,
     cycles: bool = True,
     q0: ArrayLike | None = None,
     t_end: float | None = None,
@@ -161,15 +161,23 @@ def bifurcation_diagram(
     >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, bifurcation_diagram
     >>> law = FrictionLaw(Ellipse(30.0, 10.0, angle=np.pi / 6), Ellipse(3.0, 1.0))
     >>> def belt(phi):
-    ...     return MassOnBelt(1.0, 1.0, law, 1.0, [np.cos(phi), np.sin(phi)])
-    >>> diagram = bifurcation_diagram(belt, "phi", np.deg2rad([40.0, 50.0, 80.0]), cycles=False)
+    ...     return MassOnBelt(
+    ...         1.0,
+    ...         stiffness=1.0,
+    ...         law=law,
+    ...         normal_force=1.0,
+    ...         belt_velocity=[np.cos(phi), np.sin(phi)],
+    ...     )
+    >>> diagram = bifurcation_diagram(
+    ...     belt, parameter="phi", values=np.deg2rad([40.0, 50.0, 80.0]), cycles=False
+    ... )
     >>> diagram.kinds
     ('neutral', 'unstable', 'neutral')
     >>> import matplotlib
     >>> matplotlib.use("Agg")
     >>> from asperity.plot import plot_bifurcation
-    >>> len(plot_bifurcation(diagram))
-    2
+    >>> [line.get_label() for line in plot_bifurcation(diagram).lines]
+    ['neutral equilibrium', 'unstable equilibrium']
     """
     grid = arrays.array(values, "values", (None,))
     if not grid.size or (np.diff(grid) <= 0.0).any():
@@ -242,7 +250,7 @@ def _equilibria(
 def _nearest(system: Model, q0: ArrayLike | None) -> Stability:
     """Return the steady sliding near `q0`, else whichever is found."""
     try:
-        return stability(system, equilibrium(system, q0=q0))
+        return stability(system, equilibrium=equilibrium(system, q0=q0))
     except (ParameterError, ConvergenceError):
         if q0 is None:
             raise

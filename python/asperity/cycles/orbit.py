@@ -91,7 +91,7 @@ class LimitCycle(Value):
                 joined.append((kind, float(length)))
         return tuple(joined)
 
-    def share(self, phase: Phase, contact: int = 0) -> float:
+    def share(self, phase: Phase, *, contact: int = 0) -> float:
         """Return the share of the period that a contact spends in a phase.
 
         Reference: [WL19] §4.3, Fig. 17.

@@ -86,7 +86,9 @@ def limit_cycle(
     >>> from asperity import FrictionLaw, MassOnBelt, Stribeck, limit_cycle
     >>> law = FrictionLaw.isotropic(1.0, dimension=1)
     >>> falling = law.replace(rate=Stribeck(1.0 / 3.0, shape="hyperbolic"))
-    >>> cycle = limit_cycle(MassOnBelt(1.0, 1.0, falling, 1.0, [0.2]))
+    >>> cycle = limit_cycle(
+    ...     MassOnBelt(1.0, stiffness=1.0, law=falling, normal_force=1.0, belt_velocity=[0.2])
+    ... )
     >>> round(cycle.period, 6)
     12.001031
     """
@@ -140,7 +142,11 @@ def _beginnings(
     The growth is that of the linearised motion, zero where it is not known or does not turn.
     """
     n = system.dof
-    state = None if q0 is not None and t_end is not None else stability(system, equilibrium(system))
+    state = (
+        None
+        if q0 is not None and t_end is not None
+        else stability(system, equilibrium=equilibrium(system))
+    )
     growth = 0.0 if state is None else _growth_per_turn(state)
     if t_end is not None:
         horizon = arrays.positive(t_end, "t_end")

@@ -3,7 +3,7 @@
 >>> import asperity as asp
 >>> law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(3.0, 2.0))
 >>> raw = asp.identify.VirtualTribometer(law, normal_force=9.3, turns=4, sample_rate=200.0).record()
->>> fit = asp.identify.fit_law(asp.identify.process(raw), "ellipse", "ellipse")
+>>> fit = asp.identify.fit_law(asp.identify.process(raw), reservoir="ellipse", direction="ellipse")
 >>> fit.parameters["direction.ratio"].covers(1.5)
 True
 

@@ -240,7 +240,7 @@ def identify_campaign(
     announce("fitting")
     # The bands need two turns.
     bands = confidence if data.turns > 1 else None
-    fit = fit_law(data, reservoir, direction, loss=loss, confidence=bands)
+    fit = fit_law(data, reservoir=reservoir, direction=direction, loss=loss, confidence=bands)
     found = Identification(data, fit, origin)
     if not np.isfinite(found.fit.law.alpha_min):
         raise FitError("the fitted sets make no law")

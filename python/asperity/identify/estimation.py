@@ -44,9 +44,9 @@ _ANGLE_ROUNDS = 3
 
 def fit_law(
     data: Measured,
+    *,
     reservoir: ReservoirName = "superellipse",
     direction: DirectionName = "superellipse",
-    *,
     joint: bool = True,
     loss: str = "linear",
     confidence: float | None = 0.95,
@@ -95,7 +95,7 @@ def fit_law(
     measure = Loss(loss)
     comparison = None
     if BEST in (reservoir, direction):
-        comparison = compare_models(data, matching_pairs(reservoir, direction), loss=loss)
+        comparison = compare_models(data, pairs=matching_pairs(reservoir, direction), loss=loss)
         best = comparison.best
         reservoir, direction = best.reservoir_model, best.direction_model
     family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))

@@ -14,7 +14,7 @@ from asperity._base.arrays import Array
 from asperity._base.provenance import Provenance
 from asperity._base.tables import aligned
 from asperity._base.toml import advice_on
-from asperity.errors import AsperityError, FitError, ParameterError
+from asperity.errors import AsperityError, DimensionError, FitError, ParameterError
 from asperity.identify.fitting.models.coordinates import Coordinate, Scale
 from asperity.identify.fitting.models.directions import (
     CircleDirection,
@@ -340,7 +340,7 @@ class IdentifiedLaw(LawFile):
             **{key: model for key, model in models.items() if not isinstance(model, str)},
             "covariance": covariance or None,
         }
-        return table, f"parameters of the law, from which [law] follows\n{self._estimates()}"
+        return table, f"what [law] was made of: change both, or leave this out\n{self._estimates()}"
 
     def _estimates(self) -> str:
         """Return the parameters as a table to read."""
@@ -391,7 +391,9 @@ class IdentifiedLaw(LawFile):
             if name in covariance and "matrix" not in part:
                 raise ParameterError(f"{key}.covariance.{name}.matrix", "is missing")
             parts.append(part.get("matrix"))
-            degrees.append(part.get("degrees_of_freedom", math.inf))
+            within = f"{key}.covariance.{name}.degrees_of_freedom"
+            count = part.get("degrees_of_freedom")
+            degrees.append(math.inf if count is None else arrays.positive(count, within))
         try:
             return cls(
                 law,
@@ -402,12 +404,11 @@ class IdentifiedLaw(LawFile):
                 provenance=provenance,
             )
         except ParameterError as error:
-            name, _, rest = error.argument.partition(".")
+            name = error.argument
             if name in _PARTS:
-                name = f"covariance.{name}.{rest or 'matrix'}"
-            raise type(error)(
-                error.argument if name == "law" else f"{key}.{name}", error.message
-            ) from None
+                name = f"covariance.{name}.matrix"
+            at = name if name.startswith("law.") else f"{key}.{name}"
+            raise type(error)(at, error.message) from None
 
 
 def _structure(reservoir: Any, direction: Any) -> Structure:
@@ -460,11 +461,12 @@ def _root(covariance: Array) -> Array:
 
 
 def _degrees(given: Any) -> tuple[float, float, float]:
-    found = []
-    for name, one in zip(_PARTS, arrays.several(given, "degrees_of_freedom"), strict=True):
-        key = f"{name}.degrees_of_freedom"
-        # Errors that are known have infinitely many.
-        found.append(math.inf if one == math.inf else arrays.positive(one, key))
+    name = "degrees_of_freedom"
+    listed = arrays.several(given, name)
+    if len(listed) != len(_PARTS):
+        raise DimensionError(name, f"must hold {len(_PARTS)} numbers, got {given!r}")
+    # Errors that are known have infinitely many.
+    found = [math.inf if one == math.inf else arrays.positive(one, name) for one in listed]
     return found[0], found[1], found[2]
 
 

@@ -118,7 +118,7 @@ def _law(fit: Fit) -> Block:
     except FitError as error:
         return Text(str(error))
     if len(text) > _LONGEST_LAW:
-        return Text("The law is a curve through many points: take it from the fit.")
+        return Text("The law is a curve through many points, which Fit.save_law writes to a file.")
     return Text(text, "code")
 
 

@@ -259,4 +259,4 @@ class VirtualTribometer(Value):
 def _recording(time: Array, angle: Array, readings: Array, source: str) -> Recording:
     for series in (time, angle, readings):
         series.flags.writeable = False
-    return Recording(time, angle, readings, source=source)
+    return Recording(time, angle=angle, readings=readings, source=source)

@@ -31,7 +31,7 @@ class Evaluation(Value):
         """Smallest α = min r_D/r_C; the prox iteration sticks only for r λ_max(G) < 2 α_min."""
         return self._core.alpha_min
 
-    def force(self, slip: ArrayLike, normal_force: ArrayLike = 1.0) -> Array:
+    def force(self, slip: ArrayLike, *, normal_force: ArrayLike = 1.0) -> Array:
         """Return the friction force λ on a sliding body: −λ = λ_N z/k_C(z), z = ∇Ψ*_D(γ).
 
         Where a whole face of D is farthest along γ the force is set-valued and this is the force of
@@ -57,7 +57,7 @@ class Evaluation(Value):
         return arrays.unflatten(self._core.force(flat, normal), lead)
 
     def slip_direction(
-        self, force: ArrayLike, normal_force: ArrayLike = 1.0, *, tolerance: float = 1e-9
+        self, force: ArrayLike, *, normal_force: ArrayLike = 1.0, tolerance: float = 1e-9
     ) -> Array:
         """Return the direction γ/‖γ‖ in which a contact slips under the friction force λ.
 
@@ -85,7 +85,7 @@ class Evaluation(Value):
         tolerance = arrays.non_negative(tolerance, "tolerance")
         return arrays.unflatten(self._core.slip_direction(flat, normal, tolerance), lead)
 
-    def jacobian(self, slip: ArrayLike, normal_force: ArrayLike = 1.0) -> Array:
+    def jacobian(self, slip: ArrayLike, *, normal_force: ArrayLike = 1.0) -> Array:
         """Return ∂λ/∂γ of the sliding contact: −∂λ/∂γ = λ_N/k_C(z) (I − L) H.
 
         L = z ∇k_C(z)ᵀ/k_C(z), H = ∇²Ψ*_D(γ), z = ∇Ψ*_D(γ).
@@ -110,7 +110,7 @@ class Evaluation(Value):
         # Adding zero clears the sign of negative zeros.
         return arrays.unflatten(self._core.jacobian(flat, normal) + 0.0, lead)
 
-    def dissipation(self, slip: ArrayLike, normal_force: ArrayLike = 1.0) -> Array:
+    def dissipation(self, slip: ArrayLike, *, normal_force: ArrayLike = 1.0) -> Array:
         """Return the dissipated power D = −λᵀγ; it is unique even where the force is not.
 
         Args:

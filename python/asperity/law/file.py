@@ -45,11 +45,11 @@ COMMENTS = {
     "of -λ. Axes e1, e2 are fixed to the surface, angles counter-clockwise from e1 in rad.",
     "law.reservoir": "C, the force reservoir: dimensionless like a friction coefficient",
     "law.direction": "D, the direction set: only its shape has an effect",
-    "law.rate": "factor of the force in slip that depends on the speed: speed in m/s, viscous in s/m",
+    "law.rate": "factor of the force in slip over the speed: speed in m/s, viscous in s/m",
     "law.report": "how C and D were found from forces over the sliding direction",
-    "parameters.covariance.turns": "covariance of the coordinates, from what differs between turns",
-    "parameters.covariance.calibration": "... from errors of the calibration",
-    "parameters.covariance.zeros": "... from errors of the zeros",
+    "parameters.covariance.turns": "covariance of the coordinates: what differs between turns",
+    "parameters.covariance.calibration": "the same from errors of the calibration",
+    "parameters.covariance.zeros": "the same from errors of the zeros",
     "provenance": "where this law comes from",
 }
 

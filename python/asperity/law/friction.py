@@ -130,6 +130,7 @@ class FrictionLaw(Questions):
     def asperity(
         cls,
         mu: float,
+        *,
         beta: float | Sequence[float],
         weights: ArrayLike | None = None,
     ) -> FrictionLaw:
@@ -152,20 +153,22 @@ class FrictionLaw(Questions):
 
         >>> import math
         >>> from asperity import FrictionLaw
-        >>> law = FrictionLaw.asperity(1.2, math.radians(36.0))
+        >>> law = FrictionLaw.asperity(1.2, beta=math.radians(36.0))
         >>> law.force([[1.0, 0.0], [0.0, 1.0]]).round(6).tolist()
         [[-7.643276, -0.0], [-0.0, -1.483282]]
         """
         slopes = arrays.array(beta, "beta")
         if slopes.ndim == 0 and weights is None:
-            reservoir = WedgeAsperity(mu, float(slopes))
+            reservoir = WedgeAsperity(mu, beta=float(slopes))
             return cls(reservoir, Ellipse(1.0, math.cos(reservoir.beta)))
         pair = np.full(2, slopes) if slopes.ndim == 0 else slopes
         rule = flow.wedges(arrays.positive(mu, "mu"), pair, weights)
         return cls._from_rule(rule, _DIRECTIONS, "weights" if weights is not None else "beta")
 
     @classmethod
-    def tensor(cls, second_order: ArrayLike, fourth_order: ArrayLike | None = None) -> FrictionLaw:
+    def tensor(
+        cls, second_order: ArrayLike, *, fourth_order: ArrayLike | None = None
+    ) -> FrictionLaw:
         """Make the law −λ/λ_N = F n + K[n, n, n], n = γ/‖γ‖, of constant friction tensors.
 
         A symmetric F without K has ellipses for C and D, with semi-axes μᵢ and √μᵢ.

@@ -49,8 +49,8 @@ class Stribeck(Value):
     def __init__(
         self,
         speed: float,
-        ratio: float = 0.0,
         *,
+        ratio: float = 0.0,
         shape: Shape = "exponential",
         exponent: float = 1.0,
         viscous: float = 0.0,
@@ -73,7 +73,7 @@ class Stribeck(Value):
             Dimensionless, shape of `speed`.
 
         >>> from asperity import Stribeck
-        >>> Stribeck(0.1, 0.4, shape="hyperbolic")([0.0, 0.1]).round(12).tolist()
+        >>> Stribeck(0.1, ratio=0.4, shape="hyperbolic")([0.0, 0.1]).round(12).tolist()
         [1.0, 0.7]
         """
         v = arrays.array(speed, "speed")

@@ -58,14 +58,14 @@ def mode_coupling(
     normal_force = arrays.positive(normal_force, "normal_force")
     contact = Contact(
         FrictionLaw.isotropic(mu, dimension=1),
-        [1.0, 0.0, 0.0],
+        direction=[1.0, 0.0, 0.0],
         normal=[0.0, 1.0, -1.0],
         velocity=[arrays.positive(belt_velocity, "belt_velocity")],
     )
     return LinearSystem(
         [mass, mass, arrays.positive(belt_mass, "belt_mass")],
-        springs,
-        [damping, damping, 0.0],
-        [mu * normal_force, -normal_force, normal_force],
+        stiffness=springs,
+        damping=[damping, damping, 0.0],
+        force=[mu * normal_force, -normal_force, normal_force],
         contacts=[contact],
     )

@@ -121,16 +121,16 @@ class FrictionalImpactOscillator(Value, System):
         turning = lever * (math.cos(self.angle) + self.mu * math.sin(self.angle))
         contact = Contact(
             self.contacts[0].law,
-            self.direction(0.0, q, 0),
+            direction=self.direction(0.0, q, 0),
             normal=self.normal(0.0, q, 0),
             velocity=[-self.belt_velocity],
             normal_restitution=self.normal_restitution,
         )
         return LinearSystem(
             self.mass(q),
-            self.stiffness - [0.0, turning],
-            self.damping,
-            self._stretch,
+            stiffness=self.stiffness - [0.0, turning],
+            damping=self.damping,
+            force=self._stretch,
             contacts=[contact],
         )
 

@@ -47,10 +47,10 @@ def painleve_rod(
     phi = arrays.number(angle, "angle")
     rod = PlanarBody(
         mass,
-        arrays.positive(mass, "mass") * s**2 / 3.0,
+        inertia=arrays.positive(mass, "mass") * s**2 / 3.0,
         position=(0.0, s * math.sin(phi)),
         angle=-phi,
         velocity=(arrays.number(speed, "speed"), 0.0),
     )
-    tip = PointPlane(0, (s, 0.0), Line(), FrictionLaw.isotropic(mu, dimension=1))
-    return RigidBodies([rod], [tip], gravity=(0.0, -arrays.number(gravity, "gravity")))
+    tip = PointPlane(0, point=(s, 0.0), plane=Line(), law=FrictionLaw.isotropic(mu, dimension=1))
+    return RigidBodies([rod], pairs=[tip], gravity=(0.0, -arrays.number(gravity, "gravity")))

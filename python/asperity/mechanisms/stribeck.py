@@ -42,5 +42,5 @@ def stribeck_block(
     """
     law = FrictionLaw.isotropic(mu, dimension=1).replace(rate=rate)
     speed = arrays.positive(belt_velocity, "belt_velocity")
-    belt = Contact(law, [1.0], normal_force=normal_force, velocity=[-speed])
-    return LinearSystem(mass, stiffness, contacts=[belt])
+    belt = Contact(law, direction=[1.0], normal_force=normal_force, velocity=[-speed])
+    return LinearSystem(mass, stiffness=stiffness, contacts=[belt])

@@ -60,7 +60,7 @@ ROUNDNESS = (0.7, 1.0, 1.5, 2.0, 4.0, 30.0)
 
 _COLORS = (GREY, SKY, GREEN, BLUE, ORANGE, INK)
 
-RUNNER = CappedRectangle(0.35, 0.3, 0.25)
+RUNNER = CappedRectangle(0.35, 0.3, cap=0.25)
 """Rectangle of half-widths 0.35, 0.3 with half-ellipses of semi-axis 0.25 on both ends."""
 
 _HALF = np.array([[1, -1], [1, 0], [1, 1], [0.5, 1], [0, 1], [-0.5, 1]], dtype=float)
@@ -100,7 +100,7 @@ def fig05() -> Redrawn:
     figure, (left, right) = panels(5, "associated Coulomb friction", 2, width_ratios=(1.0, 1.3))
     curves = Curves()
     path = simulate(
-        SlidingPoint(1.0, ELLIPTIC),
+        SlidingPoint(1.0, law=ELLIPTIC),
         dt=1e-4,
         t_end=1.0,
         u0=1.5 * unit_vectors(np.deg2rad(35.0)),

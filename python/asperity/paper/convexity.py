@@ -12,7 +12,7 @@ from matplotlib.path import Path
 from asperity._base.arrays import Array, unit_vectors
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
-from asperity.paper.redrawn import Redrawn, panels, record, shared_legend
+from asperity.paper.redrawn import Redrawn, drawn, panels, record, shared_legend
 from asperity.paper.statements import never_positive, truth, vanishes
 from asperity.plot import plot_cones, plot_gauge, plot_projection, plot_set
 from asperity.plot.gauge import surface_nodes
@@ -125,9 +125,9 @@ def fig02() -> Redrawn:
     outside = np.array([CORNER + 0.55 * unit_vectors(0.35), [1.25, -0.2], [-0.35, -1.1]])
     with style():
         space = figure.add_subplot(1, 2, 1, projection="3d")
-        plot_gauge(CORNERED, space, height=_HEIGHT)
+        plot_gauge(CORNERED, ax=space, height=_HEIGHT)
         space.set_title(r"(a) gauge $k_C$ and level set $C = \{k_C \leq 1\}$")
-        plot_set(CORNERED, right, label="$C$")
+        plot_set(CORNERED, ax=right, label="$C$")
         _draw_projection(right, outside, curves)
         for name, point in (("smooth point", smooth), ("corner", CORNER)):
             _draw_cones(right, name, point, curves)
@@ -145,14 +145,14 @@ def fig02() -> Redrawn:
 
 
 def _draw_projection(ax: Axes, z: Array, curves: Curves) -> None:
-    *lines, points, feet = plot_projection(CORNERED, z, ax)
+    *lines, points, feet = drawn(plot_projection, CORNERED, ax, z=z)
     for name, artists in (("z", [points]), ("prox(z)", [feet]), ("line from z to prox(z)", lines)):
         record(curves, "b", name, artists)
 
 
 def _draw_cones(ax: Axes, name: str, x: Array, curves: Curves) -> None:
-    point, *normals = plot_cones(CORNERED, x, ax, tangent=False, size=0.36)
-    _, *tangents = plot_cones(CORNERED, x, ax, normal=False, size=0.36)
+    point, *normals = drawn(plot_cones, CORNERED, ax, x=x, tangent=False, size=0.36)
+    _, *tangents = drawn(plot_cones, CORNERED, ax, x=x, normal=False, size=0.36)
     record(curves, "b", name, [point])
     record(curves, "b", f"N_C({name})", normals)
     record(curves, "b", f"edge of T_C({name})", tangents)

@@ -30,7 +30,7 @@ from asperity.plot.look import (
 from asperity.plot.sets import closed_outline
 from asperity.sets import CappedRectangle, Ellipse, StarSet, star_shape
 
-FLAT = CappedRectangle(0.3, 0.3, 0.25, angle=0.5)
+FLAT = CappedRectangle(0.3, 0.3, cap=0.25, angle=0.5)
 """A reservoir with two flats of length 0.6, their normals at 0.5 rad ± 90°."""
 
 _NORMAL = unit_vectors(FLAT.angle + 0.5 * np.pi)
@@ -90,7 +90,7 @@ def _draw_hook(ax: Axes, curves: Curves) -> list[Check]:
 def _draw_flat(ax: Axes, curves: Curves) -> list[Check]:
     forces = FLAT.b * _NORMAL + np.linspace(-0.28, 0.28, 5)[:, None] * _ALONG
     level = np.stack([forces[0] - 0.35 * _ALONG, forces[-1] + 0.3 * _ALONG])
-    plot_set(FLAT, ax, label="reservoir $C$")
+    plot_set(FLAT, ax=ax, label="reservoir $C$")
     constant = ax.plot(
         *level.T, color=GREY, linewidth=1.0, linestyle="--", label=r"$-\lambda^T\gamma$ constant"
     )
@@ -117,7 +117,7 @@ def _draw_admissible(ax: Axes, curves: Curves) -> list[Check]:
     reservoir: StarSet = STAR.scaled(0.6)
     force = reservoir.radius(_FORCE) * unit_vectors(_FORCE)
     slips = np.stack([law.slip_direction(-force) for law in _laws(reservoir)])
-    plot_set(reservoir, ax, label="reservoir $C$")
+    plot_set(reservoir, ax=ax, label="reservoir $C$")
     label = r"$\{\gamma : -\lambda^T\gamma \geq 0\}$"
     draw_sector(ax, force, _FORCE - 0.5 * np.pi, np.pi, 0.36, color=SLIDING, alpha=0.2, label=label)
     tails = np.tile(force, (len(slips), 1))

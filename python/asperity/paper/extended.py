@@ -60,7 +60,7 @@ def tensor_laws() -> dict[str, FrictionLaw]:
     return {
         "a": FrictionLaw.tensor(SECOND_ORDER),
         "b": FrictionLaw.tensor_function(coefficient),
-        "c": FrictionLaw.tensor(0.2 * np.eye(2), fourth_order()),
+        "c": FrictionLaw.tensor(0.2 * np.eye(2), fourth_order=fourth_order()),
     }
 
 

@@ -13,13 +13,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from asperity import mechanisms
 from asperity._base.arrays import Array
 from asperity.paper import mechanism_sketches as sketches
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
-from asperity.paper.redrawn import OWN, Redrawn, heading, record
+from asperity.paper.redrawn import OWN, Redrawn, drawn, heading, record
 from asperity.paper.statements import truth, vanishes
 from asperity.plot import plot_growth_chart, plot_root_locus
 from asperity.plot.look import BLUE, INK, SLIP, STICK, style
@@ -130,8 +131,9 @@ def _draw_oscillator(ax: Axes, curves: Curves) -> None:
 def _draw_follower(ax: Axes, curves: Curves) -> None:
     load = np.linspace(1.0, 6.0, 501)
     roots = np.linalg.eigvals(_first_order(*follower_matrices(load)))
-    artists = plot_root_locus(roots, load, ax, label="$p = Pl/c$")
-    record(curves, "h", "least p", artists)
+    artists = drawn(plot_root_locus, roots, ax, values=load, label="$p = Pl/c$")
+    dots = [one for one in artists if isinstance(one, Line2D) and one.get_marker() == "o"]
+    record(curves, "h", "least p", dots)
     for p, row in zip(load[::10], roots[::10], strict=True):
         curves.add("h", f"eigenvalues at p = {p:.2f}", np.column_stack([row.real, row.imag]))
     ax.set_title("(h) eigenvalues of (d)")
@@ -147,7 +149,7 @@ def _chart(
     limit: float | None = None,
 ) -> None:
     """Draw a chart and record its border of instability."""
-    for artist in plot_growth_chart(x, y, growth, ax, limit=limit):
+    for artist in drawn(plot_growth_chart, growth, ax, x=x, y=y, limit=limit):
         if isinstance(artist, QuadContourSet):
             for path in artist.get_paths():
                 curves.add(panel, "contour of no growth", np.asarray(path.vertices))

@@ -46,7 +46,7 @@ class LimitCycle:
 def system(speed: float = 1.0) -> MassOnBelt:
     """Return the paper's system, m = 1 kg, k = 1 N/m; the belt moves at φ = 50°."""
     velocity = speed * np.array([np.cos(_DIRECTION), np.sin(_DIRECTION)])
-    return MassOnBelt(1.0, 1.0, LAW, 1.0, velocity)
+    return MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=velocity)
 
 
 def run(dt: float = 1e-3) -> LimitCycle:

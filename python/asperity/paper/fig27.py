@@ -71,7 +71,7 @@ def slide(name: str, law: FrictionLaw, angle: float, dt: float) -> SlidingPath:
     """Simulate one path; `angle` in degrees."""
     direction = np.deg2rad(angle)
     trajectory = simulate(
-        SlidingPoint(MASS, law),
+        SlidingPoint(MASS, law=law),
         dt=dt,
         t_end=1.0,
         u0=[SPEED * np.cos(direction), SPEED * np.sin(direction)],

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.paper import fig17, fig27
-from asperity.plot import plot_forces_in_reservoir, plot_path, plot_phase
+from asperity.plot import plot_forces_in_reservoir, plot_path
 from asperity.plot.look import GREY, style
 from asperity.runs.trajectory import Trajectory
 
@@ -22,13 +22,13 @@ def draw_fig17(cycle: fig17.LimitCycle) -> Figure:
         figure = plt.figure(figsize=(11.0, 7.4), layout="constrained")
         grid = figure.add_gridspec(2, 2, height_ratios=(1.8, 1.0))
         orbit = figure.add_subplot(grid[0, 0])
-        plot_phase(once, orbit)
+        plot_path(once, ax=orbit, contact=0)
         equilibrium = fig17.system().equilibrium
         orbit.plot(*equilibrium, "+", color="black", markersize=9, label="sliding equilibrium")
         orbit.set(title="Limit cycle", xlabel="$x$ in m", ylabel="$y$ in m")
         orbit.legend(loc="upper left")
         forces = figure.add_subplot(grid[0, 1])
-        plot_forces_in_reservoir(once, fig17.LAW, forces)
+        plot_forces_in_reservoir(once, law=fig17.LAW, ax=forces)
         forces.set_title("Friction force within the reservoir")
         _draw_time(once, figure.add_subplot(grid[1, :]))
         figure.suptitle(
@@ -62,7 +62,7 @@ def draw_fig27(paths: Sequence[fig27.SlidingPath]) -> Figure:
             chosen = [path for path in paths if path.angle == angle]
             for path in chosen:
                 motion = path.trajectory
-                plot_path(motion.replace(q=1e3 * motion.q), ax, label=path.law)
+                plot_path(motion.replace(q=1e3 * motion.q), ax=ax, label=path.law)
             reach = max(np.hypot(*path.end) for path in chosen)
             direction = np.deg2rad(angle)
             ax.plot(

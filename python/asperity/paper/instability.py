@@ -21,6 +21,7 @@ from asperity.paper.redrawn import (
     circle,
     cross,
     draw_law,
+    drawn,
     note,
     panels,
     record,
@@ -55,7 +56,9 @@ _PAPER = "parameters of §4.3"
 
 def belt(phi: float, speed: float = 1.0) -> MassOnBelt:
     """Return the paper's mass on a belt that runs in the direction φ."""
-    return MassOnBelt(1.0, 1.0, LAW, 1.0, speed * unit_vectors(phi))
+    return MassOnBelt(
+        1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=speed * unit_vectors(phi)
+    )
 
 
 def fig14() -> Redrawn:
@@ -123,8 +126,8 @@ def _deepest() -> float:
 def _draw_tangent_cone(ax: Axes, phi: float, curves: Curves) -> None:
     slip = unit_vectors(phi)
     force = -LAW.force(slip)
-    record(curves, "a", "bdry C", plot_set(LAW.reservoir, ax, label="reservoir $C$"))
-    cone = plot_cones(LAW.reservoir, force, ax, normal=False, size=18.0)
+    record(curves, "a", "bdry C", drawn(plot_set, LAW.reservoir, ax, label="reservoir $C$"))
+    cone = drawn(plot_cones, LAW.reservoir, ax, x=force, normal=False, size=18.0)
     record(curves, "a", "force", cone[:1])
     record(curves, "a", "edges of the tangent cone", cone[1:])
     ax.plot([], [], color=PURPLE, label=r"tangent cone $T_C(-\lambda)$ at $-\lambda$")
@@ -146,7 +149,7 @@ def _draw_tangent_cone(ax: Axes, phi: float, curves: Curves) -> None:
 
 def _draw_ellipses(ax: Axes, curves: Curves) -> None:
     reservoir, direction = LAW.reservoir, Ellipse(30.0, 10.0)
-    record(curves, "b", "bdry C", plot_set(reservoir, ax, label="reservoir $C$"))
+    record(curves, "b", "bdry C", drawn(plot_set, reservoir, ax, label="reservoir $C$"))
     dashed: dict[str, Any] = {"color": DIRECTION, "linestyle": "--", "label": "direction set $D$"}
     record(curves, "b", "bdry D", ax.plot(*closed_outline(direction).T, **dashed))
     axis = np.stack([np.zeros(2), 33.0 * unit_vectors(ZETA)])
@@ -233,12 +236,14 @@ def fig16() -> Redrawn:
 
 def bifurcations(step: float = 1.0) -> BifurcationDiagram:
     """Return equilibria and limit cycles for belt directions from 0 to 160° in steps."""
-    return bifurcation_diagram(belt, "phi", np.deg2rad(np.arange(0.0, 160.0 + 0.5 * step, step)))
+    return bifurcation_diagram(
+        belt, parameter="phi", values=np.deg2rad(np.arange(0.0, 160.0 + 0.5 * step, step))
+    )
 
 
 def _draw_diagram(ax: Axes, diagram: BifurcationDiagram, curves: Curves) -> None:
-    artists = plot_bifurcation(diagram.replace(values=np.rad2deg(diagram.values)), ax, legend=False)
-    for line in artists:
+    in_degrees = diagram.replace(values=np.rad2deg(diagram.values))
+    for line in drawn(plot_bifurcation, in_degrees, ax, legend=False):
         if isinstance(line, Line2D):
             label = str(line.get_label())
             record(curves, "a", "limit cycle" if label.startswith("_") else label, [line])
@@ -264,8 +269,8 @@ def _draw_critical(ax: Axes, curves: Curves) -> None:
 def _draw_chart(ax: Axes, curves: Curves) -> None:
     phi, zeta = np.linspace(0.0, np.pi, 181), np.linspace(0.0, 0.5 * np.pi, 91)
     unturned = belt(0.0).replace(law=FrictionLaw(Ellipse(30.0, 10.0), Ellipse(3.0, 1.0)))
-    growth = growth_chart(unturned, phi, zeta)
-    plot_growth_chart(np.rad2deg(phi), np.rad2deg(zeta), growth, ax, border=False)
+    growth = growth_chart(unturned, phi=phi, zeta=zeta)
+    plot_growth_chart(growth, x=np.rad2deg(phi), y=np.rad2deg(zeta), ax=ax, border=False)
     line = ax.plot(*np.rad2deg(_border()).T, color=INK, linewidth=1.2)
     record(curves, "c", "border of instability", line)
     ax.axhline(np.rad2deg(ZETA), color=INK, linewidth=0.8, linestyle=":")

@@ -9,8 +9,8 @@ from asperity.cycles import LimitCycle, limit_cycle
 from asperity.paper import fig17 as stepped
 from asperity.paper.checks import Check
 from asperity.paper.data import Curves
-from asperity.paper.redrawn import Redrawn, panels, record
-from asperity.plot import plot_forces_in_reservoir, plot_phase
+from asperity.paper.redrawn import Redrawn, drawn, panels, record
+from asperity.plot import plot_forces_in_reservoir, plot_path
 from asperity.plot.look import INK, SLIDING, draw_arrows, style
 from asperity.runs.time_stepping import simulate
 from asperity.status import Phase
@@ -41,7 +41,7 @@ def _every(cycle: LimitCycle, marks: int) -> np.ndarray:
 
 
 def _draw_orbit(curves: Curves, cycle: LimitCycle, rest: np.ndarray, ax: Axes) -> None:
-    plot_phase(cycle.motion, ax)
+    plot_path(cycle, ax=ax, contact=0)
     at = _every(cycle, _MARKS)
     (marks,) = ax.plot(*cycle.motion.q[at].T, "x", color=INK, markersize=3.5)
     (equilibrium,) = ax.plot(*rest, "+", color=INK, markersize=10.0, label="equilibrium")
@@ -53,7 +53,7 @@ def _draw_orbit(curves: Curves, cycle: LimitCycle, rest: np.ndarray, ax: Axes) -
 
 
 def _draw_forces(curves: Curves, cycle: LimitCycle, ax: Axes) -> None:
-    outline, *_ = plot_forces_in_reservoir(cycle.motion, stepped.LAW, ax)
+    outline, *_ = drawn(plot_forces_in_reservoir, cycle, ax, law=stepped.LAW)
     record(curves, "b", "bdry C", [outline])
     force, slip = -cycle.motion.force[:, 0], cycle.motion.slip[:, 0]
     curves.add("b", "force", force)

@@ -91,7 +91,7 @@ def fig10() -> Redrawn:
         figsize=(10.8, 4.3),
         width_ratios=(1.0, 1.45),
     )
-    law, curves = FrictionLaw.asperity(MU, float(BETA)), Curves()
+    law, curves = FrictionLaw.asperity(MU, beta=float(BETA)), Curves()
     with style():
         wedges(left, float(BETA))
         left.set_title("(a) springs on wedge asperities")
@@ -103,7 +103,7 @@ def fig10() -> Redrawn:
 
 
 def _asperity_checks(law: FrictionLaw) -> list[Check]:
-    reservoir = WedgeAsperity(MU, float(BETA))
+    reservoir = WedgeAsperity(MU, beta=float(BETA))
     checks = [
         Check(f"Fig. 10b (50) r_C at {15 * k}°", expected, float(computed), 1e-9)
         for k, (expected, computed) in enumerate(
@@ -137,9 +137,10 @@ def _convexity_checks(law: FrictionLaw) -> list[Check]:
         truth("Fig. 10b C is not convex", not law.reservoir.is_convex),
         truth("Fig. 10b C is star-shaped", star_shape(law.reservoir.boundary(720))),
         truth(
-            "Fig. 10 convex just below μ tan β = 1/√2", WedgeAsperity(MU, limit - 1e-6).is_convex
+            "Fig. 10 convex just below μ tan β = 1/√2",
+            WedgeAsperity(MU, beta=limit - 1e-6).is_convex,
         ),
-        truth("Fig. 10 not convex just above", not WedgeAsperity(MU, limit + 1e-6).is_convex),
+        truth("Fig. 10 not convex just above", not WedgeAsperity(MU, beta=limit + 1e-6).is_convex),
         truth("Fig. 10b D ⊆ C", law.direction.margin_inside(law.reservoir) >= -1e-12),
         never_positive(
             "Fig. 10b trace criterion, largest −(l_t + dl_p/dφ)",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -93,6 +93,13 @@ def record(curves: Curves, panel: str, curve: str, artists: Sequence[Artist]) ->
             curves.add_arrows(panel, curve, np.asarray(arrows.get_offsets()), vectors)
 
 
+def drawn(plot: Callable[..., Axes], what: object, ax: Axes, **options: Any) -> list[Artist]:
+    """Return the artists that a function of `asperity.plot` adds to axes."""
+    before = list(ax.get_children())
+    plot(what, ax=ax, **options)
+    return [one for one in ax.get_children() if one not in before]
+
+
 def record_texts(curves: Curves, panel: str, ax: Axes) -> None:
     """Put the texts of a schematic drawing and the points they belong to into the table."""
     for text in ax.texts:
@@ -105,17 +112,23 @@ def draw_law(
     curves: Curves, panel: str, law: FrictionLaw, ax: Axes, *, prefix: str = "", **options: Any
 ) -> None:
     """Draw a law without legend and record its sets, forces, sliding directions and lines."""
-    outline, *others, force = plot_law(law, ax, legend=False, **options)
-    lines = [one for one in others if isinstance(one, Line2D)]
+    artists = drawn(plot_law, law, ax, legend=False, **options)
+    shown = [one for one in artists if isinstance(one, Line2D)]
+    # Lines without points are there for the legend.
+    outline, *lines = (one for one in shown if np.size(one.get_xdata()))
+    quivers: list[Artist] = [one for one in artists if isinstance(one, Quiver)]
+    # The forces are drawn last, as dots or arrows.
+    force = quivers.pop() if options.get("forces") == "arrows" else lines.pop()
     direction = [one for one in lines if str(one.get_label()).startswith("direction set")]
-    for name, artists in (
+    table: tuple[tuple[str, Sequence[Artist]], ...] = (
         ("bdry C", [outline]),
         ("bdry D", direction),
         ("line from D to C", [one for one in lines if one not in direction]),
-        ("sliding direction", [one for one in others if isinstance(one, Quiver)]),
+        ("sliding direction", quivers),
         ("force", [force]),
-    ):
-        record(curves, panel, prefix + name, artists)
+    )
+    for name, recorded in table:
+        record(curves, panel, prefix + name, recorded)
 
 
 def bare(ax: Axes) -> None:

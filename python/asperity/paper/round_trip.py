@@ -113,9 +113,9 @@ def draw(trip: RoundTrip) -> Figure:
 
     with style():
         figure, axes = plt.subplots(1, 3, figsize=(14.0, 4.9), layout="constrained")
-        plot_fitted_forces(trip.fit, axes[0])
+        plot_fitted_forces(trip.fit, ax=axes[0])
         axes[0].set_title("Forces of the virtual tribometer")
-        plot_fitted_sets(trip.fit, axes[1])
+        plot_fitted_sets(trip.fit, ax=axes[1])
         axes[1].set_title("Identified sets")
         _draw_paths(trip, axes[2])
         figure.suptitle("Round trip on synthetic data: Table 1, forces, law, sliding path, film")

@@ -17,6 +17,7 @@ from asperity.paper.pairings import PVC, SANDBLASTED, STEEL, SYNTHETIC, Pairing,
 from asperity.paper.redrawn import (
     Redrawn,
     circle,
+    drawn,
     note,
     panels,
     record,
@@ -84,7 +85,7 @@ def fig22() -> Redrawn:
 def _draw_construction(curves: Curves, ax: Axes) -> None:
     law = PVC.law
     (outline, _), (inner, _) = (
-        plot_set(chosen, ax, color=color, label=label)
+        drawn(plot_set, chosen, ax, color=color, label=label)
         for chosen, color, label in (
             (law.reservoir, BLUE, "reservoir $C$"),
             (law.direction, DIRECTION, "direction set $D$"),

@@ -54,7 +54,7 @@ def simulated(found: Identified, film: filmed.Filmed) -> dict[str, Trajectory]:
     place, velocity = film.path.start
     return {
         name: simulate(
-            SlidingPoint(film.disk.mass, law),
+            SlidingPoint(film.disk.mass, law=law),
             dt=_STEP,
             t_end=1.0,
             q0=place,
@@ -138,7 +138,7 @@ def _path_checks(film: filmed.Filmed, compared: Mapping[str, PathComparison]) ->
 
 def _disk_checks(film: filmed.Filmed) -> list[Check]:
     point = simulate(
-        SlidingPoint(film.disk.mass, film.disk.law),
+        SlidingPoint(film.disk.mass, law=film.disk.law),
         dt=_STEP,
         t_end=1.0,
         u0=film.disk.velocity,

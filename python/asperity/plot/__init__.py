@@ -1,7 +1,8 @@
 """Plots of sets, laws, motions and stability; need matplotlib (``pip install "asperity[plot]"``).
 
-Every function draws into `ax`, or into new axes, and returns the list of artists it has drawn, as
-``Axes.plot`` does; the axes are ``artists[0].axes``.
+Every function takes what it draws first and all else by name, draws into the axes ``ax=``, or into
+new ones, and returns them. It has the look of the house without a `style` around it. Runs are those
+of `simulate` and `integrate`, limit cycles, or several of them in a list or, by labels, in a dict.
 """
 
 from asperity.plot.cones import plot_cones, plot_projection
@@ -10,13 +11,18 @@ from asperity.plot.gauge import plot_gauge
 from asperity.plot.identification import plot_fitted_forces, plot_fitted_sets, plot_residuals
 from asperity.plot.law import plot_law
 from asperity.plot.look import save_figure, style
+from asperity.plot.runs.animations import save_animation
+from asperity.plot.runs.bodies import plot_bodies
+from asperity.plot.runs.forces import plot_forces_in_reservoir
+from asperity.plot.runs.histories import plot_history
+from asperity.plot.runs.paths import plot_path, plot_phase_portrait
 from asperity.plot.sets import plot_set
 from asperity.plot.steady_sliding import plot_bifurcation, plot_growth_chart, plot_root_locus
-from asperity.plot.tracking import plot_motion, plot_track
-from asperity.plot.trajectory import plot_forces_in_reservoir, plot_path, plot_phase
+from asperity.plot.tracking import plot_track
 
 __all__ = [
     "plot_bifurcation",
+    "plot_bodies",
     "plot_cones",
     "plot_deflection",
     "plot_fitted_forces",
@@ -25,15 +31,16 @@ __all__ = [
     "plot_friction_coefficient",
     "plot_gauge",
     "plot_growth_chart",
+    "plot_history",
     "plot_law",
-    "plot_motion",
     "plot_path",
-    "plot_phase",
+    "plot_phase_portrait",
     "plot_projection",
     "plot_residuals",
     "plot_root_locus",
     "plot_set",
     "plot_track",
+    "save_animation",
     "save_figure",
     "style",
 ]

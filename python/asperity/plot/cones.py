@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
@@ -20,13 +21,13 @@ _SLACK = 1e-9
 
 def plot_cones(
     set: StarSet,
+    *,
     x: ArrayLike,
     ax: Axes | None = None,
-    *,
     normal: bool = True,
     tangent: bool = True,
     size: float | None = None,
-) -> list[Artist]:
+) -> Axes:
     """Draw the normal cone N_C(x) and the tangent cone T_C(x), both moved to the point x.
 
     Args:
@@ -39,7 +40,7 @@ def plot_cones(
             radius of C.
 
     Returns:
-        The point, sector and arrows of N_C(x), sectors and edges of T_C(x).
+        The axes.
 
     Raises:
         ParameterError: if x lies outside C, or if N_C(x) of a set that is not convex is wanted.
@@ -51,9 +52,7 @@ def plot_cones(
     >>> from asperity import Rectangle
     >>> from asperity.plot import plot_cones, plot_set
     >>> rectangle = Rectangle(2.0, 1.0)
-    >>> ax = plot_set(rectangle)[0].axes
-    >>> len(plot_cones(rectangle, [2.0, 1.0], ax))
-    6
+    >>> ax = plot_cones(rectangle, x=[2.0, 1.0], ax=plot_set(rectangle))
     """
     reach = float(np.linalg.norm(closed_outline(set), axis=1).max())
     size = 0.5 * reach if size is None else arrays.positive(size, "size")
@@ -62,42 +61,33 @@ def plot_cones(
         raise ParameterError("x", f"must lie in the set, got {point.tolist()}")
     normals = set.normal_cone(point) if normal else None
     tangents = set.tangent_cone(point).parts if tangent else ()
-    ax = look.axes_or_new(ax)
-    artists: list[Artist] = list(ax.plot(*point, "o", color=look.INK, markersize=4.5, zorder=4.0))
-    if normals is not None:
-        artists += draw_normals(ax, point, normals, size)
-    artists += _draw_tangents(ax, point, tangents, size)
-    ax.set_aspect("equal")
-    return artists
+    with look.drawing(ax) as ax:
+        ax.plot(*point, "o", color=look.INK, markersize=4.5, zorder=4.0)
+        if normals is not None:
+            draw_normals(ax, point, normals, size)
+        _draw_tangents(ax, point, tangents, size)
+        ax.set_aspect("equal")
+        return ax
 
 
-def draw_normals(ax: Axes, point: Array, cone: Cone, size: float) -> list[Artist]:
+def draw_normals(ax: Axes, point: Array, cone: Cone, size: float) -> None:
     """Draw the arrows that span a convex cone of the plane, and the sector between them."""
     generators = cone.generators
-    artists: list[Artist] = []
     if len(generators) > 1:
         start, sweep = _sector(generators)
-        artists.append(
-            look.draw_sector(
-                ax, point, start, sweep, size, color=look.NORMAL, alpha=0.22, zorder=1.6
-            )
-        )
+        look.draw_sector(ax, point, start, sweep, size, color=look.NORMAL, alpha=0.22, zorder=1.6)
     if len(generators):
         tails = np.broadcast_to(point, generators.shape)
-        artists.append(look.draw_arrows(ax, tails, size * generators, color=look.NORMAL))
-    return artists
+        look.draw_arrows(ax, tails, size * generators, color=look.NORMAL)
 
 
-def _draw_tangents(ax: Axes, point: Array, parts: tuple[Array, ...], size: float) -> list[Artist]:
+def _draw_tangents(ax: Axes, point: Array, parts: tuple[Array, ...], size: float) -> None:
     sectors = [_sector(generators) for generators in parts]
-    artists: list[Artist] = [
+    for sector in sectors:
         look.draw_sector(ax, point, *sector, size, color=look.TANGENT, alpha=0.18, zorder=1.5)
-        for sector in sectors
-    ]
     for edge in _outer_edges(sectors):
         ends = np.stack([point, point + size * arrays.unit_vectors(edge)])
-        artists += ax.plot(*ends.T, color=look.TANGENT, linewidth=1.2)
-    return artists
+        ax.plot(*ends.T, color=look.TANGENT, linewidth=1.2)
 
 
 def _outer_edges(sectors: list[tuple[float, float]]) -> list[float]:
@@ -112,7 +102,7 @@ def _outer_edges(sectors: list[tuple[float, float]]) -> list[float]:
     return edges
 
 
-def plot_projection(set: StarSet, z: ArrayLike, ax: Axes | None = None) -> list[Artist]:
+def plot_projection(set: StarSet, *, z: ArrayLike, ax: Axes | None = None) -> Axes:
     """Draw points z and their proximal points prox_C(z), joined by lines normal to the set.
 
     Args:
@@ -121,7 +111,7 @@ def plot_projection(set: StarSet, z: ArrayLike, ax: Axes | None = None) -> list[
         ax: axes; default new ones.
 
     Returns:
-        One line per point, then the points z, then the proximal points.
+        The axes.
 
     Raises:
         ParameterError: if the set is not convex.
@@ -133,23 +123,21 @@ def plot_projection(set: StarSet, z: ArrayLike, ax: Axes | None = None) -> list[
     >>> matplotlib.use("Agg")
     >>> from asperity import Rectangle
     >>> from asperity.plot import plot_projection
-    >>> *lines, points, feet = plot_projection(Rectangle(2.0, 1.0), [[3.0, 0.5], [3.0, 2.0]])
-    >>> feet.get_xydata().tolist()
+    >>> ax = plot_projection(Rectangle(2.0, 1.0), z=[[3.0, 0.5], [3.0, 2.0]])
+    >>> ax.lines[-1].get_xydata().tolist()
     [[2.0, 0.5], [2.0, 1.0]]
     """
     planar = planar_set(set)
     points, _ = arrays.points(z, "z", 2)
     feet = planar.project(points)
-    ax = look.axes_or_new(ax)
-    artists: list[Artist] = []
-    for line in zip(points, feet, strict=True):
-        artists += ax.plot(*np.transpose(line), color=look.GREY, linewidth=1.1, linestyle="--")
-    artists += ax.plot(*points.T, "o", color=look.INK, markersize=4.5, label="$z$")
-    artists += ax.plot(
-        *feet.T, "o", color=look.INK, markerfacecolor="white", markersize=5.5, label="prox$_C(z)$"
-    )
-    ax.set_aspect("equal")
-    return artists
+    with look.drawing(ax) as ax:
+        for line in zip(points, feet, strict=True):
+            ax.plot(*np.transpose(line), color=look.GREY, linewidth=1.1, linestyle="--")
+        dots: dict[str, Any] = {"color": look.INK, "linestyle": "none", "marker": "o"}
+        ax.plot(*points.T, markersize=4.5, label="$z$", **dots)
+        ax.plot(*feet.T, markerfacecolor="white", markersize=5.5, label="prox$_C(z)$", **dots)
+        ax.set_aspect("equal")
+        return ax
 
 
 def _sector(generators: Array) -> tuple[float, float]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from asperity._base.arrays import Array
+from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.plot import look
 
@@ -16,8 +17,13 @@ _NODES = 721
 
 
 def plot_friction_coefficient(
-    law: FrictionLaw, ax: Axes | None = None, *, across: bool = True, **kwargs: Any
-) -> list[Artist]:
+    law: FrictionLaw,
+    *,
+    ax: Axes | None = None,
+    polar: bool = False,
+    across: bool = True,
+    **kwargs: Any,
+) -> Axes:
     """Draw the friction coefficients l_t and l_p over the sliding direction φ.
 
     l_t opposes the sliding; l_p, at right angles to it, deflects the body: −λ = λ_N (l_t e(φ) +
@@ -25,12 +31,14 @@ def plot_friction_coefficient(
 
     Args:
         law: planar law.
-        ax: axes; default new ones.
+        ax: axes; polar ones give a polar plot. Default new ones.
+        polar: whether new axes are polar, with φ around and the coefficient outwards. There |l_p|
+            is drawn, broken where l_p > 0 and dotted where l_p < 0.
         across: whether to draw l_p, as a broken line.
         **kwargs: of both lines, as for ``Axes.plot``; a line style is that of l_t.
 
     Returns:
-        The line of l_t, and that of l_p.
+        The axes.
 
     Raises:
         DimensionError: if the law is not planar.
@@ -42,38 +50,51 @@ def plot_friction_coefficient(
     >>> from asperity import Ellipse, FrictionLaw
     >>> from asperity.plot import plot_friction_coefficient
     >>> law = FrictionLaw.associated(Ellipse(0.6, 0.2))
-    >>> along, across = plot_friction_coefficient(law)
+    >>> along, across = plot_friction_coefficient(law).lines
     >>> float(along.get_ydata().max())
     0.6
     """
     phi = _directions()
     opposing, deflecting = look.planar_law(law).resistance(phi)
-    ax, options = look.axes_or_new(ax), look.line_options(kwargs)
-    label = options.pop("label", None)
-    suffix = "" if label is None else f", {label}"
-    (line,) = ax.plot(np.rad2deg(phi), opposing, label=f"$l_t${suffix}", **options)
-    artists: list[Artist] = [line]
-    if across:
-        dashed = {**options, "color": line.get_color(), "linestyle": "--"}
-        artists += ax.plot(np.rad2deg(phi), deflecting, label=f"$l_p${suffix}", **dashed)
-    ax.set_ylabel("friction coefficient")
-    ax.legend(frameon=False)
-    _label_directions(ax)
-    return artists
+    with look.drawing(_for(ax, polar), polar=polar) as ax:
+        options = look.line_options(kwargs)
+        label = options.pop("label", None)
+        suffix = "" if label is None else f", {label}"
+        round_axes = ax.name == "polar"
+        angle = phi if round_axes else np.rad2deg(phi)
+        (line,) = ax.plot(angle, opposing, label=f"$l_t${suffix}", **options)
+        if across:
+            parts = [(deflecting, "--", f"$l_p${suffix}")]
+            if round_axes:
+                parts = [
+                    (np.where(deflecting >= 0.0, deflecting, np.nan), "--", f"$l_p > 0${suffix}"),
+                    (np.where(deflecting <= 0.0, -deflecting, np.nan), ":", f"$l_p < 0${suffix}"),
+                ]
+            for values, dashes, text in parts:
+                # Where the law is isotropic l_p is 0 within rounding, and a dot in polar axes.
+                own = {**options, "color": line.get_color(), "linestyle": dashes}
+                ax.plot(angle, values, label=text, **own)
+        _label(ax, "friction coefficient")
+        ax.legend(**_legend_place(ax))
+        return ax
 
 
-def plot_deflection(law: FrictionLaw, ax: Axes | None = None, **kwargs: Any) -> list[Artist]:
+def plot_deflection(
+    law: FrictionLaw, *, ax: Axes | None = None, polar: bool = False, **kwargs: Any
+) -> Axes:
     """Draw the angle θ − φ between the force −λ and the sliding direction over φ.
 
     A positive angle turns the path of a freely sliding body clockwise.
 
     Args:
         law: planar law.
-        ax: axes; default new ones.
+        ax: axes; polar ones give a polar plot. Default new ones.
+        polar: whether new axes are polar, with φ around and the angle outwards: a thin circle is
+            zero, outside it the path turns clockwise.
         **kwargs: as for ``Axes.plot``.
 
     Returns:
-        The line.
+        The axes.
 
     Raises:
         DimensionError: if the law is not planar.
@@ -84,25 +105,49 @@ def plot_deflection(law: FrictionLaw, ax: Axes | None = None, **kwargs: Any) -> 
     >>> matplotlib.use("Agg")
     >>> from asperity import Disk, FrictionLaw
     >>> from asperity.plot import plot_deflection
-    >>> (line,) = plot_deflection(FrictionLaw.collinear(Disk(0.3)))
+    >>> (line,) = plot_deflection(FrictionLaw.collinear(Disk(0.3))).lines
     >>> float(abs(line.get_ydata()).max()) < 1e-9
     True
     """
     phi = _directions()
-    theta = look.planar_law(law).deflection(phi)
-    ax = look.axes_or_new(ax)
-    artists: list[Artist] = []
-    artists += ax.plot(np.rad2deg(phi), np.rad2deg(theta), **kwargs)
-    ax.set_ylabel(r"$\theta - \varphi$ in degrees")
-    _label_directions(ax)
-    return artists
+    theta = np.rad2deg(look.planar_law(law).deflection(phi))
+    with look.drawing(_for(ax, polar), polar=polar) as ax:
+        round_axes = ax.name == "polar"
+        ax.plot(phi if round_axes else np.rad2deg(phi), theta, **look.line_options(kwargs))
+        if round_axes:
+            ax.plot(phi, np.zeros_like(phi), color=look.INK, linewidth=0.8, zorder=1.9)
+            drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in ax.lines])
+            reach = max(float(np.abs(drawn).max()), 1.0)
+            # The centre lies as far below zero as the largest angle reaches above, and a bit more.
+            ax.set_ylim(-1.25 * reach, 1.05 * reach)
+        _label(ax, r"$\theta - \varphi$ in degrees")
+        return ax
+
+
+def _for(ax: Axes | None, polar: bool) -> Axes | None:
+    """Return axes that fit what is wanted."""
+    if isinstance(ax, Axes) and polar and ax.name != "polar":
+        raise ParameterError("ax", 'must be made with projection="polar" for a polar plot')
+    return ax
 
 
 def _directions() -> Array:
     return np.linspace(0.0, 2.0 * np.pi, _NODES)
 
 
-def _label_directions(ax: Axes) -> None:
+def _legend_place(ax: Axes) -> dict[str, Any]:
+    if ax.name != "polar":
+        return {}
+    return {"loc": "upper left", "bbox_to_anchor": (1.0, 1.05)}
+
+
+def _label(ax: Axes, what: str) -> None:
+    if ax.name == "polar":
+        ax.set_xticks(np.deg2rad(np.arange(0.0, 360.0, 45.0)))
+        ax.set_xlabel(f"{what}\n" + r"over the sliding direction $\varphi$")
+        ax.yaxis.set_major_locator(MaxNLocator(4))
+        return
     ax.set_xticks(np.arange(0.0, 361.0, 45.0))
     ax.set_xlim(0.0, 360.0)
     ax.set_xlabel(r"sliding direction $\varphi$ in degrees")
+    ax.set_ylabel(what)

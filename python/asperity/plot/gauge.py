@@ -5,20 +5,18 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.errors import ParameterError
 from asperity.plot import look
 from asperity.plot.sets import closed_outline
 from asperity.sets import StarSet
 
 
-def plot_gauge(set: StarSet, ax: Axes | None = None, *, height: float = 1.3) -> list[Artist]:
+def plot_gauge(set: StarSet, *, ax: Axes | None = None, height: float = 1.3) -> Axes:
     """Draw the gauge k_C over the plane, its level curve k_C = 1 and below it the set C.
 
     Args:
@@ -27,7 +25,7 @@ def plot_gauge(set: StarSet, ax: Axes | None = None, *, height: float = 1.3) -> 
         height: value of the gauge at which the surface ends.
 
     Returns:
-        The surface, the level curve, its image in the plane, and the filling of C.
+        The axes.
 
     Raises:
         ParameterError: if the axes have two dimensions.
@@ -38,29 +36,27 @@ def plot_gauge(set: StarSet, ax: Axes | None = None, *, height: float = 1.3) -> 
     >>> matplotlib.use("Agg")
     >>> from asperity import Ellipse
     >>> from asperity.plot import plot_gauge
-    >>> surface, *_ = plot_gauge(Ellipse(0.6, 0.2))
-    >>> surface.axes.name
+    >>> plot_gauge(Ellipse(0.6, 0.2)).name
     '3d'
     """
     height = arrays.positive(height, "height")
     outline = closed_outline(set)
-    space: Any = look.axes_or_new(ax, projection="3d")
-    if space.name != "3d":
-        raise ParameterError("ax", 'must be made with projection="3d"')
     nodes = surface_nodes(outline, height)
-    surface = space.plot_surface(
-        *np.moveaxis(nodes, -1, 0), color=look.SKY, alpha=0.35, linewidth=0.0, rcount=len(nodes)
-    )
-    (level,) = space.plot(*outline.T, 1.0, color=look.RESERVOIR, label="$k_C = 1$")
-    (image,) = space.plot(*outline.T, 0.0, color=look.RESERVOIR, linewidth=1.0, linestyle="--")
-    floor = np.column_stack([outline, np.zeros(len(outline))])
-    filling = Poly3DCollection([floor], color=look.RESERVOIR, alpha=0.12, linewidth=0.0)
-    space.add_collection3d(filling)
-    space.set_box_aspect((*np.ptp(outline, axis=0) / np.ptp(outline), 0.8))
-    for axis in (space.xaxis, space.yaxis, space.zaxis):
-        axis.set_major_locator(MaxNLocator(4))
-    space.set(xlabel="$x_1$", ylabel="$x_2$", zlabel="$k_C(x)$")
-    return [surface, level, image, filling]
+    with look.drawing(look.in_space(ax), projection="3d") as ax:
+        space: Any = ax
+        space.plot_surface(
+            *np.moveaxis(nodes, -1, 0), color=look.SKY, alpha=0.35, linewidth=0.0, rcount=len(nodes)
+        )
+        space.plot(*outline.T, 1.0, color=look.RESERVOIR, label="$k_C = 1$")
+        space.plot(*outline.T, 0.0, color=look.RESERVOIR, linewidth=1.0, linestyle="--")
+        floor = np.column_stack([outline, np.zeros(len(outline))])
+        filling = Poly3DCollection([floor], color=look.RESERVOIR, alpha=0.12, linewidth=0.0)
+        space.add_collection3d(filling)
+        space.set_box_aspect((*np.ptp(outline, axis=0) / np.ptp(outline), 0.8))
+        for axis in (space.xaxis, space.yaxis, space.zaxis):
+            axis.set_major_locator(MaxNLocator(4))
+        space.set(xlabel="$x_1$", ylabel="$x_2$", zlabel="$k_C(x)$")
+        return ax
 
 
 def surface_nodes(outline: Array, height: float) -> Array:

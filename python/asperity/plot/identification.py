@@ -5,14 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity._base import arrays
 from asperity.errors import FitError, ParameterError
-from asperity.plot.look import BLUE, DIRECTION, GREY, INK, ORANGE, RESERVOIR, axes_or_new, style
-from asperity.plot.sets import plot_set
+from asperity.plot.look import (
+    BLUE,
+    DIRECTION,
+    GREY,
+    INK,
+    ORANGE,
+    RESERVOIR,
+    drawing,
+    line_options,
+    style,
+)
+from asperity.plot.sets import draw_set
 
 if TYPE_CHECKING:
     from asperity.identify import Fit
@@ -22,16 +31,16 @@ _DEGREES = np.rad2deg(_DIRECTIONS)
 _TICKS = np.arange(0, 361, 45)
 
 
-def plot_fitted_sets(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Artist]:
+def plot_fitted_sets(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw the mean measured forces −λ/λ_N, the fitted C with its band, and D inside it.
 
     Args:
         fit: what `fit_law` returns.
-        ax: axes to draw into.
-        kwargs: for the points of the measured forces.
+        ax: axes; default new ones.
+        **kwargs: of the points of the measured forces, as for ``Axes.plot``.
 
     Returns:
-        The artists.
+        The axes.
 
     >>> import matplotlib
     >>> matplotlib.use("Agg")
@@ -40,90 +49,86 @@ def plot_fitted_sets(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Ar
     >>> from asperity.plot import plot_fitted_sets
     >>> phi = np.linspace(0.0, 4.0 * np.pi, 500, endpoint=False)
     >>> data = phi, 0.3 * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-    >>> artists = plot_fitted_sets(fit_law(data, "circle", "circle"))
+    >>> ax = plot_fitted_sets(fit_law(data, reservoir="circle", direction="circle"))
     """
     _check(fit)
-    ax = axes_or_new(ax)
-    _, means = fit.means
-    look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
-    artists: list[Artist] = list(ax.plot(*means.T, label="measured", **{**look, **kwargs}))
-    e = arrays.unit_vectors(_DIRECTIONS)
-    _, low, high = fit.radius_band(_DIRECTIONS)
-    if np.isfinite(low).all():
-        ring = np.concatenate([low[:, None] * e, (high[:, None] * e)[::-1]])
-        artists += ax.fill(*ring.T, color=RESERVOIR, alpha=0.3, linewidth=0.0, label="band of C")
-    artists += plot_set(fit.reservoir, ax, color=RESERVOIR, label="C")
-    try:
-        artists += plot_set(fit.law.direction, ax, color=DIRECTION, linestyle="--", label="D")
-    except FitError:
-        ax.set_title("D is not convex")
-    ax.set_aspect("equal")
-    ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
-    ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
-    ax.legend(loc="center")
-    return artists
+    with drawing(ax) as ax:
+        _, means = fit.means
+        look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
+        ax.plot(*means.T, label="measured", **{**look, **line_options(kwargs)})
+        e = arrays.unit_vectors(_DIRECTIONS)
+        _, low, high = fit.radius_band(_DIRECTIONS)
+        if np.isfinite(low).all():
+            ring = np.concatenate([low[:, None] * e, (high[:, None] * e)[::-1]])
+            ax.fill(*ring.T, color=RESERVOIR, alpha=0.3, linewidth=0.0, label="band of C")
+        draw_set(ax, fit.reservoir, color=RESERVOIR, label="C")
+        try:
+            draw_set(ax, fit.law.direction, color=DIRECTION, linestyle="--", label="D")
+        except FitError:
+            ax.set_title("D is not convex")
+        ax.set_aspect("equal")
+        ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
+        ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
+        ax.legend(loc="center")
+        return ax
 
 
-def plot_fitted_forces(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Artist]:
+def plot_fitted_forces(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw l_t and l_p, the parts of −λ/λ_N against the sliding and across it, over φ.
 
     Args:
         fit: what `fit_law` returns.
-        ax: axes to draw into.
-        kwargs: for the points of the measured forces.
+        ax: axes; default new ones.
+        **kwargs: of the points of the measured forces, as for ``Axes.plot``.
 
     Returns:
-        The artists.
+        The axes.
     """
     _check(fit)
-    ax = axes_or_new(ax)
-    phi, means = fit.means
-    e = arrays.unit_vectors(phi)
-    measured = (means * e).sum(axis=1), means[:, 1] * e[:, 0] - means[:, 0] * e[:, 1]
-    bands = fit.bands(_DIRECTIONS)
-    look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
-    artists: list[Artist] = []
-    for column, (name, color) in enumerate((("$l_t$", BLUE), ("$l_p$", ORANGE))):
-        artists += ax.plot(np.rad2deg(phi), measured[column], **{**look, **kwargs})
-        middle, width = bands.resistance[:, column], bands.resistance_half_width[:, column]
-        artists += ax.plot(_DEGREES, middle, color=color, label=name)
-        if np.isfinite(width).all():
-            artists.append(
+    with drawing(ax) as ax:
+        phi, means = fit.means
+        e = arrays.unit_vectors(phi)
+        measured = (means * e).sum(axis=1), means[:, 1] * e[:, 0] - means[:, 0] * e[:, 1]
+        bands = fit.bands(_DIRECTIONS)
+        look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
+        for column, (name, color) in enumerate((("$l_t$", BLUE), ("$l_p$", ORANGE))):
+            ax.plot(np.rad2deg(phi), measured[column], **{**look, **line_options(kwargs)})
+            middle, width = bands.resistance[:, column], bands.resistance_half_width[:, column]
+            ax.plot(_DEGREES, middle, color=color, label=name)
+            if np.isfinite(width).all():
                 ax.fill_between(
                     _DEGREES, middle - width, middle + width, color=color, alpha=0.3, linewidth=0.0
                 )
-            )
-    _over_directions(ax, r"$-\lambda/\lambda_N$")
-    ax.legend()
-    return artists
+        _over_directions(ax, r"$-\lambda/\lambda_N$")
+        ax.legend()
+        return ax
 
 
-def plot_residuals(fit: Fit, ax: Axes | None = None, **kwargs: Any) -> list[Artist]:
+def plot_residuals(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw the mean of the residual forces over φ: what the model cannot follow stands out.
 
     Args:
         fit: what `fit_law` returns.
-        ax: axes to draw into.
-        kwargs: for the lines.
+        ax: axes; default new ones.
+        **kwargs: of the lines, as for ``Axes.plot``.
 
     Returns:
-        The artists.
+        The axes.
     """
     _check(fit)
-    ax = axes_or_new(ax)
-    phi, means = fit.means
-    left = means - fit.forces(phi)
-    e = arrays.unit_vectors(phi)
-    parts = (left * e).sum(axis=1), left[:, 1] * e[:, 0] - left[:, 0] * e[:, 1]
-    artists: list[Artist] = []
-    names = (("against sliding", BLUE), ("across sliding", ORANGE))
-    for values, (name, color) in zip(parts, names, strict=True):
-        look: dict[str, Any] = {"color": color, "linewidth": 0.8, "label": name}
-        artists += ax.plot(np.rad2deg(phi), values, **{**look, **kwargs})
-    ax.axhline(0.0, color=INK, linewidth=0.6)
-    _over_directions(ax, r"mean residual of $-\lambda/\lambda_N$")
-    ax.legend()
-    return artists
+    with drawing(ax) as ax:
+        phi, means = fit.means
+        left = means - fit.forces(phi)
+        e = arrays.unit_vectors(phi)
+        parts = (left * e).sum(axis=1), left[:, 1] * e[:, 0] - left[:, 0] * e[:, 1]
+        names = (("against sliding", BLUE), ("across sliding", ORANGE))
+        for values, (name, color) in zip(parts, names, strict=True):
+            look: dict[str, Any] = {"color": color, "linewidth": 0.8, "label": name}
+            ax.plot(np.rad2deg(phi), values, **{**look, **line_options(kwargs)})
+        ax.axhline(0.0, color=INK, linewidth=0.6)
+        _over_directions(ax, r"mean residual of $-\lambda/\lambda_N$")
+        ax.legend()
+        return ax
 
 
 def report_figures(fit: Fit) -> dict[str, Figure]:
@@ -136,7 +141,7 @@ def report_figures(fit: Fit) -> dict[str, Figure]:
             ("Residuals", (8.0, 3.2), plot_residuals),
         ):
             figures[name] = Figure(figsize=size, layout="constrained")
-            plot(fit, figures[name].add_subplot())
+            plot(fit, ax=figures[name].add_subplot())
     return figures
 
 

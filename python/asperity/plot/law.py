@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
@@ -14,18 +13,18 @@ from asperity._base.arrays import Array
 from asperity.law import FrictionLaw
 from asperity.plot import look
 from asperity.plot.cones import draw_normals
-from asperity.plot.sets import closed_outline, plot_set
+from asperity.plot.sets import closed_outline, draw_set
 from asperity.sets import StarSet
 
 
 def plot_law(
     law: FrictionLaw,
-    ax: Axes | None = None,
     *,
+    ax: Axes | None = None,
     angles: int | ArrayLike = 16,
     forces: Literal["dots", "arrows"] = "dots",
     legend: bool = True,
-) -> list[Artist]:
+) -> Axes:
     """Draw the reservoir C, the direction set D and pairs of force −λ and sliding direction γ.
 
     Each force on bdry C carries the arrow of its sliding direction; a thin line leads to the point
@@ -40,7 +39,7 @@ def plot_law(
         legend: whether to add a legend below the axes.
 
     Returns:
-        Outlines with the filling of C, lines, sliding directions, forces.
+        The axes.
 
     Raises:
         DimensionError: if the law is not planar.
@@ -52,43 +51,40 @@ def plot_law(
     >>> from asperity import Ellipse, FrictionLaw
     >>> from asperity.plot import plot_law
     >>> law = FrictionLaw(Ellipse(0.6, 0.2, angle=0.3), Ellipse(3.0, 1.0))
-    >>> artists = plot_law(law, angles=[0.0, 1.0, 2.0], forces="arrows")
-    >>> artists[0].get_label()
+    >>> ax = plot_law(law, angles=[0.0, 1.0, 2.0], forces="arrows")
+    >>> ax.lines[0].get_label()
     'reservoir $C$'
     """
     arrays.choice(forces, "forces", ("dots", "arrows"))
     theta = _polar_angles(closed_outline(look.planar_law(law).reservoir), angles)
-    ax = look.axes_or_new(ax)
     force, feet = (_on_boundary(set, theta) for set in (law.reservoir, law.direction))
-    artists = _draw_sets(ax, law)
-    if law.direction != law.reservoir:
-        lines = np.stack([feet, force]).transpose(2, 0, 1)
-        artists += ax.plot(*lines, color=look.GREY, linewidth=0.7)
+    normals = [law.direction.normal_cone(foot) for foot in feet]
     size = 0.3 * float(np.linalg.norm(closed_outline(law.reservoir), axis=1).max())
-    for point, foot in zip(force, feet, strict=True):
-        artists += draw_normals(ax, point, law.direction.normal_cone(foot), size)
-    artists.append(_draw_forces(ax, force, arrows=forces == "arrows"))
-    ax.plot([], [], color=look.SLIDING, label=r"sliding direction $\gamma$")
-    ax.margins(0.08)
-    ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
-    ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
-    if legend:
-        # In units of the font, so that the labels of low axes stay free as well.
-        ax.legend(loc="upper left", bbox_to_anchor=(0.0, 0.0), borderaxespad=3.6, ncols=2)
-    return artists
+    with look.drawing(ax) as ax:
+        _draw_sets(ax, law)
+        if law.direction != law.reservoir:
+            lines = np.stack([feet, force]).transpose(2, 0, 1)
+            ax.plot(*lines, color=look.GREY, linewidth=0.7)
+        for point, cone in zip(force, normals, strict=True):
+            draw_normals(ax, point, cone, size)
+        _draw_forces(ax, force, arrows=forces == "arrows")
+        ax.plot([], [], color=look.SLIDING, label=r"sliding direction $\gamma$")
+        ax.margins(0.08)
+        ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
+        ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
+        if legend:
+            # In units of the font, so that the labels of low axes stay free as well.
+            ax.legend(loc="upper left", bbox_to_anchor=(0.0, 0.0), borderaxespad=3.6, ncols=2)
+        return ax
 
 
-def _draw_sets(ax: Axes, law: FrictionLaw) -> list[Artist]:
+def _draw_sets(ax: Axes, law: FrictionLaw) -> None:
     if law.direction == law.reservoir:
-        return plot_set(law.reservoir, ax, label="reservoir $C$ = direction set $D$")
-    artists = plot_set(law.reservoir, ax, label="reservoir $C$")
-    artists += ax.plot(
-        *closed_outline(law.direction).T,
-        color=look.DIRECTION,
-        linestyle="--",
-        label="direction set $D$",
-    )
-    return artists
+        draw_set(ax, law.reservoir, label="reservoir $C$ = direction set $D$")
+        return
+    draw_set(ax, law.reservoir, label="reservoir $C$")
+    outline = closed_outline(law.direction)
+    ax.plot(*outline.T, color=look.DIRECTION, linestyle="--", label="direction set $D$")
 
 
 def _polar_angles(outline: Array, angles: int | ArrayLike) -> Array:
@@ -106,10 +102,10 @@ def _on_boundary(set: StarSet, theta: Array) -> Array:
     return set.radius(theta)[:, None] * arrays.unit_vectors(theta)
 
 
-def _draw_forces(ax: Axes, force: Array, *, arrows: bool) -> Artist:
+def _draw_forces(ax: Axes, force: Array, *, arrows: bool) -> None:
     label = r"force $-\lambda$"
     if not arrows:
-        (dots,) = ax.plot(*force.T, "o", color=look.INK, markersize=3.5, zorder=4.0, label=label)
-        return dots
+        ax.plot(*force.T, "o", color=look.INK, markersize=3.5, zorder=4.0, label=label)
+        return
     ax.plot([], [], color=look.INK, label=label)
-    return look.draw_arrows(ax, np.zeros_like(force), force, color=look.INK)
+    look.draw_arrows(ax, np.zeros_like(force), force, color=look.INK)

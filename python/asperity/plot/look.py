@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import os
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,6 @@ from asperity._base.arrays import Array, positive, unit_vectors
 from asperity._base.files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
-from asperity.runs.run import Run
 
 # Okabe and Ito's palette, distinguishable with every kind of colour vision.
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
@@ -43,10 +43,14 @@ _LOOK: dict[Any, Any] = {
     "axes.titlelocation": "left",
     "axes.titlesize": "medium",
     "axes.titleweight": "bold",
+    # At 85 mm, the width of a column, letters of 10 pt are then 7 pt high.
+    "figure.figsize": [4.6, 3.45],
     "font.size": 10.0,
     "grid.color": "#E6E6E6",
     "grid.linewidth": 0.8,
-    "legend.frameon": False,
+    # No border, but what lies below fades.
+    "legend.edgecolor": "none",
+    "legend.framealpha": 0.75,
     "lines.linewidth": 1.6,
     "lines.solid_capstyle": "round",
     "xtick.color": INK,
@@ -55,21 +59,62 @@ _LOOK: dict[Any, Any] = {
 
 
 def style() -> AbstractContextManager[None]:
-    """Return a context in which figures have the house look; nothing is set globally."""
-    return mpl.rc_context(_LOOK)
+    """Return a context in which figures have the house look; nothing is set globally.
+
+    The functions of `asperity.plot` need none: they draw in this look by themselves. It is for what
+    is drawn beside them, such as the figure that holds their axes. Settings that differ from
+    matplotlib's defaults, as of ``plt.style.use``, win over the house look here as there.
+    """
+    return mpl.rc_context(_house_look())
 
 
-def axes_or_new(ax: Axes | None, **kwargs: Any) -> Axes:
-    """Return `ax`, or the axes of a new figure, made with `kwargs`."""
-    if ax is not None:
-        if not isinstance(ax, Axes):
-            raise ParameterError("ax", f"must be axes of matplotlib or None, got {ax!r}")
-        return ax
-    import matplotlib.pyplot as plt
+@contextmanager
+def drawing(ax: Axes | None, **kwargs: Any) -> Iterator[Axes]:
+    """Yield `ax`, or new axes made with `kwargs`, in a context that has the house look.
 
+    Axes that are still empty take it on; those that hold something keep the look they have.
+    """
+    if ax is not None and not isinstance(ax, Axes):
+        raise ParameterError("ax", f"must be axes of matplotlib or None, got {ax!r}")
     with style():
-        new: Axes = plt.figure(layout="constrained").add_subplot(**kwargs)
-    return new
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            ax = plt.figure(layout="constrained").add_subplot(**kwargs)
+        elif not ax.has_data():
+            _dress(ax)
+        yield ax
+
+
+def _house_look() -> dict[Any, Any]:
+    """Return the settings of the house for which the user has none of their own."""
+    now: Mapping[Any, Any] = mpl.rcParams
+    unset: Mapping[Any, Any] = mpl.rcParamsDefault
+    return {name: value for name, value in _LOOK.items() if now[name] == unset[name]}
+
+
+def _dress(ax: Axes) -> None:
+    """Give axes that were made elsewhere the look that new ones would have."""
+    now: Mapping[Any, Any] = mpl.rcParams
+    for side in ("top", "right"):
+        if side in ax.spines:
+            ax.spines[side].set_visible(now[f"axes.spines.{side}"])
+    for spine in ax.spines.values():
+        spine.set_edgecolor(now["axes.edgecolor"])
+    ax.tick_params(axis="both", color=now["xtick.color"], labelcolor=now["xtick.color"])
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.label.set_color(now["axes.labelcolor"])
+    ax.set_axisbelow(now["axes.axisbelow"])
+    if now["axes.grid"]:
+        ax.grid(True, color=now["grid.color"], linewidth=now["grid.linewidth"])
+    ax.set_prop_cycle(now["axes.prop_cycle"])
+
+
+def in_space(ax: Axes | None) -> Axes | None:
+    """Return `ax` if it has three dimensions or is to be made."""
+    if isinstance(ax, Axes) and ax.name != "3d":
+        raise ParameterError("ax", 'must be made with projection="3d"')
+    return ax
 
 
 def line_options(kwargs: dict[str, Any]) -> dict[str, Any]:
@@ -84,13 +129,6 @@ def planar_law(law: FrictionLaw) -> FrictionLaw:
     if law.dimension != 2:
         raise DimensionError("law", f"must be planar to be drawn, its dimension is {law.dimension}")
     return law
-
-
-def checked_trajectory(trajectory: Run) -> Run:
-    """Return `trajectory` if it is one."""
-    if not isinstance(trajectory, Run):
-        raise ParameterError("trajectory", f"must be a Trajectory or a Motion, got {trajectory!r}")
-    return trajectory
 
 
 def draw_arrows(ax: Axes, tails: Array, vectors: Array, **kwargs: Any) -> Quiver:

@@ -17,7 +17,7 @@ from asperity.sets.star import checked_set
 _NODES = 1440
 
 
-def plot_set(set: StarSet, ax: Axes | None = None, **kwargs: Any) -> list[Artist]:
+def plot_set(set: StarSet, *, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw a planar set.
 
     Args:
@@ -26,7 +26,7 @@ def plot_set(set: StarSet, ax: Axes | None = None, **kwargs: Any) -> list[Artist
         **kwargs: of the outline, as for ``Axes.plot``; the filling takes its colour.
 
     Returns:
-        The outline and the filling.
+        The axes.
 
     Raises:
         DimensionError: if the set is not planar.
@@ -35,19 +35,25 @@ def plot_set(set: StarSet, ax: Axes | None = None, **kwargs: Any) -> list[Artist
     >>> matplotlib.use("Agg")
     >>> from asperity import Ellipse
     >>> from asperity.plot import plot_set
-    >>> outline, filling = plot_set(Ellipse(0.6, 0.2), label="C")
-    >>> outline.axes.get_aspect()
-    1.0
+    >>> plot_set(Ellipse(0.6, 0.2), label="C").lines[0].get_label()
+    'C'
     """
+    planar_set(set)
+    with look.drawing(ax) as ax:
+        draw_set(ax, set, **kwargs)
+        ax.set_xlabel(r"$x_1$")
+        ax.set_ylabel(r"$x_2$")
+        return ax
+
+
+def draw_set(ax: Axes, set: StarSet, **kwargs: Any) -> list[Artist]:
+    """Draw outline and filling of a planar set."""
     outline = closed_outline(set)
-    ax = look.axes_or_new(ax)
     # Round ends would show where the outline closes.
     options = {"color": look.RESERVOIR, "solid_capstyle": "butt", **look.line_options(kwargs)}
     (line,) = ax.plot(*outline.T, **options)
     (filling,) = ax.fill(*outline.T, color=line.get_color(), alpha=0.08, linewidth=0.0)
     ax.set_aspect("equal")
-    ax.set_xlabel(r"$x_1$")
-    ax.set_ylabel(r"$x_2$")
     return [line, filling]
 
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import CenteredNorm, LinearSegmentedColormap
@@ -73,12 +72,12 @@ class Diagram(Protocol):
 
 def plot_root_locus(
     eigenvalues: ArrayLike | Sequence[HasEigenvalues],
+    *,
     values: ArrayLike,
     ax: Axes | None = None,
-    *,
     label: str = "parameter",
     colorbar: bool = True,
-) -> list[Artist]:
+) -> Axes:
     """Draw how eigenvalues move in the complex plane while a parameter changes.
 
     Branches are followed from value to value by the nearest continuation; the colour is the
@@ -92,7 +91,7 @@ def plot_root_locus(
         colorbar: whether to draw the colour bar.
 
     Returns:
-        The shading, one collection of lines per eigenvalue, and the dots where they start.
+        The axes.
 
     >>> import matplotlib
     >>> matplotlib.use("Agg")
@@ -100,60 +99,61 @@ def plot_root_locus(
     >>> from asperity.plot import plot_root_locus
     >>> damping = np.linspace(-0.5, 0.5, 11)
     >>> roots = [np.roots([1.0, d, 1.0]) for d in damping]
-    >>> len(plot_root_locus(roots, damping, label="damping"))
-    4
+    >>> ax = plot_root_locus(roots, values=damping, label="damping")
+    >>> len(ax.collections)  # one per eigenvalue
+    2
     """
     parameter = arrays.array(values, "values", (None,))
     branches = _branches(_eigenvalues(eigenvalues, len(parameter)))
-    ax = look.axes_or_new(ax)
-    points = np.stack([branches.real, branches.imag], axis=-1)
-    middle = 0.5 * (parameter[1:] + parameter[:-1])
-    lines: list[Artist] = []
-    for branch in points.swapaxes(0, 1):
-        path = LineCollection(
-            np.stack([branch[:-1], branch[1:]], axis=1).tolist(),
-            array=middle,
-            cmap="viridis",
-            linewidths=2.2,
-            capstyle="round",
-        )
-        path.set_clim(parameter.min(), parameter.max())
-        lines.append(ax.add_collection(path))
-    starts = ax.plot(*points[0].T, "o", color=look.INK, markersize=4.0, markerfacecolor="white")
-    ax.autoscale_view()
-    ax.margins(0.06)
-    ax.axvline(0.0, color=look.GREY, linewidth=0.9, zorder=0.9)
-    left, right = ax.get_xlim()
-    reach = max(right, 0.1 * (right - left))
-    unstable = ax.axvspan(0.0, reach, color=look.ORANGE, alpha=0.07, linewidth=0.0)
-    ax.set_xlim(left, reach)
-    ax.set_xlabel(r"Re $\Lambda$ in 1/s")
-    ax.set_ylabel(r"Im $\Lambda$ in 1/s")
-    if colorbar:
-        _colorbar(ax, lines[0], label)
-    return [unstable, *lines, *starts]
+    with look.drawing(ax) as ax:
+        points = np.stack([branches.real, branches.imag], axis=-1)
+        middle = 0.5 * (parameter[1:] + parameter[:-1])
+        lines = []
+        for branch in points.swapaxes(0, 1):
+            path = LineCollection(
+                np.stack([branch[:-1], branch[1:]], axis=1).tolist(),
+                array=middle,
+                cmap="viridis",
+                linewidths=2.2,
+                capstyle="round",
+            )
+            path.set_clim(parameter.min(), parameter.max())
+            lines.append(ax.add_collection(path))
+        ax.plot(*points[0].T, "o", color=look.INK, markersize=4.0, markerfacecolor="white")
+        ax.autoscale_view()
+        ax.margins(0.06)
+        ax.axvline(0.0, color=look.GREY, linewidth=0.9, zorder=0.9)
+        left, right = ax.get_xlim()
+        reach = max(right, 0.1 * (right - left))
+        ax.axvspan(0.0, reach, color=look.ORANGE, alpha=0.07, linewidth=0.0)
+        ax.set_xlim(left, reach)
+        ax.set_xlabel(r"Re $\Lambda$ in 1/s")
+        ax.set_ylabel(r"Im $\Lambda$ in 1/s")
+        if colorbar:
+            _colorbar(ax, lines[0], label)
+        return ax
 
 
 def plot_growth_chart(
+    growth: ArrayLike,
+    *,
     x: ArrayLike,
     y: ArrayLike,
-    growth: ArrayLike,
     ax: Axes | None = None,
-    *,
     tolerance: float = 1e-6,
     limit: float | None = None,
     border: bool = True,
     colorbar: bool = True,
-) -> list[Artist]:
+) -> Axes:
     """Draw growth rates over two parameters; the border of instability is a line.
 
     White means neither growth nor decay.
 
     Args:
-        x: values of the first parameter, shape ``(n_x,)``.
-        y: values of the second, shape ``(n_y,)``.
         growth: largest real parts of the eigenvalues in 1/s, shape ``(n_x, n_y)``, as of
             `asperity.growth_chart`; NaN where there is no equilibrium.
+        x: values of the first parameter, shape ``(n_x,)``.
+        y: values of the second, shape ``(n_y,)``.
         ax: axes; default new ones.
         tolerance: growth rate in 1/s up to which a system counts as neutral.
         limit: growth rate in 1/s of the darkest colours; default the largest magnitude.
@@ -162,14 +162,14 @@ def plot_growth_chart(
         colorbar: whether to draw the colour bar.
 
     Returns:
-        The coloured mesh, and the border if there is one.
+        The axes.
 
     >>> import matplotlib
     >>> matplotlib.use("Agg")
     >>> import numpy as np
     >>> from asperity.plot import plot_growth_chart
     >>> mu, damping = np.linspace(0.0, 1.0, 30), np.linspace(0.0, 0.5, 20)
-    >>> mesh, border = plot_growth_chart(mu, damping, mu[:, None] - damping)
+    >>> ax = plot_growth_chart(mu[:, None] - damping, x=mu, y=damping)
     """
     first, second = (arrays.array(values, name, (None,)) for values, name in ((x, "x"), (y, "y")))
     for values, name in ((first, "x"), (second, "y")):
@@ -181,33 +181,31 @@ def plot_growth_chart(
     level = arrays.positive(tolerance, "tolerance")
     largest = float(np.nanmax(np.abs(rates), initial=level))
     scale = CenteredNorm(halfrange=largest if limit is None else arrays.positive(limit, "limit"))
-    ax = look.axes_or_new(ax)
-    mesh = ax.pcolormesh(
-        first,
-        second,
-        rates.T,
-        cmap=_DECAY_TO_GROWTH,
-        norm=scale,
-        shading="nearest",
-        rasterized=True,
-    )
-    ax.set_facecolor("#EDEDED")
-    ax.grid(False)
-    artists: list[Artist] = [mesh]
-    # Lines need two values of each parameter; without growth anywhere there is no border.
-    grows, rests = bool((rates > level).any()), bool((rates <= level).any())
-    if border and grows and rests and min(rates.shape) > 1:
-        line = ax.contour(first, second, rates.T, [level], colors=look.INK, linewidths=1.2)
-        artists.append(line)
-    if colorbar:
-        beyond = limit is not None and limit < largest
-        _colorbar(ax, mesh, "growth rate in 1/s", extend="both" if beyond else "neither")
-    return artists
+    with look.drawing(ax) as ax:
+        mesh = ax.pcolormesh(
+            first,
+            second,
+            rates.T,
+            cmap=_DECAY_TO_GROWTH,
+            norm=scale,
+            shading="nearest",
+            rasterized=True,
+        )
+        ax.set_facecolor("#EDEDED")
+        ax.grid(False)
+        # Lines need two values of each parameter; without growth anywhere there is no border.
+        grows, rests = bool((rates > level).any()), bool((rates <= level).any())
+        if border and grows and rests and min(rates.shape) > 1:
+            ax.contour(first, second, rates.T, [level], colors=look.INK, linewidths=1.2)
+        if colorbar:
+            beyond = limit is not None and limit < largest
+            _colorbar(ax, mesh, "growth rate in 1/s", extend="both" if beyond else "neither")
+        return ax
 
 
 def plot_bifurcation(
-    diagram: Diagram, ax: Axes | None = None, *, coordinate: int = 0, legend: bool = True
-) -> list[Artist]:
+    diagram: Diagram, *, ax: Axes | None = None, coordinate: int = 0, legend: bool = True
+) -> Axes:
     """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
 
     Stable equilibria and cycles are solid, neutral equilibria broken, unstable ones dotted.
@@ -220,8 +218,7 @@ def plot_bifurcation(
         legend: whether to add a legend.
 
     Returns:
-        The filling between least and greatest coordinate of the cycles with both lines, if there
-        are cycles, then one line per kind of equilibrium that occurs.
+        The axes.
     """
     if not all(hasattr(diagram, name) for name in ("values", "equilibria", "kinds")):
         raise ParameterError("diagram", f"must be a BifurcationDiagram, got {diagram!r}")
@@ -232,29 +229,28 @@ def plot_bifurcation(
         raise DimensionError(
             "coordinate", f"must be below {diagram.equilibria.shape[1]}, got {coordinate}"
         )
-    ax, values = look.axes_or_new(ax), diagram.values
-    lower, upper = diagram.cycle_minima[:, number], diagram.cycle_maxima[:, number]
-    artists: list[Artist] = []
-    if np.isfinite(lower).any():
-        filling: dict[str, Any] = {"color": look.ORANGE, "alpha": 0.15, "linewidth": 0.0}
-        artists.append(ax.fill_between(values, lower, upper, **filling))
-        artists += _cycle_lines(ax, diagram, lower, upper)
-    rest = diagram.equilibria[:, number]
-    for kind, options in _KINDS.items():
-        shown = _with_next(np.array([found == kind for found in diagram.kinds]))
-        if shown.any():
-            artists += ax.plot(values, np.where(shown, rest, np.nan), color=look.BLUE, **options)
-    ax.margins(x=0.0)
-    ax.set_xlabel(diagram.parameter)
-    ax.set_ylabel(f"$q_{number + 1}$ in m")
-    if legend:
-        ax.legend(frameon=False)
-    return artists
+    values = diagram.values
+    with look.drawing(ax) as ax:
+        lower, upper = diagram.cycle_minima[:, number], diagram.cycle_maxima[:, number]
+        if np.isfinite(lower).any():
+            filling: dict[str, Any] = {"color": look.ORANGE, "alpha": 0.15, "linewidth": 0.0}
+            ax.fill_between(values, lower, upper, **filling)
+            _cycle_lines(ax, diagram, lower, upper)
+        rest = diagram.equilibria[:, number]
+        for kind, options in _KINDS.items():
+            shown = _with_next(np.array([found == kind for found in diagram.kinds]))
+            if shown.any():
+                ax.plot(values, np.where(shown, rest, np.nan), color=look.BLUE, **options)
+        ax.margins(x=0.0)
+        ax.set_xlabel(diagram.parameter)
+        ax.set_ylabel(f"$q_{number + 1}$ in m")
+        if legend:
+            ax.legend()
+        return ax
 
 
-def _cycle_lines(ax: Axes, diagram: Diagram, lower: Array, upper: Array) -> list[Artist]:
+def _cycle_lines(ax: Axes, diagram: Diagram, lower: Array, upper: Array) -> None:
     """Draw extremes of cycles, solid where stable and dotted where not."""
-    lines: list[Artist] = []
     for kind, style in (("stable", "-"), ("unstable", ":")):
         own = (diagram.cycle_stable == (kind == "stable")) & np.isfinite(lower)
         shown = _with_next(own)
@@ -262,8 +258,7 @@ def _cycle_lines(ax: Axes, diagram: Diagram, lower: Array, upper: Array) -> list
             drawn = np.where(shown, values, np.nan)
             if np.isfinite(drawn).any():
                 options: dict[str, Any] = {"color": look.ORANGE, "linestyle": style}
-                lines += ax.plot(diagram.values, drawn, label=label, **options)
-    return lines
+                ax.plot(diagram.values, drawn, label=label, **options)
 
 
 def _eigenvalues(given: Any, n: int) -> _Complex:
@@ -302,6 +297,5 @@ def _with_next(shown: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _colorbar(ax: Axes, mappable: Any, label: str, extend: str = "neither") -> None:
-    with look.style():
-        bar = ax.figure.colorbar(mappable, ax=ax, label=label, extend=extend)
-        bar.outline.set_visible(False)
+    bar = ax.figure.colorbar(mappable, ax=ax, label=label, extend=extend)
+    bar.outline.set_visible(False)

@@ -60,13 +60,13 @@ def stack(
     80
     """
     scene = scenes.stack(boxes)
-    return scene.problem(law, force=scene.pushed(-1, push), dt=dt, gravity=gravity)
+    return scene.problem(law, force=scene.pushed(-1, push=push), dt=dt, gravity=gravity)
 
 
 def wall(
     rows: int,
-    columns: int,
     *,
+    columns: int,
     push: float = 0.0,
     law: Laws = None,
     dt: float = 0.01,
@@ -85,11 +85,11 @@ def wall(
         gravity: in m/s².
 
     >>> from asperity import problems
-    >>> len(problems.wall(4, 3, push=1.0).laws)
+    >>> len(problems.wall(4, columns=3, push=1.0).laws)
     84
     """
-    scene = scenes.wall(rows, columns)
-    force = scene.pushed(len(scene.mass) // 2, push)
+    scene = scenes.wall(rows, columns=columns)
+    force = scene.pushed(len(scene.mass) // 2, push=push)
     return scene.problem(law, force=force, dt=dt, gravity=gravity)
 
 
@@ -118,7 +118,7 @@ def table(
     (6, 12)
     """
     scene = scenes.table(feet)
-    return scene.problem(law, force=scene.pushed(0, push), dt=dt, gravity=gravity)
+    return scene.problem(law, force=scene.pushed(0, push=push), dt=dt, gravity=gravity)
 
 
 def arch(
@@ -140,14 +140,14 @@ def arch(
     40
     """
     scene = scenes.arch(blocks)
-    force = scene.pushed(len(scene.mass) // 2, push)
+    force = scene.pushed(len(scene.mass) // 2, push=push)
     return scene.problem(law, force=force, dt=dt, gravity=gravity)
 
 
 def columns(
     n_columns: int,
-    height: int,
     *,
+    height: int,
     touching: bool = True,
     speed: float = 0.1,
     normal_restitution: ArrayLike = 0.0,
@@ -170,10 +170,10 @@ def columns(
         seed: of the random numbers; the same seed gives the same problem.
 
     >>> from asperity import problems
-    >>> len(problems.columns(9, 10).laws)
+    >>> len(problems.columns(9, height=10).laws)
     210
     """
-    scene = scenes.columns(n_columns, height, touching=touching)
+    scene = scenes.columns(n_columns, height=height, touching=touching)
     velocity = _random(scene, speed, seed)
     return scene.problem(
         law, velocity=velocity, dt=dt, gravity=gravity, normal_restitution=normal_restitution

@@ -55,4 +55,6 @@ def sliders(
         blocks = 0.5 * (blocks + np.swapaxes(blocks, 1, 2))
         places = np.arange(count)
         mass = csr_array(bsr_array((blocks, places, np.arange(count + 1))))
-    return ContactProblem.from_bodies(mass, directions, free.ravel(), plane_laws(law, count))
+    return ContactProblem.from_bodies(
+        mass, directions=directions, free_velocity=free.ravel(), laws=plane_laws(law, count)
+    )

@@ -155,14 +155,14 @@ class Scene(Value):
         motion = self.free_motion(force=force, velocity=velocity, dt=dt, gravity=gravity)
         return ContactProblem.from_bodies(
             self.mass_matrix,
-            self.directions,
-            self.directions.T @ motion,
-            laws,
+            directions=self.directions,
+            free_velocity=self.directions.T @ motion,
+            laws=laws,
             normal_restitution=normal_restitution,
             initial_velocity=self.directions.T @ self._velocity(velocity).ravel(),
         )
 
-    def pushed(self, body: int, push: float) -> Array:
+    def pushed(self, body: int, *, push: float) -> Array:
         """Return forces that push one body along x with `push` in N, shape ``(bodies, 3)``."""
         force = np.zeros((len(self.mass), 3))
         # The last body is −1, as in a list.

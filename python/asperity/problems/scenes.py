@@ -42,7 +42,7 @@ def stack(boxes: int, *, half_sizes: ArrayLike = (0.5, 0.5, 0.5), mass: float = 
 
 
 def wall(
-    rows: int, columns: int, *, half_sizes: ArrayLike = (1.0, 0.5, 0.5), mass: float = 1.0
+    rows: int, *, columns: int, half_sizes: ArrayLike = (1.0, 0.5, 0.5), mass: float = 1.0
 ) -> Scene:
     """Return a wall in running bond, straight at both ends by half bricks in every other row.
 
@@ -56,7 +56,7 @@ def wall(
         mass: of a whole brick in kg.
 
     >>> from asperity.problems import scenes
-    >>> wall = scenes.wall(4, 3)
+    >>> wall = scenes.wall(4, columns=3)
     >>> len(wall.mass), len(wall.point)
     (14, 84)
     """
@@ -188,8 +188,8 @@ def _voussoir(inner: float, outer: float, half: float, centroid: float) -> tuple
 
 def columns(
     n_columns: int,
-    height: int,
     *,
+    height: int,
     touching: bool = True,
     radius: float = 0.5,
     mass: float = 1.0,
@@ -207,7 +207,10 @@ def columns(
         mass: of each sphere in kg.
 
     >>> from asperity.problems import scenes
-    >>> len(scenes.columns(4, 3).point), len(scenes.columns(4, 3, touching=False).point)
+    >>> (
+    ...     len(scenes.columns(4, height=3).point),
+    ...     len(scenes.columns(4, height=3, touching=False).point),
+    ... )
     (24, 12)
     """
     count, tall = arrays.count(n_columns, "n_columns"), arrays.count(height, "height")

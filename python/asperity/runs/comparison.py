@@ -179,7 +179,8 @@ def compare_path(
     >>> from asperity import FrictionLaw, SlidingPoint, compare_path, simulate
     >>> options = {"dt": 1e-4, "t_end": 1.0, "u0": [1.0, 0.0], "until_rest": True}
     >>> first, second = (
-    ...     simulate(SlidingPoint(1.0, FrictionLaw.isotropic(mu)), **options) for mu in (0.5, 0.4)
+    ...     simulate(SlidingPoint(1.0, law=FrictionLaw.isotropic(mu)), **options)
+    ...     for mu in (0.5, 0.4)
     ... )
     >>> round(1e3 * compare_path(first, second).end_distance, 2)  # mm
     25.48

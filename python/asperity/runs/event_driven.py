@@ -17,6 +17,7 @@ from asperity.errors import (
 from asperity.runs.motion import Event, Motion, Section
 from asperity.runs.time_stepping import Model, initial_state, raise_with, without_solution
 from asperity.status import Outcome, Status
+from asperity.system.rigid import plane_motion
 
 _ENDS = {
     "finished": Outcome.FINISHED,
@@ -78,13 +79,13 @@ def integrate(
     comes next, by the rule of selection of `simulate`. What `simulate` converges to for Δt → 0.
 
     Args:
-        system: a system with as many coordinates as velocities, or `RigidBodies`; the direction
-            sets of its laws must be strictly convex.
+        system: a system with as many coordinates as velocities but for ``rotations``; the
+            direction sets of its laws must be strictly convex.
         t_end: end time in s. Of a force that jumps there the limit from the left counts. What is
             short is told by it: events in its last 2e-14 are not looked for, and the integration
             gives up where 2000 steps, made or rejected, do not pass 1e-10 of it.
         q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
-            Quaternions are normalised.
+            Quaternions are normalised, and no rotation by default.
         u0: initial velocities, shape ``(n,)``; default likewise. At the beginning gaps below
             2.2e-16 m and velocities below 2.2e-16 m/s count as none: choose units in which the
             motion is larger.
@@ -112,7 +113,7 @@ def integrate(
     Reference: [HairerWanner1996] IV.5, IV.8; [WL19] §4.3, Fig. 17; [LeineNijmeijer2004] ch. 8.
 
     >>> from asperity import FrictionLaw, SlidingPoint, integrate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> motion = integrate(block, t_end=1.0, u0=[2.0, 0.0])
     >>> [(event.kind, round(event.time, 12)) for event in motion.events]
     [(EventKind.STICK, 0.4)]
@@ -129,10 +130,13 @@ def integrate(
         raise ParameterError("section", f"must be a Section or None, got {section!r}")
     if progress is not None and not callable(progress):
         raise ParameterError("progress", f"must be None or a function, got {progress!r}")
+    t_end = arrays.positive(t_end, "t_end")
+    start = initial_state(system, q0, u0)
+    plane_motion.check_rates(system, 0.0, t_end)
     run, exception = _core.integrate(
         system._core,
-        arrays.positive(t_end, "t_end"),
-        *initial_state(system, q0, u0),
+        t_end,
+        *start,
         arrays.positive(tolerance, "tolerance"),
         None if dt is None else arrays.positive(dt, "dt"),
         None if max_step is None else arrays.positive(max_step, "max_step"),

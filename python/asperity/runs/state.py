@@ -40,7 +40,7 @@ class State(Value):
             velocities. `simulate` refuses those of other velocities.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> first = simulate(block, dt=0.01, t_end=0.2, u0=[2.0, 0.0])
     >>> second = simulate(block, dt=0.01, t_end=0.3, start=first)
     >>> whole = simulate(block, dt=0.01, t_end=0.3, u0=[2.0, 0.0])

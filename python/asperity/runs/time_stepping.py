@@ -27,7 +27,8 @@ from asperity.runs.state import State
 from asperity.runs.trajectory import Trajectory
 from asperity.solvers import Solver, chosen
 from asperity.status import Status
-from asperity.system.rigid import RigidBodies
+from asperity.system.custom import System
+from asperity.system.rigid import RigidBodies, plane_motion
 
 Progress = Callable[[int, int], object]
 
@@ -107,7 +108,7 @@ def simulate(
     Reference: [WL19] (19)–(22).
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> path = simulate(block, dt=0.01, t_end=1.0, u0=[2.0, 0.0], save_every=20)
     >>> path.u[:, 0].round(9).tolist()
     [2.0, 1.0, 0.0, 0.0, 0.0, 0.0]
@@ -126,6 +127,7 @@ def simulate(
         raise ParameterError("start", "excludes q0 and u0")
     steps = _steps_from(state, dt, t_end)
     _check_clock(state, dt, steps)
+    plane_motion.check_rates(system, state.t, t_end)
     with _reporter(progress, steps) as report:
         run, exception = _core.simulate(
             system._core,
@@ -211,11 +213,10 @@ def initial_state(system: Model, q0: ArrayLike | None, u0: ArrayLike | None) -> 
         q, u = system.q0, system.u0
     else:
         q = u = np.zeros(system.dof)
-        coordinates = getattr(system, "coordinates", None)
-        if coordinates is not None:
-            if q0 is None:
+        if isinstance(system, System):
+            q = system._origin()
+            if q0 is None and system.coordinates is not None:
                 raise ParameterError("q0", "must be given where a system has its own coordinates")
-            q = np.zeros(coordinates)
     return (
         arrays.array(q if q0 is None else q0, "q0", q.shape),
         arrays.array(u if u0 is None else u0, "u0", u.shape),
@@ -271,8 +272,8 @@ def without_solution(found: dict[str, Any] | None, system: Model) -> dict[str, A
         # Factors of the speed are in the operator.
         problem = ContactProblem(
             found["delassus"],
-            found["free_velocity"],
-            [law.replace(rate=None) for law in laws if law is not None],
+            free_velocity=found["free_velocity"],
+            laws=[law.replace(rate=None) for law in laws if law is not None],
             normal_force=found["normal_force"],
         )
     return {"infeasibility": infeasibility(found["infeasibility"]), "problem": problem}

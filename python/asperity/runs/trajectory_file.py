@@ -124,9 +124,6 @@ def _check_shapes(fields: Mapping[str, NDArray[Any]]) -> None:
             raise DimensionError(name, f"must have shape {wanted}, has {fields[name].shape}")
     if not lengths["t"]:
         raise DimensionError("t", "must hold a sample")
-    # Bodies in space have 7 coordinates and 6 velocities, others as many of both.
-    if lengths["q"] != lengths["u"] and 6 * lengths["q"] != 7 * lengths["u"]:
-        raise DimensionError("u", f"must fit {lengths['q']} coordinates, has {lengths['u']}")
     if lengths["contact"] and not 1 <= lengths["p"] <= 3:
         raise DimensionError("slip", f"must have 1 to 3 components, has {lengths['p']}")
 

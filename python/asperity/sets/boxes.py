@@ -81,7 +81,7 @@ class Rectangle(TurnedSet):
     3.0
     """
 
-    def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
+    def __init__(self, a: float, b: float, *, angle: float = 0.0) -> None:
         a, b = arrays.size(a, "a"), arrays.size(b, "b")
         upright = _core.Set.cuboid(np.array([-a, -b]), np.array([a, b]))
         self._set_angled(upright, angle, a=a, b=b)
@@ -109,7 +109,7 @@ class CappedRectangle(TurnedSet):
 
     cap: float
 
-    def __init__(self, a: float, b: float, cap: float, angle: float = 0.0) -> None:
+    def __init__(self, a: float, b: float, *, cap: float, angle: float = 0.0) -> None:
         a, b = arrays.size(a, "a"), arrays.size(b, "b")
         cap = arrays.size(cap, "cap")
         upright = _core.Set.capped_rectangle(a, b, cap)

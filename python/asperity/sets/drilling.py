@@ -33,7 +33,7 @@ class CoulombContensou(StarSet):
     mu: float
     pressure: Pressure
 
-    def __init__(self, mu: float, pressure: Pressure = "hertz") -> None:
+    def __init__(self, mu: float, *, pressure: Pressure = "hertz") -> None:
         mu = arrays.positive(mu, "mu")
         pressure = arrays.choice(pressure, "pressure", ("hertz", "uniform"))
         self._set_core(_core.Set.coulomb_contensou(mu, pressure), mu=mu, pressure=pressure)

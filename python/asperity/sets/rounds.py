@@ -85,7 +85,7 @@ class Ellipse(TurnedSet):
     [0.0, 1.0]
     """
 
-    def __init__(self, a: float, b: float, angle: float = 0.0) -> None:
+    def __init__(self, a: float, b: float, *, angle: float = 0.0) -> None:
         a, b = arrays.size(a, "a"), arrays.size(b, "b")
         upright = _core.Set.ellipsoid(np.array([a, b]))
         self._set_angled(upright, angle, a=a, b=b)
@@ -109,11 +109,10 @@ class Ellipse(TurnedSet):
         >>> ellipse.gauge([[2.0, 0.0], [0.0, 1.0]]).round(12).tolist()
         [1.0, 1.0]
         """
-        return cls(
-            *_core.Set.ellipse_from_intercepts(
-                arrays.positive(n1, "n1"), arrays.positive(n2, "n2"), arrays.number(nu, "nu")
-            )
+        a, b, angle = _core.Set.ellipse_from_intercepts(
+            arrays.positive(n1, "n1"), arrays.positive(n2, "n2"), arrays.number(nu, "nu")
         )
+        return cls(a, b, angle=angle)
 
 
 class Ellipsoid(StarSet):
@@ -163,7 +162,7 @@ class Superellipse(TurnedSet):
 
     exponent: float
 
-    def __init__(self, a: float, b: float, exponent: float, angle: float = 0.0) -> None:
+    def __init__(self, a: float, b: float, exponent: float, *, angle: float = 0.0) -> None:
         a, b = arrays.size(a, "a"), arrays.size(b, "b")
         exponent = arrays.positive(exponent, "exponent")
         upright = _core.Set.superellipsoid(np.array([a, b]), exponent)

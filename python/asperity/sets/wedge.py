@@ -25,7 +25,7 @@ class WedgeAsperity(AngledSet):
 
     >>> import math
     >>> from asperity import WedgeAsperity
-    >>> surface = WedgeAsperity(1.2, math.radians(36.0))
+    >>> surface = WedgeAsperity(1.2, beta=math.radians(36.0))
     >>> surface.radius([0.0, math.pi / 2]).round(9).tolist()
     [7.64327641, 1.483281573]
     >>> bool(surface.is_convex)
@@ -35,6 +35,6 @@ class WedgeAsperity(AngledSet):
     mu: float
     beta: float
 
-    def __init__(self, mu: float, beta: float, angle: float = 0.0) -> None:
+    def __init__(self, mu: float, *, beta: float, angle: float = 0.0) -> None:
         mu, beta = arrays.positive(mu, "mu"), arrays.non_negative(beta, "beta")
         self._set_angled(_core.Set.wedge_asperity(mu, beta), angle, mu=mu, beta=beta)

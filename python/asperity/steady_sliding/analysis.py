@@ -186,7 +186,7 @@ class Stability:
 
 
 def stability(
-    system: Model, equilibrium: Equilibrium | None = None, *, step: float = STEP
+    system: Model, *, equilibrium: Equilibrium | None = None, step: float = STEP
 ) -> Stability:
     """Linearise a system about steady sliding and judge by the eigenvalues.
 
@@ -211,7 +211,7 @@ def stability(
     >>> import math
     >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, stability
     >>> law = FrictionLaw(Ellipse(30.0, 10.0, angle=math.pi / 6), Ellipse(3.0, 1.0))
-    >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
+    >>> belt = MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
     >>> stability(belt).kind
     'neutral'
     >>> found = stability(belt.replace(belt_velocity=[math.cos(0.9), math.sin(0.9)]))

@@ -16,7 +16,7 @@ from asperity.system import MassOnBelt
 _EVEN, _NOTHING, _CLEAR = 1e3, 1e-13, 1e-6
 
 
-def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> Array:
+def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -> Array:
     """Return growth rates of a mass on a belt over the belt's direction and the rotation of C.
 
     Args:
@@ -39,8 +39,8 @@ def growth_chart(system: MassOnBelt, phi: ArrayLike, zeta: ArrayLike = 0.0) -> A
     >>> import math
     >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, growth_chart
     >>> law = FrictionLaw(Ellipse(3.0, 1.0), Ellipse(3.0, 1.0))
-    >>> belt = MassOnBelt(1.0, 1.0, law, 1.0, [1.0, 0.0])
-    >>> (growth_chart(belt, math.radians(50.0), [0.0, math.radians(30.0)]) > 0.0).tolist()
+    >>> belt = MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
+    >>> (growth_chart(belt, phi=math.radians(50.0), zeta=[0.0, math.radians(30.0)]) > 0.0).tolist()
     [False, True]
     """
     if not isinstance(system, MassOnBelt):

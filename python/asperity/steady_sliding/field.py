@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity import _core
-from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
-from asperity.runs.time_stepping import Model
+from asperity.runs.time_stepping import Model, initial_state
 from asperity.system import LinearSystem, MassOnBelt, RigidBodies, SlidingPoint, System
 
 # Largest of the steps with which differences are taken, in m, rad, m/s or rad/s, and their number.
@@ -118,8 +117,7 @@ def start(system: Model, q0: ArrayLike | None) -> Array:
     """Return coordinates to start from."""
     if not isinstance(system, Model):
         raise ParameterError("system", f"must be a system such as MassOnBelt, got {system!r}")
-    q = system.q0 if isinstance(system, RigidBodies) else np.zeros(system.dof)
-    q = arrays.array(q if q0 is None else q0, "q0", q.shape)
+    q = initial_state(system, q0, None)[0]
     if isinstance(system, System):
         _check_autonomous(system, q)
     if isinstance(system, RigidBodies) and system.depends_on_time:
@@ -134,7 +132,7 @@ def start(system: Model, q0: ArrayLike | None) -> Array:
 def _check_autonomous(system: System, q: Array) -> None:
     """Compare forces and contacts at some times, at rest and in motion beside q."""
     aside = STEP * np.cos(np.arange(1.0, system.dof + 1.0))
-    for x, u in ((q, 0.0 * aside), (q + aside, aside)):
+    for x, u in ((q, 0.0 * aside), (_core.advance(system._core, q, aside, 1.0), aside)):
         first, *others = (_core.evaluate(system._core, t, x, u) for t in (0.0, *_TIMES))
         for t, other in zip(_TIMES, others, strict=True):
             for a, b in zip([first, *first["contacts"]], [other, *other["contacts"]], strict=True):

@@ -18,6 +18,7 @@ _SAME = 1e-6
 def incremental_distance(
     run_a: Run,
     run_b: Run,
+    *,
     system: LinearSystem | MassOnBelt | SlidingPoint,
 ) -> tuple[Array, Array]:
     """Return V = ½ Δuᵀ M Δu + ½ Δqᵀ K Δq of two motions at the times that both have.
@@ -45,7 +46,13 @@ def incremental_distance(
     Reference: [WL19] Thm. 1.
 
     >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, incremental_distance, simulate
-    >>> belt = MassOnBelt(1.0, 1.0, FrictionLaw.associated(Ellipse(3.0, 1.0)), 1.0, [1.0, 1.0])
+    >>> belt = MassOnBelt(
+    ...     1.0,
+    ...     stiffness=1.0,
+    ...     law=FrictionLaw.associated(Ellipse(3.0, 1.0)),
+    ...     normal_force=1.0,
+    ...     belt_velocity=[1.0, 1.0],
+    ... )
     >>> runs = [simulate(belt, dt=0.01, t_end=5.0, q0=q0) for q0 in ([0.0, 0.0], [1.0, -1.0])]
     >>> t, V = incremental_distance(*runs, belt)
     >>> bool(V[-1] < V[0]), round(float(V[0]), 6)

@@ -93,7 +93,13 @@ def equilibrium(
     Reference: [WL19] §4.1, (77).
 
     >>> from asperity import FrictionLaw, MassOnBelt, equilibrium
-    >>> belt = MassOnBelt(1.0, 2.0, FrictionLaw.isotropic(0.5), 10.0, [1.0, 0.0])
+    >>> belt = MassOnBelt(
+    ...     1.0,
+    ...     stiffness=2.0,
+    ...     law=FrictionLaw.isotropic(0.5),
+    ...     normal_force=10.0,
+    ...     belt_velocity=[1.0, 0.0],
+    ... )
     >>> equilibrium(belt).q.round(12).tolist()
     [2.5, 0.0]
     """

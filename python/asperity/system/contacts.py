@@ -78,7 +78,9 @@ class Contact(Value):
     Reference: [WL19] (23), with +χ.
 
     >>> from asperity import Contact, FrictionLaw
-    >>> Contact(FrictionLaw.isotropic(0.3, dimension=1), [1.0, 0.0], normal_force=2.0).direction
+    >>> Contact(
+    ...     FrictionLaw.isotropic(0.3, dimension=1), direction=[1.0, 0.0], normal_force=2.0
+    ... ).direction
     array([[1.],
            [0.]])
     """
@@ -96,8 +98,8 @@ class Contact(Value):
     def __init__(
         self,
         law: FrictionLaw,
-        direction: ArrayLike,
         *,
+        direction: ArrayLike,
         normal_force: float | None = None,
         normal: ArrayLike | None = None,
         gap: float = 0.0,

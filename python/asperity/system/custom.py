@@ -36,8 +36,15 @@ class System:
     contact sees; `direction` and `normal` have the velocities of these parts only, one part after
     the other. A step then costs in proportion to the number of parts and contacts.
 
-    Where velocities are not the rates of the coordinates, as of rotations in space, `advance` moves
-    the coordinates, and ``coordinates`` is their number if it is not ``dof``. Such systems are for
+    Bodies that turn in space are announced by ``rotations``, the number of the first of the three
+    velocities of each: those are the angular velocity Ω in the body's axes. Among the coordinates
+    the unit quaternion (w, x, y, z) that turns the body's axes to the world's stands in their
+    place, so that there is one coordinate more for each; it turns by R exp(Δt Ω). A body with the
+    velocities (v, Ω) has ``dof = 6``, ``rotations = (3,)`` and the coordinates (x, quaternion);
+    its forces hold the gyroscopic torque J Ω × Ω.
+
+    Where velocities are not the rates of the coordinates in another way, `advance` moves the
+    coordinates, and ``coordinates`` is their number if it is not ``dof``. Such systems are for
     `simulate` and `stability`; `integrate` refuses them.
 
     ``coordinate_names`` and ``coordinate_units``, one text per coordinate, are what tables and
@@ -66,6 +73,7 @@ class System:
     dof: int
     contacts: Sequence[ContactLaw] = ()
     blocks: Sequence[int] | None = None
+    rotations: Sequence[int] = ()
     coordinates: int | None = None
     coordinate_names: Sequence[str] | None = None
     coordinate_units: Sequence[str] | None = None
@@ -150,6 +158,7 @@ class System:
         for name in needed:
             _require(cls, name)
         blocks, touched = self._blocks(len(listed))
+        rotations = self._rotations(sum(blocks))
         coordinates = self.coordinates
         if coordinates is not None:
             coordinates = arrays.count(coordinates, "coordinates")
@@ -158,7 +167,7 @@ class System:
             coordinates = sum(blocks)
         constant = (bool(self.constant_mass), bool(self.constant_contacts))
         data = [contact._core_data() for contact in listed]
-        return _core.CallbackSystem(self, blocks, touched, coordinates, constant, data)
+        return _core.CallbackSystem(self, blocks, touched, rotations, coordinates, constant, data)
 
     @property
     def _advances(self) -> bool:
@@ -171,13 +180,40 @@ class System:
         if self.blocks is None:
             _require(type(self), "mass")
             return [dof], None
-        blocks = [arrays.count(size, "blocks") for size in self.blocks]
+        blocks = _counts(self.blocks, "blocks", 1)
+        if not blocks:
+            raise ParameterError(
+                "blocks", "must have a block, or be None for one of all velocities"
+            )
         if dof != sum(blocks):
             raise ParameterError("dof", f"must be {sum(blocks)}, the sum of blocks, got {dof}")
         _require(type(self), "block_mass")
         if contacts:
             _require(type(self), "touched")
         return blocks, [self._touched(contact, len(blocks)) for contact in range(contacts)]
+
+    def _rotations(self, dof: int) -> list[int]:
+        """Return the first velocities of the rotations."""
+        rotations = _counts(self.rotations, "rotations", 0)
+        ends = [first + 3 for first in rotations]
+        if any(first < end for first, end in zip([*rotations[1:], dof], ends, strict=False)):
+            raise ParameterError(
+                "rotations",
+                f"must be ascending numbers of velocities, each the first of three of the {dof}, "
+                f"got {rotations}",
+            )
+        if rotations and (self._advances or self.coordinates is not None):
+            raise ParameterError(
+                "rotations", "must be left out where a system has its own advance or coordinates"
+            )
+        return rotations
+
+    def _origin(self) -> Array:
+        """Return the coordinates zero, and no rotation."""
+        rotations = self._rotations(self.dof)
+        q = np.zeros(self.coordinates or self.dof + len(rotations))
+        q[[first + k for k, first in enumerate(rotations)]] = 1.0
+        return q
 
     def _touched(self, contact: int, blocks: int) -> list[int]:
         given = self.touched(contact)
@@ -210,6 +246,14 @@ _INTERFACE: dict[str, Callable[..., Any]] = {
         "gap",
     )
 }
+
+
+def _counts(values: Any, argument: str, least: int) -> list[int]:
+    try:
+        listed = list(values)
+    except TypeError:
+        raise ParameterError(argument, f"must be a list of integers, got {values!r:.60}") from None
+    return [arrays.count(value, argument, least) for value in listed]
 
 
 def _expected(name: str) -> str:

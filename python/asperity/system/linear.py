@@ -38,7 +38,9 @@ class LinearSystem(Value):
     Reference: [WL19] §4.1.
 
     >>> from asperity import Contact, FrictionLaw, LinearSystem, simulate
-    >>> friction = Contact(FrictionLaw.isotropic(0.5, dimension=1), [1.0], normal_force=2.0)
+    >>> friction = Contact(
+    ...     FrictionLaw.isotropic(0.5, dimension=1), direction=[1.0], normal_force=2.0
+    ... )
     >>> oscillator = LinearSystem(1.0, stiffness=4.0, contacts=[friction])
     >>> float(simulate(oscillator, dt=0.01, t_end=20.0, q0=[2.0]).u[-1, 0])
     0.0
@@ -58,10 +60,10 @@ class LinearSystem(Value):
     def __init__(
         self,
         mass: ArrayLike,
+        *,
         stiffness: ArrayLike | None = None,
         damping: ArrayLike | None = None,
         force: ArrayLike | None = None,
-        *,
         contacts: Sequence[Contact] = (),
         coordinate_names: Sequence[str] | None = None,
         coordinate_units: Sequence[str] | None = None,

@@ -27,7 +27,7 @@ class SlidingPoint(Value):
     Reference: [WL19] §5.3, Fig. 27.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
-    >>> block = SlidingPoint(0.018, FrictionLaw.isotropic(0.5))
+    >>> block = SlidingPoint(0.018, law=FrictionLaw.isotropic(0.5))
     >>> path = simulate(block, dt=1e-4, t_end=1.0, u0=[1.0, 0.0], until_rest=True)
     >>> round(float(path.q[-1, 0]), 6)  # v²/(2 μ g)
     0.101937
@@ -38,11 +38,11 @@ class SlidingPoint(Value):
     gravity: float
     linear: LinearSystem
 
-    def __init__(self, mass: float, law: FrictionLaw, *, gravity: float = 9.81) -> None:
+    def __init__(self, mass: float, *, law: FrictionLaw, gravity: float = 9.81) -> None:
         mass, gravity = arrays.positive(mass, "mass"), arrays.positive(gravity, "gravity")
         _check_law(law)
         self._set(mass=mass, law=law, gravity=gravity)
-        contact = Contact(law, np.eye(law.dimension), normal_force=mass * gravity)
+        contact = Contact(law, direction=np.eye(law.dimension), normal_force=mass * gravity)
         self._keep(linear=LinearSystem(mass, contacts=[contact], **_lengths(law.dimension)))
 
     @property
@@ -78,7 +78,13 @@ class MassOnBelt(Value):
     Reference: [WL19] §4.3, (76).
 
     >>> from asperity import FrictionLaw, MassOnBelt
-    >>> belt = MassOnBelt(1.0, 2.0, FrictionLaw.isotropic(0.5), 10.0, [1.0, 0.0])
+    >>> belt = MassOnBelt(
+    ...     1.0,
+    ...     stiffness=2.0,
+    ...     law=FrictionLaw.isotropic(0.5),
+    ...     normal_force=10.0,
+    ...     belt_velocity=[1.0, 0.0],
+    ... )
     >>> belt.equilibrium.tolist()
     [2.5, 0.0]
     """
@@ -93,6 +99,7 @@ class MassOnBelt(Value):
     def __init__(
         self,
         mass: float,
+        *,
         stiffness: ArrayLike,
         law: FrictionLaw,
         normal_force: float,
@@ -111,14 +118,16 @@ class MassOnBelt(Value):
             normal_force=normal_force,
             belt_velocity=arrays.read_only(belt),
         )
-        contact = Contact(law, np.eye(p), normal_force=normal_force, velocity=-belt)
-        self._keep(linear=LinearSystem(mass, springs, contacts=[contact], **_lengths(p)))
+        contact = Contact(law, direction=np.eye(p), normal_force=normal_force, velocity=-belt)
+        self._keep(
+            linear=LinearSystem(mass, stiffness=springs, contacts=[contact], **_lengths(p))
+        )
 
     @property
     def equilibrium(self) -> Array:
         """Sliding equilibrium q_eq = K⁻¹ λ(−v) in m, shape ``(p,)``; [WL19] (77)."""
         try:
-            force = self.law.force(-self.belt_velocity, self.normal_force)
+            force = self.law.force(-self.belt_velocity, normal_force=self.normal_force)
             position = np.linalg.solve(self.stiffness, force)
         except np.linalg.LinAlgError:
             raise ParameterError("stiffness", "must be regular for an equilibrium") from None

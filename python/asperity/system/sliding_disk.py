@@ -119,8 +119,8 @@ class SlidingDisk(RigidBodies):
             raise ParameterError("gravity", f"must press the disk on the plane, got {gravity!r}")
         body = Body.cylinder(
             mass,
-            0.5 * diameter,
-            height,
+            radius=0.5 * diameter,
+            height=height,
             position=(*place, 0.5 * height),
             orientation=(np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)),
             velocity=(*start, 0.0),
@@ -135,10 +135,10 @@ class SlidingDisk(RigidBodies):
         rings = (("pad", PADS), ("lower edge", _EDGE_POINTS), ("upper edge", _EDGE_POINTS))
         names = [f"{ring} {number}" for ring, count in rings for number in range(count)]
         touching = [
-            PointPlane(0, point, Plane(), law, name=name)
+            PointPlane(0, point=point, plane=Plane(), law=law, name=name)
             for point, name in zip(points, names, strict=True)
         ]
-        super().__init__([body], touching, gravity=down)
+        super().__init__([body], pairs=touching, gravity=down)
         self._set(law=law, velocity=start, position=place, **given, gravity=self.gravity)
 
     def path(self, trajectory: Trajectory) -> Array:

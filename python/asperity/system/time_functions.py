@@ -159,7 +159,10 @@ class Sine(Signal):
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import Sine
-    >>> Sine(2.0, 50.0)(0.005).round(12), Sine([1.0, 0.5], 50.0).derivative(0.0).round(3).tolist()
+    >>> (
+    ...     Sine(2.0, frequency=50.0)(0.005).round(12),
+    ...     Sine([1.0, 0.5], frequency=50.0).derivative(0.0).round(3).tolist(),
+    ... )
     (np.float64(2.0), [314.159, 157.08])
     """
 
@@ -171,8 +174,8 @@ class Sine(Signal):
     def __init__(
         self,
         amplitude: ArrayLike,
-        frequency: float,
         *,
+        frequency: float,
         phase: ArrayLike = 0.0,
         offset: ArrayLike = 0.0,
     ) -> None:

@@ -66,7 +66,7 @@ class VirtualCamera(Value):
         seed: of the noise and of the steel's texture.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
-    >>> block = SlidingPoint(0.018, FrictionLaw.isotropic(0.5))
+    >>> block = SlidingPoint(0.018, law=FrictionLaw.isotropic(0.5))
     >>> run = simulate(block, dt=1e-3, t_end=0.1, u0=[0.4, 0.3])
     >>> camera = VirtualCamera(run, fps=100.0, size=(320, 240))
     >>> next(camera.frames()).shape, len(camera)

@@ -104,16 +104,23 @@ class TrackedRecording:
     def _figures(self) -> dict[str, Figure]:
         from matplotlib.figure import Figure
 
-        from asperity.plot import plot_motion, plot_track, style
+        from asperity.plot import plot_history, plot_path, plot_track, style
 
         with style():
             overlay = Figure(figsize=(9.0, 5.5), layout="constrained")
-            ax = overlay.add_subplot()
-            plot_track(self.track, ax, image=self.last)
+            motion = Figure(figsize=(9.0, 4.5), layout="constrained")
+            ax = plot_track(self.track, ax=overlay.add_subplot(), image=self.last)
             ax.set_title(f"{len(self.track)} frames, {1e3 / self.track.fps:.3g} ms apart")
             ax.legend(loc="upper right", labelcolor="white")
-            motion = Figure(figsize=(9.0, 4.5), layout="constrained")
-            plot_motion(self.path, motion)
+            grid = motion.add_gridspec(2, 2)
+            plot_path(self.path, ax=motion.add_subplot(grid[:, 0]))
+            speed = motion.add_subplot(grid[0, 1])
+            plot_history(self.path, quantity="speed", ax=speed)
+            acceleration = motion.add_subplot(grid[1, 1], sharex=speed)
+            plot_history(self.path, quantity="acceleration", ax=acceleration)
+            speed.set_title(
+                f"cubics within ± {1e3 * self.path.bandwidth:.3g} ms, 2 standard errors"
+            )
         return {"overlay": overlay, "motion": motion}
 
 

@@ -184,27 +184,29 @@ class _VideoFrame:
 
 
 def write_video(
-    frames: Iterable[Pixels], path: str | os.PathLike[str], *, quality: int = 12
+    frames: Iterable[Pixels], path: str | os.PathLike[str], *, quality: int = 12, rate: int = 30
 ) -> None:
-    """Write frames as an H.264 video of 30 frames per second, as slow-motion cameras do.
+    """Write frames as an H.264 video, by default of 30 per second, as slow-motion cameras do.
 
     Args:
         frames: arrays ``(rows, columns, 3)`` of uint8, rows and columns even.
         path: of the file, such as ``slow.mp4``.
         quality: constant rate factor; 0 best, 18 good, 51 worst.
+        rate: frames per second at which the video is played.
 
     The file is complete or not there.
     """
     import av
 
     quality = arrays.count(quality, "quality", least=0)
+    rate = arrays.count(rate, "rate")
     # The ending of the name tells the format of the container.
     ending = f".tmp{os.path.splitext(path)[1]}"
     with replaced(path, ending) as temporary, av.open(os.fspath(temporary), "w") as container:
         stream: Any = None
         for pixels in frames:
             if stream is None:
-                stream = container.add_stream("libx264", rate=30, options={"crf": str(quality)})
+                stream = container.add_stream("libx264", rate=rate, options={"crf": str(quality)})
                 stream.height, stream.width = pixels.shape[:2]
                 stream.pix_fmt = "yuv420p"
             frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(pixels), format="rgb24")

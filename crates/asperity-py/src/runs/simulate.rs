@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use asperity::contact::{ContactState, Phase};
-use asperity::simulate::{Options, Outcome, Run, resume};
+use asperity::simulate::{Options, Outcome, Run, simulate as run_core};
 use asperity::stepper::{ContactMemory, State};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyBaseException;
@@ -21,10 +21,18 @@ use crate::systems::any_system::{raised as raised_meanwhile, with_system};
 /// percussions.
 const COLUMNS: usize = 16;
 
+/// How the steps of a run are counted: from which time, how many, and how long they are.
+struct Clock {
+    origin: f64,
+    steps: usize,
+    dt: Option<f64>,
+}
+
 /// The state behind the arrays of one.
 fn state(
-    (origin, steps, dt): (f64, usize, Option<f64>),
-    (q, u): (&Numbers<'_>, &Numbers<'_>),
+    &Clock { origin, steps, dt }: &Clock,
+    q: &Numbers<'_>,
+    u: &Numbers<'_>,
     contacts: &Points<'_>,
     momenta: &Points<'_>,
 ) -> PyResult<State> {
@@ -102,9 +110,10 @@ pub fn simulate<'py>(
     raise_on_failure: bool,
     progress: Option<Py<PyAny>>,
 ) -> Result<(Bound<'py, PyDict>, Option<Py<PyBaseException>>), Failure> {
-    let start = state(clock, (&q0, &u0), &contacts, &momenta)?;
+    let clock = Clock { origin: clock.0, steps: clock.1, dt: clock.2 };
+    let start = state(&clock, &q0, &u0, &contacts, &momenta)?;
     let mut options = Options::new(dt, dt)?.with_steps(steps).with_save_every(save_every);
-    options = options.with_solver(solver.0).with_tolerance(tolerance);
+    options = options.with_state(start).with_solver(solver.0).with_tolerance(tolerance);
     (options.until_rest, options.stop_on_failure) = (until_rest, raise_on_failure);
     let mut raised = None;
     let mut observer = |step: usize, steps: usize| {
@@ -120,9 +129,8 @@ pub fn simulate<'py>(
             ControlFlow::Continue,
         )
     };
-    let Run { trajectory, end, outcome, .. } = with_system(system, |system| {
-        py.detach(|| resume(system, &start, &options, &mut observer))
-    })??;
+    let Run { trajectory, end, outcome, .. } =
+        with_system(system, |system| py.detach(|| run_core(system, &options, &mut observer)))??;
     let (status, failure, error) = match outcome {
         Outcome::Finished => ("finished", None, None),
         Outcome::AtRest => ("at_rest", None, None),

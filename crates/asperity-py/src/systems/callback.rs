@@ -1,6 +1,8 @@
 //! Systems of Python.
 
-use asperity::system::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError};
+use asperity::system::{
+    self, Blocks, Configuration, Constancy, ContactLaw, Rotation, System, SystemError,
+};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,6 +18,7 @@ use crate::errors::Failure;
 pub struct CallbackSystem {
     object: Py<PyAny>,
     blocks: Blocks,
+    rotations: Vec<Rotation>,
     /// Number of coordinates, where the system advances them itself.
     coordinates: Option<usize>,
     /// Whether it announces the blocks that contacts touch; else each touches all velocities, which are one block.
@@ -34,6 +37,7 @@ impl CallbackSystem {
         system: Py<PyAny>,
         blocks: Vec<usize>,
         touched: Option<Vec<Vec<usize>>>,
+        rotations: Vec<usize>,
         coordinates: Option<usize>,
         constant: (bool, bool),
         contacts: Vec<Bound<'_, PyDict>>,
@@ -50,10 +54,14 @@ impl CallbackSystem {
         let (mass, contacts) = constant;
         let constancy = Constancy { mass, contacts };
         let blocks = Blocks::new(blocks);
+        // Every rotation before has one coordinate more than velocities.
+        let rotation = |(k, velocity)| Rotation { coordinate: velocity + k, velocity };
+        let rotations = rotations.into_iter().enumerate().map(rotation).collect();
         let raised = Raised::default();
         Ok(Self {
             object: system,
             blocks,
+            rotations,
             coordinates,
             in_blocks,
             touched,
@@ -113,16 +121,17 @@ impl System for CallbackSystem {
     }
 
     fn coordinates(&self) -> usize {
-        self.coordinates.unwrap_or(self.dof())
+        self.coordinates.unwrap_or(self.dof() + self.rotations.len())
+    }
+
+    fn rotations(&self) -> &[Rotation] {
+        &self.rotations
     }
 
     /// Not a number where the method has raised, which ends the run.
     fn advance(&self, q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
         if self.coordinates.is_none() {
-            for (out, (q, u)) in out.iter_mut().zip(q.iter().zip(u)) {
-                *out = q + dt * u;
-            }
-            return;
+            return system::advance(&self.rotations, q, u, dt, out);
         }
         let arguments = |py: Python<'_>| {
             Ok(vec![array(py, q), array(py, u), dt.into_pyobject(py)?.into_any().unbind()])

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use asperity::ArgumentError;
 use asperity::system::System;
 use asperity::system::rigid::{
     self, Bodies, Body, Frame, Pair, PlanarBody, Plane, PlaneMotion, Shape, Spring,
@@ -260,13 +261,14 @@ impl RigidBodies {
         t: Numbers<'py>,
         q: Points<'py>,
         u: Points<'py>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         let (system, t) = (&self.system, numbers(&t, "t")?);
-        let energy = |(&t, (q, u))| system.kinetic_energy(u) + system.potential_energy(t, q);
-        let energies: Vec<f64> = t.iter().zip(self.states(&q, &u)?).map(energy).collect();
+        let energy = |(&t, (q, u))| Ok(system.kinetic_energy(u)? + system.potential_energy(t, q)?);
+        let energies: Result<Vec<f64>, Failure> =
+            t.iter().zip(self.states(&q, &u)?).map(energy).collect();
         match self.raised() {
-            Some(error) => Err(error),
-            None => Ok(PyArray1::from_vec(py, energies)),
+            Some(error) => Err(error.into()),
+            None => Ok(PyArray1::from_vec(py, energies?)),
         }
     }
 
@@ -274,7 +276,7 @@ impl RigidBodies {
         &self,
         py: Python<'py>,
         u: Points<'py>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
         let momenta = samples(&u, self.system.dof(), "u")?.map(|u| self.system.momentum(u));
         flat(py, momenta)
     }
@@ -285,7 +287,7 @@ impl RigidBodies {
         q: Points<'py>,
         u: Points<'py>,
         about: Numbers<'py>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
         let about = Vector3::from(padded(numbers(&about, "about")?, "about")?);
         let momentum = |(q, u)| self.system.angular_momentum(q, u, &about);
         flat(py, self.states(&q, &u)?.map(momentum))
@@ -297,20 +299,20 @@ impl RigidBodies {
         py: Python<'py>,
         t: Numbers<'py>,
         q: Points<'py>,
-    ) -> PyResult<Geometry<'py>> {
+    ) -> Result<Geometry<'py>, Failure> {
         let (n_t, n_c) = (q.as_array().nrows(), self.system.contacts().len());
         let (mut points, mut axes) = (Vec::new(), Vec::new());
         let states = samples(&q, self.system.coordinates(), "q")?;
         for (&t, q) in numbers(&t, "t")?.iter().zip(states) {
             for contact in 0..n_c {
-                let geometry = self.system.contact_geometry(t, q, contact);
+                let geometry = self.system.contact_geometry(t, q, contact)?;
                 points.extend_from_slice(geometry.point.as_slice());
                 for axis in [geometry.e1, geometry.e2, geometry.normal] {
                     axes.extend_from_slice(axis.as_slice());
                 }
             }
             if let Some(error) = self.raised() {
-                return Err(error);
+                return Err(error.into());
             }
         }
         let points = PyArray1::from_vec(py, points).reshape([n_t, n_c, 3])?;
@@ -350,7 +352,11 @@ fn samples<'a>(
 
 fn flat(
     py: Python<'_>,
-    vectors: impl Iterator<Item = Vector3<f64>>,
-) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    rows(py, vectors.flat_map(|v| [v.x, v.y, v.z]).collect(), 3)
+    vectors: impl Iterator<Item = Result<Vector3<f64>, ArgumentError>>,
+) -> Result<Bound<'_, PyArray2<f64>>, Failure> {
+    let mut entries = Vec::new();
+    for vector in vectors {
+        entries.extend_from_slice(vector?.as_slice());
+    }
+    Ok(rows(py, entries, 3)?)
 }

@@ -37,9 +37,29 @@ pub(crate) fn check_structure(system: &dyn System) -> Result<(), ArgumentError> 
             return refuse("system", message);
         }
     }
-    let outside = |r: &Rotation| r.coordinate + 4 > coordinates || r.velocity + 3 > n;
-    match system.rotations().into_iter().find(outside) {
-        Some(rotation) => refuse("system", format!("must have the coordinates of {rotation:?}")),
-        None => Ok(()),
+    check_rotations(system.rotations(), coordinates, n)
+}
+
+/// Refuses rotations unless between, before and after them there are as many coordinates as velocities.
+fn check_rotations(
+    rotations: &[Rotation],
+    coordinates: usize,
+    velocities: usize,
+) -> Result<(), ArgumentError> {
+    let (mut coordinate, mut velocity) = (0, 0);
+    let end = Rotation { coordinate: coordinates, velocity: velocities };
+    for next in rotations.iter().chain((!rotations.is_empty()).then_some(&end)) {
+        let between = next.coordinate.checked_sub(coordinate);
+        if between.is_none() || between != next.velocity.checked_sub(velocity) {
+            let message = format!(
+                "must have rotations of four coordinates and three velocities each, one after another, and elsewhere \
+                 as many coordinates as velocities; has {coordinates} coordinates, {velocities} velocities and \
+                 {rotations:?}"
+            );
+            return refuse("system", message);
+        }
+        (coordinate, velocity) =
+            (next.coordinate.saturating_add(4), next.velocity.saturating_add(3));
     }
+    Ok(())
 }

@@ -16,9 +16,19 @@ pub(crate) struct MassFactors {
 }
 
 impl MassFactors {
-    /// Factors the mass matrix of these coordinates; false unless it is symmetric positive definite.
-    pub(crate) fn update(&mut self, system: &dyn System, q: &[f64]) -> Result<bool, SystemError> {
+    /// Factors the mass matrix of these coordinates at the time `t`.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::SingularMass`] unless it is symmetric positive definite.
+    pub(crate) fn update(
+        &mut self,
+        system: &dyn System,
+        t: f64,
+        q: &[f64],
+    ) -> Result<(), SystemError> {
         let blocks = system.blocks();
+        let singular = |block| Err(SystemError::SingularMass { block, blocks: blocks.count(), time: t });
         self.reciprocals.resize(blocks.velocities(), 0.0);
         self.cholesky.clear();
         for number in 0..blocks.count() {
@@ -29,7 +39,7 @@ impl MassFactors {
             let entry = |i: usize, j: usize| self.block[n * j + i];
             if (0..n).all(|j| (0..n).all(|i| i == j || entry(i, j) == 0.0)) {
                 if !(0..n).all(|i| entry(i, i) > 0.0 && entry(i, i).is_finite()) {
-                    return Ok(false);
+                    return singular(number);
                 }
                 let reciprocals = self.reciprocals[range].iter_mut();
                 reciprocals.enumerate().for_each(|(i, value)| *value = 1.0 / entry(i, i));
@@ -37,11 +47,11 @@ impl MassFactors {
             }
             let mass = DMatrix::from_column_slice(n, n, &self.block);
             let symmetric = (&mass - mass.transpose()).amax() <= 1e-12 * mass.amax();
-            let Some(factor) = mass.cholesky().filter(|_| symmetric) else { return Ok(false) };
+            let Some(factor) = mass.cholesky().filter(|_| symmetric) else { return singular(number) };
             self.cholesky.resize(blocks.count(), None);
             self.cholesky[number] = Some(factor);
         }
-        Ok(true)
+        Ok(())
     }
 
     /// `values ← M⁻¹ values` for one block.

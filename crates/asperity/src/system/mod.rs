@@ -4,6 +4,7 @@ mod linear;
 pub(crate) mod mass;
 mod models;
 pub mod rigid;
+pub(crate) mod rotation;
 mod signal;
 mod time_function;
 
@@ -16,6 +17,7 @@ use thiserror::Error as ThisError;
 pub use linear::{Contact, LinearSystem, Normal};
 pub use models::{mass_on_belt, sliding_point};
 pub use rigid::RigidBodies;
+pub use rotation::{Rotation, advance};
 pub use signal::{Break, Derivative, Interpolation, Moment, Signal, Smoothness};
 pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
@@ -29,15 +31,6 @@ pub struct Constancy {
     pub mass: bool,
     /// Directions and velocities χ of all contacts.
     pub contacts: bool,
-}
-
-/// A rotation of space among the coordinates of a system.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rotation {
-    /// The first of its four coordinates: a unit quaternion `(w, x, y, z)` that turns the body's axes to the world's.
-    pub coordinate: usize,
-    /// The first of its three velocities: the angular velocity in the body's axes.
-    pub velocity: usize,
 }
 
 /// A contact as the law sees it.
@@ -127,9 +120,24 @@ pub enum SystemError {
         /// Step times angular velocity in rad.
         angle: f64,
     },
+    /// The mass matrix of a block has no Cholesky factor.
+    #[error("mass: must be symmetric positive definite, is not{} at t = {time} s", of_block(*block, *blocks))]
+    SingularMass {
+        /// The block.
+        block: usize,
+        /// The number of blocks.
+        blocks: usize,
+        /// Time in s.
+        time: f64,
+    },
     /// A callback of the user failed.
     #[error("{0}")]
     Foreign(Box<dyn Error + Send + Sync>),
+}
+
+/// Of which of several blocks is spoken.
+fn of_block(block: usize, blocks: usize) -> String {
+    if blocks > 1 { format!(" of block {block}") } else { String::new() }
 }
 
 impl SystemError {
@@ -223,6 +231,19 @@ pub struct InitialState {
     pub u: Vec<f64>,
 }
 
+/// A step of Moreau's midpoint rule, from the state before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step<'a> {
+    /// Time of its midpoint in s.
+    pub midpoint: f64,
+    /// Its length in s.
+    pub dt: f64,
+    /// Coordinates before it.
+    pub q: &'a [f64],
+    /// Velocities before it.
+    pub u: &'a [f64],
+}
+
 /// A system at the midpoint of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Midpoint {
@@ -271,19 +292,17 @@ pub trait System: Debug + Sync {
         self.dof()
     }
 
-    /// `out ← q ⊕ dt u`, the coordinates after moving with the velocities `u` for `dt`.
+    /// `out ← q ⊕ dt u`, the coordinates after moving with the velocities `u` for `dt`: by default rotations turn by
+    /// `R exp(dt Ω)`.
     #[inline]
     fn advance(&self, q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
-        for (out, (q, u)) in out.iter_mut().zip(q.iter().zip(u)) {
-            *out = q + dt * u;
-        }
+        advance(self.rotations(), q, u, dt, out);
     }
 
     /// The rotations of space among the coordinates, in ascending order. The other coordinates have the other
-    /// velocities as rates, in the same order, and [`advance`](Self::advance) turns the rotations by `R exp(dt Ω)`.
-    /// Event-driven integration needs to know them.
-    fn rotations(&self) -> Vec<Rotation> {
-        Vec::new()
+    /// velocities as rates, in the same order. Quaternions of initial coordinates are brought to the length one.
+    fn rotations(&self) -> &[Rotation] {
+        &[]
     }
 
     /// The state to start from where none is given: all coordinates and velocities zero, and no rotation.
@@ -295,15 +314,6 @@ pub trait System: Debug + Sync {
             }
         }
         InitialState { q, u: vec![0.0; self.dof()] }
-    }
-
-    /// Brings initial coordinates to their normal form: quaternions to the length one.
-    ///
-    /// # Errors
-    ///
-    /// [`ArgumentError`] if the coordinates have no normal form.
-    fn normalise(&self, _q0: &mut [f64]) -> Result<(), ArgumentError> {
-        Ok(())
     }
 
     /// The contacts, in a fixed order.
@@ -376,12 +386,12 @@ pub trait System: Debug + Sync {
     /// What the rows of a contact change by in a step whose velocities do not: `correction` such that
     /// `W(q_M)ᵀũ + χ + correction` are its mean velocities from this midpoint to the next, which
     /// `q_M ⊕ Δt ũ` is. The velocities ũ are those with which the motion would go on as it was before the step, with
-    /// the velocities `u`; `rows` are those at the midpoint. Contacts that stay closed ask for it: without it they are
+    /// its velocities; `rows` are those at the midpoint. Contacts that stay closed ask for it: without it they are
     /// of first order. Returns whether there is any; none by default.
     fn chord(
         &self,
         _midpoint: &Midpoint,
-        (_u, _dt): (&[f64], f64),
+        _step: &Step<'_>,
         _contact: usize,
         _rows: &[f64],
         _correction: &mut [f64],
@@ -403,20 +413,14 @@ pub trait System: Debug + Sync {
         found.len() == momenta.len() && found.iter().zip(momenta).all(same)
     }
 
-    /// The first half of a step of length `dt` with the midpoint at the time `t`: `q_M = q ⊕ ½Δt u`, and the forces
-    /// there.
+    /// The first half of a step: `q_M = q ⊕ ½Δt u`, and the forces there.
     ///
     /// # Errors
     ///
     /// As [`forces`](Self::forces).
     #[inline]
-    fn begin(
-        &self,
-        t: f64,
-        dt: f64,
-        (q, u): (&[f64], &[f64]),
-        midpoint: &mut Midpoint,
-    ) -> Result<(), SystemError> {
+    fn begin(&self, step: &Step<'_>, midpoint: &mut Midpoint) -> Result<(), SystemError> {
+        let &Step { midpoint: t, dt, q, u } = step;
         midpoint.t = t;
         self.advance(q, u, 0.5 * dt, &mut midpoint.q);
         self.derive(&midpoint.q, &mut midpoint.derived);
@@ -436,7 +440,8 @@ pub trait System: Debug + Sync {
         midpoint: &mut Midpoint,
         after: &[f64],
         dt: f64,
-        (q, u): (&mut [f64], &mut [f64]),
+        q: &mut [f64],
+        u: &mut [f64],
     ) -> Result<(), SystemError> {
         u.copy_from_slice(after);
         self.advance(&midpoint.q, u, 0.5 * dt, q);

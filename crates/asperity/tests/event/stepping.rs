@@ -6,6 +6,7 @@ use asperity::event::Options;
 use asperity::law::Law;
 use asperity::set::{Star, strict_convexity};
 use asperity::simulate;
+use asperity::stepper::State;
 use asperity::system::{Contact, LinearSystem, Normal};
 use nalgebra::DMatrix;
 
@@ -52,7 +53,7 @@ fn random_system(
 fn stepped(system: &LinearSystem, start: &Options, dt: f64) -> (Vec<f64>, usize) {
     let steps = (T_END / dt).round() as usize;
     let mut options = simulate::Options::new(dt, T_END).unwrap();
-    options.start.clone_from(&start.start);
+    options.start = start.start.as_ref().map(|state| State::new(0.0, &state.q, &state.u));
     let options = options.with_steps(steps).with_tolerance(1e-11).with_save_every(steps);
     let options = options.counting_failures();
     let run = simulate::simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();

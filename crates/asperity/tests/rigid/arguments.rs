@@ -131,10 +131,7 @@ fn springs_and_states_are_checked() {
     assert_eq!(error.to_string(), "q0: must have 7 entries, has 6");
     let options = options.with_start(&[0.0; 7], &[0.0; 6]);
     let error = simulate(&system, &options, &mut observer).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "q0: the orientation of body 0, (w, x, y, z), must not be of length zero"
-    );
+    assert_eq!(error.to_string(), "q0: the quaternion 0, (w, x, y, z), must not be of length zero");
     let options = options.with_start(&[0.0, 0.0, 0.0, 3.0, 0.0, 0.0, -4.0], &[0.0; 6]);
     let run = simulate(&system, &options, &mut observer).unwrap();
     let trajectory = run.trajectory;
@@ -148,7 +145,7 @@ fn a_stepper_refuses_what_is_no_state_of_the_system() {
     let system = bodies(Body::new(1.0, [1.0; 3])).unwrap();
     let (q, u) = (system.q0().to_vec(), system.u0().to_vec());
     let broken = |values: &[f64]| values.iter().map(|_| f64::NAN).collect::<Vec<_>>();
-    assert!(Stepper::new(&system, EXACT, 1e-9, 1e-3, &q, &u).is_ok());
+    assert!(Stepper::new(&system, EXACT, 1e-9, 1e-3, &State::new(0.0, &q, &u)).is_ok());
     for (argument, tolerance, dt, q, u) in [
         ("q0", 1e-9, 1e-3, vec![0.0], vec![]),
         ("q0", 1e-9, 1e-3, broken(&q), u.clone()),
@@ -159,7 +156,8 @@ fn a_stepper_refuses_what_is_no_state_of_the_system() {
         ("dt", 1e-9, -1e-3, q.clone(), u.clone()),
         ("dt", 1e-9, f64::INFINITY, q.clone(), u.clone()),
     ] {
-        let error = Stepper::new(&system, EXACT, tolerance, dt, &q, &u).unwrap_err();
+        let error =
+            Stepper::new(&system, EXACT, tolerance, dt, &State::new(0.0, &q, &u)).unwrap_err();
         let StepError::Options(error) = error else { panic!("{error:?}") };
         assert_eq!(error.argument, argument);
     }

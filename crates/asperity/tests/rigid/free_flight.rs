@@ -22,10 +22,11 @@ fn a_tumbling_top_keeps_its_momenta_and_its_energy() {
     let system = RigidBodies::new(vec![top([0.02, 0.05, 0.06])], &[], vec![], [0.0; 3]).unwrap();
     // About the centre of mass: its path takes up rounding in every step.
     let centre = |q: &[f64]| Vector3::new(q[0], q[1], q[2]);
-    let momenta =
-        |q: &[f64], u: &[f64]| (system.momentum(u), system.angular_momentum(q, u, &centre(q)));
+    let momenta = |q: &[f64], u: &[f64]| {
+        (system.momentum(u).unwrap(), system.angular_momentum(q, u, &centre(q)).unwrap())
+    };
     let start = momenta(system.q0(), system.u0());
-    let energy = system.kinetic_energy(system.u0());
+    let energy = system.kinetic_energy(system.u0()).unwrap();
     let (mut norm, mut drift, mut flips, mut worst) = (0.0_f64, 0.0_f64, 0, 0.0_f64);
     let mut side = 1.0;
     let dt = 2e-3;
@@ -35,7 +36,7 @@ fn a_tumbling_top_keeps_its_momenta_and_its_energy() {
         let now = momenta(q, u);
         assert_eq!(now.0, start.0);
         drift = drift.max((now.1 - start.1).norm() / start.1.norm());
-        worst = worst.max((system.kinetic_energy(u) / energy - 1.0).abs());
+        worst = worst.max((system.kinetic_energy(u).unwrap() / energy - 1.0).abs());
         if u[4] * side < -3.0 {
             (side, flips) = (-side, flips + 1);
         }
@@ -60,9 +61,9 @@ fn free_rotation_is_of_second_order() {
     let errors = [error(1e-2), error(5e-3)];
     assert!((order(errors) - 2.0).abs() < 0.2, "{errors:?}");
     let worst = |t_end: f64| {
-        let (mut worst, start) = (0.0_f64, system.kinetic_energy(system.u0()));
+        let (mut worst, start) = (0.0_f64, system.kinetic_energy(system.u0()).unwrap());
         run(&system, 1e-2, t_end, |s| {
-            worst = worst.max((system.kinetic_energy(s.u()) - start).abs());
+            worst = worst.max((system.kinetic_energy(s.u()).unwrap() - start).abs());
         });
         worst
     };
@@ -110,11 +111,11 @@ fn bodies_on_a_spring_oscillate() {
     let bodies = vec![Body { angular_velocity: [0.3, 0.2, 1.0], ..at(1.0) }, at(-1.0)];
     let system = RigidBodies::new(bodies, &[], vec![spring], [0.0; 3]).unwrap();
     let about = Vector3::zeros();
-    let start = system.angular_momentum(system.q0(), system.u0(), &about);
+    let start = system.angular_momentum(system.q0(), system.u0(), &about).unwrap();
     let state = run(&system, 1e-3, 2.0, |_| {});
-    let end = system.angular_momentum(&state.q, &state.u, &about);
+    let end = system.angular_momentum(&state.q, &state.u, &about).unwrap();
     assert!((end - start).norm() < 1e-12, "{end} {start}");
-    assert!(system.momentum(&state.u).norm() < 1e-12);
+    assert!(system.momentum(&state.u).unwrap().norm() < 1e-12);
 }
 
 /// A body that turns too far in a step ends the run, and the state is the one before that step.
@@ -125,14 +126,14 @@ fn bodies_that_turn_too_far_in_a_step_end_the_run() {
         let omega = direction * (angle / 0.1);
         let body = Body { angular_velocity: omega.into(), ..Body::new(1.0, [1.0, 2.0, 2.5]) };
         let system = RigidBodies::new(vec![body], &[], vec![], [0.0; 3]).unwrap();
-        let start = system.kinetic_energy(system.u0());
+        let start = system.kinetic_energy(system.u0()).unwrap();
         let mut stepper = stepper(&system, 0.1);
         let mut ended = None;
         for _ in 0..200 {
             let before = stepper.state();
             match stepper.step() {
                 Ok(_) => {
-                    let swing = system.kinetic_energy(stepper.u()) / start - 1.0;
+                    let swing = system.kinetic_energy(stepper.u()).unwrap() / start - 1.0;
                     assert!(swing.abs() < 0.1, "{angle} {swing}");
                 }
                 Err(error) => {
@@ -175,7 +176,7 @@ fn runs_of_slender_bodies_go_on_from_their_end() {
                     stepper.step().unwrap();
                 }
                 let end = stepper.state();
-                let mut next = Stepper::from_state(&system, EXACT, 1e-12, 1e-3, &end)
+                let mut next = Stepper::new(&system, EXACT, 1e-12, 1e-3, &end)
                     .unwrap_or_else(|error| panic!("{least} {seed} {axis} {speed}: {error}"));
                 stepper.step().unwrap();
                 next.step().unwrap();

@@ -175,7 +175,8 @@ fn a_driven_oscillator_converges_at_second_order() {
     let system = RigidBodies::new(vec![body], &[], vec![spring], [0.0; 3]).unwrap();
     let end = |dt: f64| {
         let mut stepper =
-            Stepper::new(&system, EXACT, 1e-12, dt, system.q0(), system.u0()).unwrap();
+            Stepper::new(&system, EXACT, 1e-12, dt, &State::new(0.0, system.q0(), system.u0()))
+                .unwrap();
         run_on(&mut stepper, 1.0, &mut |_| {});
         stepper.q()[0]
     };

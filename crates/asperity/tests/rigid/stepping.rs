@@ -2,9 +2,9 @@
 
 use asperity::contact::{Delassus, Factored};
 use asperity::stepper::Stepper;
-use asperity::system::rigid::{Body, Pair, PlanarBody, Plane, RigidBodies, Shape};
+use asperity::system::rigid::{Body, Pair, Partners, PlanarBody, Plane, RigidBodies, Shape};
 use asperity::system::{
-    Blocks, Configuration, Constancy, ContactLaw, Midpoint, System, SystemError, full_rows,
+    Blocks, Configuration, Constancy, ContactLaw, Midpoint, Step, System, SystemError, full_rows,
 };
 use nalgebra::Vector3;
 
@@ -80,12 +80,12 @@ impl System for Plain {
     fn chord(
         &self,
         midpoint: &Midpoint,
-        start: (&[f64], f64),
+        step: &Step<'_>,
         contact: usize,
         rows: &[f64],
         correction: &mut [f64],
     ) -> bool {
-        self.chords && self.bodies.chord(midpoint, start, contact, rows, correction)
+        self.chords && self.bodies.chord(midpoint, step, contact, rows, correction)
     }
 }
 
@@ -140,8 +140,8 @@ fn bodies_move_as_in_one_block() {
 
 fn agree(one: &dyn System, other: &Plain) {
     let (q0, u0) = (other.bodies.q0(), other.bodies.u0());
-    let mut one = Stepper::new(one, EXACT, 1e-13, 1e-3, q0, u0).unwrap();
-    let mut two = Stepper::new(other, EXACT, 1e-13, 1e-3, q0, u0).unwrap();
+    let mut one = Stepper::new(one, EXACT, 1e-13, 1e-3, &State::new(0.0, q0, u0)).unwrap();
+    let mut two = Stepper::new(other, EXACT, 1e-13, 1e-3, &State::new(0.0, q0, u0)).unwrap();
     for step in 0..300 {
         one.step().unwrap();
         two.step().unwrap();
@@ -214,9 +214,9 @@ fn contact_forces_carry_the_weight() {
     let mut forces = [Vector3::zeros(); 2];
     for contact in 0..16 {
         let output = stepper.output(contact).unwrap();
-        let geometry = system.contact_geometry(0.0, stepper.q(), contact);
+        let geometry = system.contact_geometry(0.0, stepper.q(), contact).unwrap();
         let [f1, f2, _] = output.force;
-        let (body, other) = system.partners(contact);
+        let Partners { body, other } = system.partners(contact).unwrap();
         let force = geometry.world([f1, f2, output.normal_force]);
         forces[body] += force;
         if let Some(other) = other {

@@ -32,7 +32,7 @@ fn rider(spin: f64, radius: f64, feet: &[[f64; 3]], load: f64) -> RigidBodies {
 }
 
 fn place(system: &RigidBodies, stepper: &Stepper<'_>, point: &[f64; 3]) -> Vector3<f64> {
-    system.pose(stepper.q(), 0).point(&Vector3::from(*point))
+    system.pose(stepper.q(), 0).unwrap().point(&Vector3::from(*point))
 }
 
 /// The largest way of a foot in `steps` of a millisecond from where the table has carried it since the first one: the
@@ -184,7 +184,7 @@ fn bodies_that_stick_together_turn_as_one() {
     let bodies = vec![disc, rides(0.2), rides(-0.2)];
     let system = RigidBodies::new(bodies, &pairs, vec![], [0.0, 0.0, -G]).unwrap();
     let apart = |q: &[f64]| {
-        let (disc, rider) = (system.pose(q, 0), system.pose(q, 1));
+        let (disc, rider) = (system.pose(q, 0).unwrap(), system.pose(q, 1).unwrap());
         disc.rotation.tr_mul(&(rider.position - disc.position))
     };
     let mut first = None;
@@ -224,7 +224,7 @@ fn a_run_on_a_turntable_goes_on() {
     let system = rider(TURN, 0.3, &FEET, 0.0);
     let mut whole = stepper(&system, 1e-3);
     run_on(&mut whole, 0.05, &mut |_| {});
-    let mut part = Stepper::from_state(&system, EXACT, 1e-12, 1e-3, &whole.state()).unwrap();
+    let mut part = Stepper::new(&system, EXACT, 1e-12, 1e-3, &whole.state()).unwrap();
     for _ in 0..50 {
         whole.step().unwrap();
         part.step().unwrap();

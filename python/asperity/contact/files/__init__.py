@@ -19,8 +19,8 @@ What asperity writes has checksums throughout: damage is refused. HDF5 files of 
 none, and the HDF5 library itself may fail on damaged ones.
 
 **Other problems** have no ``mu`` (and no ``spacedim``), so that nobody takes them for plain ones.
-They hold besides, in HDF5 within the group ``data``: ``laws``, the different laws as JSON of
-constructor names and parameters, ``law``, the number of each contact's law therein,
+They hold besides, in HDF5 within the group ``data``: ``laws``, the different laws as JSON of the
+tables that `FrictionLaw.save` writes, ``law``, the number of each contact's law therein,
 ``normal_force`` (NaN where unilateral), ``normal_restitution``, ``tangential_restitution`` and
 ``initial_velocity``; in HDF5 texts are bytes of UTF-8. Nothing is pickled: reading a file cannot
 run code.
@@ -77,8 +77,12 @@ def percussions(path: str | os.PathLike[str]) -> Percussions:
     >>> import tempfile
     >>> from pathlib import Path
     >>> from asperity import ContactProblem, FrictionLaw
-    >>> problem = ContactProblem([[1.0]], [0.5], FrictionLaw.isotropic(0.3, dimension=1),
-    ...     normal_force=1.0)
+    >>> problem = ContactProblem(
+    ...     [[1.0]],
+    ...     free_velocity=[0.5],
+    ...     laws=FrictionLaw.isotropic(0.3, dimension=1),
+    ...     normal_force=1.0,
+    ... )
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     problem.save(Path(folder, "problem.npz"))
     ...     percussions(Path(folder, "problem.npz"))

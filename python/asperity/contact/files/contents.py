@@ -237,7 +237,7 @@ def built(
     )
     given = delassus.toarray() if form == DENSE and delassus is not None else delassus
     try:
-        problem = ContactProblem(given, free_velocity, **options, **known)
+        problem = ContactProblem(given, free_velocity=free_velocity, **options, **known)
         # The operator of the file has been compared with the bodies' own, which takes its place.
         return problem.replace(**known) if form == ASSEMBLED else problem
     except ParameterError as error:

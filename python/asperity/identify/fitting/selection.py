@@ -149,8 +149,8 @@ class Comparison(Value):
 
 def compare_models(
     data: Measured,
-    pairs: Iterable[tuple[ReservoirName, DirectionName]] | None = None,
     *,
+    pairs: Iterable[tuple[ReservoirName, DirectionName]] | None = None,
     loss: str = "linear",
 ) -> Comparison:
     """Fit several pairs of models of C and D to the same data.

@@ -17,9 +17,9 @@ _PADDING = 3.0
 
 def low_pass(
     values: ArrayLike,
+    *,
     sample_rate: float,
     cut_off: float,
-    *,
     order: int = 4,
     cut_off_of: str = "single",
 ) -> Array:
@@ -42,7 +42,7 @@ def low_pass(
     >>> import numpy as np
     >>> from asperity.identify import low_pass
     >>> t = np.arange(60_000) / 1000.0
-    >>> smooth = low_pass(np.sin(2.0 * np.pi * t), 1000.0, 1.0)
+    >>> smooth = low_pass(np.sin(2.0 * np.pi * t), sample_rate=1000.0, cut_off=1.0)
     >>> round(float(smooth[30_250]), 6)
     0.5
     """

@@ -152,7 +152,9 @@ class ProcessedData(Value):
         run, frequency = self.raw.recordings[number], self.cut_off_frequency[number]
         if frequency is None:
             return signal
-        return filters.low_pass(signal, run.sample_rate, frequency, order=self.order)
+        return filters.low_pass(
+            signal, sample_rate=run.sample_rate, cut_off=frequency, order=self.order
+        )
 
     def __repr__(self) -> str:
         return (
@@ -288,7 +290,7 @@ class ProcessedData(Value):
             "normal": self.normal_force,
         }
         return {
-            name: average_turns(self.phi, values, self.turn, bins=bins)
+            name: average_turns(self.phi, values=values, turn=self.turn, bins=bins)
             for name, values in channels.items()
         }
 

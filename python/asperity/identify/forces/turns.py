@@ -46,7 +46,9 @@ def turn_numbers(recording: Recording, sign: float) -> NDArray[np.int32]:
     >>> from asperity.identify import Recording
     >>> from asperity.identify.forces.turns import turn_numbers
     >>> t = np.arange(25) / 10.0
-    >>> turn_numbers(Recording(t, 2.0 * np.pi * t, np.zeros((25, 3))), 1.0)[[0, 9, 10, 20]].tolist()
+    >>> turn_numbers(Recording(t, angle=2.0 * np.pi * t, readings=np.zeros((25, 3))), 1.0)[
+    ...     [0, 9, 10, 20]
+    ... ].tolist()
     [0, 0, 1, -1]
     """
     # The last sample stands for the step that follows it.
@@ -122,9 +124,9 @@ def _half_width(values: Array, confidence: float) -> Array:
 
 def average_turns(
     phi: ArrayLike,
+    *,
     values: ArrayLike,
     turn: ArrayLike,
-    *,
     bins: int = 360,
     confidence: float = 0.95,
 ) -> TurnAverage:
@@ -143,7 +145,7 @@ def average_turns(
     >>> import numpy as np
     >>> from asperity.identify import average_turns
     >>> phi = 2.0 * np.pi * np.arange(2000) / 1000
-    >>> average = average_turns(phi, 3.0 + np.cos(phi), phi // (2.0 * np.pi), bins=10)
+    >>> average = average_turns(phi, values=3.0 + np.cos(phi), turn=phi // (2.0 * np.pi), bins=10)
     >>> len(average.turns), round(float(average.mean.mean()), 9), abs(average.drift) < 1e-12
     (2, 3.0, True)
     """

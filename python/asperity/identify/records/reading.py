@@ -271,7 +271,7 @@ def _recording(
     time, turned = np.array(series["time"][rows]), np.array(angle)
     for values in (time, turned, readings):
         values.flags.writeable = False
-    return Recording(time, turned, readings, source=source)
+    return Recording(time, angle=turned, readings=readings, source=source)
 
 
 def _refuse_constant(run: Recording, where: Mapping[str, str | int]) -> None:

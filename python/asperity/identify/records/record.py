@@ -41,7 +41,7 @@ class Recording(Value):
     Reference: [WL19] §5.2.
 
     >>> from asperity.identify import Recording
-    >>> run = Recording([0.0, 0.1, 0.2], [0.0, 0.5, 1.0], [[1.0, 0.0, 5.0]] * 3)
+    >>> run = Recording([0.0, 0.1, 0.2], angle=[0.0, 0.5, 1.0], readings=[[1.0, 0.0, 5.0]] * 3)
     >>> round(run.sample_rate, 9), round(run.turn_rate, 3)
     (10.0, 0.796)
     """
@@ -52,7 +52,7 @@ class Recording(Value):
     source: str
 
     def __init__(
-        self, time: ArrayLike, angle: ArrayLike, readings: ArrayLike, *, source: str = ""
+        self, time: ArrayLike, *, angle: ArrayLike, readings: ArrayLike, source: str = ""
     ) -> None:
         t = _series(time, "time", source, (None,))
         if len(t) < 2:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from asperity._base import toml
-from asperity._base.files import atomic
 from asperity._base.tables import write_columns
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import LOADS
@@ -41,8 +40,7 @@ def write_raw(raw: RawData, folder: PathLike) -> list[str]:
     if raw.processing != Processing():
         given = raw.processing._parameters
         sections["processing"] = {k: False if v is None else v for k, v in given.items()}
-    with atomic(place / "tribometer.toml") as file:
-        file.write(toml.text(sections).encode())
+    toml.write(place / "tribometer.toml", sections)
     calibration = ["calibration.csv"] * (raw.calibration is not None)
     return [*runs, *idle, *calibration, "tribometer.toml"]
 

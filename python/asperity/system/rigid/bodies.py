@@ -68,11 +68,11 @@ class Body(Value):
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import Body
-    >>> Body.ball(1.0, 0.1, position=(0.0, 0.0, 1.0)).inertia.diagonal().round(9).tolist()
+    >>> Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 1.0)).inertia.diagonal().round(9).tolist()
     [0.004, 0.004, 0.004]
     >>> from scipy.spatial.transform import Rotation
     >>> turn = Rotation.from_euler("z", 90.0, degrees=True)
-    >>> Body.ball(1.0, 0.1, orientation=turn).orientation.round(6).tolist()
+    >>> Body.ball(1.0, radius=0.1, orientation=turn).orientation.round(6).tolist()
     [0.707107, 0.0, 0.0, 0.707107]
     """
 
@@ -89,8 +89,8 @@ class Body(Value):
     def __init__(
         self,
         mass: float,
-        inertia: ArrayLike,
         *,
+        inertia: ArrayLike,
         position: ArrayLike = (0.0, 0.0, 0.0),
         orientation: Orientation = (1.0, 0.0, 0.0, 0.0),
         velocity: ArrayLike = (0.0, 0.0, 0.0),
@@ -112,7 +112,7 @@ class Body(Value):
         )
 
     @classmethod
-    def box(cls, mass: float, half_sizes: ArrayLike, **state: Unpack[State]) -> Self:
+    def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[State]) -> Self:
         """Return a homogeneous box.
 
         Args:
@@ -121,10 +121,12 @@ class Body(Value):
             **state: as of `Body`.
         """
         squares = positive_vector(half_sizes, "half_sizes", 3) ** 2
-        return cls(mass, arrays.positive(mass, "mass") / 3.0 * (squares.sum() - squares), **state)
+        return cls(
+            mass, inertia=arrays.positive(mass, "mass") / 3.0 * (squares.sum() - squares), **state
+        )
 
     @classmethod
-    def ball(cls, mass: float, radius: float, **state: Unpack[State]) -> Self:
+    def ball(cls, mass: float, *, radius: float, **state: Unpack[State]) -> Self:
         """Return a homogeneous ball, J = ⅖ m R².
 
         Args:
@@ -133,10 +135,10 @@ class Body(Value):
             **state: as of `Body`.
         """
         square = arrays.positive(radius, "radius") ** 2
-        return cls(mass, np.full(3, 0.4 * arrays.positive(mass, "mass") * square), **state)
+        return cls(mass, inertia=np.full(3, 0.4 * arrays.positive(mass, "mass") * square), **state)
 
     @classmethod
-    def cylinder(cls, mass: float, radius: float, height: float, **state: Unpack[State]) -> Self:
+    def cylinder(cls, mass: float, *, radius: float, height: float, **state: Unpack[State]) -> Self:
         """Return a homogeneous cylinder about the body's third axis.
 
         Args:
@@ -148,7 +150,7 @@ class Body(Value):
         mass = arrays.positive(mass, "mass")
         square = arrays.positive(radius, "radius") ** 2
         across = mass * (3.0 * square + arrays.positive(height, "height") ** 2) / 12.0
-        return cls(mass, [across, across, 0.5 * mass * square], **state)
+        return cls(mass, inertia=[across, across, 0.5 * mass * square], **state)
 
     @property
     def coordinates(self) -> Array:
@@ -181,7 +183,7 @@ class PlanarBody(Value):
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import PlanarBody
-    >>> PlanarBody.disk(2.0, 1.0).inertia
+    >>> PlanarBody.disk(2.0, radius=1.0).inertia
     1.0
     """
 
@@ -198,8 +200,8 @@ class PlanarBody(Value):
     def __init__(
         self,
         mass: float,
-        inertia: float,
         *,
+        inertia: float,
         position: ArrayLike = (0.0, 0.0),
         angle: float = 0.0,
         velocity: ArrayLike = (0.0, 0.0),
@@ -221,7 +223,7 @@ class PlanarBody(Value):
         )
 
     @classmethod
-    def box(cls, mass: float, half_sizes: ArrayLike, **state: Unpack[PlanarState]) -> Self:
+    def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[PlanarState]) -> Self:
         """Return a homogeneous rectangle.
 
         Args:
@@ -230,10 +232,10 @@ class PlanarBody(Value):
             **state: as of `PlanarBody`.
         """
         squares = positive_vector(half_sizes, "half_sizes", 2) ** 2
-        return cls(mass, arrays.positive(mass, "mass") / 3.0 * squares.sum(), **state)
+        return cls(mass, inertia=arrays.positive(mass, "mass") / 3.0 * squares.sum(), **state)
 
     @classmethod
-    def disk(cls, mass: float, radius: float, **state: Unpack[PlanarState]) -> Self:
+    def disk(cls, mass: float, *, radius: float, **state: Unpack[PlanarState]) -> Self:
         """Return a homogeneous disk, J = ½ m R².
 
         Args:
@@ -242,7 +244,7 @@ class PlanarBody(Value):
             **state: as of `PlanarBody`.
         """
         square = arrays.positive(radius, "radius") ** 2
-        return cls(mass, 0.5 * arrays.positive(mass, "mass") * square, **state)
+        return cls(mass, inertia=0.5 * arrays.positive(mass, "mass") * square, **state)
 
     @property
     def coordinates(self) -> Array:

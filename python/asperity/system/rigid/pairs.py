@@ -86,7 +86,9 @@ class PointPlane(PlanePair):
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import FrictionLaw, Plane, PointPlane
-    >>> PointPlane(0, (0.0, 0.0, -0.1), Plane(), FrictionLaw.isotropic(0.3)).contacts
+    >>> PointPlane(
+    ...     0, point=(0.0, 0.0, -0.1), plane=Plane(), law=FrictionLaw.isotropic(0.3)
+    ... ).contacts
     1
     """
 
@@ -97,10 +99,10 @@ class PointPlane(PlanePair):
     def __init__(
         self,
         body: int,
+        *,
         point: ArrayLike,
         plane: Plane | Line,
         law: FrictionLaw,
-        *,
         frame: Frame = "plane",
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
@@ -136,7 +138,9 @@ class SpherePlane(PlanePair):
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import FrictionLaw, Line, SpherePlane
-    >>> SpherePlane(0, 0.1, Line(), FrictionLaw.isotropic(0.3, dimension=1)).center.tolist()
+    >>> SpherePlane(
+    ...     0, radius=0.1, plane=Line(), law=FrictionLaw.isotropic(0.3, dimension=1)
+    ... ).center.tolist()
     [0.0, 0.0]
     """
 
@@ -148,10 +152,10 @@ class SpherePlane(PlanePair):
     def __init__(
         self,
         body: int,
+        *,
         radius: float,
         plane: Plane | Line,
         law: FrictionLaw,
-        *,
         center: ArrayLike | None = None,
         frame: Frame = "plane",
         normal_restitution: float = 0.0,
@@ -188,7 +192,9 @@ class BoxPlane(PlanePair):
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import BoxPlane, FrictionLaw, Plane
-    >>> BoxPlane(0, (0.1, 0.2, 0.3), Plane(), FrictionLaw.isotropic(0.3)).contacts
+    >>> BoxPlane(
+    ...     0, half_sizes=(0.1, 0.2, 0.3), plane=Plane(), law=FrictionLaw.isotropic(0.3)
+    ... ).contacts
     8
     """
 
@@ -199,10 +205,10 @@ class BoxPlane(PlanePair):
     def __init__(
         self,
         body: int,
+        *,
         half_sizes: ArrayLike,
         plane: Plane | Line,
         law: FrictionLaw,
-        *,
         frame: Frame = "plane",
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
@@ -246,7 +252,9 @@ class SphereSphere(Pair):
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import FrictionLaw, SphereSphere
-    >>> SphereSphere(0, 0.1, 1, 0.2, FrictionLaw.isotropic(0.3)).contacts
+    >>> SphereSphere(
+    ...     0, radius=0.1, other=1, other_radius=0.2, law=FrictionLaw.isotropic(0.3)
+    ... ).contacts
     1
     """
 
@@ -262,11 +270,11 @@ class SphereSphere(Pair):
     def __init__(
         self,
         body: int,
+        *,
         radius: float,
         other: int,
         other_radius: float,
         law: FrictionLaw,
-        *,
         center: ArrayLike | None = None,
         other_center: ArrayLike | None = None,
         frame: BodyAxis | None = None,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base.arrays import Array
@@ -12,6 +13,13 @@ from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.system import time_functions
 from asperity.system.time_functions import Signal, TimeFunction
+
+# Where in a run rates are compared with differences of values, and over which parts of it: the
+# coarsest one for functions with few digits, the finest one for those of 10⁹ periods.
+_PLACES = (0.13, 0.29, 0.47, 0.61, 0.83)
+_SPANS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
+# Difference of what agrees, and rounding of a difference that says something, relative to the rate.
+_AGREES, _SAYS = 0.1, 0.01
 
 
 class PlaneMotion(Value):
@@ -29,13 +37,14 @@ class PlaneMotion(Value):
 
     A signal must not jump. Where its rate does, at a kink, the plane's velocity jumps, which is an
     impact for what lies on it. A function is called while the interpreter is held, must be smooth,
-    and is pickled only if Python can.
+    and is pickled only if Python can. Runs refuse one whose rate is not that of its values at most
+    of five times.
 
     Raises:
         ParameterError: naming the argument.
 
     >>> from asperity import Plane, PlaneMotion, Sine
-    >>> table = Plane(motion=PlaneMotion(displacement=Sine([0.0, 0.0, 1e-3], 50.0)))
+    >>> table = Plane(motion=PlaneMotion(displacement=Sine([0.0, 0.0, 1e-3], frequency=50.0)))
     >>> table.motion.displacement.derivative(0.0).round(6).tolist()
     [0.0, 0.0, 0.314159]
     """
@@ -84,3 +93,53 @@ def core_data(
         for given, zero in zip((motion.displacement, motion.rotation), zeros, strict=True)
     )
     return displacement, rotation
+
+
+def check_rates(system: object, start: float, end: float) -> None:
+    """Refuse planes of a system whose motion has rates that contradict its values in a run."""
+    for pair in getattr(system, "pairs", ()):
+        motion = getattr(getattr(pair, "plane", None), "motion", None)
+        if isinstance(motion, PlaneMotion):
+            _check_function(motion.displacement, "displacement", start, end)
+            _check_function(motion.rotation, "rotation", start, end)
+
+
+def _check_function(function: Any, argument: str, start: float, end: float) -> None:
+    if function is None or isinstance(function, Signal):
+        return
+    found = []
+    for place in _PLACES:
+        t = start + place * (end - start)
+        try:
+            contradiction = _contradiction(function, t, end - start)
+        except Exception:
+            # The run meets it, and says when.
+            return
+        if contradiction is not None:
+            found.append((t, *contradiction))
+    # A kink may be at one of these times.
+    if 2 * len(found) > len(_PLACES):
+        t, rate, quotient = found[0]
+        raise ParameterError(
+            argument,
+            f"returns rates that contradict its values: {rate} at t = {t:.6g} s, where its values "
+            f"change by {quotient} per second",
+        )
+
+
+def _contradiction(function: Any, t: float, length: float) -> tuple[Any, Any] | None:
+    """Return a rate and the change of the values per second, if they differ over any span."""
+    rate = np.asarray(function(t)[1], dtype=np.float64)
+    found = None
+    for span in _SPANS:
+        h = span * length
+        before, after = (np.asarray(function(at)[0], dtype=np.float64) for at in (t - h, t + h))
+        quotient = (after - before) / (2.0 * h)
+        size = max(np.abs(rate).max(), np.abs(quotient).max())
+        if np.abs(quotient - rate).max() <= _AGREES * size:
+            return None
+        lost = np.finfo(float).eps * (np.abs(after).max() + abs(t) * size) / h
+        if lost > _SAYS * size:
+            break
+        found = (rate.tolist(), quotient.round(9).tolist())
+    return found

@@ -35,8 +35,8 @@ class Spring(Value):
         DimensionError, ParameterError: naming the argument.
 
     >>> from asperity import Body, RigidBodies, Spring
-    >>> spring = Spring(0, (0.0, 0.0, 0.0), stiffness=100.0)
-    >>> RigidBodies([Body.ball(1.0, 0.1)], springs=[spring]).dof
+    >>> spring = Spring(0, point=(0.0, 0.0, 0.0), stiffness=100.0)
+    >>> RigidBodies([Body.ball(1.0, radius=0.1)], springs=[spring]).dof
     6
     """
 
@@ -51,10 +51,10 @@ class Spring(Value):
     def __init__(
         self,
         body: int,
+        *,
         point: ArrayLike,
         other: int | None = None,
         other_point: ArrayLike | None = None,
-        *,
         stiffness: float,
         damping: float = 0.0,
         length: TimeFunction = 0.0,

@@ -23,7 +23,7 @@ from asperity.system.rigid.surfaces import Line
 from asperity.system.rigid.springs import Spring
 
 if TYPE_CHECKING:
-    from asperity.runs.trajectory import Trajectory
+    from asperity.runs.run import Run
 
 
 _Part = TypeVar("_Part", Pair, Spring)
@@ -75,9 +75,9 @@ class RigidBodies(Value):
     Reference: [WL19] (16), (19).
 
     >>> from asperity import Body, FrictionLaw, Plane, RigidBodies, SpherePlane, simulate
-    >>> ball = Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1), velocity=(0.7, 0.0, 0.0))
-    >>> table = SpherePlane(0, 0.1, Plane(), FrictionLaw.isotropic(0.3))
-    >>> motion = simulate(RigidBodies([ball], [table]), dt=1e-3, t_end=1.0)
+    >>> ball = Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1), velocity=(0.7, 0.0, 0.0))
+    >>> table = SpherePlane(0, radius=0.1, plane=Plane(), law=FrictionLaw.isotropic(0.3))
+    >>> motion = simulate(RigidBodies([ball], pairs=[table]), dt=1e-3, t_end=1.0)
     >>> motion.u[-1, 0].round(9)  # rolls with 5/7 of its velocity
     np.float64(0.5)
     """
@@ -95,8 +95,8 @@ class RigidBodies(Value):
     def __init__(
         self,
         bodies: Sequence[Body] | Sequence[PlanarBody],
-        pairs: Sequence[Pair] = (),
         *,
+        pairs: Sequence[Pair] = (),
         springs: Sequence[Spring] = (),
         gravity: ArrayLike | None = None,
     ) -> None:
@@ -213,7 +213,7 @@ class RigidBodies(Value):
         """Initial velocities, shape ``(dof,)``."""
         return np.concatenate([body.velocities for body in self.bodies])
 
-    def positions(self, trajectory: Trajectory) -> Array:
+    def positions(self, trajectory: Run) -> Array:
         """Return the centres of mass in m, shape ``(n_t, n_body, 3)``, planar ``(n_t, n_body, 2)``.
 
         Args:
@@ -221,7 +221,7 @@ class RigidBodies(Value):
         """
         return self._states(trajectory)[0][..., : self._space].copy()
 
-    def rotations(self, trajectory: Trajectory) -> Array:
+    def rotations(self, trajectory: Run) -> Array:
         """Return the matrices that turn the bodies' axes into the world's.
 
         Args:
@@ -232,7 +232,7 @@ class RigidBodies(Value):
         """
         return self._rotations(self._states(trajectory)[0])
 
-    def angular_velocities(self, trajectory: Trajectory) -> Array:
+    def angular_velocities(self, trajectory: Run) -> Array:
         """Return ω in rad/s in the world's axes, shape ``(n_t, n_body, 3)``; planar the numbers.
 
         Args:
@@ -243,7 +243,7 @@ class RigidBodies(Value):
             return u[..., 2].copy()
         return _turned(self._rotations(q), u[..., 3:])
 
-    def energy(self, trajectory: Trajectory) -> Array:
+    def energy(self, trajectory: Run) -> Array:
         """Return the kinetic energy plus that of the loads in J, shape ``(n_t,)``.
 
         Loads with a potential are the weight and constant forces, zero for centres of mass at the
@@ -254,14 +254,14 @@ class RigidBodies(Value):
             trajectory: of this system.
 
         >>> from asperity import Body, RigidBodies, simulate
-        >>> flight = RigidBodies([Body.ball(2.0, 0.1, velocity=(0.0, 3.0, 4.0))])
+        >>> flight = RigidBodies([Body.ball(2.0, radius=0.1, velocity=(0.0, 3.0, 4.0))])
         >>> flight.energy(simulate(flight, dt=0.1, t_end=1.0)).round(9)[[0, -1]].tolist()
         [25.0, 25.0]
         """
         self._states(trajectory)
         return self._core.energy(trajectory.t, trajectory.q, trajectory.u)
 
-    def momentum(self, trajectory: Trajectory) -> Array:
+    def momentum(self, trajectory: Run) -> Array:
         """Return Σ m v in N s, shape ``(n_t, 3)``, planar ``(n_t, 2)``.
 
         Args:
@@ -270,7 +270,7 @@ class RigidBodies(Value):
         self._states(trajectory)
         return self._core.momentum(trajectory.u)[:, : self._space]
 
-    def angular_momentum(self, trajectory: Trajectory, *, about: ArrayLike | None = None) -> Array:
+    def angular_momentum(self, trajectory: Run, *, about: ArrayLike | None = None) -> Array:
         """Return Σ (x − o) × m v + J ω in N m s, shape ``(n_t, 3)``, planar ``(n_t,)``.
 
         Args:
@@ -284,7 +284,7 @@ class RigidBodies(Value):
         momentum = self._core.angular_momentum(trajectory.q, trajectory.u, point)
         return momentum[:, 2] if self.planar else momentum
 
-    def contact_points(self, trajectory: Trajectory) -> Array:
+    def contact_points(self, trajectory: Run) -> Array:
         """Return where the contacts are in m, shape ``(n_t, n_contact, 3)``, planar ``(…, 2)``.
 
         An open contact with a plane is at the nearest point of the body, one between spheres
@@ -298,13 +298,14 @@ class RigidBodies(Value):
 
     def contact_forces(
         self,
-        trajectory: Trajectory,
+        trajectory: Run,
         *,
         frame: Literal["surface", "world", "body"] = "surface",
     ) -> Array:
         """Return the forces of the contacts on their (first) bodies in N.
 
-        World and body axes are those of the midpoint of the step, where the force acted. The torque
+        World and body axes are those of the midpoint of the step, where the force acted; of a
+        motion those of the sample. The torque
         about the normal in a contact with drilling is not among these forces: it is `patch_radius`
         times the third component of ``trajectory.force``.
 
@@ -318,9 +319,9 @@ class RigidBodies(Value):
 
         >>> from asperity import Body, BoxPlane, FrictionLaw, Plane, RigidBodies, simulate
         >>> half = (0.1, 0.1, 0.1)
-        >>> block = Body.box(2.0, half, position=(0.0, 0.0, 0.1))
-        >>> table = BoxPlane(0, half, Plane(), FrictionLaw.isotropic(0.3))
-        >>> system = RigidBodies([block], [table])
+        >>> block = Body.box(2.0, half_sizes=half, position=(0.0, 0.0, 0.1))
+        >>> table = BoxPlane(0, half_sizes=half, plane=Plane(), law=FrictionLaw.isotropic(0.3))
+        >>> system = RigidBodies([block], pairs=[table])
         >>> motion = simulate(system, dt=1e-3, t_end=1e-2)
         >>> system.contact_forces(motion, frame="world")[-1].sum(axis=0).round(6)[2].item()
         19.62
@@ -331,8 +332,10 @@ class RigidBodies(Value):
         forces = np.concatenate([tangential, trajectory.normal_force[..., None]], axis=-1)
         if frame == "surface":
             return forces
-        middle = self._core.advance(trajectory.q, trajectory.u, -0.5 * trajectory.dt)
-        times = trajectory.t - 0.5 * trajectory.dt
+        # Of a motion, which has no steps of its own, forces are those of the sample.
+        half = 0.5 * getattr(trajectory, "dt", 0.0)
+        middle = self._core.advance(trajectory.q, trajectory.u, -half)
+        times = trajectory.t - half
         axes = self._core.contact_geometry(times, middle)[1][..., self._rows, : self._space]
         forces = _turned(np.swapaxes(axes, -1, -2), forces)
         if frame == "world":
@@ -353,11 +356,13 @@ class RigidBodies(Value):
     def _per_body(self, values: Array) -> Array:
         return values.reshape(len(values), len(self.bodies), -1)
 
-    def _states(self, trajectory: Trajectory) -> tuple[Array, Array]:
+    def _states(self, trajectory: Run) -> tuple[Array, Array]:
         """Return coordinates and velocities per body of a trajectory that may be this system's."""
         q, u = getattr(trajectory, "q", None), getattr(trajectory, "u", None)
         if not isinstance(q, np.ndarray) or not isinstance(u, np.ndarray):
-            raise ParameterError("trajectory", f"must be a Trajectory, got {trajectory!r}")
+            raise ParameterError(
+                "trajectory", f"must be a Trajectory or a Motion, got {trajectory!r}"
+            )
         found = q.shape[1], u.shape[1], trajectory.phase.shape[1]
         own = self.coordinates, self.dof, len(self.contacts)
         if found != own:

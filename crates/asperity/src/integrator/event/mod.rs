@@ -80,11 +80,7 @@ pub fn integrate(
     options: &Options,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, ArgumentError> {
-    options.check(system)?;
-    let mut options = options.clone();
-    let mut start = options.initial_state(system);
-    system.normalise(&mut start.q)?;
-    options.start = Some(start);
-    let (motion, outcome) = integration::run(system, &options, observer)?;
+    let start = options.check(system)?;
+    let (motion, outcome) = integration::run(system, &start, options, observer)?;
     Ok(Run { motion, outcome })
 }

@@ -2,7 +2,7 @@
 
 use crate::argument::{ArgumentError, entries, finite, positive, refuse};
 use crate::integrator::options::check_structure;
-use crate::system::{InitialState, Rotation, System};
+use crate::system::{InitialState, System, rotation};
 use crate::vectors::largest;
 
 /// Latest end, so that no power of a time overflows.
@@ -107,13 +107,8 @@ impl Options {
         Self { max_events, ..self }
     }
 
-    /// Where to start in this system.
-    pub(crate) fn initial_state(&self, system: &dyn System) -> InitialState {
-        self.start.clone().unwrap_or_else(|| system.initial_state())
-    }
-
-    /// Refuses options, and systems that cannot be integrated from event to event.
-    pub(crate) fn check(&self, system: &dyn System) -> Result<(), ArgumentError> {
+    /// Refuses options, and systems that cannot be integrated from event to event; else where to start.
+    pub(crate) fn check(&self, system: &dyn System) -> Result<InitialState, ArgumentError> {
         check_structure(system)?;
         let (n, coordinates) = (system.dof(), system.coordinates());
         if n == 0 {
@@ -159,33 +154,31 @@ impl Options {
         if self.max_events == 0 {
             return refuse("max_events", "must be at least 1, got 0");
         }
-        let InitialState { q, u } = self.initial_state(system);
-        entries("q0", &q, coordinates)?;
-        entries("u0", &u, n)?;
-        if !rates_are_velocities(system, &q) {
+        let mut start = self.start.clone().unwrap_or_else(|| system.initial_state());
+        entries("q0", &start.q, coordinates)?;
+        entries("u0", &start.u, n)?;
+        rotation::normalise(system.rotations(), &mut start.q)?;
+        if !rates_are_velocities(system, &start.q) {
             let message = "must have its velocities as rates of its coordinates but for rotations of space, which `advance` contradicts";
             return refuse("system", message);
         }
-        let Some(section) = &self.section else { return Ok(()) };
-        entries("section", &section.normal, coordinates + n)?;
-        finite("section", &[section.level, section.after])
+        if let Some(section) = &self.section {
+            entries("section", &section.normal, coordinates + n)?;
+            finite("section", &[section.level, section.after])?;
+        }
+        Ok(start)
     }
 }
 
-/// Whether a system moves the coordinates that are not rotations of space by `Δt u`, tried with velocities and a time
-/// that are unlike each other.
+/// Whether a system moves its coordinates as it says: rotations by `R exp(Δt Ω)` and the others by `Δt u`, tried with
+/// velocities and a time that are unlike each other.
 fn rates_are_velocities(system: &dyn System, q: &[f64]) -> bool {
-    let rotations = system.rotations();
-    let is_free = |first: fn(&Rotation) -> usize, len: usize, place: usize| {
-        !rotations.iter().any(|rotation| (first(rotation)..first(rotation) + len).contains(&place))
-    };
-    let coordinates = (0..q.len()).filter(|&i| is_free(|r| r.coordinate, 4, i));
-    let velocities = (0..system.dof()).filter(|&k| is_free(|r| r.velocity, 3, k));
     let size = largest(q);
     let size = if size > 0.0 { size } else { 1.0 };
     let u: Vec<f64> = (0..system.dof()).map(|k| size * (1.0 + 0.3 * (k % 7) as f64)).collect();
-    let (h, mut moved) = (0.01, q.to_vec());
+    let (h, mut moved, mut expected) = (0.01, q.to_vec(), q.to_vec());
     system.advance(q, &u, h, &mut moved);
+    rotation::advance(system.rotations(), q, &u, h, &mut expected);
     // The comparison also turns away NaN.
-    coordinates.zip(velocities).all(|(i, k)| (moved[i] - (q[i] + h * u[k])).abs() <= 1e-12 * size)
+    moved.iter().zip(&expected).all(|(a, b)| (a - b).abs() <= 1e-12 * size)
 }

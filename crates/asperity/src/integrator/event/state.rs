@@ -32,12 +32,6 @@ pub enum EvaluationError {
     /// The system failed.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// The mass matrix is not positive definite.
-    #[error("mass: must be symmetric positive definite, is not at t = {time:.9} s")]
-    SingularMass {
-        /// Time in s.
-        time: f64,
-    },
 }
 
 /// Time, coordinates and velocities.

@@ -12,7 +12,7 @@ use super::products::Part;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
 use crate::system::mass::MassFactors;
-use crate::system::{Configuration, ContactLaw, Midpoint, System, SystemError};
+use crate::system::{Configuration, ContactLaw, Midpoint, Step, System, SystemError};
 
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
@@ -143,11 +143,11 @@ impl Assembly {
     pub(super) fn slip(
         &mut self,
         system: &dyn System,
-        t: f64,
-        (q, u): (&[f64], &[f64]),
+        at: &Configuration<'_>,
+        u: &[f64],
         contact: usize,
     ) -> Result<[f64; 3], SystemError> {
-        self.evaluated.update(system, &Configuration::new(t, q), contact)?;
+        self.evaluated.update(system, at, contact)?;
         let (law, width) = (&system.contacts()[contact], width(system, contact));
         let Evaluated { rows, chi } = &self.evaluated;
         let mut slip = [0.0; 3];
@@ -162,21 +162,20 @@ impl Assembly {
         Ok(slip)
     }
 
-    /// The contact problem of the step from `q`, `u`, with its midpoint at the time `t`.
+    /// The contact problem of a step.
     pub(super) fn update(
         &mut self,
         system: &dyn System,
-        (t, dt): (f64, f64),
-        (q, u): (&[f64], &[f64]),
+        step: &Step<'_>,
         closed: &mut Closed,
     ) -> Result<Change, StepError> {
-        system.begin(t, dt, (q, u), &mut self.midpoint)?;
+        let dt = step.dt;
+        system.begin(step, &mut self.midpoint)?;
         let new_mass = !(self.has_mass && system.constancy().mass);
         if new_mass {
-            self.has_mass = self.mass.update(system, &self.midpoint.q)?;
-            if !self.has_mass {
-                return Err(StepError::SingularMass { time: t });
-            }
+            self.has_mass = false;
+            self.mass.update(system, step.midpoint, &self.midpoint.q)?;
+            self.has_mass = true;
         }
         self.free.copy_from_slice(&self.midpoint.forces);
         self.mass.solve(system, &mut self.free);
@@ -189,9 +188,9 @@ impl Assembly {
                 self.update_velocities(place, 0.0, closed);
             }
         } else {
-            (same, changed) = self.find_closed(system, (u, dt), new_mass, closed)?;
+            (same, changed) = self.find_closed(system, step, new_mass, closed)?;
             if !same {
-                self.renew(system, (u, dt), closed)?;
+                self.renew(system, step, closed)?;
             }
         }
         if self.factors.any() {
@@ -222,7 +221,7 @@ impl Assembly {
     fn find_closed(
         &mut self,
         system: &dyn System,
-        (u, dt): (&[f64], f64),
+        step: &Step<'_>,
         new_mass: bool,
         closed: &mut Closed,
     ) -> Result<(bool, bool), StepError> {
@@ -243,12 +242,12 @@ impl Assembly {
             if !gap.is_finite() {
                 return Err(StepError::NotFiniteContact { time: self.midpoint.t, contact });
             }
-            if gap > 0.0 && !(was_closed && gap <= self.lift(system, (u, dt), contact, known)?) {
+            if gap > 0.0 && !(was_closed && gap <= self.lift(system, step, contact, known)?) {
                 continue;
             }
             let place = closed.found.len();
             closed.found.push(contact);
-            closed.gaps.push(gap.max(0.0) / dt);
+            closed.gaps.push(gap.max(0.0) / step.dt);
             closed.stay.push(was_closed);
             // What has closed in a step that was given up closes once more.
             same = same && was_closed && closed.active.get(place) == Some(&contact);
@@ -258,7 +257,7 @@ impl Assembly {
                         self.evaluate(system, contact)?;
                     }
                     changed |= self.store(place);
-                    self.update_chord(system, (u, dt), (place, contact), true);
+                    self.update_chord(system, step, place, contact, true);
                 }
                 self.update_velocities(place, closed.gaps[place], closed);
             }
@@ -270,7 +269,7 @@ impl Assembly {
     fn lift(
         &mut self,
         system: &dyn System,
-        (u, dt): (&[f64], f64),
+        step: &Step<'_>,
         contact: usize,
         known: bool,
     ) -> Result<f64, SystemError> {
@@ -285,8 +284,8 @@ impl Assembly {
         }
         let (law, mut chord) = (&system.contacts()[contact], [0.0; 4]);
         let (len, rows) = (law.rows(), &self.evaluated.rows);
-        system.chord(&self.midpoint, (u, dt), contact, rows, &mut chord[..len]);
-        Ok(dt * (ROUNDING * gained + chord[0].abs()))
+        system.chord(&self.midpoint, step, contact, rows, &mut chord[..len]);
+        Ok(step.dt * (ROUNDING * gained + chord[0].abs()))
     }
 
     /// Evaluates the rows of a contact at the midpoint; its gap.
@@ -319,14 +318,15 @@ impl Assembly {
     fn update_chord(
         &mut self,
         system: &dyn System,
-        (u, dt): (&[f64], f64),
-        (place, contact): (usize, usize),
+        step: &Step<'_>,
+        place: usize,
+        contact: usize,
         undisturbed: bool,
     ) {
         let Rows { first, len, width, .. } = self.contacts[place];
         let (entries, own) = (&self.evaluated.rows[..len * width], first..first + len);
         let chord = &mut self.chord[own.clone()];
-        if !(undisturbed && system.chord(&self.midpoint, (u, dt), contact, entries, chord)) {
+        if !(undisturbed && system.chord(&self.midpoint, step, contact, entries, chord)) {
             chord.fill(0.0);
             return;
         }
@@ -378,11 +378,11 @@ impl Assembly {
     fn renew(
         &mut self,
         system: &dyn System,
-        (u, dt): (&[f64], f64),
+        step: &Step<'_>,
         closed: &mut Closed,
     ) -> Result<(), SystemError> {
         let delassus = coupling::pattern(system, &closed.found, &self.midpoint.q)?;
-        closed.renew(system.contacts(), dt, delassus);
+        closed.renew(system.contacts(), step.dt, delassus);
         let blocks = system.blocks();
         self.contacts.clear();
         self.sides.clear();
@@ -416,7 +416,7 @@ impl Assembly {
             let undisturbed = !system.touched(contact).iter().any(|&block| self.struck[block]);
             self.evaluate(system, contact)?;
             self.store(place);
-            self.update_chord(system, (u, dt), (place, contact), undisturbed);
+            self.update_chord(system, step, place, contact, undisturbed);
             self.update_velocities(place, closed.gaps[place], closed);
         }
         Ok(())
@@ -486,7 +486,8 @@ impl Assembly {
         system: &dyn System,
         percussion: &[f64],
         dt: f64,
-        state: (&mut [f64], &mut [f64]),
+        q: &mut [f64],
+        u: &mut [f64],
     ) -> Result<(), SystemError> {
         for rows in &self.contacts {
             let own = &percussion[rows.first..rows.first + rows.len];
@@ -495,7 +496,7 @@ impl Assembly {
                 rows.part(0, side, &self.responses).add_transposed(own, free);
             }
         }
-        system.finish(&mut self.midpoint, &self.free, dt, state)
+        system.finish(&mut self.midpoint, &self.free, dt, q, u)
     }
 }
 

@@ -23,7 +23,6 @@ mod state;
 mod step;
 mod stepper;
 
-pub(crate) use outcome::Attempt;
 pub use outcome::{ContactOutput, StepError};
 pub use state::{ContactMemory, State};
 pub use stepper::Stepper;

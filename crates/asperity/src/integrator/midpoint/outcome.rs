@@ -1,10 +1,9 @@
-//! What comes of a step: of its contacts, of the attempt to make it, and why it could not be made.
+//! What comes of a step: of its contacts, and why it could not be made.
 
 use thiserror::Error;
 
 use crate::argument::ArgumentError;
 use crate::contact::Phase;
-use crate::solver::SolveReport;
 use crate::system::SystemError;
 
 /// A step could not be made.
@@ -17,12 +16,6 @@ pub enum StepError {
     /// The system failed.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// The mass matrix has no Cholesky factor.
-    #[error("mass: must be symmetric positive definite, is not at t = {time} s")]
-    SingularMass {
-        /// Time in s.
-        time: f64,
-    },
     /// The contact problem is not finite; a solver must not see it.
     #[error("gap, directions or velocities of contact {contact} are not finite at t = {time} s")]
     NotFiniteContact {
@@ -45,17 +38,6 @@ pub enum StepError {
         /// First coordinate that is not finite.
         coordinate: usize,
     },
-}
-
-/// How an attempt to make a step ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Attempt {
-    /// The step is made.
-    Made(SolveReport),
-    /// What was found was not wanted; everything is as before.
-    Refused(SolveReport),
-    /// The step was given up; everything is as before.
-    Cancelled,
 }
 
 /// What one contact does after a step.

@@ -3,11 +3,12 @@
 use std::cell::Cell;
 
 use super::closed::Change;
-use super::outcome::{Attempt, ContactOutput, StepError};
+use super::outcome::{ContactOutput, StepError};
 use super::rated::Correction;
 use super::stepper::Stepper;
 use crate::contact::Memory;
 use crate::solver::{self, SolveReport, Status, Stop};
+use crate::system::Step;
 
 /// Solves after which the search for factors of the speed at the end of the step gives up. One or two do while
 /// contacts do not disturb each other.
@@ -20,12 +21,29 @@ const WHOLE_CORRECTIONS: usize = 30;
 const ROUND: usize = 2 * WHOLE_CORRECTIONS;
 
 impl Stepper<'_> {
-    /// One step, unless it is given up or what was found is not wanted.
-    pub(crate) fn attempt(
+    /// One step, whether or not its contact problem is solved to the tolerance: the report says how it was.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError`] if the system fails or its mass matrix is not positive definite, and if the contact problem or the
+    /// new state is not finite.
+    pub fn step(&mut self) -> Result<SolveReport, StepError> {
+        self.step_unless(&|| false, true)
+    }
+
+    /// One step, unless `cancelled` gives it up, or its contact problem is not solved to the tolerance and `keep_unsolved`
+    /// does not take what was found: the state is then the one before the step, to the bit.
+    ///
+    /// It is asked again and again while the contact problem is being solved, and should be quick to answer.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError::Cancelled`] if the step was given up; else as [`step`](Self::step).
+    pub fn step_unless(
         &mut self,
         cancelled: &dyn Fn() -> bool,
-        wanted: impl Fn(&SolveReport) -> bool,
-    ) -> Result<Attempt, StepError> {
+        keep_unsolved: bool,
+    ) -> Result<SolveReport, StepError> {
         let updated = self.update();
         // Also after an error, so that the memory fits the contacts and the run can go on from before the step.
         self.closed.carry_over(&mut self.memory);
@@ -45,12 +63,16 @@ impl Stepper<'_> {
         let report = self.solve(Stop { cancelled: Some(&ask), ..Stop::at(self.tolerance) });
         let solved = report.status == Status::Converged;
         let given_up = was_cancelled.get() && !solved;
-        if given_up || !wanted(&report) {
+        if given_up || !(solved || keep_unsolved) {
             self.memory.copy_from(&self.before);
-            return Ok(if given_up { Attempt::Cancelled } else { Attempt::Refused(report) });
+            return if given_up {
+                Err(StepError::Cancelled { time: self.time() })
+            } else {
+                Ok(report)
+            };
         }
-        let state = (self.q.as_mut_slice(), self.u.as_mut_slice());
-        let moved = self.assembly.finish(self.system, &self.memory.percussion, self.dt, state);
+        let Self { system, assembly, memory, dt, q, u, .. } = self;
+        let moved = assembly.finish(*system, &memory.percussion, *dt, q, u);
         if let Err(error) = moved {
             self.memory.copy_from(&self.before);
             return Err(error.into());
@@ -59,14 +81,14 @@ impl Stepper<'_> {
         self.closed.settle();
         self.steps += 1;
         self.check_finite()?;
-        Ok(Attempt::Made(report))
+        Ok(report)
     }
 
     /// The contact problem of the step.
     fn update(&mut self) -> Result<Change, StepError> {
-        let t_mid = self.origin + (self.steps as f64 + 0.5) * self.dt;
-        let start = (self.q.as_slice(), self.u.as_slice());
-        self.assembly.update(self.system, (t_mid, self.dt), start, &mut self.closed)
+        let midpoint = self.origin + (self.steps as f64 + 0.5) * self.dt;
+        let step = Step { midpoint, dt: self.dt, q: &self.q, u: &self.u };
+        self.assembly.update(self.system, &step, &mut self.closed)
     }
 
     /// Solves the contact problem, again and again where factors of the friction follow from the solution.

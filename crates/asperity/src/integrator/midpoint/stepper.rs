@@ -2,13 +2,13 @@
 
 use super::assembly::Assembly;
 use super::closed::Closed;
-use super::outcome::{Attempt, ContactOutput, StepError};
+use super::outcome::{ContactOutput, StepError};
 use super::state::State;
 use crate::argument::below;
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use crate::integrator::options;
-use crate::solver::{SolveReport, Solver, Unsolvable, Workspace};
-use crate::system::System;
+use crate::solver::{Solver, Unsolvable, Workspace};
+use crate::system::{Configuration, System, rotation};
 
 /// The scheme with its state and all its buffers.
 #[derive(Debug)]
@@ -32,30 +32,15 @@ pub struct Stepper<'a> {
 }
 
 impl<'a> Stepper<'a> {
-    /// The scheme at `t = 0` in the given state.
+    /// The scheme in a state: [`State::new`] of initial coordinates and velocities, or that in which another run has
+    /// ended.
     ///
     /// # Errors
     ///
-    /// [`StepError::Options`] if `tolerance` or `dt` is not finite and positive, if the state has not as many finite
-    /// entries as the system has coordinates and velocities, or if a contact of the system touches blocks that are not
-    /// there.
+    /// [`StepError::Options`] if `tolerance` or `dt` is not finite and positive, if the state is not one of this system,
+    /// with as many finite entries as it has coordinates and velocities, or if a contact of the system touches blocks
+    /// that are not there.
     pub fn new(
-        system: &'a dyn System,
-        solver: Solver,
-        tolerance: f64,
-        dt: f64,
-        q0: &[f64],
-        u0: &[f64],
-    ) -> Result<Self, StepError> {
-        Self::from_state(system, solver, tolerance, dt, &State::new(0.0, q0, u0))
-    }
-
-    /// The scheme in the state in which another run has ended.
-    ///
-    /// # Errors
-    ///
-    /// As [`new`](Self::new), and if the state is not one of this system.
-    pub fn from_state(
         system: &'a dyn System,
         solver: Solver,
         tolerance: f64,
@@ -65,7 +50,7 @@ impl<'a> Stepper<'a> {
         options::check_steps(system, tolerance, dt)?;
         state.check(system)?;
         let State { origin, steps, mut q, u, contacts, momenta, .. } = state.in_steps_of(dt);
-        system.normalise(&mut q)?;
+        rotation::normalise(system.rotations(), &mut q)?;
         let assembly = Assembly::new(system, &q, &u, momenta);
         let mut stepper = Self {
             system,
@@ -154,33 +139,10 @@ impl<'a> Stepper<'a> {
         self.closed.active.get(place).copied()
     }
 
-    /// One step, whether or not its contact problem is solved to the tolerance: the report says how it was.
-    ///
-    /// # Errors
-    ///
-    /// [`StepError`] if the system fails or its mass matrix is not positive definite, and if the contact problem or the
-    /// new state is not finite.
-    pub fn step(&mut self) -> Result<SolveReport, StepError> {
-        self.step_unless(&|| false)
-    }
-
-    /// One step, unless `cancelled` gives it up: it is asked again and again while the contact problem is being
-    /// solved, and should be quick to answer. The state is then the one before the step, to the bit.
-    ///
-    /// # Errors
-    ///
-    /// [`StepError::Cancelled`] if the step was given up; else as [`step`](Self::step).
-    pub fn step_unless(&mut self, cancelled: &dyn Fn() -> bool) -> Result<SolveReport, StepError> {
-        match self.attempt(cancelled, |_| true)? {
-            Attempt::Made(report) | Attempt::Refused(report) => Ok(report),
-            Attempt::Cancelled => Err(StepError::Cancelled { time: self.time() }),
-        }
-    }
-
     /// Slip velocity `γ = Wᵀu + χ` of a contact in the present state.
     fn slip(&mut self, contact: usize) -> Result<[f64; 3], StepError> {
-        let (t, state) = (self.time(), (self.q.as_slice(), self.u.as_slice()));
-        Ok(self.assembly.slip(self.system, t, state, contact)?)
+        let at = Configuration::new(self.time(), &self.q);
+        Ok(self.assembly.slip(self.system, &at, &self.u, contact)?)
     }
 
     /// Phase of a contact in the last step; nothing is known of a contact that the system does not have.

@@ -4,9 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::argument::{ArgumentError, finite, positive, refuse};
 use crate::system::TimeFunction;
-
-use super::rotation::unit;
-use super::within;
+use crate::system::rotation::unit;
 
 /// A rigid body in space, described about its centre of mass, with its initial state.
 #[derive(Debug, Clone, PartialEq)]
@@ -201,7 +199,7 @@ impl Bodies {
                 Self::Planar(bodies) => planar(&bodies[i], &mut parts),
                 Self::Spatial(bodies) => spatial(&bodies[i], &mut parts),
             };
-            parts.inertial.push(inertial.map_err(|error| within("body", i, error))?);
+            parts.inertial.push(inertial.map_err(|error| error.within("body", i))?);
         }
         Ok(parts)
     }

@@ -27,9 +27,10 @@
 use nalgebra::Vector3;
 
 use super::contact::{Contact, Touching, direction};
-use super::rotation::Turn;
+use super::pose::{Pose, Twist, angular, linear};
+use super::rigid_bodies::RigidBodies;
 use super::surface::{Surface, SurfaceCourse};
-use super::{Pose, RigidBodies, Twist, angular, linear};
+use crate::system::rotation::Turn;
 use crate::system::{Midpoint, Moment};
 
 /// Radians per step up to which a rotation is followed. Beyond, the chord has little to do with the velocity, and from

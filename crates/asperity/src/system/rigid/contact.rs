@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::pose::{Pose, Poses, Twist};
 use super::surface::{Frame, Surface, Timed, tangent};
-use super::{Pose, Twist};
 use crate::system::Moment;
 
 /// A possible contact of a body with another one or with the world.
@@ -76,14 +76,16 @@ impl Contact {
         if self.bodies[0] == self.body { (0, 1) } else { (1, 0) }
     }
 
+    /// The poses of its bodies.
+    #[inline]
+    pub(super) fn poses(&self, pose: impl Fn(usize) -> Pose) -> Poses {
+        Poses { first: pose(self.body), second: self.other.map(pose) }
+    }
+
     /// Gap and contact point.
     #[inline]
-    pub(super) fn gap(
-        &self,
-        at: Moment,
-        first: &Pose,
-        second: Option<&Pose>,
-    ) -> (f64, Vector3<f64>) {
+    pub(super) fn gap(&self, at: Moment, poses: &Poses) -> (f64, Vector3<f64>) {
+        let Poses { first, second } = poses;
         match &self.touching {
             Touching::Plane { point, radius, surface, timed } => {
                 let moved;
@@ -102,7 +104,7 @@ impl Contact {
                 (normal.dot(&(x - origin)) - radius, x - normal * *radius)
             }
             Touching::Spheres { centres, radii } => {
-                let (gap, point, _) = spheres(centres, radii, first, second);
+                let (gap, point, _) = spheres(centres, radii, poses);
                 (gap, point)
             }
         }
@@ -110,19 +112,15 @@ impl Contact {
 
     /// Everything of the contact but its rows.
     #[inline]
-    pub(super) fn geometry(
-        &self,
-        at: Moment,
-        first: &Pose,
-        second: Option<&Pose>,
-    ) -> ContactGeometry {
+    pub(super) fn geometry(&self, at: Moment, poses: &Poses) -> ContactGeometry {
+        let Poses { first, second } = poses;
         match &self.touching {
             Touching::Plane { point, radius, surface, timed } => {
                 let surface = match timed {
                     None => *surface,
                     Some(timed) => timed.at(surface, at),
                 };
-                let surface = second.map_or(surface, |pose| surface.at(pose));
+                let surface = second.as_ref().map_or(surface, |pose| surface.at(pose));
                 let (normal, x) = (surface.normal, first.point(point));
                 let (gap, point) =
                     (normal.dot(&(x - surface.point)) - radius, x - normal * *radius);
@@ -140,7 +138,7 @@ impl Contact {
                 }
             }
             Touching::Spheres { centres, radii } => {
-                let (gap, point, normal) = spheres(centres, radii, first, second);
+                let (gap, point, normal) = spheres(centres, radii, poses);
                 let e1 = match &self.frame {
                     Frame::Body { axis } => {
                         tangent(&(first.rotation * Vector3::from(*axis)), &normal)
@@ -196,38 +194,37 @@ impl Contact {
         }
     }
 
-    /// The rows wanted: the normal one if `normal`, and `p` tangential ones.
+    /// Its rows for the first and for the second body, and χ: the normal one if it may open, and those of friction.
     #[inline]
-    pub(super) fn rows_of(
+    pub(super) fn rows(
         &self,
         geometry: &ContactGeometry,
-        (first, second): (&Pose, Option<&Pose>),
-        (normal, p): (bool, usize),
-        (own, others): (&mut [Twist], &mut [Twist]),
+        poses: &Poses,
+        own: &mut [Twist],
+        others: &mut [Twist],
         chi: &mut [f64],
     ) {
-        let start = usize::from(normal);
+        let (start, p) = (usize::from(self.unilateral), self.tangential);
         let directions = [geometry.normal, geometry.e1, geometry.e2];
         let directions = &directions[1 - start..1 + p.min(2)];
-        let lever = geometry.point - first.position;
         for (k, direction) in directions.iter().enumerate() {
-            own[k] = first.wrench(direction, &lever.cross(direction));
+            own[k] = poses.first.pushed(&geometry.point, direction);
             chi[k] = -direction.dot(&geometry.surface_velocity);
         }
-        if normal {
+        if self.unilateral {
             chi[0] = -geometry.surface_normal_velocity;
         }
+        let drilling = geometry.normal * self.patch;
         if p == 3 {
-            own[start + 2] = first.wrench(&Vector3::zeros(), &(geometry.normal * self.patch));
+            own[start + 2] = poses.first.wrench(&Vector3::zeros(), &drilling);
             chi[start + 2] = -self.patch * geometry.surface_spin;
         }
-        let Some(second) = second else { return };
-        let lever = geometry.point - second.position;
+        let Some(second) = &poses.second else { return };
         for (k, direction) in directions.iter().enumerate() {
-            others[k] = second.wrench(&-direction, &direction.cross(&lever));
+            others[k] = second.pushed(&geometry.point, &-direction);
         }
         if p == 3 {
-            others[start + 2] = second.wrench(&Vector3::zeros(), &(geometry.normal * -self.patch));
+            others[start + 2] = second.wrench(&Vector3::zeros(), &-drilling);
         }
     }
 }
@@ -250,10 +247,10 @@ fn across(normal: &Vector3<f64>) -> Vector3<f64> {
 fn spheres(
     centres: &[Vector3<f64>; 2],
     radii: &[f64; 2],
-    first: &Pose,
-    second: Option<&Pose>,
+    poses: &Poses,
 ) -> (f64, Vector3<f64>, Vector3<f64>) {
-    let b = second.map_or(centres[1], |pose| pose.point(&centres[1]));
+    let Poses { first, second } = poses;
+    let b = second.as_ref().map_or(centres[1], |pose| pose.point(&centres[1]));
     let (normal, distance) = direction(first.point(&centres[0]) - b);
     let gap = distance - radii[0] - radii[1];
     (gap, b + normal * (radii[1] + 0.5 * gap), normal)

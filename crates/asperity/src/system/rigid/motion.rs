@@ -25,8 +25,9 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix3, Vector3};
 
 use super::body::TimedLoad;
-use super::rotation::{differential, matrix, turned, turned_back};
-use super::{Pose, RigidBodies, Twist, angular, twist};
+use super::pose::{Pose, Twist, angular, twist};
+use super::rigid_bodies::RigidBodies;
+use crate::system::rotation::{differential, matrix, turned_back};
 use crate::system::{Configuration, SystemError};
 
 /// Most iterations for the angular velocity at the end of a step: of 1000 random bodies, a quarter with moments down to
@@ -40,9 +41,9 @@ const CONVERGED: f64 = 4.0 * f64::EPSILON;
 const STEADY: f64 = 1e-2;
 
 impl RigidBodies {
-    /// Place and attitude of a body.
+    /// Place and attitude of a body that there is.
     #[inline]
-    pub fn pose(&self, q: &[f64], body: usize) -> Pose {
+    pub(super) fn pose_of(&self, q: &[f64], body: usize) -> Pose {
         if self.planar {
             let q = &q[3 * body..3 * body + 3];
             let (s, c) = if q[2] == 0.0 { (0.0, 1.0) } else { q[2].sin_cos() };
@@ -62,7 +63,7 @@ impl RigidBodies {
                 position: Vector3::from_column_slice(&derived[..3]),
                 rotation: Matrix3::from_column_slice(&derived[3..]),
             },
-            None => self.pose(at.q, body),
+            None => self.pose_of(at.q, body),
         }
     }
 
@@ -86,28 +87,10 @@ impl RigidBodies {
         }
     }
 
-    /// `q ⊕ dt u` of one body.
-    #[inline]
-    pub(super) fn advance_body(&self, q: &[f64], u: &[f64], body: usize, dt: f64, out: &mut [f64]) {
-        let ((n, _), twist) = (self.sizes(), self.twist(u, body));
-        let (q, out) = (&q[n * body..n * (body + 1)], &mut out[n * body..n * (body + 1)]);
-        out[0] = q[0] + dt * twist[0];
-        out[1] = q[1] + dt * twist[1];
-        if self.planar {
-            out[2] = q[2] + dt * twist[5];
-            return;
-        }
-        out[2] = q[2] + dt * twist[2];
-        let (omega, attitude) = (angular(&twist), [q[3], q[4], q[5], q[6]]);
-        // What does not turn keeps its attitude to the bit.
-        let turns = omega.amax() > 0.0;
-        let end = if turns { turned(&attitude, &(omega * dt)) } else { attitude };
-        out[3..].copy_from_slice(&end);
-    }
-
     /// Angular momentum `R J Ω` of a body about its centre of mass, in the world's axes.
     pub(super) fn spin(&self, q: &[f64], u: &[f64], body: usize) -> Vector3<f64> {
-        self.pose(q, body).rotation * (self.inertial[body].inertia * angular(&self.twist(u, body)))
+        self.pose_of(q, body).rotation
+            * (self.inertial[body].inertia * angular(&self.twist(u, body)))
     }
 
     /// `Ω` with `J Ω = exp(−½Δt Ω) Π` by Newton's method.
@@ -169,14 +152,12 @@ impl RigidBodies {
         for &i in &self.prescribed {
             let contact = &self.contacts[i];
             let force = self.laws[i].normal_force().unwrap_or(0.0);
-            let poses = (pose(contact.body), contact.other.map(pose));
-            let geometry = contact.geometry(moment, &poses.0, poses.1.as_ref());
-            let (mut own, mut other) = ([Twist::zeros()], [Twist::zeros()]);
-            let both = (&poses.0, poses.1.as_ref());
-            contact.rows_of(&geometry, both, (true, 0), (&mut own, &mut other), &mut [0.0]);
-            add(contact.body, own[0] * force);
-            if let Some(body) = contact.other {
-                add(body, other[0] * force);
+            let poses = contact.poses(pose);
+            let geometry = contact.geometry(moment, &poses);
+            let push = geometry.normal * force;
+            add(contact.body, poses.first.pushed(&geometry.point, &push));
+            if let (Some(body), Some(second)) = (contact.other, &poses.second) {
+                add(body, second.pushed(&geometry.point, &-push));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Pose, Twist};
+use super::pose::{Pose, Twist};
 use crate::argument::{ArgumentError, below, finite, not_negative, refuse};
 use crate::system::{Moment, TimeFunction};
 

@@ -2,12 +2,11 @@
 
 use nalgebra::Vector3;
 
-use super::rotation::unit;
-use super::{RigidBodies, Twist, angular, linear, twist};
-use crate::argument::{ArgumentError, refuse};
+use super::pose::{Twist, angular, linear, twist};
+use super::rigid_bodies::RigidBodies;
 use crate::system::{
-    Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, System,
-    SystemError,
+    Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, Step,
+    System, SystemError,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -21,39 +20,17 @@ impl System for RigidBodies {
     }
 
     fn coordinates(&self) -> usize {
-        self.sizes().0 * self.bodies()
+        self.dof() + self.rotations.len()
     }
 
-    fn advance(&self, q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
-        for body in 0..self.bodies() {
-            self.advance_body(q, u, body, dt, out);
-        }
-    }
-
-    fn rotations(&self) -> Vec<Rotation> {
-        let bodies = if self.planar { 0 } else { self.bodies() };
-        (0..bodies).map(|k| Rotation { coordinate: 7 * k + 3, velocity: 6 * k + 3 }).collect()
+    #[inline]
+    fn rotations(&self) -> &[Rotation] {
+        &self.rotations
     }
 
     /// The state in which the bodies were given.
     fn initial_state(&self) -> InitialState {
         InitialState { q: self.q0.clone(), u: self.u0.clone() }
-    }
-
-    fn normalise(&self, q0: &mut [f64]) -> Result<(), ArgumentError> {
-        if self.planar {
-            return Ok(());
-        }
-        for (body, q) in q0.chunks_exact_mut(7).enumerate() {
-            let Some(orientation) = unit([q[3], q[4], q[5], q[6]]) else {
-                let message = format!(
-                    "the orientation of body {body}, (w, x, y, z), must not be of length zero"
-                );
-                return refuse("q0", message);
-            };
-            q[3..].copy_from_slice(&orientation);
-        }
-        Ok(())
     }
 
     #[inline]
@@ -72,7 +49,7 @@ impl System for RigidBodies {
 
     fn mass(&self, _q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
         mass.fill(0.0);
-        let (n, inertial) = (self.sizes().1, &self.inertial[block]);
+        let (n, inertial) = (self.size, &self.inertial[block]);
         if self.planar {
             (mass[0], mass[n + 1]) = (inertial.mass, inertial.mass);
             mass[2 * n + 2] = inertial.inertia.m33;
@@ -122,7 +99,7 @@ impl System for RigidBodies {
     fn derive(&self, q: &[f64], derived: &mut Vec<f64>) {
         derived.clear();
         for body in 0..self.bodies() {
-            let pose = self.pose(q, body);
+            let pose = self.pose_of(q, body);
             derived.extend_from_slice(pose.position.as_slice());
             derived.extend_from_slice(pose.rotation.as_slice());
         }
@@ -131,8 +108,7 @@ impl System for RigidBodies {
     #[inline]
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let contact = &self.contacts[contact];
-        let second = contact.other.map(|body| self.pose_at(at, body));
-        Ok(contact.gap(at.moment(), &self.pose_at(at, contact.body), second.as_ref()).0)
+        Ok(contact.gap(at.moment(), &contact.poses(|body| self.pose_at(at, body))).0)
     }
 
     fn rows(
@@ -143,15 +119,12 @@ impl System for RigidBodies {
         velocity: &mut [f64],
     ) -> Result<f64, SystemError> {
         let contact = &self.contacts[contact];
-        let first = self.pose_at(at, contact.body);
-        let second = contact.other.map(|body| self.pose_at(at, body));
+        let poses = contact.poses(|body| self.pose_at(at, body));
         let (mut own, mut others) = ([Twist::zeros(); 4], [Twist::zeros(); 4]);
-        let (poses, n) = ((&first, second.as_ref()), self.sizes().1);
-        let geometry = contact.geometry(at.moment(), poses.0, poses.1);
-        let wanted = (contact.unilateral, contact.tangential);
-        contact.rows_of(&geometry, poses, wanted, (&mut own, &mut others), velocity);
+        let geometry = contact.geometry(at.moment(), &poses);
+        contact.rows(&geometry, &poses, &mut own, &mut others, velocity);
         let (place, other_place) = contact.places();
-        for (k, row) in rows.chunks_exact_mut(n * contact.touched().len()).enumerate() {
+        for (k, row) in rows.chunks_exact_mut(self.size * contact.touched().len()).enumerate() {
             self.set_twist(row, place, &own[k]);
             if contact.other.is_some() {
                 self.set_twist(row, other_place, &others[k]);
@@ -163,12 +136,12 @@ impl System for RigidBodies {
     fn chord(
         &self,
         midpoint: &Midpoint,
-        (u, dt): (&[f64], f64),
+        step: &Step<'_>,
         contact: usize,
         rows: &[f64],
         correction: &mut [f64],
     ) -> bool {
-        let contact = &self.contacts[contact];
+        let (contact, &Step { u, dt, .. }) = (&self.contacts[contact], step);
         let second = contact.other.map(|body| self.twist(u, body)).unwrap_or_default();
         if !contact.bends(&self.twist(u, contact.body), &second, dt) {
             return false;
@@ -177,7 +150,7 @@ impl System for RigidBodies {
         let second = contact.other.map(|body| self.course(midpoint, u, body, dt));
         let bend = contact.bend(midpoint.t, &first, second.as_ref(), dt);
         let (normal_rows, (place, _)) = (usize::from(contact.unilateral), contact.places());
-        let width = self.sizes().1 * contact.touched().len();
+        let width = self.size * contact.touched().len();
         for (k, (row, out)) in rows.chunks_exact(width).zip(correction).enumerate() {
             // The force of a row on the first body is its direction.
             *out = match (k + 1) - normal_rows {
@@ -204,13 +177,8 @@ impl System for RigidBodies {
             && self.unequal.iter().zip(momenta.chunks_exact(3)).all(has)
     }
 
-    fn begin(
-        &self,
-        t: f64,
-        dt: f64,
-        (q, u): (&[f64], &[f64]),
-        midpoint: &mut Midpoint,
-    ) -> Result<(), SystemError> {
+    fn begin(&self, step: &Step<'_>, midpoint: &mut Midpoint) -> Result<(), SystemError> {
+        let &Step { midpoint: t, dt, q, u } = step;
         midpoint.t = t;
         let Midpoint { q: mid, derived, before, forces, momenta, .. } = midpoint;
         self.advance(q, u, 0.5 * dt, mid);
@@ -232,7 +200,8 @@ impl System for RigidBodies {
         midpoint: &mut Midpoint,
         after: &[f64],
         dt: f64,
-        (q, u): (&mut [f64], &mut [f64]),
+        q: &mut [f64],
+        u: &mut [f64],
     ) -> Result<(), SystemError> {
         let Midpoint { t, q: mid, derived, before, forces, momenta } = midpoint;
         let at = Configuration { t: *t, piece: *t, q: mid, derived };
@@ -256,7 +225,7 @@ impl System for RigidBodies {
         for (&body, momentum) in self.unequal.iter().zip(momenta.chunks_exact(3)) {
             // Momentum is kept whatever the iteration has left over.
             let spin = Vector3::from_column_slice(momentum);
-            let omega = self.inertial[body].rate(&self.pose(q, body).rotation.tr_mul(&spin));
+            let omega = self.inertial[body].rate(&self.pose_of(q, body).rotation.tr_mul(&spin));
             self.set_twist(u, body, &twist(&linear(&self.twist(u, body)), &omega));
         }
         Ok(())

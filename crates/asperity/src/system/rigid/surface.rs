@@ -6,8 +6,8 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::plane_motion::{PlacedMotion, PlaneMotion};
-use super::rotation::Turn;
 use crate::argument::{ArgumentError, finite, refuse};
+use crate::system::rotation::Turn;
 use crate::system::{Break, Moment, TimeFunction};
 
 /// A plane, fixed to the world or to a body; bodies are on the side that its normal points to.

@@ -139,8 +139,8 @@ class SuperellipseDirection(DirectionModel):
         """Return the ellipse or superellipse with p₁ p₂ = 1."""
         root = math.exp(0.5 * p[0])
         if self.exponent == 2.0:
-            return Ellipse(root, 1.0 / root, p[-1])
-        return Superellipse(root, 1.0 / root, self._exponent(p), p[-1])
+            return Ellipse(root, 1.0 / root, angle=p[-1])
+        return Superellipse(root, 1.0 / root, self._exponent(p), angle=p[-1])
 
     def start(self, c: Array, s: Array, log_support: Array, slope: Array) -> list[Array]:
         """Return the ellipse nearest in h² = nᵀPn, and superellipses of some of the values of h."""

@@ -124,8 +124,8 @@ class SuperellipseReservoir(ReservoirModel):
         """Return the ellipse or superellipse."""
         a, b = np.exp(p[:2])
         if self.exponent == 2.0:
-            return Ellipse(a, b, p[-1])
-        return Superellipse(a, b, self._exponent(p), p[-1])
+            return Ellipse(a, b, angle=p[-1])
+        return Superellipse(a, b, self._exponent(p), angle=p[-1])
 
     def start(self, c: Array, s: Array, radius: Array, weight: Array) -> list[Array]:
         """Return the ellipse nearest to the points, and superellipses through some of them."""

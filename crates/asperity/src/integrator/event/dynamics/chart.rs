@@ -71,7 +71,7 @@ impl<'a> Chart<'a> {
         let n = system.dof();
         let mut chart = Self {
             system,
-            rotations: system.rotations().into_iter().map(turn).collect(),
+            rotations: system.rotations().iter().copied().map(turn).collect(),
             centre: vec![0.0; q0.len()],
             q: q0.to_vec(),
             derived: Vec::new(),
@@ -167,9 +167,9 @@ impl<'a> Chart<'a> {
         full_rows(self.system, &self.configuration(t), contact, rows, chi)
     }
 
-    /// Factors the mass matrix for the velocities of the system; false unless it is symmetric positive definite.
-    pub(crate) fn factor_mass(&self, factors: &mut MassFactors) -> Result<bool, SystemError> {
-        factors.update(self.system, &self.q)
+    /// Factors the mass matrix for the velocities of the system.
+    pub(crate) fn factor_mass(&self, t: f64, factors: &mut MassFactors) -> Result<(), SystemError> {
+        factors.update(self.system, t, &self.q)
     }
 
     /// The forces of the system at the velocities `w`.

@@ -155,9 +155,7 @@ impl<'a> Dynamics<'a> {
         }
         if self.factor.is_none() || !self.system.constancy().mass {
             let mut factors = self.factor.take().unwrap_or_default();
-            if !self.chart.factor_mass(&mut factors)? {
-                return Err(EvaluationError::SingularMass { time: t });
-            }
+            self.chart.factor_mass(t, &mut factors)?;
             self.factor = Some(factors);
         }
         if let Some(factor) = &self.factor {

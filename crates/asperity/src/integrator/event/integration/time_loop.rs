@@ -14,7 +14,7 @@ use crate::integrator::event::motion::Motion;
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::{EvaluationError, ROUNDING, shortest_step};
-use crate::system::System;
+use crate::system::{InitialState, System};
 use crate::vectors::{add, largest, norm};
 
 /// Attempts among which the rejected ones are counted, and how many of them are too many.
@@ -45,10 +45,11 @@ struct Progress {
 /// Integrates a system; the motion, and why the integration has ended.
 pub(crate) fn run(
     system: &dyn System,
+    start: &InitialState,
     options: &Options,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<(Motion, Outcome), ArgumentError> {
-    let mut integration = Integration::new(system, options, observer);
+    let mut integration = Integration::new(system, start, options, observer);
     let outcome = match integration.check_overlap() {
         Ok(checked) => {
             checked?;

@@ -12,7 +12,7 @@ use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, State, ZERO_VELOCITY};
 use crate::integrator::observer::Observer;
-use crate::system::{Break, System};
+use crate::system::{Break, InitialState, System};
 use crate::vectors::largest;
 
 /// Why the integration ends here, if it does.
@@ -63,11 +63,11 @@ pub(crate) struct Integration<'a> {
 impl<'a> Integration<'a> {
     pub(crate) fn new(
         system: &'a dyn System,
+        start: &InitialState,
         options: &'a Options,
         observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
-        let start = options.initial_state(system);
         let (chart, state) = Chart::new(system, &start.q, &start.u);
         let dynamics = Dynamics::new(system, chart, options.t_end);
         Self {

@@ -2,11 +2,64 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::argument::{ArgumentError, refuse};
 use crate::vectors::largest;
+
+/// A rotation of space among the coordinates of a system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rotation {
+    /// The first of its four coordinates: a unit quaternion `(w, x, y, z)` that turns the body's axes to the world's.
+    pub coordinate: usize,
+    /// The first of its three velocities: the angular velocity in the body's axes.
+    pub velocity: usize,
+}
+
+/// `out ← q ⊕ dt u`: rotations turn by `R exp(dt Ω)`, all other coordinates have the other velocities as rates.
+///
+/// # Panics
+///
+/// If the slices are too short for the rotations.
+#[inline]
+pub fn advance(rotations: &[Rotation], q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
+    let (mut from, mut rate) = (0, 0);
+    for &Rotation { coordinate, velocity } in rotations {
+        translate(&q[from..coordinate], &u[rate..velocity], dt, &mut out[from..coordinate]);
+        (from, rate) = (coordinate + 4, velocity + 3);
+        let omega = Vector3::from_column_slice(&u[velocity..rate]);
+        let own = &mut out[coordinate..from];
+        own.copy_from_slice(&q[coordinate..from]);
+        // What does not turn keeps its attitude to the bit.
+        if omega.amax() > 0.0 {
+            own.copy_from_slice(&turned(&[own[0], own[1], own[2], own[3]], &(omega * dt)));
+        }
+    }
+    translate(&q[from..], &u[rate..], dt, &mut out[from..]);
+}
+
+#[inline]
+fn translate(q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
+    for (out, (q, u)) in out.iter_mut().zip(q.iter().zip(u)) {
+        *out = q + dt * u;
+    }
+}
+
+/// Brings the quaternions of initial coordinates to the length one.
+pub(crate) fn normalise(rotations: &[Rotation], q0: &mut [f64]) -> Result<(), ArgumentError> {
+    for (number, rotation) in rotations.iter().enumerate() {
+        let own = &mut q0[rotation.coordinate..rotation.coordinate + 4];
+        let Some(orientation) = unit([own[0], own[1], own[2], own[3]]) else {
+            let message =
+                format!("the quaternion {number}, (w, x, y, z), must not be of length zero");
+            return refuse("q0", message);
+        };
+        own.copy_from_slice(&orientation);
+    }
+    Ok(())
+}
 
 /// Rotation matrix of a unit quaternion.
 #[inline]
-pub(super) fn matrix(q: &[f64; 4]) -> Matrix3<f64> {
+pub(crate) fn matrix(q: &[f64; 4]) -> Matrix3<f64> {
     let [w, x, y, z] = *q;
     let (x2, y2, z2) = (x + x, y + y, z + z);
     let (wx, wy, wz) = (w * x2, w * y2, w * z2);
@@ -27,7 +80,7 @@ pub(super) fn matrix(q: &[f64; 4]) -> Matrix3<f64> {
 
 /// The quaternion after a rotation by the body-fixed vector `angle`: `q ⊗ exp(½ angle)`, of length one.
 #[inline]
-pub(super) fn turned(q: &[f64; 4], angle: &Vector3<f64>) -> [f64; 4] {
+pub(crate) fn turned(q: &[f64; 4], angle: &Vector3<f64>) -> [f64; 4] {
     let [w, x, y, z] = *q;
     let [a, b, c, d] = exponential(angle);
     normalized([
@@ -40,7 +93,7 @@ pub(super) fn turned(q: &[f64; 4], angle: &Vector3<f64>) -> [f64; 4] {
 
 /// `exp(−angle) v`: what is fixed in space as seen from a body that has turned by `angle`.
 #[inline]
-pub(super) fn turned_back(angle: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn turned_back(angle: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     let [w, x, y, z] = exponential(angle);
     let axis = Vector3::new(x, y, z);
     let twice = axis.cross(v) * 2.0;
@@ -48,7 +101,7 @@ pub(super) fn turned_back(angle: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64
 }
 
 /// `D(θ)` in `δ(exp(θ) v) = (D(θ) δθ) × exp(θ) v`: how the world sees a rotation vector change, to some eight digits.
-pub(super) fn differential(angle: &Vector3<f64>) -> Matrix3<f64> {
+pub(crate) fn differential(angle: &Vector3<f64>) -> Matrix3<f64> {
     let [cosine, x, y, z] = exponential(angle);
     let (square, axis) = (angle.norm_squared(), angle.cross_matrix());
     // (1 − cos θ)/θ² and (θ − sin θ)/θ³; the sine of the half is that of the quaternion.
@@ -64,7 +117,7 @@ pub(super) fn differential(angle: &Vector3<f64>) -> Matrix3<f64> {
 
 /// A rotation `exp(angle)` by what it moves, which keeps its digits where the angle is small.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Turn {
+pub(crate) struct Turn {
     cosine: f64,
     axis: Vector3<f64>,
     sinc: f64,
@@ -72,7 +125,7 @@ pub(super) struct Turn {
 
 impl Turn {
     #[inline]
-    pub(super) fn new(angle: &Vector3<f64>) -> Self {
+    pub(crate) fn new(angle: &Vector3<f64>) -> Self {
         let square = 0.25 * angle.norm_squared();
         let (cosine, sinc) = if square < 0.25 { series(square) } else { closed(square.sqrt()) };
         Self { cosine, axis: angle * (0.5 * sinc), sinc }
@@ -80,20 +133,20 @@ impl Turn {
 
     /// The rotation back.
     #[inline]
-    pub(super) fn inverse(&self) -> Self {
+    pub(crate) fn inverse(&self) -> Self {
         Self { axis: -self.axis, ..*self }
     }
 
     /// `(exp(angle) − 1) v`.
     #[inline]
-    pub(super) fn chord(&self, v: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn chord(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let twice = self.axis.cross(v) * 2.0;
         twice * self.cosine + self.axis.cross(&twice)
     }
 
     /// `∫ exp(s angle) v ds` over s from 0 to 1 for `v` across the axis: the mean of what turns along.
     #[inline]
-    pub(super) fn mean(&self, v: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn mean(&self, v: &Vector3<f64>) -> Vector3<f64> {
         (v * self.cosine + self.axis.cross(v)) * self.sinc
     }
 }
@@ -125,7 +178,7 @@ fn closed(half: f64) -> (f64, f64) {
 }
 
 /// The quaternion at length one, to the bit where it already is but for rounding; `None` of length zero.
-pub(super) fn unit(q: [f64; 4]) -> Option<[f64; 4]> {
+pub(crate) fn unit(q: [f64; 4]) -> Option<[f64; 4]> {
     let square = q.iter().map(|c| c * c).sum::<f64>();
     if (square - 1.0).abs() <= 2e-15 {
         return Some(q);

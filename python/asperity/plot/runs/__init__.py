@@ -1,0 +1,1 @@
+"""Plots of runs: paths, phase portraits, histories, forces, bodies, animations."""

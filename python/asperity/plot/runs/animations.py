@@ -1,0 +1,210 @@
+"""Animations of runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.files import atomic
+from asperity.errors import ParameterError
+from asperity.plot import look
+from asperity.plot.runs import chosen
+from asperity.plot.runs.bodies import Stage, View, draw_bodies, draw_paths, dress, staged
+from asperity.plot.runs.chosen import Drawable
+from asperity.runs.run import Run
+from asperity.system.rigid import RigidBodies
+from asperity.track import write_video
+
+# Free space around what moves, in parts of its size.
+_MARGIN = 0.08
+_MOST = 10_000
+_COLOURS = 64
+
+
+def save_animation(
+    run: Drawable,
+    path: str | os.PathLike[str],
+    *,
+    system: RigidBodies | None = None,
+    view: View = "above",
+    bodies: int | Sequence[int] | None = None,
+    contacts: int | Sequence[int] | None = None,
+    forces: bool = True,
+    paths: bool = True,
+    fps: int = 25,
+    speed: float = 1.0,
+    size: tuple[float, float] = (4.6, 3.45),
+    dpi: float = 100.0,
+) -> None:
+    """Write a run as a moving picture, GIF or MP4; the file is complete or not there.
+
+    Rigid bodies are drawn as by `plot_bodies`, every other run as a point that moves in the plane
+    of its first two coordinates. The picture at each moment is that of the nearest sample.
+
+    Args:
+        run: a `Trajectory`, a `Motion` or a `LimitCycle`, of which one period is shown.
+        path: ends in ``.gif``, which needs Pillow, or ``.mp4``, which needs PyAV (extra
+            ``video``).
+        system: the system of a run of `RigidBodies`; left out for other runs.
+        view: as of `plot_bodies`.
+        bodies: likewise.
+        contacts: likewise.
+        forces: likewise.
+        paths: whether the paths up to the moment are drawn.
+        fps: pictures per second.
+        speed: seconds of the run per second of the animation: 0.1 is slow motion.
+        size: width and height in inches.
+        dpi: pixels per inch.
+
+    Raises:
+        ParameterError: naming the argument; ``path`` if it has another ending, or what it needs is
+            not installed.
+        OSError: if the file cannot be written.
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from asperity import FrictionLaw, SlidingPoint, simulate
+    >>> from asperity.plot import save_animation
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5))
+    >>> run = simulate(block, dt=1e-3, t_end=0.2, u0=[1.0, 1.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_animation(run, Path(folder, "block.gif"), speed=0.5)
+    """
+    one = chosen.one_run(run)
+    ending = Path(path).suffix.lower()
+    if ending not in (".gif", ".mp4"):
+        raise ParameterError("path", f"must end in .gif or .mp4, got {os.fspath(path)!r}")
+    rate = arrays.count(fps, "fps")
+    # GIF counts in hundredths of a second.
+    interval = 1.0 / rate if ending == ".mp4" else max(round(100.0 / rate), 2) / 100.0
+    moments = _moments(one, interval * arrays.positive(speed, "speed"))
+    draw: _Point | _Bodies
+    if system is not None:
+        stage, times = staged(one, system, view, bodies, contacts)
+        draw = _Bodies(stage, times, forces=forces, paths=paths)
+    elif view != "above":
+        raise ParameterError("system", f"must be given for view={view!r}")
+    else:
+        draw = _Point(one, paths=paths)
+    inches = arrays.array(size, "size", (2,))
+    figure = Figure((inches[0], inches[1]), arrays.positive(dpi, "dpi"), layout="constrained")
+    pictures = _pictures(figure, draw, moments)
+    if ending == ".gif":
+        _write_gif(pictures, path, interval)
+    else:
+        _write_mp4(pictures, path, rate)
+
+
+class _Point:
+    """Draws the point of the first two coordinates."""
+
+    projection = None
+
+    def __init__(self, run: Run, *, paths: bool) -> None:
+        if run.q.shape[1] < 2:
+            raise ParameterError(
+                "run", f"must have two coordinates to be drawn, it has {run.q.shape[1]}"
+            )
+        self._times, self._points, self._paths = run.t, run.q[:, :2], paths
+        self.limits = np.stack([self._points.min(axis=0), self._points.max(axis=0)])
+
+    def __call__(self, ax: Axes, moment: float) -> None:
+        last = _nearest(self._times, moment)
+        if self._paths:
+            ax.plot(*self._points[: last + 1].T, color=look.GREY, linewidth=1.2)
+        ax.plot(*self._points[last : last + 1].T, "o", color=look.SLIDING, markersize=7.0)
+        ax.set_aspect("equal")
+        ax.set_xlabel("$q_1$ in m")
+        ax.set_ylabel("$q_2$ in m")
+
+
+class _Bodies:
+    """Draws rigid bodies."""
+
+    def __init__(self, stage: Stage, times: Array, *, forces: bool, paths: bool) -> None:
+        self._stage, self._times, self._forces, self._paths = stage, times, forces, paths
+        self.limits = stage.limits
+        self.projection = "3d" if len(stage.seen) == 3 else None
+
+    def __call__(self, ax: Axes, moment: float) -> None:
+        last = _nearest(self._times, moment)
+        if self._paths:
+            draw_paths(ax, self._stage, last)
+        draw_bodies(ax, self._stage, last, alpha=1.0, forces=self._forces)
+        dress(ax, self._stage, room=False)
+
+
+def _nearest(times: Array, moment: float) -> int:
+    return int(np.abs(times - moment).argmin())
+
+
+def _moments(run: Run, interval: float) -> Array:
+    """Return the times of the pictures, the last of which is the end of the run."""
+    begin, end = float(run.t[0]), float(run.t[-1])
+    count = (end - begin) / interval
+    if count > _MOST:
+        raise ParameterError(
+            "speed", f"must leave at most {_MOST} pictures, {count:.3g} s would be drawn"
+        )
+    moments: Array = np.append(begin + interval * np.arange(int(np.ceil(count - 1e-9))), end)
+    return moments
+
+
+def _pictures(
+    figure: Figure, draw: _Point | _Bodies, moments: Array
+) -> Iterator[NDArray[np.uint8]]:
+    """Yield the pictures, shape ``(rows, columns, 3)``, with the axes at the same place in all."""
+    canvas = FigureCanvasAgg(figure)
+    with look.style():
+        ax = figure.add_subplot(projection=draw.projection)
+    lower, upper = draw.limits
+    margin = _MARGIN * max(float(np.ptp(draw.limits, axis=0).max()), np.finfo(float).tiny)
+    for number, moment in enumerate(moments):
+        with look.style():
+            ax.clear()
+            names = ("x", "y", "z")[: len(lower)]
+            for name, low, high in zip(names, lower - margin, upper + margin, strict=True):
+                ax.set(**{f"{name}lim": (low, high)})
+            draw(ax, float(moment))
+            ax.set_title(f"t = {moment:.3f} s")
+            canvas.draw()  # type: ignore[no-untyped-call]
+        if number == 0:
+            figure.set_layout_engine("none")
+        pixels = canvas.buffer_rgba()  # type: ignore[no-untyped-call]
+        yield np.asarray(pixels)[..., :3].copy()
+
+
+def _write_gif(
+    pictures: Iterator[NDArray[np.uint8]], path: str | os.PathLike[str], interval: float
+) -> None:
+    try:
+        from PIL import Image
+    except ImportError:
+        raise ParameterError("path", ".gif needs Pillow (pip install pillow)") from None
+    images = [Image.fromarray(one).quantize(_COLOURS) for one in pictures]
+    with atomic(path) as file:
+        options = {"duration": round(1e3 * interval), "loop": 0, "disposal": 2}
+        images[0].save(file, "GIF", save_all=True, append_images=images[1:], **options)
+
+
+def _write_mp4(
+    pictures: Iterator[NDArray[np.uint8]], path: str | os.PathLike[str], rate: int
+) -> None:
+    try:
+        import av  # noqa: F401
+    except ImportError:
+        raise ParameterError(
+            "path", '.mp4 needs PyAV (pip install "asperity[video]"); .gif does without'
+        ) from None
+    # The format has even numbers of rows and columns.
+    even = (one[: len(one) // 2 * 2, : one.shape[1] // 2 * 2] for one in pictures)
+    write_video(even, path, rate=rate)

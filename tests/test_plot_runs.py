@@ -1,0 +1,352 @@
+"""Plots of runs: histories, portraits, polar plots, bodies, animations."""
+
+import asperity as asp
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+from asperity import mechanisms, plot, track
+from asperity.plot.runs.shapes import edges
+from drawn import drawn
+
+LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.3), asp.Ellipse(3.0, 1.0))
+HALF = (0.1, 0.05, 0.05)
+
+
+@pytest.fixture(autouse=True)
+def _close():
+    plt.close("all")
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def run():
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.05])
+    return asp.simulate(belt, dt=1e-2, t_end=20.0)
+
+
+@pytest.fixture(scope="module")
+def bodies():
+    box = asp.Body.box(
+        1.0,
+        half_sizes=HALF,
+        position=(0.0, 0.0, 0.05),
+        velocity=(1.2, 0.5, 0.0),
+        angular_velocity=(0, 0, 6),
+    )
+    ball = asp.Body.ball(1.0, radius=0.06, position=(0.0, 0.4, 0.06), velocity=(0.6, 0.1, 0.0))
+    table = asp.Plane()
+    return asp.RigidBodies(
+        [box, ball],
+        pairs=[
+            asp.BoxPlane(0, half_sizes=HALF, plane=table, law=LAW),
+            asp.SpherePlane(1, radius=0.06, plane=table, law=LAW),
+        ],
+    )
+
+
+@pytest.fixture(scope="module")
+def slide(bodies):
+    return asp.simulate(bodies, dt=2e-3, t_end=0.4)
+
+
+@pytest.fixture(scope="module")
+def measured():
+    t = np.linspace(0.0, 0.3, 151)
+    x = np.column_stack([1.5 * t - 2.5 * t**2, 0.5 * t])
+    return track.MeasuredPath(t, x, np.full_like(x, 1e-5))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "values"),
+    [
+        ("q", lambda run: run.q.T),
+        ("u", lambda run: run.u.T),
+        ("speed", lambda run: [np.hypot(*run.u.T)]),
+        ("slip", lambda run: run.slip[:, 0].T),
+        ("slip_speed", lambda run: [np.hypot(*run.slip[:, 0].T)]),
+        ("force", lambda run: run.force[:, 0].T),
+        ("friction", lambda run: [np.hypot(*run.force[:, 0].T)]),
+        ("normal_force", lambda run: [run.normal_force[:, 0]]),
+        ("coefficient", lambda run: [np.hypot(*run.force[:, 0].T) / run.normal_force[:, 0]]),
+    ],
+)
+def test_histories_show_what_the_run_holds(run, quantity, values):
+    ax = plot.plot_history(run, quantity=quantity)
+    expected = values(run)
+    assert len(ax.lines) == len(expected)
+    for line, one in zip(ax.lines, expected, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), run.t)
+        np.testing.assert_allclose(line.get_ydata(), one, rtol=1e-14)
+
+
+def bar_lengths(ax):
+    """Time that each colour fills below the axes."""
+    (strip,) = ax.child_axes
+    return {
+        mpl.colors.to_hex(bars.get_facecolor()[0]): sum(
+            np.ptp(path.vertices[:, 0]) for path in bars.get_paths()
+        )
+        for bars in strip.collections
+    }
+
+
+def test_bars_of_trajectories_hold_the_steps_of_each_phase(run):
+    lengths = bar_lengths(plot.plot_history(run))
+    assert sum(lengths.values()) == pytest.approx(20.0, rel=1e-12)
+    stick = lengths[plot.look.STICK.lower()]
+    assert stick == pytest.approx(20.0 * run.stick_fraction[0], rel=1e-12)
+
+
+def test_bars_of_motions_reach_from_event_to_event():
+    motion = asp.integrate(
+        asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.05]),
+        t_end=20.0,
+    )
+    times = [*(event.time for event in motion.events), 20.0]
+    stick = sum(
+        end - event.time
+        for event, end in zip(motion.events, times[1:], strict=True)
+        if event.phase is asp.Phase.STICK
+    )
+    lengths = bar_lengths(plot.plot_history(motion))
+    assert lengths[plot.look.STICK.lower()] == pytest.approx(stick, rel=1e-12)
+    assert sum(lengths.values()) == pytest.approx(20.0, rel=1e-12)
+
+
+def test_bars_are_those_of_the_contacts_chosen(slide):
+    ax = plot.plot_history(slide, quantity="normal_force", contacts=[0, 8])
+    np.testing.assert_array_equal(ax.lines[1].get_ydata(), slide.normal_force[:, 8])
+    (strip,) = ax.child_axes
+    assert [one.get_text() for one in strip.get_yticklabels()] == ["contact 0", "contact 8"]
+    assert not plot.plot_history(slide, quantity="u", phases=False).child_axes
+
+
+def test_histories_of_measured_paths_have_bands(measured):
+    ax = plot.plot_history(measured, quantity="speed")
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), np.hypot(*measured.velocity.T))
+    assert len(ax.collections) == 1
+    assert len(plot.plot_history(measured, quantity="acceleration").lines) == 2
+    np.testing.assert_array_equal(
+        drawn(plot.plot_path, measured)[0].get_xydata(), measured.position
+    )
+
+
+def test_runs_and_measured_paths_share_axes(run, measured):
+    ax = plot.plot_path({"simulated": run, "measured": measured})
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["simulated", "measured"]
+    ax = plot.plot_history({"simulated": run, "measured": measured}, quantity="speed")
+    assert len(ax.lines) == 2
+
+
+def test_a_portrait_draws_velocities_over_coordinates(bodies, slide):
+    block = mechanisms.stribeck_block()
+    motion = asp.integrate(block, t_end=5.0, q0=[1.0])
+    line, start = plot.plot_phase_portrait(motion).lines
+    np.testing.assert_array_equal(line.get_xydata(), np.column_stack([motion.q, motion.u]))
+    np.testing.assert_array_equal(start.get_xydata(), [[motion.q[0, 0], motion.u[0, 0]]])
+    # The second body's y: coordinate 8 of 14, velocity 7 of 12.
+    line, _ = plot.plot_phase_portrait(slide, coordinate=8).lines
+    np.testing.assert_array_equal(line.get_ydata(), slide.u[:, 7])
+    with pytest.raises(asp.ParameterError, match="coordinate: must be one whose rate"):
+        plot.plot_phase_portrait(slide, coordinate=3)
+
+
+def test_polar_plots_show_the_coefficients_and_the_deflection():
+    ax = plot.plot_friction_coefficient(LAW, polar=True)
+    along, left, right = ax.lines
+    phi = along.get_xdata()
+    opposing, deflecting = LAW.resistance(phi)
+    np.testing.assert_array_equal(along.get_ydata(), opposing)
+    both = np.nanmax([left.get_ydata(), -right.get_ydata()], axis=0)
+    np.testing.assert_array_equal(
+        np.where(deflecting < 0, right.get_ydata(), both), abs(deflecting)
+    )
+    ax = plot.plot_deflection(LAW, polar=True)
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), np.rad2deg(LAW.deflection(phi)))
+    assert not np.any(ax.lines[1].get_ydata())
+    low, high = ax.get_ylim()
+    assert low < ax.lines[0].get_ydata().min()
+    assert high > ax.lines[0].get_ydata().max()
+
+
+def test_polar_axes_that_are_given_are_recognised():
+    ax = plt.figure().add_subplot(projection="polar")
+    assert plot.plot_friction_coefficient(LAW, ax=ax, across=False) is ax
+    assert ax.lines[0].get_xdata().max() == pytest.approx(2.0 * np.pi)
+    with pytest.raises(asp.ParameterError, match="polar"):
+        plot.plot_deflection(LAW, ax=plt.subplots()[1], polar=True)
+
+
+def test_bodies_are_outlined_where_they_are(bodies, slide):
+    ax = plot.plot_bodies(slide, system=bodies, at=[0.4], forces=False, paths=False)
+    box, center, circle, radius, middle = (line.get_xydata() for line in ax.lines)
+    place, turn = bodies.positions(slide)[-1], bodies.rotations(slide)[-1]
+    inside = (box - place[0, :2]) @ turn[0, :2, :2]
+    np.testing.assert_allclose(np.abs(inside), np.tile(HALF[:2], (len(box), 1)), atol=1e-9)
+    np.testing.assert_allclose(center, place[:1, :2])
+    np.testing.assert_allclose(np.linalg.norm(circle - place[1, :2], axis=1), 0.06)
+    np.testing.assert_allclose(middle, place[1:, :2])
+    np.testing.assert_allclose(radius[0], place[1, :2])
+
+
+@pytest.mark.parametrize(("view", "seen"), [("above", (0, 1)), ("front", (0, 2)), ("side", (1, 2))])
+def test_forces_of_contacts_are_drawn_to_scale(bodies, slide, view, seen):
+    ax = plot.plot_bodies(slide, system=bodies, at=[0.1], view=view, contacts=[0, 8])
+    (arrows,) = (one for one in ax.collections if hasattr(one, "U"))
+    force = bodies.contact_forces(slide, frame="world")[50][[0, 8]][:, seen]
+    shown = np.column_stack([arrows.U, arrows.V])
+    scale = np.linalg.norm(shown) / np.linalg.norm(force)
+    np.testing.assert_allclose(shown, scale * force, atol=1e-12)
+    np.testing.assert_allclose(
+        arrows.get_offsets(), bodies.contact_points(slide)[50][[0, 8]][:, seen]
+    )
+
+
+def test_bodies_in_space_have_their_edges(bodies, slide):
+    ax = plot.plot_bodies(slide, system=bodies, at=[0.4], view="space", forces=False, paths=False)
+    assert ax.name == "3d"
+    ends = [np.column_stack(line.get_data_3d()) for line in ax.lines]
+    straight = [one for one in ends if len(one) == 2]
+    lengths = np.sort([np.linalg.norm(np.diff(one, axis=0)) for one in straight])
+    np.testing.assert_allclose(lengths, np.repeat([0.1, 0.2], [8, 4]))
+
+
+def test_edges_of_flat_and_of_solid_hulls():
+    square = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]])
+    assert len(edges(square)) == 4
+    assert len(edges(np.vstack([square, [[0.5, 0.5, 2.0]]]))) == 8
+    assert len(edges(np.vstack([square, square - [0.0, 0.0, 1.0], [[0.5, 0.5, 0.5]]]))) == 12
+
+
+def test_a_system_is_drawn_as_it_starts(bodies):
+    ax = plot.plot_bodies(bodies)
+    np.testing.assert_allclose(ax.lines[1].get_xydata(), [[0.0, 0.0]])
+
+
+def test_bodies_in_a_plane_stand_on_their_line():
+    line = asp.Line()
+    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    box = asp.PlanarBody.box(1.0, half_sizes=(0.1, 0.3), position=(0.0, 0.3))
+    system = asp.RigidBodies(
+        [box], pairs=[asp.BoxPlane(0, half_sizes=(0.1, 0.3), plane=line, law=law)]
+    )
+    motion = asp.integrate(system, t_end=0.1)
+    ax = plot.plot_bodies(motion, system=system, at=1)
+    (arrows,) = (one for one in ax.collections if hasattr(one, "U"))
+    assert arrows.V.sum() > 0.0
+    with pytest.raises(asp.ParameterError, match="view"):
+        plot.plot_bodies(motion, system=system, view="front")
+
+
+def test_the_disk_on_pads_is_drawn_by_the_hull_of_its_points():
+    disk = asp.SlidingDisk(LAW, velocity=(1.0, 0.0), diameter=0.06)
+    ax = plot.plot_bodies(disk)
+    hull = ax.lines[0].get_xydata()
+    assert len(hull) == 13
+    np.testing.assert_allclose(np.linalg.norm(hull, axis=1), 0.03)
+
+
+@pytest.mark.parametrize(
+    ("argument", "changes"),
+    [
+        ("system", {"system": None}),
+        ("view", {"view": "below"}),
+        ("at", {"at": [0.1, 7.0]}),
+        ("at", {"at": 0}),
+        ("bodies", {"bodies": [2]}),
+        ("contacts", {"contacts": 9}),
+        ("ax", {"view": "space", "ax": "flat"}),
+        ("ax", {"ax": "space"}),
+    ],
+)
+def test_what_bodies_cannot_be_drawn_is_said(bodies, slide, argument, changes):
+    axes = {"flat": None, "space": "3d"}
+    given = {"system": bodies, **changes}
+    if "ax" in given:
+        given["ax"] = plt.figure().add_subplot(projection=axes[given["ax"]])
+    with pytest.raises(asp.ParameterError) as refused:
+        plot.plot_bodies(slide, **given)
+    assert refused.value.argument == argument
+
+
+@pytest.mark.parametrize(
+    ("argument", "call"),
+    [
+        ("quantity", lambda run: plot.plot_history(run, quantity="energy")),
+        ("quantity", lambda run: plot.plot_history(run, quantity="acceleration")),
+        ("coordinates", lambda run: plot.plot_history(run, coordinates=2)),
+        ("contacts", lambda run: plot.plot_history(run, contacts=[1])),
+        ("contacts", lambda run: plot.plot_history(run, contacts=[])),
+        ("contact", lambda run: plot.plot_path(run, contact=1)),
+        ("contact", lambda run: plot.plot_path(run, contact=0, color="red")),
+        ("label", lambda run: plot.plot_path([run, run], label="one")),
+        ("path", lambda run: plot.save_animation(run, "run.avi")),
+        ("speed", lambda run: plot.save_animation(run, "run.gif", speed=1e-6)),
+        ("system", lambda run: plot.save_animation(run, "run.gif", view="space")),
+    ],
+)
+def test_what_cannot_be_drawn_is_said(run, argument, call):
+    with pytest.raises(asp.AsperityError) as refused:
+        call(run)
+    assert refused.value.argument == argument
+    assert not plt.get_fignums()
+
+
+def test_measured_paths_have_no_contacts(measured):
+    with pytest.raises(asp.ParameterError, match="no contacts"):
+        plot.plot_history(measured, quantity="slip")
+    with pytest.raises(asp.ParameterError, match="contact"):
+        plot.plot_path(measured, contact=0)
+
+
+def test_axes_made_elsewhere_take_on_the_look_of_the_house():
+    _, ax = plt.subplots()
+    plot.plot_set(asp.Disk(1.0), ax=ax)
+    assert not ax.spines["top"].get_visible()
+    assert ax.xaxis.get_gridlines()[0].get_visible()
+    own = plot.plot_set(asp.Disk(1.0))
+    for made in (ax, own):
+        assert mpl.colors.to_hex(made.spines["left"].get_edgecolor()) == plot.look.GREY.lower()
+
+
+def test_settings_of_the_user_win_over_the_look():
+    with mpl.rc_context({"axes.spines.top": True, "axes.edgecolor": "red", "axes.grid": False}):
+        _, ax = plt.subplots()
+        plot.plot_set(asp.Disk(1.0), ax=ax)
+    assert ax.spines["left"].get_edgecolor() == mpl.colors.to_rgba("red")
+    ax.grid(False)
+    ax.spines["top"].set_visible(True)
+    plot.plot_set(asp.Disk(0.5), ax=ax)
+    assert ax.spines["top"].get_visible()
+    assert not ax.xaxis.get_gridlines()[0].get_visible()
+
+
+def test_an_animation_lasts_as_long_as_the_run(tmp_path, bodies, slide):
+    from PIL import Image
+
+    path = tmp_path / "slide.gif"
+    plot.save_animation(slide, path, system=bodies, fps=10, speed=0.5, size=(3.0, 2.0), dpi=50)
+    with Image.open(path) as film:
+        assert film.size == (150, 100)
+        durations = []
+        for number in range(film.n_frames):
+            film.seek(number)
+            durations.append(film.info["duration"])
+    # 0.4 s at half the speed, and the last picture.
+    assert sum(durations[:-1]) == 800
+    assert [one.name for one in tmp_path.iterdir()] == ["slide.gif"]
+
+
+def test_an_animation_of_a_point_and_as_mp4(tmp_path, run):
+    pytest.importorskip("av")
+    path = tmp_path / "belt.mp4"
+    plot.save_animation(run, path, fps=10, speed=10.0, size=(1.51, 1.01), dpi=100)
+    frames = list(track.VideoFile(path)) if hasattr(track, "VideoFile") else None
+    if frames is not None:
+        assert len(frames) == 21
+    assert path.stat().st_size > 1000
