@@ -1,6 +1,8 @@
 """Scenarios: from files to motions, bands, stability and what a law is."""
 
 import json
+import re
+import shlex
 from pathlib import Path
 
 import asperity as asp
@@ -63,7 +65,9 @@ def test_examples_of_all_kinds_run_and_write_what_they_announce(kind, tmp_path):
 
 def test_a_point_ends_where_simulate_says(point):
     done = simulate_scenario(point)
-    run = asp.simulate(asp.SlidingPoint(0.018, LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True)
+    run = asp.simulate(
+        asp.SlidingPoint(0.018, law=LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
+    )
     found = {one.name: one.value for one in done.quantities}
     assert np.allclose([found["end point e1"], found["end point e2"]], run.q[-1], atol=1e-15)
     assert found["time at the end"] == run.t[-1]
@@ -170,7 +174,7 @@ def test_bands_hold_the_scatter_of_the_law(point, measured, tmp_path):
     done = simulate_scenario(point, law=measured, bands=True, out=tmp_path)
     bands = done.bands
     truth = asp.simulate(
-        asp.SlidingPoint(0.018, LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
+        asp.SlidingPoint(0.018, law=LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
     )
     assert len(bands.draws) == 400
     assert not bands.failed
@@ -217,7 +221,7 @@ def test_the_same_seed_gives_the_same_bands(point, measured):
 def test_the_band_of_the_end_point_holds_the_truth_as_often_as_it_says(point):
     """100 measurements of one law: 95 % of the regions should hold its end point."""
     truth = asp.simulate(
-        asp.SlidingPoint(0.018, LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
+        asp.SlidingPoint(0.018, law=LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
     ).q[-1]
     held = 0
     for seed in range(100):
@@ -233,25 +237,28 @@ def test_a_run_that_does_not_end_in_time_is_doubtful(point, capsys):
     assert "does not come to rest within 0.1 s" in capsys.readouterr().out
 
 
-def test_from_measured_forces_to_a_predicted_path_in_the_shell(tmp_path, capsys):
-    """A raw CSV, a law with its uncertainty, a path with its band: three commands."""
+def test_from_measured_forces_to_a_predicted_path_in_the_shell(tmp_path, monkeypatch, capsys):
+    """The commands of the README: a raw CSV, a law with its uncertainty, a path with its band."""
+    readme = (Path(__file__).resolve().parents[1] / "README.md").read_text()
+    section = readme[readme.index("## From the law to a prediction") :]
+    commands = re.findall(r"^    asperity (.*)$", section[: section.index("```")], re.MULTILINE)
+    assert [one.split()[0] for one in commands] == ["identify", "init", "simulate"]
+    monkeypatch.chdir(tmp_path)
     machine = identify.VirtualTribometer(LAW, normal_force=9.3, turns=4, sample_rate=500.0, seed=2)
-    machine.write(tmp_path / "raw")
-    raw = tmp_path / "raw"
-    files = [str(raw / "run_1.csv"), "--config", str(raw / "tribometer.toml")]
-    assert main(["identify", *files, "--out", str(tmp_path / "A")]) == 0
-    assert main(["init", "--out", str(tmp_path / "B")]) == 0
-    scenario, law = str(tmp_path / "B" / "scenario.toml"), str(tmp_path / "A" / "law.toml")
+    machine.write("campaign")
+    for command in commands:
+        assert main(shlex.split(command)) == 0
     capsys.readouterr()
-    assert main(["simulate", scenario, "--law", law, "--bands", "--json"]) == 0
+    assert main([*shlex.split(commands[-1]), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     truth = asp.simulate(
-        asp.SlidingPoint(0.018, LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
+        asp.SlidingPoint(0.018, law=LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
     )
     for one, value in zip(found["quantities"][:2], truth.q[-1], strict=True):
         assert one["low"] < value < one["high"]
         assert one["high"] - one["low"] < 0.01
     assert found["draws"] == 400
+    assert (tmp_path / "C" / "report.html").stat().st_size > 10_000
 
 
 def test_law_says_what_a_law_is(measured, tmp_path, capsys):

@@ -49,7 +49,13 @@ class Belt:
 
     def system(self, law: FrictionLaw) -> MassOnBelt:
         """Return the system; the chart turns its belt."""
-        return MassOnBelt(self.mass, self.stiffness, law, self.normal_force, [self.speed, 0.0])
+        return MassOnBelt(
+            self.mass,
+            stiffness=self.stiffness,
+            law=law,
+            normal_force=self.normal_force,
+            belt_velocity=[self.speed, 0.0],
+        )
 
 
 @dataclass(frozen=True)
@@ -144,8 +150,8 @@ class StabilitySheet:
         with style():
             figure = Figure(figsize=(6.4, 4.6), layout="constrained")
             ax = figure.add_subplot()
-            degrees = np.rad2deg(self.phi), np.rad2deg(self.zeta)
-            plot_growth_chart(*degrees, self.growth, ax=ax)
+            phi, zeta = np.rad2deg(self.phi), np.rad2deg(self.zeta)
+            plot_growth_chart(self.growth, x=phi, y=zeta, ax=ax)
             ax.set_xlabel("direction of the belt in degrees")
             ax.set_ylabel("further rotation of C in degrees")
         picture = Picture("growth", png(figure, 150))
@@ -193,7 +199,7 @@ def describe_stability(
         tuple(critical_rotation(law.reservoir, law.direction)),
         phi,
         zeta,
-        growth_chart(chosen.system(law), phi, zeta),
+        growth_chart(chosen.system(law), phi=phi, zeta=zeta),
     )
     if folder is not None:
         with folder.filled() as place:

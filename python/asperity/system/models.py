@@ -119,9 +119,7 @@ class MassOnBelt(Value):
             belt_velocity=arrays.read_only(belt),
         )
         contact = Contact(law, direction=np.eye(p), normal_force=normal_force, velocity=-belt)
-        self._keep(
-            linear=LinearSystem(mass, stiffness=springs, contacts=[contact], **_lengths(p))
-        )
+        self._keep(linear=LinearSystem(mass, stiffness=springs, contacts=[contact], **_lengths(p)))
 
     @property
     def equilibrium(self) -> Array:

@@ -24,7 +24,7 @@ from asperity.runs.run import Run
 from asperity.system.rigid import RigidBodies
 from asperity.track import write_video
 
-# Free space around what moves, in parts of its size.
+# Free space around what moves, relative to its size.
 _MARGIN = 0.08
 _MOST = 10_000
 _COLOURS = 64

@@ -30,7 +30,7 @@ _SEEN: dict[str, tuple[int, ...]] = {
     "side": (1, 2),
     "space": (0, 1, 2),
 }
-# The longest arrow of a force in parts of the size of what is drawn.
+# The longest arrow of a force relative to the size of what is drawn.
 _LONGEST = 0.25
 # A plane is seen edge on if its normal leaves the picture by less.
 _EDGE_ON = 1e-9

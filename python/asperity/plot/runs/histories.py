@@ -40,7 +40,7 @@ _MEASURED = {
 QUANTITIES = (*_OF_COORDINATES, "acceleration", *_OF_CONTACTS)
 """What may be drawn over time."""
 
-# Height of the bar of a contact and the space above the bars, in parts of the height of the axes.
+# Height of the bar of a contact and the space above the bars, relative to the height of the axes.
 _BAR, _SPACE = 0.055, 0.03
 _DASHES = ("-", (0, (5.0, 1.5)), (0, (1.2, 1.2)))
 

@@ -31,7 +31,9 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
     if not belt.any():
         raise file.error("belt", "must move: give speed and direction_deg, or velocity")
     with file.blamed():
-        system = MassOnBelt(mass, stiffness, laws["law"], load, belt)
+        system = MassOnBelt(
+            mass, stiffness=stiffness, law=laws["law"], normal_force=load, belt_velocity=belt
+        )
     start = section(file, "start")
     return Setup(
         system,

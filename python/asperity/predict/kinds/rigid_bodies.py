@@ -83,11 +83,13 @@ def _body(file: TomlFile, key: str, table: Mapping[str, Any]) -> Body:
     mass = _number(file, key, table, "mass")
     with _blaming(file, key):
         if shape == "box":
-            return Body.box(mass, _half_sizes(file, key, table), **state)
+            return Body.box(mass, half_sizes=_half_sizes(file, key, table), **state)
         radius = 0.5 * _number(file, key, table, "diameter")
         if shape == "ball":
-            return Body.ball(mass, radius, **state)
-        return Body.cylinder(mass, radius, _number(file, key, table, "height"), **state)
+            return Body.ball(mass, radius=radius, **state)
+        return Body.cylinder(
+            mass, radius=radius, height=_number(file, key, table, "height"), **state
+        )
 
 
 def _pairs(
@@ -125,7 +127,16 @@ def _pairs(
                 if shapes[i].get("shape") != "ball":
                     raise file.error(f"{key}.other", "must be a ball that touches a ball")
             radii = [0.5 * float(shapes[i]["diameter"]) for i in (first, second)]
-            return [SphereSphere(first, radii[0], second, radii[1], law, **given)]
+            return [
+                SphereSphere(
+                    first,
+                    radius=radii[0],
+                    other=second,
+                    other_radius=radii[1],
+                    law=law,
+                    **given,
+                )
+            ]
         if table["plane"] not in planes:
             known = ", ".join(planes)
             raise file.error(
@@ -134,13 +145,20 @@ def _pairs(
         plane = planes[table["plane"]]
         kind = shape.get("shape", "box")
         if kind == "box":
-            return [BoxPlane(first, 0.5 * np.asarray(shape["size"], float), plane, law, **given)]
+            half = 0.5 * np.asarray(shape["size"], float)
+            return [BoxPlane(first, half_sizes=half, plane=plane, law=law, **given)]
         radius = 0.5 * float(shape["diameter"])
         if kind == "ball":
-            return [SpherePlane(first, radius, plane, law, **given)]
+            return [SpherePlane(first, radius=radius, plane=plane, law=law, **given)]
         angle = 2.0 * np.pi * np.arange(_EDGE_POINTS) / _EDGE_POINTS
         return [
-            PointPlane(first, (radius * np.cos(a), radius * np.sin(a), z), plane, law, **given)
+            PointPlane(
+                first,
+                point=(radius * np.cos(a), radius * np.sin(a), z),
+                plane=plane,
+                law=law,
+                **given,
+            )
             for z in (-0.5 * float(shape["height"]), 0.5 * float(shape["height"]))
             for a in angle.tolist()
         ]
@@ -171,7 +189,7 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
         pairs += _pairs(file, f"contacts[{i}]", one, shapes, planes, laws)
     gravity = vector(file, "gravity", file.values.get("gravity", [0.0, 0.0, -9.81]), 3)
     with file.blamed():
-        return Setup(RigidBodies(bodies, pairs, gravity=gravity))
+        return Setup(RigidBodies(bodies, pairs=pairs, gravity=gravity))
 
 
 def _paths(system: Model, run: Run) -> dict[str, Array]:

@@ -26,7 +26,9 @@ from asperity.system import SlidingPoint
 def _build(file: TomlFile, laws: Laws) -> Setup:
     mass = needed(file, "body", "mass")
     with file.blamed():
-        system = SlidingPoint(mass, laws["law"], gravity=section(file, "body").get("gravity", 9.81))
+        system = SlidingPoint(
+            mass, law=laws["law"], gravity=section(file, "body").get("gravity", 9.81)
+        )
     position = section(file, "start").get("position", [0.0, 0.0])
     return Setup(
         system,
