@@ -283,7 +283,7 @@ def growth() -> None:
         law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0), asp.Ellipse(3.0, 1.0))
     )
     phi, zeta = np.linspace(20.0, 100.0, 401), np.linspace(0.0, 90.0, 361)
-    rates = asp.growth_chart(unturned, phi=np.deg2rad(phi), zeta=np.deg2rad(zeta))
+    rates = asp.growth_chart(unturned, phi=np.deg2rad(phi), zeta=np.deg2rad(zeta)).growth
     with asp.plot.style():
         figure, ax = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
         asp.plot.plot_growth_chart(rates, x=phi, y=zeta, ax=ax, limit=12.0)

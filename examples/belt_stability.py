@@ -37,7 +37,7 @@ with asp.plot.style():
         1, 2, figsize=(10.0, 4.8), width_ratios=(1.5, 1.0), layout="constrained"
     )
     for zeta in (20.0, 30.0, 40.0):
-        growth = asp.growth_chart(belt(0.0, 0.0), phi=PHI, zeta=np.deg2rad(zeta))
+        growth = asp.growth_chart(belt(0.0, 0.0), phi=PHI, zeta=np.deg2rad(zeta)).growth
         left.plot(np.rad2deg(PHI), growth, label=f"C turned by {zeta:.0f}°")
     left.set(
         title="How fast small motions grow",

@@ -87,9 +87,9 @@ def track_toml(folder):
 
 def law_toml(folder):
     reservoir = asp.Ellipse(0.6, 0.2) & asp.Mapped(asp.Disk(0.5), [[1.0, 0.1], [0.0, 1.0]])
-    law = asp.FrictionLaw(reservoir, asp.Disk(1.0), rate=asp.Stribeck(0.1, 0.5))
+    law = asp.FrictionLaw(reservoir, asp.Disk(1.0), rate=asp.Stribeck(0.1, ratio=0.5))
     origin = asp.Provenance(note="dry", files=[("run.csv", "0f")])
-    asp.LawFile(law, origin).save(folder / "law.toml")
+    asp.LawFile(law, provenance=origin).save(folder / "law.toml")
     return folder / "law.toml"
 
 
@@ -98,7 +98,12 @@ def identified_toml(folder):
     model = identify.FourierReservoir(1, odd=True)
     law = asp.FrictionLaw.collinear(model.reservoir(np.array([-1.0, 0.0, 0.0])))
     identify.IdentifiedLaw(
-        law, model, "circle", [-1.0, 0.0, 0.0], np.pad(spread, (0, 1)), degrees_of_freedom=(3, 1, 1)
+        law,
+        reservoir_model=model,
+        direction_model="circle",
+        values=[-1.0, 0.0, 0.0],
+        turns=np.pad(spread, (0, 1)),
+        degrees_of_freedom=(3, 1, 1),
     ).save(folder / "identified.toml")
     return folder / "identified.toml"
 

@@ -28,13 +28,13 @@ RAW = VirtualTribometer(
     LAW, normal_force=9.3, turns=6, turn_rate=0.5, sample_rate=250.0, seed=2
 ).record()
 DATA = process(RAW)
-FIT = fit_law(DATA, "superellipse", "ellipse")
+FIT = fit_law(DATA, reservoir="superellipse", direction="ellipse")
 # Names, models, whether there are bands.
 FITS = {
     "superellipse": FIT,
-    "without bands": fit_law(DATA, "ellipse", "circle", confidence=None),
-    "series": fit_law(DATA, FourierReservoir(4), FourierDirection(2, odd=True)),
-    "fixed exponent": fit_law(DATA, SuperellipseReservoir(2.5), "circle"),
+    "without bands": fit_law(DATA, reservoir="ellipse", direction="circle", confidence=None),
+    "series": fit_law(DATA, reservoir=FourierReservoir(4), direction=FourierDirection(2, odd=True)),
+    "fixed exponent": fit_law(DATA, reservoir=SuperellipseReservoir(2.5), direction="circle"),
 }
 
 # A law whose estimates are all of different kinds, with a covariance that is large enough to see.
@@ -56,11 +56,11 @@ NAMES = [
 ]
 VALUES = [0.5, 0.3, 0.2, 1.6, -0.3]
 KNOWN = IdentifiedLaw(
-    asp.FrictionLaw(asp.Ellipse(0.5, 0.3, 0.2), asp.Ellipse(1.6, 1.0, -0.3)),
-    "ellipse",
-    "ellipse",
-    VALUES,
-    SPREAD,
+    asp.FrictionLaw(asp.Ellipse(0.5, 0.3, angle=0.2), asp.Ellipse(1.6, 1.0, angle=-0.3)),
+    reservoir_model="ellipse",
+    direction_model="ellipse",
+    values=VALUES,
+    turns=SPREAD,
 )
 
 
@@ -108,12 +108,14 @@ def test_drawn_parameters_scatter_with_the_covariance():
 def test_laws_are_those_of_the_drawn_parameters():
     laws, values = KNOWN.sample(20, seed=6), KNOWN.sample_values(20, seed=6)
     for law, (a, b, angle, ratio, turn) in zip(laws, values, strict=True):
-        assert law.reservoir == asp.Ellipse(a, b, angle) or math.isclose(law.reservoir.a, a)
-        expected = asp.FrictionLaw(asp.Ellipse(a, b, angle), asp.Ellipse(ratio, 1.0, turn))
+        assert law.reservoir == asp.Ellipse(a, b, angle=angle) or math.isclose(law.reservoir.a, a)
+        expected = asp.FrictionLaw(
+            asp.Ellipse(a, b, angle=angle), asp.Ellipse(ratio, 1.0, angle=turn)
+        )
         slip = np.array([[1.0, 0.3], [-0.2, 1.0]])
         np.testing.assert_allclose(law.force(slip), expected.force(slip), rtol=1e-9)
     assert laws == KNOWN.sample(20, seed=6) != KNOWN.sample(20, seed=7)
-    rate = asp.Stribeck(0.1, 0.5)
+    rate = asp.Stribeck(0.1, ratio=0.5)
     rated = KNOWN.replace(law=KNOWN.law.replace(rate=rate))
     assert {law.rate for law in rated.sample(3, seed=0)} == {rate}
 
@@ -138,11 +140,11 @@ def test_bands_of_draws_are_those_of_the_fit():
 
 def test_causes_of_errors_add_up():
     zero = np.zeros((5, 5))
-    parts = IdentifiedLaw(KNOWN.law, "ellipse", "ellipse", VALUES, zero, SPREAD, 2.0 * SPREAD)
+    parts = KNOWN.replace(turns=zero, calibration=SPREAD, zeros=2.0 * SPREAD)
     assert np.array_equal(parts.covariance, 3.0 * SPREAD)
     drawn = parts.sample_values(500, seed=2)
     assert drawn[:, 2].std() == pytest.approx(math.sqrt(3.0 * SPREAD[2, 2]), rel=0.15)
-    still = IdentifiedLaw(KNOWN.law, "ellipse", "ellipse", VALUES, zero)
+    still = KNOWN.replace(turns=zero)
     np.testing.assert_allclose(still.sample_values(3, seed=0), [VALUES] * 3, rtol=1e-15)
 
 
@@ -186,7 +188,7 @@ def test_models_of_users_are_refused_by_name(tmp_path):
     class OwnDirection(CircleDirection):
         pass
 
-    own = fit_law(DATA, "ellipse", OwnDirection())
+    own = fit_law(DATA, reservoir="ellipse", direction=OwnDirection())
     with pytest.raises(asp.ParameterError, match=r"parameters.direction_model: .* OwnDirection is"):
         own.save_law(tmp_path / "law.toml")
     assert not list(tmp_path.iterdir())

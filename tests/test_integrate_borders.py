@@ -8,7 +8,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import mechanisms
-from asperity.runs.motion import EventKind
+from asperity.runs.event import EventKind
 from scipy.integrate import quad, solve_ivp
 
 

@@ -99,7 +99,7 @@ def test_root_locus_and_chart_take_what_the_analysis_returns():
     law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
     phi, zeta = np.linspace(0.0, np.pi, 7), np.linspace(0.0, np.pi / 2, 5)
     belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
-    growth = asp.growth_chart(belt, phi=phi, zeta=zeta)
+    growth = asp.growth_chart(belt, phi=phi, zeta=zeta).growth
     mesh = drawn(plot_growth_chart, growth, x=phi, y=zeta)[0]
     np.testing.assert_array_equal(mesh.get_array().reshape(5, 7), growth.T)
 

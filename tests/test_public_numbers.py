@@ -19,6 +19,7 @@ ALLOWED = {
     ("identify.IdentifiedLaw", "degrees_of_freedom", "infinity"),
     ("track.MeasuredPath", "position", "nan"),
     ("track.MeasuredPath", "position_error", "nan"),
+    ("GrowthChart", "growth", "nan"),
     ("plot.plot_growth_chart", "growth", "nan"),
     ("plot.plot_root_locus", "eigenvalues", "complex"),
 }

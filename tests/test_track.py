@@ -172,7 +172,7 @@ def test_a_lost_mark_is_found_again_where_it_can_be():
     ]
     track = followed(frames)
     assert track.frames(Sight.LOST).tolist() == [2, 3]
-    assert track.summary() == "4 good, 2 lost"
+    assert track.quality == "4 good, 2 lost"
     assert np.isnan(track.position[2:4]).all()
     assert track.pixel[4:] == pytest.approx(np.array(places[4:]), abs=0.02)
 
@@ -195,7 +195,7 @@ def test_a_covered_mark_is_not_taken_for_another_one():
             disks.append(((30.0 + 3.0 * k, 80.0), 9.0, PAINT["red"]))
         frames.append(painted((120, 280), *disks))
     track = followed(frames)
-    assert track.summary() == "16 good, 8 lost"
+    assert track.quality == "16 good, 8 lost"
     assert track.frames(Sight.LOST).tolist() == list(range(8, 16))
     assert track.pixel[16:, 0] == pytest.approx(30.0 + 3.0 * np.arange(16, 24), abs=0.05)
 
@@ -264,12 +264,12 @@ def test_stick_and_slip_is_no_film_with_repeated_frames():
     for moves in (steps, halting):
         places = np.cumsum([0.0, *moves])
         track = followed(film(places, noise=2.0))
-        assert track.summary() == f"{len(places)} good"
+        assert track.quality == f"{len(places)} good"
         # Without noise rest and repetition look alike: they are told, and keep their positions.
         track = followed(film(places))
         assert not track.frames(Sight.REPEATED).size
         assert np.isfinite(track.position).all()
-    assert "20 still" in followed(film(np.cumsum([0.0, *steps]))).summary()
+    assert "20 still" in followed(film(np.cumsum([0.0, *steps]))).quality
 
 
 @pytest.mark.parametrize("pace", [1.0, 0.2])
@@ -285,7 +285,7 @@ def test_frames_that_are_shown_again_have_no_position(pace, noise):
         track = followed(film(pace * np.array(places), noise, again))
         assert track.frames(Sight.REPEATED).tolist() == again
         assert np.isnan(track.position[again]).all()
-        assert track.summary() == f"{len(places) - len(again)} good, {len(again)} repeated"
+        assert track.quality == f"{len(places) - len(again)} good, {len(again)} repeated"
 
 
 def test_light_that_flickers_repeats_no_frame():
@@ -304,7 +304,7 @@ def test_marks_that_stand_still_in_images_without_noise_are_reported():
     ):
         track = followed(film(places))
         assert track.frames(Sight.STILL).tolist() == repeated
-        assert f"{len(repeated)} still" in track.summary()
+        assert f"{len(repeated)} still" in track.quality
     # Rest before, between and after motions; a body that slows down, turns back, or is hidden.
     slow = np.cumsum([0.0, 2.0, 1.6, 1.2, 0.8, 0.4, 0.05, 0.0, 0.0, 0.4, 0.8, 1.2, 1.6])
     for places in (
@@ -313,7 +313,7 @@ def test_marks_that_stand_still_in_images_without_noise_are_reported():
         [0, 2, 4, 4, 2, 0],
         [0, 1, 2, *[2] * 12, 3, 4, 5],
     ):
-        assert "still" not in followed(film(places)).summary()
+        assert "still" not in followed(film(places)).quality
 
 
 @pytest.mark.parametrize("radius", [80, 120, 200])
@@ -325,7 +325,7 @@ def test_a_large_mark_is_whole_wherever_it_is(radius, place):
     depth = radius + 0.5 - np.hypot(column - centre[0], row - centre[1])
     frame = 128.0 + np.clip(depth, 0.0, 1.0)[..., None] * (np.array(PAINT["red"]) - 128.0)
     track = followed([np.rint(frame).astype(np.uint8)] * 2)
-    assert track.summary() == "2 good"
+    assert track.quality == "2 good"
     assert track.pixel[1] == pytest.approx(centre, abs=0.05)
 
 

@@ -69,7 +69,7 @@ def test_frame_rates_that_vary_are_refused(tmp_path, name, suffix):
 def test_constant_rates_are_read_whatever_the_clock(tmp_path, stamps, ticks, suffix):
     track = followed(film(tmp_path / f"constant.{suffix}", stamps, ticks=ticks))
     assert len(track) == len(N)
-    assert track.summary() == "40 good"
+    assert track.quality == "40 good"
 
 
 def test_frames_repeated_by_a_player_are_reported(tmp_path):

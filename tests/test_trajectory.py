@@ -6,7 +6,7 @@ import io
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.runs.trajectory_file import FORMAT
+from asperity.runs.run_file import FORMAT
 
 
 @pytest.fixture(scope="module")
@@ -168,7 +168,7 @@ def test_fields_that_contradict_each_other_are_refused(motion, tmp_path, changes
 
 def test_the_state_at_the_end_fits_the_rest(motion, tmp_path):
     """Fields that later versions add stand in groups of their own, all or none."""
-    from asperity.runs import trajectory_file
+    from asperity.runs import run_file
 
     path = tmp_path / "run.npz"
     fields = {name: getattr(motion, name) for name in (*ARRAYS, *SCALARS, "phase_counts")}
@@ -181,8 +181,8 @@ def test_the_state_at_the_end_fits_the_rest(motion, tmp_path):
         "end_contacts": np.zeros((2, 16)),
         "end_momenta": np.zeros((1, 3)),
     }
-    trajectory_file.save({**fields, **end}, path)
-    read = trajectory_file.load(path)
+    run_file.save("trajectory", {**fields, **end}, path)
+    read = run_file.load("trajectory", path)
     for name, value in end.items():
         np.testing.assert_array_equal(read[name], value)
     for name, wrong in (
@@ -198,9 +198,10 @@ def test_the_state_at_the_end_fits_the_rest(motion, tmp_path):
         ("end_mass", 1.0),
     ):
         changed = {**fields, **end, name: wrong}
-        trajectory_file.save({k: v for k, v in changed.items() if v is not None}, path)
+        given = {k: v for k, v in changed.items() if v is not None}
+        run_file.save("trajectory", given, path)
         with pytest.raises(asp.ParameterError) as caught:
-            trajectory_file.load(path)
+            run_file.load("trajectory", path)
         assert caught.value.argument == name
 
 
@@ -274,11 +275,11 @@ def test_csv_has_names_units_and_all_digits(motion, tmp_path):
     path = tmp_path / "run.csv"
     motion.to_csv(path)
     header = path.read_text().splitlines()[0].split(",")
-    assert header[:4] == ["t [s]", "q_0 [SI]", "q_1 [SI]", "u_0 [SI]"]
-    assert "force_0_1 [N]" in header
+    assert header[:4] == ["t [s]", "q0 [SI]", "q1 [SI]", "u0 [SI]"]
+    assert "contact 0 force 2 [N]" in header
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     assert table.shape == (201, len(header))
-    np.testing.assert_array_equal(table[:, header.index("u_0 [SI]")], motion.u[:, 0])
+    np.testing.assert_array_equal(table[:, header.index("u0 [SI]")], motion.u[:, 0])
 
 
 def test_nothing_half_written(motion, tmp_path, monkeypatch):
@@ -312,7 +313,7 @@ def test_shares_and_summary(motion):
     expected = (phases == asp.Phase.STICK).mean(axis=0)
     np.testing.assert_allclose(motion.stick_fraction, expected)
     summary = motion.summary()
-    for words in ("finished", "200 of 0.01 s", "contact 1", "ambiguous steps  0", "slip"):
+    for words in ("went on to its end at t = 2 s", "of 200 steps", "contact 1 stuck", "slipped"):
         assert words in summary
 
 

@@ -33,6 +33,9 @@ SUMMARISED = (
     asp.Motion,
     asp.LimitCycle,
     asp.BifurcationDiagram,
+    asp.CriticalIntervals,
+    asp.GrowthChart,
+    asp.ContactSolution,
 )
 
 VALUES = [
@@ -41,7 +44,7 @@ VALUES = [
     LAW.replace(rate=asp.Stribeck(0.1)),
     asp.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36, order=7, noise=0.01),
     asp.Stribeck(0.1, ratio=0.5, shape="hyperbolic", exponent=2.0, viscous=0.1),
-    asp.LawFile(LAW, asp.Provenance(note="dry")),
+    asp.LawFile(LAW, provenance=asp.Provenance(note="dry")),
     asp.Provenance(
         asperity="0.2.0",
         date="2026-11-22",
@@ -94,6 +97,10 @@ VALUES = [
     asp.Section([1.0, 0.0], 0.5, after=1.0),
     asp.Event(0.5, "stick", 0, asp.Phase.STICK, ambiguous=True),
     CYCLE.motion,
+    MOTION.labels,
+    MOTION.origin,
+    MOTION.options,
+    CYCLE.motion.options,
     CYCLE,
     asp.equilibrium(BELT),
     asp.BifurcationDiagram(
@@ -134,6 +141,10 @@ VALUES = [
     asp.Body.ball(1.0, radius=0.1, force=SHAKER),
     asp.Spring(0, point=(0.1, 0.0), stiffness=2.0, length=asp.Sine(0.1, frequency=1.0, offset=0.2)),
     asp.compare_path(MOTION, MOTION),
+    asp.critical_directions(
+        asp.FrictionLaw(asp.Ellipse(3.0, 1.0, angle=0.5), asp.Ellipse(3.0, 1.0))
+    ),
+    asp.growth_chart(BELT, phi=[0.0, 0.1, 0.2], zeta=[0.0, 0.5]),
     asp.RigidBodies(
         [asp.Body.ball(1.0, radius=0.1), asp.Body.ball(2.0, radius=0.2)],
         pairs=[asp.SphereSphere(0, radius=0.1, other=1, other_radius=0.2, law=LAW)],

@@ -141,12 +141,21 @@ class ConvergenceError(AsperityError, RuntimeError):
         where = {
             "step": self.step,
             "time": None if self.time is None else f"{self.time:.9g} s",
-            "contact": self.contact,
+            "contact": self._contact(),
             "residual": None if self.residual is None else f"{self.residual:.3g}",
         }
         known = ", ".join(f"{name} {value}" for name, value in where.items() if value is not None)
         text = f"{self.message} ({known})" if known else self.message
         return f"{text}. {self.advice}" if self.advice else text
+
+    def _contact(self) -> str | None:
+        """Return the number of the contact, and its name if it has one of its own."""
+        if self.contact is None or self.trajectory is None:
+            return None if self.contact is None else str(self.contact)
+        names = self.trajectory.contact_names
+        name = names[self.contact] if self.contact < len(names) else ""
+        plain = name in ("", f"contact {self.contact}")
+        return str(self.contact) if plain else f"{self.contact}, {name!r}"
 
 
 class NoSolutionError(ConvergenceError):

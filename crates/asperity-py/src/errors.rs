@@ -96,7 +96,8 @@ impl From<SystemError> for Failure {
             SystemError::Argument(error) => return error.into(),
             // A system of Python that announces its blocks is asked for one after the other.
             SystemError::SingularMass { blocks, .. } => {
-                let (text, name) = (error.to_string(), if blocks > 1 { "block_mass" } else { "mass" });
+                let (text, name) =
+                    (error.to_string(), if blocks > 1 { "block_mass" } else { "mass" });
                 parameter(name, text.strip_prefix("mass: ").unwrap_or(&text))
             }
             SystemError::Rotation { .. } => parameter("dt", &format!("is too long: {error}")),

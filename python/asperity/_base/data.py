@@ -6,43 +6,120 @@ among constructors that are known, which check what they are given.
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 from collections.abc import Callable, Mapping
+from types import ModuleType
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base.toml import COUNT, TEXT, Schema, advice_on
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 
-Kinds = Mapping[str, type[Value]]
+Kinds = Mapping[str, type]
 """Constructors by the word for them in ``type``."""
-AnyValue = TypeVar("AnyValue", bound=Value)
+Arrays = dict[str, NDArray[Any]]
+"""Arrays that stand beside a table, by their keys."""
+AnyValue = TypeVar("AnyValue")
 # More than anyone nests sets, less than Python nests calls.
 _DEEPEST = 50
+# Classes that a message names.
+_LISTED = 30
+# Arrays of more entries are put beside the table, where there is a place for them.
+_INLINE = 64
+# The only key of a table that stands for an array beside it, and what stands in front of the keys
+# of dictionaries, so that none of them is mistaken for a type.
+_ARRAY, _KEY = "array", ":"
+_PLAIN = (bool, int, float, str)
 
 
-def arguments(value: Value, key: str, table: Callable[[Value, str], Any]) -> dict[str, Any]:
+def classes(*rooms: ModuleType) -> dict[str, type]:
+    """Return the public classes of values of some rooms by their names, without mere bases."""
+    public = (getattr(room, name) for room in rooms for name in room.__all__)
+    return {
+        one.__name__: one
+        for one in public
+        if isinstance(one, type) and issubclass(one, Value) and one.__init__ is not object.__init__
+    }
+
+
+def arguments(
+    value: object,
+    key: str,
+    table: Callable[[Any, str], Any],
+    arrays: Arrays | None = None,
+) -> dict[str, Any]:
     """Return the arguments of a value's constructor, defaults too but for None.
 
     A file then says all, and means the same if a default changes.
 
     Args:
-        value: the value.
+        value: the value; with `arrays` also a dataclass, a named tuple or a dictionary.
         key: of the value, for messages.
         table: returns what stands for a value among the arguments, given its key.
+        arrays: where arrays are put by their keys that a list cannot hold, or that are large; by
+            default all become lists.
+
+    Raises:
+        ParameterError: whose argument is the key of what is no data, such as a function.
     """
 
     def plain(part: Any, key: str) -> Any:
-        if isinstance(part, Value):
+        if isinstance(part, Value) or (arrays is not None and _is_record(part)):
             return table(part, key)
+        if isinstance(part, np.ndarray):
+            return _list_or_name(part, key, arrays, small=isinstance(value, Value))
         if isinstance(part, tuple):
-            return [plain(one, f"{key}[{i}]") for i, one in enumerate(part)]
-        return part.tolist() if isinstance(part, np.ndarray) else part
+            return [plain(one, _joined(key, f"[{i}]")) for i, one in enumerate(part)]
+        if part is None or isinstance(part, _PLAIN):
+            return part
+        what = "a function" if callable(part) else f"of the class {type(part).__name__}"
+        raise ParameterError(key, f"is {what}, which a file cannot hold")
 
-    given = ((name, value._parameters[name]) for name in inspect.signature(type(value)).parameters)
-    return {name: plain(part, f"{key}.{name}") for name, part in given if part is not None}
+    given = _parts(value)
+    defaults = {} if isinstance(value, dict) else inspect.signature(type(value)).parameters
+    return {
+        name: plain(part, _joined(key, f".{name}"))
+        for name, part in given.items()
+        # What is left out is the default. TOML cannot say None.
+        if part is not None
+        or (arrays is not None and (name not in defaults or defaults[name].default is not None))
+    }
+
+
+def _parts(value: object) -> dict[str, Any]:
+    if isinstance(value, Value):
+        parameters = value._stored()._parameters
+        return {name: parameters[name] for name in inspect.signature(type(value)).parameters}
+    if dataclasses.is_dataclass(value):
+        return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+    if isinstance(value, dict):
+        return {f"{_KEY}{name}": part for name, part in value.items()}
+    assert isinstance(value, tuple)
+    return dict(value._asdict())  # type: ignore[attr-defined]
+
+
+def _is_record(value: object) -> bool:
+    """Whether it is a dataclass, a named tuple or a dictionary."""
+    named = isinstance(value, tuple) and hasattr(value, "_asdict")
+    return named or isinstance(value, dict) or dataclasses.is_dataclass(value)
+
+
+def _list_or_name(part: NDArray[Any], key: str, arrays: Arrays | None, *, small: bool) -> Any:
+    # Lists have neither complex numbers nor the shape of what has no entries; and records, unlike
+    # values, make no arrays of lists.
+    inline = small and 0 < part.size <= _INLINE and part.dtype.kind != "c"
+    if arrays is None or inline:
+        return part.tolist()
+    arrays[key] = part
+    return {_ARRAY: key}
+
+
+def _joined(key: str, part: str) -> str:
+    return f"{key}{part}" if key else part.removeprefix(".")
 
 
 def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str], Any]) -> AnyValue:
@@ -61,10 +138,12 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
     parameters = inspect.signature(kind).parameters
     for name in table:
         if name not in parameters:
-            raise ParameterError(f"{key}.{name}", f"is not known{advice_on(name, parameters)}")
+            raise ParameterError(
+                _joined(key, f".{name}"), f"is not known{advice_on(name, parameters)}"
+            )
     for name, parameter in parameters.items():
         if parameter.default is inspect.Parameter.empty and name not in table:
-            raise ParameterError(f"{key}.{name}", "is missing")
+            raise ParameterError(_joined(key, f".{name}"), "is missing")
 
     def made(value: Any, key: str) -> Any:
         if isinstance(value, Mapping):
@@ -76,19 +155,32 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
     given = {}
     for name, value in table.items():
         if parameters[name].annotation != "bool":
-            _refuse_truth(value, f"{key}.{name}")
-        given[name] = made(value, f"{key}.{name}")
+            _refuse_truth(value, _joined(key, f".{name}"))
+        given[name] = made(value, _joined(key, f".{name}"))
+    if not issubclass(kind, Value):
+        given = {name: tuple(one) if isinstance(one, list) else one for name, one in given.items()}
     try:
         return kind(**given)
     except ParameterError as error:
         if error.argument in given:
-            raise type(error)(f"{key}.{error.argument}", error.message) from None
+            raise type(error)(_joined(key, f".{error.argument}"), error.message) from None
         # The core may blame what it makes of the arguments.
         raise type(error)(key, str(error)) from None
+    except (TypeError, ValueError, AttributeError, ArithmeticError, LookupError) as error:
+        # Constructors check numbers and sets; a table in the place of a word may meet no check.
+        raise ParameterError(
+            key or kind.__name__, f"cannot be made into {kind.__name__}: {error}"
+        ) from None
 
 
-def typed(value: Value, key: str, kinds: Kinds) -> dict[str, Any]:
+def typed(value: object, key: str, kinds: Kinds, arrays: Arrays | None = None) -> dict[str, Any]:
     """Return the table of a value of one of some classes: its ``type`` and its arguments.
+
+    Args:
+        value: the value; with `arrays` also a dataclass, a named tuple or a dictionary.
+        key: of the value, for messages.
+        kinds: the classes.
+        arrays: as for `arguments`.
 
     Raises:
         ParameterError: for an object of another class, such as one of a user, which is code.
@@ -98,11 +190,22 @@ def typed(value: Value, key: str, kinds: Kinds) -> dict[str, Any]:
         raise ParameterError(
             key, f"of the class {name} is code, and a file holds data: it takes {_words(kinds)}"
         )
-    return {"type": name, **arguments(value, key, lambda one, key: typed(one, key, kinds))}
+    return {
+        "type": name,
+        **arguments(value, key, lambda one, key: typed(one, key, kinds, arrays), arrays),
+    }
 
 
-def built_as_typed(table: Any, key: str, kinds: Kinds) -> Value:
+def built_as_typed(
+    table: Any, key: str, kinds: Kinds, arrays: Mapping[str, NDArray[Any]] | None = None
+) -> Any:
     """Return the value of a table with its ``type`` and its arguments.
+
+    Args:
+        table: what `typed` has returned, or somebody has written.
+        key: of the table, for messages.
+        kinds: classes that may be made.
+        arrays: that stand beside the table, by their keys.
 
     Raises:
         ParameterError: whose argument is the key of what is wrong.
@@ -110,15 +213,31 @@ def built_as_typed(table: Any, key: str, kinds: Kinds) -> Value:
     _check_table(table, key, "a table with its type and the arguments of that type")
     if key.count(".") > _DEEPEST:
         raise ParameterError(key, f"must not be nested in more than {_DEEPEST} tables")
-    name = table.get("type")
+    if arrays is not None and table.keys() == {_ARRAY}:
+        name = table[_ARRAY]
+        if not isinstance(name, str) or name not in arrays:
+            raise ParameterError(key, f"needs the array {name!r}, which is missing")
+        return arrays[name]
+    name, place = table.get("type"), _joined(key, ".type")
     if name is None:
-        raise ParameterError(f"{key}.type", f"is missing: it is one of {_words(kinds)}")
+        raise ParameterError(place, f"is missing: it is one of {_words(kinds)}")
     if not isinstance(name, str):
-        raise ParameterError(f"{key}.type", f"must be one of {_words(kinds)}, got {name!r}")
+        raise ParameterError(place, f"must be one of {_words(kinds)}, got {name!r}")
     if name not in kinds:
-        raise ParameterError(f"{key}.type", f"{name!r} is not known{advice_on(name, kinds)}")
+        raise ParameterError(place, f"{name!r} is not known{advice_on(name, kinds)}")
     rest = {word: value for word, value in table.items() if word != "type"}
-    return built(kinds[name], rest, key, lambda one, key: built_as_typed(one, key, kinds))
+    if kinds[name] is dict:
+        return {
+            _key_of(word): built_as_typed(one, _joined(key, f".{word}"), kinds, arrays)
+            for word, one in rest.items()
+        }
+    return built(kinds[name], rest, key, lambda one, key: built_as_typed(one, key, kinds, arrays))
+
+
+def _key_of(word: str) -> int | str:
+    """Return the key of a dictionary, a number or a word."""
+    name = word.removeprefix(_KEY)
+    return int(name) if name.isdecimal() else name
 
 
 def _check_table(table: Any, key: str, words: str) -> None:
@@ -136,7 +255,7 @@ def _refuse_truth(value: Any, key: str) -> None:
 
 
 def _words(kinds: Kinds) -> str:
-    return ", ".join(kinds)
+    return ", ".join(kinds) if len(kinds) <= _LISTED else "the public classes of asperity"
 
 
 class FileFormat(NamedTuple):

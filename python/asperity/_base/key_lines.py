@@ -87,7 +87,8 @@ class KeyLines:
             if path in self._tables:
                 path = f"{path}[{self._tables[path] - 1}]"
                 self._note(path, line)
-        self._begun.append((line, path))
+        if path:
+            self._begun.append((line, path))
         return path
 
     def _pair(self, section: str) -> None:

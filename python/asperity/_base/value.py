@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from inspect import Parameter
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, dataclass_transform
 
@@ -17,6 +17,9 @@ class Value:
 
     A subclass hands each parameter of its ``__init__`` to `_set`, and what it derives to `_keep`.
     """
+
+    _descriptive: ClassVar[frozenset[str]] = frozenset()
+    """Parameters that say where a value is from or what its parts are called: not compared."""
 
     if TYPE_CHECKING:
 
@@ -40,6 +43,10 @@ class Value:
     def __delattr__(self, name: str) -> NoReturn:
         raise AttributeError(f"{type(self).__name__} is immutable")
 
+    def _stored(self) -> Self:
+        """Return what files hold of it."""
+        return self
+
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed."""
         return type(self)(**{**self._parameters, **changes})
@@ -56,10 +63,13 @@ class Value:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Value) or type(self) is not type(other):
             return NotImplemented
-        return all(_same(mine, other._parameters[name]) for name, mine in self._parameters.items())
+        return all(_same(mine, other._parameters[name]) for name, mine in self._compared())
 
     def __hash__(self) -> int:
-        return hash((type(self), *map(_hashable, self._parameters.values())))
+        return hash((type(self), *(_hashable(value) for _, value in self._compared())))
+
+    def _compared(self) -> Iterator[tuple[str, Any]]:
+        return (pair for pair in self._parameters.items() if pair[0] not in self._descriptive)
 
     def __repr__(self) -> str:
         parts = []

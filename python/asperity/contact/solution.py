@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Record, Value
 from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
 from asperity.errors import DimensionError, ParameterError
@@ -41,7 +42,7 @@ class Stage(Record):
     residual: float
 
 
-class ContactSolution(Value):
+class ContactSolution(TableResult, Value):
     """Outcome of `ContactProblem.solve`.
 
     Attributes:
@@ -173,6 +174,62 @@ class ContactSolution(Value):
     @cached_property
     def _parameters(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in inspect.signature(type(self)).parameters}
+
+    def __repr__(self) -> str:
+        return (
+            f"<ContactSolution: {self.status}, {counted(len(self.phase), 'contact')}, "
+            f"residual {self.residual:.3g}, {counted(self.iterations, 'iteration')}>"
+        )
+
+    def summary(self) -> str:
+        """Return how the solve ended, what the contacts do and what is left of their laws."""
+        took = counted(self.iterations, "iteration")
+        ended = self.status.message
+        lines = [
+            f"{ended[0].upper()}{ended[1:]} after {took}, with a residual of {self.residual:.3g}."
+        ]
+        if self.status.advice:
+            lines.append(f"{self.status.advice}.")
+        of = self.certificate
+        contacts = counted(len(self.phase), "contact")
+        lines.append(f"Of {contacts} {of.stick} stick, {of.slip} slip and {of.open} are open.")
+        defects = {
+            "bodies approach with": (of.penetration_velocity, "m/s"),
+            "contacts pull with": (of.tension, "N s"),
+            "friction is beyond the reservoir by": (of.cone_violation, "N s"),
+            "friction is off its direction by": (of.direction_violation, "N s"),
+        }
+        told = [f"{what} {value:.2g} {unit}" for what, (value, unit) in defects.items() if value]
+        lines.append(f"At most {', '.join(told)}." if told else "The contact laws hold exactly.")
+        if self.ambiguous:
+            some = counted(int(self.ambiguous_contacts.sum()), "contact")
+            lines.append(f"{some} had several solutions, the others held.")
+        if self.infeasibility is not None:
+            lines.append(f"That there is none is proved, at contact {self.infeasibility.contact}.")
+        return "\n".join(lines)
+
+    def _table(self) -> Table:
+        axes = {
+            "row": Axis(np.arange(len(self.percussion)), "", "row of the problem"),
+            "contact": Axis(np.arange(len(self.phase)), "", "contact"),
+        }
+        series = {
+            "percussion": Series(self.percussion, ("row",), "N s", "percussion"),
+            "velocity": Series(self.velocity, ("row",), "m/s", "velocity after the step"),
+            "phase": Series(
+                self.phase,
+                ("contact",),
+                "-",
+                "phase of the contact",
+                names={int(phase): phase.name.lower() for phase in Phase},
+            ),
+        }
+        facts: dict[str, str | int | float] = {
+            "status": str(self.status),
+            "residual": self.residual,
+            "iterations": self.iterations,
+        }
+        return Table(axes, series, facts)
 
     @property
     def ambiguous(self) -> bool:

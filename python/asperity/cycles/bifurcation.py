@@ -3,24 +3,34 @@
 from __future__ import annotations
 
 import inspect
+import os
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity._base import arrays
+from asperity._base import arrays, result_file
 from asperity._base.arrays import Array
+from asperity._base.data import Kinds
+from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
+from asperity.cycles import orbit
 from asperity.cycles.continuation import Continuation, Found
 from asperity.cycles.orbit import LimitCycle
 from asperity.errors import ConvergenceError, ParameterError
-from asperity.runs.time_stepping import Model
-from asperity.steady_sliding import Stability, equilibrium, stability
+from asperity.runs.model import Model
+from asperity.steady_sliding import Equilibrium, Stability, equilibrium, stability
+from asperity.steady_sliding.field import ContactState
+from asperity.steady_sliding.linearisation import Linearisation
+from asperity.steady_sliding.pencil import Pencil
+from asperity.steady_sliding.sliding import Sliding
+from asperity.steady_sliding.spectrum import Spectrum
+from asperity.system.labels import Labels, numbered
 
 Family = Callable[..., Model]
 
 
-class BifurcationDiagram(Value):
+class BifurcationDiagram(TableResult, Value):
     """What a family of systems does over a parameter, found by `bifurcation_diagram`.
 
     Attributes:
@@ -37,6 +47,8 @@ class BifurcationDiagram(Value):
     stabilities: tuple[Stability | None, ...]
     cycles: tuple[LimitCycle | None, ...]
     failures: tuple[str, ...]
+
+    _picture = "plot_bifurcation"
 
     def __init__(
         self,
@@ -60,7 +72,7 @@ class BifurcationDiagram(Value):
     @property
     def equilibria(self) -> Array:
         """Coordinates of the equilibria, shape ``(n, n_q)``; NaN where there is none."""
-        return self._table([None if s is None else s.equilibrium.q for s in self.stabilities])
+        return self._stacked([None if s is None else s.equilibrium.q for s in self.stabilities])
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -75,12 +87,12 @@ class BifurcationDiagram(Value):
     @property
     def cycle_minima(self) -> Array:
         """Least coordinates of the cycles, shape ``(n, n_q)``; NaN where there is none."""
-        return self._table([None if c is None else c.minimum for c in self.cycles])
+        return self._stacked([None if c is None else c.minimum for c in self.cycles])
 
     @property
     def cycle_maxima(self) -> Array:
         """Greatest coordinates of the cycles, shape ``(n, n_q)``; NaN where there is none."""
-        return self._table([None if c is None else c.maximum for c in self.cycles])
+        return self._stacked([None if c is None else c.maximum for c in self.cycles])
 
     @property
     def cycle_stable(self) -> NDArray[np.bool_]:
@@ -98,7 +110,7 @@ class BifurcationDiagram(Value):
         pairs = zip(self.kinds, self.cycles, strict=True)
         return np.array([kind not in ("unstable", "none") and c is not None for kind, c in pairs])
 
-    def _table(self, rows: Sequence[Array | None]) -> Array:
+    def _stacked(self, rows: Sequence[Array | None]) -> Array:
         """Stack rows of coordinates; NaN where there is none."""
         places = [s.equilibrium.q for s in self.stabilities if s is not None]
         places += [cycle.minimum for cycle in self.cycles if cycle is not None]
@@ -113,6 +125,131 @@ class BifurcationDiagram(Value):
             f"to {self.values[-1]:g}, {self.kinds.count('unstable')} unstable equilibria, "
             f"{found} limit cycles>"
         )
+
+    def summary(self) -> str:
+        """Return where equilibria lose their stability and where cycles exist, in sentences."""
+        lines = [
+            f"The parameter {self.parameter} goes from {self.values[0]:.6g} to "
+            f"{self.values[-1]:.6g} in {counted(len(self), 'value')}."
+        ]
+        for kind in dict.fromkeys(self.kinds):
+            where = self._spans([one == kind for one in self.kinds])
+            what = "There is no equilibrium" if kind == "none" else f"The equilibrium is {kind}"
+            lines.append(f"{what} at {self.parameter} = {where}.")
+        for stable in (True, False):
+            found = [c is not None and c.is_stable == stable for c in self.cycles]
+            if any(found):
+                word = "stable" if stable else "unstable"
+                where = self._spans(found)
+                lines.append(f"There are {word} limit cycles at {self.parameter} = {where}.")
+        failed = [bool(text) for text in self.failures]
+        if any(failed):
+            why, where = self.failures[failed.index(True)].rstrip("."), self._spans(failed)
+            lines.append(f"The search failed at {self.parameter} = {where}: {why}.")
+        return "\n".join(lines)
+
+    def _spans(self, chosen: Sequence[bool]) -> str:
+        """Return the intervals of values that are chosen, in words."""
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], np.asarray(chosen, dtype=int), [0]])))
+        spans = []
+        for first, after in edges.reshape(-1, 2).tolist():
+            low, high = self.values[first], self.values[after - 1]
+            spans.append(f"{low:.6g}" if after - first == 1 else f"{low:.6g} to {high:.6g}")
+        return ", ".join(spans)
+
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """Names of the coordinates, from the cycles or numbered."""
+        return self._labels.coordinates
+
+    @property
+    def _labels(self) -> Labels:
+        found = (cycle.motion.labels for cycle in self.cycles if cycle is not None)
+        size = self.equilibria.shape[1]
+        return next(found, numbered(size, size, 0))
+
+    def _table(self) -> Table:
+        labels = self._labels
+        # A parameter may have the name of a column.
+        own = self.parameter
+        rows = (f"{own}_parameter" if own in _COLUMNS else own,)
+        axes = {
+            rows[0]: Axis(self.values, "", "parameter"),
+            "coordinate": Axis(labels.coordinates, "", "coordinate", labels.coordinate_units),
+        }
+        coordinates = {
+            "equilibrium": (self.equilibria, "coordinates of the equilibrium"),
+            "cycle_minimum": (self.cycle_minima, "least coordinates of the limit cycle"),
+            "cycle_maximum": (self.cycle_maxima, "greatest coordinates of the limit cycle"),
+        }
+        numbers = {
+            "growth_rate": (self.growth_rates, "1/s", "largest real part of an eigenvalue"),
+            "kind": (np.array(self.kinds), "", "kind of the equilibrium"),
+            "cycle_stable": (self.cycle_stable, "", "whether there is a stable limit cycle"),
+            "period": (self.periods, "s", "period of the limit cycle"),
+            "failure": (np.array(self.failures, dtype=np.str_), "", "why nothing was found"),
+        }
+        series = {
+            name: Series(values, (*rows, "coordinate"), "", words)
+            for name, (values, words) in coordinates.items()
+        }
+        series |= {
+            name: Series(values, rows, unit, words)
+            for name, (values, unit, words) in numbers.items()
+        }
+        return Table(axes, series, {"title": repr(self)[1:-1]})
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a NumPy ``.npz`` file without pickled objects, with all equilibria and cycles.
+
+        Args:
+            path: of the file, which replaces an older one only when it is complete.
+        """
+        result_file.save(self, _KNOWN, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> BifurcationDiagram:
+        """Read a file written by `save`.
+
+        Args:
+            path: of the file.
+
+        Raises:
+            ParameterError: naming what is missing, damaged or of something else.
+            FileNotFoundError: if there is none.
+        """
+        return result_file.load(cls, _KNOWN, path)
+
+
+_COLUMNS = (
+    "coordinate",
+    "equilibrium",
+    "cycle_minimum",
+    "cycle_maximum",
+    "growth_rate",
+    "kind",
+    "cycle_stable",
+    "period",
+    "failure",
+)
+
+_KNOWN: Kinds = {
+    **orbit.KNOWN,
+    **{
+        one.__name__: one
+        for one in (
+            BifurcationDiagram,
+            Stability,
+            Equilibrium,
+            Linearisation,
+            Sliding,
+            ContactState,
+            Spectrum,
+            Pencil,
+            dict,
+        )
+    },
+}
 
 
 def bifurcation_diagram(

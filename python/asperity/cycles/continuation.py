@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from asperity.cycles.orbit import LimitCycle
 from asperity.cycles.search import limit_cycle
 from asperity.errors import AsperityError
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 
 # A run through an interval of instability ends after so many members in a row without a cycle.
 _GIVE_UP = 3

@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity._base import arrays
+from asperity._base import arrays, result_file
 from asperity._base.arrays import Array
+from asperity._base.data import Kinds
+from asperity._base.result import Axis, Series, Table, TableResult
 from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.runs.motion import Motion, Section
+from asperity.runs import origin
+from asperity.runs.event import Event
+from asperity.runs.motion import Motion
+from asperity.runs.section import Section
 from asperity.status import Phase
+from asperity.system.labels import Labels
+
+_VERBS = {Phase.STICK: "sticks", Phase.SLIP: "slips", Phase.OPEN: "is open"}
+# Coordinates and contacts of which a summary tells.
+_TOLD = 8
 
 
-class LimitCycle(Value):
+class LimitCycle(TableResult, Value):
     """An isolated periodic motion x(t + T) = x(t), found by `limit_cycle`.
 
     Attributes:
@@ -33,6 +45,8 @@ class LimitCycle(Value):
     multipliers: NDArray[np.complex128]
     residual: float
     iterations: int
+
+    _picture = "plot_history"
 
     def __init__(
         self,
@@ -98,12 +112,75 @@ class LimitCycle(Value):
         """
         return sum(length for kind, length in self.phases(contact) if kind == phase) / self.period
 
+    def summary(self) -> str:
+        """Return period, stability, extent and phases in sentences."""
+        kind = "stable" if self.is_stable else "unstable"
+        largest = np.abs(self.multipliers).max(initial=0.0)
+        lines = [
+            f"The limit cycle is {kind}: it repeats after {self.period:.9g} s, and a small "
+            f"disturbance is multiplied by at most {largest:.3g} in each period."
+        ]
+        names, units = self.motion.coordinate_names, self.motion.coordinate_units
+        ranges = zip(names, units, self.minimum.tolist(), self.maximum.tolist(), strict=False)
+        for name, unit, low, high in list(ranges)[:_TOLD]:
+            lines.append(f"{name} moves between {low:.6g} and {high:.6g} {unit}.")
+        for number, name in list(enumerate(self.motion.contact_names))[:_TOLD]:
+            shares = ", ".join(
+                f"{verb} {self.share(phase, contact=number):.1%}"
+                for phase, verb in _VERBS.items()
+                if self.share(phase, contact=number) > 0.0
+            )
+            lines.append(f"{name}: {shares} of the period.")
+        return "\n".join(lines)
+
+    def _table(self) -> Table:
+        """Return the table of the motion, with the multipliers beside it."""
+        table = self.motion._table()
+        axis = Axis(np.arange(len(self.multipliers)), "", "number of the multiplier")
+        parts = {"real": self.multipliers.real, "imaginary": self.multipliers.imag}
+        series = {
+            f"multiplier_{name}": Series(part, ("multiplier",), "-", f"{name} part of a multiplier")
+            for name, part in parts.items()
+        }
+        facts = {"period": self.period, "stable": int(self.is_stable)}
+        return Table(
+            {**table.axes, "multiplier": axis}, {**table.series, **series}, {**table.facts, **facts}
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a NumPy ``.npz`` file without pickled objects, with the system if it is data.
+
+        Args:
+            path: of the file, which replaces an older one only when it is complete.
+        """
+        result_file.save(self, KNOWN, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> LimitCycle:
+        """Read a file written by `save`.
+
+        Args:
+            path: of the file.
+
+        Raises:
+            ParameterError: naming what is missing, damaged or of something else.
+            FileNotFoundError: if there is none.
+        """
+        return result_file.load(cls, KNOWN, path)
+
     def __repr__(self) -> str:
         kind = "stable" if self.is_stable else "unstable"
         return (
             f"<LimitCycle: {kind}, period {self.period:.9g} s, "
             f"largest multiplier {np.abs(self.multipliers).max(initial=0.0):.3g}>"
         )
+
+
+KNOWN: Kinds = {
+    **origin.KNOWN,
+    **{one.__name__: one for one in (LimitCycle, Motion, Event, Section, Labels)},
+}
+"""Classes that a limit cycle is made of."""
 
 
 def _extremes(motion: Motion) -> tuple[Array, Array]:

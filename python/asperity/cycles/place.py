@@ -8,8 +8,9 @@ import numpy as np
 
 from asperity import _core
 from asperity._base.arrays import Array
-from asperity.runs.motion import Motion, Section
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
+from asperity.runs.motion import Motion
+from asperity.runs.section import Section
 from asperity.status import Phase
 
 _CORRECTIONS = 3

@@ -7,8 +7,9 @@ import numpy as np
 from asperity._base.arrays import Array
 from asperity.errors import NoCycleError
 from asperity.runs.event_driven import integrate
-from asperity.runs.motion import Motion, Section
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
+from asperity.runs.motion import Motion
+from asperity.runs.section import Section
 
 SAME_TURN = 6
 """Turns of a section that may make up one period."""

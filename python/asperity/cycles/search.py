@@ -24,8 +24,8 @@ from asperity.cycles.shooting import Return, ReturnMap, fixed_point
 from asperity.cycles.start import dragged, longest_time, starts
 from asperity.errors import NoCycleError, ParameterError
 from asperity.runs.event_driven import integrate
-from asperity.runs.motion import Section
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
+from asperity.runs.section import Section
 from asperity.steady_sliding import Stability, equilibrium, stability
 from asperity.system import RigidBodies
 

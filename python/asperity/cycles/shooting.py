@@ -10,8 +10,9 @@ from asperity._base.arrays import Array
 from asperity.cycles.place import Place
 from asperity.errors import NoCycleError
 from asperity.runs.event_driven import integrate
-from asperity.runs.motion import Motion, Section
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
+from asperity.runs.motion import Motion
+from asperity.runs.section import Section
 
 # Step of difference quotients relative to the scale of the states.
 _FORWARD = 1e-6

@@ -9,7 +9,7 @@ import numpy as np
 from asperity import _core
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 from asperity.steady_sliding import Stability
 from asperity.steady_sliding.linearisation import INTERNAL
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
 from asperity.identify.diagnostics import at_bounds, gaps, warnings_of
 from asperity.identify.fitting.data import defects
@@ -44,7 +45,7 @@ _WIDTH = 5
 _ROUND = 1e-9
 
 
-class Fit(Value):
+class Fit(TableResult, Value):
     """A law fitted to measured forces, with its uncertainty; made by `fit_law`.
 
     Args:
@@ -69,6 +70,8 @@ class Fit(Value):
     _family: Family
     _descent: Descent
     _causes: Causes
+
+    _picture = "plot_fitted_sets"
 
     def __init__(
         self,
@@ -104,10 +107,39 @@ class Fit(Value):
         covariance = None if confidence is None else causes.covariance(held=held)
         self._keep(covariance=covariance, _causes=causes)
 
+    def summary(self) -> str:
+        """Return the models, their parameters with confidence intervals, and warnings."""
+        level = "" if self.confidence is None else f" with {self.confidence:.0%} intervals"
+        lines = [
+            f"C is a {self.reservoir_model!r} and D a {self.direction_model!r} fitted to "
+            f"{counted(self.samples, 'sample')} in {counted(self.turns, 'turn')}; forces differ "
+            f"from the model by {self.rms:.4g} N (root mean square).",
+            f"The parameters{level} are",
+            *(f"{name}: {one}." for name, one in self.parameters.items()),
+        ]
+        return "\n".join([*lines, *(f"{sentence}." for sentence in self.warnings)])
+
+    def _table(self) -> Table:
+        listed = self.parameters
+        columns = {
+            "value": "estimate, in SI units or rad",
+            "low": "lower end of the confidence interval",
+            "high": "upper end of the confidence interval",
+            "standard_error": "standard deviation of the estimate",
+        }
+        rows = ("parameter",)
+        series = {
+            name: Series(np.array([getattr(one, name) for one in listed.values()]), rows, "", words)
+            for name, words in columns.items()
+        }
+        told = np.array([one.identifiable for one in listed.values()])
+        series["identifiable"] = Series(told, rows, "", "whether the data determine it")
+        return Table({"parameter": Axis(tuple(listed), "", "parameter")}, series, {"rms": self.rms})
+
     def __repr__(self) -> str:
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
         text = "; ".join([f"{models}, {self.samples} samples, {self.turns} turns", *self.warnings])
-        return f"<Fit {text}>"
+        return f"<Fit: {text}>"
 
     @property
     def samples(self) -> int:
@@ -187,10 +219,12 @@ class Fit(Value):
         ]
         return IdentifiedLaw(
             self.law,
-            family.reservoir,
-            family.direction,
-            values,
-            *parts,
+            reservoir_model=family.reservoir,
+            direction_model=family.direction,
+            values=values,
+            turns=parts[0],
+            calibration=parts[1],
+            zeros=parts[2],
             degrees_of_freedom=degrees,
             provenance=provenance,
         )

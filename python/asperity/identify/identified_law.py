@@ -145,7 +145,13 @@ class IdentifiedLaw(LawFile):
     >>> from asperity.identify import IdentifiedLaw
     >>> law = FrictionLaw.collinear(Ellipse(0.5, 0.4))
     >>> spread = np.diag([0.01, 0.01, 0.02]) ** 2
-    >>> found = IdentifiedLaw(law, "ellipse", "circle", [0.5, 0.4, 0.0], spread)
+    >>> found = IdentifiedLaw(
+    ...     law,
+    ...     reservoir_model="ellipse",
+    ...     direction_model="circle",
+    ...     values=[0.5, 0.4, 0.0],
+    ...     turns=spread,
+    ... )
     >>> found.names
     ('reservoir.a', 'reservoir.b', 'reservoir.angle')
     >>> found.standard_errors.round(9).tolist()
@@ -167,13 +173,13 @@ class IdentifiedLaw(LawFile):
     def __init__(
         self,
         law: FrictionLaw,
+        *,
         reservoir_model: ReservoirName,
         direction_model: DirectionName,
         values: ArrayLike,
         turns: ArrayLike | None = None,
         calibration: ArrayLike | None = None,
         zeros: ArrayLike | None = None,
-        *,
         degrees_of_freedom: tuple[float, float, float] = (math.inf, math.inf, math.inf),
         provenance: Provenance | None = None,
     ) -> None:
@@ -397,9 +403,10 @@ class IdentifiedLaw(LawFile):
         try:
             return cls(
                 law,
-                *models,
-                parameters["values"],
-                *parts,
+                reservoir_model=models[0],
+                direction_model=models[1],
+                values=parameters["values"],
+                **dict(zip(_PARTS, parts, strict=True)),
                 degrees_of_freedom=(degrees[0], degrees[1], degrees[2]),
                 provenance=provenance,
             )

@@ -112,7 +112,8 @@ class LawFile(Value):
     >>> import os, tempfile
     >>> from asperity import FrictionLaw, LawFile, Provenance
     >>> path = os.path.join(tempfile.mkdtemp(), "pvc.toml")
-    >>> LawFile(FrictionLaw.isotropic(0.3), Provenance(note="PVC on PVC, dry")).save(path)
+    >>> law, origin = FrictionLaw.isotropic(0.3), Provenance(note="PVC on PVC, dry")
+    >>> LawFile(law, provenance=origin).save(path)
     >>> LawFile.load(path).provenance.note
     'PVC on PVC, dry'
     """
@@ -120,7 +121,7 @@ class LawFile(Value):
     law: FrictionLaw
     provenance: Provenance
 
-    def __init__(self, law: FrictionLaw, provenance: Provenance | None = None) -> None:
+    def __init__(self, law: FrictionLaw, *, provenance: Provenance | None = None) -> None:
         self._set(**checked(law, provenance))
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -168,7 +169,7 @@ class LawFile(Value):
         cls, law: FrictionLaw, provenance: Provenance, parameters: Mapping[str, Any] | None
     ) -> Self:
         """Return what the sections of a file hold."""
-        return cls(law, provenance)
+        return cls(law, provenance=provenance)
 
 
 def checked(law: FrictionLaw, provenance: Provenance | None) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.drawing import svg
 from asperity.errors import ParameterError
 from asperity.law import flow, samples
 from asperity.law.questions import Questions
@@ -77,6 +78,10 @@ class FrictionLaw(Questions):
             core = _core.Law(reservoir._core, direction._core, factor)
         self._set(reservoir=reservoir, direction=direction, rate=rate, report=report)
         self._keep(_core=core)
+
+    def _repr_svg_(self) -> str | None:
+        """Return the picture of a planar law for a notebook; None of others."""
+        return svg("plot_law", self) if self.dimension == 2 else None
 
     @classmethod
     def isotropic(cls, mu: float, *, dimension: int = 2) -> FrictionLaw:
@@ -348,7 +353,7 @@ class FrictionLaw(Questions):
         from asperity._base.provenance import Provenance
         from asperity.law.file import LawFile
 
-        LawFile(self, Provenance(note=note)).save(path)
+        LawFile(self, provenance=Provenance(note=note)).save(path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> FrictionLaw:

@@ -269,7 +269,7 @@ def _draw_critical(ax: Axes, curves: Curves) -> None:
 def _draw_chart(ax: Axes, curves: Curves) -> None:
     phi, zeta = np.linspace(0.0, np.pi, 181), np.linspace(0.0, 0.5 * np.pi, 91)
     unturned = belt(0.0).replace(law=FrictionLaw(Ellipse(30.0, 10.0), Ellipse(3.0, 1.0)))
-    growth = growth_chart(unturned, phi=phi, zeta=zeta)
+    growth = growth_chart(unturned, phi=phi, zeta=zeta).growth
     plot_growth_chart(growth, x=np.rad2deg(phi), y=np.rad2deg(zeta), ax=ax, border=False)
     line = ax.plot(*np.rad2deg(_border()).T, color=INK, linewidth=1.2)
     record(curves, "c", "border of instability", line)

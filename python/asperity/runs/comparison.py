@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.runs.run import Run
@@ -31,7 +32,7 @@ class TimedPath(Protocol):
         """Positions in m, shape ``(n, 2)``; NaN where there is none."""
 
 
-class PathComparison(Value):
+class PathComparison(TableResult, Value):
     """Differences of a simulated and a measured path at the measured times; arrays are read-only.
 
     Attributes:
@@ -138,18 +139,42 @@ class PathComparison(Value):
         return float(np.sqrt(np.mean((self.difference / self.position_error) ** 2)))
 
     def summary(self) -> str:
-        """Return a few lines of text."""
+        """Return how far the paths are from each other, in sentences."""
+        simulated, measured = (1e3 * length for length in self.lengths)
         lines = [
-            f"points            {len(self)}, {self.left_out} left out",
-            f"distance          rms {1e3 * self.rms:.6g} mm, at most {1e3 * self.largest:.6g} mm",
-            f"from the curve    at most {1e3 * self.deviation.max():.6g} mm",
-            f"end points        {1e3 * self.end_distance:.6g} mm apart",
-            f"lengths           {1e3 * self.lengths[0]:.6g} mm, "
-            f"measured {1e3 * self.lengths[1]:.6g} mm",
+            f"{counted(len(self), 'point')} were compared, {self.left_out} left out.",
+            f"At equal times the paths are {1e3 * self.rms:.6g} mm apart (root mean square), at "
+            f"most {1e3 * self.largest:.6g} mm, at the end {1e3 * self.end_distance:.6g} mm.",
+            f"Measured points are at most {1e3 * self.deviation.max():.6g} mm from the simulated "
+            "curve, whenever it is there.",
+            f"The simulated path is {simulated:.6g} mm long, the measured one {measured:.6g} mm.",
         ]
         if self.position_error is not None:
-            lines.append(f"in standard errors {self.normalised_rms:.4g} rms")
+            lines.append(
+                f"The differences are {self.normalised_rms:.4g} times the standard errors of the "
+                "measured positions (root mean square)."
+            )
         return "\n".join(lines)
+
+    def _table(self) -> Table:
+        parts = {
+            "simulated": (self.simulated, "simulated position"),
+            "measured": (self.measured, "measured position"),
+            "difference": (self.difference, "simulated minus measured position"),
+        }
+        if self.position_error is not None:
+            parts["position_error"] = self.position_error, "standard error of the measured position"
+        axes = {
+            "t": Axis(self.time, "s", "measured time"),
+            "coordinate": Axis(("x1", "x2"), "", "coordinate"),
+        }
+        series = {
+            name: Series(values, ("t", "coordinate"), "m", words)
+            for name, (values, words) in parts.items()
+        }
+        words = "distance of the measured point from the simulated curve"
+        series["deviation"] = Series(self.deviation, ("t",), "m", words)
+        return Table(axes, series, {"left_out": self.left_out, "rms": self.rms})
 
 
 def compare_path(

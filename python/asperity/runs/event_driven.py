@@ -8,14 +8,17 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from asperity import _core
-from asperity._base import arrays
 from asperity.errors import (
     ConvergenceError,
     NoSolutionError,
     ParameterError,
 )
-from asperity.runs.motion import Event, Motion, Section
-from asperity.runs.time_stepping import Model, initial_state, raise_with, without_solution
+from asperity.runs.event import Event
+from asperity.runs.model import Model, labels_of
+from asperity.runs.motion import Motion
+from asperity.runs.origin import EventDriven, Origin
+from asperity.runs.section import Section
+from asperity.runs.time_stepping import initial_state, raise_with, without_solution
 from asperity.status import Outcome, Status
 from asperity.system.rigid import plane_motion
 
@@ -126,22 +129,30 @@ def integrate(
         raise ParameterError(
             "system", "must have its velocities as rates, but has its own `advance`"
         )
-    if section is not None and not isinstance(section, Section):
-        raise ParameterError("section", f"must be a Section or None, got {section!r}")
     if progress is not None and not callable(progress):
         raise ParameterError("progress", f"must be None or a function, got {progress!r}")
-    t_end = arrays.positive(t_end, "t_end")
-    start = initial_state(system, q0, u0)
-    plane_motion.check_rates(system, 0.0, t_end)
+    q, u = initial_state(system, q0, u0)
+    options = EventDriven(
+        t_end=t_end,
+        q0=q,
+        u0=u,
+        tolerance=tolerance,
+        dt=dt,
+        max_step=max_step,
+        section=section,
+        max_events=max_events,
+    )
+    plane_motion.check_rates(system, 0.0, options.t_end)
     run, exception = _core.integrate(
         system._core,
-        t_end,
-        *start,
-        arrays.positive(tolerance, "tolerance"),
-        None if dt is None else arrays.positive(dt, "dt"),
-        None if max_step is None else arrays.positive(max_step, "max_step"),
+        options.t_end,
+        q,
+        u,
+        options.tolerance,
+        options.dt,
+        options.max_step,
         None if section is None else (section.normal, section.level, section.after),
-        arrays.count(max_events, "max_events"),
+        options.max_events,
         progress,
     )
     ended, contact = run.pop("ended"), run.pop("contact")
@@ -150,7 +161,13 @@ def integrate(
         Event(time, kind, number, phase, ambiguous=ambiguous)
         for time, number, kind, phase, ambiguous in run.pop("events")
     ]
-    motion = Motion(**run, events=events, status=_ENDS.get(ended, Outcome.FAILED))
+    motion = Motion(
+        **run,
+        events=events,
+        status=_ENDS.get(ended, Outcome.FAILED),
+        labels=labels_of(system),
+        origin=Origin(system, options),
+    )
     if exception is not None:
         reached = f"after t = {motion.t[-1]:.9g} s" if len(motion) > 0 else "at the start"
         raise_with(exception, motion, reached)

@@ -2,105 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from enum import StrEnum
+from collections.abc import Iterator, Sequence
+from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
-from asperity.errors import ParameterError
+from asperity._base.result import counted
+from asperity.runs.event import NO_NUMBER, Event, EventKind
+from asperity.runs.model import Model
+from asperity.runs.origin import Origin
 from asperity.runs.run import Run
 from asperity.status import Outcome, Phase
+from asperity.system.labels import Labels
+
+_COUNTED = (Phase.OPEN, Phase.STICK, Phase.SLIP)
+# Events of which a summary tells.
+_TOLD = 8
 
 
-class EventKind(StrEnum):
-    """What happens at an event."""
-
-    STICK = "stick"
-    """A contact begins to stick."""
-    SLIP = "slip"
-    """A contact begins to slip, or its slip passes through zero."""
-    OPEN = "open"
-    """A contact opens."""
-    IMPACT = "impact"
-    """A contact closes; velocities may jump."""
-    IMPACT_WITHOUT_COLLISION = "impact_without_collision"
-    """Friction stops the slip by an impact without approach (Painlevé)."""
-    SECTION = "section"
-    """The motion crosses the section."""
-    KINK = "kink"
-    """A load or the velocity of a surface jumps, or its rate does, see `Signal`."""
-
-    def __repr__(self) -> str:
-        return f"EventKind.{self.name}"
-
-
-class Event(Value):
-    """Something that happened in a motion.
-
-    Attributes:
-        time: in s.
-        kind: what happened.
-        contact: number of the contact; ``None`` of a section and of a kink.
-        phase: what the contact does afterwards; ``None`` of a section and of a kink.
-        ambiguous: whether the contacts might have done something else, see docs/selection.md.
-    """
-
-    time: float
-    kind: EventKind
-    contact: int | None
-    phase: Phase | None
-    ambiguous: bool
-
-    def __init__(
-        self,
-        time: float,
-        kind: EventKind | str,
-        contact: int | None = None,
-        phase: Phase | int | None = None,
-        *,
-        ambiguous: bool = False,
-    ) -> None:
-        self._set(
-            time=float(time),
-            kind=EventKind(kind),
-            contact=contact,
-            phase=None if phase is None else Phase(phase),
-            ambiguous=bool(ambiguous),
-        )
-
-
-class Section(Value):
-    """A hyperplane n·(q, u) = c of states, at which an integration ends when it is crossed upwards.
-
-    Args:
-        normal: n, an entry for every coordinate, then for every velocity; it points to where the
-            motion goes.
-        level: c.
-        after: crossings up to this time in s do not count.
-
-    >>> from asperity import Section
-    >>> Section([1.0, 0.0], 0.5, after=1.0)
-    Section([1.0, 0.0], 0.5, after=1.0)
-    """
-
-    normal: Array
-    level: float
-    after: float
-
-    def __init__(self, normal: ArrayLike, level: float, *, after: float = 0.0) -> None:
-        n = arrays.array(normal, "normal", (None,))
-        if len(n) < 2 or not n.any():
-            raise ParameterError(
-                "normal", "must have an entry for every coordinate and velocity, not all zero"
-            )
-        self._set(
-            normal=arrays.read_only(n),
-            level=arrays.number(level, "level"),
-            after=arrays.number(after, "after"),
-        )
+_WITH_CONTACT = {
+    EventKind.STICK: "sticks",
+    EventKind.SLIP: "slips",
+    EventKind.OPEN: "opens",
+    EventKind.IMPACT: "closes with an impact",
+    EventKind.IMPACT_WITHOUT_COLLISION: "stops slipping by an impact without collision",
+    EventKind.SECTION: "crosses the section",
+    EventKind.KINK: "has a kink",
+}
+_WITHOUT_CONTACT = {
+    **dict.fromkeys(EventKind, "something happens"),
+    EventKind.SECTION: "The motion crosses the section",
+    EventKind.KINK: "A load or a surface velocity has a kink",
+}
 
 
 class Motion(Run):
@@ -121,10 +56,21 @@ class Motion(Run):
         status: how the integration ended.
         steps: number of steps done.
         rejected_steps: number of steps that were tried and found too long.
+        labels: `Labels`, the names and units of coordinates, velocities and contacts.
+        origin: `Origin`, the system and the options of the run; ``None`` if they are not known.
+
+    >>> from asperity import FrictionLaw, SlidingPoint, integrate
+    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> print(integrate(block, t_end=1.0, u0=[2.0, 0.0]).summary())
+    The run went on to its end at t = 1 s. It has 40 samples and 1 event.
+    contact 0 stuck 60.0% and slipped 40.0% of the time.
+    contact 0 sticks at t = 0.4 s.
     """
 
     events: tuple[Event, ...]
     rejected_steps: int
+
+    _kind = "motion"
 
     def __init__(
         self,
@@ -140,17 +86,95 @@ class Motion(Run):
         status: Outcome,
         steps: int,
         rejected_steps: int,
+        labels: Labels | None = None,
+        origin: Origin | None = None,
     ) -> None:
+        series = self._frozen(t, q, u, slip, force, normal_force, phase)
         self._set(
-            **self._frozen(t, q, u, slip, force, normal_force, phase),
+            **series,
             events=tuple(events),
             status=Outcome(status),
             steps=int(steps),
             rejected_steps=int(rejected_steps),
+            **self._described(series, labels, origin),
         )
 
     def _extent(self) -> str:
-        return f"{len(self)} samples and {len(self.events)} events"
+        return f"{super()._extent()} and {counted(len(self.events), 'event')}"
+
+    def _shares(self) -> Array:
+        """Return the shares of the time; between two samples the phase of the later one holds."""
+        lengths = np.diff(self.t, prepend=self.t[:1])
+        whole = max(float(lengths.sum()), np.finfo(float).tiny)
+        shares: Array = np.stack(
+            [(lengths[:, None] * (self.phase == kind)).sum(axis=0) for kind in _COUNTED], axis=-1
+        )
+        return shares / whole
+
+    def _sentences(self) -> Iterator[str]:
+        yield from super()._sentences()
+        for event in self.events[:_TOLD]:
+            yield f"{self._told(event)} at t = {event.time:.9g} s."
+        if len(self.events) > _TOLD:
+            yield f"There are {counted(len(self.events) - _TOLD, 'more event')}."
+        if self.ambiguous_events:
+            yield (
+                f"At {counted(self.ambiguous_events, 'event')} the contacts might have done "
+                "something else; what continues their state was taken."
+            )
+
+    def _told(self, event: Event) -> str:
+        if event.contact is None:
+            return _WITHOUT_CONTACT[event.kind]
+        return f"{self.contact_names[event.contact]} {_WITH_CONTACT[event.kind]}"
+
+    def _facts(self) -> dict[str, str | int | float]:
+        return {**super()._facts(), "rejected_steps": self.rejected_steps}
+
+    def repeat(self, *, system: Model | None = None) -> Motion:
+        """Make the run again, the whole of it if this is a slice.
+
+        The same version of asperity gives the same bits.
+
+        Args:
+            system: what to integrate with the same options, as with another law; default the
+                run's own. It has to be given for a run from a file that could not hold it.
+
+        Raises:
+            ParameterError: if the run does not know its options or its system.
+        """
+        from asperity.runs.event_driven import integrate
+
+        own, options = self._again(system)
+        return integrate(own, **options)
+
+    def _contents(self) -> dict[str, Any]:
+        contents = super()._contents()
+        del contents["events"]
+        columns = {
+            "time": np.array([e.time for e in self.events], dtype=float),
+            "kind": np.array([str(e.kind) for e in self.events], dtype=np.str_),
+            "contact": np.array([_number(e.contact) for e in self.events], dtype=np.int64),
+            "phase": np.array([_number(e.phase) for e in self.events], dtype=np.int8),
+            "ambiguous": np.array([e.ambiguous for e in self.events], dtype=np.bool_),
+        }
+        return {**contents, **{f"event_{name}": column for name, column in columns.items()}}
+
+    @classmethod
+    def _from_contents(cls, contents: dict[str, Any]) -> dict[str, Any]:
+        names = ("time", "kind", "contact", "phase", "ambiguous")
+        columns = (contents.pop(f"event_{name}").tolist() for name in names)
+        events = [
+            Event(
+                time,
+                kind,
+                None if contact == NO_NUMBER else contact,
+                None if phase == NO_NUMBER else phase,
+                ambiguous=ambiguous,
+            )
+            for time, kind, contact, phase, ambiguous in zip(*columns, strict=True)
+        ]
+        return {**contents, "events": events}
 
     @property
     def at_section(self) -> bool:
@@ -167,3 +191,7 @@ class Motion(Run):
         series = self._between(t0, t1)
         events = tuple(event for event in self.events if t0 <= event.time <= t1)
         return self.replace(**series, events=events)
+
+
+def _number(value: int | None) -> int:
+    return NO_NUMBER if value is None else int(value)

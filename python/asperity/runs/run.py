@@ -3,23 +3,53 @@
 from __future__ import annotations
 
 import os
-from typing import Any, ClassVar
+import warnings
+from collections.abc import Iterator
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.tables import write_columns
+from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
-from asperity.errors import ParameterError
-from asperity.status import Outcome
+from asperity.errors import DimensionError, ParameterError
+from asperity.runs import origin as origins
+from asperity.runs import run_file
+from asperity.runs.model import Model
+from asperity.runs.origin import EventDriven, Origin, TimeStepping
+from asperity.status import Outcome, Phase
+from asperity.system.labels import Labels, numbered
 
-_UNITS = {"t": "s", "slip": "m/s", "force": "N", "normal_force": "N", "q": "SI", "u": "SI"}
+# Axes, unit and meaning of the series; coordinates and velocities have units of their own.
+_MEANINGS: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "t": (("t",), "s", "time"),
+    "q": (("t", "coordinate"), "", "coordinates"),
+    "u": (("t", "velocity"), "", "velocities"),
+    "slip": (("t", "contact", "component"), "m/s", "slip velocity"),
+    "force": (("t", "contact", "component"), "N", "friction force on the body"),
+    "normal_force": (("t", "contact"), "N", "normal force"),
+    "phase": (("t", "contact"), "-", "phase of the contact"),
+    "iterations": (("t",), "-", "iterations of the contact solver"),
+    "residual": (("t",), "-", "natural-map residual of the contact problem"),
+}
+_ENDS = {
+    Outcome.FINISHED: "The run went on to its end",
+    Outcome.AT_REST: "Everything came to rest, and the run ended",
+    Outcome.SECTION: "The motion came to the section, and the run ended",
+    Outcome.INTERRUPTED: "The run was interrupted",
+    Outcome.FAILED: "The run failed",
+}
+# Contacts of which a summary tells; a table has them all.
+_TOLD = 8
 
 
-class Run(Value):
-    """States, forces and phases over time; base of `Trajectory` and `Motion`."""
+class Run(TableResult, Value):
+    """States, forces and phases over time; base of `Trajectory` and `Motion`.
+
+    Two runs are equal if all their numbers are: names, and what made them, are not compared.
+    """
 
     t: Array
     q: Array
@@ -30,7 +60,12 @@ class Run(Value):
     phase: NDArray[np.int8]
     status: Outcome
     steps: int
+    labels: Labels
+    origin: Origin | None
 
+    _kind: ClassVar[str]
+    _picture = "plot_history"
+    _descriptive = frozenset({"labels", "origin"})
     _series: ClassVar[dict[str, type[np.generic]]] = {
         **dict.fromkeys(("t", "q", "u", "slip", "force", "normal_force"), np.float64),
         "phase": np.int8,
@@ -39,10 +74,91 @@ class Run(Value):
     @classmethod
     def _frozen(cls, *series: ArrayLike) -> dict[str, NDArray[Any]]:
         """Return the series by their names, as arrays that refuse writing."""
-        return {
+        frozen = {
             name: arrays.read_only(np.asarray(values, dtype=kind))
             for (name, kind), values in zip(cls._series.items(), series, strict=True)
         }
+        lengths: dict[str, int] = {}
+        for name, values in frozen.items():
+            axes = _MEANINGS[name][0]
+            wanted = values.ndim == len(axes) and tuple(
+                lengths.setdefault(axis, length)
+                for axis, length in zip(axes, values.shape, strict=True)
+            )
+            if wanted != values.shape:
+                raise DimensionError(
+                    name, f"must have an axis for {', '.join(axes)} like the others, has shape "
+                    f"{values.shape}"
+                )  # fmt: skip
+        return frozen
+
+    @staticmethod
+    def _described(
+        series: dict[str, NDArray[Any]], labels: Labels | None, origin: Origin | None
+    ) -> dict[str, Any]:
+        """Return labels and origin, checked."""
+        counts = series["q"].shape[1], series["u"].shape[1], series["phase"].shape[1]
+        if labels is None:
+            labels = numbered(*counts)
+        if not isinstance(labels, Labels):
+            raise ParameterError("labels", f"must be Labels or None, got {labels!r}")
+        found = len(labels.coordinates), len(labels.velocities), len(labels.contacts)
+        if found != counts:
+            raise DimensionError(
+                "labels", f"must name {counts} coordinates, velocities and contacts, names {found}"
+            )
+        if not isinstance(origin, Origin | None):
+            raise ParameterError("origin", f"must be an Origin or None, got {origin!r}")
+        return {"labels": labels, "origin": origin}
+
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """Names of the coordinates, such as ``"body 0 x"``."""
+        return self.labels.coordinates
+
+    @property
+    def coordinate_units(self) -> tuple[str, ...]:
+        """Their units; ``"SI"`` of those that may be lengths or angles."""
+        return self.labels.coordinate_units
+
+    @property
+    def velocity_names(self) -> tuple[str, ...]:
+        """Names of the velocities, such as ``"body 0 vx"``."""
+        return self.labels.velocities
+
+    @property
+    def velocity_units(self) -> tuple[str, ...]:
+        """Their units."""
+        return self.labels.velocity_units
+
+    @property
+    def contact_names(self) -> tuple[str, ...]:
+        """Names of the contacts, such as ``"body 0 on plane corner 3"``."""
+        return self.labels.contacts
+
+    @property
+    def system(self) -> Model | None:
+        """The system with its laws; ``None`` if it is not known, see `repeat`."""
+        return None if self.origin is None else self.origin.system
+
+    @property
+    def options(self) -> TimeStepping | EventDriven | None:
+        """The options that the run was made with; ``None`` if they are not known."""
+        return None if self.origin is None else self.origin.options
+
+    def _again(self, system: Model | None) -> tuple[Model, dict[str, Any]]:
+        """Return the system and the options that make the run again."""
+        if self.origin is None:
+            raise ParameterError(
+                "run", "does not know what made it: it is from a file of version 0.1, or was put "
+                "together by hand"
+            )  # fmt: skip
+        system = self.system if system is None else system
+        if system is None:
+            raise ParameterError(
+                "system", f"must be given, it is not in the file: {self.origin.note}"
+            )
+        return system, dict(self.origin.options._parameters)
 
     def __len__(self) -> int:
         return len(self.t)
@@ -51,11 +167,33 @@ class Run(Value):
         until = f" to t = {self.t[-1]:.9g} s" if len(self) > 0 else ""
         return (
             f"<{type(self).__name__}: {self._extent()}{until}, "
-            f"{self.q.shape[1]} coordinates, {self.phase.shape[1]} contacts, {self.status}>"
+            f"{counted(self.q.shape[1], 'coordinate')}, "
+            f"{counted(self.phase.shape[1], 'contact')}, {self.status}>"
         )
 
     def _extent(self) -> str:
-        return f"{len(self)} samples"
+        return counted(len(self), "sample")
+
+    def summary(self) -> str:
+        """Return sentences on how the run ended and what its contacts did."""
+        return "\n".join(self._sentences())
+
+    def _sentences(self) -> Iterator[str]:
+        until = f" at t = {self.t[-1]:.9g} s" if len(self) else " before the first sample"
+        yield f"{_ENDS[self.status]}{until}. It has {self._extent()}."
+        shares = self._shares()
+        for name, contact in list(zip(self.contact_names, shares, strict=True))[:_TOLD]:
+            words = zip(("was open", "stuck", "slipped"), contact, strict=True)
+            told = " and ".join(f"{verb} {share:.1%}" for verb, share in words if share > 0.0)
+            yield f"{name} {told} of the time." if told else f"{name} was in no step."
+        if len(shares) > _TOLD:
+            yield f"A table has the other {counted(len(shares) - _TOLD, 'contact')}."
+        if self.origin is not None and self.origin.note:
+            yield f"The system is not known: {self.origin.note}."
+
+    def _shares(self) -> Array:
+        """Return the shares of the time in which each contact is open, sticks and slips."""
+        raise NotImplementedError
 
     def _between(self, t0: float, t1: float) -> dict[str, NDArray[Any]]:
         """Return the parts of the series with t0 ≤ t ≤ t1."""
@@ -64,14 +202,90 @@ class Run(Value):
             raise ParameterError("t0", f"leaves no sample between {t0!r} and {t1!r} s")
         return {name: getattr(self, name)[kept] for name in self._series}
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a table with one row per sample; the header holds names and units.
+    def _table(self) -> Table:
+        names = self.labels
+        axes = {
+            "t": Axis(self.t, "s", "time"),
+            "coordinate": Axis(names.coordinates, "", "coordinate", names.coordinate_units),
+            "velocity": Axis(names.velocities, "", "velocity", names.velocity_units),
+            "contact": Axis(names.contacts, "", "contact"),
+            "component": Axis(
+                [str(axis + 1) for axis in range(self.slip.shape[2])],
+                "",
+                "component along the axes of the law",
+            ),
+        }
+        series = {
+            name: Series(
+                getattr(self, name),
+                *_MEANINGS[name],
+                names={int(p): p.name.lower() for p in Phase} if name == "phase" else {},
+                bare=name in ("q", "u"),
+            )
+            for name in self._series
+            if name != "t"
+        }
+        return Table(axes, series, self._facts())
 
-        Coordinates carry the unit SI, since they may be lengths or angles.
+    def _facts(self) -> dict[str, str | int | float]:
+        """Return what is said of the whole run."""
+        return {"title": repr(self)[1:-1], "status": str(self.status), "steps": self.steps}
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a NumPy ``.npz`` file without pickled objects, under exactly this name.
+
+        It holds the arrays by their names, names and units, and the system, laws, solver and
+        options with which `repeat` makes the run again. Python functions and systems of classes of
+        the user cannot be saved: the file is then without its system, which a warning says.
+
+        Args:
+            path: of the file, which replaces an older one only when it is complete.
         """
-        columns = {}
-        for name in self._series:
-            values, unit = getattr(self, name), _UNITS.get(name, "-")
-            for index in np.ndindex(values.shape[1:]):
-                columns["_".join([name, *map(str, index)]) + f" [{unit}]"] = values[:, *index]
-        write_columns(path, columns)
+        if self.origin is not None and self.origin.unsaved is not None:
+            warnings.warn(
+                f"the run is saved without its system: {self.origin.unsaved}", stacklevel=2
+            )
+        run_file.save(self._kind, {**self._contents(), **self._description()}, path)
+
+    def _contents(self) -> dict[str, Any]:
+        """Return the fields of the file by their names."""
+        return {
+            name: value for name, value in self._parameters.items() if name not in self._descriptive
+        }
+
+    def _description(self) -> dict[str, Any]:
+        beside: dict[str, NDArray[Any]] = {}
+        described: dict[str, Any] = {"labels": origins.labels_written(self.labels)}
+        if self.origin is not None:
+            described["origin"] = self.origin.written(beside)
+        return {**described, **beside}
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a file written by `save`, also one of version 0.1, which holds no system.
+
+        Args:
+            path: of the file.
+
+        Raises:
+            ParameterError: naming the field that is missing, damaged or does not fit the others;
+                or ``path``, if the file is something else.
+            FileNotFoundError: if there is none.
+        """
+        contents = run_file.load(cls._kind, path)
+        beside = {name: contents.pop(name) for name in list(contents) if "." in name}
+        try:
+            described: dict[str, Any] = {}
+            if "labels" in contents:
+                described["labels"] = origins.read_labels(contents.pop("labels"))
+            if "origin" in contents:
+                described["origin"] = origins.read(contents.pop("origin"), beside)
+            return cls(**cls._from_contents(contents), **described)
+        except ParameterError as error:
+            where = f"{error.message}, in {os.fspath(path)}"
+            raise type(error)(error.argument, where) from None
+
+    @classmethod
+    def _from_contents(cls, contents: dict[str, Any]) -> dict[str, Any]:
+        """Return the arguments of the constructor, given the fields of a file."""
+        return contents

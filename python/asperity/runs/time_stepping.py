@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
-from typing import Any, Literal, NoReturn, Protocol, runtime_checkable
+from typing import Any, Literal, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +22,8 @@ from asperity.errors import (
     ParameterError,
     SimulationInterrupted,
 )
+from asperity.runs.model import Model, labels_of
+from asperity.runs.origin import Origin, TimeStepping
 from asperity.runs.run import Run
 from asperity.runs.state import State
 from asperity.runs.trajectory import Trajectory
@@ -34,22 +36,6 @@ Progress = Callable[[int, int], object]
 
 # Relative tolerance within which t_end counts as a multiple of dt.
 _MULTIPLE = 1e-9
-
-
-@runtime_checkable
-class Model(Protocol):
-    """What `simulate` needs of a system."""
-
-    @property
-    def dof(self) -> int:
-        """Number n of velocities."""
-
-    @property
-    def contacts(self) -> Sequence[Any]:
-        """The contacts."""
-
-    @property
-    def _core(self) -> _core.LinearSystem | _core.CallbackSystem | _core.RigidBodies: ...
 
 
 def simulate(
@@ -115,7 +101,6 @@ def simulate(
     """
     if not isinstance(system, Model):
         raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
-    arrays.choice(on_failure, "on_failure", ["raise", "record"])
     dt = arrays.positive(dt, "dt")
     t_end = arrays.number(t_end, "t_end")
     if start is None:
@@ -127,6 +112,16 @@ def simulate(
         raise ParameterError("start", "excludes q0 and u0")
     steps = _steps_from(state, dt, t_end)
     _check_clock(state, dt, steps)
+    options = TimeStepping(
+        dt=dt,
+        t_end=t_end,
+        start=state,
+        solver=chosen(solver),
+        tolerance=tolerance,
+        save_every=save_every,
+        until_rest=until_rest,
+        on_failure=on_failure,
+    )
     plane_motion.check_rates(system, state.t, t_end)
     with _reporter(progress, steps) as report:
         run, exception = _core.simulate(
@@ -134,15 +129,21 @@ def simulate(
             dt,
             steps,
             *state._arguments(),
-            chosen(solver)._core,
-            arrays.positive(tolerance, "tolerance"),
-            arrays.count(save_every, "save_every"),
-            bool(until_rest),
+            options.solver._core,
+            options.tolerance,
+            options.save_every,
+            options.until_rest,
             on_failure == "raise",
             report,
         )
     failure, end = run.pop("failure"), run.pop("end")
-    trajectory = Trajectory(dt=dt, end=None if end is None else State(**end), **run)
+    trajectory = Trajectory(
+        dt=dt,
+        end=None if end is None else State(**end),
+        labels=labels_of(system),
+        origin=Origin(system, options),
+        **run,
+    )
     if exception is not None:
         if isinstance(exception, DivergenceError):
             raise DivergenceError(exception.message, trajectory)

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import os
-from typing import ClassVar
+from collections.abc import Iterator
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.tables import aligned
-from asperity.runs import trajectory_file
+from asperity._base.result import counted
+from asperity.runs.model import Model
+from asperity.runs.origin import Origin
 from asperity.runs.run import Run
 from asperity.runs.state import State
 from asperity.status import Outcome, Phase
+from asperity.system.labels import Labels
 
 
 class Trajectory(Run):
@@ -42,6 +44,18 @@ class Trajectory(Run):
         phase_counts: number of steps open, sticking, slipping, shape ``(n_contact, 3)``.
         end: the `State` at the last sample, from which `simulate` goes on with ``start=``; ``None``
             if it is not known: after a cut, a divergence, or in a file of an earlier version.
+        labels: `Labels`, the names and units of coordinates, velocities and contacts.
+        origin: `Origin`, the system and the options of the run; ``None`` if they are not known.
+
+    >>> from asperity import FrictionLaw, SlidingPoint, simulate
+    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> run = simulate(block, dt=0.01, t_end=1.0, u0=[2.0, 0.0])
+    >>> print(run.summary())
+    The run went on to its end at t = 1 s. It has 101 samples of 100 steps.
+    contact 0 stuck 61.0% and slipped 39.0% of the time.
+    Contact problems took at most 1 iteration, with residuals up to 3.7e-17.
+    >>> run.repeat() == run
+    True
     """
 
     iterations: NDArray[np.int64]
@@ -52,6 +66,7 @@ class Trajectory(Run):
     phase_counts: NDArray[np.int64]
     end: State | None
 
+    _kind = "trajectory"
     _series: ClassVar = {**Run._series, "iterations": np.int64, "residual": np.float64}
 
     def __init__(
@@ -73,9 +88,12 @@ class Trajectory(Run):
         failed_steps: int,
         phase_counts: ArrayLike,
         end: State | None = None,
+        labels: Labels | None = None,
+        origin: Origin | None = None,
     ) -> None:
+        series = self._frozen(t, q, u, slip, force, normal_force, phase, iterations, residual)
         self._set(
-            **self._frozen(t, q, u, slip, force, normal_force, phase, iterations, residual),
+            **series,
             status=Outcome(status),
             dt=float(dt),
             steps=int(steps),
@@ -83,10 +101,11 @@ class Trajectory(Run):
             failed_steps=int(failed_steps),
             phase_counts=arrays.read_only(np.asarray(phase_counts, dtype=np.int64)),
             end=end,
+            **self._described(series, labels, origin),
         )
 
     def _extent(self) -> str:
-        return f"{len(self)} samples of {self.steps} steps"
+        return f"{super()._extent()} of {counted(self.steps, 'step')}"
 
     @property
     def stick_fraction(self) -> Array:
@@ -95,47 +114,63 @@ class Trajectory(Run):
         fraction: Array = self.phase_counts[:, Phase.STICK] / counted
         return fraction
 
-    def summary(self) -> str:
-        """Return a few lines of text on the run."""
-        lines = [
-            ("status", str(self.status)),
-            ("time", f"{self.t[0]:.9g} to {self.t[-1]:.9g} s"),
-            ("steps", f"{self.steps} of {self.dt:.9g} s, {len(self)} samples kept"),
-            ("coordinates", str(self.q.shape[1])),
-            ("ambiguous steps", str(self.ambiguous_steps)),
-            ("failed steps", str(self.failed_steps)),
-        ]
-        if len(self) > 1:
-            lines.append(("iterations", f"at most {self.iterations[1:].max()}"))
-            lines.append(("residual", f"at most {np.nanmax(self.residual[1:]):.3g}"))
-        for contact, counts in enumerate(self.phase_counts / max(self.steps, 1)):
-            shares = (f"{Phase(i).name.lower()} {share:.1%}" for i, share in enumerate(counts))
-            lines.append((f"contact {contact}", ", ".join(shares)))
-        return aligned(lines)
+    def _shares(self) -> Array:
+        counted: Array = self.phase_counts / max(self.steps, 1)
+        return counted
+
+    def _sentences(self) -> Iterator[str]:
+        yield from super()._sentences()
+        if self.phase.shape[1] and len(self) > 1:
+            most = counted(int(self.iterations[1:].max()), "iteration")
+            yield (
+                f"Contact problems took at most {most}, with residuals up to "
+                f"{np.nanmax(self.residual[1:]):.2g}."
+            )
+        if self.failed_steps:
+            steps = counted(self.failed_steps, "step")
+            yield f"In {steps} the contact problem was not solved to the tolerance."
+        if self.ambiguous_steps:
+            yield (
+                f"In {counted(self.ambiguous_steps, 'step')} a contact had several solutions; the "
+                "one was taken that continues its state."
+            )
+
+    def _facts(self) -> dict[str, str | int | float]:
+        return {
+            **super()._facts(),
+            "dt": self.dt,
+            "ambiguous_steps": self.ambiguous_steps,
+            "failed_steps": self.failed_steps,
+        }
+
+    def repeat(self, *, system: Model | None = None) -> Trajectory:
+        """Make the run again, the whole of it if this is a slice.
+
+        The same version of asperity gives the same bits.
+
+        Args:
+            system: what to simulate with the same options, as with another law; default the
+                run's own. It has to be given for a run from a file that could not hold it.
+
+        Raises:
+            ParameterError: if the run does not know its options or its system.
+        """
+        from asperity.runs.time_stepping import simulate
+
+        own, options = self._again(system)
+        return simulate(own, **options)
 
     def slice(self, t0: float, t1: float) -> Trajectory:
         """Return the samples with t0 ≤ t ≤ t1; counts and status remain those of the whole run."""
         series = self._between(t0, t1)
         return self.replace(**series, end=self.end if series["t"][-1] == self.t[-1] else None)
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a NumPy ``.npz`` file without pickled objects, under exactly this name.
-
-        The file replaces an older one only when it is complete.
-        """
-        contents = {name: value for name, value in self._parameters.items() if name != "end"}
-        if self.end is not None:
-            contents |= self.end._arrays()
-        trajectory_file.save(contents, path)
+    def _contents(self) -> dict[str, Any]:
+        contents = super()._contents()
+        del contents["end"]
+        return contents if self.end is None else {**contents, **self.end._arrays()}
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Trajectory:
-        """Read a file written by `save`.
-
-        Raises:
-            ParameterError: naming the field that is missing, damaged or does not fit the others;
-                or ``path``, if the file is something else.
-            FileNotFoundError: if there is none.
-        """
-        contents = trajectory_file.load(path)
-        return cls(end=State._from_arrays(contents), **contents)
+    def _from_contents(cls, contents: dict[str, Any]) -> dict[str, Any]:
+        end = State._from_arrays(contents)
+        return {**contents, "end": end}

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
+from asperity._base.drawing import svg
 from asperity.errors import DimensionError, ParameterError
 from asperity.sets.cone import Cone
 from asperity.sets.support import SupportMethods
@@ -34,6 +35,10 @@ class StarSet(SupportMethods):
 
     Reference: [WL19] Def. 2, 3.
     """
+
+    def _repr_svg_(self) -> str | None:
+        """Return the picture of a planar set for a notebook; None of others."""
+        return svg("plot_set", self) if self.dimension == 2 else None
 
     @cached_property
     def is_convex(self) -> Verdict:

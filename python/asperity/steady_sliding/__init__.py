@@ -1,14 +1,17 @@
 """Stability of steady sliding: equilibria, linearisation, critical directions ([WL19] §4)."""
 
 from asperity.steady_sliding.analysis import Stability, stability
-from asperity.steady_sliding.chart import growth_chart
+from asperity.steady_sliding.chart import GrowthChart, growth_chart
 from asperity.steady_sliding.directions import critical_directions, ellipses_can_be_unstable
 from asperity.steady_sliding.incremental import incremental_distance
+from asperity.steady_sliding.intervals import CriticalIntervals
 from asperity.steady_sliding.rotations import critical_rotation
 from asperity.steady_sliding.steady_state import Equilibrium, equilibrium
 
 __all__ = [
+    "CriticalIntervals",
     "Equilibrium",
+    "GrowthChart",
     "Stability",
     "critical_directions",
     "critical_rotation",

@@ -10,8 +10,9 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import Axis, Series, Table, TableResult
 from asperity.errors import ParameterError
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 from asperity.steady_sliding import reasons
 from asperity.steady_sliding.field import STEP, Field, start
 from asperity.steady_sliding.linearisation import Linearisation, linearisation, total
@@ -28,7 +29,7 @@ _BALANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Stability:
+class Stability(TableResult):
     """What small motions about steady sliding do: M δq̈ + B δq̇ + K δq = 0.
 
     Closed unilateral contacts are held closed; δq moves within them, and M, B, K of
@@ -183,6 +184,30 @@ class Stability:
 
     def __repr__(self) -> str:
         return f"<Stability: {self.kind}. {self.reason}>"
+
+    def summary(self) -> str:
+        """Return what small motions do and why, and how the contacts slide."""
+        lines = [f"Steady sliding is {self.kind}. {self.reason}"]
+        for number, contact in self.contacts.items():
+            inside = "inside" if contact.margin < 0.0 else "outside"
+            lines.append(
+                f"Contact {number} slips with {np.linalg.norm(contact.slip):.6g} m/s under a "
+                f"normal force of {contact.normal_force:.6g} N; the slip velocity lies "
+                f"{abs(np.rad2deg(contact.margin)):.4g}° {inside} the tangent cone of C."
+            )
+        return "\n".join(lines)
+
+    def _table(self) -> Table:
+        axis = {"eigenvalue": Axis(np.arange(len(self.eigenvalues)), "", "by falling real part")}
+        parts = {
+            "real": (self.eigenvalues.real, "1/s", "growth rate"),
+            "imaginary": (self.eigenvalues.imag, "rad/s", "angular frequency"),
+        }
+        series = {
+            name: Series(values, ("eigenvalue",), unit, words)
+            for name, (values, unit, words) in parts.items()
+        }
+        return Table(axis, series, {"kind": self.kind, "growth_rate": self.growth_rate})
 
 
 def stability(

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import Axis, Series, Table, TableResult
+from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.steady_sliding.pencil import ROUNDING, SAFETY, Complex, Pencil
 from asperity.system import MassOnBelt
@@ -16,7 +18,80 @@ from asperity.system import MassOnBelt
 _EVEN, _NOTHING, _CLEAR = 1e3, 1e-13, 1e-6
 
 
-def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -> Array:
+class GrowthChart(TableResult, Value):
+    """Growth rates over the direction of a belt and the rotation of C, found by `growth_chart`.
+
+    NumPy takes it for the array `growth`.
+
+    Args:
+        phi: directions of the belt velocity in rad, of any shape.
+        zeta: rotations of C in rad, of any shape.
+        growth: largest real parts of the eigenvalues in 1/s, ``phi.shape + zeta.shape``.
+    """
+
+    phi: Array
+    zeta: Array
+    growth: Array
+
+    _picture = "plot_growth_chart"
+
+    def __init__(self, phi: ArrayLike, zeta: ArrayLike, growth: ArrayLike) -> None:
+        angle, turn = arrays.array(phi, "phi"), arrays.array(zeta, "zeta")
+        rates = arrays.with_gaps(growth, "growth", (*angle.shape, *turn.shape))
+        if np.isinf(rates).any():
+            raise ParameterError("growth", "must be finite, or NaN where it is not known")
+        self._set(
+            phi=arrays.read_only(angle),
+            zeta=arrays.read_only(turn),
+            growth=arrays.read_only(rates),
+        )
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Array:
+        rates: Array = np.array(self.growth, dtype=dtype)
+        return rates
+
+    def __repr__(self) -> str:
+        return (
+            f"<GrowthChart: {self.growth.size} growth rates up to {self._largest():.6g} 1/s, "
+            f"unstable at {self._unstable():.1%}>"
+        )
+
+    def _largest(self) -> float:
+        return float(np.nanmax(self.growth, initial=-np.inf))
+
+    def _unstable(self) -> float:
+        return float((self.growth > 0.0).mean()) if self.growth.size else 0.0
+
+    def summary(self) -> str:
+        """Return where sliding is unstable, in sentences."""
+        over = f"{self.phi.size} directions of the belt and {self.zeta.size} rotations of C"
+        if not self._unstable():
+            return f"Over {over} steady sliding is nowhere unstable."
+        at = np.unravel_index(int(np.nanargmax(self.growth)), self.growth.shape)
+        phi, zeta = self.phi[at[: self.phi.ndim]], self.zeta[at[self.phi.ndim :]]
+        return (
+            f"Over {over} steady sliding is unstable at {self._unstable():.1%}.\n"
+            f"Small motions grow fastest, like exp({self._largest():.6g} t) with t in s, where the "
+            f"belt moves along {np.rad2deg(phi):.6g}° and C is turned by {np.rad2deg(zeta):.6g}°."
+        )
+
+    def _flat(self) -> Array:
+        rates: Array = self.growth.reshape(self.phi.size, self.zeta.size)
+        return rates
+
+    def _drawing(self) -> dict[str, object]:
+        return {"x": np.rad2deg(self.phi), "y": np.rad2deg(self.zeta)}
+
+    def _table(self) -> Table:
+        axes = {
+            "phi": Axis(self.phi.ravel(), "rad", "direction of the belt velocity"),
+            "zeta": Axis(self.zeta.ravel(), "rad", "rotation of C"),
+        }
+        words = "largest real part of an eigenvalue"
+        return Table(axes, {"growth": Series(self._flat(), ("phi", "zeta"), "1/s", words)}, {})
+
+
+def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -> GrowthChart:
     """Return growth rates of a mass on a belt over the belt's direction and the rotation of C.
 
     Args:
@@ -27,8 +102,9 @@ def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -
             stays; shape ``(k,)``.
 
     Returns:
-        Largest real part of an eigenvalue in 1/s, shape ``(m, k)``; 0 where `stability` finds
-        it within errors, NaN where D is flat. The shape of a scalar argument is left out.
+        The chart, whose ``growth`` is the largest real part of an eigenvalue in 1/s, shape
+        ``(m, k)``; 0 where `stability` finds it within errors, NaN where D is flat. The shape of a
+        scalar argument is left out.
 
     Raises:
         DimensionError: if the law is not planar.
@@ -40,7 +116,8 @@ def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -
     >>> from asperity import Ellipse, FrictionLaw, MassOnBelt, growth_chart
     >>> law = FrictionLaw(Ellipse(3.0, 1.0), Ellipse(3.0, 1.0))
     >>> belt = MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
-    >>> (growth_chart(belt, phi=math.radians(50.0), zeta=[0.0, math.radians(30.0)]) > 0.0).tolist()
+    >>> chart = growth_chart(belt, phi=math.radians(50.0), zeta=[0.0, math.radians(30.0)])
+    >>> (chart.growth > 0.0).tolist()
     [False, True]
     """
     if not isinstance(system, MassOnBelt):
@@ -57,7 +134,8 @@ def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -
     ).reshape(-1, 2)
     rotation = np.broadcast_to(turn.reshape(1, -1), (angle.size, turn.size)).ravel()
     damping, error = _damping(system, slip, rotation, speed)
-    return _growth(system.mass, damping, system.stiffness, error).reshape(lead)[()]
+    rates = _growth(system.mass, damping, system.stiffness, error)
+    return GrowthChart(angle, turn, rates.reshape(lead))
 
 
 def _damping(system: MassOnBelt, slip: Array, rotation: Array, speed: float) -> tuple[Array, Array]:

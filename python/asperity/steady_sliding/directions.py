@@ -9,7 +9,8 @@ from asperity._base.arrays import Array, unit_vectors
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
-from asperity.steady_sliding.scan import Interval, negative, refined
+from asperity.steady_sliding.intervals import CriticalIntervals
+from asperity.steady_sliding.scan import negative, refined
 
 # Angle by which normals are taken on both sides of a point, to see corners.
 _SIDE = 1e-12
@@ -38,7 +39,7 @@ def margins(C: StarSet, D: StarSet, slip: Array, rotation: Array | float = 0.0) 
     return angle
 
 
-def critical_directions(law: FrictionLaw) -> list[Interval]:
+def critical_directions(law: FrictionLaw) -> CriticalIntervals:
     """Return the intervals of sliding direction in which γ ∈ int T_C(−λ).
 
     There a body with M ∝ I slides unsteadily on a belt. φ is the direction of γ, of the body's slip
@@ -51,7 +52,8 @@ def critical_directions(law: FrictionLaw) -> list[Interval]:
 
     Returns:
         (φ₀, φ₁) in rad with 0 ≤ φ₀ < 2π and φ₀ < φ₁, ends to 1e-10; φ₁ > 2π if the interval holds
-        the direction 0. (0, 2π) if all directions are critical.
+        the direction 0. (0, 2π) if all directions are critical. They are a sequence of pairs with
+        `summary` and `to_pandas`.
 
     Raises:
         DimensionError: if the law is not planar.
@@ -79,7 +81,7 @@ def critical_directions(law: FrictionLaw) -> list[Interval]:
         z = D.support_point(unit_vectors(phi))
         return np.stack([angle_of(z), angle_of(C.gauge_gradient(z))], axis=-1)
 
-    return negative(margin, refined(shape))
+    return CriticalIntervals(negative(margin, refined(shape)), angle="sliding direction")
 
 
 def ellipses_can_be_unstable(n1: float, n2: float, nu: float, p1: float, p2: float) -> bool:

@@ -14,7 +14,8 @@ from asperity import _core
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
-from asperity.runs.time_stepping import Model, initial_state
+from asperity.runs.model import Model
+from asperity.runs.time_stepping import initial_state
 from asperity.system import LinearSystem, MassOnBelt, RigidBodies, SlidingPoint, System
 
 # Largest of the steps with which differences are taken, in m, rad, m/s or rad/s, and their number.

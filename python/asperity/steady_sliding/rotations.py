@@ -10,6 +10,7 @@ from asperity._base.arrays import Array, unit_vectors
 from asperity.errors import DimensionError, ParameterError
 from asperity.sets import StarSet
 from asperity.steady_sliding.directions import angle_of, margins
+from asperity.steady_sliding.intervals import CriticalIntervals
 from asperity.steady_sliding.scan import NARROW, TURN, Interval, least, negative, refined
 
 _ROTATIONS, _POINTS = 360, 360
@@ -23,9 +24,10 @@ _NEAR, _REACH = 3e-11, 1e-9
 _ROUND = 1e-9
 # Gaps between intervals in which single rotations are left out, or margins are mere rounding.
 _GAP = 1e-4
+_ANGLE = "rotation of C against D"
 
 
-def critical_rotation(reservoir: StarSet, direction: StarSet) -> list[Interval]:
+def critical_rotation(reservoir: StarSet, direction: StarSet) -> CriticalIntervals:
     """Return the rotations of C against D for which some sliding directions are critical.
 
     With δ(θ), the angle from a boundary point to the normal there, C turned by ζ has critical
@@ -39,7 +41,8 @@ def critical_rotation(reservoir: StarSet, direction: StarSet) -> list[Interval]:
         (ζ₀, ζ₁) in rad with 0 ≤ ζ₀ < ζ₁; ζ₁ is above the period if the interval holds 0. The period
         is π if both sets are symmetric, else 2π; (0, period) is returned if all rotations are
         critical. Gaps of less than 1e-4 rad are closed: at single rotations, at which corners of
-        C and D are aligned, there may be no critical direction inside an interval.
+        C and D are aligned, there may be no critical direction inside an interval. They are a
+        sequence of pairs with `summary` and `to_pandas`.
 
     Raises:
         DimensionError: if a set is not planar.
@@ -60,11 +63,11 @@ def critical_rotation(reservoir: StarSet, direction: StarSet) -> list[Interval]:
             raise DimensionError(name, f"must be planar, has dimension {one.dimension}")
     direction._convex("critical_rotation", "direction")
     least_margin = _LeastMargin(reservoir, direction)
-    if least_margin.is_round:
-        return []
     period = math.pi if reservoir.is_symmetric and direction.is_symmetric else TURN
+    if least_margin.is_round:
+        return CriticalIntervals([], angle=_ANGLE, period=period)
     found = negative(least_margin, 0.1 + period * np.arange(_ROTATIONS + 1) / _ROTATIONS)
-    return _without_gaps(found, period)
+    return CriticalIntervals(_without_gaps(found, period), angle=_ANGLE, period=period)
 
 
 class _LeastMargin:

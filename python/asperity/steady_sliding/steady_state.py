@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import Result
 from asperity._base.value import Value
 from asperity.errors import ConvergenceError, ParameterError
-from asperity.runs.time_stepping import Model
+from asperity.runs.model import Model
 from asperity.steady_sliding.field import STEP, Field, start
 from asperity.steady_sliding.linearisation import Linearisation, linearisation, total
 
@@ -21,7 +22,7 @@ _ITERATIONS = 50
 _EXACT = 1e-15
 
 
-class Equilibrium(Value):
+class Equilibrium(Result, Value):
     """Steady sliding: u = 0 while the contacts slide with γ = χ, 0 = h + W_N λ_N + W λ.
 
     Args:
@@ -62,6 +63,21 @@ class Equilibrium(Value):
             closed=tuple(int(i) for i in closed),
             residual=float(residual),
         )
+
+    def summary(self) -> str:
+        """Return where the system is and how its contacts slide."""
+        q = ", ".join(f"{value:.6g}" for value in self.q.tolist())
+        lines = [
+            f"The system slides steadily at q = ({q}), with a residual of {self.residual:.2g}."
+        ]
+        for number, force in enumerate(self.normal_force.tolist()):
+            speed = float(np.sqrt(np.nansum(self.slip[number] ** 2)))
+            friction = float(np.sqrt(np.nansum(self.force[number] ** 2)))
+            lines.append(
+                f"Contact {number} slips with {speed:.6g} m/s under a normal force of "
+                f"{force:.6g} N; its friction is {friction:.6g} N."
+            )
+        return "\n".join(lines)
 
 
 def equilibrium(

@@ -133,7 +133,7 @@ class System:
         """Names and units of coordinates and contacts."""
         contacts = labels.contact_names([contact.name for contact in self.contacts])
         n = self.dof if self.coordinates is None else self.coordinates
-        plain = Labels.numbered(n, self.dof, len(contacts)).replace(contacts=contacts)
+        plain = labels.numbered(n, self.dof, len(contacts)).replace(contacts=contacts)
         names, units = self.coordinate_names, self.coordinate_units
         if names is None and units is None:
             return plain
@@ -143,7 +143,7 @@ class System:
         names = plain.coordinates if names is None else names
         units = plain.coordinate_units if units is None else units
         if n == self.dof and not self._advances:
-            return Labels.of_rates(names, units, contacts)
+            return labels.of_rates(names, units, contacts)
         return plain.replace(coordinates=names, coordinate_units=units)
 
     @property

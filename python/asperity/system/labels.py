@@ -56,36 +56,22 @@ class Labels(Value):
             unique(given[argument], argument)
         self._set(**given)
 
-    @classmethod
-    def numbered(cls, coordinates: int, velocities: int, contacts: int) -> Labels:
-        """Return labels that tell nothing but numbers.
 
-        Args:
-            coordinates: their number.
-            velocities: their number.
-            contacts: their number.
-        """
-        return cls(
-            [f"q{i}" for i in range(coordinates)],
-            [UNKNOWN_UNIT] * coordinates,
-            [f"u{i}" for i in range(velocities)],
-            [UNKNOWN_UNIT] * velocities,
-            contact_names([None] * contacts),
-        )
+def numbered(coordinates: int, velocities: int, contacts: int) -> Labels:
+    """Return labels that tell nothing but numbers."""
+    return Labels(
+        [f"q{i}" for i in range(coordinates)],
+        [UNKNOWN_UNIT] * coordinates,
+        [f"u{i}" for i in range(velocities)],
+        [UNKNOWN_UNIT] * velocities,
+        contact_names([None] * contacts),
+    )
 
-    @classmethod
-    def of_rates(
-        cls, names: Sequence[str], units: Sequence[str], contacts: Sequence[str]
-    ) -> Labels:
-        """Return the labels of a system whose velocities are the rates of its coordinates.
 
-        Args:
-            names: of the coordinates.
-            units: of the coordinates.
-            contacts: names of the contacts.
-        """
-        rates = [f"{name}_dot" for name in names]
-        return cls(names, units, rates, list(map(per_second, units)), contacts)
+def of_rates(names: Sequence[str], units: Sequence[str], contacts: Sequence[str]) -> Labels:
+    """Return the labels of a system whose velocities are the rates of its coordinates."""
+    rates = [f"{name}_dot" for name in names]
+    return Labels(names, units, rates, list(map(per_second, units)), contacts)
 
 
 def name(value: str | None, argument: str = "name") -> str | None:

@@ -94,10 +94,10 @@ class LinearSystem(Value):
 
     def _labels(self) -> Labels:
         n, contacts = self.dof, labels.contact_names([contact.name for contact in self.contacts])
-        plain = Labels.numbered(n, n, len(contacts)).replace(contacts=contacts)
+        plain = labels.numbered(n, n, len(contacts)).replace(contacts=contacts)
         if self.coordinate_names is None and self.coordinate_units is None:
             return plain
-        return Labels.of_rates(
+        return labels.of_rates(
             plain.coordinates if self.coordinate_names is None else self.coordinate_names,
             plain.coordinate_units if self.coordinate_units is None else self.coordinate_units,
             contacts,

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.tables import write_columns
+from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.track.cubics import local_cubics, noise, resting
@@ -22,7 +20,7 @@ _AT_REST, _REST = 4.0, 3
 _LAST_STEP = 0.05
 
 
-class MeasuredPath(Value):
+class MeasuredPath(TableResult, Value):
     """Positions over time with velocity, acceleration and their standard errors.
 
     Velocity and acceleration at a frame are those of the cubic that fits the frames within
@@ -75,6 +73,9 @@ class MeasuredPath(Value):
     misfit: NDArray[np.bool_]
     comes_to_rest: bool
     _end: Array
+
+    _picture = "plot_history"
+    _digits = 10
 
     def __init__(
         self,
@@ -158,22 +159,39 @@ class MeasuredPath(Value):
             )
         return self.position[first], self.velocity[first]
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a table with one row per frame; the header holds names and units."""
-        names = {
-            "position": "x{} [m]",
-            "position_error": "x{}_error [m]",
-            "velocity": "v{} [m/s]",
-            "velocity_error": "v{}_error [m/s]",
-            "acceleration": "a{} [m/s2]",
-            "acceleration_error": "a{}_error [m/s2]",
-        }
-        columns = {
-            title.format(k + 1): getattr(self, name)[:, k]
-            for name, title in names.items()
-            for k in (0, 1)
-        }
-        write_columns(path, {"t [s]": self.time, **columns}, digits=10)
+    def summary(self) -> str:
+        """Return how long and how far the body moves, in sentences."""
+        first, last = self.section
+        speed = float(np.nanmax(np.linalg.norm(self.velocity, axis=1), initial=0.0))
+        steps = np.diff(self.position[self.seen], axis=0)
+        length = float(np.linalg.norm(steps, axis=1).sum())
+        rest = "and comes to rest in view" if self.comes_to_rest else "and does not rest in the end"
+        lines = [
+            f"The mark is seen in {int(self.seen.sum())} of {counted(len(self), 'frame')}.",
+            f"The body moves from t = {first:.6g} s to {last:.6g} s, {1e3 * length:.6g} mm at up "
+            f"to {speed:.4g} m/s, {rest}.",
+            f"Positions scatter by {1e6 * self.scatter[0]:.3g} and {1e6 * self.scatter[1]:.3g} µm "
+            f"about cubics over ±{1e3 * self.bandwidth:.4g} ms.",
+        ]
+        if self.misfit.any():
+            lines.append(f"In {counted(int(self.misfit.sum()), 'frame')} the cubic does not fit.")
+        return "\n".join(lines)
+
+    def _table(self) -> Table:
+        series = {}
+        for name, label, unit in (
+            ("position", "x{}", "m"),
+            ("position_error", "x{}_error", "m"),
+            ("velocity", "v{}", "m/s"),
+            ("velocity_error", "v{}_error", "m/s"),
+            ("acceleration", "a{}", "m/s2"),
+            ("acceleration_error", "a{}_error", "m/s2"),
+        ):
+            for k in (0, 1):
+                values = getattr(self, name)[:, k]
+                words = f"component {k + 1} of the {name.replace('_', ' ')}"
+                series[label.format(k + 1)] = Series(values, ("t",), unit, words)
+        return Table({"t": Axis(self.time, "s", "time")}, series, {"bandwidth": self.bandwidth})
 
 
 def _with_gaps(value: ArrayLike, argument: str, length: int) -> Array:

@@ -61,7 +61,7 @@ class TrackedRecording:
         error = np.nanmedian(track.position_error, axis=0)
         rows = [
             ("recording", f"{self.source}, {len(track)} frames at {track.fps:g} 1/s (stated)"),
-            ("frames", track.summary()),
+            ("frames", track.quality),
             ("diameter of the mark", f"{1e3 * np.nanmedian(track.diameter):.4g} mm"),
             (
                 "standard error of a centre",

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.tables import write_columns
+from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.track import repeats
@@ -25,7 +25,7 @@ from asperity.track.sight import Sight, Sighting
 _WRONG_SCALE = 0.1
 
 
-class Track(Value):
+class Track(TableResult, Value):
     """What was seen of a mark in every frame; all arrays are read-only.
 
     Frame k is taken at k/fps. Frames without a position hold NaN.
@@ -53,6 +53,9 @@ class Track(Value):
     filling: Array
     coverage: Array
     status: NDArray[np.int64]
+
+    _picture = "plot_track"
+    _digits = 10
 
     def __init__(
         self,
@@ -87,7 +90,7 @@ class Track(Value):
         return len(self.status)
 
     def __repr__(self) -> str:
-        return f"<Track: {len(self)} frames at {self.fps:.9g}/s, {self.summary()}>"
+        return f"<Track: {len(self)} frames at {self.fps:.9g}/s, {self.quality}>"
 
     @property
     def time(self) -> Array:
@@ -99,12 +102,30 @@ class Track(Value):
         """Return the numbers of the frames with a status, such as ``Sight.LOST``."""
         return np.flatnonzero(self.status & int(sight)).astype(np.int64)
 
-    def summary(self) -> str:
+    @property
+    def quality(self) -> str:
         """Return how many frames are good, blurred and so on."""
         good = int((self.status == 0).sum())
         troubles = [(one.name or "", len(self.frames(one))) for one in Sight if one]
         told = (f"{count} {name.lower()}" for name, count in troubles if count)
         return ", ".join([f"{good} good", *told])
+
+    def summary(self) -> str:
+        """Return what the frames show, in sentences."""
+        lines = [
+            f"The film has {counted(len(self), 'frame')} at {self.fps:.9g} frames per second: "
+            f"{self.quality}."
+        ]
+        seen = np.isfinite(self.position).all(axis=1)
+        if seen.any():
+            ends = np.flatnonzero(seen)[[0, -1]]
+            (x, y), (v, w) = 1e3 * self.position[ends]
+            lines.append(
+                f"The mark goes from ({x:.6g}, {y:.6g}) mm to ({v:.6g}, {w:.6g}) mm between "
+                f"t = {self.time[ends[0]]:.6g} s and {self.time[ends[1]]:.6g} s; its diameter is "
+                f"{1e3 * np.nanmedian(self.diameter):.4g} mm."
+            )
+        return "\n".join(lines)
 
     def path(
         self,
@@ -131,16 +152,22 @@ class Track(Value):
             found = MeasuredPath(self.time, self.position, self.position_error, section=section)
         return found if bandwidth is None else found.replace(bandwidth=bandwidth)
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a table with one row per frame; the status is in words, `+` between several."""
-        header = (
-            "frame", "t [s]", "column [px]", "row [px]", "x1 [m]", "x2 [m]", "x1_error [m]",
-            "x2_error [m]", "diameter [m]", "blur [px]", "filling [-]", "coverage [-]", "status",
-        )  # fmt: skip
-        numbers = np.column_stack([self.time, *(getattr(self, name) for name in _SERIES[:-1])]).T
-        words = [str(Sight(status)) for status in self.status.tolist()]
-        columns = zip(header, [np.arange(len(self)), *numbers, words], strict=True)
-        write_columns(path, dict(columns), digits=10)
+    def _table(self) -> Table:
+        frame = ("frame",)
+        words = np.array([str(Sight(status)) for status in self.status.tolist()], dtype=np.str_)
+        series = {"t": Series(self.time, frame, "s", "time")}
+        for name, labels, unit in (
+            ("pixel", ("column", "row"), "px"),
+            ("position", ("x1", "x2"), "m"),
+            ("position_error", ("x1_error", "x2_error"), "m"),
+        ):
+            values = getattr(self, name)
+            for k, label in enumerate(labels):
+                series[label] = Series(values[:, k], frame, unit, f"{name} of the mark")
+        for name, unit in (("diameter", "m"), ("blur", "px"), ("filling", "-"), ("coverage", "-")):
+            series[name] = Series(getattr(self, name), frame, unit, f"{name} of the mark")
+        series["status"] = Series(words, frame, "", "how well the mark is seen")
+        return Table({"frame": Axis(np.arange(len(self)), "", "frame")}, series, {"fps": self.fps})
 
 
 def track_mark(
@@ -179,7 +206,7 @@ def track_mark(
     >>> for k, frame in enumerate(frames):
     ...     frame[np.hypot(column - 40.0 - 3.0 * k, row - 40.0) < 12.0] = 200, 30, 30
     >>> track = track_mark(frames, fps=500.0, scene=Scene.from_scale(1e-3))
-    >>> track.summary()
+    >>> track.quality
     '9 good'
     >>> (track.pixel[8] - track.pixel[0]).round(3).tolist()
     [24.0, 0.0]

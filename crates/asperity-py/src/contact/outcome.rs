@@ -1,43 +1,14 @@
 //! What a solve found; arrays are made when Python asks for them.
 
-use std::sync::Arc;
-
-use asperity::contact::{ContactProblem, Memory, NormalForce};
-use asperity::solver::{
-    CaseState, Certificate, Infeasibility, SolveReport, Stage, Status, Unsolvable, Workspace,
-};
+use asperity::contact::NormalForce;
+use asperity::solver::{CaseState, Certificate, Infeasibility, Solution, Status, Unsolvable};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::errors::Failure;
-
-/// A solution with its report.
+/// The solution of a problem.
 #[pyclass(frozen, module = "asperity._core")]
-pub struct Outcome {
-    problem: Arc<ContactProblem>,
-    memory: Memory,
-    velocity: Vec<f64>,
-    ambiguous: Vec<bool>,
-    stages: Vec<Stage>,
-    infeasibility: Option<Infeasibility>,
-    report: SolveReport,
-}
-
-impl Outcome {
-    pub fn new(
-        problem: Arc<ContactProblem>,
-        memory: Memory,
-        workspace: &Workspace,
-        report: SolveReport,
-    ) -> Self {
-        // The rest of the workspace, factors above all, is not kept.
-        let (velocity, ambiguous) = (workspace.velocity().to_vec(), workspace.ambiguous().to_vec());
-        let (stages, infeasibility) =
-            (workspace.stages().to_vec(), workspace.infeasibility().cloned());
-        Self { problem, memory, velocity, ambiguous, stages, infeasibility, report }
-    }
-}
+pub struct Outcome(pub Solution);
 
 /// An array that refuses writing.
 fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
@@ -101,64 +72,63 @@ pub fn without_solution<'py>(
 impl Outcome {
     #[getter]
     fn percussion<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, self.memory.percussion.clone())
+        array(py, self.0.percussion.clone())
     }
 
     #[getter]
     fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, self.velocity.clone())
+        array(py, self.0.velocity.clone())
     }
 
     #[getter]
     fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        array(py, self.memory.states.iter().map(|state| state.phase as i64).collect())
+        array(py, self.0.states.iter().map(|state| state.phase as i64).collect())
     }
 
     #[getter]
     fn ambiguous_contacts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        array(py, self.ambiguous.clone())
+        array(py, self.0.ambiguous.clone())
     }
 
     #[getter]
     fn converged(&self) -> bool {
-        self.report.status == Status::Converged
+        self.0.report.status == Status::Converged
     }
 
     #[getter]
     fn status(&self) -> &'static str {
-        self.report.status.name()
+        self.0.report.status.name()
     }
 
     #[getter]
     fn residual(&self) -> f64 {
-        self.report.residual
+        self.0.report.residual
     }
 
     #[getter]
     fn iterations(&self) -> usize {
-        self.report.iterations
+        self.0.report.iterations
     }
 
     #[getter]
     fn worst_contact(&self) -> usize {
-        self.report.worst_contact
+        self.0.report.worst_contact
     }
 
     #[getter]
     fn stages(&self) -> Vec<(&'static str, usize, usize, f64)> {
-        let stages = self.stages.iter();
+        let stages = self.0.stages.iter();
         stages.map(|s| (s.method.name(), s.iterations, s.factorizations, s.residual)).collect()
     }
 
     #[getter]
     fn infeasibility<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        self.infeasibility.as_ref().map(|proof| proven(py, proof)).transpose()
+        self.0.infeasibility.as_ref().map(|proof| proven(py, proof)).transpose()
     }
 
     #[getter]
-    fn certificate<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
-        let found = Certificate::new(&self.problem, &self.memory.percussion)?;
-        Ok(certified(py, &found)?)
+    fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        certified(py, &self.0.certificate)
     }
 }
 

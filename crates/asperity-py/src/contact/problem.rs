@@ -1,10 +1,9 @@
 //! Contact problems and their solvers.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
-use asperity::solver::{self, Certificate, Measure, Stop, Workspace};
+use asperity::solver::{self, Certificate, Measure, Stop};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -19,7 +18,7 @@ use crate::law::Law;
 
 /// A contact problem.
 #[pyclass(frozen, module = "asperity._core")]
-pub struct Problem(pub Arc<ContactProblem>);
+pub struct Problem(pub ContactProblem);
 
 #[pymethods]
 impl Problem {
@@ -47,11 +46,11 @@ impl Problem {
         });
         let free = numbers(&free_velocity, "free_velocity")?.to_vec();
         let problem = ContactProblem::new(delassus.into_delassus(&sizes)?, free, contacts)?;
-        Ok(Self(Arc::new(problem.with_restitution(
+        Ok(Self(problem.with_restitution(
             numbers(&normal_restitution, "normal_restitution")?,
             numbers(&tangential_restitution, "tangential_restitution")?,
             numbers(&initial_velocity, "initial_velocity")?,
-        )?)))
+        )?))
     }
 
     fn solve<'py>(
@@ -63,13 +62,13 @@ impl Problem {
         start: Option<(Numbers<'py>, Vec<i8>, Numbers<'py>)>,
         measure: &str,
     ) -> Result<Outcome, Failure> {
-        let problem = &*self.0;
+        let problem = &self.0;
         let measure = match measure {
             "contact" => Measure::Contact,
             "global" => Measure::Global,
             _ => return Err(parameter("measure", "must be contact or global").into()),
         };
-        let mut memory = match start {
+        let memory = match start {
             None => Memory::new(problem.rows(), problem.contacts().len()),
             Some((percussion, phases, velocity)) => {
                 let phases = phases.into_iter().map(|k| Phase::from_number(k).unwrap_or_default());
@@ -78,15 +77,14 @@ impl Problem {
                 Memory::from_solution(problem, percussion, velocity, phases)?
             }
         };
-        let mut workspace = Workspace::default();
-        let report = asked(py, |cancelled| {
+        let solution = asked(py, |cancelled| {
             // A limit beyond the range of the clock is none.
             let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
             let mut stop = Stop::at(tolerance).with_measure(measure).unless(cancelled);
             stop.deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
-            solver.0.solve(problem, stop, &mut memory, &mut workspace)
+            problem.solve_from(&solver.0, stop, memory)
         })?;
-        Ok(Outcome::new(Arc::clone(&self.0), memory, &workspace, report))
+        Ok(Outcome(solution))
     }
 
     fn natural_map(&self, percussion: Numbers<'_>) -> Result<f64, Failure> {

@@ -7,12 +7,26 @@ use super::node::{Node, angle};
 /// Number of sectors that loads are sorted into.
 const SECTORS: usize = 128;
 
-/// The empty interval.
-const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+/// An interval of gauges.
+#[derive(Debug, Clone, Copy)]
+struct Gauges {
+    low: f64,
+    high: f64,
+}
 
-/// The smallest interval that holds both.
-fn join(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    (a.0.min(b.0), a.1.max(b.1))
+impl Gauges {
+    const NONE: Self = Self { low: f64::INFINITY, high: f64::NEG_INFINITY };
+    const ALL: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
+
+    /// The smallest interval that holds both.
+    fn join(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    #[inline]
+    fn hold(self, gauge: f64) -> bool {
+        self.low <= gauge && gauge <= self.high
+    }
 }
 
 /// Sector of a point other than the origin, by the place of its ray on the square `|x₁| + |x₂| = 1`.
@@ -26,22 +40,21 @@ fn sector(y: &Vector<2>) -> usize {
 /// Gauges of the loads `y = c₀/a` that may have several solutions with `A = aI`, sector by sector.
 #[derive(Debug, Clone)]
 pub(super) struct AmbiguousLoads {
-    sectors: [(f64, f64); SECTORS],
+    sectors: [Gauges; SECTORS],
     /// The same over all sectors.
-    anywhere: (f64, f64),
+    anywhere: Gauges,
 }
 
 impl AmbiguousLoads {
     pub(super) fn new(nodes: &[Node], reservoir: &Star<2>, direction: &Convex<2>) -> Self {
         let sectors = ambiguous_gauges(nodes, reservoir, direction);
-        Self { anywhere: sectors.iter().fold(EMPTY, |all, sector| join(all, *sector)), sectors }
+        Self { anywhere: sectors.iter().fold(Gauges::NONE, |all, own| all.join(*own)), sectors }
     }
 
     /// Whether a load with gauge `k_C(y)` may have several solutions.
     #[inline]
     pub(super) fn may_hold(&self, load: &Vector<2>, gauge: f64) -> bool {
-        let within = |(low, high): (f64, f64)| low <= gauge && gauge <= high;
-        within(self.anywhere) && within(self.sectors[sector(load)])
+        self.anywhere.hold(gauge) && self.sectors[sector(load)].hold(gauge)
     }
 }
 
@@ -56,11 +69,11 @@ fn ambiguous_gauges(
     nodes: &[Node],
     reservoir: &Star<2>,
     direction: &Convex<2>,
-) -> [(f64, f64); SECTORS] {
-    let mut sectors = [EMPTY; SECTORS];
+) -> [Gauges; SECTORS] {
+    let mut sectors = [Gauges::NONE; SECTORS];
     // The bounds of the gauge between two points hold for a convex gauge.
     if reservoir.as_convex().is_none() {
-        return [(f64::NEG_INFINITY, f64::INFINITY); SECTORS];
+        return [Gauges::ALL; SECTORS];
     }
     for pair in nodes.windows(2) {
         let reach = 1.5 * reach(pair, reservoir, direction);
@@ -88,7 +101,8 @@ fn ambiguous_gauges(
         if last < reach {
             for node in pair {
                 let beyond = at(node, steps);
-                mark(&mut sectors, &beyond, &node.point.normal, (1.0, f64::INFINITY));
+                let far = Gauges { low: 1.0, ..Gauges::ALL };
+                mark(&mut sectors, &beyond, &node.point.normal, far);
             }
         }
     }
@@ -119,30 +133,21 @@ fn reach(pair: &[Node], reservoir: &Star<2>, direction: &Convex<2>) -> f64 {
 }
 
 /// Joins the gauges on a segment to all sectors that it crosses.
-fn cover(
-    sectors: &mut [(f64, f64); SECTORS],
-    reservoir: &Star<2>,
-    from: &Vector<2>,
-    to: &Vector<2>,
-) {
+fn cover(sectors: &mut [Gauges; SECTORS], reservoir: &Star<2>, from: &Vector<2>, to: &Vector<2>) {
     let (first, last) = (reservoir.gauge(from), reservoir.gauge(to));
     let step = to - from;
     let dip = reservoir.gauge(&step).max(reservoir.gauge(&-step));
-    mark(sectors, from, to, (first.min(last) - dip, first.max(last) + dip));
+    let between = Gauges { low: first.min(last) - dip, high: first.max(last) + dip };
+    mark(sectors, from, to, between);
 }
 
 /// Joins an interval to all sectors from one ray to another, the short way, and one more at each end.
-fn mark(
-    sectors: &mut [(f64, f64); SECTORS],
-    from: &Vector<2>,
-    to: &Vector<2>,
-    interval: (f64, f64),
-) {
+fn mark(sectors: &mut [Gauges; SECTORS], from: &Vector<2>, to: &Vector<2>, interval: Gauges) {
     let (a, b) = (sector(from), sector(to));
     let ahead = (b + SECTORS - a) % SECTORS;
     let (start, count) = if ahead <= SECTORS / 2 { (a, ahead) } else { (b, SECTORS - ahead) };
     for k in 0..count + 3 {
         let place = &mut sectors[(start + SECTORS - 1 + k) % SECTORS];
-        *place = join(*place, interval);
+        *place = place.join(interval);
     }
 }

@@ -9,7 +9,7 @@ use asperity_set::{Convex, ConvexSet, Matrix, Star, StarSet, Vector, strict_conv
 use super::boundary::BoundaryPiece;
 use super::extended::FrictionLaw;
 use super::lorentz::{self, LorentzCone};
-use super::natural_map::{self, ContactMatrix, ContactPoint};
+use super::natural_map::{self, ContactPoint, Derivatives};
 use super::rate::Stribeck;
 use super::table::Bounds;
 
@@ -233,14 +233,14 @@ impl Law {
         answer!(self, law => natural_map::map(law, at, out, None));
     }
 
-    /// The natural map `F` of a contact with this law, and its derivatives: `dF = A dP + B dξ`.
+    /// The natural map `F` of a contact with this law, and its derivatives.
     pub(crate) fn natural_map_jet(
         &self,
         at: ContactPoint<'_>,
         out: &mut [f64],
-        jacobian: (&mut ContactMatrix, &mut ContactMatrix),
+        derivatives: Derivatives<'_>,
     ) {
-        answer!(self, law => natural_map::map(law, at, out, Some(jacobian)));
+        answer!(self, law => natural_map::map(law, at, out, Some(derivatives)));
     }
 }
 

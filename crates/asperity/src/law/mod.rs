@@ -23,7 +23,9 @@ pub use error::LawError;
 pub use extended::FrictionLaw;
 pub(crate) use extended::Walk;
 pub use flow::{FlowReport, FlowSets, flow_sets};
-pub(crate) use natural_map::{ContactMatrix, ContactPoint, ContactVector, Rho, map as natural_map};
+pub(crate) use natural_map::{
+    ContactMatrix, ContactPoint, ContactVector, Derivatives, Rho, map as natural_map,
+};
 pub(crate) use node::Node;
 pub use rate::{Fall, Stribeck};
 pub(crate) use table::{Bounds, COARSE, Cell, Columns, WalkTable};

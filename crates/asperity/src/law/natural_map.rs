@@ -36,13 +36,20 @@ pub(crate) struct ContactPoint<'a> {
     pub(crate) xi: &'a [f64],
 }
 
+/// Where the derivatives of the natural map go: `dF = A dP + B dξ`.
+#[derive(Debug)]
+pub(crate) struct Derivatives<'a> {
+    pub(crate) a: &'a mut ContactMatrix,
+    pub(crate) b: &'a mut ContactMatrix,
+}
+
 /// `F` for a law of known dimension, and its derivatives where they are asked for.
 #[inline(always)]
 pub(crate) fn map<const P: usize>(
     law: &FrictionLaw<P>,
     at: ContactPoint<'_>,
     out: &mut [f64],
-    jacobian: Option<(&mut ContactMatrix, &mut ContactMatrix)>,
+    derivatives: Option<Derivatives<'_>>,
 ) {
     let ContactPoint { prescribed, rho, percussion, xi } = at;
     let (first, h) = match prescribed {
@@ -52,7 +59,7 @@ pub(crate) fn map<const P: usize>(
     // The comparison also turns away NaN.
     if !(h > 0.0) {
         out.copy_from_slice(percussion);
-        if let Some((a, b)) = jacobian {
+        if let Some(Derivatives { a, b }) = derivatives {
             *a = ContactMatrix::identity();
             b.fill(0.0);
         }
@@ -64,7 +71,7 @@ pub(crate) fn map<const P: usize>(
     if first == 1 {
         out[0] = rho.normal * xi[0];
     }
-    let Some((a, b)) = jacobian else {
+    let Some(Derivatives { a, b }) = derivatives else {
         let g = scaled.value(law);
         out[first..].copy_from_slice((tangent + g * h).as_slice());
         return;

@@ -28,7 +28,8 @@ impl MassFactors {
         q: &[f64],
     ) -> Result<(), SystemError> {
         let blocks = system.blocks();
-        let singular = |block| Err(SystemError::SingularMass { block, blocks: blocks.count(), time: t });
+        let singular =
+            |block| Err(SystemError::SingularMass { block, blocks: blocks.count(), time: t });
         self.reciprocals.resize(blocks.velocities(), 0.0);
         self.cholesky.clear();
         for number in 0..blocks.count() {
@@ -47,7 +48,9 @@ impl MassFactors {
             }
             let mass = DMatrix::from_column_slice(n, n, &self.block);
             let symmetric = (&mass - mass.transpose()).amax() <= 1e-12 * mass.amax();
-            let Some(factor) = mass.cholesky().filter(|_| symmetric) else { return singular(number) };
+            let Some(factor) = mass.cholesky().filter(|_| symmetric) else {
+                return singular(number);
+            };
             self.cholesky.resize(blocks.count(), None);
             self.cholesky[number] = Some(factor);
         }

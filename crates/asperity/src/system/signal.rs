@@ -625,7 +625,7 @@ mod spline {
         }
         let mut system = Cyclic::zeros(n);
         for i in 1..n - 1 {
-            smooth(&mut system, (i - 1, i, i + 1), (h[i - 1], h[i]));
+            smooth(&mut system, [i - 1, i, i + 1], [h[i - 1], h[i]]);
         }
         let (first, last) = (h[0] + h[1], h[n - 2] + h[n - 3]);
         system.add(0, 0, h[1]);
@@ -659,7 +659,7 @@ mod spline {
             let before = |i: usize| (i + n - 1) % n;
             let mut system = Cyclic::zeros(n);
             for i in 0..n {
-                smooth(&mut system, (before(i), i, (i + 1) % n), (h[before(i)], h[i]));
+                smooth(&mut system, [before(i), i, (i + 1) % n], [h[before(i)], h[i]]);
             }
             solve(&mut system, &mut slopes, width, |i, k| {
                 let (a, b) = (secant[before(i) * width + k], secant[i * width + k]);
@@ -671,10 +671,10 @@ mod spline {
     }
 
     /// The row of a sample between two intervals.
-    fn smooth(system: &mut Cyclic, (before, i, after): (usize, usize, usize), h: (f64, f64)) {
-        system.add(i, before, h.1);
-        system.add(i, i, 2.0 * (h.0 + h.1));
-        system.add(i, after, h.0);
+    fn smooth(system: &mut Cyclic, [before, i, after]: [usize; 3], h: [f64; 2]) {
+        system.add(i, before, h[1]);
+        system.add(i, i, 2.0 * (h[0] + h[1]));
+        system.add(i, after, h[0]);
     }
 
     /// The slopes of all components; `right` are the right-hand sides by sample and component.

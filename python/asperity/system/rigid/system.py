@@ -19,8 +19,8 @@ from asperity.system.labels import Labels
 from asperity.system.rigid import rotation
 from asperity.system.rigid.bodies import Body, PlanarBody
 from asperity.system.rigid.pairs import Pair, PlanePair, SphereSphere
-from asperity.system.rigid.surfaces import Line
 from asperity.system.rigid.springs import Spring
+from asperity.system.rigid.surfaces import Line
 
 if TYPE_CHECKING:
     from asperity.runs.run import Run
@@ -135,9 +135,10 @@ class RigidBodies(Value):
     @property
     def body_names(self) -> tuple[str, ...]:
         """Names of the bodies; those without one are called by their numbers."""
+        bodies: tuple[Body | PlanarBody, ...] = self.bodies
         return tuple(
             f"body {number}" if body.name is None else body.name
-            for number, body in enumerate(self.bodies)
+            for number, body in enumerate(bodies)
         )
 
     def _labels(self) -> Labels:

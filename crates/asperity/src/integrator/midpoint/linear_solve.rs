@@ -1,5 +1,6 @@
 //! Linear systems that are known by products only.
 
+use crate::linear::DenseLu;
 use crate::vectors::{add, dot};
 
 /// Systems up to this size are solved by elimination.
@@ -14,8 +15,7 @@ const LEFT_OVER: f64 = 1e-8;
 /// (\[VanDerVorst1992\]).
 #[derive(Debug, Default)]
 pub(super) struct LinearSolver {
-    /// Columns of a small system, one after another.
-    matrix: Vec<f64>,
+    small: DenseLu,
     residual: Vec<f64>,
     shadow: Vec<f64>,
     search: Vec<f64>,
@@ -25,13 +25,11 @@ pub(super) struct LinearSolver {
 
 impl LinearSolver {
     pub(super) fn resize(&mut self, n: usize) {
-        let Self { residual, shadow, search, image, second, matrix } = self;
+        let Self { residual, shadow, search, image, second, .. } = self;
         for list in [residual, shadow, search, image, second] {
             list.clear();
             list.resize(n, 0.0);
         }
-        matrix.clear();
-        matrix.resize(if n <= SMALL { n * n } else { 0 }, 0.0);
     }
 
     /// `A x = b`; `product(x, y)` is `y ← A x`.
@@ -44,42 +42,20 @@ impl LinearSolver {
         if b.len() > SMALL {
             return self.iterate(product, b, x);
         }
-        let n = b.len();
+        let (n, matrix) = (b.len(), self.small.begin(b.len()));
         self.search.fill(0.0);
         for j in 0..n {
             self.search[j] = 1.0;
-            product(&self.search, &mut self.matrix[j * n..(j + 1) * n]);
+            product(&self.search, &mut self.image);
             self.search[j] = 0.0;
+            for (i, entry) in self.image.iter().enumerate() {
+                matrix[i * n + j] = *entry;
+            }
         }
         x.copy_from_slice(b);
-        self.eliminate(x);
-    }
-
-    /// Gaussian elimination with partial pivoting; components without a pivot become zero.
-    fn eliminate(&mut self, x: &mut [f64]) {
-        let (n, a) = (x.len(), &mut self.matrix);
-        for k in 0..n {
-            let size = |i: usize| a[k * n + i].abs();
-            let pivot = (k..n).fold(k, |best, i| if size(i) > size(best) { i } else { best });
-            for j in k..n {
-                a.swap(j * n + k, j * n + pivot);
-            }
-            x.swap(k, pivot);
-            if a[k * n + k] == 0.0 {
-                continue;
-            }
-            for i in k + 1..n {
-                let factor = a[k * n + i] / a[k * n + k];
-                for j in k..n {
-                    a[j * n + i] -= factor * a[j * n + k];
-                }
-                x[i] -= factor * x[k];
-            }
-        }
-        for k in (0..n).rev() {
-            let rest: f64 = (k + 1..n).map(|j| a[j * n + k] * x[j]).sum();
-            let value = (x[k] - rest) / a[k * n + k];
-            x[k] = if value.is_finite() { value } else { 0.0 };
+        if !(self.small.factor(0.0) && self.small.solve(x)) {
+            // No correction: the next one begins elsewhere.
+            x.fill(0.0);
         }
     }
 

@@ -5,7 +5,7 @@ use asperity_set::{
     Vector, WedgeAsperity,
 };
 
-use super::{ContactMatrix, ContactPoint, Rho};
+use super::{ContactMatrix, ContactPoint, Derivatives, Rho};
 use crate::law::{FrictionLaw, Law};
 use crate::random::random;
 
@@ -121,7 +121,11 @@ fn jacobian_is_the_slope_of_the_map() {
         for _ in 0..300 {
             let at = [random.rows(), random.rows()];
             let (mut f, mut a, mut b) = ([0.0; 4], ContactMatrix::zeros(), ContactMatrix::zeros());
-            rows.law.natural_map_jet(rows.at(&at), &mut f[..n], (&mut a, &mut b));
+            rows.law.natural_map_jet(
+                rows.at(&at),
+                &mut f[..n],
+                Derivatives { a: &mut a, b: &mut b },
+            );
             let same = map(&rows, &at);
             assert!((0..n).all(|i| (f[i] - same[i]).abs() <= 1e-12), "{rows:?}");
             for (side, matrix) in [a, b].iter().enumerate() {
@@ -220,7 +224,11 @@ fn isotropic_friction_is_the_map_of_alart_and_curnier() {
         b[(0, 0)] = RHO.normal;
         let (mut f, mut by_p, mut by_xi) =
             ([0.0; 3], ContactMatrix::zeros(), ContactMatrix::zeros());
-        rows.law.natural_map_jet(rows.at(&[p, xi]), &mut f, (&mut by_p, &mut by_xi));
+        rows.law.natural_map_jet(
+            rows.at(&[p, xi]),
+            &mut f,
+            Derivatives { a: &mut by_p, b: &mut by_xi },
+        );
         assert!((by_p - a).amax() < 1e-14 && (by_xi - b).amax() < 1e-14);
     }
 }

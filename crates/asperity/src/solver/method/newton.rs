@@ -7,7 +7,7 @@
 use super::task::Task;
 use super::threads::{LEAF, join};
 use crate::contact::{ContactProblem, ContactRows};
-use crate::law::{ContactMatrix, ContactPoint, Rho};
+use crate::law::{ContactMatrix, ContactPoint, Derivatives, Rho};
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::vectors::norm;
 
@@ -195,7 +195,11 @@ impl Newton {
         let jet = |i: usize, f: &mut [f64; 4], a: &mut ContactMatrix, b: &mut ContactMatrix| {
             let rows = &problem.contacts()[i];
             let at = point(rows, rho[i], percussion, xi);
-            rows.law.natural_map_jet(at, &mut f[..rows.len()], (&mut *a, &mut *b));
+            rows.law.natural_map_jet(
+                at,
+                &mut f[..rows.len()],
+                Derivatives { a: &mut *a, b: &mut *b },
+            );
             *a += *b * (goal.epsilon + goal.shift / rho[i].tangent);
         };
         let jets = Jets { first: 0, f: own, a, b };

@@ -299,7 +299,8 @@ impl<'a, const P: usize> Single<'a, P> {
         let (len, xi) = (self.len(), self.velocity(p));
         let (mut f, mut a, mut b) = (V::zeros(), ContactMatrix::zeros(), ContactMatrix::zeros());
         let out = &mut f.as_mut_slice()[..len];
-        law::natural_map(self.law, self.point(p, &xi, self.rho), out, Some((&mut a, &mut b)));
+        let derivatives = law::Derivatives { a: &mut a, b: &mut b };
+        law::natural_map(self.law, self.point(p, &xi, self.rho), out, Some(derivatives));
         let mut matrix = a + b * self.g;
         (len..4).for_each(|i| matrix[(i, i)] = 1.0);
         (f, matrix)

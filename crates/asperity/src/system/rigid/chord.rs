@@ -117,11 +117,11 @@ impl Contact {
                     Some(timed) => timed.course(&surface, t, dt),
                 };
                 match second {
-                    None => on_plane(&arm, *radius, (&surface, &course), first, None, dt),
+                    None => on_plane(&arm, *radius, &surface, &course, first, None, dt),
                     Some(second) => {
                         let course = course.at(&second.pose.rotation);
                         let surface = surface.at(&second.pose);
-                        on_plane(&arm, *radius, (&surface, &course), first, Some(second), dt)
+                        on_plane(&arm, *radius, &surface, &course, first, Some(second), dt)
                     }
                 }
             }
@@ -136,7 +136,8 @@ impl Contact {
 fn on_plane(
     arm: &Vector3<f64>,
     radius: f64,
-    (surface, course): (&Surface, &SurfaceCourse),
+    surface: &Surface,
+    course: &SurfaceCourse,
     first: &Course,
     second: Option<&Course>,
     dt: f64,

@@ -1,0 +1,80 @@
+"""Files of results: an archive of arrays with a text that says what they are."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Any, TypeVar
+
+import numpy as np
+
+from asperity._base import data
+from asperity._base.archive import Archive
+from asperity._base.data import Kinds
+from asperity._base.files import atomic
+from asperity.errors import ParameterError
+
+FORMAT = 1
+"""Number of the file layout."""
+
+Kind = TypeVar("Kind")
+
+
+def save(value: object, known: Kinds, path: str | os.PathLike[str]) -> None:
+    """Write a result as a NumPy ``.npz`` file without pickled objects; it is complete or not there.
+
+    Args:
+        value: of one of the known classes.
+        known: all classes that it is made of, by name.
+        path: of the file.
+    """
+    from asperity import __version__
+
+    arrays: dict[str, Any] = {}
+    text = json.dumps(data.typed(value, "", known, arrays), ensure_ascii=False)
+    with atomic(path) as file:
+        np.savez_compressed(file, format=FORMAT, version=__version__, content=text, **arrays)
+
+
+def load(kind: type[Kind], known: Kinds, path: str | os.PathLike[str]) -> Kind:
+    """Read a result that `save` has written.
+
+    Args:
+        kind: its class.
+        known: as of `save`.
+        path: of the file.
+
+    Raises:
+        ParameterError: naming the place of what is wrong, or ``path`` if the file is something
+            else.
+        FileNotFoundError: if there is none.
+    """
+    with Archive(path, f"a {kind.__name__} that this version can read") as file:
+        for key in ("format", "content"):
+            if key not in file:
+                raise ParameterError(key, f"is missing: {file.path} must be a {kind.__name__}")
+        number, text = file["format"], file["content"]
+        if number.shape or number.dtype.kind != "i" or not 1 <= int(number) <= FORMAT:
+            raise ParameterError("format", f"must be {FORMAT} or older, in {file.path}")
+        if text.shape or text.dtype.kind != "U":
+            raise ParameterError("content", f"must be one text, in {file.path}")
+        arrays = {key: file[key] for key in file.keys if key not in _OWN}
+        try:
+            found = data.built_as_typed(_parsed(str(text)), "", known, arrays)
+            if type(found) is not kind:
+                raise ParameterError(
+                    "content", f"must be a {kind.__name__}, is a {type(found).__name__}"
+                )
+        except ParameterError as error:
+            raise type(error)(error.argument, f"{error.message}, in {file.path}") from None
+        return found
+
+
+_OWN = ("format", "version", "content")
+
+
+def _parsed(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ParameterError("content", f"must be the text that asperity writes: {error}") from None

@@ -1,0 +1,68 @@
+"""Events of a motion."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from asperity._base.value import Value
+from asperity.status import Phase
+
+NO_NUMBER = -2
+"""Stands in files for a contact or a phase that an event does not have."""
+
+
+class EventKind(StrEnum):
+    """What happens at an event."""
+
+    STICK = "stick"
+    """A contact begins to stick."""
+    SLIP = "slip"
+    """A contact begins to slip, or its slip passes through zero."""
+    OPEN = "open"
+    """A contact opens."""
+    IMPACT = "impact"
+    """A contact closes; velocities may jump."""
+    IMPACT_WITHOUT_COLLISION = "impact_without_collision"
+    """Friction stops the slip by an impact without approach (Painlevé)."""
+    SECTION = "section"
+    """The motion crosses the section."""
+    KINK = "kink"
+    """A load or the velocity of a surface jumps, or its rate does, see `Signal`."""
+
+    def __repr__(self) -> str:
+        return f"EventKind.{self.name}"
+
+
+class Event(Value):
+    """Something that happened in a motion.
+
+    Attributes:
+        time: in s.
+        kind: what happened.
+        contact: number of the contact; ``None`` of a section and of a kink.
+        phase: what the contact does afterwards; ``None`` of a section and of a kink.
+        ambiguous: whether the contacts might have done something else, see docs/selection.md.
+    """
+
+    time: float
+    kind: EventKind
+    contact: int | None
+    phase: Phase | None
+    ambiguous: bool
+
+    def __init__(
+        self,
+        time: float,
+        kind: EventKind | str,
+        contact: int | None = None,
+        phase: Phase | int | None = None,
+        *,
+        ambiguous: bool = False,
+    ) -> None:
+        self._set(
+            time=float(time),
+            kind=EventKind(kind),
+            contact=contact,
+            phase=None if phase is None else Phase(phase),
+            ambiguous=bool(ambiguous),
+        )
