@@ -296,8 +296,8 @@ def test_stability_names_the_critical_directions(tmp_path, capsys):
     assert "unstable by anisotropy alone" in printed
     assert {one.name for one in (tmp_path / "out").iterdir()} == set(predict.stability_sheet.FILES)
     sheet = describe_stability(path)
-    at_50 = sheet.growth[50, 0]
-    assert np.rad2deg(sheet.phi[50]) == pytest.approx(50.0)
+    at_50 = sheet.growth[50]
+    assert np.rad2deg(sheet.chart.phi[50]) == pytest.approx(50.0)
     assert at_50 == pytest.approx(0.381927, abs=1e-6)  # of Fig. 17's belt, docs/stability.md
     assert main(["stability", str(path), "--mass", "-1"]) == 2
     assert "--mass" in capsys.readouterr().err
@@ -308,7 +308,7 @@ def test_an_associated_law_is_stable(tmp_path):
     asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.3)).save(path)
     sheet = describe_stability(path)
     assert not sheet.unstable
-    assert sheet.growth[:, 0].max() == 0.0
+    assert sheet.growth.max() == 0.0
     assert "no direction of sliding unstable" in sheet.verdict()
 
 

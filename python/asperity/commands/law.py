@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
     from asperity.predict.simulation import as_json
 
     sheet = describe_law(options.law, out=options.out)
-    print(as_json(sheet.data()) if options.json else sheet.summary())
+    print(as_json(sheet.data()) if options.json else sheet.text())
     if options.out is not None and not options.json:
         print(f"\nfigures, table and report.html in {options.out}")
     return SUCCESS

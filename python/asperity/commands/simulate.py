@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print(as_json(found.data()))
     else:
-        print(found.summary())
+        print(found.text())
         if options.out is not None:
             print(f"\nfigures, tables and report.html in {options.out}")
     return DOUBTFUL if found.warnings else SUCCESS

@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
 
     belt = Belt(options.mass, options.stiffness, options.speed, options.normal_force)
     sheet = describe_stability(options.law, belt=belt, out=options.out)
-    print(as_json(sheet.data()) if options.json else sheet.summary())
+    print(as_json(sheet.data()) if options.json else sheet.text())
     if options.out is not None and not options.json:
         print(f"\nfigure, table and report.html in {options.out}")
     return SUCCESS

@@ -10,20 +10,16 @@
 
 from asperity.predict.bands import Bands, Region, propagate
 from asperity.predict.examples import write_example
-from asperity.predict.kinds import Quantity
 from asperity.predict.law_sheet import LawSheet, describe_law
-from asperity.predict.scenario import BandOptions, RunOptions, Scenario, load_law
+from asperity.predict.scenario import Scenario, load_law
 from asperity.predict.simulation import Simulation, simulate_scenario
 from asperity.predict.stability_sheet import Belt, StabilitySheet, describe_stability
 
 __all__ = [
-    "BandOptions",
     "Bands",
     "Belt",
     "LawSheet",
-    "Quantity",
     "Region",
-    "RunOptions",
     "Scenario",
     "Simulation",
     "StabilitySheet",

@@ -35,6 +35,11 @@ class Region:
     covariance: Array
     radius: float
 
+    def __post_init__(self) -> None:
+        arrays.array(self.centre, "centre", (2,))
+        arrays.array(self.covariance, "covariance", (2, 2))
+        arrays.number(self.radius, "radius")
+
     def contains(self, point: ArrayLike) -> bool:
         """Return whether a point in m, shape ``(2,)``, lies within."""
         away = arrays.array(point, "point", (2,)) - self.centre
@@ -42,7 +47,8 @@ class Region:
 
     def outline(self, points: int = 100) -> Array:
         """Return points of the outline in m, shape ``(points, 2)``."""
-        angle = 2.0 * math.pi * np.arange(points) / (points - 1)
+        count = arrays.count(points, "points", 3)
+        angle = np.linspace(0.0, 2.0 * math.pi, count)
         sizes, axes = np.linalg.eigh(self.covariance)
         circle = np.stack([np.cos(angle), np.sin(angle)])
         scaled = np.sqrt(np.maximum(sizes, 0.0))[:, None] * circle

@@ -39,5 +39,7 @@ def write_example(kind: str, folder: str | os.PathLike[str]) -> tuple[Path, ...]
     note = "PVC on ground steel, Table 1 of Walker and Leine (2019)"
     with ResultFolder(place, FILES).filled() as fresh:
         (fresh / "scenario.toml").write_text(KINDS[kind].example, encoding="utf-8")
-        LawFile(law, Provenance(made_by="asperity init", note=note)).save(fresh / "law.toml")
+        LawFile(law, provenance=Provenance(made_by="asperity init", note=note)).save(
+            fresh / "law.toml"
+        )
     return tuple(place / name for name in FILES)

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from asperity._base import arrays
 from asperity._base.arrays import Array, unit_vectors
 from asperity._base.files import ResultFolder
 from asperity._base.report import Facts, Grid, Picture, Section, Text, write_report
-from asperity._base.tables import aligned, write_columns
+from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult
+from asperity._base.tables import aligned
 from asperity.errors import DimensionError
 from asperity.identify import IdentifiedLaw
 from asperity.law import FrictionLaw, LawFile
@@ -25,9 +27,9 @@ FILES = ("coefficients.csv", "sets.png", "coefficients.png", "report.html")
 _PRINTED, _WRITTEN = 15.0, 1.0
 
 
-@dataclass(frozen=True)
-class LawSheet:
-    """A planar law, and what there is to say of it.
+@dataclass(frozen=True, repr=False)
+class LawSheet(TableResult):
+    """A planar law and its properties; as a table its coefficients over the sliding direction.
 
     Attributes:
         file: the law and where it comes from.
@@ -89,7 +91,7 @@ class LawSheet:
             Columns with their units: direction of sliding, resistance (friction against the
             sliding), magnitude of the force, angle from the sliding direction to that of −λ.
         """
-        phi_deg = np.arange(0.0, 360.0, step_deg)
+        phi_deg = np.arange(0.0, 360.0, arrays.positive(step_deg, "step_deg"))
         phi = np.deg2rad(phi_deg)
         force = -self.law.force(unit_vectors(phi))
         return {
@@ -137,8 +139,34 @@ class LawSheet:
         facts += [("from", name) for name, _ in made.files]
         return [(name, text) for name, text in facts if text]
 
+    def __repr__(self) -> str:
+        return f"<LawSheet: {self.path.name}>"
+
     def summary(self) -> str:
-        """Return what there is to say as lines of text."""
+        """Return the extremes of the coefficients and the properties, in sentences."""
+        extremes = [f"{name} {value}" for name, value in self.extremes()]
+        answers = [
+            f"{question}: {'yes' if answer else 'no'}" for question, answer, _ in self.verdicts()
+        ]
+        return (
+            f"Friction law of {self.path.name}: {'; '.join(extremes)}.\nIt is {', '.join(answers)}."
+        )
+
+    def _table(self) -> Table:
+        columns = self.coefficients(_WRITTEN)
+        phi, *others = columns.items()
+        words = ("friction_coefficient", "resistance", "deflection")
+        meanings = ("magnitude of the friction force", "against the sliding", "of the force")
+        units = (NO_UNIT, NO_UNIT, "deg")
+        series = {
+            word: Series(values, ("sliding_direction",), unit, meaning)
+            for word, (_, values), unit, meaning in zip(words, others, units, meanings, strict=True)
+        }
+        axis = Axis(phi[1], "deg", "direction of sliding, counter-clockwise from e1")
+        return Table({"sliding_direction": axis}, series, {"law": self.path.name})
+
+    def text(self) -> str:
+        """Return all there is to say as tables of text."""
         answers = [
             (question, "yes" if answer else "no", meaning)
             for question, answer, meaning in self.verdicts()
@@ -186,7 +214,7 @@ class LawSheet:
         from asperity.plot import plot_deflection, plot_friction_coefficient, plot_law, style
         from asperity.plot.look import png
 
-        write_columns(folder / "coefficients.csv", self.coefficients(_WRITTEN))
+        self.to_csv(folder / "coefficients.csv")
         with style():
             sets = Figure(figsize=(5.2, 4.8), layout="constrained")
             plot_law(self.law, ax=sets.add_subplot())

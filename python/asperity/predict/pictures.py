@@ -8,14 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.plot import look
+from asperity.plot import look, plot_history
 from asperity.plot.look import style
 from asperity.status import Phase
 
 if TYPE_CHECKING:
     from asperity.predict.simulation import Simulation
 
-_PHASES = {Phase.STICK: "stick", Phase.SLIP: "slip", Phase.OPEN: "open"}
 # So many of the contacts that close are drawn.
 _CONTACTS = 8
 
@@ -58,17 +57,14 @@ def _label(ax: Axes) -> None:
 
 
 def history(simulation: Simulation) -> Figure:
-    """Draw positions and friction forces over time, and below what the contacts do."""
+    """Draw positions over time, and friction forces with bars of stick, slip and open."""
     scenario, run = simulation.scenario, simulation.run
-    found = scenario.kind.paths(scenario.setup().system, run)
+    closed = np.flatnonzero(((run.phase == Phase.STICK) | (run.phase == Phase.SLIP)).any(axis=0))
+    shown = closed[:_CONTACTS].tolist()
     with style():
         figure = Figure(figsize=(6.4, 5.4), layout="constrained")
-        closed = np.flatnonzero(
-            ((run.phase == Phase.STICK) | (run.phase == Phase.SLIP)).any(axis=0)
-        )
-        shown = [int(contact) for contact in closed[:_CONTACTS]]
-        heights = [3.0, 2.0, 0.4 + 0.2 * len(shown)]
-        place, forces, phases = figure.subplots(3, 1, sharex=True, height_ratios=heights)
+        place, forces = figure.subplots(2, 1, sharex=True)
+        found = scenario.kind.paths(scenario.setup().system, run)
         for name, path in found.items():
             for axis, values in zip(("e1", "e2", "z"), path.T, strict=False):
                 if len(found) == 1 or axis != "z":
@@ -76,27 +72,6 @@ def history(simulation: Simulation) -> Figure:
                     place.plot(run.t, 1e3 * values, label=label)
         place.set_ylabel("position in mm")
         place.legend(ncols=2, fontsize="small")
-        for contact in shown:
-            size = np.linalg.norm(np.nan_to_num(run.force[:, contact]), axis=-1)
-            # The first sample of time stepping has no force.
-            forces.plot(run.t[1:], size[1:], label=f"contact {contact}")
-        forces.set_ylabel("friction in N")
-        colours = {Phase.STICK: look.STICK, Phase.SLIP: look.SLIP, Phase.OPEN: look.OPEN}
-        for phase, name in _PHASES.items():
-            for row, contact in enumerate(shown):
-                on = run.phase[:, contact] == phase
-                phases.fill_between(
-                    run.t,
-                    row - 0.4,
-                    row + 0.4,
-                    where=on,
-                    step="pre",
-                    color=colours[phase],
-                    linewidth=0.0,
-                    label=name if row == 0 else None,
-                )
-        phases.set_yticks(range(len(shown)), [str(contact) for contact in shown])
-        phases.set_ylabel("contact")
-        phases.set_xlabel("time in s")
-        phases.legend(ncols=3, fontsize="small", loc="lower left", bbox_to_anchor=(0.0, 1.0))
+        if shown:
+            plot_history(run, quantity="friction", contacts=shown, ax=forces)
     return figure

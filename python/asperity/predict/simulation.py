@@ -13,7 +13,8 @@ import numpy as np
 
 from asperity._base.files import ResultFolder
 from asperity._base.report import Facts, Grid, Picture, Section, Text, write_report
-from asperity._base.tables import aligned, write_columns, write_csv
+from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult, counted
+from asperity._base.tables import aligned, write_columns
 from asperity.predict.bands import Bands, propagate
 from asperity.predict.kinds import Quantity
 from asperity.predict.scenario import Scenario
@@ -29,9 +30,9 @@ FILES = (*_TABLES, *_PICTURES, "report.html")
 """What `simulate_scenario` writes; ``draws.csv`` too with bands."""
 
 
-@dataclass(frozen=True)
-class Simulation:
-    """The motion of a scenario.
+@dataclass(frozen=True, repr=False)
+class Simulation(TableResult):
+    """The motion of a scenario; as a table its results, with their intervals.
 
     Attributes:
         scenario: what was computed.
@@ -73,8 +74,42 @@ class Simulation:
             rows.append((one.name, f"{one.value:.6g}", one.unit, *ends))
         return rows
 
+    def __repr__(self) -> str:
+        return f"<Simulation: {self.scenario.title}, {self.scenario.kind.name}, {self.run.status}>"
+
     def summary(self) -> str:
-        """Return the results as lines of text."""
+        """Return the results, in sentences."""
+        bands = self.bands
+        lines = [f"{self.scenario.kind.meaning[0].upper()}{self.scenario.kind.meaning[1:]}:"]
+        for i, one in enumerate(self.quantities):
+            text = f"{one.name}: {one.value:.6g} {one.unit}".rstrip()
+            if bands is not None:
+                percent = f"{100 * bands.confidence:g} %"
+                text += f" ({percent} from {bands.low[i]:.6g} to {bands.high[i]:.6g})"
+            lines.append(f"{text},")
+        lines.append(f"computed in {counted(self.run.steps, 'step')}; {self.run.status}.")
+        lines += [f"Doubtful: {sentence}." for sentence in self.warnings]
+        return "\n".join(lines)
+
+    def _table(self) -> Table:
+        bands = self.bands
+        names = [one.name for one in self.quantities]
+        units = [one.unit or NO_UNIT for one in self.quantities]
+        values = np.array([one.value for one in self.quantities])
+        series = {
+            "value": Series(values, ("quantity",), description="with the laws of the files"),
+            "unit": Series(np.array(units), ("quantity",), description="of value, low and high"),
+        }
+        facts: dict[str, str | int | float] = {"scenario": self.scenario.title}
+        if bands is not None:
+            facts["confidence"] = bands.confidence
+            for name, values in (("low", bands.low), ("high", bands.high)):
+                series[name] = Series(values, ("quantity",), description=f"{name} end of interval")
+        axis = Axis(names, description="what the scenario is asked for", units=units)
+        return Table({"quantity": axis}, series, facts)
+
+    def text(self) -> str:
+        """Return the results as a table of text."""
         lines = [
             f"{self.scenario.title}: {self.scenario.kind.meaning}",
             f"{self.run.status}, {self.run.steps} steps",
@@ -124,8 +159,7 @@ class Simulation:
         """Write the files into a folder."""
         from asperity.plot.look import png
 
-        header, *rows = self.rows()
-        write_csv(folder / "results.csv", header, rows)
+        self.to_csv(folder / "results.csv")
         paths = self.scenario.kind.paths(self.scenario.setup().system, self.run)
         columns = {"t [s]": self.run.t}
         for name, path in paths.items():
@@ -139,6 +173,7 @@ class Simulation:
                 for i, one in enumerate(self.quantities)
             }
             write_columns(folder / "draws.csv", draws)
+        header, *rows = self.rows()
         pictures = [Picture(name, png(one, 150)) for name, one in self._figures().items()]
         for picture in pictures:
             (folder / f"{picture.name}.png").write_bytes(picture.png)

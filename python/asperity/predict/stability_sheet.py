@@ -14,10 +14,17 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.files import ResultFolder
 from asperity._base.report import Facts, Picture, Section, Text, write_report
+from asperity._base.result import Result
 from asperity._base.tables import aligned, write_columns
 from asperity.law import FrictionLaw
 from asperity.predict.law_sheet import planar_law
-from asperity.steady_sliding import critical_directions, critical_rotation, growth_chart
+from asperity.steady_sliding import (
+    CriticalIntervals,
+    GrowthChart,
+    critical_directions,
+    critical_rotation,
+    growth_chart,
+)
 from asperity.system import MassOnBelt
 
 FILES = ("growth.csv", "growth.png", "report.html")
@@ -58,40 +65,42 @@ class Belt:
         )
 
 
-@dataclass(frozen=True)
-class StabilitySheet:
+@dataclass(frozen=True, repr=False)
+class StabilitySheet(Result):
     """A law, and where it makes steady sliding unstable.
 
     Attributes:
         law: the law.
         path: of its file.
         belt: the mass on a belt of the growth rates.
-        directions: intervals of sliding directions in which sliding is unstable, in rad.
+        directions: intervals of sliding directions in which sliding is unstable.
         rotations: intervals of the angle by which C would have to be turned for there to be any.
-        phi: directions of the belt in rad.
-        zeta: rotations of C in rad.
-        growth: growth rates in 1/s over `phi` and `zeta`; 0 where sliding does not grow.
+        chart: growth rates of the mass on the belt over its direction and further rotations of C.
     """
 
     law: FrictionLaw
     path: Path
     belt: Belt
-    directions: tuple[tuple[float, float], ...]
-    rotations: tuple[tuple[float, float], ...]
-    phi: Array
-    zeta: Array
-    growth: Array
+    directions: CriticalIntervals
+    rotations: CriticalIntervals
+    chart: GrowthChart
+
+    @property
+    def growth(self) -> Array:
+        """Growth rates in 1/s over the directions `chart.phi` of the belt, of C as it is."""
+        rates: Array = self.chart.growth[:, 0]
+        return rates
 
     @property
     def unstable(self) -> bool:
         """Whether sliding is unstable in some directions, as C and D are."""
-        return bool(self.directions) or bool(self.growth[:, 0].max() > 0.0)
+        return bool(self.directions) or bool(self.growth.max() > 0.0)
 
     def verdict(self) -> str:
         """Return what the law does to steady sliding, in a sentence."""
         if not self.directions:
             text = "anisotropy makes no direction of sliding unstable"
-            if self.law.rate is not None and self.growth[:, 0].max() > 0.0:
+            if self.law.rate is not None and self.growth.max() > 0.0:
                 return f"{text}, but friction that falls with the speed does"
             return text
         where = _intervals(self.directions)
@@ -99,7 +108,7 @@ class StabilitySheet:
 
     def facts(self) -> list[tuple[str, str]]:
         """Return what there is to say, as pairs of name and text."""
-        belt, growth = self.belt, self.growth[:, 0]
+        belt, growth = self.belt, self.growth
         most = int(growth.argmax())
         facts = [
             ("unstable sliding directions", _intervals(self.directions) or "none"),
@@ -115,13 +124,21 @@ class StabilitySheet:
                 (
                     "fastest growth on this belt",
                     f"exp({growth[most]:.4g} t), t in s; belt at "
-                    f"{math.degrees(self.phi[most]):.0f}°",
+                    f"{math.degrees(self.chart.phi[most]):.0f}°",
                 )
             )
         return facts
 
+    def __repr__(self) -> str:
+        return f"<StabilitySheet: {self.path.name}, {'un' * self.unstable}stable>"
+
     def summary(self) -> str:
-        """Return what there is to say as lines of text."""
+        """Return where sliding is unstable, in sentences."""
+        facts = "\n".join(f"{name}: {text}," for name, text in self.facts())
+        return f"Law of {self.path.name}: {self.verdict()}.\n{facts[:-1]}."
+
+    def text(self) -> str:
+        """Return the verdict and a table of text."""
         return f"{self.path}: {self.verdict()}\n\n{aligned(self.facts())}"
 
     def data(self) -> dict[str, Any]:
@@ -133,8 +150,8 @@ class StabilitySheet:
             "critical_directions_deg": [list(np.rad2deg(one)) for one in self.directions],
             "critical_rotations_deg": [list(np.rad2deg(one)) for one in self.rotations],
             "belt": vars(self.belt),
-            "belt_directions_deg": np.rad2deg(self.phi).tolist(),
-            "growth_rates": self.growth[:, 0].tolist(),
+            "belt_directions_deg": np.rad2deg(self.chart.phi).tolist(),
+            "growth_rates": self.growth.tolist(),
         }
 
     def write(self, folder: Path) -> None:
@@ -144,14 +161,16 @@ class StabilitySheet:
         from asperity.plot import plot_growth_chart, style
         from asperity.plot.look import png
 
-        columns = {"belt direction [deg]": np.rad2deg(self.phi)}
-        columns["growth rate [1/s]"] = self.growth[:, 0]
+        columns = {
+            "belt direction [deg]": np.rad2deg(self.chart.phi),
+            "growth rate [1/s]": self.growth,
+        }
         write_columns(folder / "growth.csv", columns)
         with style():
             figure = Figure(figsize=(6.4, 4.6), layout="constrained")
             ax = figure.add_subplot()
-            phi, zeta = np.rad2deg(self.phi), np.rad2deg(self.zeta)
-            plot_growth_chart(self.growth, x=phi, y=zeta, ax=ax)
+            phi, zeta = np.rad2deg(self.chart.phi), np.rad2deg(self.chart.zeta)
+            plot_growth_chart(self.chart.growth, x=phi, y=zeta, ax=ax)
             ax.set_xlabel("direction of the belt in degrees")
             ax.set_ylabel("further rotation of C in degrees")
         picture = Picture("growth", png(figure, 150))
@@ -195,10 +214,8 @@ def describe_stability(
         law,
         Path(path),
         chosen,
-        tuple(critical_directions(law)),
-        tuple(critical_rotation(law.reservoir, law.direction)),
-        phi,
-        zeta,
+        critical_directions(law),
+        critical_rotation(law.reservoir, law.direction),
         growth_chart(chosen.system(law), phi=phi, zeta=zeta),
     )
     if folder is not None:
@@ -207,6 +224,6 @@ def describe_stability(
     return sheet
 
 
-def _intervals(found: tuple[tuple[float, float], ...]) -> str:
+def _intervals(found: CriticalIntervals) -> str:
     parts = [f"{math.degrees(a):.2f}° to {math.degrees(b):.2f}°" for a, b in found]
     return ", ".join(parts)

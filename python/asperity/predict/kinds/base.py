@@ -13,8 +13,8 @@ from asperity._base.arrays import Array
 from asperity._base.toml import NUMBER, NUMBERS, Schema, TomlFile
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
+from asperity.runs.model import Model
 from asperity.runs.run import Run
-from asperity.runs.time_stepping import Model
 
 Laws: TypeAlias = Mapping[str, FrictionLaw]
 """Laws by the names that their files have in the scenario."""

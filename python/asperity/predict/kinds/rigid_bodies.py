@@ -13,8 +13,8 @@ from asperity._base.toml import NUMBER, NUMBERS, TEXT, Tables, TomlFile, advice_
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.predict.kinds.base import Kind, Laws, Quantity, Setup, vector
+from asperity.runs.model import Model
 from asperity.runs.run import Run
-from asperity.runs.time_stepping import Model
 from asperity.runs.trajectory import Trajectory
 from asperity.system import Body, BoxPlane, Plane, PointPlane, RigidBodies, SpherePlane
 from asperity.system.rigid import SphereSphere
@@ -195,7 +195,7 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
 def _paths(system: Model, run: Run) -> dict[str, Array]:
     bodies = cast(RigidBodies, system)
     positions = bodies.positions(cast(Trajectory, run))
-    return {str(body.name): positions[:, i] for i, body in enumerate(bodies.bodies)}
+    return {name: positions[:, i] for i, name in enumerate(bodies.body_names)}
 
 
 def _quantities(system: Model, run: Run) -> Sequence[Quantity]:

@@ -18,8 +18,8 @@ from asperity.predict.kinds.base import (
     section,
     vector,
 )
+from asperity.runs.model import Model
 from asperity.runs.run import Run
-from asperity.runs.time_stepping import Model
 from asperity.system import SlidingPoint
 
 
