@@ -118,6 +118,8 @@ OBJECTS = [
     problems.scenes.stack(2),
     mechanisms.FollowerPendulum(0.5),
     mechanisms.FrictionalImpactOscillator(0.5),
+    LAW_SHEET,
+    PREDICTION.bands.region,
 ]
 """Of several of one class the first is taken."""
 
@@ -141,7 +143,11 @@ ARGUMENTS = {
     "support": {"y": [1.0, 0.1]},
     "support_hessian": {"y": [1.0, 0.1]},
     "support_point": {"y": [1.0, 0.1]},
+    "Belt": {"mass": 1.0, "stiffness": 2.0, "speed": 1.0, "normal_force": 1.0},
     "Cone.contains": {"y": [1.0, 0.1]},
+    "LawSheet.coefficients": {"step_deg": 30.0},
+    "Region.contains": {"x": [0.1, 0.1]},
+    "Region.outline": {"points": 8},
     "Cone.distance": {"y": [1.0, 0.1]},
     "Cone.project": {"y": [1.0, 0.1]},
     "Ellipse.from_intercepts": {"n1": 2.0, "n2": 1.0, "nu": 0.1},
@@ -336,6 +342,7 @@ RESULTS = {
     "Fit",
     "Track",
     "TrackConfig",
+    "Region",
 }
 """What the library makes itself, and may make with NaN where something is not known."""
 

@@ -40,9 +40,9 @@ class Region:
         arrays.array(self.covariance, "covariance", (2, 2))
         arrays.number(self.radius, "radius")
 
-    def contains(self, point: ArrayLike) -> bool:
+    def contains(self, x: ArrayLike) -> bool:
         """Return whether a point in m, shape ``(2,)``, lies within."""
-        away = arrays.array(point, "point", (2,)) - self.centre
+        away = arrays.array(x, "x", (2,)) - self.centre
         return bool(_distances(away[None], self.covariance)[0] <= self.radius)
 
     def outline(self, points: int = 100) -> Array:
