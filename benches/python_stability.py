@@ -43,7 +43,7 @@ def chart() -> None:
 def cycles() -> None:
     """Compare shooting with as many periods of time stepping at Δt = 1 ms."""
     period = asp.limit_cycle(belt(PHI)).period
-    stepping = best(lambda: asp.simulate(belt(PHI), dt=1e-3, t_end=period, save_every=100))
+    stepping = best(lambda: asp.simulate(belt(PHI), dt=1e-3, t_end=period, sample_every=0.1))
     flow = best(lambda: asp.integrate(belt(PHI), t_end=period, q0=[25.96, 15.03]))
     shooting = best(lambda: asp.limit_cycle(belt(PHI)))
     print(f"one period: {1e3 * flow:.2f} ms, {flow / stepping:.2f} times 28,703 time steps")

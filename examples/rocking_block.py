@@ -22,7 +22,7 @@ floor = asp.BoxPlane(
     0, half_sizes=HALF, plane=asp.Line(), law=asp.FrictionLaw.isotropic(10.0, dimension=1)
 )
 system = asp.RigidBodies([standing_on_an_edge(START)], pairs=[floor])
-motion = asp.simulate(system, dt=2e-5, t_end=2.0, save_every=2)
+motion = asp.simulate(system, dt=2e-5, t_end=2.0, sample_every=4e-5)
 angle, energy = np.rad2deg(motion.q[:, 2]), system.energy(motion)
 
 turns = np.flatnonzero(np.diff(np.sign(motion.u[1:, 2])) * np.sign(angle[1:-1]) < 0.0) + 1

@@ -18,7 +18,7 @@ print(f"unstable from μ = {limit:.2f}")
 print(found[-1].reason)
 
 motion = asp.simulate(
-    mechanisms.mode_coupling(0.9), dt=1e-2, t_end=120.0, q0=[1e-3, 0.0, 0.0], save_every=5
+    mechanisms.mode_coupling(0.9), dt=1e-2, t_end=120.0, q0=[1e-3, 0.0, 0.0], sample_every=0.05
 )
 print(motion.summary())
 

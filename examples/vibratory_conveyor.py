@@ -28,7 +28,7 @@ def carried(grooves):
     part = asp.Body.ball(0.01, radius=0.005, position=-stroke)
     contact = asp.PointPlane(0, point=(0.0, 0.0, 0.0), plane=tray, law=LAW)
     system = asp.RigidBodies([part], pairs=[contact])
-    return asp.integrate(system, t_end=PERIODS / FREQUENCY, dt=0.05 / FREQUENCY)
+    return asp.integrate(system, t_end=PERIODS / FREQUENCY, sample_every=0.05 / FREQUENCY)
 
 
 angles = np.deg2rad(np.linspace(0.0, 180.0, 25))

@@ -67,7 +67,7 @@ def problem_hdf5():
 def law():
     first, second = (
         asp.FrictionLaw.isotropic(0.3),
-        asp.FrictionLaw.tensor([[0.3, 0.1], [0.1, 0.2]], np.zeros((2, 2, 2, 2))),
+        asp.FrictionLaw.tensor([[0.3, 0.1], [0.1, 0.2]], fourth_order=np.zeros((2, 2, 2, 2))),
     )
     return lambda out: first.save(out / "law.toml"), lambda out: second.save(out / "law.toml")
 

@@ -44,7 +44,6 @@ PAIRS = {
     "contact.grading.natural_map": "a problem and what is said to solve it",
     "contact.grading.proves_no_solution": "a problem and the proof about it",
     "contact.files.Percussions": "the parts of a file that belong together",
-    "LawFile": "a law and where it comes from: what a file holds",
     "Provenance.of_table": "a table and its name in the file",
     "problems.Scene": "columns of one table of bodies and contacts",
 }

@@ -347,7 +347,7 @@ BAD_INPUT = [
     ("t_end", ParameterError, lambda: run(t_end=0.0)),
     ("q0", DimensionError, lambda: run(q0=[1.0])),
     ("u0", ParameterError, lambda: run(u0=[NAN, 0.0])),
-    ("save_every", ParameterError, lambda: run(save_every=0)),
+    ("sample_every", ParameterError, lambda: run(sample_every=0.0)),
     ("tolerance", ParameterError, lambda: run(tolerance=-1.0)),
     ("on_failure", ParameterError, lambda: run(on_failure="warn")),
     ("solver", ParameterError, lambda: run(solver="exact")),
@@ -420,8 +420,8 @@ def test_numbers_beyond_all_reason_are_named():
     with pytest.raises(asp.ParameterError, match="max_sweeps"):
         asp.Exact(max_sweeps=2**70)
     block = asp.SlidingPoint(1.0, law=ISO)
-    with pytest.raises(asp.ParameterError, match="save_every"):
-        asp.simulate(block, dt=0.1, t_end=1.0, save_every=2**70)
+    with pytest.raises(asp.ParameterError, match="sample_every"):
+        asp.simulate(block, dt=0.1, t_end=1.0, sample_every=2.0**70)
     with pytest.raises(asp.ParameterError, match="dt"):
         asp.simulate(block, dt=1e-300, t_end=1.0)
 

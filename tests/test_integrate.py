@@ -158,7 +158,7 @@ def test_choices_are_marked():
 
 def test_samples_do_not_change_the_motion():
     motion = asp.integrate(belt(), t_end=60.0, q0=[20.2, 2.7], tolerance=1e-12)
-    grid = asp.integrate(belt(), t_end=60.0, q0=[20.2, 2.7], tolerance=1e-12, dt=0.5)
+    grid = asp.integrate(belt(), t_end=60.0, q0=[20.2, 2.7], tolerance=1e-12, sample_every=0.5)
     assert grid.t == pytest.approx(np.arange(121) * 0.5)
     assert grid.events == motion.events
     assert (grid.q[-1] == motion.q[-1]).all()
@@ -179,7 +179,7 @@ def test_motions_are_values():
 
 
 def test_plots_show_motions():
-    motion = asp.integrate(belt(), t_end=30.0, q0=[20.2, 2.7], dt=0.1)
+    motion = asp.integrate(belt(), t_end=30.0, q0=[20.2, 2.7], sample_every=0.1)
     coloured = plot.plot_path(motion, contact=0)
     assert [lines.get_label() for lines in coloured.collections] == ["stick", "slip"]
     assert len(plot.plot_forces_in_reservoir(motion, law=belt().law).lines) == 3
@@ -197,7 +197,7 @@ def bad(**changes):
         ("q0", bad(q0=[1.0])),
         ("u0", bad(u0=[1.0, np.nan])),
         ("tolerance", bad(tolerance=1.0)),
-        ("dt", bad(dt=-1.0)),
+        ("sample_every", bad(sample_every=-1.0)),
         ("section", bad(section=3.0)),
         ("section", bad(section=asp.Section([1.0, 0.0], 0.0))),
         ("max_events", bad(max_events=0)),
@@ -243,7 +243,7 @@ def report(t, t_end):
         print("ready", flush=True)
 system = asp.LinearSystem(1.0, stiffness=1e6)
 try:
-    asp.integrate(system, t_end=1e6, q0=[1.0], dt=1e3, progress=report)
+    asp.integrate(system, t_end=1e6, q0=[1.0], sample_every=1e3, progress=report)
 except asp.SimulationInterrupted as stopped:
     print("interrupted", flush=True)
     assert stopped.trajectory.t[-1] > 0.0

@@ -258,7 +258,7 @@ def test_bad_arguments_are_named(argument, value):
 
 
 def test_samples_are_as_exact_as_steps():
-    motion = asp.integrate(stribeck_block(), t_end=30.0, q0=[1.0], u0=[0.2], dt=0.01)
+    motion = asp.integrate(stribeck_block(), t_end=30.0, q0=[1.0], u0=[0.2], sample_every=0.01)
     for k in (100, 411, 999, 2222):
         end = asp.integrate(stribeck_block(), t_end=float(motion.t[k]), q0=[1.0], u0=[0.2])
         assert motion.q[k] == pytest.approx(end.q[-1], abs=1e-10)

@@ -18,7 +18,7 @@ law = asp.FrictionLaw.isotropic(0.5)
 belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.1, 0.0])
 print("ready", flush=True)
 try:
-    asp.simulate(belt, dt=1e-6, t_end=1e6, save_every=1000)
+    asp.simulate(belt, dt=1e-6, t_end=1e6, sample_every=1e-3)
 except asp.SimulationInterrupted as stopped:
     print("interrupted", flush=True)
     trajectory = stopped.trajectory
@@ -51,7 +51,7 @@ belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_veloci
 solver = asp.ProxJacobi(r=1e8, max_iterations=10**15)
 print("ready", flush=True)
 try:
-    asp.simulate(belt, dt=1e-3, t_end=10.0, solver=solver, save_every=7)
+    asp.simulate(belt, dt=1e-3, t_end=10.0, solver=solver, sample_every=0.007)
 except asp.SimulationInterrupted as stopped:
     print("interrupted", flush=True)
     part = stopped.trajectory
@@ -80,6 +80,7 @@ import asperity as asp
 import numpy as np
 x = np.ones((10_000_000, 2))
 x[:, 0] = np.linspace(-1.0, 1.0, len(x))
+wedge = asp.WedgeAsperity(0.5, beta=0.6)
 call = {call}
 ticks = []
 def tick():

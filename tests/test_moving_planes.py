@@ -725,8 +725,8 @@ def test_contact_points_and_forces_are_those_of_the_time():
 def carried(**motion):
     """A body on a line that a function of the user moves."""
     line = Line(motion=PlaneMotion(**motion))
-    pair = PointPlane(0, (0.0, 0.0), line, FrictionLaw.isotropic(0.3, dimension=1))
-    return RigidBodies([PlanarBody(1.0, 1.0)], [pair], gravity=(0.0, -9.81))
+    pair = PointPlane(0, point=(0.0, 0.0), plane=line, law=FrictionLaw.isotropic(0.3, dimension=1))
+    return RigidBodies([PlanarBody(1.0, inertia=1.0)], pairs=[pair], gravity=(0.0, -9.81))
 
 
 def run_either(name, system, t_end):

@@ -96,7 +96,7 @@ def test_every_plot_draws_into_the_axes_given_and_into_new_ones_alike(plot, moti
 @pytest.mark.parametrize("plot", RUNS)
 def test_motions_are_drawn_as_trajectories_are(plot, motion):
     belt = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.05])
-    exact = integrate(belt, t_end=20.0, dt=1e-2)
+    exact = integrate(belt, t_end=20.0, sample_every=1e-2)
     shown, stepped = PLOTS[plot](exact), PLOTS[plot](motion)
     assert [type(one) for one in shown] == [type(one) for one in stepped]
     limits = [one[0].axes.dataLim.get_points() for one in (shown, stepped)]

@@ -314,6 +314,13 @@ def test_axes_made_elsewhere_take_on_the_look_of_the_house():
         assert mpl.colors.to_hex(made.spines["left"].get_edgecolor()) == plot.look.GREY.lower()
 
 
+def test_colours_are_those_of_the_house_when_the_figure_is_drawn_later(run, slide, bodies):
+    palette = {plot.look.BLUE, plot.look.ORANGE}
+    for ax in (plot.plot_history(run, quantity="u"), plot.plot_bodies(slide, system=bodies)):
+        shown = {mpl.colors.to_hex(line.get_color()).upper() for line in ax.lines}
+        assert palette <= shown <= {*palette, plot.look.GREY}
+
+
 def test_settings_of_the_user_win_over_the_look():
     with mpl.rc_context({"axes.spines.top": True, "axes.edgecolor": "red", "axes.grid": False}):
         _, ax = plt.subplots()

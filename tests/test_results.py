@@ -207,7 +207,7 @@ def test_a_loaded_run_is_repeated_to_the_bit(run, tmp_path):
 def test_a_continued_run_is_repeated_from_where_it_began(tmp_path):
     first = boxes()
     second = asp.simulate(
-        first.system, dt=1e-3, t_end=0.03, start=first, solver=asp.Exact(), save_every=3
+        first.system, dt=1e-3, t_end=0.03, start=first, solver=asp.Exact(), sample_every=3e-3
     )
     second.save(tmp_path / "run.npz")
     read = asp.Trajectory.load(tmp_path / "run.npz")

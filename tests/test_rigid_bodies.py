@@ -351,7 +351,7 @@ def test_contact_forces_are_what_changes_the_momentum_of_a_tumbling_box():
         0, half_sizes=HALF, plane=FLOOR, law=law, frame=asp.BodyAxis((1.0, 0.3, 0.2))
     )
     system = asp.RigidBodies([box], pairs=[floor])
-    motion = asp.simulate(system, dt=1e-3, t_end=1.0, save_every=1)
+    motion = asp.simulate(system, dt=1e-3, t_end=1.0)
     forces = system.contact_forces(motion, frame="world")[1:].sum(axis=1)
     change = np.diff(system.momentum(motion), axis=0) / motion.dt
     assert np.abs(forces).max() > 10.0
@@ -439,3 +439,38 @@ def test_files_of_trajectories_hold_rigid_bodies(tmp_path):
     assert loaded == motion
     np.testing.assert_array_equal(system.energy(loaded), system.energy(motion))
     motion.to_csv(tmp_path / "motion.csv")
+
+
+def test_turns_about_an_axis_are_those_of_scipy():
+    from scipy.spatial.transform import Rotation
+
+    rng = np.random.default_rng(5)
+    for axis, angle in zip(rng.normal(size=(20, 3)), rng.uniform(-4.0, 4.0, 20), strict=True):
+        turned = asp.Body.ball(1.0, radius=0.1, orientation=asp.axis_angle(axis, angle=angle))
+        unit = axis / np.linalg.norm(axis)
+        same = asp.Body.ball(1.0, radius=0.1, orientation=Rotation.from_rotvec(angle * unit))
+        sign = np.sign(turned.orientation @ same.orientation)
+        np.testing.assert_allclose(turned.orientation, sign * same.orientation, atol=1e-15)
+    with pytest.raises(asp.ParameterError, match="axis: must not vanish"):
+        asp.axis_angle((0.0, 0.0, 0.0), angle=1.0)
+
+
+def test_laws_of_all_or_some_pairs_are_exchanged():
+    rough, smooth = asp.FrictionLaw.isotropic(0.6), asp.FrictionLaw.isotropic(0.1)
+    floor = asp.Plane()
+    feet = [
+        asp.PointPlane(0, point=(x, y, -0.1), plane=floor, law=rough)
+        for x, y in ((0.1, 0.0), (-0.1, 0.1), (-0.1, -0.1))
+    ]
+    body = asp.Body.box(1.0, half_sizes=(0.1, 0.1, 0.1), position=(0.0, 0.0, 0.1))
+    table = asp.RigidBodies([body], pairs=feet)
+    assert {pair.law for pair in table.with_law(smooth).pairs} == {smooth}
+    some = table.with_law(smooth, pairs=[0, 2])
+    assert [pair.law for pair in some.pairs] == [smooth, rough, smooth]
+    assert some.replace(pairs=table.pairs) == table
+    for wrong in (3, [], "left", 0.5):
+        with pytest.raises(asp.ParameterError) as refused:
+            table.with_law(smooth, pairs=wrong)
+        assert refused.value.argument == "pairs"
+    with pytest.raises(asp.ParameterError, match="law"):
+        table.with_law(0.3)

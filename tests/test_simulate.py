@@ -37,7 +37,9 @@ def test_sliding_agrees_with_an_adaptive_integrator(law):
 def test_invariant_of_free_sliding_with_elliptic_direction_set(reservoir):
     law = asp.FrictionLaw(reservoir, asp.Ellipse(2.0, 1.0))
     u0 = np.array([1.0, 0.8])
-    motion = asp.simulate(asp.SlidingPoint(1.0, law=law), dt=1e-5, t_end=0.2, u0=u0, save_every=100)
+    motion = asp.simulate(
+        asp.SlidingPoint(1.0, law=law), dt=1e-5, t_end=0.2, u0=u0, sample_every=1e-3
+    )
     v = np.abs(motion.u / u0)
     sliding = (v > 0.05).all(axis=1)
     assert sliding.sum() > 20
@@ -142,7 +144,7 @@ def test_steps_are_counted_as_integers(dt, t_end, steps):
 
 def test_saving_every_so_many_steps_keeps_the_last_state():
     full = asp.simulate(BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 1.0])
-    thin = asp.simulate(BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 1.0], save_every=30)
+    thin = asp.simulate(BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 1.0], sample_every=0.03)
     kept = [0, 30, 60, 90, 100]
     np.testing.assert_array_equal(thin.q, full.q[kept])
     np.testing.assert_array_equal(thin.phase, full.phase[kept])
@@ -189,7 +191,7 @@ def test_failure_keeps_the_part_before():
 
 def test_progress_is_reported_and_its_exceptions_come_through():
     calls = []
-    asp.simulate(BLOCK, dt=1e-6, t_end=0.5, save_every=10**6, progress=lambda *a: calls.append(a))
+    asp.simulate(BLOCK, dt=1e-6, t_end=0.5, sample_every=1.0, progress=lambda *a: calls.append(a))
     assert calls[-1] == (500_000, 500_000)
     assert [step for step, _ in calls] == sorted(step for step, _ in calls)
 
@@ -197,7 +199,7 @@ def test_progress_is_reported_and_its_exceptions_come_through():
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
-        asp.simulate(BLOCK, dt=1e-6, t_end=50.0, save_every=10**6, progress=stop)
+        asp.simulate(BLOCK, dt=1e-6, t_end=50.0, sample_every=1.0, progress=stop)
 
 
 def test_progress_bar(capsys):
@@ -460,7 +462,7 @@ def test_the_last_step_is_kept_however_a_run_ends():
     # The block slips along, then sticks, which two iterations do not find.
     weak = asp.ProxJacobi(r=1e-6, max_iterations=2)
     with pytest.raises(asp.ConvergenceError) as caught:
-        asp.simulate(BLOCK, dt=1e-3, t_end=1.0, u0=[1.0, 0.0], solver=weak, save_every=10**6)
+        asp.simulate(BLOCK, dt=1e-3, t_end=1.0, u0=[1.0, 0.0], solver=weak, sample_every=1e3)
     part = caught.value.trajectory
     assert part.steps == caught.value.step - 1
     assert part.t.tolist() == [0.0, 1e-3 * part.steps][: 1 + (part.steps > 0)]
@@ -479,7 +481,7 @@ def test_the_last_step_is_kept_however_a_run_ends():
             return np.ones(1)
 
     with pytest.raises(RuntimeError, match="enough") as caught:
-        asp.simulate(Stops(), dt=1e-3, t_end=1.0, save_every=1000)
+        asp.simulate(Stops(), dt=1e-3, t_end=1.0, sample_every=1.0)
     part = caught.value.trajectory
     assert part.steps == 50
     assert part.t.tolist() == [0.0, 0.05]

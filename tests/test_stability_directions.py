@@ -227,7 +227,7 @@ def largest_rise(system, rng, dt=2e-3):
         asp.simulate(system, dt=dt, t_end=6.0, q0=rng.normal(size=n), u0=rng.normal(size=n))
         for _ in "ab"
     ]
-    t, V = asp.incremental_distance(*runs, system)
+    t, V = asp.incremental_distance(*runs, system=system)
     assert len(t) == len(runs[0])
     return np.diff(V).max() / V[0]
 
@@ -253,7 +253,7 @@ def test_distance_grows_with_the_extended_law_in_the_critical_range():
     )
     rest, aside = system.equilibrium, np.array([1e-4, 0.0])
     runs = [asp.simulate(system, dt=1e-3, t_end=10.0, q0=q0) for q0 in (rest, rest + aside)]
-    _, V = asp.incremental_distance(*runs, system)
+    _, V = asp.incremental_distance(*runs, system=system)
     assert V.max() > 100.0 * V[0]
 
 
@@ -285,20 +285,20 @@ def test_distance_takes_motions():
         belt_velocity=[0.3, 0.2],
     )
     starts = [[1.0, 0.0], [0.0, 1.5]]
-    exact = [asp.integrate(system, t_end=6.0, dt=0.125, q0=q0) for q0 in starts]
+    exact = [asp.integrate(system, t_end=6.0, sample_every=0.125, q0=q0) for q0 in starts]
     steps = [asp.simulate(system, dt=1e-3, t_end=6.0, q0=q0) for q0 in starts]
-    t, V = asp.incremental_distance(*exact, system)
+    t, V = asp.incremental_distance(*exact, system=system)
     np.testing.assert_allclose(t, np.arange(49) * 0.125, atol=1e-9)
     assert np.diff(V).max() < 1e-9 * V[0]
     for pair in (steps, (exact[0], steps[1])):
-        at, stepped = asp.incremental_distance(*pair, system)
+        at, stepped = asp.incremental_distance(*pair, system=system)
         stepped = stepped[np.isin(at.round(9), t.round(9))]
         np.testing.assert_allclose(stepped, V, atol=2e-2 * V[0])
     # Without samples in common steps only the ends are the same; events have two samples.
     free = [asp.integrate(system, t_end=6.0, q0=q0) for q0 in starts]
     assert free[0].events
     assert (np.diff(free[0].t) == 0.0).any()
-    at, V_free = asp.incremental_distance(*free, system)
+    at, V_free = asp.incremental_distance(*free, system=system)
     np.testing.assert_allclose(V_free[[0, -1]], V[[0, -1]], atol=1e-8)
     own, zero = asp.incremental_distance(free[0], free[0], system=system)
     assert (np.diff(own) > 0.0).all()

@@ -355,9 +355,11 @@ SPUN = [1.0, 0.3, 2.0, 0.3, 5.0, 0.2]
 def test_a_body_of_the_user_turns_as_a_rigid_body(velocity):
     law = asp.FrictionLaw.isotropic(0.3)
     state = {"velocity": velocity, "angular_velocity": SPUN[3:]}
-    ball = asp.Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1 - 0.05 * velocity[2]), **state)
+    ball = asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1 - 0.05 * velocity[2]), **state)
     bodies = asp.RigidBodies(
-        [ball], [asp.SpherePlane(0, 0.1, asp.Plane(), law)], gravity=(0.0, 0.0, -9.81)
+        [ball],
+        pairs=[asp.SpherePlane(0, radius=0.1, plane=asp.Plane(), law=law)],
+        gravity=(0.0, 0.0, -9.81),
     )
     own = Turned(ball.inertia, law=law)
     start = {"q0": bodies.q0, "u0": bodies.u0}
@@ -373,7 +375,7 @@ def test_a_body_of_the_user_turns_as_a_rigid_body(velocity):
 
 def test_a_tumbling_body_of_the_user_is_integrated():
     inertia = np.diag([0.1, 0.2, 0.25])
-    body = asp.Body(1.0, inertia, velocity=SPUN[:3], angular_velocity=SPUN[3:])
+    body = asp.Body(1.0, inertia=inertia, velocity=SPUN[:3], angular_velocity=SPUN[3:])
     bodies = asp.RigidBodies([body], gravity=(0.0, 0.0, -9.81))
     # No rotation is where it starts by default.
     motion = asp.integrate(Turned(inertia), t_end=2.0, u0=SPUN)
@@ -560,3 +562,21 @@ def test_what_fails_in_a_method_is_what_is_reported(kind, method, fault, run):
     assert f"{len(part)} samples" in repr(part)
     when = "after t = 0 s" if len(part) else "at the start"
     assert any(when in note for note in caught.value.__notes__)
+
+
+def test_every_system_takes_another_law():
+    rough, smooth = asp.FrictionLaw.isotropic(0.6), asp.FrictionLaw.isotropic(0.1)
+    belt = {"stiffness": 1.0, "normal_force": 1.0, "belt_velocity": [0.1, 0.0]}
+    for system, other in (
+        (asp.SlidingPoint(1.0, law=rough), asp.SlidingPoint(1.0, law=smooth)),
+        (asp.MassOnBelt(1.0, law=rough, **belt), asp.MassOnBelt(1.0, law=smooth, **belt)),
+        (asp.SlidingDisk(rough), asp.SlidingDisk(smooth)),
+    ):
+        assert system.with_law(smooth) == other
+    contacts = [asp.Contact(law, direction=np.eye(2), normal_force=1.0) for law in (rough, rough)]
+    linear = asp.LinearSystem(1.0, contacts=contacts)
+    assert [one.law for one in linear.with_law(smooth, contacts=1).contacts] == [rough, smooth]
+    with pytest.raises(asp.ParameterError, match="contacts"):
+        linear.with_law(smooth, contacts=2)
+    with pytest.raises(asp.DimensionError):
+        linear.with_law(asp.FrictionLaw.isotropic(0.1, dimension=1))

@@ -257,7 +257,7 @@ def test_damaged_bytes_are_refused_or_do_not_matter(motion, tmp_path, cases):
     ],
     ids=["point", "no contact", "bodies in space"],
 )
-@pytest.mark.parametrize("options", [{}, {"save_every": 7}, {"until_rest": True}])
+@pytest.mark.parametrize("options", [{}, {"sample_every": 0.007}, {"until_rest": True}])
 def test_runs_of_all_kinds_come_back(tmp_path, system, options):
     run = asp.simulate(system, dt=1e-3, t_end=0.05, **options)
     path = tmp_path / "run.npz"

@@ -3,24 +3,68 @@
 from __future__ import annotations
 
 import itertools
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 from asperity.errors import ParameterError
 
+Report = Callable[[float, float], object]
+"""A function of what is done and of all there is to do; 0 where that is not known."""
+
+Progress: TypeAlias = Literal[True] | Report | None
+"""How long work tells how far it is: ``True`` for a bar of tqdm, or a function that is called a few
+times a second with (done, all)."""
+
+
+def reporter(progress: Any, unit: str) -> AbstractContextManager[Report | None]:
+    """Return a context that yields what reports progress, a bar where `progress` is True."""
+    if progress is True:
+        return _bar(unit)
+    if progress is not None and not callable(progress):
+        raise ParameterError("progress", f"must be True, None or a function, got {progress!r}")
+    return nullcontext(progress)
+
+
+class Count:
+    """Counts parts of work, each once, and reports how many there are; from several threads."""
+
+    def __init__(self, whole: int, report: Report | None) -> None:
+        self._whole, self._report = whole, report
+        self._seen: set[int] = set()
+        self._lock = threading.Lock()
+
+    def add(self, number: int) -> None:
+        """Report that a part has begun, if it is a new one."""
+        with self._lock:
+            new = number not in self._seen
+            self._seen.add(number)
+            if new and self._report is not None:
+                self._report(len(self._seen) - 1, self._whole)
+
+    def finish(self) -> None:
+        """Report that all is done."""
+        if self._report is not None:
+            self._report(self._whole, self._whole)
+
 
 @contextmanager
-def bar(steps: int) -> Iterator[Callable[[int, int], object]]:
+def _bar(unit: str) -> Iterator[Report]:
     """Show a tqdm bar and yield the function that moves it."""
     try:
         from tqdm.auto import tqdm
     except ImportError:
         raise ParameterError(
-            "progress", "True needs tqdm (pip install tqdm); or pass a function of (step, steps)"
+            "progress", "True needs tqdm (pip install tqdm); or pass a function of (done, all)"
         ) from None
-    with tqdm(total=steps, unit="step", unit_scale=True) as display:
-        yield lambda step, _: display.update(step - display.n)
+    with tqdm(unit=unit, unit_scale=True) as display:
+
+        def move(done: float, whole: float) -> None:
+            display.total = whole or None
+            display.update(done - display.n)
+
+        yield move
 
 
 def _on_a_terminal(**options: Any) -> AbstractContextManager[Any]:
@@ -33,11 +77,11 @@ def _on_a_terminal(**options: Any) -> AbstractContextManager[Any]:
 
 
 @contextmanager
-def bar_if_there() -> Iterator[Callable[[int, int], object]]:
+def bar_if_there() -> Iterator[Report]:
     """Yield a function of (step, steps) that moves a bar."""
     with _on_a_terminal(unit="step") as display:
 
-        def move(step: int, steps: int) -> None:
+        def move(step: float, steps: float) -> None:
             if display is not None:
                 display.total = steps
                 display.update(step - display.n)

@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from asperity._base import arrays, result_file
 from asperity._base.arrays import Array
 from asperity._base.data import Kinds
+from asperity._base.log import log
+from asperity._base.progress import Count, Progress, reporter
 from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
 from asperity.cycles import orbit
@@ -262,6 +264,7 @@ def bifurcation_diagram(
     t_end: float | None = None,
     tolerance: float = 1e-8,
     threads: int = 2,
+    progress: Progress = None,
 ) -> BifurcationDiagram:
     """Find equilibria, their stability and limit cycles over one parameter.
 
@@ -283,6 +286,8 @@ def bifurcation_diagram(
         t_end: as for `limit_cycle`.
         tolerance: of the cycles, as for `limit_cycle`.
         threads: cycles of so many intervals and directions are continued at a time.
+        progress: ``True`` for a bar of tqdm, or a function of (done, all) that is called after each
+            equilibrium and each limit cycle that was looked for, from the threads as well.
 
     Returns:
         The diagram. Systems that cannot be made, equilibria and cycles that are not found are empty
@@ -324,12 +329,22 @@ def bifurcation_diagram(
     duration = None if t_end is None else arrays.positive(t_end, "t_end")
     sharpness, threads = arrays.positive(tolerance, "tolerance"), arrays.count(threads, "threads")
     member = _members(family, parameter)
-    stabilities, failures = _equilibria(member, grid, start)
-    found = Found()
-    if cycles:
-        unstable = [s is not None and s.kind == "unstable" for s in stabilities]
-        search = Continuation(member, grid.tolist(), unstable, sharpness, duration)
-        found = search.everywhere(threads)
+    with reporter(progress, "value") as report:
+        count = Count(len(grid) * (2 if cycles else 1), report)
+        stabilities, failures = _equilibria(member, grid, start, count)
+        found = Found()
+        if cycles:
+            unstable = [s is not None and s.kind == "unstable" for s in stabilities]
+            search = Continuation(member, grid.tolist(), unstable, sharpness, duration, count)
+            found = search.everywhere(threads)
+        count.finish()
+    for value, why in zip(grid.tolist(), failures, strict=True):
+        if why:
+            log.warning(
+                "bifurcation_diagram: no equilibrium at %s = %.9g: %s", parameter, value, why
+            )
+    for number, why in sorted(found.failures.items()):
+        log.info("bifurcation_diagram: no cycle at %s = %.9g: %s", parameter, grid[number], why)
     return BifurcationDiagram(
         parameter,
         grid,
@@ -358,12 +373,13 @@ def _members(family: Family, parameter: str) -> Callable[[float], Model]:
 
 
 def _equilibria(
-    member: Callable[[float], Model], grid: Array, q0: ArrayLike | None
+    member: Callable[[float], Model], grid: Array, q0: ArrayLike | None, count: Count
 ) -> tuple[list[Stability | None], list[str]]:
     stabilities: list[Stability | None] = []
     failures: list[str] = []
     last = q0
-    for value in grid.tolist():
+    for number, value in enumerate(grid.tolist()):
+        count.add(number)
         try:
             system = member(value)
         except ParameterError as error:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
+from asperity._base.progress import Count
 from asperity.cycles.orbit import LimitCycle
 from asperity.cycles.search import limit_cycle
 from asperity.errors import AsperityError
@@ -40,6 +41,7 @@ class Continuation:
     unstable: Sequence[bool]
     tolerance: float
     t_end: float | None
+    count: Count
 
     def everywhere(self, threads: int) -> Found:
         """Search from the middle of every interval of instability to both sides.
@@ -99,6 +101,8 @@ class Continuation:
 
     def _try(self, index: int, near: tuple[int, LimitCycle] | None, found: Found) -> bool:
         """Look for the cycle of a member, from that of another one if there is one."""
+        # Cycles are counted after as many equilibria.
+        self.count.add(len(self.values) + index)
         try:
             if near is None:
                 system = self.member(self.values[index])

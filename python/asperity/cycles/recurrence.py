@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity._base.progress import Report
 from asperity.errors import NoCycleError
 from asperity.runs.event_driven import integrate
 from asperity.runs.model import Model
@@ -27,7 +28,14 @@ _LEAST_EXTENT = 0.1
 
 
 def recurring(
-    system: Model, section: Section, q: Array, u: Array, t_end: float, growth: float = 0.0
+    system: Model,
+    section: Section,
+    q: Array,
+    u: Array,
+    *,
+    t_end: float,
+    growth: float = 0.0,
+    report: Report | None = None,
 ) -> tuple[Array, Array, float]:
     """Return scale, state and period when the motion passes the section as it did before.
 
@@ -40,7 +48,14 @@ def recurring(
     t, scale = 0.0, None
     while len(states) < _PASSAGES and t < t_end:
         wait = 1e-3 * (times[-1] - times[-2] if len(times) > 1 else 0.0)
-        motion = integrate(system, t_end=t_end - t, q0=q, u0=u, section=section.replace(after=wait))
+        motion = integrate(
+            system,
+            t_end=t_end - t,
+            q0=q,
+            u0=u,
+            section=section.replace(after=wait),
+            progress=later(report, t, t_end),
+        )
         if not motion.at_section:
             reached = extent(motion) if scale is None else scale
             if has_died_out(second_half(motion), reached):
@@ -60,6 +75,13 @@ def recurring(
         f"the motion passes the section {len(states)} times in {t_end:.6g} s and does not recur: "
         "try a larger t_end or another start"
     )
+
+
+def later(report: Report | None, begin: float, t_end: float) -> Report | None:
+    """Return what reports the progress of an integration that begins at a later time."""
+    if report is None:
+        return None
+    return lambda t, _: report(begin + t, t_end)
 
 
 def middle(motion: Motion) -> tuple[Section, Array]:

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.log import log
+from asperity._base.progress import Progress, Report, reporter
 from asperity.cycles.floquet import multipliers
 from asperity.cycles.orbit import LimitCycle
 from asperity.cycles.recurrence import (
@@ -16,6 +18,7 @@ from asperity.cycles.recurrence import (
     SAME_TURN,
     extent,
     has_died_out,
+    later,
     middle,
     recurring,
     second_half,
@@ -49,6 +52,7 @@ def limit_cycle(
     t_end: float | None = None,
     near: LimitCycle | None = None,
     tolerance: float = 1e-9,
+    progress: Progress = None,
 ) -> LimitCycle:
     """Find a limit cycle: a fixed point x = P(x) of the return map of a section.
 
@@ -67,6 +71,9 @@ def limit_cycle(
         near: cycle of a similar system; Newton's method starts from it at once. Excludes the other
             starts.
         tolerance: largest ‖P(x) − x‖ relative to the orbit's extent.
+        progress: ``True`` for a bar of tqdm, or a function of (t, longest time) that is called a
+            few times a second while the motion is followed; most recur long before the longest
+            time, and each start begins at 0.
 
     Returns:
         The cycle, stable or not; the motion's own recurrence leads to stable ones, and to others
@@ -109,11 +116,13 @@ def limit_cycle(
         return _continued(system, near, tolerance)
     horizon, states, growth = _beginnings(system, q0, u0, t_end)
     failure = None
-    for q, u in states:
-        try:
-            return _followed(system, section, (q, u), horizon, tolerance, growth)
-        except NoCycleError as error:
-            failure = failure or error
+    with reporter(progress, "s") as report:
+        for q, u in states:
+            try:
+                return _followed(system, section, (q, u), horizon, tolerance, growth, report)
+            except NoCycleError as error:
+                log.info("limit_cycle: the motion from u0 = %s leads to none: %s", u, error)
+                failure = failure or error
     assert failure is not None
     if 0.0 < growth < RECURRENCE:
         raise NoCycleError(
@@ -184,14 +193,19 @@ def _followed(
     horizon: float,
     tolerance: float,
     growth: float,
+    report: Report | None,
 ) -> LimitCycle:
     """Follow the motion until it recurs and converge to the cycle."""
     q, u = start
     if section is None:
-        swing = integrate(system, t_end=_SETTLING * horizon, q0=q, u0=u)
+        swing = integrate(
+            system, t_end=_SETTLING * horizon, q0=q, u0=u, progress=later(report, 0.0, horizon)
+        )
         section = middle(second_half(swing))[0]
         q, u = swing.q[-1], swing.u[-1]
-    scale, state, period = recurring(system, section, q, u, horizon, growth)
+    scale, state, period = recurring(
+        system, section, q, u, t_end=horizon, growth=growth, report=report
+    )
     returns = ReturnMap(system, section, scale, _SHARPER * tolerance)
     return _found(returns, state, period, tolerance)
 

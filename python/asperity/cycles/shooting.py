@@ -59,7 +59,7 @@ class ReturnMap:
             u0=state[n:],
             tolerance=self.tolerance,
             section=self.section.replace(after=self.share * period),
-            dt=dt,
+            sample_every=dt,
         )
         if not motion.at_section:
             raise NoCycleError(

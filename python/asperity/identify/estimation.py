@@ -6,6 +6,8 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.log import log
+from asperity._base.progress import Progress
 from asperity.errors import FitError, ParameterError
 from asperity.identify.fit import Fit
 from asperity.identify.fitting.data.bins import check_coverage, grouped
@@ -50,6 +52,7 @@ def fit_law(
     joint: bool = True,
     loss: str = "linear",
     confidence: float | None = 0.95,
+    progress: Progress = None,
 ) -> Fit:
     """Fit a law's sets C and D to measured forces: min Σ‖−λ − λ_N f(φ)‖² over all samples.
 
@@ -69,6 +72,8 @@ def fit_law(
         loss: ``"linear"``, or ``"huber"`` or ``"cauchy"`` against outliers.
         confidence: level of the confidence intervals; None for a fit without them, for which one
             turn is enough.
+
+        progress: of the comparison where a model is ``"best"``, as of `compare_models`.
 
     Raises:
         FitError: if directions are missing, forces do not oppose sliding, or nothing fits.
@@ -95,8 +100,15 @@ def fit_law(
     measure = Loss(loss)
     comparison = None
     if BEST in (reservoir, direction):
-        comparison = compare_models(data, pairs=matching_pairs(reservoir, direction), loss=loss)
+        pairs = matching_pairs(reservoir, direction)
+        comparison = compare_models(data, pairs=pairs, loss=loss, progress=progress)
         best = comparison.best
+        log.info(
+            "fit_law: the best of %d pairs of models is %s, %s",
+            len(comparison.candidates),
+            name_of(best.reservoir_model),
+            name_of(best.direction_model),
+        )
         reservoir, direction = best.reservoir_model, best.direction_model
     family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))
     data = frozen(data)

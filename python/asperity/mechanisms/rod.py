@@ -39,7 +39,7 @@ def painleve_rod(
     Reference: [WL19] §4.1; [LeineNijmeijer2004].
 
     >>> from asperity import mechanisms, simulate
-    >>> slide = simulate(mechanisms.painleve_rod(), dt=1e-5, t_end=0.82, save_every=100)
+    >>> slide = simulate(mechanisms.painleve_rod(), dt=1e-5, t_end=0.82, sample_every=1e-3)
     >>> slide.u[[-7, -1], 0].round(1).tolist()  # before and after t = 0.8145 s
     [12.2, 6.2]
     """

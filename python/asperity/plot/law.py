@@ -73,8 +73,7 @@ def plot_law(
         ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
         ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
         if legend:
-            # In units of the font, so that the labels of low axes stay free as well.
-            ax.legend(loc="upper left", bbox_to_anchor=(0.0, 0.0), borderaxespad=3.6, ncols=2)
+            ax.legend(ncols=2, **look.BELOW)
         return ax
 
 

@@ -110,11 +110,31 @@ def _dress(ax: Axes) -> None:
     ax.set_prop_cycle(now["axes.prop_cycle"])
 
 
+def color(number: int) -> str:
+    """Return a colour of the cycle by its number.
+
+    The names ``C0``, ``C1``… would be looked up only when the figure is drawn, in whatever look is
+    set by then.
+    """
+    colors = mpl.rcParams["axes.prop_cycle"].by_key()["color"]
+    return str(colors[number % len(colors)])
+
+
 def in_space(ax: Axes | None) -> Axes | None:
     """Return `ax` if it has three dimensions or is to be made."""
     if isinstance(ax, Axes) and ax.name != "3d":
         raise ParameterError("ax", 'must be made with projection="3d"')
     return ax
+
+
+BELOW: dict[str, Any] = {
+    "loc": "upper left",
+    "bbox_to_anchor": (0.0, 0.0),
+    # In units of the font, so that the labels of low axes stay free as well.
+    "borderaxespad": 3.6,
+    "columnspacing": 1.2,
+}
+"""Place of a legend that would hide what is drawn: below the axes, since titles are above."""
 
 
 def line_options(kwargs: dict[str, Any]) -> dict[str, Any]:

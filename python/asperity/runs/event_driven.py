@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from asperity import _core
+from asperity._base.log import log
+from asperity._base.progress import Progress, reporter
 from asperity.errors import (
     ConvergenceError,
     NoSolutionError,
@@ -68,11 +69,11 @@ def integrate(
     q0: ArrayLike | None = None,
     u0: ArrayLike | None = None,
     tolerance: float = 1e-10,
-    dt: float | None = None,
+    sample_every: float | None = None,
     max_step: float | None = None,
     section: Section | None = None,
     max_events: int = 10_000,
-    progress: Callable[[float, float], object] | None = None,
+    progress: Progress = None,
 ) -> Motion:
     """Integrate a system from event to event: M u̇ = h + W_N λ_N + W λ, q̇ = u.
 
@@ -94,13 +95,15 @@ def integrate(
             motion is larger.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far; between 1e-14 and 1e-2.
-        dt: time between samples in s. Default: every step of the method, before and after events.
+        sample_every: time between samples in s. Default: every step of the method, before and after
+            events.
         max_step: longest step in s. Default: as the error allows. Functions of time of the user are
             seen at five times of a step: set this to the length of pulses, else they are missed.
             At least 1e-10 of ``t_end``. A `Signal` needs none: steps end where it is not smooth.
         section: where to stop.
         max_events: number of events after which the integration gives up, kinks apart.
-        progress: a function of (t, t_end) called a few times a second.
+        progress: ``True`` for a bar of tqdm, or a function of (t, t_end) called a few times a
+            second.
 
     Returns:
         The motion. Bounces that are lower than 1e-13 of the contact's reach, the largest
@@ -129,32 +132,31 @@ def integrate(
         raise ParameterError(
             "system", "must have its velocities as rates, but has its own `advance`"
         )
-    if progress is not None and not callable(progress):
-        raise ParameterError("progress", f"must be None or a function, got {progress!r}")
     q, u = initial_state(system, q0, u0)
     options = EventDriven(
         t_end=t_end,
         q0=q,
         u0=u,
         tolerance=tolerance,
-        dt=dt,
+        sample_every=sample_every,
         max_step=max_step,
         section=section,
         max_events=max_events,
     )
     plane_motion.check_rates(system, 0.0, options.t_end)
-    run, exception = _core.integrate(
-        system._core,
-        options.t_end,
-        q,
-        u,
-        options.tolerance,
-        options.dt,
-        options.max_step,
-        None if section is None else (section.normal, section.level, section.after),
-        options.max_events,
-        progress,
-    )
+    with reporter(progress, "s") as report:
+        run, exception = _core.integrate(
+            system._core,
+            options.t_end,
+            q,
+            u,
+            options.tolerance,
+            options.sample_every,
+            options.max_step,
+            None if section is None else (section.normal, section.level, section.after),
+            options.max_events,
+            report,
+        )
     ended, contact = run.pop("ended"), run.pop("contact")
     unsolvable = run.pop("unsolvable", None)
     events = [
@@ -171,6 +173,12 @@ def integrate(
     if exception is not None:
         reached = f"after t = {motion.t[-1]:.9g} s" if len(motion) > 0 else "at the start"
         raise_with(exception, motion, reached)
+    if motion.ambiguous_events:
+        log.info(
+            "integrate: at %d of %d events a contact might have done something else",
+            motion.ambiguous_events,
+            len(motion.events),
+        )
     if ended in _FAILURES:
         raise _failure(ended, contact, motion, without_solution(unsolvable, system))
     return motion

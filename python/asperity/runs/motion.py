@@ -60,7 +60,7 @@ class Motion(Run):
         origin: `Origin`, the system and the options of the run; ``None`` if they are not known.
 
     >>> from asperity import FrictionLaw, SlidingPoint, integrate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> print(integrate(block, t_end=1.0, u0=[2.0, 0.0]).summary())
     The run went on to its end at t = 1 s. It has 40 samples and 1 event.
     contact 0 stuck 60.0% and slipped 40.0% of the time.

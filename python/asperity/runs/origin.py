@@ -20,6 +20,10 @@ from asperity.solvers import Solver, chosen
 from asperity.system.labels import Labels
 
 
+def _interval(sample_every: float | None) -> float | None:
+    return None if sample_every is None else arrays.positive(sample_every, "sample_every")
+
+
 class TimeStepping(Value):
     """Options of `simulate`, with the state that the run starts from.
 
@@ -29,12 +33,12 @@ class TimeStepping(Value):
         start: the state at the start.
         solver: contact solver.
         tolerance: of each step's contact problem.
-        save_every: every so-many-th step is kept.
+        sample_every: time between samples in s, or None: every step is kept.
         until_rest: whether the run ends at rest.
         on_failure: ``"raise"`` or ``"record"``.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5))
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5))
     >>> simulate(block, dt=0.01, t_end=0.2, u0=[2.0, 0.0]).options.dt
     0.01
     """
@@ -44,7 +48,7 @@ class TimeStepping(Value):
     start: State
     solver: Solver
     tolerance: float
-    save_every: int
+    sample_every: float | None
     until_rest: bool
     on_failure: str
 
@@ -56,7 +60,7 @@ class TimeStepping(Value):
         start: State,
         solver: Solver,
         tolerance: float,
-        save_every: int,
+        sample_every: float | None,
         until_rest: bool,
         on_failure: str,
     ) -> None:
@@ -68,7 +72,7 @@ class TimeStepping(Value):
             start=start,
             solver=chosen(solver),
             tolerance=arrays.positive(tolerance, "tolerance"),
-            save_every=arrays.count(save_every, "save_every"),
+            sample_every=_interval(sample_every),
             until_rest=bool(until_rest),
             on_failure=arrays.choice(on_failure, "on_failure", ["raise", "record"]),
         )
@@ -82,13 +86,13 @@ class EventDriven(Value):
         q0: initial coordinates.
         u0: initial velocities.
         tolerance: error that is aimed at.
-        dt: time between samples in s, or None.
+        sample_every: time between samples in s, or None: every step is kept.
         max_step: longest step in s, or None.
         section: where to stop, or None.
         max_events: number of events after which the integration gives up.
 
     >>> from asperity import FrictionLaw, SlidingPoint, integrate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5))
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5))
     >>> integrate(block, t_end=1.0, u0=[2.0, 0.0]).options.tolerance
     1e-10
     """
@@ -97,7 +101,7 @@ class EventDriven(Value):
     q0: Array
     u0: Array
     tolerance: float
-    dt: float | None
+    sample_every: float | None
     max_step: float | None
     section: Section | None
     max_events: int
@@ -109,7 +113,7 @@ class EventDriven(Value):
         q0: ArrayLike,
         u0: ArrayLike,
         tolerance: float,
-        dt: float | None,
+        sample_every: float | None,
         max_step: float | None,
         section: Section | None,
         max_events: int,
@@ -121,7 +125,7 @@ class EventDriven(Value):
             q0=arrays.read_only(arrays.array(q0, "q0", (None,))),
             u0=arrays.read_only(arrays.array(u0, "u0", (None,))),
             tolerance=arrays.positive(tolerance, "tolerance"),
-            dt=None if dt is None else arrays.positive(dt, "dt"),
+            sample_every=_interval(sample_every),
             max_step=None if max_step is None else arrays.positive(max_step, "max_step"),
             section=section,
             max_events=arrays.count(max_events, "max_events"),

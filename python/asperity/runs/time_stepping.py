@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext, suppress
-from typing import Any, Literal, NoReturn
+from contextlib import suppress
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +12,8 @@ from numpy.typing import ArrayLike
 from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.log import log
+from asperity._base.progress import Progress, reporter
 from asperity.contact.problem import ContactProblem
 from asperity.contact.solution import infeasibility
 from asperity.errors import (
@@ -32,8 +33,6 @@ from asperity.status import Status
 from asperity.system.custom import System
 from asperity.system.rigid import RigidBodies, plane_motion
 
-Progress = Callable[[int, int], object]
-
 # Relative tolerance within which t_end counts as a multiple of dt.
 _MULTIPLE = 1e-9
 
@@ -48,10 +47,10 @@ def simulate(
     start: Trajectory | State | None = None,
     solver: Solver | None = None,
     tolerance: float = 1e-10,
-    save_every: int = 1,
+    sample_every: float | None = None,
     until_rest: bool = False,
     on_failure: str = "raise",
-    progress: Literal[True] | Progress | None = None,
+    progress: Progress = None,
 ) -> Trajectory:
     """Integrate a system with Moreau's midpoint scheme.
 
@@ -74,11 +73,13 @@ def simulate(
             time at the end, counts are those of the new run.
         solver: contact solver. Default `Auto`.
         tolerance: of each step's contact problem, see `ContactProblem.solve`.
-        save_every: keep every so-many-th step; the initial and the last state are kept always.
+        sample_every: time between samples in s, a multiple of `dt`. Default `dt`. The initial and
+            the last state are kept always.
         until_rest: stop after two steps in which all velocities vanish; a load that starts to act
             later does not start the motion again.
         on_failure: ``"raise"``, or ``"record"`` to go on with the best iterate and count the step.
-        progress: a function of (step, steps) called a few times a second, or ``True`` for tqdm.
+        progress: ``True`` for a bar of tqdm, or a function of (step, steps) called a few times a
+            second.
 
     Returns:
         The trajectory.
@@ -95,7 +96,7 @@ def simulate(
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
     >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
-    >>> path = simulate(block, dt=0.01, t_end=1.0, u0=[2.0, 0.0], save_every=20)
+    >>> path = simulate(block, dt=0.01, t_end=1.0, u0=[2.0, 0.0], sample_every=0.2)
     >>> path.u[:, 0].round(9).tolist()
     [2.0, 1.0, 0.0, 0.0, 0.0, 0.0]
     """
@@ -118,12 +119,13 @@ def simulate(
         start=state,
         solver=chosen(solver),
         tolerance=tolerance,
-        save_every=save_every,
+        sample_every=sample_every,
         until_rest=until_rest,
         on_failure=on_failure,
     )
     plane_motion.check_rates(system, state.t, t_end)
-    with _reporter(progress, steps) as report:
+    stride = _stride(sample_every, dt)
+    with reporter(progress, "step") as report:
         run, exception = _core.simulate(
             system._core,
             dt,
@@ -131,7 +133,7 @@ def simulate(
             *state._arguments(),
             options.solver._core,
             options.tolerance,
-            options.save_every,
+            stride,
             options.until_rest,
             on_failure == "raise",
             report,
@@ -151,6 +153,19 @@ def simulate(
         if len(trajectory) > 0:
             reached = f"in step {trajectory.steps + 1}, after t = {trajectory.t[-1]:.9g} s"
         raise_with(exception, trajectory, reached)
+    if trajectory.failed_steps and on_failure == "record":
+        log.warning(
+            "simulate: %d of %d steps did not converge to the tolerance %g and were recorded",
+            trajectory.failed_steps,
+            trajectory.steps,
+            tolerance,
+        )
+    if trajectory.ambiguous_steps:
+        log.info(
+            "simulate: in %d of %d steps a contact had several solutions",
+            trajectory.ambiguous_steps,
+            trajectory.steps,
+        )
     if failure is not None and on_failure == "raise":
         raise _failure(failure, trajectory, system)
     return trajectory
@@ -181,6 +196,19 @@ def _steps_from(state: State, dt: float, t_end: float) -> int:
     if steps < 1:
         raise ParameterError(
             "t_end", f"must lie after the time of start, {state.t:.9g} s, got {t_end:.9g}"
+        )
+    return steps
+
+
+def _stride(sample_every: float | None, dt: float) -> int:
+    """Return the number of steps from one sample to the next."""
+    if sample_every is None:
+        return 1
+    interval = arrays.positive(sample_every, "sample_every")
+    steps = round(interval / dt) if interval / dt < 2.0**53 else 0
+    if steps < 1 or abs(interval / dt - steps) > _MULTIPLE * steps:
+        raise ParameterError(
+            "sample_every", f"must be a multiple of dt = {dt!r}, got {sample_every!r}"
         )
     return steps
 
@@ -222,18 +250,6 @@ def initial_state(system: Model, q0: ArrayLike | None, u0: ArrayLike | None) -> 
         arrays.array(q if q0 is None else q0, "q0", q.shape),
         arrays.array(u if u0 is None else u0, "u0", u.shape),
     )
-
-
-def _reporter(
-    progress: Literal[True] | Progress | None, steps: int
-) -> AbstractContextManager[Progress | None]:
-    if progress is True:
-        from asperity._base.progress import bar
-
-        return bar(steps)
-    if progress is not None and not callable(progress):
-        raise ParameterError("progress", f"must be True, None or a function, got {progress!r}")
-    return nullcontext(progress)
 
 
 def raise_with(exception: BaseException, part: Run, when: str) -> NoReturn:

@@ -48,7 +48,7 @@ class Trajectory(Run):
         origin: `Origin`, the system and the options of the run; ``None`` if they are not known.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
-    >>> block = SlidingPoint(1.0, FrictionLaw.isotropic(0.5), gravity=10.0)
+    >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> run = simulate(block, dt=0.01, t_end=1.0, u0=[2.0, 0.0])
     >>> print(run.summary())
     The run went on to its end at t = 1 s. It has 101 samples of 100 steps.

@@ -54,7 +54,7 @@ def incremental_distance(
     ...     belt_velocity=[1.0, 1.0],
     ... )
     >>> runs = [simulate(belt, dt=0.01, t_end=5.0, q0=q0) for q0 in ([0.0, 0.0], [1.0, -1.0])]
-    >>> t, V = incremental_distance(*runs, belt)
+    >>> t, V = incremental_distance(*runs, system=belt)
     >>> bool(V[-1] < V[0]), round(float(V[0]), 6)
     (True, 1.0)
     """

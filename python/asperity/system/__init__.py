@@ -18,6 +18,7 @@ from asperity.system.rigid import (
     SpherePlane,
     SphereSphere,
     Spring,
+    axis_angle,
 )
 from asperity.system.sliding_disk import SlidingDisk
 from asperity.system.time_functions import Signal, Sine
@@ -45,4 +46,5 @@ __all__ = [
     "SphereSphere",
     "Spring",
     "System",
+    "axis_angle",
 ]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,8 @@ from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.system import labels
+
+_Part = TypeVar("_Part", bound=Value)
 
 
 class ContactLaw(Value):
@@ -138,6 +141,38 @@ class Contact(Value):
 
     def _core_data(self) -> dict[str, Any]:
         return {**self._parameters, "law": self.law._core}
+
+
+def relawed(
+    parts: Sequence[_Part],
+    law: FrictionLaw,
+    chosen: int | str | Sequence[int | str] | None,
+    argument: str,
+) -> tuple[_Part, ...]:
+    """Return contacts or pairs, of which those chosen by number or name obey another law."""
+    names = [getattr(part, "name", None) for part in parts]
+    wanted = set(range(len(parts)))
+    if chosen is not None:
+        one = isinstance(chosen, int | str | np.integer)
+        given: Sequence[Any] = [chosen] if one else arrays.several(chosen, argument)
+        wanted = {_number(each, names, argument) for each in given}
+    if not wanted:
+        raise ParameterError(argument, "must name one whose law is to change, there is none")
+    return tuple(
+        part.replace(law=law) if number in wanted else part for number, part in enumerate(parts)
+    )
+
+
+def _number(chosen: Any, names: list[str | None], argument: str) -> int:
+    if isinstance(chosen, str):
+        if chosen not in names:
+            known = ", ".join(repr(name) for name in names if name) or "none has a name"
+            raise ParameterError(argument, f"must be among the names ({known}), got {chosen!r}")
+        return names.index(chosen)
+    number = arrays.count(chosen, argument, 0)
+    if number >= len(names):
+        raise ParameterError(argument, f"must be below {len(names)}, got {number}")
+    return number
 
 
 def checked_laws(

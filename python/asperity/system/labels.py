@@ -24,7 +24,7 @@ class Labels(Value):
         contacts: names, one per contact.
 
     >>> from asperity import Body, RigidBodies
-    >>> RigidBodies([Body.ball(1.0, 0.1, name="pin")]).labels.coordinates[:3]
+    >>> RigidBodies([Body.ball(1.0, radius=0.1, name="pin")]).labels.coordinates[:3]
     ('pin x', 'pin y', 'pin z')
     """
 

@@ -12,8 +12,9 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
+from asperity.law import FrictionLaw
 from asperity.system import labels
-from asperity.system.contacts import Contact
+from asperity.system.contacts import Contact, relawed
 from asperity.system.labels import Labels
 
 
@@ -102,6 +103,22 @@ class LinearSystem(Value):
             plain.coordinate_units if self.coordinate_units is None else self.coordinate_units,
             contacts,
         )
+
+    def with_law(
+        self, law: FrictionLaw, *, contacts: int | Sequence[int] | None = None
+    ) -> LinearSystem:
+        """Return the same system, of which contacts obey another friction law.
+
+        Args:
+            law: of the dimension of the contacts' laws.
+            contacts: numbers of the contacts; default all.
+
+        >>> from asperity import FrictionLaw, mechanisms
+        >>> weak = FrictionLaw.isotropic(0.1, dimension=1)
+        >>> mechanisms.mode_coupling(0.5).with_law(weak).contacts[0].law == weak
+        True
+        """
+        return self.replace(contacts=relawed(self.contacts, law, contacts, "contacts"))
 
     @property
     def dof(self) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -44,6 +46,10 @@ class SlidingPoint(Value):
         self._set(mass=mass, law=law, gravity=gravity)
         contact = Contact(law, direction=np.eye(law.dimension), normal_force=mass * gravity)
         self._keep(linear=LinearSystem(mass, contacts=[contact], **_lengths(law.dimension)))
+
+    def with_law(self, law: FrictionLaw) -> Self:
+        """Return the same system with another friction law."""
+        return self.replace(law=law)
 
     @property
     def dof(self) -> int:
@@ -130,6 +136,10 @@ class MassOnBelt(Value):
         except np.linalg.LinAlgError:
             raise ParameterError("stiffness", "must be regular for an equilibrium") from None
         return arrays.array(position, "equilibrium")
+
+    def with_law(self, law: FrictionLaw) -> Self:
+        """Return the same system with another friction law."""
+        return self.replace(law=law)
 
     @property
     def dof(self) -> int:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -140,6 +141,14 @@ class SlidingDisk(RigidBodies):
         ]
         super().__init__([body], pairs=touching, gravity=down)
         self._set(law=law, velocity=start, position=place, **given, gravity=self.gravity)
+
+    def with_law(
+        self, law: FrictionLaw, *, pairs: int | str | Sequence[int | str] | None = None
+    ) -> Self:
+        """Return the same disk with another friction law, which all its pads share."""
+        if pairs is not None:
+            raise ParameterError("pairs", "must be None: all pads of the disk share one law")
+        return self.replace(law=law)
 
     def path(self, trajectory: Trajectory) -> Array:
         """Return the positions (x₁, x₂) of the centre of mass in m, shape ``(n_t, 2)``.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.files import ResultFolder
+from asperity._base.progress import Progress
 from asperity._base.report import Facts, Picture, Section, write_report
 from asperity._base.tables import aligned
 from asperity.errors import ParameterError
@@ -142,7 +143,7 @@ def track_recording(
     config: Path,
     out: Path,
     *,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress = None,
 ) -> TrackedRecording:
     """Track a recording and write what `FILES` lists into `out`; nothing if something is wrong.
 
@@ -150,7 +151,7 @@ def track_recording(
         video: a video, or a folder of images.
         config: TOML file, see `read_config`.
         out: folder; made if it is not there.
-        progress: called with the number of frames seen and of all frames.
+        progress: as of `track_mark`.
 
     Raises:
         ConfigurationError: naming file, line and key.

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.log import log
+from asperity._base.progress import Progress, reporter
 from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
 from asperity.errors import ParameterError
@@ -176,7 +178,7 @@ def track_mark(
     fps: float,
     scene: Scene,
     mark: Mark | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress = None,
 ) -> Track:
     """Follow a round mark through the frames.
 
@@ -192,7 +194,8 @@ def track_mark(
             states is that of its playback.
         scene: from pixels to the plane in which the mark moves.
         mark: what to look for; default `Mark`, red.
-        progress: called with the number of frames done and the number of frames, 0 if unknown.
+        progress: ``True`` for a bar of tqdm, or a function of (frames done, all frames), where 0 is
+            not known.
 
     Raises:
         ParameterError: if frames cannot be read, no frame shows the mark, or its diameter is not
@@ -218,12 +221,16 @@ def track_mark(
     follower = Follower(scene, mark or Mark(), fps)
     changes = repeats.Changes()
     sightings = []
-    for number, frame in enumerate(source):
-        sightings.append(follower.look(frame))
-        changes.add(frame)
-        if progress is not None:
-            progress(number + 1, len(source))
+    with reporter(progress, "frame") as report:
+        for number, frame in enumerate(source):
+            sightings.append(follower.look(frame))
+            changes.add(frame)
+            if report is not None:
+                report(number + 1, len(source))
     _check(sightings, follower.mark, source.source)
+    unseen = sum(math.isnan(one.diameter) for one in sightings)
+    if unseen:
+        log.warning("track_mark: %d of %d frames do not show the mark", unseen, len(sightings))
     sightings = repeats.marked(sightings, changes)
     return Track(
         fps,

@@ -9,6 +9,8 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.log import log
+from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.value import Value
 from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import GroupedBins, check_coverage, grouped
@@ -152,6 +154,7 @@ def compare_models(
     *,
     pairs: Iterable[tuple[ReservoirName, DirectionName]] | None = None,
     loss: str = "linear",
+    progress: Progress = None,
 ) -> Comparison:
     """Fit several pairs of models of C and D to the same data.
 
@@ -167,6 +170,9 @@ def compare_models(
             forces are significant.
         loss: of the fits that are compared; with a robust one, gross outliers are left out.
 
+        progress: ``True`` for a bar of tqdm, or a function of (fits done, all fits): every pair is
+            fitted to all turns, and then without those that are left out.
+
     Raises:
         FitError: with less than two turns.
 
@@ -181,6 +187,24 @@ def compare_models(
     >>> best.reservoir, best.direction
     ('ellipse', 'circle')
     """
+    with reporter(progress, "fit") as report:
+        found = _compared(data, pairs, loss, report)
+    for one in found.candidates:
+        log.debug(
+            "compare_models: %s, %s: BIC %.6g above the best",
+            one.reservoir,
+            one.direction,
+            one.bic,
+        )
+    return found
+
+
+def _compared(
+    data: Measured,
+    pairs: Iterable[tuple[ReservoirName, DirectionName]] | None,
+    loss: str,
+    report: Report | None,
+) -> Comparison:
     given = samples_of(data)
     samples = given if Loss(loss).is_linear else without_outliers(given)
     if samples.turns < 2:
@@ -200,7 +224,11 @@ def compare_models(
     check_coverage(bins)
     check_sense(bins, samples, _WIDTH)
     within = max(sums.energy - float((bins.squares[:, None] * bins.force**2).sum()), 0.0)
-    fits = [fit_bins(family, bins, start(family, bins)) for family in families]
+    count = Count(2 * len(families), report)
+    fits = []
+    for number, family in enumerate(families):
+        count.add(number)
+        fits.append(fit_bins(family, bins, start(family, bins)))
     squares = np.array([fit.cost for fit in fits]) + within
     components = 2.0 * len(samples)
     at = int(squares.argmin())
@@ -216,9 +244,12 @@ def compare_models(
     clean = np.maximum(squares - explained, np.finfo(float).tiny)
     sizes = np.array([family.size for family in families])
     bic = effective * np.log(clean / components) + sizes * math.log(effective)
-    errors = np.stack(
-        [_left_out(family, sums, fit.p) for family, fit in zip(families, fits, strict=True)]
-    )
+    left_out = []
+    for number, (family, fit) in enumerate(zip(families, fits, strict=True)):
+        count.add(len(families) + number)
+        left_out.append(_left_out(family, sums, fit.p))
+    count.finish()
+    errors = np.stack(left_out)
     worse = errors - errors[errors.mean(axis=1).argmin()]
     spread = worse.std(axis=1, ddof=1) / math.sqrt(worse.shape[1])
     return Comparison(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.log import log
 from asperity.errors import ParameterError, RecordError
 from asperity.identify.records import units as _units
 from asperity.identify.records.record import (
@@ -126,6 +127,8 @@ def read_csv(
         if defects and on_defect == "raise":
             rate = ("sample_rate",) if any(what == _ROUNDED for _, what, _ in defects) else ()
             raise RecordError(str(path), _report(defects, table, where), (*rate, "on_defect"))
+        for name, what, rows_of in defects:
+            log.warning("%s: cut at %d defects: column %s %s", path, len(rows_of), name, what)
         for rows in _pieces(defects, len(table.values)):
             run = _recording(
                 series, rows, table, named["angle"] if loaded else None, whole=not defects

@@ -127,7 +127,7 @@ def plot_bodies(
             strength = _FAINT + (1.0 - _FAINT) * (step + 1) / len(samples)
             draw_bodies(ax, stage, sample, alpha=strength, forces=forces)
         if forces and stage.per_newton:
-            ax.legend(handles=[_scale(stage)])
+            ax.legend(handles=[_scale(stage)], **look.BELOW)
         dress(ax, stage)
         return ax
 
@@ -177,7 +177,7 @@ def draw_paths(ax: Axes, stage: Stage, last: int) -> None:
 def draw_bodies(ax: Axes, stage: Stage, sample: int, *, alpha: float, forces: bool) -> None:
     """Draw the bodies of one sample, and the forces on them."""
     for body in stage.bodies:
-        color = f"C{body % 5}"
+        color = look.color(body)
         place, turn = stage.positions[sample, body], stage.rotations[sample, body]
         shape = stage.shapes[body]
         for line in _lines(shape, place, turn, stage.seen):

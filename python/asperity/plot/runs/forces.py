@@ -83,5 +83,5 @@ def plot_forces_in_reservoir(
             ax.plot(*points.T, linestyle="none", **options)
         ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
         ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
-        ax.legend()
+        ax.legend(ncols=min(len(drawn) + 1, 3), **look.BELOW)
         return ax

@@ -113,7 +113,7 @@ def plot_history(
                 together = ", ".join(t for t in (text if len(own) > 1 else "", name) if t)
                 # Parts of one run differ in colour, runs with several parts in dashes.
                 dashes = _DASHES[number % len(_DASHES)] if len(own) > 1 else "-"
-                color = f"C{part if len(own) > 1 else number}"
+                color = look.color(part if len(own) > 1 else number)
                 line_look = {"color": color, "linestyle": dashes, "label": together or None}
                 (line,) = ax.plot(time, values, **{**line_look, **options})
                 if error is not None:

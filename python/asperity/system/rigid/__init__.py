@@ -3,6 +3,7 @@
 from asperity.system.rigid.bodies import Body, PlanarBody
 from asperity.system.rigid.pairs import BoxPlane, PointPlane, SpherePlane, SphereSphere
 from asperity.system.rigid.plane_motion import PlaneMotion
+from asperity.system.rigid.rotation import axis_angle
 from asperity.system.rigid.springs import Spring
 from asperity.system.rigid.surfaces import BodyAxis, Line, Plane
 from asperity.system.rigid.system import ContactLabel, RigidBodies
@@ -21,4 +22,5 @@ __all__ = [
     "SpherePlane",
     "SphereSphere",
     "Spring",
+    "axis_angle",
 ]

@@ -56,7 +56,8 @@ class Body(Value):
             ``(3,)`` or the matrix ``(3, 3)``, symmetric to 1e-12 of its largest entry.
         position: of the centre of mass in m, shape ``(3,)``.
         orientation: what turns the body's axes into the world's: a `Rotation` of SciPy, or a
-            quaternion (w, x, y, z), which is normalised. SciPy's own order is (x, y, z, w).
+            quaternion (w, x, y, z), which is normalised, such as of `axis_angle`. SciPy's own order
+            is (x, y, z, w).
         velocity: of the centre of mass in m/s, shape ``(3,)``.
         angular_velocity: ω in rad/s in the world's axes, shape ``(3,)``.
         force: on the centre of mass in N besides gravity, in the world's axes: shape ``(3,)``, or a

@@ -14,7 +14,10 @@ from asperity.errors import DimensionError, ParameterError
 # What is a unit vector to rounding stays as it is, so that normalising twice changes no bit.
 _UNIT = 1e-15
 
-_ORDER = "a quaternion is (w, x, y, z); SciPy's `Rotation` is taken as it is"
+_ORDER = (
+    "a quaternion is (w, x, y, z); SciPy's `Rotation` is taken as it is, and "
+    "`asperity.axis_angle` turns about an axis"
+)
 
 
 @runtime_checkable
@@ -37,6 +40,27 @@ def quaternion(value: Orientation, argument: str) -> Array:
         return normalised(value, argument, 4)
     except ParameterError as error:
         raise type(error)(argument, f"{error.message}; {_ORDER}") from None
+
+
+def axis_angle(axis: ArrayLike, *, angle: float) -> Array:
+    """Return the orientation that a turn about an axis leads to, as a quaternion (w, x, y, z).
+
+    Args:
+        axis: of any length, shape ``(3,)``; seen against it, the turn is counter-clockwise.
+        angle: in rad.
+
+    Raises:
+        DimensionError, ParameterError: naming the argument.
+
+    >>> from math import radians
+    >>> from asperity import Plane, axis_angle
+    >>> slope = Plane.oriented(axis_angle((1.0, 0.0, 0.0), angle=radians(45.0)))
+    >>> slope.normal.round(6).tolist()
+    [0.0, -0.707107, 0.707107]
+    """
+    half = 0.5 * arrays.number(angle, "angle")
+    turn = np.append(np.cos(half), np.sin(half) * normalised(axis, "axis", 3))
+    return arrays.read_only(turn)
 
 
 def _wxyz(rotation: Rotation, argument: str) -> Array:

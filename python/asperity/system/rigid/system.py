@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,9 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
+from asperity.law import FrictionLaw
 from asperity.system import labels, time_functions
+from asperity.system.contacts import relawed
 from asperity.system.labels import Labels
 from asperity.system.rigid import rotation
 from asperity.system.rigid.bodies import Body, PlanarBody
@@ -183,6 +185,24 @@ class RigidBodies(Value):
         if pair.plane.body is not None:
             return f"{body} on {names[pair.plane.body]}"
         return f"{body} on {'line' if isinstance(pair.plane, Line) else 'plane'}"
+
+    def with_law(
+        self, law: FrictionLaw, *, pairs: int | str | Sequence[int | str] | None = None
+    ) -> Self:
+        """Return the same system, of which pairs obey another friction law.
+
+        Args:
+            law: of the dimension of the pairs' laws.
+            pairs: numbers or names of the pairs; default all.
+
+        >>> from asperity import Body, BoxPlane, FrictionLaw, Plane, RigidBodies
+        >>> half = (0.1, 0.1, 0.1)
+        >>> table = BoxPlane(0, half_sizes=half, plane=Plane(), law=FrictionLaw.isotropic(0.3))
+        >>> system = RigidBodies([Body.box(1.0, half_sizes=half)], pairs=[table])
+        >>> system.with_law(FrictionLaw.isotropic(0.1)).pairs[0].law
+        FrictionLaw(Disk(0.1), Disk(0.1))
+        """
+        return self.replace(pairs=relawed(self.pairs, law, pairs, "pairs"))
 
     @property
     def planar(self) -> bool:

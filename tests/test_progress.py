@@ -1,0 +1,131 @@
+"""How far long work is, and what it tells the logger."""
+
+import logging
+import sys
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import identify, mechanisms, track
+
+LAW = asp.FrictionLaw.isotropic(0.5)
+BLOCK = asp.SlidingPoint(1.0, law=LAW)
+PHI = np.linspace(0.0, 12.0 * np.pi, 3000, endpoint=False)
+SLIP = np.stack([np.cos(PHI), np.sin(PHI)], axis=-1)
+NOISE = 0.005 * np.random.default_rng(0).normal(size=SLIP.shape)
+FORCES = (PHI, -LAW.force(SLIP) + NOISE)
+FRAME = np.full((60, 80, 3), 120, dtype=np.uint8)
+FRAME[20:40, 30:50] = 200, 30, 30
+
+
+LONG = {
+    "simulate": lambda **o: asp.simulate(BLOCK, dt=1e-6, t_end=0.5, sample_every=0.5, **o),
+    "integrate": lambda **o: asp.integrate(
+        asp.LinearSystem(1.0, stiffness=1.0), t_end=2e4, q0=[1.0], sample_every=1e4, **o
+    ),
+    "limit_cycle": lambda **o: asp.limit_cycle(mechanisms.stribeck_block(), **o),
+    "bifurcation_diagram": lambda **o: asp.bifurcation_diagram(
+        mechanisms.stribeck_block, parameter="belt_velocity", values=[0.2, 0.3], **o
+    ),
+    "compare_models": lambda **o: identify.compare_models(
+        FORCES, pairs=[("circle", "circle"), ("ellipse", "circle")], **o
+    ),
+    "fit_law": lambda **o: identify.fit_law(FORCES, reservoir="best", direction="circle", **o),
+    "track_mark": lambda **o: track.track_mark(
+        [FRAME] * 3, fps=500.0, scene=track.Scene.from_scale(1e-3), **o
+    ),
+}
+COUNTED = ("bifurcation_diagram", "compare_models", "fit_law", "track_mark")
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_progress_is_a_function_of_what_is_done_and_all(name):
+    calls = []
+    LONG[name](progress=lambda done, whole: calls.append((done, whole)))
+    done = [one for one, _ in calls]
+    assert all(0 <= one <= whole for one, whole in calls)
+    if name in COUNTED:
+        assert done == sorted(done)
+        assert calls[-1][0] == calls[-1][1] > 1
+    elif name != "limit_cycle":
+        assert calls
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_true_shows_a_bar(name, capsys):
+    pytest.importorskip("tqdm")
+    LONG[name](progress=True)
+    shown = capsys.readouterr().err
+    assert "/s" in shown
+    assert "100%" in shown or name not in COUNTED
+
+
+@pytest.mark.parametrize("name", LONG)
+@pytest.mark.parametrize("wrong", [False, 3, "yes"])
+def test_other_values_are_refused_by_name(name, wrong):
+    with pytest.raises(asp.ParameterError, match="progress: must be True, None or a function"):
+        LONG[name](progress=wrong)
+
+
+def test_without_tqdm_true_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    with pytest.raises(asp.ParameterError, match="pip install tqdm"):
+        LONG["simulate"](progress=True)
+
+
+def test_progress_changes_no_result():
+    for name in ("limit_cycle", "bifurcation_diagram", "compare_models"):
+        assert LONG[name](progress=lambda *_: None) == LONG[name]()
+
+
+def test_samples_are_an_interval_apart_in_both_integrators():
+    stepped = asp.simulate(BLOCK, dt=1e-3, t_end=0.1, u0=[1.0, 0.0], sample_every=0.02)
+    exact = asp.integrate(BLOCK, t_end=0.1, u0=[1.0, 0.0], sample_every=0.02)
+    np.testing.assert_allclose(stepped.t, exact.t, rtol=1e-12)
+    for wrong in (0.0005, 0.0015, -0.02, np.nan):
+        with pytest.raises(asp.ParameterError) as refused:
+            asp.simulate(BLOCK, dt=1e-3, t_end=0.1, sample_every=wrong)
+        assert refused.value.argument == "sample_every"
+
+
+def messages(caplog):
+    assert {record.name for record in caplog.records} == {"asperity"}
+    return [record.getMessage() for record in caplog.records]
+
+
+def test_steps_that_did_not_converge_are_logged(caplog):
+    weak = asp.ProxJacobi(r=1e8, max_iterations=3)
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.0])
+    with caplog.at_level(logging.WARNING, logger="asperity"):
+        run = asp.simulate(belt, dt=1e-2, t_end=5.0, solver=weak, on_failure="record")
+    assert run.failed_steps
+    (message,) = messages(caplog)
+    assert f"{run.failed_steps} of {run.steps} steps did not converge" in message
+
+
+def test_values_without_an_equilibrium_are_logged(caplog):
+    def family(k):
+        return asp.MassOnBelt(1.0, stiffness=k, law=LAW, normal_force=1.0, belt_velocity=[1.0, 0.0])
+
+    with caplog.at_level(logging.INFO, logger="asperity"):
+        asp.bifurcation_diagram(family, parameter="k", values=[0.0, 1.0], cycles=False)
+    assert any("no equilibrium at k = 0" in one for one in messages(caplog))
+
+
+def test_the_choice_of_models_is_logged(caplog):
+    with caplog.at_level(logging.INFO, logger="asperity"):
+        fit = LONG["fit_law"]()
+    (message,) = messages(caplog)
+    assert f"is {fit.comparison.best.reservoir}, circle" in message
+
+
+def test_frames_without_the_mark_are_logged(caplog):
+    empty = np.full_like(FRAME, 120)
+    with caplog.at_level(logging.WARNING, logger="asperity"):
+        track.track_mark([FRAME, empty, FRAME], fps=500.0, scene=track.Scene.from_scale(1e-3))
+    assert messages(caplog) == ["track_mark: 1 of 3 frames do not show the mark"]
+
+
+def test_the_library_shows_nothing_by_itself(capsys):
+    LONG["fit_law"]()
+    assert capsys.readouterr() == ("", "")
