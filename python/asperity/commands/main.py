@@ -14,15 +14,15 @@ from asperity.commands import (
     info,
     init,
     law,
-    simulate,
+    scenario,
+    sliding_stability,
     solve,
-    stability,
     track,
 )
 from asperity.commands.options import INTERRUPTED, USER_ERROR
 from asperity.errors import AsperityError, ParameterError
 
-_VERBS = (demo, figures, init, identify, law, simulate, stability, track, solve, info)
+_VERBS = (demo, figures, init, identify, law, scenario, sliding_stability, track, solve, info)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -154,7 +154,7 @@ class Scenario:
                 return integrate(
                     setup.system,
                     t_end=options.duration,
-                    dt=options.output,
+                    sample_every=options.output,
                     progress=progress,
                     **start,
                 )
@@ -163,7 +163,7 @@ class Scenario:
                 dt=options.step,
                 t_end=options.duration,
                 until_rest=options.until_rest,
-                save_every=max(1, round(options.output / options.step)),
+                sample_every=max(1, round(options.output / options.step)) * options.step,
                 progress=progress,
                 **start,
             )
