@@ -23,11 +23,11 @@ LAYERS = [
     {"steady_sliding"},
     {"cycles"},
     {"identify", "mechanisms", "plot", "problems", "track"},
-    {"demo"},
+    {"demo", "predict"},
     {"commands"},
 ]
 # Imported at first use.
-ROOMS = {"identify", "mechanisms", "plot", "problems", "track"}
+ROOMS = {"identify", "mechanisms", "plot", "predict", "problems", "track"}
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 # Rooms within a room; what stands at its door may use them all.
 ROOMS_WITHIN = {

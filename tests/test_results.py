@@ -9,7 +9,16 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from asperity._base.result import Result, TableResult
-from public_calls import CYCLE, DIAGRAM, FILM, FIT, PROBLEM
+from public_calls import (
+    CYCLE,
+    DIAGRAM,
+    FILM,
+    FIT,
+    LAW_SHEET,
+    PREDICTION,
+    PROBLEM,
+    STABILITY_SHEET,
+)
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 
 pandas = pytest.importorskip("pandas")
@@ -59,6 +68,9 @@ RESULTS = [
     FIT,
     FILM,
     FILM.path(),
+    PREDICTION,
+    LAW_SHEET,
+    STABILITY_SHEET,
 ]
 TABLES = [result for result in RESULTS if isinstance(result, TableResult)]
 SAVED = [result for result in RESULTS if hasattr(result, "save")]
@@ -69,7 +81,7 @@ def named(result):
 
 
 def public_results():
-    rooms = (asp, asp.identify, asp.track, asp.mechanisms, asp.problems)
+    rooms = (asp, asp.identify, asp.track, asp.mechanisms, asp.predict, asp.problems)
     names = (getattr(room, name) for room in rooms for name in room.__all__)
     return {one for one in names if isinstance(one, type) and issubclass(one, Result)}
 

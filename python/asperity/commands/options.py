@@ -19,10 +19,17 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 SUCCESS, DOUBTFUL, USER_ERROR, INTERRUPTED = 0, 1, 2, 130
 
 
-def add_out(parser: argparse.ArgumentParser) -> None:
+def add_out(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """Add the folder that a verb writes into."""
     parser.add_argument(
-        "--out", metavar="DIR", type=Path, required=True, help="folder to write into"
+        "--out", metavar="DIR", type=Path, required=required, help="folder to write into"
+    )
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Add the choice of results as JSON."""
+    parser.add_argument(
+        "--json", action="store_true", help="print the results as JSON, for other programs"
     )
 
 
