@@ -22,7 +22,7 @@ use crate::solver::report::{Ended, Method};
 /// Sweeps before the first judgement of their rate, and most sweeps at all: more of them may end what needs
 /// factorisations else, or be in vain. Of the first, half and double change the stored problems by two factorisations
 /// and a tenth of the iterations, of the second by one factorisation and none.
-const TRIAL_SWEEPS: usize = 20;
+pub(super) const TRIAL_SWEEPS: usize = 20;
 const MOST_SWEEPS: usize = 400;
 /// Further sweeps that are worth waiting for: they cost as much as some ten factorisations. On the stored problems half
 /// as many save 630 iterations and a hundred factorisations, twice as many cost 1130 iterations and save six; on the

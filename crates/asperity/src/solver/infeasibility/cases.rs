@@ -26,7 +26,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use asperity_set::Vector;
 use nalgebra::{DMatrix, DVector};
 
-use super::closing::{HUGE, keeps_bodies_at_rest};
+use super::closing::{HUGE, keeps_lost_bodies_at_rest};
 use super::nonnegative;
 use super::proof::{Case, CaseState, Infeasibility, InfeasibilityKind};
 use crate::contact::{ContactProblem, Delassus, NormalForce};
@@ -478,11 +478,11 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Whether `Gᵀz` vanishes, where it does, for the masses as well.
+    /// Whether what vanishes of `Gᵀz` does so for bodies as well that `G` has lost beside lighter ones.
     fn keeps_masses(&self, z: &DVector<f64>) -> bool {
         let Delassus::Factored(factored) = &self.group.delassus else { return true };
         let rows = factored.directions().rows();
-        keeps_bodies_at_rest(factored, &self.group.on_rows(z, rows))
+        keeps_lost_bodies_at_rest(factored, &self.group.on_rows(z, rows))
     }
 }
 

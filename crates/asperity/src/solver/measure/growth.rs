@@ -176,6 +176,59 @@ pub(crate) fn of(
     }
 }
 
+/// How large percussions are against loads: whether it is worth while to look at their growth with [`of`].
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Size {
+    /// Whether a contact pushes, and whether one that does moves against its own load.
+    pushes: bool,
+    moves: bool,
+    /// Sums of `P²`, of `(b + e γ_B)²`, of the diagonal of `G`, and their number of rows.
+    percussions: f64,
+    loads: f64,
+    trace: f64,
+    rows: f64,
+}
+
+impl Size {
+    /// Of one contact: with `ξ_N` and its load if growth is measured by it, and both sums of squares.
+    #[inline(always)]
+    pub(crate) fn of(
+        percussion: &[f64],
+        normal: Option<(f64, f64)>,
+        (percussions, loads): (f64, f64),
+        rho: f64,
+    ) -> Self {
+        let normal = normal.filter(|_| percussion[0] > 0.0);
+        let moves = normal.is_some_and(|(xi, load)| xi.abs() > APPROACHING * load.abs());
+        let rows = percussion.len() as f64;
+        Self { pushes: normal.is_some(), moves, percussions, loads, trace: rows / rho, rows }
+    }
+
+    /// Takes a further contact in.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.pushes |= other.pushes;
+        self.moves |= other.moves;
+        self.percussions += other.percussions;
+        self.loads += other.loads;
+        self.trace += other.trace;
+        self.rows += other.rows;
+    }
+
+    /// Whether percussions may have grown.
+    #[inline(always)]
+    pub(crate) fn may_have_grown(&self) -> bool {
+        self.pushes && (self.moves || self.is_large())
+    }
+
+    #[inline(always)]
+    fn is_large(&self) -> bool {
+        let rho = self.rows / self.trace;
+        // The comparison also finds NaN.
+        !(self.percussions <= (GROWN * rho).powi(2) * self.loads)
+    }
+}
+
 /// Whether growth is measured by a contact: the normal percussion is unknown, and there is one.
 #[inline]
 fn pushes(rows: &ContactRows, percussion: &[f64]) -> bool {
