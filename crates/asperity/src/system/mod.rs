@@ -508,15 +508,19 @@ fn sampled_dependence<S: System + ?Sized>(
             let Ok(gap) = full_rows(system, &at, i, &mut rows[..chi.len() * n], chi) else {
                 continue;
             };
-            let largest = |m: f64, v: f64| if v.is_finite() { m.max(v.abs()) } else { m };
-            found.gaps[i] = largest(found.gaps[i], gap);
-            found.velocities[i] = chi.iter().copied().fold(found.velocities[i], largest);
+            found.gaps[i] = larger_of_finite(found.gaps[i], gap);
+            found.velocities[i] = chi.iter().copied().fold(found.velocities[i], larger_of_finite);
         }
     }
     for (k, extent) in forces.iter().enumerate() {
         (found.forces[k], found.impulses[k]) = (extent.size, extent.reach());
     }
     found
+}
+
+/// The larger of a size and the size of a value, which does not count if it is not finite.
+fn larger_of_finite(size: f64, value: f64) -> f64 {
+    if value.is_finite() { size.max(value.abs()) } else { size }
 }
 
 /// The rows of a contact with all velocities of the system, as methods with matrices of its size need them; its gap.
