@@ -844,3 +844,163 @@ def test_contacts_in_space_that_can_open_open():
     met, closed = random_openings(400)
     assert met > 10
     assert closed == []
+
+
+# Motions that begin from rest through a smooth zero of what drives them.
+
+
+class Soft(asp.System):
+    """A mass that 1 − cos t pushes."""
+
+    dof = 1
+
+    def mass(self, q):
+        return np.eye(1)
+
+    def forces(self, t, q, u):
+        return np.array([1.0 - np.cos(t)])
+
+
+def soft(scale=1.0):
+    """`scale` (1 − cos t), as parts that cancel."""
+    size, phase = np.array([scale, 0.0]), -np.pi / 2
+    return asp.Sine(size, 0.5 / np.pi, phase=phase, offset=size)
+
+
+def pushed(force, at=0.0):
+    body = asp.PlanarBody(1.0, 1.0, position=(at, 0.0), force=force)
+    return asp.RigidBodies([body], gravity=(0.0, 0.0))
+
+
+def carried(plane, at=(0.0, 0.0)):
+    body = asp.PlanarBody(1.0, 1.0, position=at)
+    return asp.RigidBodies([body], [asp.PointPlane(0, (0.0, 0.0), plane, LINE[1.0])])
+
+
+@pytest.mark.parametrize("at", [0.0, 0.3])
+@pytest.mark.parametrize("scale", [1e-12, 1.0, 1e9])
+@pytest.mark.parametrize("as_function", [False, True])
+def test_loads_that_begin_as_a_smooth_zero_are_followed(at, scale, as_function):
+    force = (lambda t: [scale * (1.0 - np.cos(t)), 0.0]) if as_function else soft(scale)
+    for t_end, accuracy in [(1.0, 1e-12), (0.1, 1e-8)]:
+        way = asp.integrate(pushed(force, at), t_end=t_end).q[-1, 0] - at
+        known = scale * (0.5 * t_end**2 - 2.0 * np.sin(0.5 * t_end) ** 2)
+        assert way == pytest.approx(known, rel=accuracy, abs=1e-15 * at)
+
+
+def test_systems_of_ones_own_begin_as_a_smooth_zero():
+    assert asp.integrate(Soft(), t_end=1.0).q[-1, 0] == pytest.approx(np.cos(1.0) - 0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("span", [0.3, 1.0, 3.0, 10.0, 1e3, 1e7])
+@pytest.mark.parametrize("at", [0.0, 0.3])
+def test_signals_that_pass_zero_at_the_start_are_followed(span, at):
+    ramp = asp.Signal([-span, span], [[-1.0, 0.0], [1.0, 0.0]], interpolation="linear")
+    t_end = 0.5 * min(span, 1.0)
+    way = asp.integrate(pushed(ramp, at), t_end=t_end).q[-1, 0] - at
+    assert way == pytest.approx(t_end**3 / (6.0 * span), rel=1e-8, abs=1e-15 * at)
+    belt = asp.Signal([-span, span], [-1.0, 1.0], interpolation="linear")
+    way = asp.integrate(carried(asp.Line(velocity=belt)), t_end=t_end).q[-1, 0]
+    assert way == pytest.approx(t_end**2 / (2.0 * span), rel=1e-8)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0])
+def test_belts_that_start_softly_take_what_lies_on_them_along(scale):
+    belt = asp.Sine(scale, 0.5 / np.pi, phase=-np.pi / 2, offset=scale)
+    block = asp.integrate(carried(asp.Line(velocity=belt)), t_end=1.0)
+    assert block.q[-1, 0] / scale == pytest.approx(1.0 - np.sin(1.0), abs=1e-12)
+    wide = asp.Sine([scale, 0.0], 0.5 / np.pi, phase=-np.pi / 2, offset=[scale, 0.0])
+    plane = asp.Plane(velocity=wide)
+    ball = asp.SpherePlane(0, 0.1, plane, asp.FrictionLaw.isotropic(0.5))
+    system = asp.RigidBodies([asp.Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1))], [ball])
+    rolls = asp.integrate(system, t_end=1.0)
+    assert rolls.q[-1, 0] / scale == pytest.approx(2.0 / 7.0 * (1.0 - np.sin(1.0)), abs=1e-12)
+
+
+def test_a_spring_that_lengthens_softly_pulls():
+    """ẍ + x = 2 − cos t from x = 1: x = 2 − cos t − ½ t sin t."""
+    length = asp.Sine(1.0, 0.5 / np.pi, phase=-np.pi / 2, offset=2.0)
+    spring = asp.Spring(0, (0.0, 0.0), stiffness=1.0, length=length)
+    body = asp.PlanarBody(1.0, 1.0, position=(1.0, 0.0))
+    system = asp.RigidBodies([body], springs=[spring], gravity=(0.0, 0.0))
+    end = asp.integrate(system, t_end=1.0).q[-1, 0]
+    assert end == pytest.approx(2.0 - np.cos(1.0) - 0.5 * np.sin(1.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("at", [(0.0, 0.0), (0.3, 0.0), (0.0, 1.0)])
+@pytest.mark.parametrize("kink", [1e-3, 1e-5, 1e-6, 1e-7, 1e-9, 0.5 - 1e-10])
+def test_planes_that_rise_do_so_wherever_the_origin_is(at, kink):
+    samples = [[0.0, 0.0], [0.0, 0.0], [0.0, 1.0]]
+    rise = asp.Signal([-1.0, kink, kink + 1.0], samples, interpolation="linear")
+    line = asp.Line(point=(0.0, at[1]), motion=asp.PlaneMotion(displacement=rise))
+    motion = asp.integrate(carried(line, at), t_end=0.5)
+    assert motion.q[-1, 1] - at[1] == pytest.approx(0.5 - kink, abs=2e-15)
+
+
+@pytest.mark.parametrize("scale", [10.0**k for k in (-30, -17, -16, -8, 0, 8, 30)])
+def test_motions_of_all_sizes_are_the_same(scale):
+    block = asp.SlidingPoint(1.0, asp.FrictionLaw.isotropic(0.5), gravity=10.0 * scale)
+    slides = asp.integrate(block, t_end=1.0, u0=[2.0 * scale, 0.0])
+    assert [event.kind for event in slides.events] == [EventKind.STICK]
+    assert slides.events[0].time == pytest.approx(0.4, rel=1e-12)
+    contact = asp.Contact(line(0.3), [1.0, 0.0], normal=[0.0, 1.0])
+    falling = asp.LinearSystem(np.eye(2), force=[0.0, -10.0 * scale], contacts=[contact])
+    falls = asp.integrate(falling, t_end=1.0, q0=[0.0, scale])
+    assert [event.kind for event in falls.events] == [EventKind.IMPACT]
+    assert falls.events[0].time == pytest.approx(np.sqrt(0.2), rel=1e-12)
+
+
+# Rocking without restitution.
+
+
+def tripod(mu, velocity=(0.0, 0.0, 0.0), shaking=None, x=0.0):
+    """A cube on three feet, and the contacts of the feet."""
+    motion = None if shaking is None else asp.PlaneMotion(displacement=shaking)
+    plane = asp.Plane(motion=motion)
+    return asp.Body.box(1.0, (0.1, 0.1, 0.1), position=(x, 0.0, 0.1), velocity=velocity), [
+        (np.array(foot) / 10.0, plane, asp.FrictionLaw.isotropic(mu))
+        for foot in ([1, 0, -1], [-1, 1, -1], [-1, -1, -1])
+    ]
+
+
+def cubes(*given):
+    feet = [asp.PointPlane(i, *foot) for i, (_, feet) in enumerate(given) for foot in feet]
+    return asp.RigidBodies([body for body, _ in given], feet)
+
+
+@pytest.mark.parametrize(
+    ("cube", "t_end", "rests"),
+    [
+        (tripod(0.6, (0.5, 0.2, 0.0)), 0.5, True),
+        (tripod(5.0, shaking=asp.Sine([2e-4, 1e-4, 0.0], 3.0)), 0.05, False),
+    ],
+    ids=["slides", "is kicked"],
+)
+def test_rocking_from_foot_to_foot_comes_to_an_end(cube, t_end, rests):
+    """Impacts follow each other at times whose distances fall geometrically."""
+    motion = asp.integrate(cubes(cube), t_end=t_end)
+    assert motion.status is asp.Outcome.FINISHED
+    assert len(motion.events) < 200
+    assert (motion.phase[-1] == asp.Phase.STICK).all() == rests
+    assert motion.q[-1, 2] == pytest.approx(0.1, abs=1e-9)
+    coarse, fine = (
+        np.abs(asp.simulate(cubes(cube), dt=dt, t_end=t_end).q[-1] - motion.q[-1]).max()
+        for dt in (4e-4, 1e-4)
+    )
+    assert fine < 0.5 * coarse < 2e-3
+
+
+# Bodies that have nothing to do with each other.
+
+
+def test_bodies_that_do_not_touch_move_as_each_alone():
+    given = [tripod(mu, (0.1, 0.02, 0.0), x=0.5 * i) for i, mu in enumerate((0.1, 0.12, 0.14))]
+    alone = [asp.integrate(cubes(cube), t_end=0.5) for cube in given]
+    together = asp.integrate(cubes(*given), t_end=0.5)
+    np.testing.assert_allclose(
+        together.q[-1], np.concatenate([motion.q[-1] for motion in alone]), atol=1e-10
+    )
+    ends = sorted(event.time for motion in alone for event in motion.events)
+    assert [event.time for event in together.events] == pytest.approx(ends, abs=1e-10)
+    # What ends the slip of one does not begin the steps of the others anew.
+    assert together.steps <= sum(motion.steps for motion in alone)

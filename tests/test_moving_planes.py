@@ -664,6 +664,93 @@ def test_functions_move_planes_as_their_signals_do(signal):
 # What is said.
 
 
+def moved(displacement):
+    return Line(motion=PlaneMotion(displacement=displacement))
+
+
+def asked(function):
+    """A function, and the times at which it is asked."""
+    times = []
+
+    def noted(t):
+        times.append(t)
+        return function(t)
+
+    return noted, times
+
+
+def test_functions_are_not_asked_before_the_start_nor_after_the_end():
+    rise, times = asked(lambda t: ([0.0, 0.1 * t], [0.0, 0.1]))
+    belt, more = asked(lambda t: 0.5 * t)
+    line = Line(velocity=belt, motion=PlaneMotion(displacement=rise))
+    integrate(
+        RigidBodies([PlanarBody(1.0, 1.0)], [PointPlane(0, (0.0, 0.0), line, SLIPPERY)]), t_end=1.0
+    )
+    assert (min(times), min(more)) == (0.0, 0.0)
+    assert max(*times, *more) <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("line", "end", "events"),
+    [
+        (
+            moved(lambda t: ([0.0, 0.1 * max(t, 0.0)], [0.0, 0.1 * (t >= 0.0)])),
+            [0.0, 0.1],
+            [(EventKind.IMPACT, 0.0)],
+        ),
+        (
+            moved(lambda t: ([0.1 * max(t, 0.0), 0.0], [0.1 * (t >= 0.0), 0.0])),
+            [0.1 - 0.005 / (0.3 * G), 0.0],
+            [(EventKind.STICK, 0.1 / (0.3 * G))],
+        ),
+        (
+            Line(velocity=lambda t: 0.5 if t >= 0.0 else 0.0),
+            [0.5 - 0.125 / (0.3 * G), 0.0],
+            [(EventKind.STICK, 0.5 / (0.3 * G))],
+        ),
+        (Line(velocity=lambda t: max(t, 0.0)), [0.5, 0.0], []),
+    ],
+    ids=["rises", "slides", "belt that jumps", "belt"],
+)  # fmt: skip
+def test_functions_may_begin_with_a_kink_or_a_jump(line, end, events):
+    system = RigidBodies([PlanarBody(1.0, 1.0)], [PointPlane(0, (0.0, 0.0), line, SLIPPERY)])
+    motion = integrate(system, t_end=1.0)
+    np.testing.assert_allclose(motion.q[-1, :2], end, atol=1e-12)
+    assert [event.kind for event in motion.events] == [kind for kind, _ in events]
+    np.testing.assert_allclose(
+        [event.time for event in motion.events], [time for _, time in events], atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("start", [0.0, 0.2])
+def test_a_surface_that_jumps_to_another_velocity_does_so_by_a_kink_at_any_time(start):
+    """The plane begins to rise with 1 m/s: the percussion takes μ m/s from the slip."""
+    times = [start, start + 0.3, start + 1.0]
+    rise = Signal(times, [[0.0, 0.0], [0.0, 0.3], [0.0, 1.0]], interpolation="linear")
+    line = Line(motion=PlaneMotion(displacement=rise))
+    body = PlanarBody(1.0, 1.0, velocity=(1.0 + 0.3 * G * start, 0.0))
+    system = RigidBodies([body], [PointPlane(0, (0.0, 0.0), line, SLIPPERY)])
+    motion = integrate(system, t_end=start + 0.5)
+    first = motion.events[0]
+    assert (first.kind, first.contact, first.time) == (EventKind.KINK, None, start)
+    before, after = np.flatnonzero(motion.t == start)
+    np.testing.assert_allclose(motion.u[before], [1.0, 0.0, 0.0], atol=1e-13)
+    np.testing.assert_allclose(motion.u[after], [0.7, 1.0, 0.0], atol=1e-13)
+
+
+@pytest.mark.parametrize("sample_every", [None, 0.1])
+def test_the_first_sample_is_the_state_before_an_impact_at_the_start(sample_every):
+    body = PlanarBody(1.0, 1.0, velocity=(1.0, -1.0))
+    system = RigidBodies([body], [PointPlane(0, (0.0, 0.0), Line(), SLIPPERY)])
+    motion = integrate(system, t_end=0.5, sample_every=sample_every)
+    assert motion.u[0].tolist() == [1.0, -1.0, 0.0]
+    assert (motion.events[0].kind, motion.events[0].time) == (EventKind.IMPACT, 0.0)
+    if sample_every is None:
+        assert motion.t[1] == 0.0
+        assert motion.t[2] > 0.0
+        np.testing.assert_allclose(motion.u[1], [0.7, 0.0, 0.0], atol=1e-14)
+
+
 def test_moving_planes_are_values():
     motion = PlaneMotion(displacement=Sine([0.0, 1e-3], frequency=12.0))
     line = Line(motion=motion)

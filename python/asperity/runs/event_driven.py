@@ -90,11 +90,13 @@ def integrate(
             gives up where 2000 steps, made or rejected, do not pass 1e-10 of it.
         q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
             Quaternions are normalised, and no rotation by default.
-        u0: initial velocities, shape ``(n,)``; default likewise. At the beginning gaps below
-            2.2e-16 m and velocities below 2.2e-16 m/s count as none: choose units in which the
-            motion is larger.
+        u0: initial velocities, shape ``(n,)``; default likewise. At the beginning gaps and
+            velocities count as none below 2.2e-16 of the way and of the velocity that the loads
+            give until ``t_end`` where nothing stops them, and 2.2e-16 m and m/s at most.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
-            velocity so far; between 1e-14 and 1e-2.
+            velocity so far, as far as rounding of forces and of functions of time allows; between
+            1e-14 and 1e-2. Functions of the user are asked at the start how large they become up
+            to ``t_end``.
         sample_every: time between samples in s. Default: every step of the method, before and after
             events.
         max_step: longest step in s. Default: as the error allows. Functions of time of the user are
@@ -106,8 +108,9 @@ def integrate(
             second.
 
     Returns:
-        The motion. Bounces that are lower than 1e-13 of the contact's reach, the largest
-        |w_N|ᵀ|q| so far, end a sequence of impacts: the contact stays closed from there.
+        The motion, from the state before any impact at 0 on. Bounces that are lower than 1e-13 of
+        the contact's reach, the largest |w_N|ᵀ|q| so far, end a sequence of impacts, of one contact
+        or of several between which a body rocks: they stay closed from there.
 
     Raises:
         NoSolutionError: no forces or percussions satisfy the laws; it holds the proof.

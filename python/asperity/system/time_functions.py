@@ -206,9 +206,9 @@ class Sine(Signal):
 TimeFunction: TypeAlias = ArrayLike | Signal | Callable[[float], ArrayLike]
 """A value that may depend on time: numbers, a `Signal`, or a function of t in s that returns them.
 
-A function is called while the interpreter is held, also for times shortly before 0 and beyond the
-end. It must be smooth, else give a `Signal`. What holds it equals what holds the same function, and
-is pickled only if the function can be."""
+A function is called while the interpreter is held, in any order of times, by `simulate` also
+shortly beyond the end. It must be smooth from 0 on, else give a `Signal`. What holds it equals what
+holds the same function, and is pickled only if the function can be."""
 
 
 def checked(value: Any, argument: str, shape: tuple[int, ...]) -> Any:

@@ -29,6 +29,7 @@
 //! Without the feature `sparse` matrices are factored densely (`unordered.rs`). `tests.rs` compares what is left over
 //! with a dense factorisation, also for badly scaled matrices.
 
+mod block_lu;
 mod dense;
 mod dense_lu;
 mod least_norm;
@@ -43,6 +44,7 @@ mod tests;
 #[cfg(not(feature = "sparse"))]
 mod unordered;
 
+pub(crate) use block_lu::BlockLu;
 pub(crate) use dense_lu::DenseLu;
 pub(crate) use least_norm::LeastNorm;
 #[cfg(feature = "sparse")]

@@ -23,6 +23,8 @@ pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
 use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::law::Law;
+use crate::vectors::copy;
+use time_function::{Extent, sample_times};
 
 /// What of a system never changes, so that it is computed once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -231,6 +233,34 @@ pub struct InitialState {
     pub u: Vec<f64>,
 }
 
+/// How large that becomes which depends on time, see [`System::time_dependence`].
+///
+/// A function of time may be the small difference of large parts, such as 1 − cos t near zero. Rounding leaves a share of
+/// these parts in it, below which nothing can be known of it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TimeDependence {
+    /// Parts of the forces, per velocity.
+    pub forces: Vec<f64>,
+    /// Impulses that the forces give, per velocity, by the time at which they have reached half of their largest value.
+    pub impulses: Vec<f64>,
+    /// Parts of the gap in m, per contact.
+    pub gaps: Vec<f64>,
+    /// Parts of χ_N and χ in m/s, per contact.
+    pub velocities: Vec<f64>,
+}
+
+impl TimeDependence {
+    /// Of a system with so many velocities and contacts, nothing of which depends on time.
+    pub fn none(velocities: usize, contacts: usize) -> Self {
+        Self {
+            forces: vec![0.0; velocities],
+            impulses: vec![0.0; velocities],
+            gaps: vec![0.0; contacts],
+            velocities: vec![0.0; contacts],
+        }
+    }
+}
+
 /// A step of Moreau's midpoint rule, from the state before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step<'a> {
@@ -355,6 +385,14 @@ pub trait System: Debug + Sync {
         None
     }
 
+    /// What depends on time from zero to `t_end`, as seen from the state `(q, u)`; nothing if nothing does.
+    ///
+    /// By default the system is asked for forces, gaps and χ at times of all magnitudes, and what is not finite or fails
+    /// there is left out.
+    fn time_dependence(&self, q: &[f64], u: &[f64], t_end: f64) -> Option<TimeDependence> {
+        Some(sampled_dependence(self, q, u, t_end))
+    }
+
     /// What follows from the coordinates and is asked for again and again, contact by contact, such as the attitudes
     /// of bodies; nothing by default. Every method that is given a [`Configuration`] must do without it, too.
     fn derive(&self, _q: &[f64], _derived: &mut Vec<f64>) {}
@@ -424,7 +462,7 @@ pub trait System: Debug + Sync {
         midpoint.t = t;
         self.advance(q, u, 0.5 * dt, &mut midpoint.q);
         self.derive(&midpoint.q, &mut midpoint.derived);
-        midpoint.before.copy_from_slice(u);
+        copy(u, &mut midpoint.before);
         let at = Configuration { t, piece: t, q: &midpoint.q, derived: &midpoint.derived };
         self.forces(&at, u, &mut midpoint.forces)
     }
@@ -443,10 +481,46 @@ pub trait System: Debug + Sync {
         q: &mut [f64],
         u: &mut [f64],
     ) -> Result<(), SystemError> {
-        u.copy_from_slice(after);
+        copy(after, u);
         self.advance(&midpoint.q, u, 0.5 * dt, q);
         Ok(())
     }
+}
+
+/// What depends on time in a system that is asked at times of all magnitudes.
+fn sampled_dependence<S: System + ?Sized>(
+    system: &S,
+    q: &[f64],
+    u: &[f64],
+    t_end: f64,
+) -> TimeDependence {
+    let (n, contacts) = (system.dof(), system.contacts());
+    let mut found = TimeDependence::none(n, contacts.len());
+    let mut forces = vec![Extent::default(); n];
+    let (mut values, mut rows, mut chi) = (vec![0.0; n], vec![0.0; 4 * n], [0.0; 4]);
+    for t in sample_times(t_end) {
+        let at = Configuration::new(t, q);
+        if system.forces(&at, u, &mut values).is_ok() {
+            forces.iter_mut().zip(&values).for_each(|(extent, value)| extent.include(t, *value));
+        }
+        for (i, contact) in contacts.iter().enumerate() {
+            let chi = &mut chi[..contact.rows()];
+            let Ok(gap) = full_rows(system, &at, i, &mut rows[..chi.len() * n], chi) else {
+                continue;
+            };
+            found.gaps[i] = larger_of_finite(found.gaps[i], gap);
+            found.velocities[i] = chi.iter().copied().fold(found.velocities[i], larger_of_finite);
+        }
+    }
+    for (k, extent) in forces.iter().enumerate() {
+        (found.forces[k], found.impulses[k]) = (extent.size, extent.reach());
+    }
+    found
+}
+
+/// The larger of a size and the size of a value, which does not count if it is not finite.
+fn larger_of_finite(size: f64, value: f64) -> f64 {
+    if value.is_finite() { size.max(value.abs()) } else { size }
 }
 
 /// The rows of a contact with all velocities of the system, as methods with matrices of its size need them; its gap.
@@ -454,8 +528,8 @@ pub trait System: Debug + Sync {
 /// # Errors
 ///
 /// As [`System::rows`].
-pub fn full_rows(
-    system: &dyn System,
+pub fn full_rows<S: System + ?Sized>(
+    system: &S,
     at: &Configuration<'_>,
     contact: usize,
     rows: &mut [f64],

@@ -11,6 +11,45 @@ pub type Function<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 /// A function of the time in s that returns its value and its rate.
 pub type FunctionWithRate<const D: usize> = Arc<dyn Fn(f64) -> [[f64; D]; 2] + Send + Sync>;
 
+/// Times per factor of ten, and magnitudes of time, at which functions of the user are asked how large they become.
+const TIMES_PER_DECADE: i32 = 3;
+const DECADES: i32 = 32;
+
+/// Zero, and times of all magnitudes up to `t_end`.
+pub(super) fn sample_times(t_end: f64) -> impl Iterator<Item = f64> {
+    let part = |k: i32| 10f64.powf(-f64::from(k) / f64::from(TIMES_PER_DECADE));
+    let later = (0..=DECADES * TIMES_PER_DECADE).rev().map(move |k| t_end * part(k));
+    std::iter::once(0.0).chain(later)
+}
+
+/// How large a function of time becomes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Extent {
+    /// Its largest part.
+    pub(super) size: f64,
+    /// The times at which its samples were a new largest one, and half of what they are now.
+    since: f64,
+    half: f64,
+}
+
+impl Extent {
+    /// Takes a sample into account; samples ascend in time.
+    pub(super) fn include(&mut self, t: f64, value: f64) {
+        if !(value.is_finite() && value.abs() > self.size) {
+            return;
+        }
+        if value.abs() > 2.0 * self.half {
+            (self.since, self.half) = (t, value.abs());
+        }
+        self.size = value.abs();
+    }
+
+    /// Its integral up to the time at which it has reached half of its size.
+    pub(super) fn reach(&self) -> f64 {
+        self.since * self.size
+    }
+}
+
 /// `D` numbers as a function of time. Functions of the user are taken for smooth.
 #[derive(Clone)]
 #[non_exhaustive]
@@ -123,6 +162,30 @@ impl<const D: usize> TimeFunction<D> {
             Self::Signal(signal) => signal.next_break(t),
             _ => None,
         }
+    }
+
+    /// How large its components, or with [`Derivative::First`] their rates, become between zero and `t_end`: of a signal
+    /// the parts of which they are made, of a function of the user the largest of samples. Constants do not depend on
+    /// time.
+    pub(super) fn extents(&self, derivative: Derivative, t_end: f64) -> [Extent; D] {
+        let mut extents = [Extent::default(); D];
+        let mut include = |t: f64, values: [f64; D]| {
+            extents.iter_mut().zip(values).for_each(|(extent, value)| extent.include(t, value));
+        };
+        match (self, derivative) {
+            (Self::Constant(_), _) => {}
+            (Self::Signal(signal), _) => {
+                include(0.0, std::array::from_fn(|k| signal.size(k, derivative, t_end)));
+            }
+            (Self::WithRate(function), Derivative::First) => {
+                sample_times(t_end).for_each(|t| include(t, function(t)[1]));
+            }
+            (_, Derivative::Value) => {
+                sample_times(t_end).for_each(|t| include(t, self.value(Moment::new(t))));
+            }
+            _ => {}
+        }
+        extents
     }
 
     /// Refuses constants that are not finite and signals of another number of components.

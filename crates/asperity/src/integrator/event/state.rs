@@ -10,9 +10,9 @@ use crate::vectors::add;
 pub(crate) const ZERO_VELOCITY: f64 = 1e-12;
 /// Gap over the reach of a contact that counts as closed at an impact and at the beginning.
 pub(crate) const CLOSED_GAP: f64 = 1e-12;
-/// Gap in m, and velocity in m/s, that count as none where no length may be known but that of rounding, such as of a
-/// body at rest at the origin: states of a size of one are no finer.
-pub(crate) const LEAST: f64 = f64::EPSILON;
+/// Gap in m, and velocity in m/s, that count as none at the beginning at most, where no length may be known but that of
+/// rounding, such as of a body at rest at the origin: states of a size of one are no finer.
+const LEAST: f64 = f64::EPSILON;
 /// Overlap over the reach of a contact that rounding explains.
 pub(crate) const ROUNDED_OVERLAP: f64 = 1e-14;
 /// Rounding errors of accelerations over the accelerations that balance in them.
@@ -23,6 +23,23 @@ const SPACINGS: f64 = 4.0;
 /// A time too short for a step at `t`.
 pub(crate) fn shortest_step(t: f64) -> f64 {
     SPACINGS * f64::EPSILON * t
+}
+
+/// Gap and velocity that count as none at the beginning, whatever is known of lengths: what rounding leaves of the way and
+/// of the velocity that the loads give until the end, where nothing stops them.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Negligible {
+    pub(crate) gap: f64,
+    pub(crate) velocity: f64,
+}
+
+impl Negligible {
+    /// In a motion that begins with the velocity `speed` and lasts until `t_end`, with accelerations up to `acceleration`.
+    pub(crate) fn of(speed: f64, acceleration: f64, t_end: f64) -> Self {
+        let velocity = f64::EPSILON * acceleration * t_end;
+        let gap = (f64::EPSILON * speed + velocity) * t_end;
+        Self { gap: gap.min(LEAST), velocity: velocity.min(LEAST) }
+    }
 }
 
 /// The accelerations cannot be evaluated.

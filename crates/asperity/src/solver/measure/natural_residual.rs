@@ -64,18 +64,26 @@ impl<'a> Measured<'a> {
     }
 
     /// Square of the defect of both inclusions of a contact with the prox parameter `rho`.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn defect(&self, contact: &ContactRows, rho: f64) -> f64 {
-        let normal_defect = match contact.normal {
-            NormalForce::Prescribed(_) => 0.0,
-            NormalForce::Unilateral => {
-                let normal = self.percussion[contact.offset];
-                normal - f64::max(0.0, normal - rho * self.xi(contact.offset))
-            }
-        };
-        let tangential = contact.law.inclusion_defect(self.friction(contact), rho);
-        normal_defect * normal_defect + tangential
+        let normal = self.percussion[contact.offset];
+        defect(contact, (normal, self.xi(contact.offset)), self.friction(contact), rho)
     }
+}
+
+/// The same from percussion and velocity in the contact's first row, and its friction.
+#[inline(always)]
+pub(crate) fn defect(
+    contact: &ContactRows,
+    (percussion, xi): (f64, f64),
+    friction: Friction<'_>,
+    rho: f64,
+) -> f64 {
+    let normal_defect = match contact.normal {
+        NormalForce::Prescribed(_) => 0.0,
+        NormalForce::Unilateral => percussion - f64::max(0.0, percussion - rho * xi),
+    };
+    normal_defect * normal_defect + contact.law.inclusion_defect(friction, rho)
 }
 
 /// Defect of the projections that the contact laws are, contact by contact:

@@ -6,7 +6,7 @@ use super::pose::{Twist, angular, linear, twist};
 use super::rigid_bodies::RigidBodies;
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, Step,
-    System, SystemError,
+    System, SystemError, TimeDependence,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -77,6 +77,10 @@ impl System for RigidBodies {
             next = Break::earlier(next, plane.next_break(t));
         }
         next
+    }
+
+    fn time_dependence(&self, q: &[f64], _u: &[f64], t_end: f64) -> Option<TimeDependence> {
+        self.depends_on_time().then(|| self.extents_in_time(q, t_end))
     }
 
     fn forces(

@@ -84,7 +84,7 @@ impl Loads {
         };
         Self {
             accelerations: dynamics.acceleration.clone(),
-            load: dynamics.load,
+            load: dynamics.rounded_load(),
             forces: dynamics.contacts.iter().map(force).collect(),
         }
     }

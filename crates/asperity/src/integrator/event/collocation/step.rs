@@ -7,7 +7,7 @@
 use crate::integrator::event::collocation::direction_points::DirectionPoints;
 use crate::integrator::event::collocation::radau::{STAGES, Tableau, lagrange};
 use crate::integrator::event::state::State;
-use crate::linear::DenseLu;
+use crate::linear::BlockLu;
 
 /// One step with its stages.
 #[derive(Debug, Clone, Default)]
@@ -28,7 +28,7 @@ pub(crate) struct Step {
     /// Points of direction sets, where they are unknowns of their own.
     pub(crate) points: DirectionPoints,
     /// What Newton's method and the estimate of the error work in.
-    pub(crate) matrix: DenseLu,
+    pub(crate) matrix: BlockLu,
     pub(crate) residual: Vec<f64>,
     pub(crate) guess: Vec<f64>,
     pub(crate) total_by_u: Vec<f64>,

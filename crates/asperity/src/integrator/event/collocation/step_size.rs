@@ -3,7 +3,7 @@
 use crate::contact::Phase;
 use crate::integrator::event::collocation::growth::GROWTH;
 use crate::integrator::event::dynamics::{Dynamics, ROWS};
-use crate::integrator::event::state::{LEAST, ROUNDING, Scale, State, ZERO_VELOCITY};
+use crate::integrator::event::state::{ROUNDING, Scale, State, ZERO_VELOCITY};
 use crate::vectors::{largest, norm};
 
 /// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
@@ -43,12 +43,14 @@ pub(crate) struct StepSize {
     refused_growth: f64,
 }
 
-/// A relative error that counts, and the largest of the forces that balance, as accelerations. Below what rounding
-/// leaves of these no error can be asked for.
+/// A relative error that counts, and what keeps rounding: the largest of the forces that balance and of the parts of
+/// functions of time, as accelerations, and the velocity that these give while they grow. Below what rounding leaves of
+/// these no error can be asked for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Accuracy {
     pub(crate) goal: f64,
     pub(crate) load: f64,
+    pub(crate) reach: f64,
 }
 
 impl StepSize {
@@ -65,6 +67,11 @@ impl StepSize {
             growth_rate: 0.0,
             refused_growth: f64::INFINITY,
         }
+    }
+
+    /// Takes into account that velocities are made of parts of this size.
+    pub(crate) fn account_for_parts(&mut self, velocity: f64) {
+        self.creep = self.creep.max(ROUNDING / ZERO_VELOCITY * velocity);
     }
 
     /// Takes a state into account, to which a step of length `h` has led.
@@ -101,10 +108,10 @@ impl StepSize {
         &self,
         h: f64,
         acceleration: f64,
-        Accuracy { goal, load }: Accuracy,
+        Accuracy { goal, load, reach }: Accuracy,
     ) -> Scale {
-        let rounding = ROUNDING / goal * load;
-        let u = self.scale.u.max(h * acceleration.max(rounding)).max(1e-100);
+        let rounding = ROUNDING / goal * (h * load).max(reach);
+        let u = self.scale.u.max(h * acceleration).max(rounding).max(1e-100);
         Scale { q: self.scale.q.max(h * u), u }
     }
 
@@ -118,7 +125,7 @@ impl StepSize {
     pub(crate) fn first_step_limit(&self, t_end: f64, a0: &[f64]) -> f64 {
         let Scale { q, u } = self.scale;
         // A velocity that is rounding, such as of a sine at its crest, tells no time.
-        let u = if u > LEAST { u } else { 0.0 };
+        let u = if u > ZERO_VELOCITY * self.creep { u } else { 0.0 };
         let times = [0.01 * u / largest(a0), 0.01 * q / u];
         let usable = times.into_iter().filter(|t| t.is_finite() && *t > 0.0);
         usable.fold(0.01 * t_end, f64::min)
@@ -192,7 +199,9 @@ impl StepSize {
                     limit = limit.min(-velocity / rate);
                 }
                 if velocity < -ZERO_VELOCITY * self.speed() && !dynamics.constant {
-                    limit = limit.min(BEYOND * contact.gap.max(0.0) / -velocity);
+                    // The event is where the overlap is more than rounding explains.
+                    let way = contact.gap.max(0.0) + dynamics.rounded_overlap(i);
+                    limit = limit.min(BEYOND * way / -velocity);
                 }
             }
         }

@@ -5,7 +5,7 @@ use std::iter::{once, repeat_n};
 use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solving};
 use crate::integrator::event::dynamics::{ConstraintMatrix, Dynamics, ROWS};
 use crate::integrator::event::state::{EvaluationError, State};
-use crate::vectors::add;
+use crate::vectors::{add, norm};
 
 /// Relative distance from the boundary of a reservoir that counts as none.
 const BOUNDARY: f64 = 1e-6;
@@ -17,6 +17,8 @@ pub(crate) enum ImpactLaw {
     Newton,
     /// Without restitution, where a bounce would be too small to be followed.
     Plastic,
+    /// All normal velocities vanish, also of contacts that others would throw up too low to be followed.
+    Closing,
 }
 
 /// Solves the impact of unilateral contacts: the velocities of the state jump, and the contacts' new normal
@@ -30,6 +32,11 @@ pub(crate) fn collide(
     solving: &Solving<'_, '_>,
 ) -> Result<Decision, EvaluationError> {
     dynamics.kinematics(state.t, &state.q, &state.u)?;
+    if law == ImpactLaw::Closing {
+        close(dynamics, state, contacts);
+        after.fill(0.0);
+        return Ok(Decision::Made { ambiguous: false });
+    }
     let participants = Participants::alone(dynamics, contacts.to_vec());
     let before: Vec<f64> =
         participants.rows.iter().map(|&row| dynamics.velocity(row, &state.u)).collect();
@@ -55,6 +62,25 @@ pub(crate) fn collide(
     after.clear();
     after.extend(problem.contacts().iter().map(|rows| solved.velocity[rows.offset]));
     Ok(Decision::Made { ambiguous: solved.ambiguous })
+}
+
+/// The end of a sequence of impacts, which leaves no normal velocities of contacts, nor slips that are not larger than
+/// these were: friction takes them out as the impacts do the others. The kinematics of the state have been evaluated.
+fn close(dynamics: &Dynamics<'_>, state: &mut State, contacts: &[usize]) {
+    let approach = |&i: &usize| dynamics.velocity(ROWS * i, &state.u).abs();
+    let fastest = contacts.iter().map(approach).fold(0.0, f64::max);
+    let stops = |i: usize| norm(&dynamics.contacts[i].slip) <= fastest;
+    let rows_of =
+        |&i: &usize| ROWS * i..=ROWS * i + if stops(i) { dynamics.contacts[i].p } else { 0 };
+    let rows: Vec<usize> = contacts.iter().flat_map(rows_of).collect();
+    let mut matrix = ConstraintMatrix::default();
+    dynamics.factor_mobility(&rows, &mut matrix);
+    let mut percussions: Vec<f64> =
+        rows.iter().map(|&row| -dynamics.velocity(row, &state.u)).collect();
+    matrix.solve(&mut percussions);
+    for (percussion, &row) in percussions.iter().zip(&rows) {
+        add(&mut state.u, *percussion, dynamics.response(row));
+    }
 }
 
 /// Percussions that balance leave rounding in slips, of what hits a surface flat for instance: it is a share of what they

@@ -1,6 +1,7 @@
 //! What the dynamics work in, kept from one evaluation to the next.
 
 use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
+use crate::integrator::event::dynamics::independent_parts::IndependentParts;
 
 /// The states of differences along the motion.
 #[derive(Debug)]
@@ -8,13 +9,15 @@ pub(crate) struct Stencil {
     /// Time between neighbouring states.
     pub(crate) width: f64,
     pub(crate) widest: f64,
+    /// Whether the states lie on one side of the present one.
+    pub(crate) one_sided: bool,
     /// What the rows there make of the present velocities.
     pub(crate) velocities: Vec<[f64; 4]>,
 }
 
 impl Stencil {
     pub(crate) fn new(rows: usize) -> Self {
-        Self { width: 0.0, widest: 0.0, velocities: vec![[0.0; 4]; rows] }
+        Self { width: 0.0, widest: 0.0, one_sided: false, velocities: vec![[0.0; 4]; rows] }
     }
 }
 
@@ -44,6 +47,8 @@ pub(crate) struct SmoothJacobian {
     pub(crate) slips: Vec<[f64; 3]>,
     /// The coordinates and velocities of the differences.
     pub(crate) shifted: (Vec<f64>, Vec<f64>),
+    /// The parts of the system that do not act on each other, if they are known.
+    pub(crate) together: Option<IndependentParts>,
 }
 
 impl SmoothJacobian {
@@ -55,6 +60,7 @@ impl SmoothJacobian {
             acceleration: vec![0.0; n],
             slips: Vec::new(),
             shifted: Default::default(),
+            together: None,
         }
     }
 }

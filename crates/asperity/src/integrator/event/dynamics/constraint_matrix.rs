@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::linear::{DenseLu, LeastNorm};
+use crate::linear::{BlockLu, LeastNorm};
 
 /// Pivot over the largest entry that counts as zero. Differences along the motion and the masses' range leave about
 /// as much of redundant rows.
@@ -13,9 +13,16 @@ const RANK: f64 = 1e-10;
 /// A factored matrix.
 #[derive(Debug, Default)]
 pub(crate) struct ConstraintMatrix {
-    lu: DenseLu,
-    /// Whether solutions are those of least squares and least norm.
+    lu: BlockLu,
+    /// Whether solutions are those of least squares and least norm, in some of the parts that are connected.
     pub(crate) singular: bool,
+    singular_parts: Vec<SingularPart>,
+}
+
+/// Rows that are connected, and whose matrix is singular.
+#[derive(Debug)]
+struct SingularPart {
+    rows: Vec<usize>,
     least_norm: Option<LeastNorm>,
 }
 
@@ -26,24 +33,31 @@ impl ConstraintMatrix {
         for (k, value) in self.lu.begin(size).iter_mut().enumerate() {
             *value = entry(k / size, k % size);
         }
-        self.singular = !self.lu.factor(if size == 1 { 0.0 } else { SINGULAR });
-        if self.singular {
-            self.least_norm = LeastNorm::new(DMatrix::from_fn(size, size, entry), RANK);
-        }
+        let parts = &mut self.singular_parts;
+        parts.clear();
+        self.singular = !self.lu.factor_parts(SINGULAR, |entries, rows| {
+            let entry = |i: usize, j: usize| entries[rows[i] * size + rows[j]];
+            let part = DMatrix::from_fn(rows.len(), rows.len(), entry);
+            let least_norm = LeastNorm::new(part, RANK);
+            parts.push(SingularPart { rows: rows.to_vec(), least_norm });
+        });
     }
 
     /// `values ← matrix⁻¹ values`. A matrix whose entries are not numbers has no solution.
-    pub(crate) fn solve(&self, values: &mut [f64]) {
-        if !self.singular {
-            self.lu.solve(values);
-            return;
-        }
-        match &self.least_norm {
-            Some(factors) => {
-                let solution = factors.solve(&DVector::from_column_slice(values));
-                values.copy_from_slice(solution.as_slice());
+    pub(crate) fn solve(&mut self, values: &mut [f64]) {
+        let right = |part: &SingularPart| {
+            DVector::from_iterator(part.rows.len(), part.rows.iter().map(|&i| values[i]))
+        };
+        let found: Vec<Option<DVector<f64>>> = self
+            .singular_parts
+            .iter()
+            .map(|part| part.least_norm.as_ref().map(|factors| factors.solve(&right(part))))
+            .collect();
+        self.lu.solve(values);
+        for (part, found) in self.singular_parts.iter().zip(found) {
+            for (k, &i) in part.rows.iter().enumerate() {
+                values[i] = found.as_ref().map_or(f64::NAN, |found| found[k]);
             }
-            None => values.fill(f64::NAN),
         }
     }
 }

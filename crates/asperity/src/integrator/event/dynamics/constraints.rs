@@ -47,7 +47,7 @@ impl Dynamics<'_> {
         let n = self.n;
         let Constraints { rows, columns, matrix, forces, defects } = system;
         let count = rows.len();
-        matrix.factor(count, |k, l| dot(self.row(rows[k]), &columns[l * n..(l + 1) * n]));
+        matrix.factor(count, |k, l| self.mobility(rows[k], rows[l], &columns[l * n..(l + 1) * n]));
         forces.clear();
         forces.resize(count, 0.0);
         // A solution leaves residuals that grow with the condition of the matrix, such as where light and heavy
@@ -83,12 +83,17 @@ impl Dynamics<'_> {
     /// change of the forces is left in [`constraint_forces`](Self::constraint_forces).
     pub(crate) fn constrain(&mut self, acceleration: &mut [f64]) {
         let Constraints { rows, columns, matrix, forces, .. } = &mut self.constraints;
-        let row = |row: usize| &self.rows[row * self.n..(row + 1) * self.n];
+        let (all, spans) = (&self.rows, &self.spans);
+        let along = |row: usize, vector: &[f64]| {
+            let span = spans[row / ROWS].clone();
+            let first = row * self.n;
+            dot(&all[first + span.start..first + span.end], &vector[span])
+        };
         forces.clear();
         if rows.is_empty() {
             return;
         }
-        forces.extend(rows.iter().map(|&k| -dot(row(k), acceleration)));
+        forces.extend(rows.iter().map(|&k| -along(k, acceleration)));
         matrix.solve(forces);
         for (column, x) in columns.chunks_exact(self.n).zip(&*forces) {
             add(acceleration, *x, column);

@@ -1,9 +1,11 @@
 //! How rows change along the motion, `ẇ_Nᵀu` and `Ẇᵀu + χ̇`, by differences over a stencil of four states.
 
+use std::ops::Range;
+
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Stencil;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
-use crate::integrator::event::state::{EvaluationError, State};
+use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
 use crate::vectors::dot;
 
 /// Width of the stencil over the time scale of the rows. Truncation of fourth order and rounding are of one size
@@ -11,8 +13,26 @@ use crate::vectors::dot;
 const CHANGE: f64 = 1e-3;
 /// Number of widths that are tried at the beginning, from a billionth of the whole time on.
 const TRIALS: usize = 30;
-/// The states of the stencil, in its widths from the present one.
-const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
+/// The states of a stencil in its widths from the present one, and the weights of the present velocities and of those
+/// there in their rate.
+struct Differences {
+    places: [f64; 4],
+    here: f64,
+    there: [f64; 4],
+}
+
+/// About the present state.
+const CENTRAL: Differences = Differences {
+    places: [-2.0, -1.0, 1.0, 2.0],
+    here: 0.0,
+    there: [1.0 / 12.0, -8.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0],
+};
+/// From the present state on, where functions of time have just begun; backwards where they end.
+const FORWARD: Differences = Differences {
+    places: [1.0, 2.0, 3.0, 4.0],
+    here: -25.0 / 12.0,
+    there: [4.0, -3.0, 4.0 / 3.0, -1.0 / 4.0],
+};
 
 impl Dynamics<'_> {
     /// The drift of these contacts, zero of the others.
@@ -24,26 +44,46 @@ impl Dynamics<'_> {
         wanted: impl Fn(&ContactVariables) -> bool,
     ) -> Result<(), EvaluationError> {
         let n = self.n;
+        let (differences, sign) = self.differences_at(t);
         let Stencil { width, velocities, .. } = &mut self.stencil;
         velocities.fill([0.0; 4]);
-        for (k, place) in PLACES.into_iter().enumerate() {
-            let time = t + place * *width;
-            self.chart.place_along(q, u, place * *width, &mut self.scratch);
+        for (k, place) in differences.places.into_iter().enumerate() {
+            let ahead = sign * place * *width;
+            self.chart.place_along(q, u, ahead, &mut self.scratch);
             let u = &self.scratch[..];
             for (i, contact) in self.contacts.iter().enumerate().filter(|(_, c)| wanted(c)) {
                 let (first, mut chi) = (usize::from(contact.prescribed.is_some()), [0.0; ROWS]);
                 let chi = &mut chi[first..1 + contact.p];
                 let rows = &mut self.scratch_rows[..chi.len() * n];
-                self.chart.rows(time, i, rows, chi)?;
+                self.chart.rows(t + ahead, i, rows, chi)?;
                 for (r, row) in rows.chunks_exact(n).enumerate() {
                     velocities[ROWS * i + first + r][k] = chi[r] + dot(row, u);
                 }
             }
         }
-        for (drift, [a, b, c, d]) in self.drift.iter_mut().zip(velocities) {
-            *drift = (*a - 8.0 * *b + 8.0 * *c - *d) / (12.0 * *width);
+        self.stencil.one_sided = differences.here != 0.0;
+        self.drift.fill(0.0);
+        for (i, contact) in self.contacts.iter().enumerate().filter(|(_, c)| wanted(c)) {
+            let first = ROWS * i + usize::from(contact.prescribed.is_some());
+            for row in first..=ROWS * i + contact.p {
+                let own = self.stencil.velocities[row].iter().zip(&differences.there);
+                let here = differences.here * self.velocity(row, u);
+                let sum = own.fold(here, |sum, (velocity, weight)| sum + weight * velocity);
+                self.drift[row] = sign * sum / self.stencil.width;
+            }
         }
         Ok(())
+    }
+
+    /// The differences at a time, and whether they go forwards or backwards: functions of time are not asked outside of
+    /// their piece, where those of the user are not known.
+    fn differences_at(&self, t: f64) -> (&'static Differences, f64) {
+        let (reach, Range { start, end }) = (2.0 * self.stencil.width, &self.piece);
+        match (t - reach < *start, t + reach > *end) {
+            (true, _) if self.time_parts.depends_on_time() => (&FORWARD, 1.0),
+            (_, true) if self.time_parts.depends_on_time() => (&FORWARD, -1.0),
+            _ => (&CENTRAL, 1.0),
+        }
     }
 
     /// The drift of all contacts, open ones too, at a state where the dynamics have been evaluated.
@@ -116,6 +156,7 @@ impl Dynamics<'_> {
         let mut change = 0.0;
         for (i, contact) in self.contacts.iter().enumerate() {
             let rows = ROWS * i..=ROWS * i + contact.p;
+            let rounding = ROUNDING * self.time_parts.velocity_of(i);
             let parts = |row: usize| {
                 let terms = self.row(row).iter().zip(u).map(|(w, u)| (w * u).abs());
                 terms.sum::<f64>() + self.chi[row].abs()
@@ -126,8 +167,14 @@ impl Dynamics<'_> {
                 let here = self.velocity(row, u);
                 let size = [a, b, c, d].iter().fold(size, |m, v| m.max(v.abs()));
                 if size > 0.0 && [a, b, c, d] != [0.0; 4] {
-                    let second = (b - 2.0 * here + c).abs() / size;
-                    let third = (d - 2.0 * c + 2.0 * b - a).abs() / (2.0 * size);
+                    let (second, third) = if self.stencil.one_sided {
+                        (here - 2.0 * a + b, d - 3.0 * c + 3.0 * b - a)
+                    } else {
+                        (b - 2.0 * here + c, 0.5 * (d - 2.0 * c + 2.0 * b - a))
+                    };
+                    // What rounding of functions of time leaves tells nothing of how fast they change.
+                    let beyond = |difference: f64| (difference.abs() - rounding).max(0.0) / size;
+                    let (second, third) = (beyond(second), beyond(third));
                     change = f64::max(change, second.sqrt().max(third.cbrt()));
                 }
             }

@@ -7,6 +7,7 @@ use crate::integrator::event::dynamics::buffers::{
 };
 use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::dynamics::rounding::TimeParts;
 use crate::integrator::event::state::EvaluationError;
 use crate::law::Law;
 use crate::system::mass::MassFactors;
@@ -26,6 +27,10 @@ pub(crate) struct Dynamics<'a> {
     /// The largest component of the accelerations that the forces would give one by one. The acceleration may be their
     /// difference, as small as rounding makes it, and is compared with this.
     pub(crate) load: f64,
+    /// The parts of functions of time.
+    pub(crate) time_parts: TimeParts,
+    /// Beginning and end of the smooth piece of functions of time in which the motion is.
+    pub(crate) piece: Range<f64>,
     /// How far rounding may move a contact in the present step while the forces there balance.
     pub(crate) creep: f64,
     /// The last time at which the system is asked. Its forces may jump at the end of the motion, to which only
@@ -35,13 +40,16 @@ pub(crate) struct Dynamics<'a> {
     pub(crate) direction_points: Vec<(usize, [f64; 3])>,
     /// `W_Nᵀ` and `Wᵀ`, [`ROWS`] per contact.
     pub(crate) rows: Vec<f64>,
+    /// The velocities among which those lie that the rows of a contact move, and their responses: of the first to the last
+    /// block that it touches.
+    pub(crate) spans: Vec<Range<usize>>,
     /// χ, as many entries as there are rows.
     pub(crate) chi: Vec<f64>,
     /// `ẇ_Nᵀu` and `Ẇᵀu + χ̇`, likewise.
     pub(crate) drift: Vec<f64>,
     /// `M⁻¹` times the rows.
     pub(crate) response: Vec<f64>,
-    factor: Option<MassFactors>,
+    pub(crate) factor: Option<MassFactors>,
     /// Whether rows and mass never change.
     pub(crate) constant: bool,
     /// Whether rows have been evaluated.
@@ -59,6 +67,11 @@ impl<'a> Dynamics<'a> {
     pub(crate) fn new(system: &'a dyn System, chart: Chart<'a>, t_end: f64) -> Self {
         let (n, rows) = (system.dof(), ROWS * system.contacts().len());
         let constant = chart.is_constant();
+        let span = |contact: usize| {
+            let (blocks, touched) = (system.blocks(), system.touched(contact));
+            let ends = touched.first().zip(touched.last());
+            ends.map_or(0..n, |(&a, &b)| blocks.range(a).start..blocks.range(b).end)
+        };
         Self {
             system,
             chart,
@@ -66,10 +79,13 @@ impl<'a> Dynamics<'a> {
             contacts: system.contacts().iter().map(ContactVariables::new).collect(),
             acceleration: vec![0.0; n],
             load: 0.0,
+            time_parts: TimeParts::default(),
+            piece: 0.0..t_end,
             creep: 0.0,
             latest: t_end.next_down(),
             direction_points: Vec::new(),
             rows: vec![0.0; rows * n],
+            spans: (0..system.contacts().len()).map(span).collect(),
             chi: vec![0.0; rows],
             drift: vec![0.0; rows],
             response: vec![0.0; rows * n],
@@ -98,14 +114,27 @@ impl<'a> Dynamics<'a> {
         &self.response[row * self.n..(row + 1) * self.n]
     }
 
+    /// A row times a vector.
+    pub(crate) fn along(&self, row: usize, vector: &[f64]) -> f64 {
+        let span = self.spans[row / ROWS].clone();
+        dot(&self.row(row)[span.clone()], &vector[span])
+    }
+
+    /// A row times the response, or another combination of them, of the contact of another row.
+    pub(crate) fn mobility(&self, row: usize, of: usize, response: &[f64]) -> f64 {
+        let (own, other) = (&self.spans[row / ROWS], &self.spans[of / ROWS]);
+        let span = own.start.max(other.start)..own.end.min(other.end);
+        if span.is_empty() { 0.0 } else { dot(&self.row(row)[span.clone()], &response[span]) }
+    }
+
     /// `γ_N` or a component of γ at these velocities.
     pub(crate) fn velocity(&self, row: usize, u: &[f64]) -> f64 {
-        dot(self.row(row), u) + self.chi[row]
+        self.along(row, u) + self.chi[row]
     }
 
     /// `γ̈_N` or a component of `γ̇` with these accelerations.
     pub(crate) fn rate(&self, row: usize, acceleration: &[f64]) -> f64 {
-        dot(self.row(row), acceleration) + self.drift[row]
+        self.along(row, acceleration) + self.drift[row]
     }
 
     /// Rows of a contact along which it can have forces of its own.
@@ -142,8 +171,10 @@ impl<'a> Dynamics<'a> {
         for (i, contact) in self.contacts.iter_mut().enumerate() {
             let rows = self.rows[(ROWS * i + 1) * n..].chunks_exact(n);
             let chi = &self.chi[ROWS * i + 1..ROWS * i + 1 + contact.p];
-            let mut size = 0.0;
+            let span = self.spans[i].clone();
+            let (u, mut size) = (&u[span.clone()], 0.0);
             for ((slip, chi), row) in contact.slip.iter_mut().zip(chi).zip(rows) {
+                let row = &row[span.clone()];
                 *slip = *chi + dot(row, u);
                 let parts: f64 = row.iter().zip(u).map(|(w, u)| (w * u).abs()).sum();
                 size += (chi.abs() + parts) * (chi.abs() + parts);
@@ -159,7 +190,14 @@ impl<'a> Dynamics<'a> {
             self.factor = Some(factors);
         }
         if let Some(factor) = &self.factor {
-            self.response.chunks_exact_mut(n).for_each(|row| factor.solve(self.system, row));
+            let blocks = self.system.blocks();
+            for (i, rows) in self.response.chunks_exact_mut(ROWS * n).enumerate() {
+                for row in rows.chunks_exact_mut(n) {
+                    for &block in self.system.touched(i) {
+                        factor.solve_block(self.system, block, &mut row[blocks.range(block)]);
+                    }
+                }
+            }
         }
         self.chart.pull_responses(&mut self.response);
         self.ready = true;
@@ -170,7 +208,7 @@ impl<'a> Dynamics<'a> {
 
     /// Refuses directions of a contact that move nothing.
     pub(crate) fn check_rows(&self, i: usize) -> Result<(), EvaluationError> {
-        let mobility = |row: usize| dot(self.row(row), self.response(row));
+        let mobility = |row: usize| self.along(row, self.response(row));
         // The comparison also turns away NaN.
         if self.rows_of(i).any(|row| !(mobility(row) > 0.0)) {
             return Err(SystemError::direction(i).into());

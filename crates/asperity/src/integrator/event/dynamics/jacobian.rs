@@ -15,6 +15,9 @@ const NOISE: f64 = 1e-3;
 impl Dynamics<'_> {
     /// The smooth part of the Jacobian at `state` for steps up to about the length `h`, by forward differences.
     ///
+    /// Parts of the system that do not act on each other are shifted together, as far as they are known: after an event
+    /// they are found anew.
+    ///
     /// Where forces balance, what rounding leaves of their change must not look like a Jacobian: its product with
     /// `h`, or `h²`, has to be small beside one. Therefore the `load` of the forces gives the least widths.
     pub(crate) fn linearise(
@@ -34,34 +37,51 @@ impl Dynamics<'_> {
         self.smooth.acceleration.copy_from_slice(&self.acceleration);
         self.smooth.slips.clear();
         self.smooth.slips.extend(self.contacts.iter().map(|contact| contact.slip));
+        self.smooth.by_u.fill(0.0);
+        self.smooth.by_q.fill(0.0);
+        self.smooth.slip_by_q.fill(0.0);
+        let together = std::mem::take(&mut self.smooth.together);
+        let alone: Vec<Vec<usize>> = (0..n).map(|j| vec![j]).collect();
         let root = f64::EPSILON.sqrt();
-        for j in 0..n {
-            let (kept, width) = (u[j], (root * u[j].abs().max(1e-3 * scale.u)).max(least));
-            u[j] += width;
-            let width = u[j] - kept;
+        for columns in together.as_ref().map_or(&alone, |parts| &parts.columns) {
+            let width = |x: f64| (root * x.abs().max(1e-3 * scale.u)).max(least);
+            let widths = shift(u, columns, width);
             self.evaluate(*t, q, u, SlidingForces::Kept)?;
-            u[j] = kept;
-            let SmoothJacobian { by_u, acceleration, .. } = &mut self.smooth;
-            for (k, (there, here)) in self.acceleration.iter().zip(acceleration).enumerate() {
-                by_u[k * n + j] = (there - *here) / width;
-            }
-        }
-        for j in 0..n {
-            let (kept, width) = (q[j], (root * q[j].abs().max(1e-3 * scale.q)).max(least * h));
-            q[j] += width;
-            let width = q[j] - kept;
-            self.evaluate(*t, q, u, SlidingForces::Kept)?;
-            q[j] = kept;
-            let SmoothJacobian { by_q, slip_by_q, acceleration, slips, .. } = &mut self.smooth;
-            for (k, (there, here)) in self.acceleration.iter().zip(acceleration).enumerate() {
-                by_q[k * n + j] = (there - *here) / width;
-            }
-            for (i, (contact, here)) in self.contacts.iter().zip(slips).enumerate() {
-                for (r, (there, here)) in contact.slip[..contact.p].iter().zip(here).enumerate() {
-                    slip_by_q[(ROWS * i + 1 + r) * n + j] = (there - *here) / width;
+            u.copy_from_slice(&state.u);
+            for (&j, width) in columns.iter().zip(&widths) {
+                let SmoothJacobian { by_u, acceleration, .. } = &mut self.smooth;
+                for (k, (there, here)) in self.acceleration.iter().zip(acceleration).enumerate() {
+                    if together.as_ref().is_none_or(|parts| parts.of[k] == parts.of[j]) {
+                        by_u[k * n + j] = (there - *here) / width;
+                    }
                 }
             }
         }
+        for columns in together.as_ref().map_or(&alone, |parts| &parts.columns) {
+            let width = |x: f64| (root * x.abs().max(1e-3 * scale.q)).max(least * h);
+            let widths = shift(q, columns, width);
+            self.evaluate(*t, q, u, SlidingForces::Kept)?;
+            q.copy_from_slice(&state.q);
+            for (&j, width) in columns.iter().zip(&widths) {
+                let own = |k: usize| together.as_ref().is_none_or(|p| p.of[k] == p.of[j]);
+                let SmoothJacobian { by_q, slip_by_q, acceleration, slips, .. } = &mut self.smooth;
+                for (k, (there, here)) in self.acceleration.iter().zip(acceleration).enumerate() {
+                    if own(k) {
+                        by_q[k * n + j] = (there - *here) / width;
+                    }
+                }
+                for (i, (contact, here)) in self.contacts.iter().zip(slips).enumerate() {
+                    if contact.mode == Phase::Open || !own(self.spans[i].start) {
+                        continue;
+                    }
+                    let slips = contact.slip[..contact.p].iter().zip(here);
+                    for (r, (there, here)) in slips.enumerate() {
+                        slip_by_q[(ROWS * i + 1 + r) * n + j] = (there - *here) / width;
+                    }
+                }
+            }
+        }
+        self.smooth.together = together.or_else(|| Some(self.independent_parts()));
         self.smooth.shifted = (shifted_q, shifted_u);
         Ok(())
     }
@@ -103,6 +123,16 @@ impl Dynamics<'_> {
     }
 }
 
+/// Shifts some of the values by the widths that these ask for; by how much.
+fn shift(values: &mut [f64], columns: &[usize], width: impl Fn(f64) -> f64) -> Vec<f64> {
+    let shifted = columns.iter().map(|&j| {
+        let kept = values[j];
+        values[j] += width(kept);
+        values[j] - kept
+    });
+    shifted.collect()
+}
+
 /// Slopes as far as they exist.
 fn finite(slope: Option<[Components; 3]>) -> [Components; 3] {
     let finite = |entry: f64| if entry.is_finite() { entry } else { 0.0 };
@@ -112,6 +142,8 @@ fn finite(slope: Option<[Components; 3]>) -> [Components; 3] {
 /// `matrix += factor column rowᵀ`.
 fn add_dyad(matrix: &mut [f64], factor: f64, column: &[f64], row: &[f64]) {
     for (target, c) in matrix.chunks_exact_mut(row.len()).zip(column) {
-        add(target, factor * c, row);
+        if *c != 0.0 {
+            add(target, factor * c, row);
+        }
     }
 }

@@ -11,8 +11,10 @@ mod contact_variables;
 mod drift;
 mod equations;
 mod evaluation;
+mod independent_parts;
 mod jacobian;
 mod projection;
+mod rounding;
 
 pub(crate) use chart::Chart;
 pub(crate) use constraint_matrix::ConstraintMatrix;

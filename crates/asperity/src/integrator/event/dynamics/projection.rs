@@ -6,7 +6,7 @@ use crate::integrator::event::dynamics::buffers::Projection;
 use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::state::{EvaluationError, State};
-use crate::vectors::{add, dot};
+use crate::vectors::add;
 
 impl Dynamics<'_> {
     /// Takes gaps, approach and slip, which rounding and differences bring in, out of contacts that have none.
@@ -44,6 +44,7 @@ impl Dynamics<'_> {
 
     /// Factors `WᵀM⁻¹W` of some rows.
     pub(crate) fn factor_mobility(&self, rows: &[usize], matrix: &mut ConstraintMatrix) {
-        matrix.factor(rows.len(), |i, j| dot(self.row(rows[i]), self.response(rows[j])));
+        let entry = |i: usize, j: usize| self.mobility(rows[i], rows[j], self.response(rows[j]));
+        matrix.factor(rows.len(), entry);
     }
 }

@@ -7,14 +7,13 @@ pub(crate) use between_stages::NODES;
 
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
-use crate::integrator::event::state::ROUNDED_OVERLAP;
 
 /// A function that is not positive while a contact stays in its mode. It becomes positive where a gap closes, a
 /// sticking force leaves the reservoir, or the normal force of a slipping contact vanishes.
 pub(crate) fn contact_event_function(dynamics: &Dynamics<'_>, i: usize) -> f64 {
     let contact = &dynamics.contacts[i];
     match (contact.mode, contact.prescribed) {
-        (Phase::Open, None) => -contact.gap - (ROUNDED_OVERLAP * contact.reach).max(dynamics.creep),
+        (Phase::Open, None) => -contact.gap - dynamics.rounded_overlap(i),
         (Phase::Stick | Phase::Slip, _) if contact.redistributed => -1.0,
         (Phase::Stick, _) => excess(dynamics, i),
         (Phase::Slip, None) => -contact.normal_force,

@@ -26,6 +26,7 @@ impl Integration<'_> {
         }
         self.dynamics.chart.piece = next.map_or(start, |end| start + 0.5 * (end.time - start));
         self.next_break = next;
+        self.dynamics.piece = start..next.map_or(self.options.t_end, |end| end.time);
         passed
     }
 

@@ -93,6 +93,7 @@ impl Integration<'_> {
         self.a0.copy_from_slice(&self.dynamics.acceleration);
         self.keep_sliding();
         (self.slope, self.smooth, self.linearised) = (None, false, None);
+        self.dynamics.smooth.together = None;
         self.step_size.forget_rates(&self.dynamics);
         self.dynamics.widen_stencil(&self.state)?;
         self.reset_event_functions(true);

@@ -35,7 +35,7 @@ impl Integration<'_> {
         let (start, mut after) = (self.state.clone(), vec![0.0; involved.len()]);
         let mut ambiguous = false;
         if involved.iter().any(|&i| self.approach(i) < -still) {
-            for law in [ImpactLaw::Newton, ImpactLaw::Plastic] {
+            for law in [ImpactLaw::Newton, ImpactLaw::Plastic, ImpactLaw::Closing] {
                 self.state.clone_from(&start);
                 let solving =
                     Solving { memory: &self.memory, observer: &self.observer, t: start.t };
@@ -46,7 +46,7 @@ impl Integration<'_> {
                     Decision::Made { ambiguous: several } => ambiguous = several,
                     Decision::Ended(outcome) => return Ok(Some(outcome)),
                 }
-                if !self.bounces_negligibly(&involved, &after) {
+                if !self.bounces_negligibly(&involved, &after)? {
                     break;
                 }
             }
@@ -71,16 +71,34 @@ impl Integration<'_> {
         Ok(others.any(|i| touches(&self.dynamics.contacts[i]) && self.approach(i) < -still))
     }
 
-    /// Whether contacts bounce, all of them lower than can be followed.
-    fn bounces_negligibly(&self, involved: &[usize], after: &[f64]) -> bool {
+    /// Whether contacts bounce, all of them lower than can be followed. Those that were closed may be thrown up by the
+    /// others: a body that rocks from foot to foot comes to rest within a finite time, too.
+    fn bounces_negligibly(
+        &mut self,
+        involved: &[usize],
+        after: &[f64],
+    ) -> Result<bool, EvaluationError> {
         let still = self.zero_velocity();
-        let mut bounces = involved.iter().zip(after).filter(|(_, v)| **v > still).peekable();
-        bounces.peek().is_some()
-            && bounces.all(|(&i, &v)| {
-                let fall = -self.dynamics.rate(ROWS * i, &self.a0);
-                let low = v * v < 2.0 * fall * LOWEST * self.dynamics.contacts[i].reach;
-                fall > 0.0 && (low || v < fall * shortest_step(self.state.t))
-            })
+        let bouncing = |(_, v): &(&usize, &f64)| **v > still;
+        let bounces: Vec<_> = involved.iter().zip(after).filter(bouncing).collect();
+        if bounces.is_empty() {
+            return Ok(false);
+        }
+        // How they fall while the others stay closed.
+        let (contacts, memory) = (self.dynamics.contacts.clone(), self.memory.clone());
+        let State { t, q, u } = &self.state;
+        self.dynamics.kinematics(*t, q, u)?;
+        self.set_modes_after(involved, after);
+        let State { t, q, u } = &self.state;
+        self.dynamics.evaluate(*t, q, u, SlidingForces::Updated)?;
+        self.dynamics.drift_of_all(&self.state)?;
+        let negligible = bounces.iter().all(|&(&i, &v)| {
+            let fall = -self.dynamics.rate(ROWS * i, &self.dynamics.acceleration);
+            let low = v * v < 2.0 * fall * LOWEST * self.dynamics.contacts[i].reach;
+            fall > 0.0 && (low || v < fall * shortest_step(self.state.t))
+        });
+        (self.dynamics.contacts, self.memory) = (contacts, memory);
+        Ok(negligible)
     }
 
     /// Contacts that leave open, the others are decided on. `after` are the normal velocities of those involved.
@@ -92,6 +110,12 @@ impl Integration<'_> {
     ) -> Ending {
         let State { t, q, u } = &self.state;
         self.dynamics.kinematics(*t, q, u)?;
+        self.set_modes_after(involved, after);
+        self.decide_modes(before)
+    }
+
+    /// Opens the contacts that leave, the others slip or stick; at velocities where the kinematics have been evaluated.
+    fn set_modes_after(&mut self, involved: &[usize], after: &[f64]) {
         let still = self.zero_velocity();
         for i in 0..self.memory.len() {
             let place = involved.iter().position(|&k| k == i);
@@ -106,7 +130,6 @@ impl Integration<'_> {
                 None => {}
             }
         }
-        self.decide_modes(before)
     }
 
     /// A slipping contact that no longer resists normal motions.

@@ -6,7 +6,7 @@ use crate::integrator::event::event_function::root;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Bracket;
 use crate::integrator::event::integration::variables::Integration;
-use crate::integrator::event::state::{CLOSED_GAP, LEAST};
+use crate::integrator::event::state::CLOSED_GAP;
 
 /// Share of the first step in which events are not located: to rounding of its length is not to rounding of their
 /// time. Later steps are not so much longer than those before.
@@ -61,14 +61,14 @@ impl Integration<'_> {
     /// Whether an event function is at its limit at the present state already, so that its event is there.
     fn is_at_limit(&self, number: usize) -> bool {
         let limit = match self.dynamics.contacts.get(number) {
-            Some(contact) if contact.mode == Phase::Open => closed_gap(contact),
+            Some(contact) if contact.mode == Phase::Open => self.closed_gap(contact),
             _ => 0.0,
         };
         self.event_values[number] >= -limit
     }
-}
 
-/// The gap at which a contact counts as closed at the beginning.
-pub(crate) fn closed_gap(contact: &ContactVariables) -> f64 {
-    (CLOSED_GAP * contact.reach).max(LEAST)
+    /// The gap at which a contact counts as closed at the beginning.
+    pub(crate) fn closed_gap(&self, contact: &ContactVariables) -> f64 {
+        (CLOSED_GAP * contact.reach).max(self.negligible.gap)
+    }
 }

@@ -1,10 +1,11 @@
 //! The beginning of the motion: what is refused, and what the contacts do.
 
 use crate::argument::{ArgumentError, refuse};
+use crate::contact::Phase;
 use crate::integrator::event::dynamics::{ContactVariables, ROWS};
-use crate::integrator::event::integration::location::closed_gap;
 use crate::integrator::event::integration::variables::{Ending, Integration};
-use crate::integrator::event::state::{EvaluationError, LEAST, State};
+use crate::integrator::event::state::{EvaluationError, Negligible, State};
+use crate::system::{Break, Smoothness};
 use crate::vectors::{largest, norm};
 
 impl Integration<'_> {
@@ -14,10 +15,17 @@ impl Integration<'_> {
         self.enter_piece();
         let State { t, q, u } = &self.state;
         self.dynamics.kinematics(*t, q, u)?;
+        let t_end = self.options.t_end;
+        let (start_q, start_u) = self.dynamics.chart.system_state(&self.state);
+        let (start_q, start_u) = (start_q.to_vec(), start_u.to_vec());
+        self.dynamics.account_for_time(&start_q, &start_u, t_end);
+        self.step_size.account_for_parts(self.dynamics.time_parts.velocity);
         self.step_size.account_for(&mut self.dynamics, &self.state, 0.0);
         // An impact at the beginning is told from rest by the accelerations without contacts.
         self.dynamics.free_acceleration(*t, u, &mut self.a0)?;
-        let overlaps = |c: &ContactVariables| c.prescribed.is_none() && c.gap < -closed_gap(c);
+        let acceleration = largest(&self.a0).max(self.dynamics.time_parts.load);
+        self.negligible = Negligible::of(largest(u), acceleration, t_end);
+        let overlaps = |c: &ContactVariables| c.prescribed.is_none() && c.gap < -self.closed_gap(c);
         let contacts = &self.dynamics.contacts;
         Ok(contacts.iter().position(overlaps).map_or(Ok(()), |contact| {
             let depth = -contacts[contact].gap;
@@ -30,18 +38,34 @@ impl Integration<'_> {
     /// Decides what the contacts do at the beginning.
     pub(crate) fn initialise(&mut self) -> Ending {
         self.dynamics.choose_stencil(&self.state, self.options.t_end)?;
+        let mut hit = self.touch();
+        if hit.is_some() && self.step_back()? {
+            hit = None;
+        }
+        let Some(contact) = hit else {
+            return self.decide_modes(&vec![None; self.memory.len()]);
+        };
+        // Velocities jump at once: the state from which they do is the first sample.
+        self.record();
+        self.collide(contact)
+    }
+
+    /// Closes the contacts that touch and do not part, where the kinematics have been evaluated; one that collides, if any
+    /// does.
+    fn touch(&mut self) -> Option<usize> {
         let mut hit = None;
-        let still = self.zero_velocity().max(LEAST);
+        let still = self.zero_velocity().max(self.negligible.velocity);
         for i in 0..self.memory.len() {
             let rows =
                 (1..=self.dynamics.contacts[i].p).map(|r| largest(self.dynamics.row(ROWS * i + r)));
             let size = rows.fold(0.0, f64::max);
             // Rounding must not slip.
-            if norm(&self.dynamics.contacts[i].slip) <= LEAST * size {
+            if norm(&self.dynamics.contacts[i].slip) <= self.negligible.velocity * size {
                 self.dynamics.contacts[i].slip = [0.0; 3];
             }
+            self.dynamics.contacts[i].mode = Phase::Open;
             let contact = self.dynamics.contacts[i];
-            if contact.prescribed.is_none() && contact.gap <= closed_gap(&contact) {
+            if contact.prescribed.is_none() && contact.gap <= self.closed_gap(&contact) {
                 let approach = self.approach(i);
                 if approach < -still {
                     hit = Some(i);
@@ -52,9 +76,27 @@ impl Integration<'_> {
                 self.close_contact(i);
             }
         }
-        match hit {
-            Some(contact) => self.collide(contact),
-            None => self.decide_modes(&vec![None; self.memory.len()]),
+        hit
+    }
+
+    /// Where a kink of functions of time at the beginning is what lets surfaces strike contacts that rest on them before,
+    /// the motion begins before that kink, which is then passed as any later one; whether it is.
+    fn step_back(&mut self) -> Result<bool, EvaluationError> {
+        let before = self.state.t.next_down();
+        let next = self.dynamics.system.next_break(before);
+        let kink = |b: &Break| b.time == self.state.t && b.smoothness == Smoothness::Kink;
+        let Some(kink) = next.filter(kink) else { return Ok(false) };
+        let piece = std::mem::replace(&mut self.dynamics.chart.piece, before);
+        let State { t, q, u } = &self.state;
+        self.dynamics.kinematics(*t, q, u)?;
+        if self.touch().is_none() {
+            self.next_break = Some(kink);
+            return Ok(true);
         }
+        self.dynamics.chart.piece = piece;
+        let State { t, q, u } = &self.state;
+        self.dynamics.kinematics(*t, q, u)?;
+        self.touch();
+        Ok(false)
     }
 }

@@ -63,7 +63,12 @@ pub(crate) fn run(
 impl Integration<'_> {
     fn integrate(&mut self) -> Result<Outcome, EvaluationError> {
         let mut outcome = self.initialise()?;
-        self.record();
+        if self.motion.samples.is_empty() {
+            self.record();
+        }
+        if outcome.is_none() && self.end_of_piece() == self.state.t {
+            outcome = self.pass_break()?;
+        }
         if outcome.is_none() {
             let longest = self.step_size.first_step_limit(self.options.t_end, &self.a0);
             let longest = longest.min(self.dynamics.chart.turn_limit(&self.state, &self.a0));
@@ -134,8 +139,9 @@ impl Integration<'_> {
             }
             Detection::None => {
                 self.accept_step(if h == left { end } else { self.state.t + h })?;
-                if h == left {
-                    // It was not the error that has made this step short.
+                if h < wanted {
+                    // It was not the error that has made this step short, but the end of a piece, of a flight or of a
+                    // slip, which may be that of one body among many.
                     self.step_size.h = self.step_size.h.max(wanted);
                 }
                 self.end_slips()

@@ -10,7 +10,7 @@ use crate::integrator::event::event_function::{NODES, contact_event_function};
 use crate::integrator::event::motion::{Event, EventKind, Motion};
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
-use crate::integrator::event::state::{EvaluationError, State, ZERO_VELOCITY};
+use crate::integrator::event::state::{EvaluationError, Negligible, State, ZERO_VELOCITY};
 use crate::integrator::observer::Observer;
 use crate::system::{Break, InitialState, System};
 use crate::vectors::largest;
@@ -23,6 +23,8 @@ pub(crate) struct Integration<'a> {
     pub(crate) options: &'a Options,
     pub(crate) dynamics: Dynamics<'a>,
     pub(crate) state: State,
+    /// What counts as none at the beginning.
+    pub(crate) negligible: Negligible,
     /// What the contacts did last.
     pub(crate) memory: Vec<ContactState>,
     pub(crate) step_size: StepSize,
@@ -73,6 +75,7 @@ impl<'a> Integration<'a> {
         Self {
             options,
             state,
+            negligible: Negligible::default(),
             memory: vec![ContactState::default(); contacts],
             step_size: StepSize::new(options.tolerance, contacts),
             motion: Motion::new(&dynamics),
@@ -125,7 +128,8 @@ impl<'a> Integration<'a> {
 
     /// A relative error that is aimed at, with what decides whether rounding allows it.
     pub(crate) fn accuracy(&self, goal: f64) -> Accuracy {
-        Accuracy { goal, load: self.dynamics.load }
+        let (load, reach) = (self.dynamics.rounded_load(), self.dynamics.time_parts.reach);
+        Accuracy { goal, load, reach }
     }
 
     /// What Newton's method aims at in a step of length `h` with accelerations up to `largest`.

@@ -1,0 +1,86 @@
+//! What rounding leaves in accelerations, gaps and velocities, beside what is known from the motion so far.
+//!
+//! Where nothing has moved yet, functions of time are all there is to compare errors with: the parts of which they are
+//! made, whose small difference a load, a gap or a velocity may be.
+
+use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::state::{CLOSED_GAP, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY};
+use crate::system::TimeDependence;
+use crate::vectors::{dot, largest};
+
+/// The parts of functions of time.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct TimeParts {
+    /// Accelerations that the parts of the forces give.
+    pub(crate) load: f64,
+    /// Velocity that the forces give by the time at which they are of their size.
+    pub(crate) reach: f64,
+    /// The largest of the velocities of contacts.
+    pub(crate) velocity: f64,
+    /// Those of every contact.
+    velocities: Vec<f64>,
+    /// Whether anything depends on time.
+    depends: bool,
+}
+
+impl TimeParts {
+    /// The velocities of a contact.
+    pub(crate) fn velocity_of(&self, contact: usize) -> f64 {
+        self.velocities.get(contact).copied().unwrap_or(0.0)
+    }
+
+    /// Whether anything depends on time.
+    pub(crate) fn depends_on_time(&self) -> bool {
+        self.depends
+    }
+}
+
+impl Dynamics<'_> {
+    /// Asks for the parts of functions of time, as seen from the coordinates and velocities of the system at which the
+    /// kinematics have been evaluated. They give contacts what gaps and slips are compared with at least.
+    pub(crate) fn account_for_time(&mut self, q: &[f64], u: &[f64], t_end: f64) {
+        let Some(found) = self.system.time_dependence(q, u, t_end) else { return };
+        let TimeDependence { mut forces, mut impulses, gaps, velocities } = found;
+        if let Some(factor) = &self.factor {
+            factor.solve(self.system, &mut forces);
+            factor.solve(self.system, &mut impulses);
+        }
+        for (contact, (gap, velocity)) in self.contacts.iter_mut().zip(gaps.iter().zip(&velocities))
+        {
+            contact.reach = contact.reach.max(ROUNDING / CLOSED_GAP * gap);
+            contact.speed = contact.speed.max(ROUNDING / ZERO_VELOCITY * velocity);
+        }
+        self.time_parts = TimeParts {
+            load: largest(&forces),
+            reach: largest(&impulses),
+            velocity: largest(&velocities),
+            velocities,
+            depends: true,
+        };
+    }
+
+    /// The overlap of a contact that rounding explains.
+    pub(crate) fn rounded_overlap(&self, i: usize) -> f64 {
+        (ROUNDED_OVERLAP * self.contacts[i].reach).max(self.creep)
+    }
+
+    /// The largest acceleration of which the accelerations keep the rounding: the load, the parts of functions of time,
+    /// and those of velocities of surfaces over the width of the stencil of which their rates are differences.
+    pub(crate) fn rounded_load(&self) -> f64 {
+        let mut load = self.load + self.time_parts.load;
+        if self.constant {
+            return load;
+        }
+        for (i, velocity) in self.time_parts.velocities.iter().enumerate() {
+            if self.contacts[i].is_free() || *velocity == 0.0 {
+                continue;
+            }
+            for row in self.rows_of(i) {
+                let response = self.response(row);
+                let per_rate = largest(response) / dot(self.row(row), response);
+                load = load.max(velocity / self.stencil.width * per_rate);
+            }
+        }
+        load
+    }
+}
