@@ -2,7 +2,8 @@
 //!
 //! `cargo bench` prints the ratios after criterion's own report. With the argument `million` it only
 //! prints the nanoseconds per step of a million belt steps with every 100th saved, the floor that
-//! `python_overhead.py` compares Python with.
+//! `python_overhead.py` compares Python with. With `count` and `hand` or `exact` it makes 20,000 belt steps and no
+//! measurement, for tools that count instructions; a third argument is another number of steps.
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -130,6 +131,14 @@ fn main() {
         let steps = 5 * STEPS;
         let million = || run(&belt, [0.0; 2], steps, 100);
         println!("{}", nanoseconds(&[&million])[0] * STEPS as f64 / steps as f64);
+        return;
+    }
+    let mut arguments = std::env::args().skip_while(|argument| argument != "count").skip(1);
+    if let Some(candidate) = arguments.next() {
+        let steps = arguments.next().and_then(|steps| steps.parse().ok()).unwrap_or(20_000);
+        let count =
+            if candidate == "hand" { floor(steps) } else { run(&belt, [0.0; 2], steps, steps) };
+        black_box(count);
         return;
     }
     let difference = (floor(STEPS) - run(&belt, [0.0; 2], STEPS, STEPS)).abs();

@@ -1,26 +1,25 @@
 """Make the figures of the documentation that no other command writes.
 
-Run: python docs/make_figures.py
+Run: PYTHONPATH=examples python docs/make_figures.py
 """
 
-import subprocess
-import sys
+import runpy
 from pathlib import Path
 from typing import Any
 
 import asperity as asp
 import matplotlib.pyplot as plt
 import numpy as np
-from asperity.paper import redraw, round_trip
-from asperity.plot.look import BLUE, GREEN, GREY, INK, ORANGE, PURPLE
+from asperity.demo import round_trip
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
+from paper.__main__ import redraw
+from paper.drawing import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, Array
 
-Array = NDArray[np.float64]
+ROOT = Path(__file__).resolve().parents[1]
 
-IMAGES = Path(__file__).resolve().parent / "images"
+IMAGES = ROOT / "docs" / "images"
 STEPS = (0.4, 1.0, 1.6)
 """r λ_max(G) of the constant iteration, r̃ λ_max(G) of the adaptive one."""
 
@@ -327,14 +326,15 @@ def bifurcation() -> None:
 
 def conveyor() -> None:
     """Run the example of the vibratory conveyor."""
-    script = IMAGES.parents[1] / "examples" / "vibratory_conveyor.py"
-    subprocess.run([sys.executable, script, IMAGES / "conveyor.png"], check=True)
+    script = ROOT / "examples" / "bodies" / "vibratory_conveyor.py"
+    runpy.run_path(str(script))
+    asp.plot.save_figure(plt.gcf(), IMAGES / "conveyor.png")
 
 
 def paper() -> None:
     """Draw the figures of the paper that the documentation shows."""
     for number in (10, 12):
-        figure = redraw.FIGURES[number]().figure
+        figure = redraw(number).figure
         asp.plot.save_figure(figure, IMAGES / f"fig{number}.png", dpi=110)
 
 

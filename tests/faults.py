@@ -85,12 +85,10 @@ def figure():
 
 def figure_data():
     from asperity._base.tables import write_columns
-    from asperity.paper.data import Curves
 
     def curves(n):
-        data = Curves()
-        data.add("a", "curve", np.random.default_rng(n).normal(size=(n, 2)))
-        columns = data.columns()
+        x, y = np.random.default_rng(n).normal(size=(2, n))
+        columns = {"curve": ["a"] * n, "x": x, "y": y}
         return lambda out: write_columns(out / "data.csv", columns)
 
     return curves(300), curves(5000)

@@ -10,13 +10,24 @@ from pathlib import Path
 
 import asperity as asp
 import numpy as np
-from asperity import identify, mechanisms, plot, problems, track
+from asperity import identify, mechanisms, plot, predict, problems, track
 from asperity.contact import files, grading
 from filmed import RUN, SMALL
 from matplotlib.figure import Figure
 from test_values import CYCLE, VALUES
 
-MODULES = (asp, identify, track, problems, problems.scenes, mechanisms, plot, grading, files)
+MODULES = (
+    asp,
+    identify,
+    track,
+    problems,
+    problems.scenes,
+    mechanisms,
+    plot,
+    predict,
+    grading,
+    files,
+)
 _NUMBERS = re.compile(r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b|\bTimeFunction\b")
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.5), asp.Ellipse(3.0, 1.0))
@@ -55,6 +66,11 @@ RUN_OF_BODIES = asp.simulate(BODIES, dt=0.01, t_end=0.1)
 FRAME = np.full((60, 80, 3), 120, dtype=np.uint8)
 FRAME[20:40, 30:50] = 200, 30, 30
 FOLDER = tempfile.TemporaryDirectory()
+SCENARIO, _ = predict.write_example("sliding point", Path(FOLDER.name) / "scenario")
+LAW_FILE = FIT.save_law(Path(FOLDER.name) / "law.toml")
+PREDICTION = predict.simulate_scenario(SCENARIO, law=LAW_FILE, bands=True)
+LAW_SHEET = predict.describe_law(LAW_FILE)
+STABILITY_SHEET = predict.describe_stability(LAW_FILE)
 TABLE = Path(FOLDER.name) / "run.csv"
 TABLE.write_text(
     "time,angle,tangential,radial,normal\n"
@@ -102,6 +118,8 @@ OBJECTS = [
     problems.scenes.stack(2),
     mechanisms.FollowerPendulum(0.5),
     mechanisms.FrictionalImpactOscillator(0.5),
+    LAW_SHEET,
+    PREDICTION.bands.region,
 ]
 """Of several of one class the first is taken."""
 
@@ -125,7 +143,15 @@ ARGUMENTS = {
     "support": {"y": [1.0, 0.1]},
     "support_hessian": {"y": [1.0, 0.1]},
     "support_point": {"y": [1.0, 0.1]},
+    "axis_angle": {"axis": [0.0, 0.0, 1.0], "angle": 0.3},
+    "LinearSystem.with_law": {"law": LAW, "contacts": 0},
+    "RigidBodies.with_law": {"law": LAW, "pairs": 0},
+    "SlidingDisk.with_law": {"law": LAW, "pairs": None},
+    "predict.Belt": {"mass": 1.0, "stiffness": 2.0, "speed": 1.0, "normal_force": 1.0},
     "Cone.contains": {"y": [1.0, 0.1]},
+    "predict.LawSheet.coefficients": {"step_deg": 30.0},
+    "predict.Region.contains": {"x": [0.1, 0.1]},
+    "predict.Region.outline": {"points": 8},
     "Cone.distance": {"y": [1.0, 0.1]},
     "Cone.project": {"y": [1.0, 0.1]},
     "Ellipse.from_intercepts": {"n1": 2.0, "n2": 1.0, "nu": 0.1},
@@ -320,6 +346,7 @@ RESULTS = {
     "Fit",
     "Track",
     "TrackConfig",
+    "Region",
 }
 """What the library makes itself, and may make with NaN where something is not known."""
 

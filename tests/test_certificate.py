@@ -327,6 +327,46 @@ def test_verdicts_that_were_missed():
     assert check_random_systems(seeds) == {"converged": 1, "closing": 1, "friction": 7}
 
 
+# Bodies that friction jams: percussions up to 1e10 times the loads leave small residuals, while all
+# contacts approach by a part of 1e-4 to 1e-3 of the loads.
+@pytest.mark.parametrize("seed", [184, 238, 244, 246])
+def test_systems_of_bodies_have_the_verdict_of_their_matrix(seed):
+    directions, matrix = random_system(seed)
+    mass = np.eye(len(directions))
+    free, laws = matrix.free_velocity, matrix.laws
+    bodies = asp.ContactProblem.from_bodies(mass, directions, free, laws)
+    for problem in (matrix, bodies):
+        solution = problem.solve(tolerance=1e-9, on_failure="record")
+        assert solution.status is Status.NO_SOLUTION
+        assert proves_no_solution(problem, solution.infeasibility)
+        assert proves_no_solution(bodies, solution.infeasibility)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_bodies_of_any_mass_with_a_solution_are_not_denied_it(seed):
+    """G loses heavy bodies beside light ones: what seems to vanish in it need not vanish."""
+    rng = np.random.default_rng(seed)
+    contacts, dof = (int(rng.integers(*limits)) for limits in ((2, 7), (2, 8)))
+    directions = rng.normal(size=(dof, 2 * contacts)) * (rng.random((dof, 2 * contacts)) < 0.6)
+    directions[rng.integers(dof, size=2 * contacts), np.arange(2 * contacts)] = 1.0
+    directions[:, 0] = -directions[:, 2]
+    mass = np.diag(10.0 ** rng.uniform(0.0, 18.0, size=dof))
+    percussion, velocity = np.zeros((contacts, 2)), np.zeros((contacts, 2))
+    for p, v in zip(percussion, velocity, strict=True):
+        push, slip = 10.0 ** rng.uniform(-2.0, 2.0, size=2)
+        match rng.integers(3):
+            case 0:
+                v[:] = push, slip
+            case 1:
+                p[:] = push, 0.4 * push * rng.uniform(-0.98, 0.98)
+            case _:
+                p[:], v[1] = (push, -0.4 * push), slip
+    free = velocity.ravel() - directions.T @ np.linalg.solve(mass, directions @ percussion.ravel())
+    law = asp.FrictionLaw.isotropic(0.4, dimension=1)
+    problem = asp.ContactProblem.from_bodies(mass, directions, free, law)
+    assert problem.solve(on_failure="record", time_limit=20.0).status is not Status.NO_SOLUTION
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("first", range(0, 10_000, 500))
 def test_ten_thousand_verdicts_are_those_of_linear_programming(first):

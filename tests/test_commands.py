@@ -5,11 +5,9 @@ import sys
 
 import asperity as asp
 import pytest
+from asperity.commands import demo
 from asperity.commands.main import main
-from asperity.paper import demo, redraw
-from asperity.paper.checks import Check
-
-CHECK = Check("right", 1.0, 1.0, 0.0)
+from asperity.demo import Check
 
 
 def run(*arguments):
@@ -42,49 +40,9 @@ def test_demo_writes_figures_and_tables_and_passes(tmp_path):
 
 
 def test_a_check_that_is_off_exits_with_1(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(demo, "run", lambda folder: [Check("period", 28.703, 28.6, 0.02)])
+    monkeypatch.setattr(demo, "compute", lambda folder: [Check("period", 28.703, 28.6, 0.02)])
     assert main(["demo", "--out", str(tmp_path)]) == 1
     assert "OFF" in capsys.readouterr().out
-
-
-def test_figures_are_drawn_with_data_and_checks(tmp_path):
-    done = run("figures", "--only", "6,8-9", "--out", str(tmp_path / "new"))
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert sorted(file.name for file in (tmp_path / "new").iterdir()) == [
-        "fig06.csv",
-        "fig06.png",
-        "fig08.csv",
-        "fig08.png",
-    ]
-    assert (tmp_path / "new" / "fig06.png").read_bytes().startswith(b"\x89PNG")
-    for words in ("Fig. 8 (42)", " 0 off", "Fig. 9, a sketch of a spring"):
-        assert words in done.stdout
-
-
-def test_all_figures_are_the_default(tmp_path, monkeypatch, capsys):
-    asked = []
-    monkeypatch.setattr(redraw, "run", lambda folder, chosen: asked.extend(chosen) or [CHECK])
-    assert main(["figures", "--out", str(tmp_path)]) == 0
-    assert asked == list(range(1, 28))
-    assert "is not redrawn" in capsys.readouterr().out
-
-
-def test_a_statement_that_is_off_exits_with_1(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(
-        redraw, "run", lambda folder, chosen: [CHECK, Check("wrong", 1.0, 0.0, 0.0)]
-    )
-    assert main(["figures", "--out", str(tmp_path)]) == 1
-    assert "2 checks, 1 off" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("only", "words"),
-    [("9", "is not redrawn"), ("28", "must name figures"), ("x", "ranges like 1-4,7")],
-)
-def test_figures_that_cannot_be_drawn_exit_with_2(tmp_path, capsys, only, words):
-    assert main(["figures", "--only", only, "--out", str(tmp_path / "new")]) == 2
-    assert words in capsys.readouterr().err
-    assert not (tmp_path / "new").exists()
 
 
 def test_user_errors_exit_with_2_and_one_line(tmp_path):
@@ -96,7 +54,7 @@ def test_user_errors_exit_with_2_and_one_line(tmp_path):
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("arguments", [[], ["demo"], ["figures"], ["nonsense"]])
+@pytest.mark.parametrize("arguments", [[], ["demo"], ["figures"]])
 def test_wrong_usage_exits_with_2(arguments):
     done = run(*arguments)
     assert done.returncode == 2

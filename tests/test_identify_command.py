@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from asperity import Ellipse, FrictionLaw
 from asperity.commands.main import main
+from asperity.demo import table1
 from asperity.identify import MeasuredSets, VirtualTribometer, write_raw
 from asperity.identify.campaign import FILES
-from asperity.paper import table1
 from scipy.stats import t
 
-LAW = table1.laws()["extended, superellipses C, D"]
+LAW = table1.LAWS["extended, superellipses C, D"]
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import asperity as asp
+import asperity.demo
 import pytest
 
 PACKAGE = Path(asp.__file__).parent
@@ -22,16 +23,18 @@ LAYERS = [
     {"steady_sliding"},
     {"cycles"},
     {"identify", "mechanisms", "plot", "problems", "track"},
-    {"paper"},
+    {"demo", "predict"},
     {"commands"},
 ]
 # Imported at first use.
-ROOMS = {"identify", "mechanisms", "plot", "problems", "track"}
+ROOMS = {"identify", "mechanisms", "plot", "predict", "problems", "track"}
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 # Rooms within a room; what stands at its door may use them all.
 ROOMS_WITHIN = {
     "identify": ["records", "forces", "fitting"],
     "identify/fitting": ["models", "data", "least_squares", "uncertainty"],
+    "steady_sliding": ["critical", "linearised"],
+    "track": ["film", "image", "following"],
 }
 MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "runs"}
 MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "commands"}
@@ -61,7 +64,7 @@ def test_imports_go_one_way(path):
     own = path.relative_to(PACKAGE).with_suffix("").parts[0]
     others = {names[0] for names in imported(path)} - {own}
     if own == "__init__":
-        assert not others & {"plot", "problems", "identify", "paper", "commands"}
+        assert not others & {"plot", "problems", "identify", "demo", "commands"}
         return
     assert own in RANK
     # What is no part is a name of the package itself, such as its version.
@@ -80,13 +83,35 @@ def test_rooms_within_a_room_go_one_way(house):
             assert {n[0] for n in inside} <= set(rooms[: rank + 1]), path
 
 
+PUBLIC = {"asperity", "asperity.demo", *(f"asperity.{room}" for room in ROOMS)}
+PUBLIC |= {f"asperity.demo.{module.name}" for module in pkgutil.iter_modules(asp.demo.__path__)}
+EXAMPLES = PACKAGE.parents[1] / "examples"
+SCRIPTS = [*EXAMPLES.rglob("*.py"), *(PACKAGE / "demo").glob("*.py")]
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_examples_and_the_demo_use_the_public_interface_only(path):
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+            assert {name for name in names if name.startswith("asperity")} <= PUBLIC
+        elif isinstance(node, ast.ImportFrom) and node.module.startswith("asperity"):
+            assert node.module in PUBLIC
+            module = importlib.import_module(node.module)
+            public = getattr(module, "__all__", vars(module))
+            names = {alias.name for alias in node.names} - (ROOMS if module is asp else set())
+            assert names <= set(public) | ({"demo"} if module is asp else set())
+            assert not any(name.startswith("_") for name in names)
+        elif isinstance(node, ast.Attribute) and ast.unparse(node.value) == "asp":
+            assert node.attr in {*asp.__all__, *ROOMS}
+
+
 def test_no_function_hides_a_module():
     """A folder or file of a function's name would be hidden by it, or hide it."""
     for module in pkgutil.walk_packages(asp.__path__, "asperity."):
         if module.name != "asperity.__main__":
             importlib.import_module(module.name)
-    files = [path for path in MODULES if "paper" not in path.parts]
-    names = {path.stem for path in files} | {path.parent.name for path in files}
+    names = {path.stem for path in MODULES} | {path.parent.name for path in MODULES}
     rooms = [asp, *(getattr(asp, room) for room in ROOMS)]
     functions = {n for room in rooms for n in room.__all__ if inspect.isfunction(getattr(room, n))}
     assert sorted(functions & names) == []

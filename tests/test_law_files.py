@@ -319,7 +319,7 @@ def refusal(path):
 MUTANTS = 200
 
 
-@pytest.mark.parametrize("count", [MUTANTS, pytest.param(20_000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [MUTANTS, pytest.param(4000, marks=pytest.mark.long)])
 def test_mutated_files_are_refused_with_line_and_key(count, tmp_path):
     """Or they are another law: a changed digit is no mistake that a reader can see."""
     rng = np.random.default_rng(0)

@@ -353,6 +353,36 @@ def test_a_block_rides_on_a_rocking_table(angle):
     np.testing.assert_allclose(heights[:2], 0.0, atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    "angle",
+    [
+        Sine(0.2, 1.5),
+        Signal([0.0, 0.3, 0.8, 1.0], [0.0, 0.2, -0.1, 0.0], interpolation="cubic"),
+    ],
+    ids=["sine", "spline"],
+)
+def test_a_block_that_sticks_drifts_to_second_order(angle):
+    """Two corners have the same rows: if one counted as sliding, drift would be of first order."""
+    rate = angle.derivative(0.0)
+    line = Line(motion=PlaneMotion(rotation=angle))
+    place = np.array([0.15, 0.05])
+    body = PlanarBody.box(
+        1.0, (0.2, 0.05), position=place,
+        velocity=rate * np.array([-place[1], place[0]]), angular_velocity=rate,
+    )  # fmt: skip
+    system = RigidBodies(
+        [body], [BoxPlane(0, (0.2, 0.05), line, FrictionLaw.isotropic(2.0, dimension=1))]
+    )
+    along = np.array([np.cos(angle(0.9)), np.sin(angle(0.9))])
+
+    def drift(dt):
+        return simulate(system, dt=dt, t_end=0.9).q[-1, :2] @ along - place[0]
+
+    drifts = [drift(dt) for dt in (2e-3, 1e-3, 5e-4)]
+    np.testing.assert_allclose(drifts[0] / drifts[1], 4.0, rtol=0.05)
+    np.testing.assert_allclose(drifts[1] / drifts[2], 4.0, rtol=0.05)
+
+
 def test_a_plate_rides_on_a_table_that_tips_about_two_axes():
     tilt = Sine(
         [0.1, 0.15, 0.0],

@@ -1,6 +1,7 @@
 """The two simulations of the paper at the tolerances of the demo, and the redrawn figures."""
 
 import csv
+import dataclasses
 
 import asperity as asp
 import matplotlib as mpl
@@ -9,10 +10,12 @@ import pytest
 
 mpl.use("Agg")
 
-from asperity._base.tables import write_columns
-from asperity.paper import convexity, fig17, fig27, nonassociated, redraw, table1
-from asperity.paper.checks import Check, table
-from asperity.paper.statements import (
+from asperity.commands.options import table
+from asperity.demo import Check, belt, sliding, table1
+from paper.__main__ import FIGURES, main, redraw
+from paper.curves import write_curves
+from paper.laws import fig01, fig10
+from paper.statements import (
     never_positive,
     proposition_1,
     proposition_2,
@@ -24,12 +27,12 @@ from asperity.paper.statements import (
 
 @pytest.fixture(scope="module")
 def cycle():
-    return fig17.run()
+    return belt.run()
 
 
 @pytest.fixture(scope="module")
 def paths():
-    return [fig27.run(dt) for dt in fig27.TIME_STEPS]
+    return [sliding.run(dt) for dt in sliding.TIME_STEPS]
 
 
 def assert_all_ok(checks):
@@ -38,7 +41,7 @@ def assert_all_ok(checks):
 
 
 def test_fig17(cycle):
-    assert_all_ok(fig17.checks(cycle, fig17.system()))
+    assert_all_ok(belt.checks(cycle))
 
 
 def test_fig17_is_periodic(cycle):
@@ -48,27 +51,25 @@ def test_fig17_is_periodic(cycle):
 
 
 def test_higher_belt_speed_means_less_sticking(cycle):
-    import asperity as asp
-
-    fast = fig17.system(3.0)
+    fast = belt.system(3.0)
     motion = asp.simulate(fast, dt=2e-3, t_end=300.0).slice(150.0, 300.0)
-    assert fig17.measure(motion, float(fast.equilibrium[0])).stick_share < cycle.stick_share
+    assert belt.measure(motion, float(fast.equilibrium[0])).stick_share < cycle.stick_share
 
 
 def test_fig27_end_points_times_and_deflections(paths):
-    checks = fig27.checks(paths[-1])
+    checks = sliding.checks(paths[-1])
     assert len(checks) == 32
     assert_all_ok(checks)
 
 
 def test_fig27_converges_with_first_order(paths):
-    checks = fig27.convergence(paths)
+    checks = sliding.convergence(paths)
     assert len(checks) == 6
     assert_all_ok(checks)
 
 
 def test_expected_deflections_follow_from_the_expected_end_points():
-    for (_, angle), (x, y, _, deflection) in fig27.EXPECTED.items():
+    for (_, angle), (x, y, _, deflection) in sliding.EXPECTED.items():
         direction = np.deg2rad(angle)
         lateral = abs(y * np.cos(direction) - x * np.sin(direction))
         assert lateral == pytest.approx(deflection, abs=2e-4)
@@ -77,7 +78,7 @@ def test_expected_deflections_follow_from_the_expected_end_points():
 def test_table1_is_per_unit_normal_force():
     radius = table1.SUPERELLIPSE_C.radius(0.0) * table1.NORMAL_FORCE
     assert radius == pytest.approx(4.99)
-    assert len(table1.laws()) == 4
+    assert len(table1.LAWS) == 4
 
 
 def test_a_wrong_number_is_off():
@@ -89,12 +90,12 @@ def test_a_wrong_number_is_off():
 @pytest.fixture(scope="module")
 def redrawn():
     with mpl.rc_context({"figure.max_open_warning": 0}):
-        drawn = {number: draw() for number, draw in redraw.FIGURES.items()}
+        drawn = {number: redraw(number) for number in FIGURES}
     yield drawn
     mpl.pyplot.close("all")
 
 
-@pytest.mark.parametrize("number", redraw.FIGURES)
+@pytest.mark.parametrize("number", FIGURES)
 def test_statements_of_a_redrawn_figure_hold(redrawn, number):
     drawn = redrawn[number]
     assert_all_ok(drawn.checks)
@@ -107,7 +108,7 @@ SCHEMATIC = {(4, "a"), (6, "a"), (10, "a"), (14, "a"), (14, "b")}
 SCHEMATIC |= {(13, panel) for panel in "abcd"} | {(18, "a"), (22, "a")}
 """Panels that show nothing computed."""
 
-FILLED = {"gauge", "edge of the half-plane", "contour of no growth", "eigenvalues", "orbit"}
+FILLED = {"gauge", "contour of no growth", "eigenvalues", "orbit"}
 """Curves that bound a filling or have changing colours; neither lines nor arrows."""
 
 
@@ -140,19 +141,18 @@ def tabulated(path):
     return header, found
 
 
-@pytest.mark.parametrize("number", redraw.FIGURES)
+@pytest.mark.parametrize("number", FIGURES)
 def test_data_of_a_redrawn_figure_are_what_is_drawn(redrawn, number, tmp_path):
     """Every point of a line and every arrow is in the file, and nothing else is."""
     figure, curves = redrawn[number].figure, redrawn[number].curves
-    write_columns(tmp_path / "data.csv", curves.columns())
+    write_curves(tmp_path / "data.csv", curves)
     header, found = tabulated(tmp_path / "data.csv")
     assert header == ["panel", "curve", "x", "y", *(["z"] if number == 2 else []), "dx", "dy"]
     titled = {ax.get_title("left") or ax.get_title(): ax for ax in figure.axes}
     # Bars of colours have no title.
     panels = {title[1]: ax for title, ax in titled.items() if title}
     computed = {panel for panel in panels if (number, panel) not in SCHEMATIC}
-    # The sketches of Figs. 20 and 21 have no panels; their tables hold what is labelled.
-    assert {panel for panel, _ in found} == ({"a"} if number in (20, 21) else computed)
+    assert {panel for panel, _ in found} == computed
     for panel in computed:
         points, arrows = drawn_in(panels[panel])
         lines = {
@@ -164,7 +164,7 @@ def test_data_of_a_redrawn_figure_are_what_is_drawn(redrawn, number, tmp_path):
         assert set().union(*found.get((panel, "arrows"), {}).values()) == arrows
 
 
-@pytest.mark.parametrize("number", redraw.FIGURES)
+@pytest.mark.parametrize("number", FIGURES)
 def test_a_redrawn_figure_says_where_its_parameters_come_from(redrawn, number):
     heading, caption = redrawn[number].figure.texts
     assert heading.get_text().startswith(f"Fig. {number} ")
@@ -184,21 +184,19 @@ FORCES |= {"12a": 20, "12b": 20, "12c": 8}
 def test_data_hold_forces_on_the_boundary_with_their_sliding_directions(redrawn, name, count):
     """A polygon through the boundary's points has gauge 1 at the forces, up to its chords."""
     number, panel = int(name[:-1]), name[-1]
-    columns = redrawn[number].curves.columns()
-    rows = list(zip(*columns.values(), strict=True))
 
-    def rows_of(curve):
-        prefix = "T " if name == "8a" else ""
-        return np.array([row[2:] for row in rows if row[:2] == (panel, prefix + curve)], float)
+    def data(curve):
+        curve = f"T {curve}" if name == "8a" else curve
+        return np.vstack([rows for *at, rows in redrawn[number].curves if at == [panel, curve]])
 
-    forces = rows_of("force")
-    forces = forces[:, :2] if np.isnan(forces[:, 2:]).all() else forces[:, 2:]
+    forces = data("force")
+    forces = forces if forces.shape[1] == 2 else forces[:, 2:]
     assert len(forces) == count
-    outline = rows_of("bdry C")[:-1, :2]
+    outline = data("bdry C")[:-1]
     # One chord of a rectangle's outline cuts off each corner.
     chords = 3e-3 if name == "6b" else 2e-4
     np.testing.assert_allclose(asp.Polygon(outline).gauge(forces), 1.0, atol=chords)
-    slips = rows_of("sliding direction")
+    slips = data("sliding direction")
     assert {tuple(tail) for tail in slips[:, :2]} == {tuple(force) for force in forces}
     assert (slips[:, :2] * slips[:, 2:]).sum(axis=1).min() > 0.0
 
@@ -217,31 +215,36 @@ def test_statements_fail_on_laws_they_do_not_hold_for():
         assert not never_positive("wrong", nothing, 1.0).ok
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [("3", [3]), ("1-4,7", [1, 2, 3, 4, 7]), (" 12 , 10-11", [10, 11, 12]), ("8-10", [8, 9, 10])],
-)
-def test_numbers_of_figures(text, expected):
-    assert redraw.numbers(text) == expected
+def test_all_figures_but_the_sketch_of_springs_are_drawn():
+    assert list(FIGURES) == [number for number in range(1, 28) if number != 9]
 
 
-@pytest.mark.parametrize(
-    "text", ["", "1,,2", "a", "1-2-3", "-3", "4-1", "0", "28", "1-99999999", "¹"]
-)
-def test_unknown_numbers_of_figures_are_refused(text):
-    with pytest.raises(asp.ParameterError, match="only: must"):
-        redraw.numbers(text)
+def test_figures_are_written_with_data_and_checks(tmp_path, capsys):
+    assert main(["6", "8", "--out", str(tmp_path / "new")]) == 0
+    names = sorted(file.name for file in (tmp_path / "new").iterdir())
+    assert names == ["fig06.csv", "fig06.png", "fig08.csv", "fig08.png"]
+    assert (tmp_path / "new" / "fig06.png").read_bytes().startswith(b"\x89PNG")
+    shown = capsys.readouterr().out
+    assert "Fig. 8 (42)" in shown
+    assert " 0 off" in shown
 
 
-def test_only_the_sketch_of_springs_is_left_out():
-    assert sorted([*redraw.FIGURES, *redraw.LEFT_OUT]) == list(range(1, 28))
-    assert redraw.left_out([8, 9, 10]) == [
-        "Fig. 9, a sketch of a spring on an inclined plane, is not redrawn"
-    ]
+def test_a_statement_that_is_off_exits_with_1(tmp_path, monkeypatch, capsys):
+    drawn = redraw(6)
+    wrong = dataclasses.replace(drawn, checks=[Check("wrong", 1.0, 0.0, 0.0)])
+    monkeypatch.setattr("paper.laws.fig06.draw", lambda: wrong)
+    assert main(["6", "--out", str(tmp_path)]) == 1
+    assert "1 checks, 1 off" in capsys.readouterr().out
+
+
+def test_figures_that_are_not_drawn_are_refused(tmp_path):
+    with pytest.raises(SystemExit, match="2"):
+        main(["9", "--out", str(tmp_path / "new")])
+    assert not (tmp_path / "new").exists()
 
 
 def test_the_outline_of_fig1c_overhangs():
-    outline = convexity.hooked()
+    outline = fig01.hooked()
     angle = np.unwrap(np.arctan2(outline[:, 1], outline[:, 0]))
     turned = np.diff(angle)
     assert turned.min() < -1e-3
@@ -250,9 +253,9 @@ def test_the_outline_of_fig1c_overhangs():
 
 def test_flanks_are_inclined_planes():
     """A block pushed up, down and along the level of an inclined plane with friction."""
-    mu, beta = nonassociated.MU, float(nonassociated.BETA)
+    mu, beta = fig10.MU, float(fig10.BETA)
     sine, cosine = np.sin(beta), np.cos(beta)
-    up, level, down = nonassociated._flank(np.array([0.0, 0.5, 1.0]) * np.pi, beta)
+    up, level, down = fig10._flank(np.array([0.0, 0.5, 1.0]) * np.pi, beta)
     np.testing.assert_allclose(up, [(sine + mu * cosine) / (cosine - mu * sine), 0.0], atol=1e-12)
     np.testing.assert_allclose(level, [sine / cosine, mu / cosine], atol=1e-12)
     np.testing.assert_allclose(down, [(sine - mu * cosine) / (cosine + mu * sine), 0.0], atol=1e-12)

@@ -9,7 +9,16 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from asperity._base.result import Result, TableResult
-from public_calls import CYCLE, DIAGRAM, FILM, FIT, PROBLEM
+from public_calls import (
+    CYCLE,
+    DIAGRAM,
+    FILM,
+    FIT,
+    LAW_SHEET,
+    PREDICTION,
+    PROBLEM,
+    STABILITY_SHEET,
+)
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 
 pandas = pytest.importorskip("pandas")
@@ -59,6 +68,9 @@ RESULTS = [
     FIT,
     FILM,
     FILM.path(),
+    PREDICTION,
+    LAW_SHEET,
+    STABILITY_SHEET,
 ]
 TABLES = [result for result in RESULTS if isinstance(result, TableResult)]
 SAVED = [result for result in RESULTS if hasattr(result, "save")]
@@ -69,7 +81,7 @@ def named(result):
 
 
 def public_results():
-    rooms = (asp, asp.identify, asp.track, asp.mechanisms, asp.problems)
+    rooms = (asp, asp.identify, asp.track, asp.mechanisms, asp.predict, asp.problems)
     names = (getattr(room, name) for room in rooms for name in room.__all__)
     return {one for one in names if isinstance(one, type) and issubclass(one, Result)}
 
@@ -392,6 +404,20 @@ def test_long_runs_show_in_no_time():
     )  # fmt: skip
     assert len(run._repr_html_()) < 500_000
     assert "100001 samples" in run.summary()
+
+
+def test_many_parts_show_in_no_time():
+    """A picture has the first of them, a summary says that there are more."""
+    contacts = [
+        asp.Contact(asp.FrictionLaw.isotropic(0.3), direction=np.eye(2), normal_force=0.01)
+        for _ in range(2000)
+    ]
+    run = asp.simulate(
+        asp.LinearSystem(np.eye(2), contacts=contacts), dt=0.1, t_end=0.2, solver=asp.ProxJacobi(),
+        on_failure="record",
+    )  # fmt: skip
+    assert len(run._repr_html_()) < 500_000
+    assert "the other 1992 contacts" in run.summary()
 
 
 def test_runs_without_samples_have_all_of_it(tmp_path):

@@ -5,11 +5,11 @@ import pickle
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.paper import table1
+from asperity.demo import table1
 
 WEIGHT = 0.018 * 9.81
-EXTENDED = table1.laws()["extended, superellipses C, D"]
-LAWS = {**table1.laws(), "isotropic": asp.FrictionLaw.isotropic(0.5)}
+EXTENDED = table1.LAWS["extended, superellipses C, D"]
+LAWS = {**table1.LAWS, "isotropic": asp.FrictionLaw.isotropic(0.5)}
 VELOCITY = 1.52 * np.array([np.cos(np.deg2rad(32.0)), np.sin(np.deg2rad(32.0))])
 
 

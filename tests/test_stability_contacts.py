@@ -6,7 +6,7 @@ import math
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.steady_sliding.painleve import not_keeping_apart
+from asperity.steady_sliding.linearised.painleve import not_keeping_apart
 
 LINE = asp.FrictionLaw.isotropic(1.0, dimension=1)
 

@@ -169,7 +169,7 @@ def test_single_rotations_with_aligned_corners_are_not_told(D):
 
 def test_round_sets_are_seen_at_once(monkeypatch):
     """No rotation is tried."""
-    monkeypatch.setattr(sys.modules["asperity.steady_sliding.rotations"], "negative", None)
+    monkeypatch.setattr(sys.modules["asperity.steady_sliding.critical.rotations"], "negative", None)
     spiky = asp.Superellipse(3.0, 1.0, 0.6)
     for disk in (asp.Disk(2.0), asp.Ellipse(0.5, 0.5, angle=0.3)):
         assert asp.critical_rotation(spiky, disk) == []

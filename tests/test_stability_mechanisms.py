@@ -6,7 +6,7 @@ import pickle
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.steady_sliding.field import Field
+from asperity.steady_sliding.linearised.field import Field
 
 LINE = asp.FrictionLaw.isotropic(1.0, dimension=1)
 

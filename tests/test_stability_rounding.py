@@ -6,7 +6,7 @@ from fractions import Fraction
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.steady_sliding.pencil import Pencil
+from asperity.steady_sliding.linearised.pencil import Pencil
 
 ISOTROPIC = asp.FrictionLaw.isotropic(0.5)
 

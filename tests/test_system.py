@@ -559,7 +559,7 @@ def test_what_fails_in_a_method_is_what_is_reported(kind, method, fault, run):
     part = caught.value.trajectory
     assert part.q.shape[1:] == part.u.shape[1:] == (2,)
     assert part.slip.shape[1:] == (1, 1)
-    assert f"{len(part)} samples" in repr(part)
+    assert f"{len(part)} sample" in repr(part)
     when = "after t = 0 s" if len(part) else "at the start"
     assert any(when in note for note in caught.value.__notes__)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from asperity import DimensionError, ParameterError
 from asperity.track import Mark, Scene, Sight, fit_circle, track_mark
-from asperity.track.segmentation import outline
+from asperity.track.image.segmentation import outline
 from scipy.ndimage import gaussian_filter
 
 PIXELS = Scene.from_scale(1.0)

@@ -9,7 +9,7 @@ from pathlib import Path
 import asperity as asp
 import pytest
 
-ROOMS = ("identify", "mechanisms", "plot", "problems", "track")
+ROOMS = ("identify", "mechanisms", "plot", "predict", "problems", "track")
 NAMES = [
     *(f"asp.{name}" for name in asp.__all__),
     *(f"asp.{room}.{name}" for room in ROOMS for name in getattr(asp, room).__all__),

@@ -44,6 +44,7 @@ if _TYPE_CHECKING:
     from asperity import identify as identify
     from asperity import mechanisms as mechanisms
     from asperity import plot as plot
+    from asperity import predict as predict
     from asperity import problems as problems
     from asperity import track as track
 
@@ -61,7 +62,7 @@ __all__ += steady_sliding.__all__
 __all__ += system.__all__
 
 # Matplotlib and SciPy are imported by the first use of these rooms, not before.
-_ROOMS = ("identify", "mechanisms", "plot", "problems", "track")
+_ROOMS = ("identify", "mechanisms", "plot", "predict", "problems", "track")
 
 
 def __getattr__(name: str) -> _ModuleType:

@@ -330,6 +330,7 @@ impl<const P: usize> ConvexSet<P> for Convex<P> {
         each_convex!(self, set => set.project(z))
     }
 
+    #[inline(always)]
     fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
         each_convex!(self, set => set.project_from(z, start))
     }

@@ -1,5 +1,37 @@
 //! Operations on vectors that are slices.
 
+/// Calls `each` with the numbers of all components, up to three without a loop: for so few a loop costs more than the
+/// work in it.
+#[inline(always)]
+pub(crate) fn for_each(components: usize, mut each: impl FnMut(usize)) {
+    if components > 3 {
+        return (0..components).for_each(each);
+    }
+    for i in 0..3 {
+        if i < components {
+            each(i);
+        }
+    }
+}
+
+/// `to ← from`, both of the same length.
+#[inline(always)]
+pub(crate) fn copy(from: &[f64], to: &mut [f64]) {
+    if from.len() > 3 {
+        return to.copy_from_slice(from);
+    }
+    let to = &mut to[..from.len()];
+    for_each(from.len(), |i| to[i] = from[i]);
+}
+
+/// `out ← x + factor y` as far as all of them go.
+#[inline(always)]
+pub(crate) fn combine(x: &[f64], factor: f64, y: &[f64], out: &mut [f64]) {
+    let n = out.len().min(x.len()).min(y.len());
+    let (x, y, out) = (&x[..n], &y[..n], &mut out[..n]);
+    for_each(n, |i| out[i] = x[i] + factor * y[i]);
+}
+
 /// The largest size of a component.
 #[inline]
 pub(crate) fn largest(values: &[f64]) -> f64 {

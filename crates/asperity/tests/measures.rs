@@ -147,6 +147,19 @@ fn isotropic_contacts_enter_the_natural_map_with_their_cone() {
 }
 
 /// The measure names the worst contact; a light contact cannot hide behind a heavy one.
+/// Squares that are no numbers make every scale infinite, beside which any defect vanishes.
+#[test]
+fn percussions_beyond_all_numbers_solve_nothing() {
+    let problem = unilateral(isotropic(0.5), [2.0, 1.0, 1.0], [-4.0, 3.0, 0.0]);
+    for percussion in [[1e160, 0.0, 0.0], [0.0, 1e160, 0.0], [1e250, 1e250, 1e250]] {
+        assert_eq!(residual(&problem, &percussion), f64::INFINITY);
+        assert_eq!(map(&problem, &percussion), f64::INFINITY);
+    }
+    let problem =
+        unilateral(FrictionLaw::associated(ellipse(0.5, 0.3)).into(), [2.0; 3], [-4.0; 3]);
+    assert_eq!(map(&problem, &[1e160, 0.0, 0.0]), f64::INFINITY);
+}
+
 #[test]
 fn the_worst_contact_is_named() {
     let law = || -> Law {

@@ -205,3 +205,81 @@ fn newton_takes_the_same_way_in_contact_and_in_body_space() {
         }
     }
 }
+
+/// `G` and `b` of two contacts that influence each other and nothing else.
+struct Island {
+    delassus: DMatrix<f64>,
+    free: Vec<f64>,
+}
+
+impl Island {
+    fn random(random: &mut Random) -> Self {
+        let directions = DMatrix::from_fn(6, 8, |_, _| random.normal());
+        let free = (0..6).map(|row| random.normal() - if row % 3 == 0 { 2.0 } else { 0.0 });
+        Self { free: free.collect(), delassus: &directions * directions.transpose() }
+    }
+}
+
+/// The problem of contacts that are given by their islands and their places there.
+fn of_islands(islands: &[Island], contacts: &[(usize, usize)]) -> ContactProblem {
+    let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+    for &(island, place) in contacts {
+        for row in 3 * place..3 * place + 3 {
+            for (other, &(_, beside)) in
+                contacts.iter().enumerate().filter(|(_, (own, _))| *own == island)
+            {
+                for k in 0..3 {
+                    indices.push(3 * other + k);
+                    values.push(islands[island].delassus[(row, 3 * beside + k)]);
+                }
+            }
+            starts.push(indices.len());
+        }
+    }
+    let rows = 3 * contacts.len();
+    let matrix = Csr::new("delassus", (rows, rows), starts, indices, values).unwrap();
+    let blocks = BlockMatrix::from_csr(&matrix, &vec![3; contacts.len()]).unwrap();
+    let free = contacts.iter().flat_map(|&(island, place)| {
+        islands[island].free[3 * place..3 * place + 3].iter().copied()
+    });
+    let laws = laws(2);
+    let of_contact =
+        |&(island, _): &(usize, usize)| (laws[island % 2].clone(), NormalForce::Unilateral);
+    ContactProblem::new(blocks, free.collect(), contacts.iter().map(of_contact)).unwrap()
+}
+
+/// What an island of contacts does depends on no other island, to the bit, whatever the order of contacts.
+#[test]
+fn islands_do_not_depend_on_each_other() {
+    let mut random = Random::new(17);
+    let islands: Vec<Island> = (0..6).map(|_| Island::random(&mut random)).collect();
+    let solve = |solver: Solver, contacts: &[(usize, usize)]| {
+        let problem = of_islands(&islands, contacts);
+        let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+        let report = solver.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
+        assert_eq!(report.status, Status::Converged, "{solver:?}: {report:?}");
+        assert!(natural_map(&problem, &memory.percussion, workspace.velocity()).unwrap() < 1e-8);
+        let velocities = problem.velocities(&memory.percussion).unwrap();
+        let off = |(a, b): (&f64, &f64)| (a - b).abs();
+        let off = velocities.iter().zip(workspace.velocity()).map(off).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{solver:?}: velocities are {off:e} off");
+        memory
+    };
+    let side_by_side: Vec<_> = (0..6).flat_map(|island| [(island, 0), (island, 1)]).collect();
+    let interleaved: Vec<_> =
+        [0, 1].into_iter().flat_map(|place| (0..6).rev().map(move |k| (k, place))).collect();
+    let auto = Solver::Auto { interior_point: true, threads: 1 };
+    for solver in [Solver::Exact { max_sweeps: 10_000 }, auto] {
+        let (one, other) = (solve(solver, &side_by_side), solve(solver, &interleaved));
+        for (i, contact) in side_by_side.iter().enumerate() {
+            let j = interleaved.iter().position(|other| other == contact).unwrap();
+            let rows = |memory: &Memory, i: usize| memory.percussion[3 * i..3 * i + 3].to_vec();
+            assert_eq!(rows(&one, i), rows(&other, j), "{solver:?}: {contact:?}");
+            assert_eq!(one.states[i], other.states[j], "{solver:?}: {contact:?}");
+            if matches!(solver, Solver::Exact { .. }) {
+                let alone = solve(solver, &[(contact.0, 0), (contact.0, 1)]);
+                assert_eq!(rows(&one, i), rows(&alone, contact.1), "{contact:?}");
+            }
+        }
+    }
+}

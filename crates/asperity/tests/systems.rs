@@ -2,11 +2,16 @@
 
 use std::ops::ControlFlow;
 
+use asperity::contact::Phase;
 use asperity::event;
 use asperity::law::FrictionLaw;
+use asperity::set::{Convex, Ellipse, Vector};
 use asperity::solver::Solver;
 use asperity::stepper::{State, StepError, Stepper};
-use asperity::system::{Blocks, Configuration, ContactLaw, Midpoint, System, SystemError};
+use asperity::system::{
+    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Midpoint, System, SystemError,
+};
+use nalgebra::DMatrix;
 
 /// Masses of 1 kg that fall, the first of them above a floor, with what a test gets wrong.
 #[derive(Debug)]
@@ -254,4 +259,89 @@ fn places_that_a_contact_problem_does_not_have_are_no_contact() {
     let mut run = stepper(&system, &[0.0, 0.0]).unwrap();
     run.step().unwrap();
     assert_eq!((run.contact_of(0), run.contact_of(1)), (Some(0), None));
+}
+
+/// A system that says of nothing that it is constant.
+#[derive(Debug)]
+struct Silent(LinearSystem);
+
+impl System for Silent {
+    fn blocks(&self) -> &Blocks {
+        self.0.blocks()
+    }
+
+    fn contacts(&self) -> &[ContactLaw] {
+        self.0.contacts()
+    }
+
+    fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
+        self.0.mass(q, block, mass)
+    }
+
+    fn forces(
+        &self,
+        at: &Configuration<'_>,
+        u: &[f64],
+        forces: &mut [f64],
+    ) -> Result<(), SystemError> {
+        self.0.forces(at, u, forces)
+    }
+
+    fn rows(
+        &self,
+        at: &Configuration<'_>,
+        contact: usize,
+        rows: &mut [f64],
+        velocity: &mut [f64],
+    ) -> Result<f64, SystemError> {
+        self.0.rows(at, contact, rows, velocity)
+    }
+}
+
+/// What is constant is computed once, and steps are the same as if it were not said: masses on springs on a belt, one
+/// contact and two, with blocks of mass that are coupled and that are not.
+#[test]
+fn constancy_changes_no_step() {
+    let ellipse = |a, b| Convex::from(Ellipse::new(Vector::<2>::new(a, b)).unwrap());
+    let law = || FrictionLaw::new(ellipse(30.0, 10.0).into(), ellipse(3.0, 1.0)).unwrap();
+    for (contacts, coupled) in [(1, 0.0), (1, 0.3), (2, 0.0), (2, 0.3)] {
+        let n = 2 * contacts;
+        let mass = DMatrix::from_fn(n, n, |i, j| if i == j { 1.0 } else { coupled });
+        let touching = (0..contacts).map(|contact| Contact {
+            velocity: vec![-0.6, -0.8],
+            ..Contact::with_force(
+                law(),
+                DMatrix::from_fn(
+                    n,
+                    2,
+                    |i, j| {
+                        if i == 2 * contact + j { 1.0 } else { 0.1 * coupled }
+                    },
+                ),
+                1.0,
+            )
+        });
+        let (stiffness, damping) = (DMatrix::identity(n, n) * 100.0, DMatrix::zeros(n, n));
+        let force = vec![0.0; n];
+        let system =
+            LinearSystem::new(mass, stiffness, damping, force, touching.collect()).unwrap();
+        let silent = Silent(system.clone());
+        let solver = Solver::Exact { max_sweeps: 1000 };
+        let start = State::new(0.0, &vec![0.0; n], &vec![0.0; n]);
+        let [mut known, mut unknown] = [&system as &dyn System, &silent]
+            .map(|system| Stepper::new(system, solver, 1e-11, 1e-3, &start).unwrap());
+        let mut phases = Vec::new();
+        for step in 0..3000 {
+            let (a, b) = (known.step().unwrap(), unknown.step().unwrap());
+            assert_eq!((a.status, a.ambiguous), (b.status, b.ambiguous), "step {step}");
+            for contact in 0..contacts {
+                assert_eq!(known.phase(contact), unknown.phase(contact), "step {step}");
+                phases.push(known.phase(contact));
+            }
+            let off = |(a, b): (&f64, &f64)| (a - b).abs();
+            let off = known.q().iter().zip(unknown.q()).map(off).fold(0.0, f64::max);
+            assert!(off < 1e-10, "step {step}: {off:e} m off");
+        }
+        assert!(phases.contains(&Phase::Slip) && phases.contains(&Phase::Stick));
+    }
 }

@@ -80,7 +80,7 @@ def arguments(
         raise ParameterError(key, f"is {what}, which a file cannot hold")
 
     given = _parts(value)
-    defaults = {} if isinstance(value, dict) else inspect.signature(type(value)).parameters
+    defaults = {} if isinstance(value, dict) else _signature(type(value))
     return {
         name: plain(part, _joined(key, f".{name}"))
         for name, part in given.items()
@@ -90,10 +90,20 @@ def arguments(
     }
 
 
+def _signature(kind: type) -> Mapping[str, inspect.Parameter]:
+    """Return the parameters of a constructor; systems have thousands of parts of few classes."""
+    if kind not in _SIGNATURES:
+        _SIGNATURES[kind] = inspect.signature(kind).parameters
+    return _SIGNATURES[kind]
+
+
+_SIGNATURES: dict[type, Mapping[str, inspect.Parameter]] = {}
+
+
 def _parts(value: object) -> dict[str, Any]:
     if isinstance(value, Value):
         parameters = value._stored()._parameters
-        return {name: parameters[name] for name in inspect.signature(type(value)).parameters}
+        return {name: parameters[name] for name in _signature(type(value))}
     if dataclasses.is_dataclass(value):
         return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if isinstance(value, dict):
@@ -135,7 +145,7 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
         ParameterError: whose argument is the key of what is wrong.
     """
     _check_table(table, key, "a table of keys and values")
-    parameters = inspect.signature(kind).parameters
+    parameters = _signature(kind)
     for name in table:
         if name not in parameters:
             raise ParameterError(

@@ -258,6 +258,7 @@ class TomlFile:
         path: of the file.
         schema: what it may hold.
         head: looks at the values before the schema does, to refuse a file of another kind.
+        others: whether it may hold other keys, which are not looked at.
 
     Attributes:
         path: of the file.
@@ -272,6 +273,8 @@ class TomlFile:
         path: str | os.PathLike[str],
         schema: Schema,
         head: Callable[[Mapping[str, Any]], object] = lambda _: None,
+        *,
+        others: bool = False,
     ) -> None:
         self.path = Path(path)
         self._schema = schema
@@ -280,7 +283,8 @@ class TomlFile:
         with self.named():
             _refuse_beyond(self.values, "", 0)
             head(self.values)
-            check(self.values, schema)
+            known = {key: one for key, one in self.values.items() if key in schema or not others}
+            check(known, schema)
 
     def _parsed(self) -> dict[str, Any]:
         line = None

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from asperity._base.tables import write_columns
 from asperity.commands.options import Commands, add_out, print_checks
+
+if TYPE_CHECKING:
+    from asperity.demo import Check
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -25,6 +31,30 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 
 def run(options: argparse.Namespace) -> int:
     """Compute and check; return the exit code."""
-    from asperity.paper import demo
+    return print_checks(lambda: compute(options.out), options.out)
 
-    return print_checks(lambda: demo.run(options.out), options.out)
+
+def compute(folder: Path) -> list[Check]:
+    """Write figures and tables of Fig. 17, Fig. 27 and the round trip; return the checks."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from asperity.demo import belt, round_trip, sliding
+    from asperity.plot import save_figure
+
+    folder.mkdir(parents=True, exist_ok=True)
+    cycle = belt.run()
+    cycle.trajectory.to_csv(folder / "fig17.csv")
+    save_figure(belt.draw(cycle), folder / "fig17.png")
+    runs = [sliding.run(dt) for dt in sliding.TIME_STEPS]
+    write_columns(folder / "fig27.csv", sliding.columns(runs[-1]))
+    save_figure(sliding.draw(runs[-1]), folder / "fig27.png")
+    trip = round_trip.run()
+    write_columns(folder / "roundtrip.csv", round_trip.columns(trip))
+    save_figure(round_trip.draw(trip), folder / "roundtrip.png")
+    return [
+        *belt.checks(cycle),
+        *sliding.checks(runs[-1]),
+        *sliding.convergence(runs),
+        *round_trip.checks(trip),
+    ]

@@ -7,11 +7,21 @@ import sys
 from collections.abc import Sequence
 
 from asperity import __version__
-from asperity.commands import demo, figures, identify, info, solve, track
+from asperity.commands import (
+    demo,
+    identify,
+    info,
+    init,
+    law,
+    scenario,
+    sliding_stability,
+    solve,
+    track,
+)
 from asperity.commands.options import INTERRUPTED, USER_ERROR
 from asperity.errors import AsperityError, ParameterError
 
-_VERBS = (demo, figures, solve, identify, track, info)
+_VERBS = (identify, law, init, scenario, sliding_stability, track, solve, demo, info)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -8,8 +8,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from asperity._base.tables import aligned
+
 if TYPE_CHECKING:
-    from asperity.paper.checks import Check
+    from asperity.demo import Check
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 """Where verbs are added."""
@@ -17,17 +19,22 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 SUCCESS, DOUBTFUL, USER_ERROR, INTERRUPTED = 0, 1, 2, 130
 
 
-def add_out(parser: argparse.ArgumentParser) -> None:
+def add_out(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """Add the folder that a verb writes into."""
     parser.add_argument(
-        "--out", metavar="DIR", type=Path, required=True, help="folder to write into"
+        "--out", metavar="DIR", type=Path, required=required, help="folder to write into"
+    )
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Add the choice of results as JSON."""
+    parser.add_argument(
+        "--json", action="store_true", help="print the results as JSON, for other programs"
     )
 
 
 def print_checks(run: Callable[[], Sequence[Check]], out: Path) -> int:
     """Run, print the table of checks, and return the exit code."""
-    from asperity.paper.checks import table
-
     start = time.perf_counter()
     checks = run()
     seconds = time.perf_counter() - start
@@ -35,3 +42,28 @@ def print_checks(run: Callable[[], Sequence[Check]], out: Path) -> int:
     off = sum(not check.ok for check in checks)
     print(f"\n{len(checks)} checks, {off} off; figures and tables in {out}; {seconds:.1f} s")
     return DOUBTFUL if off else SUCCESS
+
+
+def table(checks: Sequence[Check]) -> str:
+    """Return a text table: quantity, expected, computed, error, tolerance, unit, verdict.
+
+    >>> from asperity.commands.options import table
+    >>> from asperity.demo import Check
+    >>> print(table([Check("period", 28.703, 28.6, 0.02, "s")]))
+    quantity   expected   computed     error  tolerance
+    period    28.703000  28.600000  -1.0e-01    2.0e-02  s  OFF
+    """
+    rows = [
+        (
+            check.quantity,
+            f"{check.expected:.6f}",
+            f"{check.computed:.6f}",
+            f"{check.error:.1e}",
+            f"{check.tolerance:.1e}",
+            check.unit,
+            "ok" if check.ok else "OFF",
+        )
+        for check in checks
+    ]
+    header = ("quantity", "expected", "computed", "error", "tolerance")
+    return aligned([header, *rows], right=range(1, 5))

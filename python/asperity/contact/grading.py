@@ -85,8 +85,9 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     A proof of the kind ``"cases"`` divides what the contacts can do into cases, which must leave
     nothing out. Each has a vector z that may be multiplied by no velocity of the case to more than
     zero, and Gᵀz by no percussion of it to less, in as many directions as above and up to the
-    rounding of the first kind, while z·(b + e∘γ_B) > 0. Where that product of Gᵀz vanishes, W z of
-    bodies must vanish as well. It is checked for p = 1 and p = 2.
+    rounding of the first kind, while z·(b + e∘γ_B) > 0. Where that product of Gᵀz vanishes, W z
+    must vanish as well for bodies that bring less than 1e-6 of the entries of G. It is checked for
+    p = 1 and p = 2.
 
     Args:
         problem: with any laws.
@@ -131,12 +132,30 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
 
 def _keeps_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
     """Return whether weights as percussions move no body, up to rounding; so if none is known."""
+    return not _moved(problem, weights).any()
+
+
+def _keeps_lost_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
+    """Return whether weights move no body that brings so little of G that G may have lost it."""
+    moved = _moved(problem, weights)
+    if problem.directions is None or problem.mass is None:
+        return not moved.any()
+    levers = abs(problem.directions)
+    meeting = levers.sign().multiply(np.sqrt(problem.delassus.diagonal())).tocsr()
+    lever, scale = (values.max(axis=1).toarray().ravel() for values in (levers, meeting))
+    held = lever**2 >= 1e-6 * problem.mass.diagonal() * scale**2
+    return not (moved & ~held).any()
+
+
+def _moved(problem: ContactProblem, weights: Array) -> NDArray[np.bool_]:
+    """Return which velocities of bodies weights as percussions change; none if none is known."""
     if problem.directions is None:
-        return True
+        return np.zeros(0, dtype=bool)
     scale = np.sqrt(problem.delassus.diagonal())
     explained = abs(problem.directions) @ np.where(weights == 0.0, 0.0, 1.0 / scale)
     momentum = np.abs(problem.directions @ weights)
-    return bool((momentum <= 2e-10 * (scale * np.abs(weights)).max() * explained).all())
+    moved: NDArray[np.bool_] = ~(momentum <= 2e-10 * (scale * np.abs(weights)).max() * explained)
+    return moved
 
 
 def _check(value: object, argument: str, kind: type) -> None:
@@ -274,7 +293,7 @@ def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -
     return bool(
         gap > 1e-10 * terms
         and gap >= _HUGE * rounding * (np.abs(free) / scale).max()
-        and (not vanishes or _keeps_bodies_at_rest(problem, z))
+        and (not vanishes or _keeps_lost_bodies_at_rest(problem, z))
     )
 
 

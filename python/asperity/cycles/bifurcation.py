@@ -22,11 +22,11 @@ from asperity.cycles.orbit import LimitCycle
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.runs.model import Model
 from asperity.steady_sliding import Equilibrium, Stability, equilibrium, stability
-from asperity.steady_sliding.field import ContactState
-from asperity.steady_sliding.linearisation import Linearisation
-from asperity.steady_sliding.pencil import Pencil
-from asperity.steady_sliding.sliding import Sliding
-from asperity.steady_sliding.spectrum import Spectrum
+from asperity.steady_sliding.linearised.field import ContactState
+from asperity.steady_sliding.linearised.linearisation import Linearisation
+from asperity.steady_sliding.linearised.pencil import Pencil
+from asperity.steady_sliding.linearised.sliding import Sliding
+from asperity.steady_sliding.linearised.spectrum import Spectrum
 from asperity.system.labels import Labels, numbered
 
 Family = Callable[..., Model]

@@ -11,7 +11,7 @@ from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.runs.model import Model
 from asperity.steady_sliding import Stability
-from asperity.steady_sliding.linearisation import INTERNAL
+from asperity.steady_sliding.linearised.linearisation import INTERNAL
 
 # Velocities to begin with, as multiples of those with which all contacts stick.
 _SHARES = (1.0, -1.0, 3.0, -3.0)

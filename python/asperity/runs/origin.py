@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 from numpy.typing import ArrayLike, NDArray
@@ -178,7 +179,7 @@ class Origin(Value):
     def _stored(self) -> Origin:
         return self if self.unsaved is None else self.replace(system=None, note=self.unsaved)
 
-    @property
+    @cached_property
     def unsaved(self) -> str | None:
         """Why no file can hold the system; ``None`` if one can."""
         if self.system is None:

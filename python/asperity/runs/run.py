@@ -227,6 +227,11 @@ class Run(TableResult, Value):
         }
         return Table(axes, series, self._facts())
 
+    def _drawing(self) -> dict[str, object]:
+        """Return the first parts of what has many: a picture of thousands shows nothing."""
+        parts = {"coordinates": self.u.shape[1], "contacts": self.phase.shape[1]}
+        return {name: range(_TOLD) for name, count in parts.items() if count > _TOLD}
+
     def _facts(self) -> dict[str, str | int | float]:
         """Return what is said of the whole run."""
         return {"title": repr(self)[1:-1], "status": str(self.status), "steps": self.steps}

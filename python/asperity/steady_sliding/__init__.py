@@ -2,10 +2,13 @@
 
 from asperity.steady_sliding.analysis import Stability, stability
 from asperity.steady_sliding.chart import GrowthChart, growth_chart
-from asperity.steady_sliding.directions import critical_directions, ellipses_can_be_unstable
+from asperity.steady_sliding.critical.directions import (
+    critical_directions,
+    ellipses_can_be_unstable,
+)
+from asperity.steady_sliding.critical.intervals import CriticalIntervals
+from asperity.steady_sliding.critical.rotations import critical_rotation
 from asperity.steady_sliding.incremental import incremental_distance
-from asperity.steady_sliding.intervals import CriticalIntervals
-from asperity.steady_sliding.rotations import critical_rotation
 from asperity.steady_sliding.steady_state import Equilibrium, equilibrium
 
 __all__ = [

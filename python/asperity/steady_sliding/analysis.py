@@ -13,12 +13,12 @@ from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table, TableResult
 from asperity.errors import ParameterError
 from asperity.runs.model import Model
-from asperity.steady_sliding import reasons
-from asperity.steady_sliding.field import STEP, Field, start
-from asperity.steady_sliding.linearisation import Linearisation, linearisation, total
-from asperity.steady_sliding.pencil import Complex
-from asperity.steady_sliding.sliding import Sliding
-from asperity.steady_sliding.spectrum import Spectrum
+from asperity.steady_sliding.linearised import reasons
+from asperity.steady_sliding.linearised.field import STEP, Field, start
+from asperity.steady_sliding.linearised.linearisation import Linearisation, linearisation, total
+from asperity.steady_sliding.linearised.pencil import Complex
+from asperity.steady_sliding.linearised.sliding import Sliding
+from asperity.steady_sliding.linearised.spectrum import Spectrum
 from asperity.steady_sliding.steady_state import Equilibrium, closed_contacts
 from asperity.steady_sliding.steady_state import equilibrium as find
 

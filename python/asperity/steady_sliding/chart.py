@@ -10,7 +10,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table, TableResult
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
-from asperity.steady_sliding.pencil import ROUNDING, SAFETY, Complex, Pencil
+from asperity.steady_sliding.linearised.pencil import ROUNDING, SAFETY, Complex, Pencil
 from asperity.system import MassOnBelt
 
 # In first-order matrices without entries above this size real parts below and above these parts of

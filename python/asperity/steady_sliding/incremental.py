@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.runs.run import Run
-from asperity.steady_sliding.field import constant
+from asperity.steady_sliding.linearised.field import constant
 from asperity.system import LinearSystem, MassOnBelt, SlidingPoint
 
 # Times that differ by less than this share of the mean step are the same.

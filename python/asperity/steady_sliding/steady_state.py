@@ -14,8 +14,8 @@ from asperity._base.result import Result
 from asperity._base.value import Value
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.runs.model import Model
-from asperity.steady_sliding.field import STEP, Field, start
-from asperity.steady_sliding.linearisation import Linearisation, linearisation, total
+from asperity.steady_sliding.linearised.field import STEP, Field, start
+from asperity.steady_sliding.linearised.linearisation import Linearisation, linearisation, total
 
 _ITERATIONS = 50
 # Residual that is rounding.

@@ -132,7 +132,7 @@ class System:
     def labels(self) -> Labels:
         """Names and units of coordinates and contacts."""
         contacts = labels.contact_names([contact.name for contact in self.contacts])
-        n = self.dof if self.coordinates is None else self.coordinates
+        n = len(self._origin())
         plain = labels.numbered(n, self.dof, len(contacts)).replace(contacts=contacts)
         names, units = self.coordinate_names, self.coordinate_units
         if names is None and units is None:

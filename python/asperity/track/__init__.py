@@ -1,15 +1,15 @@
 """Paths of sliding bodies from videos: mark, circle, scene, path; and a camera with known truth."""
 
 from asperity.track.camera import VirtualCamera
-from asperity.track.circle import Circle, fit_circle
 from asperity.track.config import TrackConfig, read_config
-from asperity.track.frames import ImageFolder, open_frames
+from asperity.track.film.frames import ImageFolder, open_frames
+from asperity.track.film.video import VideoFile, write_video
+from asperity.track.following.sight import Sight
+from asperity.track.image.circle import Circle, fit_circle
+from asperity.track.image.scene import Scene
+from asperity.track.image.segmentation import Mark
 from asperity.track.path import MeasuredPath
-from asperity.track.scene import Scene
-from asperity.track.segmentation import Mark
-from asperity.track.sight import Sight
 from asperity.track.track import Track, track_mark
-from asperity.track.video import VideoFile, write_video
 
 __all__ = [
     "Circle",

@@ -18,9 +18,9 @@ from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.runs.run import Run
 from asperity.track.config import config_text
-from asperity.track.frames import Pixels
-from asperity.track.scene import Scene
-from asperity.track.segmentation import Mark
+from asperity.track.film.frames import Pixels
+from asperity.track.image.scene import Scene
+from asperity.track.image.segmentation import Mark
 
 _Image = NDArray[np.float32]
 

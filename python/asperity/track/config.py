@@ -11,8 +11,8 @@ from asperity._base import arrays, toml
 from asperity._base.arrays import Array
 from asperity._base.toml import NUMBER, NUMBERS, TEXT, Schema, TomlFile
 from asperity.errors import ParameterError
-from asperity.track.scene import Scene
-from asperity.track.segmentation import Mark
+from asperity.track.image.scene import Scene
+from asperity.track.image.segmentation import Mark
 
 _POINTS = {"pixels", "plane"}
 _SCALE = {"metres_per_pixel", "origin", "angle"}

@@ -16,9 +16,9 @@ from asperity._base.report import Facts, Picture, Section, write_report
 from asperity._base.tables import aligned
 from asperity.errors import ParameterError
 from asperity.track.config import TrackConfig, read_config
-from asperity.track.frames import Frame, Frames, Pixels, open_frames
+from asperity.track.film.frames import Frame, Frames, Pixels, open_frames
+from asperity.track.following.sight import Sight
 from asperity.track.path import MeasuredPath
-from asperity.track.sight import Sight
 from asperity.track.track import Track, track_mark
 
 if TYPE_CHECKING:

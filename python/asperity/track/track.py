@@ -16,13 +16,13 @@ from asperity._base.progress import Progress, reporter
 from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Value
 from asperity.errors import ParameterError
-from asperity.track import repeats
-from asperity.track.follower import Follower
-from asperity.track.frames import Frames, Pixels, open_frames
+from asperity.track.film.frames import Frames, Pixels, open_frames
+from asperity.track.following import repeats
+from asperity.track.following.follower import Follower
+from asperity.track.following.sight import Sight, Sighting
+from asperity.track.image.scene import Scene
+from asperity.track.image.segmentation import Mark
 from asperity.track.path import MeasuredPath
-from asperity.track.scene import Scene
-from asperity.track.segmentation import Mark
-from asperity.track.sight import Sight, Sighting
 
 _WRONG_SCALE = 0.1
 

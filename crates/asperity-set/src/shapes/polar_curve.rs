@@ -77,6 +77,11 @@ impl StarSet<2> for PolarCurve {
 
 /// Meaningful where [`PolarCurve::is_convex`]; [`Convex`](crate::Convex) admits no other.
 impl ConvexSet<2> for PolarCurve {
+    #[inline]
+    fn support_point(&self, y: &Vector<2>) -> Vector<2> {
+        self.inverse_radius.at_gradient(y)
+    }
+
     /// `∇²h = t tᵀ/(κ‖y‖)` with the curvature `κ = tᵀ∇²k t/‖∇k‖` of the boundary, `∇²k = (w + w″) e⊥e⊥ᵀ/‖x‖`.
     fn support_jet(&self, y: &Vector<2>) -> (Vector<2>, Matrix<2>) {
         let x = self.support_point(y);

@@ -2,7 +2,6 @@
 
 use crate::error::{SIZES, size_error};
 use crate::numeric::periodic_curve::{PeriodicCurve, Samples};
-use crate::numeric::polarity;
 use crate::numeric::vectors::quarter_turn;
 use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, project};
 
@@ -60,7 +59,13 @@ impl StarSet<2> for SupportCurve {
     }
 
     fn gauge_jet(&self, x: &Vector<2>) -> (f64, Vector<2>) {
-        polarity::gauge_jet(self, x)
+        let size = x.amax();
+        // No normal is that of a boundary point below zero, infinity or what is not a number.
+        if !(size > 0.0 && size.is_finite()) {
+            return (size, Vector::zeros());
+        }
+        let gradient = self.support.at_gradient(x);
+        (gradient.dot(x), gradient)
     }
 
     fn corners(&self) -> Vec<Vector<2>> {

@@ -40,3 +40,44 @@ impl Components {
         numbers
     }
 }
+
+/// The members of every component, components in the order of their first members.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Members {
+    starts: Vec<usize>,
+    members: Vec<usize>,
+}
+
+impl Members {
+    /// Number of components.
+    #[inline]
+    pub(crate) fn count(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// The members of a component, ascending.
+    #[inline]
+    pub(crate) fn of(&self, component: usize) -> &[usize] {
+        &self.members[self.starts[component]..self.starts[component + 1]]
+    }
+}
+
+impl From<Components> for Members {
+    fn from(components: Components) -> Self {
+        let numbers = components.numbers();
+        let count = numbers.iter().map(|number| number + 1).max().unwrap_or(0);
+        let mut starts = vec![0; count + 1];
+        for &number in &numbers {
+            starts[number + 1] += 1;
+        }
+        for component in 0..count {
+            starts[component + 1] += starts[component];
+        }
+        let (mut next, mut members) = (starts.clone(), vec![0; numbers.len()]);
+        for (member, &number) in numbers.iter().enumerate() {
+            members[next[number]] = member;
+            next[number] += 1;
+        }
+        Self { starts, members }
+    }
+}

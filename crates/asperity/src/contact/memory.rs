@@ -3,7 +3,7 @@
 use super::ContactProblem;
 
 use crate::argument::{ArgumentError, length};
-use crate::vectors::dot;
+use crate::vectors::{copy, dot};
 
 /// What a contact does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -118,10 +118,16 @@ impl Memory {
     }
 
     /// Takes over the percussions that another one remembers; states are those of nothing in particular.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn start_from(&mut self, other: &Self) {
-        self.percussion.clone_from(&other.percussion);
-        self.states.resize(other.states.len(), ContactState::default());
+        if self.percussion.len() == other.percussion.len() {
+            copy(&other.percussion, &mut self.percussion);
+        } else {
+            self.percussion.clone_from(&other.percussion);
+        }
+        if self.states.len() != other.states.len() {
+            self.states.resize(other.states.len(), ContactState::default());
+        }
     }
 
     /// Takes over what another one remembers, in the buffers that are there.

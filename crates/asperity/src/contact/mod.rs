@@ -7,7 +7,7 @@ mod delassus;
 mod memory;
 mod problem;
 
-pub(crate) use components::Components;
+pub(crate) use components::{Components, Members};
 pub use delassus::{
     BlockMatrix, Csr, Delassus, DelassusOperator, Factored, IntoDelassus, MatrixFree,
 };

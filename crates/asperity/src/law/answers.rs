@@ -54,7 +54,7 @@ impl Friction<'_> {
     /// `ξ_T`.
     #[inline(always)]
     fn slip<const P: usize>(&self) -> Vector<P> {
-        Vector::from_fn(|i, _| self.velocity[i] + self.restitution[i])
+        vector::<P>(self.velocity) + vector::<P>(self.restitution)
     }
 
     /// `−P_T/P_N`.
@@ -342,7 +342,7 @@ fn at_point<const P: usize>(
 /// The components of a slice.
 #[inline(always)]
 fn vector<const P: usize>(components: &[f64]) -> Vector<P> {
-    Vector::from_fn(|i, _| components[i])
+    Vector::from_column_slice(&components[..P])
 }
 
 fn padded<const P: usize>(v: &Vector<P>) -> Components {

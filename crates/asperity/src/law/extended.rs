@@ -167,8 +167,13 @@ impl<const P: usize> FrictionLaw<P> {
     }
 
     /// `α(x) = 1/(k_D(x) − k_C(x) + 1)` (\[WL19\] (56)).
-    #[inline]
     pub fn alpha(&self, x: &Vector<P>) -> f64 {
+        self.alpha_at(x)
+    }
+
+    /// The same within the loops of solvers and measures.
+    #[inline(always)]
+    pub(crate) fn alpha_at(&self, x: &Vector<P>) -> f64 {
         1.0 / (self.direction.gauge(x) - self.reservoir.gauge(x) + 1.0)
     }
 

@@ -26,7 +26,7 @@ impl<const P: usize> FrictionLaw<P> {
         by: impl FnOnce(f64) -> Vector<P>,
     ) -> ProxStep<P> {
         // One to the bit where D is C.
-        let alpha = if self.is_associated() { 1.0 } else { self.alpha(x) };
+        let alpha = if self.is_associated() { 1.0 } else { self.alpha_at(x) };
         let start = x * alpha;
         ProxStep { alpha, start, target: start + by(alpha) }
     }

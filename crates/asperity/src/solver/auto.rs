@@ -22,7 +22,7 @@ use crate::solver::report::{Ended, Method};
 /// Sweeps before the first judgement of their rate, and most sweeps at all: more of them may end what needs
 /// factorisations else, or be in vain. Of the first, half and double change the stored problems by two factorisations
 /// and a tenth of the iterations, of the second by one factorisation and none.
-const TRIAL_SWEEPS: usize = 20;
+pub(super) const TRIAL_SWEEPS: usize = 20;
 const MOST_SWEEPS: usize = 400;
 /// Further sweeps that are worth waiting for: they cost as much as some ten factorisations. On the stored problems half
 /// as many save 630 iterations and a hundred factorisations, twice as many cost 1130 iterations and save six; on the
@@ -34,9 +34,11 @@ const ATTEMPT: usize = 6;
 /// Iterations of the interior point method, after which the proximal point method starts: half as many cost 105
 /// factorisations on the stored problems, twice as many 19.
 const INTERIOR: usize = 40;
-/// Newton iterations from where the search by cases leads.
+/// Newton iterations from where the search by cases leads; the motions of the systems that `infeasibility/cases.rs` names
+/// end in the same way with a quarter and four times as many.
 const FROM_CANDIDATE: usize = 50;
-/// Outer steps of the last phase.
+/// Outer steps of the last phase, which a limit of time ends before where there is one; those systems end in the same way
+/// with a quarter and four times as many.
 const OUTER: usize = 5000;
 /// Natural map below which Newton's method finds the digits that rounding keeps from the interior point method;
 /// tried earlier it fails, later it is not tried. No stored problem depends on it.

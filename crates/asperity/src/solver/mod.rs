@@ -37,11 +37,13 @@ pub use solution::Solution;
 use std::num::NonZeroU64;
 
 use crate::contact::{ContactProblem, ContactState, Memory};
-use auto::Methods;
+use auto::{Methods, TRIAL_SWEEPS};
 use measure::growth::{self, Groups};
-use method::{Iterate, Order, ProxIteration, Sweeper, Task, Threads, mark_ambiguous};
+use method::{
+    Iterate, Order, Own, Plan, ProxIteration, Sweeper, Swept, Task, Threads, mark_ambiguous,
+};
 use one_contact::block::Block;
-use one_contact::solve::{OneContact, Settled};
+use one_contact::solve::{OneContact, Policy, Settled};
 use report::{Ended, Findings};
 
 /// A solver and its options.
@@ -170,6 +172,46 @@ impl Workspace {
         }
     }
 
+    /// Brings the buffers up to date with the entries of the Delassus operator, whose pattern has not changed.
+    pub(crate) fn refresh(&mut self, problem: &ContactProblem) {
+        self.prepared_for = problem.identity();
+        self.sweeper.refresh(problem);
+        if let Some(methods) = &mut self.methods {
+            methods.reset();
+        }
+    }
+
+    /// Solves the only contact of a problem.
+    #[inline(always)]
+    fn solve_only(
+        &mut self,
+        problem: &ContactProblem,
+        history: &ContactState,
+        memory: &mut Memory,
+    ) -> Option<Swept> {
+        let Memory { percussion, states } = memory;
+        let Self { velocity, ambiguous, sweeper, .. } = self;
+        let ([state], [ambiguous]) = (&mut states[..], &mut ambiguous[..]) else { return None };
+        let own = Own { percussion, velocity, state, ambiguous };
+        Some(sweeper.solve_only(problem, history, own))
+    }
+
+    /// The report on a problem that sweeps have solved.
+    #[inline(always)]
+    fn solved(&mut self, residual: Residual, iterations: usize, ambiguous: bool) -> SolveReport {
+        self.infeasibility = None;
+        let stage = Stage::of(Method::GaussSeidel, iterations, residual);
+        if let [only] = &mut self.stages[..] {
+            *only = stage;
+        } else {
+            self.stages.clear();
+            self.stages.push(stage);
+        }
+        let Residual { value, worst_contact } = residual;
+        let (status, residual) = (Status::Converged, value);
+        SolveReport { status, iterations, residual, worst_contact, ambiguous }
+    }
+
     /// Whether the buffers have the sizes of this problem.
     #[inline]
     fn fits(&self, problem: &ContactProblem) -> bool {
@@ -220,18 +262,46 @@ impl Solver {
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
+        // The belt and the disk of many a model: nothing is done here but what one contact needs.
+        if let [history] = &before.states[..]
+            && self.sweeps_once(problem)
+            && workspace.fits(problem)
+            && before.fits(problem)
+        {
+            memory.start_from(before);
+            if let Some(swept) = workspace.solve_only(problem, history, memory) {
+                let residual = swept.residual();
+                let solved = stop.measure == Measure::Contact && residual.value <= stop.tolerance;
+                if solved && swept.is_clear() {
+                    return workspace.solved(residual, 1, swept.ambiguous);
+                }
+            }
+        }
+        self.solve_many(problem, stop, before, memory, workspace)
+    }
+
+    /// The same for any number of contacts, and where something is wrong.
+    #[inline(never)]
+    fn solve_many(
+        &self,
+        problem: &ContactProblem,
+        stop: Stop<'_>,
+        before: &Memory,
+        memory: &mut Memory,
+        workspace: &mut Workspace,
+    ) -> SolveReport {
         if !workspace.fits(problem) {
             workspace.prepare(problem);
         }
         if !before.fits(problem) {
             let nothing = Memory::new(problem.rows(), problem.contacts().len());
-            return self.solve_from(problem, stop, &nothing, memory, workspace);
+            return self.solve_many(problem, stop, &nothing, memory, workspace);
         }
         if problem.delassus().is_matrix_free() {
             match self {
                 Self::ProxJacobi { .. } => {}
                 Self::Auto { .. } => {
-                    return MATRIX_FREE.solve_from(problem, stop, before, memory, workspace);
+                    return MATRIX_FREE.solve_many(problem, stop, before, memory, workspace);
                 }
                 _ => return not_applicable(problem, stop, before, memory, workspace),
             }
@@ -253,16 +323,40 @@ impl Solver {
         let Workspace { sweeper, groups, next, methods, .. } = workspace;
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
-        forget_runaways(&task, &mut iterate, groups);
         let once = self.sweeps_once(problem);
         let (mut iterations, mut ended, mut residual) = if once {
-            let ended = sweeper.solve_uncoupled(&task, &mut iterate);
-            (1, ended, iterate.measure(&task))
+            let swept = sweeper.solve_uncoupled(&task, &mut iterate);
+            let measured = swept.ended != Ended::TimeLimit && stop.measure == Measure::Contact;
+            let residual = if measured { swept.residual() } else { iterate.measure(&task) };
+            // Most steps end here: what follows looks for what is wrong.
+            if swept.is_clear() && residual.value <= stop.tolerance {
+                return workspace.solved(residual, 1, swept.ambiguous);
+            }
+            (1, swept.ended, residual)
         } else {
+            forget_runaways(&task, &mut iterate, groups);
             // What sweeps find depends on the memory, not on what the workspace has seen before.
             iterate.states.copy_from_slice(task.history);
             sweeper.renew_efforts();
-            self.run(&task, &mut iterate, sweeper, methods, next)
+            let plan = self.plan(&stop, sweeper.islands());
+            let swept = plan.map(|plan| sweeper.solve_islands(&task, &mut iterate, plan));
+            match (self, swept) {
+                (_, Some(swept)) if self.is_solved(&swept, &stop) => {
+                    return workspace.solved(swept.residual(), swept.sweeps, swept.ambiguous);
+                }
+                (Self::Exact { .. }, Some(Swept { sweeps, ended: Ended::TimeLimit, .. })) => {
+                    (sweeps, Ended::TimeLimit, iterate.measure(&task))
+                }
+                (Self::Exact { .. }, Some(swept)) => (swept.sweeps, swept.ended, swept.residual()),
+                (_, swept) => {
+                    if let Some(swept) = swept {
+                        let (sweeps, residual) = (swept.sweeps, swept.residual());
+                        iterate.stages.push(Stage::of(Method::GaussSeidel, sweeps, residual));
+                        iterate.states.copy_from_slice(task.history);
+                    }
+                    self.run(&task, &mut iterate, sweeper, methods, next)
+                }
+            }
         };
         let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
         if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
@@ -291,8 +385,7 @@ impl Solver {
             iterate.classify(problem);
         }
         if let Some(method) = method {
-            let (factorizations, residual) = (0, residual.value);
-            iterate.stages.push(Stage { method, iterations, factorizations, residual });
+            iterate.stages.push(Stage::of(method, iterations, residual));
         }
         SolveReport::new(ended, iterations, residual, findings, stop.tolerance)
     }
@@ -301,6 +394,28 @@ impl Solver {
     #[inline]
     fn sweeps_once(&self, problem: &ContactProblem) -> bool {
         matches!(self, Self::Exact { .. } | Self::Auto { .. }) && problem.is_uncoupled()
+    }
+
+    /// How islands are swept, by solvers that begin with sweeps and where the measure is one of contacts; one island alone
+    /// is left to the methods of [`Solver::Auto`].
+    fn plan(&self, stop: &Stop<'_>, islands: usize) -> Option<Plan> {
+        match *self {
+            _ if stop.measure != Measure::Contact => None,
+            Self::Exact { max_sweeps } => Some(Plan::exact(stop, max_sweeps)),
+            Self::Auto { .. } if islands > 1 => Some(Plan {
+                policy: Policy::FirstFound,
+                goal: 0.5 * stop.tolerance,
+                max_sweeps: TRIAL_SWEEPS,
+            }),
+            _ => None,
+        }
+    }
+
+    /// Whether sweeps have solved the problem; which of several solutions continues the states of contacts, the first that
+    /// is found does not tell.
+    fn is_solved(&self, swept: &Swept, stop: &Stop<'_>) -> bool {
+        let decided = matches!(self, Self::Exact { .. }) || !swept.ambiguous;
+        decided && swept.is_clear() && swept.residual().value <= stop.tolerance
     }
 
     /// The method of a solver that has one and does not record what it does.
@@ -327,7 +442,9 @@ impl Solver {
             methods.single(*task, iterate.reborrow(), sweeper, method, max_iterations)
         };
         let (iterations, ended) = match *self {
-            Self::Exact { max_sweeps } => return sweeper.solve(task, iterate, max_sweeps),
+            Self::Exact { max_sweeps } => {
+                sweeper.solve_together(task, iterate, Plan::exact(&task.stop, max_sweeps))
+            }
             Self::ProxJacobi { step, max_iterations } => {
                 let iteration = ProxIteration { order: Order::Jacobi, step, max_iterations };
                 iteration.solve(task, iterate, next)

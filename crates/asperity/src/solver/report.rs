@@ -59,6 +59,7 @@ pub struct SolveReport {
 
 impl SolveReport {
     /// What measures and proofs say of a result; why the method `ended` matters only where they decide nothing.
+    #[inline]
     pub(crate) fn new(
         ended: Ended,
         iterations: usize,
@@ -162,6 +163,13 @@ pub struct Stage {
     pub factorizations: usize,
     /// What was reached: natural map of the best percussions, of a solver without phases its residual.
     pub residual: f64,
+}
+
+impl Stage {
+    /// Of a method that factors nothing and is measured by the residual.
+    pub(crate) fn of(method: Method, iterations: usize, residual: Residual) -> Self {
+        Self { method, iterations, factorizations: 0, residual: residual.value }
+    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError, TimeDependence};
 use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::law::Law;
-use crate::vectors::dot;
+use crate::vectors::{copy, dot};
 
 /// Normal direction of a contact of a linear system.
 #[derive(Debug, Clone, PartialEq)]
@@ -182,16 +182,18 @@ impl System for LinearSystem {
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     fn forces(
         &self,
         at: &Configuration<'_>,
         u: &[f64],
         forces: &mut [f64],
     ) -> Result<(), SystemError> {
-        forces.clone_from_slice(&self.force);
+        let n = self.force.len();
+        let (q, u, forces) = (&at.q[..n], &u[..n], &mut forces[..n]);
+        copy(&self.force, forces);
         for &(i, j, k, b) in &self.internal {
-            forces[i] += k * at.q[j] + b * u[j];
+            forces[i] += k * q[j] + b * u[j];
         }
         Ok(())
     }

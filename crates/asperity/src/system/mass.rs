@@ -3,6 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVectorViewMut, Dyn};
 
 use super::{System, SystemError};
+use crate::vectors::for_each;
 
 /// The mass matrix ready to be solved with.
 #[derive(Debug, Clone, Default)]
@@ -82,6 +83,29 @@ impl MassFactors {
         let blocks = system.blocks();
         for block in 0..blocks.count() {
             self.solve_block(system, block, &mut values[blocks.range(block)]);
+        }
+    }
+
+    /// `u ← u_B + Δt M⁻¹ h` for all velocities.
+    #[inline]
+    pub(crate) fn accelerate(
+        &self,
+        system: &dyn System,
+        before: &[f64],
+        (dt, forces): (f64, &[f64]),
+        u: &mut [f64],
+    ) {
+        if self.cholesky.is_empty() {
+            let n = u.len();
+            let (before, forces, reciprocals) =
+                (&before[..n], &forces[..n], &self.reciprocals[..n]);
+            for_each(n, |i| u[i] = before[i] + dt * (forces[i] * reciprocals[i]));
+            return;
+        }
+        u.copy_from_slice(forces);
+        self.solve(system, u);
+        for (u, before) in u.iter_mut().zip(before) {
+            *u = before + dt * *u;
         }
     }
 }

@@ -23,6 +23,7 @@ pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
 use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::law::Law;
+use crate::vectors::copy;
 use time_function::{Extent, sample_times};
 
 /// What of a system never changes, so that it is computed once.
@@ -461,7 +462,7 @@ pub trait System: Debug + Sync {
         midpoint.t = t;
         self.advance(q, u, 0.5 * dt, &mut midpoint.q);
         self.derive(&midpoint.q, &mut midpoint.derived);
-        midpoint.before.copy_from_slice(u);
+        copy(u, &mut midpoint.before);
         let at = Configuration { t, piece: t, q: &midpoint.q, derived: &midpoint.derived };
         self.forces(&at, u, &mut midpoint.forces)
     }
@@ -480,7 +481,7 @@ pub trait System: Debug + Sync {
         q: &mut [f64],
         u: &mut [f64],
     ) -> Result<(), SystemError> {
-        u.copy_from_slice(after);
+        copy(after, u);
         self.advance(&midpoint.q, u, 0.5 * dt, q);
         Ok(())
     }
@@ -507,15 +508,19 @@ fn sampled_dependence<S: System + ?Sized>(
             let Ok(gap) = full_rows(system, &at, i, &mut rows[..chi.len() * n], chi) else {
                 continue;
             };
-            let largest = |m: f64, v: f64| if v.is_finite() { m.max(v.abs()) } else { m };
-            found.gaps[i] = largest(found.gaps[i], gap);
-            found.velocities[i] = chi.iter().copied().fold(found.velocities[i], largest);
+            found.gaps[i] = larger_of_finite(found.gaps[i], gap);
+            found.velocities[i] = chi.iter().copied().fold(found.velocities[i], larger_of_finite);
         }
     }
     for (k, extent) in forces.iter().enumerate() {
         (found.forces[k], found.impulses[k]) = (extent.size, extent.reach());
     }
     found
+}
+
+/// The larger of a size and the size of a value, which does not count if it is not finite.
+fn larger_of_finite(size: f64, value: f64) -> f64 {
+    if value.is_finite() { size.max(value.abs()) } else { size }
 }
 
 /// The rows of a contact with all velocities of the system, as methods with matrices of its size need them; its gap.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::argument::{ArgumentError, refuse};
-use crate::vectors::largest;
+use crate::vectors::{combine, largest};
 
 /// A rotation of space among the coordinates of a system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub struct Rotation {
 pub fn advance(rotations: &[Rotation], q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
     let (mut from, mut rate) = (0, 0);
     for &Rotation { coordinate, velocity } in rotations {
-        translate(&q[from..coordinate], &u[rate..velocity], dt, &mut out[from..coordinate]);
+        combine(&q[from..coordinate], dt, &u[rate..velocity], &mut out[from..coordinate]);
         (from, rate) = (coordinate + 4, velocity + 3);
         let omega = Vector3::from_column_slice(&u[velocity..rate]);
         let own = &mut out[coordinate..from];
@@ -33,14 +33,7 @@ pub fn advance(rotations: &[Rotation], q: &[f64], u: &[f64], dt: f64, out: &mut 
             own.copy_from_slice(&turned(&[own[0], own[1], own[2], own[3]], &(omega * dt)));
         }
     }
-    translate(&q[from..], &u[rate..], dt, &mut out[from..]);
-}
-
-#[inline]
-fn translate(q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
-    for (out, (q, u)) in out.iter_mut().zip(q.iter().zip(u)) {
-        *out = q + dt * u;
-    }
+    combine(&q[from..], dt, &u[rate..], &mut out[from..]);
 }
 
 /// Brings the quaternions of initial coordinates to the length one.

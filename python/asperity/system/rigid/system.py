@@ -165,7 +165,8 @@ class RigidBodies(Value):
         """Return the pairs' names; those without one say what touches what, with a number."""
         given = [pair.name for pair in self.pairs if pair.name is not None]
         labels.unique(given, "pairs")
-        own = [self._touching(pair) if pair.name is None else pair.name for pair in self.pairs]
+        bodies = self.body_names
+        own = [_touching(pair, bodies) if pair.name is None else pair.name for pair in self.pairs]
         alike = Counter(own)
         used: Counter[str] = Counter()
         names = []
@@ -175,16 +176,6 @@ class RigidBodies(Value):
                 name = f"{name} {used[name] - 1}"
             names.append(name)
         return names
-
-    def _touching(self, pair: Pair) -> str:
-        names = self.body_names
-        body = names[pair.body]
-        if isinstance(pair, SphereSphere):
-            return f"{body} on {names[pair.other]}"
-        assert isinstance(pair, PlanePair)
-        if pair.plane.body is not None:
-            return f"{body} on {names[pair.plane.body]}"
-        return f"{body} on {'line' if isinstance(pair.plane, Line) else 'plane'}"
 
     def with_law(
         self, law: FrictionLaw, *, pairs: int | str | Sequence[int | str] | None = None
@@ -397,6 +388,17 @@ class RigidBodies(Value):
         if self.planar:
             return rotation.planar_matrices(q[..., 2])
         return rotation.matrices(q[..., 3:])
+
+
+def _touching(pair: Pair, names: Sequence[str]) -> str:
+    """Return what touches what, given the names of the bodies."""
+    body = names[pair.body]
+    if isinstance(pair, SphereSphere):
+        return f"{body} on {names[pair.other]}"
+    assert isinstance(pair, PlanePair)
+    if pair.plane.body is not None:
+        return f"{body} on {names[pair.plane.body]}"
+    return f"{body} on {'line' if isinstance(pair.plane, Line) else 'plane'}"
 
 
 def _is_timed(body: Body | PlanarBody) -> bool:

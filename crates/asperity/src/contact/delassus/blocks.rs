@@ -234,6 +234,13 @@ impl BlockMatrix {
         &self.values[place..place + size * size]
     }
 
+    /// The block of a contact with `N` rows that meets no other.
+    #[inline(always)]
+    pub(crate) fn only_block<const N: usize>(&self, i: usize) -> &[f64] {
+        let place = self.places[self.starts[i]];
+        &self.values[place..place + N * N]
+    }
+
     /// All values, block after block.
     pub fn values(&self) -> &[f64] {
         &self.values
@@ -265,6 +272,40 @@ impl BlockMatrix {
     #[inline]
     pub(crate) fn add_magnitudes(&self, i: usize, percussion: &[f64], sum: &mut [f64; 4]) {
         self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
+    }
+
+    /// `Σ_j G_ij P_j` and `Σ_j |G_ij P_j|` in the `N` rows of a contact.
+    #[inline(always)]
+    pub(crate) fn row_products<const N: usize>(
+        &self,
+        i: usize,
+        percussion: &[f64],
+    ) -> ([f64; N], [f64; N]) {
+        let (mut sums, mut magnitudes) = ([0.0; N], [0.0; N]);
+        for k in self.starts[i]..self.starts[i + 1] {
+            let j = self.columns[k];
+            let p = &percussion[self.offsets[j]..self.offsets[j + 1]];
+            let block = &self.values[self.places[k]..];
+            // Contacts of one size, the bulk of all, with loops that the compiler unrolls.
+            if let (Ok(p), Some((g, _))) = (<&[f64; N]>::try_from(p), block.split_at_checked(N * N))
+            {
+                for a in 0..N {
+                    for b in 0..N {
+                        let term = g[N * a + b] * p[b];
+                        sums[a] += term;
+                        magnitudes[a] += term.abs();
+                    }
+                }
+                continue;
+            }
+            for (a, row) in block.chunks_exact(p.len()).take(N).enumerate() {
+                for (g, p) in row.iter().zip(p) {
+                    sums[a] += g * p;
+                    magnitudes[a] += (g * p).abs();
+                }
+            }
+        }
+        (sums, magnitudes)
     }
 
     #[inline(always)]

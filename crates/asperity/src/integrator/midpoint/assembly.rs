@@ -12,7 +12,8 @@ use super::products::Part;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
 use crate::system::mass::MassFactors;
-use crate::system::{Configuration, ContactLaw, Midpoint, Step, System, SystemError};
+use crate::system::{Configuration, Constancy, ContactLaw, Midpoint, Step, System, SystemError};
+use crate::vectors::copy;
 
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
@@ -25,7 +26,8 @@ const SLIDING: f64 = 4.0;
 /// The system and its closed contacts at the midpoint.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
-    /// Whether contacts neither open, close nor change their directions.
+    /// What of the system never changes, and whether its contacts neither open, close nor change their directions.
+    constancy: Constancy,
     fixed: bool,
     midpoint: Midpoint,
     mass: MassFactors,
@@ -46,8 +48,20 @@ pub(super) struct Assembly {
     /// The blocks that a new contact touches.
     struck: Vec<bool>,
     factors: Factors,
+    /// The entries of `Wᵀ` and `M⁻¹W` where neither changes from step to step and all that a step needs of the contacts is
+    /// products with them.
+    constant: Option<Vec<Entry>>,
     /// The contact whose rows were evaluated last.
     evaluated: Evaluated,
+}
+
+/// An entry of `Wᵀ` with that of `M⁻¹W` in the same place.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    row: usize,
+    velocity: usize,
+    direction: f64,
+    response: f64,
 }
 
 /// Rows and χ of one contact.
@@ -55,6 +69,9 @@ pub(super) struct Assembly {
 struct Evaluated {
     rows: Vec<f64>,
     chi: [f64; 4],
+    /// What they change by on the way to the next midpoint, and whether they do, once that was asked for.
+    chord: [f64; 4],
+    bends: Option<bool>,
 }
 
 impl Evaluated {
@@ -70,7 +87,26 @@ impl Evaluated {
         if self.rows.len() < entries {
             self.rows.resize(entries, 0.0);
         }
+        self.bends = None;
         system.rows(at, contact, &mut self.rows[..entries], &mut self.chi[..len])
+    }
+
+    /// What the rows of a contact, which were evaluated last, change by; zero where nothing changes.
+    fn chord(
+        &mut self,
+        system: &dyn System,
+        midpoint: &Midpoint,
+        step: &Step<'_>,
+        contact: usize,
+    ) -> [f64; 4] {
+        if self.bends.is_none() {
+            let len = system.contacts()[contact].rows();
+            let rows = &self.rows[..len * width(system, contact)];
+            self.chord = [0.0; 4];
+            let bends = system.chord(midpoint, step, contact, rows, &mut self.chord[..len]);
+            self.bends = Some(bends);
+        }
+        if self.bends == Some(true) { self.chord } else { [0.0; 4] }
     }
 }
 
@@ -120,6 +156,7 @@ impl Assembly {
         let momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
         let given = |contact: &ContactLaw| contact.normal_force().is_some();
         Self {
+            constancy,
             fixed: constancy.contacts && system.contacts().iter().all(given),
             midpoint: Midpoint {
                 q: q.to_vec(),
@@ -149,7 +186,7 @@ impl Assembly {
     ) -> Result<[f64; 3], SystemError> {
         self.evaluated.update(system, at, contact)?;
         let (law, width) = (&system.contacts()[contact], width(system, contact));
-        let Evaluated { rows, chi } = &self.evaluated;
+        let Evaluated { rows, chi, .. } = &self.evaluated;
         let mut slip = [0.0; 3];
         let tangent = law.normal_rows()..law.rows();
         let (slip_rows, mut entries) = (tangent.len(), &rows[tangent.start * width..]);
@@ -171,22 +208,17 @@ impl Assembly {
     ) -> Result<Change, StepError> {
         let dt = step.dt;
         system.begin(step, &mut self.midpoint)?;
-        let new_mass = !(self.has_mass && system.constancy().mass);
+        let new_mass = !(self.has_mass && self.constancy.mass);
         if new_mass {
             self.has_mass = false;
             self.mass.update(system, step.midpoint, &self.midpoint.q)?;
             self.has_mass = true;
         }
-        self.free.copy_from_slice(&self.midpoint.forces);
-        self.mass.solve(system, &mut self.free);
-        for (free, before) in self.free.iter_mut().zip(&self.midpoint.before) {
-            *free = before + dt * *free;
-        }
+        let Midpoint { before, forces, .. } = &self.midpoint;
+        self.mass.accelerate(system, before, (dt, forces), &mut self.free);
         let (mut same, mut changed) = (true, false);
         if closed.ready && self.fixed && !new_mass {
-            for place in 0..self.contacts.len() {
-                self.update_velocities(place, 0.0, closed);
-            }
+            self.update_all_velocities(closed);
         } else {
             (same, changed) = self.find_closed(system, step, new_mass, closed)?;
             if !same {
@@ -199,6 +231,7 @@ impl Assembly {
         if !same || changed || self.factors.any() {
             self.fill(system, closed);
             closed.check_directions()?;
+            self.find_constant(closed);
         }
         if closed.bounces() {
             closed.bounce(|row| self.slip[row]);
@@ -229,7 +262,7 @@ impl Assembly {
         closed.gaps.clear();
         closed.stay.clear();
         let (mut same, mut changed) = (closed.ready, new_mass);
-        let constant = system.constancy().contacts;
+        let constant = self.constancy.contacts;
         for (contact, law) in system.contacts().iter().enumerate() {
             // What was closed most probably still is.
             let was_closed = closed.was_closed(contact);
@@ -282,9 +315,7 @@ impl Assembly {
             let change = self.free[range.clone()].iter().zip(&self.midpoint.before[range]);
             gained += change.zip(&mut row).map(|((a, b), w)| (w * (a - b)).abs()).sum::<f64>();
         }
-        let (law, mut chord) = (&system.contacts()[contact], [0.0; 4]);
-        let (len, rows) = (law.rows(), &self.evaluated.rows);
-        system.chord(&self.midpoint, step, contact, rows, &mut chord[..len]);
+        let chord = self.evaluated.chord(system, &self.midpoint, step, contact);
         Ok(step.dt * (ROUNDING * gained + chord[0].abs()))
     }
 
@@ -323,11 +354,13 @@ impl Assembly {
         contact: usize,
         undisturbed: bool,
     ) {
-        let Rows { first, len, width, .. } = self.contacts[place];
-        let (entries, own) = (&self.evaluated.rows[..len * width], first..first + len);
-        let chord = &mut self.chord[own.clone()];
-        if !(undisturbed && system.chord(&self.midpoint, step, contact, entries, chord)) {
-            chord.fill(0.0);
+        let Rows { first, len, .. } = self.contacts[place];
+        let (own, mut chord) = (first..first + len, [0.0; 4]);
+        if undisturbed {
+            chord = self.evaluated.chord(system, &self.midpoint, step, contact);
+        }
+        self.chord[own.clone()].copy_from_slice(&chord[..len]);
+        if !undisturbed || self.evaluated.bends != Some(true) {
             return;
         }
         let (rows, tangent) =
@@ -341,37 +374,102 @@ impl Assembly {
         }
     }
 
+    /// The entries that are not zero, if nothing but them is needed from now on.
+    fn find_constant(&mut self, closed: &Closed) {
+        let plain =
+            !self.factors.any() && !closed.bounces() && self.chord.iter().all(|&c| c == 0.0);
+        if !(self.fixed && self.constancy.mass && plain) {
+            self.constant = None;
+            return;
+        }
+        let mut entries = Vec::new();
+        for rows in &self.contacts {
+            for k in 0..rows.len {
+                for side in &self.sides[rows.sides.clone()] {
+                    let first = rows.place + k * rows.width + side.offset;
+                    for i in 0..side.len {
+                        let (row, velocity) = (rows.first + k, side.velocity + i);
+                        let direction = self.directions[first + i];
+                        let response = self.responses[first + i];
+                        if direction != 0.0 || response != 0.0 {
+                            entries.push(Entry { row, velocity, direction, response });
+                        }
+                    }
+                }
+            }
+        }
+        self.constant = Some(entries);
+    }
+
+    /// Brings the velocities of all contacts up to date where these neither open nor close.
+    #[inline(always)]
+    fn update_all_velocities(&mut self, closed: &mut Closed) {
+        let Some(entries) = &self.constant else {
+            return (0..self.contacts.len())
+                .for_each(|place| self.update_velocities(place, 0.0, closed));
+        };
+        let loads = closed.problem.free_velocity_mut();
+        copy(&self.chi, loads);
+        for entry in entries {
+            loads[entry.row] += entry.direction * self.free[entry.velocity];
+        }
+    }
+
     /// Brings the velocities of a contact up to date; `closing` is that with which it closes its gap in a step.
     ///
     /// After the step the laws see the mean velocities on the way to the next midpoint, before it those on the way from
     /// the last one, which to second order differ from those at the midpoint by as much on the other side.
     #[inline]
     fn update_velocities(&mut self, place: usize, closing: f64, closed: &mut Closed) {
-        let rows = &self.contacts[place];
-        let own = rows.first..rows.first + rows.len;
-        let (chi, chord) = (&self.chi[own.clone()], &self.chord[own.clone()]);
-        let free = self.velocities(rows, &self.free);
-        let loads = &mut closed.problem.free_velocity_mut()[own.clone()];
-        for (k, load) in loads.iter_mut().enumerate() {
-            *load = free[k] + closing_row(k, closing, chi) + chord[k];
+        let Rows { first, len, .. } = self.contacts[place];
+        let loads = &mut closed.problem.free_velocity_mut()[first..first + len];
+        match len {
+            1 => self.load::<1>(place, closing, loads),
+            2 => self.load::<2>(place, closing, loads),
+            3 => self.load::<3>(place, closing, loads),
+            _ => self.load::<4>(place, closing, loads),
         }
         if closed.bounces() || self.factors.any() {
-            let before = self.velocities(rows, &self.midpoint.before);
-            for (k, slip) in self.slip[own].iter_mut().enumerate() {
-                *slip = before[k] + closing_row(k, closing, chi) - chord[k];
-            }
+            self.update_slip(place, closing);
+        }
+    }
+
+    /// The velocities of a contact with `N` rows after a step without percussions.
+    #[inline(always)]
+    fn load<const N: usize>(&self, place: usize, closing: f64, loads: &mut [f64]) {
+        let rows = &self.contacts[place];
+        let own = rows.first..rows.first + N;
+        let (chi, chord) = (&self.chi[own.clone()], &self.chord[own]);
+        let mut sums: [f64; N] = std::array::from_fn(|k| chi[k] + chord[k]);
+        sums[0] += closing;
+        self.add_velocities(rows, &self.free, &mut sums);
+        loads[..N].copy_from_slice(&sums);
+    }
+
+    /// The velocities of a contact before the step.
+    fn update_slip(&mut self, place: usize, closing: f64) {
+        let rows = &self.contacts[place];
+        let before = self.velocities(rows, &self.midpoint.before);
+        for (k, row) in (rows.first..rows.first + rows.len).enumerate() {
+            let closing = if k == 0 { closing } else { 0.0 };
+            self.slip[row] = before[k] + self.chi[row] + closing - self.chord[row];
         }
     }
 
     /// `Wᵀu` of the rows of a contact.
-    #[inline]
     fn velocities(&self, rows: &Rows, u: &[f64]) -> [f64; 4] {
         let mut sums = [0.0; 4];
+        self.add_velocities(rows, u, &mut sums[..rows.len]);
+        sums
+    }
+
+    /// Adds `Wᵀu` of the rows of a contact.
+    #[inline(always)]
+    fn add_velocities(&self, rows: &Rows, u: &[f64], sums: &mut [f64]) {
         for side in &self.sides[rows.sides.clone()] {
             let own = &u[side.velocity..side.velocity + side.len];
-            rows.part(0, side, &self.directions).add_product(own, &mut sums[..rows.len]);
+            rows.part(0, side, &self.directions).add_product(own, sums);
         }
-        sums
     }
 
     /// Rows and operator for a new set of closed contacts.
@@ -424,7 +522,6 @@ impl Assembly {
 
     /// `M⁻¹W`, scaled by the factors of the speed, and the Delassus operator.
     pub(super) fn fill(&mut self, system: &dyn System, closed: &mut Closed) {
-        self.responses.copy_from_slice(&self.directions);
         for rows in &self.contacts {
             for k in 0..rows.len {
                 let factor = self.factors.of(rows.first + k);
@@ -432,6 +529,7 @@ impl Assembly {
                 for side in &self.sides[rows.sides.clone()] {
                     let first = start + side.offset;
                     let response = &mut self.responses[first..first + side.len];
+                    response.copy_from_slice(&self.directions[first..first + side.len]);
                     self.mass.solve_block(system, side.block, response);
                     if factor != 1.0 {
                         response.iter_mut().for_each(|value| *value *= factor);
@@ -489,6 +587,12 @@ impl Assembly {
         q: &mut [f64],
         u: &mut [f64],
     ) -> Result<(), SystemError> {
+        if let Some(entries) = &self.constant {
+            for entry in entries {
+                self.free[entry.velocity] += entry.response * percussion[entry.row];
+            }
+            return system.finish(&mut self.midpoint, &self.free, dt, q, u);
+        }
         for rows in &self.contacts {
             let own = &percussion[rows.first..rows.first + rows.len];
             for side in &self.sides[rows.sides.clone()] {
@@ -505,10 +609,4 @@ impl Assembly {
 fn width(system: &dyn System, contact: usize) -> usize {
     let blocks = system.blocks();
     system.touched(contact).iter().map(|&block| blocks.range(block).len()).sum()
-}
-
-/// χ of row `k` with the velocity at which the contact closes its gap, which is in the first row.
-#[inline]
-fn closing_row(k: usize, closing: f64, chi: &[f64]) -> f64 {
-    if k == 0 { chi[k] + closing } else { chi[k] }
 }

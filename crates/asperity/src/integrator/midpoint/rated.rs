@@ -46,7 +46,8 @@ use crate::solver::{Rising, Stop, Workspace, settle};
 /// Factors below this one count as it.
 const SMALLEST: f64 = 1e-12;
 
-/// Most sweeps over contacts that disturb each other, after which Newton's method goes on.
+/// Most sweeps over contacts that disturb each other, after which Newton's method goes on: no iteration of the steps that
+/// `step.rs` names changes with a quarter or four times as many.
 const MOST_SWEEPS: usize = 300;
 
 /// How factors are corrected.

@@ -6,15 +6,20 @@ use super::closed::Change;
 use super::outcome::{ContactOutput, StepError};
 use super::rated::Correction;
 use super::stepper::Stepper;
-use crate::contact::Memory;
+use crate::contact::{ContactRows, Memory};
 use crate::solver::{self, SolveReport, Status, Stop};
 use crate::system::Step;
 
+// Constants of friction that depends on the speed were multiplied by ¼, ½, 2 and 4 in 6000 steps of 60 random linear
+// systems of up to four velocities and four contacts with Stribeck's law. Of the results these depend on none but on
+// `MOST_CORRECTIONS`.
+
 /// Solves after which the search for factors of the speed at the end of the step gives up. One or two do while
-/// contacts do not disturb each other.
+/// contacts do not disturb each other. With half as many one of the 6000 steps is not solved, with this and more all are.
 const MOST_CORRECTIONS: usize = 120;
 /// Corrections after which solutions are looked for in which speed and factor of every contact agree by itself, and
-/// after which factors are kept within bounds. Half of a round has bounds; then it begins anew.
+/// after which factors are kept within bounds. Half of a round has bounds; then it begins anew. All steps are solved
+/// with any of them, with between 1 % fewer and 4 % more iterations.
 const UNAIDED: usize = 6;
 const SETTLING: usize = 12;
 const WHOLE_CORRECTIONS: usize = 30;
@@ -50,8 +55,10 @@ impl Stepper<'_> {
         if updated.is_err() {
             self.closed.ready = false;
         }
-        if updated? != Change::None {
-            self.workspace.prepare(&self.closed.problem);
+        match updated? {
+            Change::None => {}
+            Change::Operator => self.workspace.refresh(&self.closed.problem),
+            Change::Contacts => self.workspace.prepare(&self.closed.problem),
         }
         self.check_problem()?;
         std::mem::swap(&mut self.before, &mut self.memory);
@@ -92,11 +99,18 @@ impl Stepper<'_> {
     }
 
     /// Solves the contact problem, again and again where factors of the friction follow from the solution.
+    #[inline]
     fn solve(&mut self, stop: Stop<'_>) -> SolveReport {
-        let Self { system, solver, closed, assembly, memory, before, workspace, .. } = self;
-        if !assembly.factors().rises() {
-            return solver.solve_from(&closed.problem, stop, before, memory, workspace);
+        let Self { solver, closed, assembly, memory, before, workspace, .. } = self;
+        if assembly.factors().rises() {
+            return self.solve_with_rising_factors(stop);
         }
+        solver.solve_from(&closed.problem, stop, before, memory, workspace)
+    }
+
+    #[inline(never)]
+    fn solve_with_rising_factors(&mut self, stop: Stop<'_>) -> SolveReport {
+        let Self { system, solver, closed, assembly, memory, before, workspace, .. } = self;
         memory.copy_from(before);
         let (mut iterations, mut correction) = (0, 0);
         let (mut settled, mut following) = (false, false);
@@ -168,29 +182,29 @@ impl Stepper<'_> {
                 factors.follow(&closed.problem, &mut memory.states);
             }
             assembly.fill(*system, closed);
-            workspace.prepare(&closed.problem);
+            workspace.refresh(&closed.problem);
             correction += 1;
         }
     }
 
     fn check_problem(&self) -> Result<(), StepError> {
         let problem = &self.closed.problem;
-        let Some(row) = problem.free_velocity().iter().position(|v| !v.is_finite()) else {
+        if are_finite(problem.free_velocity()) {
             return Ok(());
-        };
-        let mut rows = problem.contacts().iter().zip(&self.closed.active);
-        let broken = rows.find(|(contact, _)| contact.rows().contains(&row));
-        broken.map_or(Ok(()), |(_, &contact)| {
-            Err(StepError::NotFiniteContact { time: self.time(), contact })
-        })
+        }
+        let broken = |contact: &ContactRows| !are_finite(&problem.free_velocity()[contact.rows()]);
+        let broken = problem.contacts().iter().position(broken);
+        let contact = broken.map_or(0, |place| self.closed.active[place]);
+        Err(StepError::NotFiniteContact { time: self.time(), contact })
     }
 
     fn check_finite(&self) -> Result<(), StepError> {
-        let broken = |state: &[f64]| state.iter().position(|v| !v.is_finite());
-        match broken(&self.u).or_else(|| broken(&self.q)) {
-            Some(coordinate) => Err(StepError::NotFinite { time: self.time(), coordinate }),
-            None => Ok(()),
+        if are_finite(&self.u) && are_finite(&self.q) {
+            return Ok(());
         }
+        let broken = |state: &[f64]| state.iter().position(|v| !v.is_finite());
+        let coordinate = broken(&self.u).or_else(|| broken(&self.q)).unwrap_or(0);
+        Err(StepError::NotFinite { time: self.time(), coordinate })
     }
 
     /// Keeps what the closed contacts do, before the next step changes the contact problem.
@@ -200,20 +214,36 @@ impl Stepper<'_> {
         if outputs.len() > closed.active.len() {
             outputs.fill(None);
         }
+        let laws = system.contacts();
         let rows = closed.active.iter().zip(closed.problem.contacts());
         for ((&contact, rows), state) in rows.zip(&memory.states) {
-            let (mut slip, mut force) = ([0.0; 3], [0.0; 3]);
-            for i in 0..rows.law.dimension() {
-                let row = rows.tangent() + i;
-                slip[i] = workspace.velocity[row];
-                force[i] = memory.percussion[row] * factors.of(row) / *dt;
-            }
-            let normal_force = match system.contacts()[contact].normal_force() {
+            let own = rows.tangential_rows();
+            // All tangential rows of a contact have one factor.
+            let factor = factors.of(own.start);
+            let force = padded(&memory.percussion[own.clone()]).map(|p| p * factor / *dt);
+            let normal_force = match laws[contact].normal_force() {
                 Some(value) => value,
                 None => memory.percussion[rows.offset] / *dt,
             };
-            outputs[contact] =
-                Some(ContactOutput { phase: state.phase, slip, force, normal_force });
+            let (phase, slip) = (state.phase, padded(&workspace.velocity[own]));
+            outputs[contact] = Some(ContactOutput { phase, slip, force, normal_force });
         }
+    }
+}
+
+/// Whether all are numbers and none is infinite.
+#[inline(always)]
+fn are_finite(values: &[f64]) -> bool {
+    values.iter().all(|v| v.is_finite())
+}
+
+/// The components of a contact's friction, unused ones zero.
+#[inline(always)]
+fn padded(values: &[f64]) -> [f64; 3] {
+    match *values {
+        [a] => [a, 0.0, 0.0],
+        [a, b] => [a, b, 0.0],
+        [a, b, c, ..] => [a, b, c],
+        [] => [0.0; 3],
     }
 }

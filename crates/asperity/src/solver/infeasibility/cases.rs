@@ -26,7 +26,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use asperity_set::Vector;
 use nalgebra::{DMatrix, DVector};
 
-use super::closing::{HUGE, keeps_bodies_at_rest};
+use super::closing::{HUGE, keeps_lost_bodies_at_rest};
 use super::nonnegative;
 use super::proof::{Case, CaseState, Infeasibility, InfeasibilityKind};
 use crate::contact::{ContactProblem, Delassus, NormalForce};
@@ -41,12 +41,14 @@ const MOST_CONTACTS: usize = 6;
 const MOST_CASES: usize = 600;
 /// Halvings of a quadrant of slip directions. Pieces of the boundary of *D* are not cut any finer.
 const HALVINGS: i32 = 10;
-/// Percussions that are added to those with which a vector is sought.
+/// Percussions that are added to those with which a vector is sought. Of this number, of the cases and of the pieces
+/// below a quarter and four times as much prove the same of 18 random systems whose motions have no solution or whose
+/// percussions are not found (`tests/test_random_systems.py`).
 const CUTS: usize = 16;
 /// Of every so many pieces of the boundary one makes the first percussions.
 const FIRST: usize = 64;
 /// Part of the largest friction by which percussions are enlarged when a vector is sought, and angle by which sectors
-/// are: it then holds for those that lie between.
+/// are: it then holds for those that lie between. A tenth and ten times as much of either prove the same of those systems.
 const SLACK: f64 = 1e-3;
 const OPENING: f64 = 1e-4;
 /// Distance to the percussions and velocities of a case, relative to the loads, that counts as none.
@@ -476,11 +478,11 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Whether `Gᵀz` vanishes, where it does, for the masses as well.
+    /// Whether what vanishes of `Gᵀz` does so for bodies as well that `G` has lost beside lighter ones.
     fn keeps_masses(&self, z: &DVector<f64>) -> bool {
         let Delassus::Factored(factored) = &self.group.delassus else { return true };
         let rows = factored.directions().rows();
-        keeps_bodies_at_rest(factored, &self.group.on_rows(z, rows))
+        keeps_lost_bodies_at_rest(factored, &self.group.on_rows(z, rows))
     }
 }
 

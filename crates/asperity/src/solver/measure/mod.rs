@@ -5,5 +5,6 @@ pub(crate) mod certificate;
 pub(crate) mod growth;
 pub(crate) mod natural_map;
 pub(crate) mod natural_residual;
+pub(crate) mod own;
 pub(crate) mod phase;
 pub(crate) mod stop;

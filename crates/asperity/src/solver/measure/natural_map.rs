@@ -1,6 +1,6 @@
 //! The natural map of a whole problem, one number for all contacts.
 
-use super::natural_residual::Measured;
+use super::natural_residual::{Measured, relative};
 use crate::argument::ArgumentError;
 use crate::contact::{ContactProblem, ContactRows, NormalForce};
 use crate::vectors::norm;
@@ -29,9 +29,11 @@ pub(crate) fn map(measured: &Measured<'_>) -> f64 {
     for contact in problem.contacts() {
         defect += contact_defect(measured, contact, rho);
     }
-    let squares = percussion.iter().map(|p| p * p).sum::<f64>();
-    let scale = f64::max(squares, (rho * problem.load_norm()).powi(2));
-    if defect == 0.0 { 0.0 } else { f64::sqrt(defect / scale) }
+    let scale = || {
+        let squares = percussion.iter().map(|p| p * p).sum::<f64>();
+        f64::max(squares, (rho * problem.load_norm()).powi(2))
+    };
+    f64::sqrt(relative(defect, scale))
 }
 
 /// Square of the defect of a contact.

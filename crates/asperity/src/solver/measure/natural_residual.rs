@@ -64,18 +64,26 @@ impl<'a> Measured<'a> {
     }
 
     /// Square of the defect of both inclusions of a contact with the prox parameter `rho`.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn defect(&self, contact: &ContactRows, rho: f64) -> f64 {
-        let normal_defect = match contact.normal {
-            NormalForce::Prescribed(_) => 0.0,
-            NormalForce::Unilateral => {
-                let normal = self.percussion[contact.offset];
-                normal - f64::max(0.0, normal - rho * self.xi(contact.offset))
-            }
-        };
-        let tangential = contact.law.inclusion_defect(self.friction(contact), rho);
-        normal_defect * normal_defect + tangential
+        let normal = self.percussion[contact.offset];
+        defect(contact, (normal, self.xi(contact.offset)), self.friction(contact), rho)
     }
+}
+
+/// The same from percussion and velocity in the contact's first row, and its friction.
+#[inline(always)]
+pub(crate) fn defect(
+    contact: &ContactRows,
+    (percussion, xi): (f64, f64),
+    friction: Friction<'_>,
+    rho: f64,
+) -> f64 {
+    let normal_defect = match contact.normal {
+        NormalForce::Prescribed(_) => 0.0,
+        NormalForce::Unilateral => percussion - f64::max(0.0, percussion - rho * xi),
+    };
+    normal_defect * normal_defect + contact.law.inclusion_defect(friction, rho)
 }
 
 /// Defect of the projections that the contact laws are, contact by contact:
@@ -104,8 +112,7 @@ pub(crate) fn residual(measured: &Measured<'_>) -> Residual {
     let (mut worst, mut worst_contact) = (-1.0, 0);
     for (i, contact) in problem.contacts().iter().enumerate() {
         let defect = measured.defect(contact, problem.rho(i));
-        let relative =
-            if defect == 0.0 { 0.0 } else { defect / scale(problem, i, percussion, velocity) };
+        let relative = relative(defect, || scale(problem, i, percussion, velocity));
         // Not-a-number counts as the worst of all.
         if !(relative <= worst) {
             (worst, worst_contact) = (relative, i);
@@ -113,6 +120,17 @@ pub(crate) fn residual(measured: &Measured<'_>) -> Residual {
     }
     let value = if worst < 0.0 { 0.0 } else { f64::sqrt(worst) };
     Residual { value, worst_contact }
+}
+
+/// A defect relative to its scale, both squared. Percussions whose squares are no numbers are no solution of anything:
+/// beside an infinite scale every defect would vanish.
+#[inline]
+pub(super) fn relative(defect: f64, scale: impl FnOnce() -> f64) -> f64 {
+    if defect == 0.0 {
+        return 0.0;
+    }
+    let scale = scale();
+    if scale < f64::INFINITY { defect / scale } else { f64::INFINITY }
 }
 
 /// Square of what the defect of a contact is compared with: its percussion, its free velocity and the

@@ -3,21 +3,25 @@
 mod admm;
 mod cones;
 mod interior;
+mod islands;
 mod newton;
 mod progress;
 mod prox;
 mod proximal;
 mod sweep;
+mod swept;
 mod task;
 mod threads;
 
 pub(crate) use admm::Admm;
 pub(crate) use cones::Cones;
 pub(crate) use interior::Interior;
+pub(crate) use islands::Plan;
 pub(crate) use progress::{Buffers, Progress};
 pub use prox::ProxStep;
 pub(crate) use prox::{Order, ProxIteration};
 pub(crate) use proximal::ProximalPoint;
-pub(crate) use sweep::{Sweeper, mark_ambiguous};
+pub(crate) use sweep::{Own, Sweeper, mark_ambiguous};
+pub(crate) use swept::Swept;
 pub(crate) use task::{Iterate, Task};
 pub(crate) use threads::Threads;

@@ -7,17 +7,18 @@
 
 use std::ops::Range;
 
+use super::swept::Swept;
 use super::task::{Iterate, Task};
 use super::threads;
-use crate::contact::{ContactProblem, ContactState, Phase};
-use crate::solver::measure::natural_residual::Residual;
+use crate::contact::{Components, ContactProblem, ContactState, Members, Phase};
+use crate::solver::measure::own::{OwnMeasure, measure_alone};
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};
 use crate::solver::report::Ended;
 
 /// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
-const BATCH: usize = 8 * threads::LEAF;
+pub(super) const BATCH: usize = 8 * threads::LEAF;
 
 /// Prepared blocks and buffers.
 #[derive(Debug, Clone, Default)]
@@ -26,6 +27,8 @@ pub(crate) struct Sweeper {
     blocks: Vec<Block>,
     /// What is left of the work on contacts in sweeps.
     efforts: Vec<Effort>,
+    /// Contacts that influence each other, directly or by others.
+    pub(super) islands: Members,
     pub(crate) candidates: Candidates,
 }
 
@@ -34,6 +37,18 @@ impl Sweeper {
     pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
         let contacts = problem.contacts().len();
         self.efforts.resize(contacts, Effort::in_sweeps());
+        let mut connected = Components::default();
+        connected.separate(contacts);
+        for i in 0..contacts {
+            problem.delassus().blocks().neighbours(i).iter().for_each(|&j| connected.join(i, j));
+        }
+        self.islands = connected.into();
+        self.refresh(problem);
+    }
+
+    /// Prepares the blocks of a problem whose operator has other entries than before.
+    pub(crate) fn refresh(&mut self, problem: &ContactProblem) {
+        let contacts = problem.contacts().len();
         self.blocks.clear();
         self.blocks.extend((0..contacts).map(|contact| Block::new(problem, contact)));
     }
@@ -49,32 +64,6 @@ impl Sweeper {
         self.efforts.fill(Effort::in_sweeps());
     }
 
-    /// Sweeps until the natural residual is below the tolerance; their number, why they ended and the residual.
-    pub(crate) fn solve(
-        &mut self,
-        task: &Task<'_>,
-        iterate: &mut Iterate<'_>,
-        max_sweeps: usize,
-    ) -> (usize, Ended, Residual) {
-        let goal = f64::max(0.1 * task.stop.tolerance, 4.0 * f64::EPSILON);
-        let mut sweeps = 0;
-        loop {
-            // Contacts without a solution may find one when the others have moved.
-            self.sweep(task, iterate, Policy::Prove, sweeps == 0);
-            sweeps += 1;
-            let residual = iterate.measure(task);
-            if residual.value <= goal {
-                return (sweeps, Ended::Done, residual);
-            }
-            if task.stop.early() {
-                return (sweeps, Ended::TimeLimit, residual);
-            }
-            if sweeps >= max_sweeps {
-                return (sweeps, Ended::MaxIterations, residual);
-            }
-        }
-    }
-
     /// One sweep; the last contact that had no solution.
     ///
     /// The states before the step decide between several solutions; Newton's method starts from them in the first
@@ -86,69 +75,95 @@ impl Sweeper {
         policy: Policy,
         first: bool,
     ) -> Option<usize> {
-        let (problem, mut stuck) = (task.problem, None);
-        for (i, rows) in problem.contacts().iter().enumerate() {
-            let (history, block) = (&task.history[i], &self.blocks[i]);
-            let state = &mut iterate.states[i];
-            let held = problem.contact_velocity(i, iterate.percussion, false);
-            let percussion = &mut iterate.percussion[rows.rows()];
-            if policy == Policy::FirstFound && block.pressed && held[0] >= 0.0 {
-                percussion.fill(0.0);
-                state.phase = Phase::Open;
-                continue;
-            }
-            let slip = (!first).then_some(state.slip);
-            let contact = OneContact { problem, contact: i, block, held };
-            let (candidates, effort) = (&mut self.candidates, &mut self.efforts[i]);
-            let start = Start { history, slip };
-            let found = contact.solve(policy, start, percussion, candidates, effort);
-            if found.is_none() {
+        let mut stuck = None;
+        for i in 0..task.problem.contacts().len() {
+            if !self.visit(task, iterate, policy, first, i) {
                 stuck = Some(i);
-            }
-            match (policy, found) {
-                (Policy::Prove, found) => {
-                    record(found, history, state, &mut iterate.ambiguous[i]);
-                }
-                (Policy::FirstFound, Some(found)) => {
-                    (state.phase, state.slip) = (found.phase, found.slip);
-                }
-                (Policy::FirstFound, None) => {}
             }
         }
         stuck
     }
 
-    /// Solves contacts that do not influence each other, side by side: one sweep is enough.
+    /// Solves a contact with the percussions of the others held; whether there is a solution.
     #[inline]
-    pub(crate) fn solve_uncoupled(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>) -> Ended {
-        let Self { blocks, candidates, .. } = self;
-        // The belt and the disk of many a model: one contact needs no batches.
-        if let ([_], [state], [ambiguous]) =
-            (task.problem.contacts(), &mut *iterate.states, &mut *iterate.ambiguous)
-        {
-            let history = &task.history[0];
-            let contact = OneContact::alone(task.problem, 0, &blocks[0]);
-            let solved =
-                solve_alone(contact, history, iterate.percussion, state, ambiguous, candidates);
-            return if solved { Ended::Done } else { Ended::Stuck(0) };
+    pub(super) fn visit(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        policy: Policy,
+        first: bool,
+        i: usize,
+    ) -> bool {
+        let (problem, history, block) = (task.problem, &task.history[i], &self.blocks[i]);
+        let state = &mut iterate.states[i];
+        let held = problem.contact_velocity(i, iterate.percussion, false);
+        let percussion = &mut iterate.percussion[problem.contacts()[i].rows()];
+        if policy == Policy::FirstFound && block.pressed && held[0] >= 0.0 {
+            percussion.fill(0.0);
+            state.phase = Phase::Open;
+            return true;
         }
+        let slip = (!first).then_some(state.slip);
+        let contact = OneContact { problem, contact: i, block, held };
+        let (candidates, effort) = (&mut self.candidates, &mut self.efforts[i]);
+        let start = Start { history, slip };
+        let found = contact.solve(policy, start, percussion, candidates, effort);
+        match (policy, found) {
+            (Policy::Prove, found) => record(found, history, state, &mut iterate.ambiguous[i]),
+            (Policy::FirstFound, Some(found)) => {
+                (state.phase, state.slip) = (found.phase, found.slip);
+            }
+            (Policy::FirstFound, None) => {}
+        }
+        found.is_some()
+    }
+
+    /// Whether a contact has more than one solution with the percussions of the others held.
+    #[inline]
+    pub(super) fn is_ambiguous(
+        &mut self,
+        task: &Task<'_>,
+        percussion: &[f64],
+        contact: usize,
+    ) -> bool {
+        let one = OneContact::new(task.problem, contact, &self.blocks[contact], percussion);
+        one.is_ambiguous(&task.history[contact], &mut self.candidates)
+    }
+
+    /// Solves and measures the only contact of a problem.
+    #[inline(always)]
+    pub(crate) fn solve_only(
+        &mut self,
+        problem: &ContactProblem,
+        history: &ContactState,
+        own: Own<'_>,
+    ) -> Swept {
+        let contact = OneContact::alone(problem, 0, &self.blocks[0]);
+        solve_alone(contact, history, own, &mut self.candidates)
+    }
+
+    /// Solves and measures contacts that do not influence each other, side by side: one sweep is enough.
+    pub(crate) fn solve_uncoupled(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>) -> Swept {
+        let Self { blocks, candidates, .. } = self;
+        let Iterate { percussion, velocity, states, ambiguous, .. } = iterate;
         let mut rest = Uncoupled {
             contacts: 0..task.problem.contacts().len(),
-            percussion: &mut *iterate.percussion,
-            states: &mut *iterate.states,
-            ambiguous: &mut *iterate.ambiguous,
+            percussion,
+            velocity,
+            states,
+            ambiguous,
         };
-        let mut stuck = None;
+        let mut swept = Swept::NOTHING;
         while rest.contacts.len() > BATCH {
             let (batch, after) = rest.split(task.problem, BATCH);
             rest = after;
-            stuck = batch.run(task, blocks, candidates).or(stuck);
+            swept = swept.and(batch.run(task, blocks, candidates));
             if task.stop.early() {
                 rest.states.copy_from_slice(&task.history[rest.contacts]);
-                return Ended::TimeLimit;
+                return Swept { ended: Ended::TimeLimit, ..swept };
             }
         }
-        rest.run(task, blocks, candidates).or(stuck).map_or(Ended::Done, Ended::Stuck)
+        swept.and(rest.run(task, blocks, candidates))
     }
 }
 
@@ -167,26 +182,38 @@ fn record(
     *ambiguous = found.is_some_and(|found| found.ambiguous);
 }
 
-/// Solves a contact that no other influences; whether there is a solution.
+/// What belongs to one contact.
+pub(crate) struct Own<'a> {
+    pub(crate) percussion: &'a mut [f64],
+    pub(crate) velocity: &'a mut [f64],
+    pub(crate) state: &'a mut ContactState,
+    pub(crate) ambiguous: &'a mut bool,
+}
+
+/// Solves and measures a contact that no other influences.
 #[inline(always)]
 fn solve_alone(
     contact: OneContact<'_>,
     history: &ContactState,
-    percussion: &mut [f64],
-    state: &mut ContactState,
-    ambiguous: &mut bool,
+    own: Own<'_>,
     candidates: &mut Candidates,
-) -> bool {
+) -> Swept {
+    let Own { percussion, velocity, state, ambiguous } = own;
     let (start, effort) = (Start { history, slip: None }, &mut Effort::alone());
     let found = contact.solve(Policy::Prove, start, percussion, candidates, effort);
     record(found, history, state, ambiguous);
-    found.is_some()
+    let OneContact { problem, contact: number, .. } = contact;
+    let OwnMeasure { defect, size } = measure_alone(problem, number, percussion, velocity);
+    let ended = if found.is_some() { Ended::Done } else { Ended::Stuck(number) };
+    let may_grow = size.may_have_grown();
+    Swept { sweeps: 1, ended, defect, worst_contact: number, may_grow, ambiguous: *ambiguous }
 }
 
 /// Contacts that do not influence each other, in a row, with what belongs to them.
 struct Uncoupled<'a> {
     contacts: Range<usize>,
     percussion: &'a mut [f64],
+    velocity: &'a mut [f64],
     states: &'a mut [ContactState],
     ambiguous: &'a mut [bool],
 }
@@ -194,16 +221,19 @@ struct Uncoupled<'a> {
 impl<'a> Uncoupled<'a> {
     /// The first `count` contacts and the others.
     fn split(self, problem: &ContactProblem, count: usize) -> (Self, Self) {
-        let Self { contacts, percussion, states, ambiguous } = self;
+        let Self { contacts, percussion, velocity, states, ambiguous } = self;
         let middle = contacts.start + count;
         let row = problem.contacts()[middle].offset - problem.contacts()[contacts.start].offset;
         let (percussion, other_percussion) = percussion.split_at_mut(row);
+        let (velocity, other_velocity) = velocity.split_at_mut(row);
         let (states, other_states) = states.split_at_mut(count);
         let (ambiguous, other_ambiguous) = ambiguous.split_at_mut(count);
-        let first = Self { contacts: contacts.start..middle, percussion, states, ambiguous };
+        let (first, second) = (contacts.start..middle, middle..contacts.end);
+        let first = Self { contacts: first, percussion, velocity, states, ambiguous };
         let others = Self {
-            contacts: middle..contacts.end,
+            contacts: second,
             percussion: other_percussion,
+            velocity: other_velocity,
             states: other_states,
             ambiguous: other_ambiguous,
         };
@@ -211,7 +241,7 @@ impl<'a> Uncoupled<'a> {
     }
 
     #[inline(always)]
-    fn run(self, task: &Task<'_>, blocks: &[Block], candidates: &mut Candidates) -> Option<usize> {
+    fn run(self, task: &Task<'_>, blocks: &[Block], candidates: &mut Candidates) -> Swept {
         if task.threads.serve(self.contacts.len()) {
             let (problem, history) = (task.problem, task.history);
             return task.threads.run(|| self.solve_in_halves(problem, history, blocks));
@@ -219,13 +249,13 @@ impl<'a> Uncoupled<'a> {
         self.solve(task.problem, task.history, blocks, candidates)
     }
 
-    /// The last contact without a solution. The order of contacts does not matter, nor who solves them.
+    /// The order of contacts does not matter, nor who solves them.
     fn solve_in_halves(
         self,
         problem: &ContactProblem,
         history: &[ContactState],
         blocks: &[Block],
-    ) -> Option<usize> {
+    ) -> Swept {
         if self.contacts.len() <= threads::LEAF {
             return self.solve(problem, history, blocks, &mut Candidates::default());
         }
@@ -235,7 +265,7 @@ impl<'a> Uncoupled<'a> {
             || left.solve_in_halves(problem, history, blocks),
             || right.solve_in_halves(problem, history, blocks),
         );
-        right.or(left)
+        left.and(right)
     }
 
     #[inline(always)]
@@ -245,19 +275,19 @@ impl<'a> Uncoupled<'a> {
         history: &[ContactState],
         blocks: &[Block],
         candidates: &mut Candidates,
-    ) -> Option<usize> {
-        let Self { contacts, mut percussion, states, ambiguous } = self;
-        let mut stuck = None;
+    ) -> Swept {
+        let Self { contacts, mut percussion, mut velocity, states, ambiguous } = self;
+        let mut swept = Swept::NOTHING;
         for ((i, state), ambiguous) in contacts.zip(states).zip(ambiguous) {
-            let (own, rest) =
-                std::mem::take(&mut percussion).split_at_mut(problem.contacts()[i].len());
-            percussion = rest;
+            let len = problem.contacts()[i].len();
+            let (own, rest) = std::mem::take(&mut percussion).split_at_mut(len);
+            let (own_velocity, rest_velocity) = std::mem::take(&mut velocity).split_at_mut(len);
+            (percussion, velocity) = (rest, rest_velocity);
             let contact = OneContact::alone(problem, i, &blocks[i]);
-            if !solve_alone(contact, &history[i], own, state, ambiguous, candidates) {
-                stuck = Some(i);
-            }
+            let own = Own { percussion: own, velocity: own_velocity, state, ambiguous };
+            swept = swept.and(solve_alone(contact, &history[i], own, candidates));
         }
-        stuck
+        swept
     }
 }
 

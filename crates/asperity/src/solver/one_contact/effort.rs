@@ -1,7 +1,8 @@
 //! What a contact with an ill-conditioned block may cost.
 
 /// Values of the natural map that the search for a solution of one contact may take. An evaluation takes between
-/// half a microsecond and half a millisecond, a search that succeeds some tens to some hundreds of them.
+/// half a microsecond and half a millisecond, a search that succeeds some tens to some hundreds of them. With a quarter
+/// four of the 387 contacts of `single.rs` are not solved, with four times as many no further one is.
 const ALONE: usize = 3000;
 /// The same in sweeps, which come back to the contact with other loads: of one search, and of all searches of one
 /// contact that fail in one solve.

@@ -38,12 +38,30 @@ pub(crate) struct LocalSolution<const P: usize> {
     pub degenerate: bool,
 }
 
-/// The stick solution, if it is one, and the gauge `k_C(−P_T/P_N)` of the force it needs.
+/// The percussions that stick needs, whether or not the contact can transmit them, and the gauge `k_C(−P_T/P_N)`.
 pub(crate) struct Stick<const P: usize> {
+    normal: f64,
+    tangent: Vector<P>,
     /// `−P_T/P_N`.
     pub(crate) load: Vector<P>,
-    pub(crate) solution: Option<LocalSolution<P>>,
     pub(crate) gauge: f64,
+}
+
+impl<const P: usize> Stick<P> {
+    /// Whether the contact can transmit them.
+    #[inline(always)]
+    pub(crate) fn holds(&self) -> bool {
+        // The comparisons also turn away NaN.
+        self.normal > 0.0 && self.gauge <= 1.0 + 4.0 * f64::EPSILON
+    }
+
+    /// The solution, where it holds.
+    #[inline(always)]
+    pub(crate) fn solution(&self) -> LocalSolution<P> {
+        let Self { normal, tangent, .. } = *self;
+        let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), false);
+        LocalSolution { phase, normal, tangent, slip, degenerate }
+    }
 }
 
 /// A chosen solution, and whether there are others.
@@ -173,7 +191,11 @@ impl<'a, const P: usize> Local<'a, P> {
     /// The stick solution, if there is one, with a block of any rank.
     #[inline]
     pub(crate) fn any_stick(&self) -> Option<LocalSolution<P>> {
-        if self.block.sound { self.stick().solution } else { self.stick_of_any_rank() }
+        if !self.block.sound {
+            return self.stick_of_any_rank();
+        }
+        let stick = self.stick_load();
+        stick.holds().then(|| stick.solution())
     }
 
     /// Normal and tangential percussion with `γ = 0`, with a sound block.
@@ -190,22 +212,12 @@ impl<'a, const P: usize> Local<'a, P> {
         (self.prescribed.unwrap_or_else(lifted), tangent)
     }
 
-    /// The percussion with `γ = 0`, whether or not the contact can transmit it, with a sound block.
+    /// The percussion with `γ = 0`, with a sound block.
     #[inline(always)]
-    pub(crate) fn stick(&self) -> Stick<P> {
+    pub(crate) fn stick_load(&self) -> Stick<P> {
         let (normal, tangent) = self.without_slip();
         let load = tangent * (-1.0 / normal);
-        let gauge = self.law.reservoir().gauge(&load);
-        // The comparisons also turn away NaN.
-        if !(normal > 0.0 && gauge <= 1.0 + 4.0 * f64::EPSILON) {
-            return Stick { load, solution: None, gauge };
-        }
-        let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), false);
-        Stick {
-            solution: Some(LocalSolution { phase, normal, tangent, slip, degenerate }),
-            load,
-            gauge,
-        }
+        Stick { normal, tangent, load, gauge: self.law.reservoir().gauge(&load) }
     }
 
     /// Stick with the force on the border of the reservoir, where rounding decides whether the force that stick needs
@@ -214,7 +226,7 @@ impl<'a, const P: usize> Local<'a, P> {
     #[cold]
     #[inline(never)]
     pub(crate) fn stick_on_border(&self) -> Option<LocalSolution<P>> {
-        let Stick { load, gauge, .. } = self.stick();
+        let Stick { load, gauge, .. } = self.stick_load();
         // The comparison also turns away NaN.
         if !((gauge - 1.0).abs() <= NEAR) {
             return None;

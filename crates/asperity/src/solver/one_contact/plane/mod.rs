@@ -18,7 +18,7 @@ use asperity_set::{ConvexSet, StarSet};
 
 use super::block::Shape;
 use super::effort::Effort;
-use super::local::{Local, LocalSolution, Selection, Stick};
+use super::local::{Local, LocalSolution, Selection};
 use crate::contact::{ContactState, Phase};
 pub(crate) use all::solutions;
 use equation::{Slip, V, cross};
@@ -63,19 +63,20 @@ pub(crate) fn first_found(
     {
         return Some(found);
     }
-    let stick = local.stick();
+    let stick = local.stick_load();
     let slips = || {
         let slip = Slip::new(local, local.law.bounds().largest_radius);
         newton(&slip, &guess())
             .or_else(|| newton(&slip, &local.law.direction().gauge_jet(&stick.load).1))
     };
-    match stick.solution {
-        Some(solution) if state.phase != Phase::Slip || certain(local, &stick) => Some(solution),
-        // Where several are possible, the rule decides between all of them.
-        Some(_) => select_among_all(*local, state, buffer, effort).map(|s| s.solution),
-        None => {
-            slips().or_else(|| select_among_all(*local, state, buffer, effort).map(|s| s.solution))
+    let mut others = |effort| select_among_all(*local, state, buffer, effort).map(|s| s.solution);
+    match stick.holds() {
+        true if state.phase != Phase::Slip || certain(local, &stick.load, stick.gauge) => {
+            Some(stick.solution())
         }
+        // Where several are possible, the rule decides between all of them.
+        true => others(effort),
+        false => slips().or_else(|| others(effort)),
     }
 }
 
@@ -126,38 +127,43 @@ fn select_among_all(
 /// The solution, if it is found quickly and certainly the only one.
 #[inline(always)]
 fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
-    if let Some(open) = opens(local)? {
-        return Some(open);
+    // Friction may pull a contact towards the surface that is not pressed by any.
+    if local.prescribed.is_none() && !local.block.pressed {
+        return None;
+    }
+    if local.opens() {
+        return Some(local.open());
     }
     if !local.block.sound {
         return None;
     }
-    let bounds = local.law.bounds();
-    let stick = local.stick();
-    let certain = certain(local, &stick);
-    if let Some(solution) = stick.solution {
-        if solution.degenerate || stick.gauge >= 1.0 - 1e-12 {
-            return None;
-        }
-        if certain {
-            return Some(solution);
-        }
-        let table = local.law.walk().table;
-        let slip = Slip::new(local, bounds.largest_radius);
-        return Scan::new(&slip, table).open().next().is_none().then_some(solution);
+    let stick = local.stick_load();
+    let certain = certain(local, &stick.load, stick.gauge);
+    if stick.holds() {
+        let unique = stick.gauge < 1.0 - 1e-12 && (certain || is_only(local));
+        return unique.then(|| stick.solution());
     }
-    let slip = Slip::new(local, bounds.largest_radius);
+    let slip = Slip::new(local, local.law.bounds().largest_radius);
     let mut found = newton(&slip, &guess());
     if found.is_none() {
         // Where the last direction is far off, the normal below the load is a good start.
         found = newton(&slip, &local.law.direction().gauge_jet(&stick.load).1);
     }
-    let solution = found?;
-    let only = || {
-        let table = local.law.walk().table;
-        Scan::new(&slip, table).has_one_root(&slip, table)
-    };
-    (certain || only()).then_some(solution)
+    found.filter(|_| certain || has_one_root(local, &slip))
+}
+
+/// Whether there is no slip beside stick.
+#[inline(never)]
+fn is_only(local: &Local<'_, 2>) -> bool {
+    let slip = Slip::new(local, local.law.bounds().largest_radius);
+    Scan::new(&slip, local.law.walk().table).open().next().is_none()
+}
+
+/// Whether there is one slip only.
+#[inline(never)]
+fn has_one_root(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> bool {
+    let table = local.law.walk().table;
+    Scan::new(slip, table).has_one_root(slip, table)
 }
 
 /// The open contact, if it opens; `None` where friction may pull it towards the surface.
@@ -171,7 +177,7 @@ fn opens(local: &Local<'_, 2>) -> Option<Option<LocalSolution<2>>> {
 
 /// Whether the contact certainly has one solution only.
 #[inline(always)]
-fn certain(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
+fn certain(local: &Local<'_, 2>, load: &V, gauge: f64) -> bool {
     let pressure = local.prescribed.unwrap_or(-local.b_n);
     if local.b_t.norm_squared() > (local.block.certain_slip * pressure).powi(2) {
         return true;
@@ -182,7 +188,7 @@ fn certain(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
     };
     match shape {
         Shape::Monotone => true,
-        Shape::Scalar => !local.law.table().may_be_ambiguous(&stick.load, stick.gauge),
+        Shape::Scalar => !local.law.table().may_be_ambiguous(load, gauge),
         Shape::General => false,
     }
 }

@@ -29,7 +29,8 @@ use super::equation::{V, cross};
 use crate::contact::Phase;
 use crate::law::{Node, Stribeck, Walk};
 
-/// Most corrections of a factor; a viscous factor with a prescribed normal force takes one.
+/// Most corrections of a factor; a viscous factor with a prescribed normal force takes one. No
+/// iteration of the steps that `integrator/midpoint/step.rs` names changes with 10, 25 and 400.
 const MOST: usize = 100;
 
 /// The factor of the friction of a contact.

@@ -1,0 +1,170 @@
+//! Block Gauss–Seidel island by island: contacts that influence each other, directly or by others, are swept until they
+//! are solved before the next ones are looked at.
+//!
+//! What an island does depends on nothing else, and its data stay in the cache of the processor while it is swept; all
+//! contacts together would be fetched from memory in every sweep, until the slowest island has converged.
+
+use super::sweep::{BATCH, Sweeper, mark_ambiguous};
+use super::swept::Swept;
+use super::task::{Iterate, Task};
+use crate::contact::ContactProblem;
+use crate::solver::measure::growth::Size;
+use crate::solver::measure::natural_residual::Measured;
+use crate::solver::measure::own::measure_coupled;
+use crate::solver::measure::phase::phase_of;
+use crate::solver::measure::stop::Stop;
+use crate::solver::one_contact::solve::Policy;
+use crate::solver::report::Ended;
+
+/// How islands are swept.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plan {
+    /// What is asked of contacts that influence others; those that do not are solved once, with proof.
+    pub(crate) policy: Policy,
+    /// Residual that ends the sweeps over an island.
+    pub(crate) goal: f64,
+    /// Sweeps over an island after which it is left.
+    pub(crate) max_sweeps: usize,
+}
+
+impl Plan {
+    /// Sweeps that end the work.
+    pub(crate) fn exact(stop: &Stop<'_>, max_sweeps: usize) -> Self {
+        let goal = f64::max(0.1 * stop.tolerance, 4.0 * f64::EPSILON);
+        Self { policy: Policy::Prove, goal, max_sweeps }
+    }
+}
+
+impl Sweeper {
+    /// Number of islands.
+    #[inline]
+    pub(crate) fn islands(&self) -> usize {
+        self.islands.count()
+    }
+
+    /// Sweeps island by island. Afterwards velocities belong to the percussions and states to what the contacts do,
+    /// unless the stop has ended it early; contacts are marked as ambiguous.
+    pub(crate) fn solve_islands(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        plan: Plan,
+    ) -> Swept {
+        let islands = std::mem::take(&mut self.islands);
+        let side_by_side = task.threads.serve(task.problem.contacts().len());
+        let (mut swept, mut visited) = (Swept::NOTHING, 0);
+        for island in 0..islands.count() {
+            let members = islands.of(island);
+            let own = self.solve_island(task, iterate, plan, (members, &mut visited));
+            swept = swept.and(own);
+            if swept.ended == Ended::TimeLimit {
+                break;
+            }
+            if side_by_side || members.len() == 1 {
+                continue;
+            }
+            for &i in members {
+                iterate.ambiguous[i] = self.is_ambiguous(task, iterate.percussion, i);
+                swept.ambiguous |= iterate.ambiguous[i];
+            }
+        }
+        self.islands = islands;
+        if side_by_side && swept.ended != Ended::TimeLimit {
+            mark_ambiguous(task, iterate, self);
+            swept.ambiguous = iterate.ambiguous.contains(&true);
+        }
+        swept
+    }
+
+    /// Sweeps over the contacts of one island; `visited` counts contacts since the last look at the clock.
+    fn solve_island(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        plan: Plan,
+        (members, visited): (&[usize], &mut usize),
+    ) -> Swept {
+        let alone = members.len() == 1;
+        let policy = if alone { Policy::Prove } else { plan.policy };
+        let goal = plan.goal * plan.goal;
+        // Where percussions are those of a solution already, as in a body at rest, nothing has to be done.
+        let mut swept = match policy {
+            Policy::Prove => Swept { defect: f64::INFINITY, ..Swept::NOTHING },
+            Policy::FirstFound => measure(task.problem, iterate, members),
+        };
+        let mut sweeps = 0;
+        // The comparison also finds what is not a number.
+        while !(swept.defect <= goal) {
+            if sweeps == plan.max_sweeps || alone && sweeps == 1 {
+                let ended = if alone { Ended::Done } else { Ended::MaxIterations };
+                swept.ended = if swept.ended == Ended::Done { ended } else { swept.ended };
+                break;
+            }
+            let mut stuck = None;
+            for &i in members {
+                if !self.visit(task, iterate, policy, sweeps == 0, i) {
+                    stuck = Some(i);
+                }
+            }
+            sweeps += 1;
+            swept = measure(task.problem, iterate, members);
+            if alone {
+                swept.ambiguous = iterate.ambiguous[members[0]];
+                swept.ended = stuck.map_or(Ended::Done, Ended::Stuck);
+            }
+            *visited += members.len();
+            // As often as if all contacts were swept together, but where they are many.
+            if *visited >= BATCH.min(task.problem.contacts().len()) {
+                *visited = 0;
+                if task.stop.early() {
+                    return Swept { sweeps, ended: Ended::TimeLimit, ..swept };
+                }
+            }
+        }
+        if policy == Policy::FirstFound {
+            let Iterate { percussion, velocity, states, .. } = iterate;
+            let measured = Measured { problem: task.problem, percussion, velocity };
+            for &i in members {
+                let (phase, slip) = phase_of(&measured, i);
+                states[i] = task.history[i].after(phase, slip);
+            }
+        }
+        Swept { sweeps, ..swept }
+    }
+
+    /// Sweeps over all contacts until the measure of the stop is small, which may be one of all of them together.
+    pub(crate) fn solve_together(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        plan: Plan,
+    ) -> (usize, Ended) {
+        let mut sweeps = 0;
+        loop {
+            // Contacts without a solution may find one when the others have moved.
+            self.sweep(task, iterate, plan.policy, sweeps == 0);
+            sweeps += 1;
+            if iterate.measure(task).value <= plan.goal {
+                return (sweeps, Ended::Done);
+            }
+            if task.stop.early() {
+                return (sweeps, Ended::TimeLimit);
+            }
+            if sweeps >= plan.max_sweeps {
+                return (sweeps, Ended::MaxIterations);
+            }
+        }
+    }
+}
+
+/// Velocities, residual and growth of an island.
+fn measure(problem: &ContactProblem, iterate: &mut Iterate<'_>, members: &[usize]) -> Swept {
+    let Iterate { percussion, velocity, .. } = iterate;
+    let (mut swept, mut size) = (Swept::NOTHING, Size::default());
+    for &i in members {
+        let own = measure_coupled(problem, i, percussion, velocity);
+        swept = swept.and(Swept { defect: own.defect, worst_contact: i, ..Swept::NOTHING });
+        size.add(&own.size);
+    }
+    Swept { may_grow: size.may_have_grown(), ..swept }
+}

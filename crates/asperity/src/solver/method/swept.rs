@@ -1,0 +1,70 @@
+//! What sweeps have come to.
+
+use crate::solver::measure::natural_residual::Residual;
+use crate::solver::report::Ended;
+
+/// Of some contacts, until they are put together with others.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Swept {
+    /// Most sweeps over a contact.
+    pub(crate) sweeps: usize,
+    /// Done, or why some contacts were left.
+    pub(crate) ended: Ended,
+    /// Square of the largest relative defect, negative without contacts, and the first contact that has it.
+    pub(super) defect: f64,
+    pub(super) worst_contact: usize,
+    /// Whether percussions may have grown.
+    pub(super) may_grow: bool,
+    /// Whether a contact has several solutions.
+    pub(crate) ambiguous: bool,
+}
+
+impl Swept {
+    /// Of no contacts.
+    pub(super) const NOTHING: Self = Self {
+        sweeps: 0,
+        ended: Ended::Done,
+        defect: -1.0,
+        worst_contact: 0,
+        may_grow: false,
+        ambiguous: false,
+    };
+
+    /// With further contacts.
+    #[inline(always)]
+    pub(super) fn and(self, other: Self) -> Self {
+        // Not-a-number counts as the worst of all; of equals the first contact does.
+        let other_is_worse = if other.defect == self.defect {
+            other.worst_contact < self.worst_contact
+        } else {
+            !(other.defect < self.defect)
+        };
+        let worst = if other_is_worse { other } else { self };
+        Self {
+            sweeps: self.sweeps.max(other.sweeps),
+            // A contact without a solution says more than a limit that was reached elsewhere.
+            ended: match (self.ended, other.ended) {
+                (Ended::Stuck(_) | Ended::MaxIterations, Ended::Done) => self.ended,
+                (Ended::Stuck(_), Ended::MaxIterations) => self.ended,
+                _ => other.ended,
+            },
+            defect: worst.defect,
+            worst_contact: worst.worst_contact,
+            may_grow: self.may_grow || other.may_grow,
+            ambiguous: self.ambiguous || other.ambiguous,
+        }
+    }
+
+    /// Whether every contact was solved, and none has percussions that may have grown.
+    #[inline(always)]
+    pub(crate) fn is_clear(&self) -> bool {
+        self.ended == Ended::Done && !self.may_grow
+    }
+
+    /// The natural residual, where all contacts were visited.
+    #[inline(always)]
+    pub(crate) fn residual(&self) -> Residual {
+        let value = if self.defect < 0.0 { 0.0 } else { self.defect.sqrt() };
+        Residual { value, worst_contact: self.worst_contact }
+    }
+}

@@ -1,0 +1,1 @@
+"""§5 of [WL19]: experiments, with synthetic data."""

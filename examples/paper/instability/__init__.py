@@ -1,0 +1,1 @@
+"""§4 of [WL19]: instability caused by friction."""

@@ -1,0 +1,1 @@
+"""Synthetic measurements behind the figures of §5."""

@@ -1,0 +1,37 @@
+"""``asperity law``: what a friction law is."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from asperity.commands.options import SUCCESS, Commands, add_json, add_out
+
+
+def add(commands: Commands) -> argparse.ArgumentParser:
+    """Add the verb; return its parser."""
+    parser = commands.add_parser(
+        "law",
+        help="say what a friction law is: coefficients over the direction, properties, pictures",
+        description="Print what a file of a friction law holds: where it comes from, its "
+        "properties, and for every direction of sliding the friction coefficient and the angle by "
+        "which the friction force is turned against the sliding direction. With --out it writes "
+        "coefficients.csv, sets.png, coefficients.png and report.html.",
+        epilog="example: asperity law out/identify/law.toml --out out/law",
+    )
+    parser.add_argument("law", metavar="LAW", type=Path, help="file of the law, such as law.toml")
+    add_json(parser)
+    add_out(parser, required=False)
+    return parser
+
+
+def run(options: argparse.Namespace) -> int:
+    """Describe and print; return the exit code."""
+    from asperity.predict.law_sheet import describe_law
+    from asperity.predict.simulation import as_json
+
+    sheet = describe_law(options.law, out=options.out)
+    print(as_json(sheet.data()) if options.json else sheet.text())
+    if options.out is not None and not options.json:
+        print(f"\nfigures, table and report.html in {options.out}")
+    return SUCCESS

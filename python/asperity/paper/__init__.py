@@ -1,1 +1,0 @@
-"""The simulations of [WL19], each with the numbers it is checked against."""

@@ -1,0 +1,32 @@
+"""From the file of a law to predictions: scenarios, stability, what a law is.
+
+>>> import tempfile
+>>> from asperity.predict import simulate_scenario, write_example
+>>> scenario, law = write_example("sliding point", tempfile.mkdtemp())
+>>> result = simulate_scenario(scenario)
+>>> [(one.name, round(one.value, 4)) for one in result.quantities[:2]]
+[('end point e1', 0.1652), ('end point e2', 0.1409)]
+"""
+
+from asperity.predict.bands import Bands, Region, propagate
+from asperity.predict.examples import write_example
+from asperity.predict.law_sheet import LawSheet, describe_law
+from asperity.predict.scenario import Scenario, load_law
+from asperity.predict.simulation import Simulation, simulate_scenario
+from asperity.predict.stability_sheet import Belt, StabilitySheet, describe_stability
+
+__all__ = [
+    "Bands",
+    "Belt",
+    "LawSheet",
+    "Region",
+    "Scenario",
+    "Simulation",
+    "StabilitySheet",
+    "describe_law",
+    "describe_stability",
+    "load_law",
+    "propagate",
+    "simulate_scenario",
+    "write_example",
+]

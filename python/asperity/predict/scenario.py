@@ -1,0 +1,247 @@
+"""A scenario: what moves, on what, under which friction law, as a file."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from asperity._base.toml import COUNT, NUMBER, SWITCH, TEXT, Schema, TomlFile, advice_on
+from asperity.errors import ParameterError
+from asperity.law import FrictionLaw, LawFile
+from asperity.law.file import SCHEMA as law_schema
+from asperity.predict.kinds import KINDS, Kind, Quantity, Setup
+from asperity.runs import integrate, simulate
+from asperity.runs.run import Run
+
+_METHODS = ("time stepping", "event-driven")
+_COMMON: Schema = {
+    "kind": TEXT,
+    "law": TEXT,
+    "title": TEXT,
+    "run": {
+        "duration": NUMBER,
+        "step": NUMBER,
+        "until_rest": SWITCH,
+        "method": TEXT,
+        "output": NUMBER,
+    },
+    "bands": {"samples": COUNT, "confidence": NUMBER, "seed": COUNT},
+}
+# So many samples are kept of a run that does not say otherwise, in files and pictures.
+_SAMPLES = 2000
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a scenario is computed.
+
+    Attributes:
+        duration: in s; a run that ends at rest may be shorter.
+        step: of time stepping in s.
+        until_rest: whether to end where everything rests.
+        event_driven: whether by `integrate` instead of `simulate`.
+        output: time between the samples that are kept in s.
+    """
+
+    duration: float
+    step: float
+    until_rest: bool
+    event_driven: bool
+    output: float
+
+
+@dataclass(frozen=True)
+class BandOptions:
+    """How the uncertainty of laws is propagated.
+
+    Attributes:
+        samples: number of laws that are drawn.
+        confidence: level of the intervals.
+        seed: of the random numbers.
+    """
+
+    samples: int
+    confidence: float
+    seed: int
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What moves, on what, under which law, and how it is computed; made by `Scenario.load`.
+
+    Attributes:
+        file: the file, for messages.
+        kind: of the scenario.
+        laws: files of laws by the names that the scenario gives them.
+        options: how it is computed.
+        bands: how the uncertainty of the laws is propagated.
+    """
+
+    file: TomlFile
+    kind: Kind
+    laws: Mapping[str, LawFile]
+    options: RunOptions
+    bands: BandOptions
+
+    @classmethod
+    def load(
+        cls, path: str | os.PathLike[str], *, law: str | os.PathLike[str] | None = None
+    ) -> Scenario:
+        """Read a scenario and the laws it names, which are beside it or at absolute paths.
+
+        Args:
+            path: of the TOML file; `asperity init` writes examples.
+            law: file of a law that takes the place of the one in the key ``law``.
+
+        Raises:
+            ConfigurationError: with file, line and key of what is wrong.
+        """
+        kind = _kind(path)
+        file = TomlFile(path, {**_COMMON, **kind.schema})
+        laws = {}
+        if law is None and "law" not in file.values:
+            raise file.error("law", "is missing: name the file of a friction law")
+        names = {file.values.get("law", "law")}
+        names |= {one["law"] for one in file.values.get("contacts", []) if "law" in one}
+        file.values.setdefault("law", "law")
+        for name in sorted(names):
+            replaced = law if name == file.values["law"] and law is not None else None
+            laws[name] = _law(file, name, replaced)
+        scenario = cls(file, kind, laws, _options(file), _bands(file))
+        scenario.setup()
+        return scenario
+
+    @property
+    def title(self) -> str:
+        """Of pictures and reports: what the file says, or its name."""
+        return str(self.file.values.get("title", self.file.path.stem))
+
+    def setup(self, laws: Mapping[str, FrictionLaw] | None = None) -> Setup:
+        """Return system and initial state, with the laws of the files or with others.
+
+        Args:
+            laws: by the names of their files in the scenario.
+
+        Raises:
+            ConfigurationError: if the file does not describe a system.
+        """
+        given = {name: file.law for name, file in self.laws.items()} if laws is None else laws
+        return self.kind.build(self.file, {**given, "law": given[self.file.values["law"]]})
+
+    def run(
+        self,
+        laws: Mapping[str, FrictionLaw] | None = None,
+        *,
+        progress: Callable[..., object] | None = None,
+    ) -> Run:
+        """Compute the motion.
+
+        Args:
+            laws: by the names of their files in the scenario; default those of the files.
+            progress: called with what is done and what there is to do.
+
+        Raises:
+            AsperityError: as `simulate` and `integrate`.
+        """
+        setup, options = self.setup(laws), self.options
+        start: dict[str, Any] = {"q0": setup.q0, "u0": setup.u0}
+        with self.file.blamed():
+            if options.event_driven:
+                return integrate(
+                    setup.system,
+                    t_end=options.duration,
+                    sample_every=options.output,
+                    progress=progress,
+                    **start,
+                )
+            return simulate(
+                setup.system,
+                dt=options.step,
+                t_end=options.duration,
+                until_rest=options.until_rest,
+                sample_every=max(1, round(options.output / options.step)) * options.step,
+                progress=progress,
+                **start,
+            )
+
+    def quantities(self, run: Run) -> list[Quantity]:
+        """Return what a run is asked for."""
+        return list(self.kind.quantities(self.setup().system, run))
+
+
+def _kind(path: str | os.PathLike[str]) -> Kind:
+    """Return the kind of a scenario, which says what else its file may hold."""
+    file = TomlFile(path, {"kind": TEXT}, others=True)
+    name = file.values.get("kind")
+    if name is None:
+        raise file.error("kind", f"is missing; kinds are {', '.join(KINDS)}")
+    if name not in KINDS:
+        raise file.error("kind", f"{name!r} is not known{advice_on(name, KINDS)}")
+    return KINDS[name]
+
+
+def _law(file: TomlFile, name: str, replaced: str | os.PathLike[str] | None) -> LawFile:
+    path = Path(file.path.parent, name) if replaced is None else Path(replaced)
+    if not path.is_file():
+        problem = f"names the file {path}, which is not there"
+        if replaced is None:
+            raise file.error("law", problem)
+        raise ParameterError("law", problem)
+    return load_law(path)
+
+
+def load_law(path: str | os.PathLike[str]) -> LawFile:
+    """Read the file of a law, as an `IdentifiedLaw` if it has parameters with their covariance.
+
+    Raises:
+        ConfigurationError: with file, line and key of what is wrong.
+    """
+    from asperity.identify import IdentifiedLaw
+
+    identified = "parameters" in TomlFile(path, law_schema).values
+    return IdentifiedLaw.load(path) if identified else LawFile.load(path)
+
+
+def _options(file: TomlFile) -> RunOptions:
+    values = file.values.get("run", {})
+    method = values.get("method", _METHODS[0])
+    if method not in _METHODS:
+        raise file.error("run.method", f"{method!r} is not known{advice_on(method, _METHODS)}")
+    event_driven = method == _METHODS[1]
+    needed = ("duration",) if event_driven else ("duration", "step")
+    for name in needed:
+        if name not in values:
+            raise file.error(f"run.{name}", "is missing")
+    for name in ("duration", "step", "output"):
+        if name in values and not (0.0 < values[name] < math.inf):
+            raise file.error(f"run.{name}", f"must be positive, got {values[name]!r}")
+    if event_driven:
+        for name in ("step", "until_rest"):
+            if name in values:
+                raise file.error(f"run.{name}", f"has no meaning for the method {_METHODS[1]!r}")
+    duration = float(values["duration"])
+    step = float(values.get("step", duration))
+    if step > duration:
+        raise file.error("run.step", f"must not be longer than the duration, got {step!r}")
+    output = float(values.get("output", max(duration / _SAMPLES, 0.0 if event_driven else step)))
+    return RunOptions(duration, step, bool(values.get("until_rest", False)), event_driven, output)
+
+
+def _bands(file: TomlFile) -> BandOptions:
+    values = file.values.get("bands", {})
+    bands = BandOptions(
+        int(values.get("samples", 200)),
+        float(values.get("confidence", 0.95)),
+        int(values.get("seed", 1)),
+    )
+    if bands.samples < 20:
+        raise file.error("bands.samples", f"must be at least 20, got {bands.samples}")
+    if not 0.0 < bands.confidence < 1.0:
+        raise file.error("bands.confidence", f"must lie in (0, 1), got {bands.confidence!r}")
+    if bands.seed < 0:
+        raise file.error("bands.seed", f"must be 0 or more, got {bands.seed}")
+    return bands

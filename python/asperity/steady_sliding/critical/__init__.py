@@ -1,0 +1,1 @@
+"""Critical directions and rotations: where the condition for stability changes its sign."""

@@ -1,0 +1,1 @@
+"""Equations of motion linearised about steady sliding, eigenvalues, causes of growth."""

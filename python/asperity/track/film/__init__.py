@@ -1,0 +1,1 @@
+"""Pictures in the order of time: from folders of images and from videos."""

@@ -1,0 +1,334 @@
+"""Scenarios: from files to motions, bands, stability and what a law is."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import identify, predict
+from asperity.commands.main import main
+from asperity.predict import Scenario, describe_law, describe_stability, simulate_scenario
+from asperity.predict.kinds import KINDS
+
+LAW = asp.FrictionLaw(
+    asp.Superellipse(4.99 / 9.3, 4.25 / 9.3, 2.94), asp.Superellipse(1.84, 1.19, 2.51)
+)
+ANGLE = np.deg2rad(32.0)
+LAUNCH = 1.52 * np.array([np.cos(ANGLE), np.sin(ANGLE)])
+
+
+def identified(seed, turns=5):
+    machine = identify.VirtualTribometer(
+        LAW, normal_force=9.3, turns=turns, sample_rate=500.0, seed=seed
+    )
+    return identify.fit_law(identify.process(machine.record())).identified_law
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory):
+    """The file of a law that was identified."""
+    path = tmp_path_factory.mktemp("law") / "measured.toml"
+    identified(seed=1).save(path)
+    return path
+
+
+@pytest.fixture
+def point(tmp_path):
+    """An example of a scenario, to change."""
+    return predict.write_example("sliding point", tmp_path / "point")[0]
+
+
+def changed(path, old, new):
+    text = path.read_text()
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new))
+    return path
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_examples_of_all_kinds_run_and_write_what_they_announce(kind, tmp_path):
+    scenario, law = predict.write_example(kind, tmp_path / "in")
+    assert asp.FrictionLaw.load(law).dimension == 2
+    done = simulate_scenario(scenario, out=tmp_path / "out")
+    assert not done.warnings
+    assert {one.name for one in (tmp_path / "out").iterdir()} == set(predict.simulation.FILES)
+    assert asp.Trajectory.load(tmp_path / "out" / "run.npz") == done.run
+    names = [one.name for one in done.quantities]
+    assert all(name in done.summary() for name in names)
+    assert len(set(names)) == len(names)
+    rows = (tmp_path / "out" / "results.csv").read_text().splitlines()
+    assert len(rows) == 1 + len(names)
+
+
+def test_a_point_ends_where_simulate_says(point):
+    done = simulate_scenario(point)
+    run = asp.simulate(
+        asp.SlidingPoint(0.018, law=LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
+    )
+    found = {one.name: one.value for one in done.quantities}
+    assert np.allclose([found["end point e1"], found["end point e2"]], run.q[-1], atol=1e-15)
+    assert found["time at the end"] == run.t[-1]
+    way = np.rad2deg(np.arctan2(run.q[-1, 1], run.q[-1, 0]))
+    assert found["direction of the end point"] == pytest.approx(way)
+
+
+def test_isotropic_friction_stops_a_point_after_v2_over_2_mu_g(point):
+    asp.FrictionLaw.isotropic(0.3).save(point.parent / "law.toml")
+    found = {one.name: one.value for one in simulate_scenario(point).quantities}
+    way = found["distance of the end point from the start"]
+    assert way == pytest.approx(1.52**2 / (2.0 * 0.3 * 9.81), rel=1e-3)
+    assert found["direction of the end point"] == pytest.approx(32.0, abs=1e-9)
+
+
+def test_both_methods_agree_to_the_step(point):
+    stepped = simulate_scenario(point)
+    changed(point, "step = 1e-4                 # s\n", 'method = "event-driven"\n')
+    changed(point, "until_rest = true           # end when it rests\n", "")
+    exact = simulate_scenario(point)
+    for one, other in zip(stepped.quantities[:2], exact.quantities[:2], strict=True):
+        assert one.value == pytest.approx(other.value, abs=1e-4)
+
+
+def test_a_velocity_may_be_given_by_components(point):
+    expected = simulate_scenario(point).quantities
+    changed(point, "speed = 1.52                # m/s\n", f"velocity = {LAUNCH.tolist()}\n")
+    changed(point, "direction_deg = 32.0        # or, instead of both, velocity", "# velocity")
+    assert simulate_scenario(point).quantities == expected
+
+
+def test_rigid_bodies_of_a_scenario_are_those_of_the_package(tmp_path):
+    scenario, _ = predict.write_example("rigid bodies", tmp_path)
+    found = {one.name: one.value for one in simulate_scenario(scenario).quantities}
+    # The ball rolls in the end, whatever the law: 5/7 of its velocity, and less on its way there.
+    assert found["end of ball, z"] == pytest.approx(0.03, abs=1e-6)
+    assert 5 / 7 < found["end of ball, x"] < 1.0
+    assert found["end of box, z"] == pytest.approx(0.02, abs=1e-6)
+
+
+WRONG = [
+    ("mass = 0.018                # kg", "mass = -1.0", "[body] mass", "positive"),
+    ("mass = 0.018                # kg", "", "[body] mass", "is missing"),
+    ("mass = 0.018 ", "mas = 0.018 ", "[body] mas", "did you mean 'mass'"),
+    ('kind = "sliding point"', 'kind = "sliding pint"', "kind", "did you mean 'sliding point'"),
+    ('kind = "sliding point"', "", "kind", "is missing"),
+    ('law = "law.toml" ', 'law = "lav.toml" ', "law", "not there"),
+    ('law = "law.toml" ', "# ", "law", "is missing"),
+    ("direction_deg = 32.0 ", "# ", "[start] direction_deg", "is missing"),
+    ("position = [0.0, 0.0]", "position = [0.0]", "[start] position", "2 numbers"),
+    ("duration = 1.0 ", "duration = 0.0 ", "[run] duration", "positive"),
+    ("duration = 1.0 ", "# ", "[run] duration", "is missing"),
+    ("step = 1e-4 ", "step = 2.0 ", "[run] step", "longer than the duration"),
+    ("step = 1e-4 ", 'method = "magic" #', "[run] method", "not known"),
+    ("step = 1e-4 ", 'step = "fine" #', "[run] step", "a number"),
+    ("samples = 400 ", "samples = 3 ", "[bands] samples", "at least 20"),
+    ("confidence = 0.95", "confidence = 95", "[bands] confidence", "in (0, 1)"),
+    ("[bands] ", "[band] ", "band", "did you mean 'bands'"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "key", "words"), WRONG, ids=lambda one: str(one)[:20])
+def test_wrong_files_are_refused_with_line_and_key(old, new, key, words, point, tmp_path):
+    changed(point, old, new)
+    with pytest.raises(asp.ConfigurationError) as refused:
+        simulate_scenario(point, out=tmp_path / "out")
+    assert refused.value.key == key
+    assert words in str(refused.value)
+    assert str(point) in str(refused.value)
+    if old != "mass = 0.018                # kg" or new:
+        assert refused.value.line is not None or words == "is missing"
+    assert not (tmp_path / "out").exists()
+
+
+BODIES = [
+    ('shape = "ball"', 'shape = "bal"', "did you mean 'ball'"),
+    ("diameter = 0.06 ", "size = [1.0, 1.0, 1.0] #", "not known of a ball"),
+    ('name = "ball"', 'name = "box"', "there twice"),
+    ("size = [0.1, 0.1, 0.04] ", "size = [0.1, 0.1] ", "3 numbers"),
+    ("size = [0.1, 0.1, 0.04] ", "size = [0.1, 0.1, -0.04] ", "positive"),
+    ("turned_about = [0.0, 0.0, 1.0]", "turned_about = [0.0, 0.0, 0.0]", "must not be zero"),
+    ("axis = [1.0, 0.0, 0.0] ", "axis = [0.0, 0.0, 1.0] ", "axis"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "words"), BODIES, ids=lambda one: str(one)[:20])
+def test_wrong_bodies_are_refused_in_the_words_of_the_file(old, new, words, tmp_path):
+    scenario, _ = predict.write_example("rigid bodies", tmp_path)
+    changed(scenario, old, new)
+    with pytest.raises(asp.ConfigurationError, match=r"scenario\.toml") as refused:
+        simulate_scenario(scenario)
+    assert words in str(refused.value)
+    assert refused.value.line is not None
+
+
+def test_a_contact_of_a_body_that_is_not_there(tmp_path):
+    scenario, _ = predict.write_example("rigid bodies", tmp_path)
+    scenario.write_text(scenario.read_text().replace('body = "ball"', 'body = "bal"'))
+    with pytest.raises(asp.ConfigurationError, match=r"bodies are box, ball"):
+        simulate_scenario(scenario)
+
+
+def test_bands_hold_the_scatter_of_the_law(point, measured, tmp_path):
+    done = simulate_scenario(point, law=measured, bands=True, out=tmp_path)
+    bands = done.bands
+    truth = asp.simulate(
+        asp.SlidingPoint(0.018, law=LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
+    )
+    assert len(bands.draws) == 400
+    assert not bands.failed
+    assert not bands.doubtful
+    assert bands.region.contains(truth.q[-1])
+    assert not bands.region.contains(truth.q[-1] + [0.005, 0.0])
+    inside = np.mean([bands.region.contains(end) for end in bands.ends])
+    assert inside == pytest.approx(0.95, abs=0.005)
+    # First order: the scatter of the end points is that of the parameters times their derivatives.
+    law = asp.predict.load_law(measured)
+    step = 0.1 * law.standard_errors
+    scenario = Scenario.load(point, law=measured)
+    columns = []
+    for i in range(len(law.values)):
+        ends = []
+        for sign in (1.0, -1.0):
+            values = law.values.copy()
+            values[i] += sign * step[i]
+            run = scenario.run({"law.toml": law.law_of(values)})
+            # The time until rest is resolved to a step, the place to its square.
+            ends.append(run.q[-1])
+        columns.append((ends[0] - ends[1]) / (2.0 * step[i]))
+    sizes = law.standard_errors
+    correlation = law.covariance / np.sqrt(np.outer(*[np.diag(law.covariance)] * 2))
+    jacobian = np.stack(columns, axis=1) * sizes
+    linear = np.sqrt(np.diag(jacobian @ correlation @ jacobian.T))
+    assert np.allclose(bands.ends.std(axis=0, ddof=1), linear, rtol=0.25)
+    assert "95 % from" in done.summary()
+    assert (tmp_path / "draws.csv").read_text().count("\n") == 401
+
+
+def test_bands_need_a_law_with_a_covariance(point):
+    with pytest.raises(asp.ParameterError, match="covariance"):
+        simulate_scenario(point, bands=True)
+
+
+def test_the_same_seed_gives_the_same_bands(point, measured):
+    changed(point, "samples = 400 ", "samples = 20 ")
+    one, other = (simulate_scenario(point, law=measured, bands=True).bands for _ in range(2))
+    assert np.array_equal(one.draws, other.draws)
+
+
+@pytest.mark.long
+def test_the_band_of_the_end_point_holds_the_truth_as_often_as_it_says(point):
+    """100 measurements of one law: 95 % of the regions should hold its end point."""
+    truth = asp.simulate(
+        asp.SlidingPoint(0.018, law=LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
+    ).q[-1]
+    held = 0
+    for seed in range(100):
+        path = point.parent / "measured.toml"
+        identified(seed).save(path)
+        held += simulate_scenario(point, law=path, bands=True).bands.region.contains(truth)
+    assert 90 <= held <= 99
+
+
+def test_a_run_that_does_not_end_in_time_is_doubtful(point, capsys):
+    changed(point, "duration = 1.0 ", "duration = 0.1 ")
+    assert main(["simulate", str(point)]) == 1
+    assert "does not come to rest within 0.1 s" in capsys.readouterr().out
+
+
+def test_from_measured_forces_to_a_predicted_path_in_the_shell(tmp_path, monkeypatch, capsys):
+    """The commands of the README: a raw CSV, a law with its uncertainty, a path with its band."""
+    readme = (Path(__file__).resolve().parents[1] / "README.md").read_text()
+    section = readme[readme.index("## From the law to a prediction") :]
+    commands = re.findall(r"^    asperity (.*)$", section[: section.index("```")], re.MULTILINE)
+    assert [one.split()[0] for one in commands] == ["identify", "init", "simulate"]
+    monkeypatch.chdir(tmp_path)
+    machine = identify.VirtualTribometer(LAW, normal_force=9.3, turns=4, sample_rate=500.0, seed=2)
+    machine.write("campaign")
+    for command in commands:
+        assert main(shlex.split(command)) == 0
+    capsys.readouterr()
+    assert main([*shlex.split(commands[-1]), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    truth = asp.simulate(
+        asp.SlidingPoint(0.018, law=LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
+    )
+    for one, value in zip(found["quantities"][:2], truth.q[-1], strict=True):
+        assert one["low"] < value < one["high"]
+        assert one["high"] - one["low"] < 0.01
+    assert found["draws"] == 400
+    assert (tmp_path / "C" / "report.html").stat().st_size > 10_000
+
+
+def test_law_says_what_a_law_is(measured, tmp_path, capsys):
+    assert main(["law", str(measured), "--out", str(tmp_path / "law")]) == 0
+    printed = capsys.readouterr().out
+    for words in ("reservoir.exponent", "largest friction coefficient", "dissipative", "yes"):
+        assert words in printed
+    assert {one.name for one in (tmp_path / "law").iterdir()} == set(predict.law_sheet.FILES)
+    sheet = describe_law(measured)
+    law = asp.FrictionLaw.load(measured)
+    columns = sheet.coefficients(30.0)
+    phi = np.deg2rad(columns["sliding direction [deg]"])
+    slip = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    force = np.linalg.norm(law.force(slip), axis=-1)
+    assert np.allclose(columns["friction coefficient [-]"], force, rtol=1e-14)
+    along = columns["friction coefficient [-]"] * np.cos(
+        np.deg2rad(columns["deflection of the force [deg]"])
+    )
+    assert np.allclose(columns["resistance against sliding [-]"], along, rtol=1e-12)
+    assert main(["law", str(measured), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["parameters"].keys() == set(law_names(measured))
+
+
+def law_names(path):
+    return identify.IdentifiedLaw.load(path).names
+
+
+def test_stability_names_the_critical_directions(tmp_path, capsys):
+    path = tmp_path / "tilted.toml"
+    law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+    law.save(path)
+    assert main(["stability", str(path), "--out", str(tmp_path / "out")]) == 0
+    printed = capsys.readouterr().out
+    assert "44.11° to 75.89°" in printed
+    assert "unstable by anisotropy alone" in printed
+    assert {one.name for one in (tmp_path / "out").iterdir()} == set(predict.stability_sheet.FILES)
+    sheet = describe_stability(path)
+    at_50 = sheet.growth[50]
+    assert np.rad2deg(sheet.chart.phi[50]) == pytest.approx(50.0)
+    assert at_50 == pytest.approx(0.381927, abs=1e-6)  # of Fig. 17's belt, docs/stability.md
+    assert main(["stability", str(path), "--mass", "-1"]) == 2
+    assert "--mass" in capsys.readouterr().err
+
+
+def test_an_associated_law_is_stable(tmp_path):
+    path = tmp_path / "law.toml"
+    asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.3)).save(path)
+    sheet = describe_stability(path)
+    assert not sheet.unstable
+    assert sheet.growth.max() == 0.0
+    assert "no direction of sliding unstable" in sheet.verdict()
+
+
+def test_laws_that_are_not_planar_are_refused(tmp_path, capsys):
+    path = tmp_path / "line.toml"
+    asp.FrictionLaw.isotropic(0.3, dimension=1).save(path)
+    for verb in ("law", "stability"):
+        assert main([verb, str(path)]) == 2
+        assert "must be planar" in capsys.readouterr().err
+
+
+def test_init_overwrites_nothing(tmp_path, capsys):
+    assert main(["init", "--kind", "sliding disk", "--out", str(tmp_path)]) == 0
+    before = (tmp_path / "scenario.toml").read_text()
+    assert main(["init", "--out", str(tmp_path)]) == 2
+    assert "scenario.toml" in capsys.readouterr().err
+    assert (tmp_path / "scenario.toml").read_text() == before
+
+
+def test_examples_say_what_every_line_means():
+    for kind in KINDS.values():
+        assert kind.example.startswith("# ")
+        assert Path("law.toml").name in kind.example
