@@ -250,7 +250,7 @@ def test_short_pulses_need_short_steps():
 
 
 @pytest.mark.parametrize(
-    ("argument", "value"), [("t_end", 1e300), ("dt", 1e-12), ("max_step", 0.0)]
+    ("argument", "value"), [("t_end", 1e300), ("sample_every", 1e-12), ("max_step", 0.0)]
 )
 def test_bad_arguments_are_named(argument, value):
     with pytest.raises(asp.ParameterError, match=argument):
@@ -651,7 +651,7 @@ def test_deviations_from_unstable_steady_sliding_grow_at_their_rate(phi, speed):
     rate, mode = steady.eigenvalues[fastest].real, steady.modes[:, fastest].real
     start = 1e-7 * speed * mode / np.abs(mode).max()
     later = np.log(1e4) / rate
-    sharp = {"dt": later, "tolerance": 1e-13}
+    sharp = {"sample_every": later, "tolerance": 1e-13}
     motion = asp.integrate(
         belt, t_end=1e3 * later, q0=steady.equilibrium.q + start / rate, u0=start, **sharp
     )
@@ -864,17 +864,19 @@ class Soft(asp.System):
 def soft(scale=1.0):
     """`scale` (1 − cos t), as parts that cancel."""
     size, phase = np.array([scale, 0.0]), -np.pi / 2
-    return asp.Sine(size, 0.5 / np.pi, phase=phase, offset=size)
+    return asp.Sine(size, frequency=0.5 / np.pi, phase=phase, offset=size)
 
 
 def pushed(force, at=0.0):
-    body = asp.PlanarBody(1.0, 1.0, position=(at, 0.0), force=force)
+    body = asp.PlanarBody(1.0, inertia=1.0, position=(at, 0.0), force=force)
     return asp.RigidBodies([body], gravity=(0.0, 0.0))
 
 
 def carried(plane, at=(0.0, 0.0)):
-    body = asp.PlanarBody(1.0, 1.0, position=at)
-    return asp.RigidBodies([body], [asp.PointPlane(0, (0.0, 0.0), plane, LINE[1.0])])
+    body = asp.PlanarBody(1.0, inertia=1.0, position=at)
+    return asp.RigidBodies(
+        [body], pairs=[asp.PointPlane(0, point=(0.0, 0.0), plane=plane, law=LINE[1.0])]
+    )
 
 
 @pytest.mark.parametrize("at", [0.0, 0.3])
@@ -906,22 +908,24 @@ def test_signals_that_pass_zero_at_the_start_are_followed(span, at):
 
 @pytest.mark.parametrize("scale", [1e-9, 1.0])
 def test_belts_that_start_softly_take_what_lies_on_them_along(scale):
-    belt = asp.Sine(scale, 0.5 / np.pi, phase=-np.pi / 2, offset=scale)
+    belt = asp.Sine(scale, frequency=0.5 / np.pi, phase=-np.pi / 2, offset=scale)
     block = asp.integrate(carried(asp.Line(velocity=belt)), t_end=1.0)
     assert block.q[-1, 0] / scale == pytest.approx(1.0 - np.sin(1.0), abs=1e-12)
-    wide = asp.Sine([scale, 0.0], 0.5 / np.pi, phase=-np.pi / 2, offset=[scale, 0.0])
+    wide = asp.Sine([scale, 0.0], frequency=0.5 / np.pi, phase=-np.pi / 2, offset=[scale, 0.0])
     plane = asp.Plane(velocity=wide)
-    ball = asp.SpherePlane(0, 0.1, plane, asp.FrictionLaw.isotropic(0.5))
-    system = asp.RigidBodies([asp.Body.ball(1.0, 0.1, position=(0.0, 0.0, 0.1))], [ball])
+    ball = asp.SpherePlane(0, radius=0.1, plane=plane, law=asp.FrictionLaw.isotropic(0.5))
+    system = asp.RigidBodies(
+        [asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1))], pairs=[ball]
+    )
     rolls = asp.integrate(system, t_end=1.0)
     assert rolls.q[-1, 0] / scale == pytest.approx(2.0 / 7.0 * (1.0 - np.sin(1.0)), abs=1e-12)
 
 
 def test_a_spring_that_lengthens_softly_pulls():
     """ẍ + x = 2 − cos t from x = 1: x = 2 − cos t − ½ t sin t."""
-    length = asp.Sine(1.0, 0.5 / np.pi, phase=-np.pi / 2, offset=2.0)
-    spring = asp.Spring(0, (0.0, 0.0), stiffness=1.0, length=length)
-    body = asp.PlanarBody(1.0, 1.0, position=(1.0, 0.0))
+    length = asp.Sine(1.0, frequency=0.5 / np.pi, phase=-np.pi / 2, offset=2.0)
+    spring = asp.Spring(0, point=(0.0, 0.0), stiffness=1.0, length=length)
+    body = asp.PlanarBody(1.0, inertia=1.0, position=(1.0, 0.0))
     system = asp.RigidBodies([body], springs=[spring], gravity=(0.0, 0.0))
     end = asp.integrate(system, t_end=1.0).q[-1, 0]
     assert end == pytest.approx(2.0 - np.cos(1.0) - 0.5 * np.sin(1.0), abs=1e-12)
@@ -939,11 +943,11 @@ def test_planes_that_rise_do_so_wherever_the_origin_is(at, kink):
 
 @pytest.mark.parametrize("scale", [10.0**k for k in (-30, -17, -16, -8, 0, 8, 30)])
 def test_motions_of_all_sizes_are_the_same(scale):
-    block = asp.SlidingPoint(1.0, asp.FrictionLaw.isotropic(0.5), gravity=10.0 * scale)
+    block = asp.SlidingPoint(1.0, law=asp.FrictionLaw.isotropic(0.5), gravity=10.0 * scale)
     slides = asp.integrate(block, t_end=1.0, u0=[2.0 * scale, 0.0])
     assert [event.kind for event in slides.events] == [EventKind.STICK]
     assert slides.events[0].time == pytest.approx(0.4, rel=1e-12)
-    contact = asp.Contact(line(0.3), [1.0, 0.0], normal=[0.0, 1.0])
+    contact = asp.Contact(line(0.3), direction=[1.0, 0.0], normal=[0.0, 1.0])
     falling = asp.LinearSystem(np.eye(2), force=[0.0, -10.0 * scale], contacts=[contact])
     falls = asp.integrate(falling, t_end=1.0, q0=[0.0, scale])
     assert [event.kind for event in falls.events] == [EventKind.IMPACT]
@@ -957,31 +961,33 @@ def tripod(mu, velocity=(0.0, 0.0, 0.0), shaking=None, x=0.0):
     """A cube on three feet, and the contacts of the feet."""
     motion = None if shaking is None else asp.PlaneMotion(displacement=shaking)
     plane = asp.Plane(motion=motion)
-    return asp.Body.box(1.0, (0.1, 0.1, 0.1), position=(x, 0.0, 0.1), velocity=velocity), [
-        (np.array(foot) / 10.0, plane, asp.FrictionLaw.isotropic(mu))
+    return asp.Body.box(
+        1.0, half_sizes=(0.1, 0.1, 0.1), position=(x, 0.0, 0.1), velocity=velocity
+    ), [
+        {"point": np.array(foot) / 10.0, "plane": plane, "law": asp.FrictionLaw.isotropic(mu)}
         for foot in ([1, 0, -1], [-1, 1, -1], [-1, -1, -1])
     ]
 
 
 def cubes(*given):
-    feet = [asp.PointPlane(i, *foot) for i, (_, feet) in enumerate(given) for foot in feet]
-    return asp.RigidBodies([body for body, _ in given], feet)
+    feet = [asp.PointPlane(i, **foot) for i, (_, feet) in enumerate(given) for foot in feet]
+    return asp.RigidBodies([body for body, _ in given], pairs=feet)
 
 
 @pytest.mark.parametrize(
-    ("cube", "t_end", "rests"),
+    ("cube", "t_end"),
     [
-        (tripod(0.6, (0.5, 0.2, 0.0)), 0.5, True),
-        (tripod(5.0, shaking=asp.Sine([2e-4, 1e-4, 0.0], 3.0)), 0.05, False),
+        (tripod(0.6, (0.5, 0.2, 0.0)), 0.5),
+        (tripod(5.0, shaking=asp.Sine([2e-4, 1e-4, 0.0], frequency=3.0)), 0.05),
     ],
     ids=["slides", "is kicked"],
 )
-def test_rocking_from_foot_to_foot_comes_to_an_end(cube, t_end, rests):
+def test_rocking_from_foot_to_foot_comes_to_an_end(cube, t_end):
     """Impacts follow each other at times whose distances fall geometrically."""
     motion = asp.integrate(cubes(cube), t_end=t_end)
     assert motion.status is asp.Outcome.FINISHED
     assert len(motion.events) < 200
-    assert (motion.phase[-1] == asp.Phase.STICK).all() == rests
+    assert (motion.phase[-1] == asp.Phase.STICK).all()
     assert motion.q[-1, 2] == pytest.approx(0.1, abs=1e-9)
     coarse, fine = (
         np.abs(asp.simulate(cubes(cube), dt=dt, t_end=t_end).q[-1] - motion.q[-1]).max()

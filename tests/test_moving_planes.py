@@ -684,7 +684,11 @@ def test_functions_are_not_asked_before_the_start_nor_after_the_end():
     belt, more = asked(lambda t: 0.5 * t)
     line = Line(velocity=belt, motion=PlaneMotion(displacement=rise))
     integrate(
-        RigidBodies([PlanarBody(1.0, 1.0)], [PointPlane(0, (0.0, 0.0), line, SLIPPERY)]), t_end=1.0
+        RigidBodies(
+            [PlanarBody(1.0, inertia=1.0)],
+            pairs=[PointPlane(0, point=(0.0, 0.0), plane=line, law=SLIPPERY)],
+        ),
+        t_end=1.0,
     )
     assert (min(times), min(more)) == (0.0, 0.0)
     assert max(*times, *more) <= 1.0
@@ -713,7 +717,10 @@ def test_functions_are_not_asked_before_the_start_nor_after_the_end():
     ids=["rises", "slides", "belt that jumps", "belt"],
 )  # fmt: skip
 def test_functions_may_begin_with_a_kink_or_a_jump(line, end, events):
-    system = RigidBodies([PlanarBody(1.0, 1.0)], [PointPlane(0, (0.0, 0.0), line, SLIPPERY)])
+    system = RigidBodies(
+        [PlanarBody(1.0, inertia=1.0)],
+        pairs=[PointPlane(0, point=(0.0, 0.0), plane=line, law=SLIPPERY)],
+    )
     motion = integrate(system, t_end=1.0)
     np.testing.assert_allclose(motion.q[-1, :2], end, atol=1e-12)
     assert [event.kind for event in motion.events] == [kind for kind, _ in events]
@@ -728,8 +735,8 @@ def test_a_surface_that_jumps_to_another_velocity_does_so_by_a_kink_at_any_time(
     times = [start, start + 0.3, start + 1.0]
     rise = Signal(times, [[0.0, 0.0], [0.0, 0.3], [0.0, 1.0]], interpolation="linear")
     line = Line(motion=PlaneMotion(displacement=rise))
-    body = PlanarBody(1.0, 1.0, velocity=(1.0 + 0.3 * G * start, 0.0))
-    system = RigidBodies([body], [PointPlane(0, (0.0, 0.0), line, SLIPPERY)])
+    body = PlanarBody(1.0, inertia=1.0, velocity=(1.0 + 0.3 * G * start, 0.0))
+    system = RigidBodies([body], pairs=[PointPlane(0, point=(0.0, 0.0), plane=line, law=SLIPPERY)])
     motion = integrate(system, t_end=start + 0.5)
     first = motion.events[0]
     assert (first.kind, first.contact, first.time) == (EventKind.KINK, None, start)
@@ -740,8 +747,10 @@ def test_a_surface_that_jumps_to_another_velocity_does_so_by_a_kink_at_any_time(
 
 @pytest.mark.parametrize("sample_every", [None, 0.1])
 def test_the_first_sample_is_the_state_before_an_impact_at_the_start(sample_every):
-    body = PlanarBody(1.0, 1.0, velocity=(1.0, -1.0))
-    system = RigidBodies([body], [PointPlane(0, (0.0, 0.0), Line(), SLIPPERY)])
+    body = PlanarBody(1.0, inertia=1.0, velocity=(1.0, -1.0))
+    system = RigidBodies(
+        [body], pairs=[PointPlane(0, point=(0.0, 0.0), plane=Line(), law=SLIPPERY)]
+    )
     motion = integrate(system, t_end=0.5, sample_every=sample_every)
     assert motion.u[0].tolist() == [1.0, -1.0, 0.0]
     assert (motion.events[0].kind, motion.events[0].time) == (EventKind.IMPACT, 0.0)

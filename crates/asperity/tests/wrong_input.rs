@@ -586,7 +586,7 @@ fn integrators_refuse_wrong_options_and_states() {
     let section = |normal: Vec<f64>| event::Section { normal, level: 0.0, after: 0.0 };
     refused("q0", || integrate(good().with_start(&[], &[])));
     refused("u0", || integrate(good().with_start(&[0.0; 2], &[NAN; 2])));
-    refused("dt", || integrate(good().with_sample(0.0)));
+    refused("sample_every", || integrate(good().with_sample(0.0)));
     refused("max_step", || integrate(good().with_max_step(NAN)));
     refused("max_events", || integrate(good().with_max_events(0)));
     refused("section", || integrate(good().with_section(section(vec![]))));

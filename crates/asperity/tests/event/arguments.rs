@@ -27,7 +27,7 @@ fn bad_options_are_named() {
         ("u0", good.clone().with_start(&[0.0; 2], &[0.0, f64::NAN])),
         ("tolerance", good.clone().with_tolerance(0.0)),
         ("tolerance", good.clone().with_tolerance(1.0)),
-        ("dt", good.clone().with_sample(0.0)),
+        ("sample_every", good.clone().with_sample(0.0)),
         ("section", good.clone().with_section(section(vec![1.0], 0.0))),
         ("section", good.clone().with_section(section(vec![1.0; 4], f64::NAN))),
         ("max_events", good.clone().with_max_events(0)),

@@ -131,7 +131,7 @@ impl Options {
         }
         positive("t_end", self.t_end)?;
         positive("tolerance", self.tolerance)?;
-        positive("dt", self.sample.unwrap_or(1.0))?;
+        positive("sample_every", self.sample.unwrap_or(1.0))?;
         positive("max_step", self.max_step.unwrap_or(1.0))?;
         let Self { t_end, tolerance, .. } = *self;
         if !(1e-14..=1e-2).contains(&tolerance) {
@@ -143,7 +143,7 @@ impl Options {
         if let Some(samples) = self.sample.map(|dt| t_end / dt).filter(|n| *n > MOST_SAMPLES) {
             let message =
                 format!("must not give more than {MOST_SAMPLES:e} samples, gives {samples:.3e}");
-            return refuse("dt", message);
+            return refuse("sample_every", message);
         }
         if let Some(steps) = self.max_step.map(|h| t_end / h).filter(|n| *n > MOST_STEPS) {
             let message = format!(

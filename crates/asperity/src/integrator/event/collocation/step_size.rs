@@ -200,7 +200,9 @@ impl StepSize {
                 }
                 if velocity < -ZERO_VELOCITY * self.speed() && !dynamics.constant {
                     // The event is where the overlap is more than rounding explains.
-                    let way = contact.gap.max(0.0) + dynamics.rounded_overlap(i);
+                    let overlap =
+                        if contact.gap.is_finite() { dynamics.rounded_overlap(i) } else { 0.0 };
+                    let way = contact.gap.max(0.0) + overlap;
                     limit = limit.min(BEYOND * way / -velocity);
                 }
             }

@@ -1,7 +1,6 @@
 //! What the dynamics work in, kept from one evaluation to the next.
 
 use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
-use crate::integrator::event::dynamics::independent_parts::IndependentParts;
 
 /// The states of differences along the motion.
 #[derive(Debug)]
@@ -72,4 +71,40 @@ pub(crate) struct Projection {
     pub(crate) matrix: ConstraintMatrix,
     pub(crate) percussions: Vec<f64>,
     pub(crate) shifts: Vec<f64>,
+}
+
+/// Parts of a system that do not act on each other.
+#[derive(Debug)]
+pub(crate) struct IndependentParts {
+    /// The part of every velocity.
+    pub(crate) of: Vec<usize>,
+    /// Velocities of different parts, which are shifted together where derivatives are differences.
+    pub(crate) columns: Vec<Vec<usize>>,
+}
+
+/// The parts of functions of time.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct TimeParts {
+    /// Accelerations that the parts of the forces give.
+    pub(crate) load: f64,
+    /// Velocity that the forces give by the time at which they are of their size.
+    pub(crate) reach: f64,
+    /// The largest of the velocities of contacts.
+    pub(crate) velocity: f64,
+    /// Those of every contact.
+    pub(crate) velocities: Vec<f64>,
+    /// Whether anything depends on time.
+    pub(crate) depends: bool,
+}
+
+impl TimeParts {
+    /// The velocities of a contact.
+    pub(crate) fn velocity_of(&self, contact: usize) -> f64 {
+        self.velocities.get(contact).copied().unwrap_or(0.0)
+    }
+
+    /// Whether anything depends on time.
+    pub(crate) fn depends_on_time(&self) -> bool {
+        self.depends
+    }
 }

@@ -3,11 +3,10 @@
 use std::ops::Range;
 
 use crate::integrator::event::dynamics::buffers::{
-    Constraints, Projection, SmoothJacobian, Stencil,
+    Constraints, Projection, SmoothJacobian, Stencil, TimeParts,
 };
 use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
-use crate::integrator::event::dynamics::rounding::TimeParts;
 use crate::integrator::event::state::EvaluationError;
 use crate::law::Law;
 use crate::system::mass::MassFactors;

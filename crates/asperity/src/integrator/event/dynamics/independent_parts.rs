@@ -2,15 +2,7 @@
 
 use crate::contact::{Components, Phase};
 use crate::integrator::event::dynamics::Dynamics;
-
-/// Parts of a system that do not act on each other.
-#[derive(Debug)]
-pub(crate) struct IndependentParts {
-    /// The part of every velocity.
-    pub(crate) of: Vec<usize>,
-    /// Velocities of different parts, which are shifted together where derivatives are differences.
-    pub(crate) columns: Vec<Vec<usize>>,
-}
+use crate::integrator::event::dynamics::buffers::IndependentParts;
 
 impl Dynamics<'_> {
     /// The parts of a system of several blocks that do not act on each other in the present modes, as the Jacobian shows

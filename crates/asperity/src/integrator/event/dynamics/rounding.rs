@@ -4,36 +4,10 @@
 //! made, whose small difference a load, a gap or a velocity may be.
 
 use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::dynamics::buffers::TimeParts;
 use crate::integrator::event::state::{CLOSED_GAP, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY};
 use crate::system::TimeDependence;
 use crate::vectors::{dot, largest};
-
-/// The parts of functions of time.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct TimeParts {
-    /// Accelerations that the parts of the forces give.
-    pub(crate) load: f64,
-    /// Velocity that the forces give by the time at which they are of their size.
-    pub(crate) reach: f64,
-    /// The largest of the velocities of contacts.
-    pub(crate) velocity: f64,
-    /// Those of every contact.
-    velocities: Vec<f64>,
-    /// Whether anything depends on time.
-    depends: bool,
-}
-
-impl TimeParts {
-    /// The velocities of a contact.
-    pub(crate) fn velocity_of(&self, contact: usize) -> f64 {
-        self.velocities.get(contact).copied().unwrap_or(0.0)
-    }
-
-    /// Whether anything depends on time.
-    pub(crate) fn depends_on_time(&self) -> bool {
-        self.depends
-    }
-}
 
 impl Dynamics<'_> {
     /// Asks for the parts of functions of time, as seen from the coordinates and velocities of the system at which the
