@@ -356,7 +356,7 @@ def test_a_block_rides_on_a_rocking_table(angle):
 @pytest.mark.parametrize(
     "angle",
     [
-        Sine(0.2, 1.5),
+        Sine(0.2, frequency=1.5),
         Signal([0.0, 0.3, 0.8, 1.0], [0.0, 0.2, -0.1, 0.0], interpolation="cubic"),
     ],
     ids=["sine", "spline"],
@@ -367,11 +367,19 @@ def test_a_block_that_sticks_drifts_to_second_order(angle):
     line = Line(motion=PlaneMotion(rotation=angle))
     place = np.array([0.15, 0.05])
     body = PlanarBody.box(
-        1.0, (0.2, 0.05), position=place,
+        1.0, half_sizes=(0.2, 0.05), position=place,
         velocity=rate * np.array([-place[1], place[0]]), angular_velocity=rate,
     )  # fmt: skip
     system = RigidBodies(
-        [body], [BoxPlane(0, (0.2, 0.05), line, FrictionLaw.isotropic(2.0, dimension=1))]
+        [body],
+        pairs=[
+            BoxPlane(
+                0,
+                half_sizes=(0.2, 0.05),
+                plane=line,
+                law=FrictionLaw.isotropic(2.0, dimension=1),
+            )
+        ],
     )
     along = np.array([np.cos(angle(0.9)), np.sin(angle(0.9))])
 
