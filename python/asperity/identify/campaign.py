@@ -21,7 +21,7 @@ from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage
 from asperity.identify.records.configuration import Configuration
-from asperity.identify.report import write_report
+from asperity.identify.report import cells, write_report
 from asperity.law import Provenance
 
 _PICTURES = ("sets.png", "forces.png", "residuals.png")
@@ -101,9 +101,7 @@ class Identification:
         bands = self.fit.confidence is not None
         rows: list[tuple[str, ...]] = [("parameter", "estimate", *("from", "to") * bands)]
         for name, one in self.fit.parameters.items():
-            numbers = [one.value, *(n for n in (one.low, one.high) if np.isfinite(n))]
-            texts = [f"{n:.6g}" for n in numbers] if one.identifiable else ["not identifiable"]
-            rows.append((f"{name} [rad]" if name.endswith(".angle") else name, *texts))
+            rows.append((name, *cells(name, one)[: 1 + 2 * bands]))
         return rows
 
     def write(self, folder: Path, *, title: str) -> None:
