@@ -79,11 +79,9 @@ def _parameters(fit: Fit) -> list[Block]:
 
 
 def cells(name: str, parameter: Estimate) -> list[str]:
-    """Return estimate, interval and standard error, angles in degrees; or why there is none."""
-    if name == "direction.scale":
-        return ["not identifiable: forces determine the shape of D, not its size"]
+    """Return estimate, ends of the interval and standard error, with angles in degrees."""
     if not parameter.identifiable:
-        return ["not identifiable from these data"]
+        return ["not identifiable"]
     factor, unit = (180.0 / math.pi, "°") if name.endswith(".angle") else (1.0, "")
     numbers = (parameter.value, parameter.low, parameter.high, parameter.standard_error)
     return [f"{factor * n:.5g}{unit}" if math.isfinite(n) else "–" for n in numbers]
