@@ -59,8 +59,8 @@ class Identification:
         """Return a few lines of text: the data, their defects, Table 1 of [WL19], the law."""
         parts = [aligned(self._facts()), aligned(self._parameters(), right=(1, 2, 3))]
         parts.append(
-            "Semi-axes are per unit normal force. Forces determine the shape of D, not its size, so "
-            "that direction.scale has no value."
+            "Semi-axes are per unit normal force. Forces determine the shape of D, not its size: "
+            "direction.scale has no value."
         )
         names, force = self.fit.parameters, float(self.data.normal_force.mean())
         if {"reservoir.a", "reservoir.b"} <= set(names):
