@@ -15,7 +15,7 @@ from asperity._base.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
 from asperity.identify.estimation import fit_law
-from asperity.identify.fit import Fit
+from asperity.identify.fit import UNITS_AND_SCALE, Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
@@ -58,10 +58,7 @@ class Identification:
     def summary(self) -> str:
         """Return a few lines of text: the data, their defects, Table 1 of [WL19], the law."""
         parts = [aligned(self._facts()), aligned(self._parameters(), right=(1, 2, 3))]
-        parts.append(
-            "Semi-axes are per unit normal force. Forces determine the shape of D, not its size: "
-            "direction.scale has no value."
-        )
+        parts.append(UNITS_AND_SCALE)
         names, force = self.fit.parameters, float(self.data.normal_force.mean())
         if {"reservoir.a", "reservoir.b"} <= set(names):
             a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
