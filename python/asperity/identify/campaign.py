@@ -15,13 +15,13 @@ from asperity._base.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
 from asperity.identify.estimation import fit_law
-from asperity.identify.fit import Fit
+from asperity.identify.fit import UNITS_AND_SCALE, Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage
 from asperity.identify.records.configuration import Configuration
-from asperity.identify.report import write_report
+from asperity.identify.report import cells, write_report
 from asperity.law import Provenance
 
 _PICTURES = ("sets.png", "forces.png", "residuals.png")
@@ -58,6 +58,7 @@ class Identification:
     def summary(self) -> str:
         """Return a few lines of text: the data, their defects, Table 1 of [WL19], the law."""
         parts = [aligned(self._facts()), aligned(self._parameters(), right=(1, 2, 3))]
+        parts.append(UNITS_AND_SCALE)
         names, force = self.fit.parameters, float(self.data.normal_force.mean())
         if {"reservoir.a", "reservoir.b"} <= set(names):
             a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
@@ -101,9 +102,7 @@ class Identification:
         bands = self.fit.confidence is not None
         rows: list[tuple[str, ...]] = [("parameter", "estimate", *("from", "to") * bands)]
         for name, one in self.fit.parameters.items():
-            numbers = [one.value, *(n for n in (one.low, one.high) if np.isfinite(n))]
-            texts = [f"{n:.6g}" for n in numbers] if one.identifiable else ["not identifiable"]
-            rows.append((f"{name} [rad]" if name.endswith(".angle") else name, *texts))
+            rows.append((name, *cells(name, one)[: 1 + 2 * bands]))
         return rows
 
     def write(self, folder: Path, *, title: str) -> None:

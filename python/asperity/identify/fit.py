@@ -44,6 +44,12 @@ _WIDTH = 5
 # Without bands, a set counts as round if its combinations of coordinates are below this.
 _ROUND = 1e-9
 
+UNITS_AND_SCALE = (
+    "Semi-axes are per unit normal force. Forces determine the shape of D, not its size: "
+    "direction.scale has no value."
+)
+"""What stands below the parameters of every fit."""
+
 
 class Fit(TableResult, Value):
     """A law fitted to measured forces, with its uncertainty; made by `fit_law`.
@@ -111,11 +117,15 @@ class Fit(TableResult, Value):
         """Return the models, their parameters with confidence intervals, and warnings."""
         level = "" if self.confidence is None else f" with {self.confidence:.0%} intervals"
         lines = [
-            f"C is a {self.reservoir_model!r} and D a {self.direction_model!r} fitted to "
-            f"{counted(self.samples, 'sample')} in {counted(self.turns, 'turn')}; forces differ "
+            f"The models {self.reservoir_model} for C and {self.direction_model} for D are fitted "
+            f"to {counted(self.samples, 'sample')} in {counted(self.turns, 'turn')}; forces differ "
             f"from the model by {self.rms:.4g} N (root mean square).",
             f"The parameters{level} are",
-            *(f"{name}: {one}." for name, one in self.parameters.items()),
+            *(
+                f"{name}{' in rad' if name.endswith('.angle') else ''}: {one}."
+                for name, one in self.parameters.items()
+            ),
+            UNITS_AND_SCALE,
         ]
         return "\n".join([*lines, *(f"{sentence}." for sentence in self.warnings)])
 

@@ -59,7 +59,7 @@ def _summary(fit: Fit) -> str:
 
 def _parameters(fit: Fit) -> list[Block]:
     head = ["parameter", "estimate", "from", "to", "standard error"]
-    rows = [[name, *_cells(name, parameter)] for name, parameter in fit.parameters.items()]
+    rows = [[name, *cells(name, parameter)] for name, parameter in fit.parameters.items()]
     if fit.covariance is None:
         return [Grid(head, rows)]
     # The scale of D is the last parameter, and no coordinate.
@@ -78,7 +78,8 @@ def _parameters(fit: Fit) -> list[Block]:
     return [Grid([*head, "turns", "calibration", "zeros"], rows), Text(sources)]
 
 
-def _cells(name: str, parameter: Estimate) -> list[str]:
+def cells(name: str, parameter: Estimate) -> list[str]:
+    """Return estimate, ends of the interval and standard error, with angles in degrees."""
     if not parameter.identifiable:
         return ["not identifiable"]
     factor, unit = (180.0 / math.pi, "°") if name.endswith(".angle") else (1.0, "")

@@ -30,7 +30,8 @@ class FrictionLaw(Questions):
     """The extended normal cone inclusion γ ∈ N_D(−αλ), α(x) = 1/(k_D(x) − k_C(x) + 1), x = −λ.
 
     The contact sticks where k_C(−λ) < 1 and slips where k_C(−λ) = 1, with γ normal to D at −αλ.
-    Both sets hold −λ per unit normal force and are scaled by it. Only the shape of D matters: it is
+    Both sets hold −λ per unit normal force and are scaled by it; where a contact has the constant
+    normal force 1, they may hold −λ in newtons instead. Only the shape of D matters: it is
     normalised to the largest scale inside C.
 
     Args:

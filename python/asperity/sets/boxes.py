@@ -45,6 +45,8 @@ class Interval(StarSet):
 class Box(StarSet):
     """The box {x : |xᵢ| ≤ aᵢ}; with C = D, independent friction along each axis (X–Y table).
 
+    It is a set of friction forces; a rigid body of this shape is made by `Body.box`.
+
     Args:
         half_widths: aᵢ > 0, shape ``(p,)`` with p ≤ 3.
 

@@ -16,6 +16,8 @@ from asperity.sets.turned import TurnedSet
 class Ball(StarSet):
     """The ball {x : ‖x‖ ≤ radius} of R¹, R² or R³.
 
+    It is a set of friction forces; a rigid body of this shape is made by `Body.ball`.
+
     Args:
         radius: > 0.
         dimension: p = 1, 2 or 3.
@@ -45,6 +47,8 @@ class Ball(StarSet):
 
 class Disk(StarSet):
     """The disk {x : ‖x‖ ≤ radius}, the force reservoir of isotropic Coulomb friction.
+
+    It is a set of friction forces; a rigid body of this shape is made by `PlanarBody.disk`.
 
     Args:
         radius: > 0; the friction coefficient μ for sets per unit normal force.

@@ -21,7 +21,7 @@ pub(crate) struct DenseOutput {
     differences: Vec<[f64; CONDITIONS]>,
 }
 
-/// Where the `i`-th condition holds, in parts of the step.
+/// Where the `i`-th condition holds, relative to the step.
 fn place(i: usize) -> f64 {
     (i / 3) as f64 / (PLACES - 1) as f64
 }

@@ -13,7 +13,7 @@ const LEBESGUE: f64 = 2.0;
 const MARGIN: f64 = 1e-10;
 
 /// Where an event function that is not positive at the nodes may be so between them: the number of the node before,
-/// and the place in parts of the step. `values` are those of the start and of the first stages.
+/// and the place relative to the step. `values` are those of the start and of the first stages.
 pub(crate) fn hidden_maximum(values: &[f64]) -> Option<(usize, f64)> {
     if values.len() < 3 {
         return None;
