@@ -110,7 +110,7 @@ def _pairs(
             raise file.error(f"{key}.{word}", f"{problem}; bodies are {', '.join(names)}")
         return names.index(name)
 
-    law: FrictionLaw = laws[table.get("law", file.values["law"])]
+    law: FrictionLaw = laws[table["law"] if "law" in table else file.values["law"]]
     given = {
         name: table[name]
         for name in ("normal_restitution", "tangential_restitution")

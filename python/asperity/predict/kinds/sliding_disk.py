@@ -16,6 +16,7 @@ from asperity.predict.kinds.base import (
     Quantity,
     Setup,
     end_point,
+    planar_law,
     planar_vector,
     section,
     vector,
@@ -35,7 +36,7 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
         raise file.error("body.gravity", f"must be positive, got {gravity!r}")
     with file.blamed():
         disk = SlidingDisk(
-            laws["law"],
+            planar_law(file, laws),
             position=vector(file, "start.position", start.get("position", [0.0, 0.0]), 2),
             velocity=planar_vector(file, "start", "velocity"),
             spin=start.get("spin", 0.0),
