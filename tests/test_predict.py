@@ -150,6 +150,9 @@ BODIES = [
     ("size = [0.1, 0.1, 0.04] ", "size = [0.1, 0.1, -0.04] ", "positive"),
     ("turned_about = [0.0, 0.0, 1.0]", "turned_about = [0.0, 0.0, 0.0]", "must not be zero"),
     ("axis = [1.0, 0.0, 0.0] ", "axis = [0.0, 0.0, 1.0] ", "axis"),
+    ("position = [0.0, 0.0, 0.02] ", "position = [0.0, 0.0, 0.0] ", "0.02 m within 'floor'"),
+    ("position = [0.0, 0.3, 0.03]", "position = [0.0, 0.3, 0.02]", "0.01 m within 'floor'"),
+    ("axis = [1.0, 0.0, 0.0] ", "normal = [0.0, 0.342, 0.940] ", "within 'floor'"),
 ]
 
 
@@ -331,6 +334,45 @@ def test_contacts_with_laws_of_their_own(tmp_path, capsys):
     with pytest.raises(asp.ConfigurationError, match="not there") as refused:
         simulate_scenario(scenario)
     assert refused.value.key == "[contacts[0]] law"
+
+
+@pytest.mark.parametrize(("turned_deg", "height"), [(0.0, 0.05), (90.0, 0.03)])
+def test_a_cylinder_stands_or_lies_on_a_moving_plane(turned_deg, height, tmp_path):
+    """Its speed becomes that of the belt under it."""
+    scenario, _ = predict.write_example("rigid bodies", tmp_path)
+    head = scenario.read_text().split("[[bodies]]")[0]
+    scenario.write_text(
+        head
+        + f"""
+[[bodies]]
+name = "can"
+shape = "cylinder"
+mass = 1.0
+diameter = 0.06
+height = 0.1
+position = [0.0, 0.0, {height}]
+turned_about = [0.0, 1.0, 0.0]
+turned_deg = {turned_deg}
+
+[[planes]]
+name = "belt"
+velocity = [0.1, 0.0]
+
+[[contacts]]
+body = "can"
+plane = "belt"
+
+[run]
+duration = 0.5
+step = 1e-3
+"""
+    )
+    done = simulate_scenario(scenario)
+    assert not done.warnings
+    assert done.run.u[-1, 0] == pytest.approx(0.1, abs=1e-6)
+    changed(scenario, f"{height}]", f"{0.5 * height}]")
+    with pytest.raises(asp.ConfigurationError, match="within 'belt'"):
+        simulate_scenario(scenario)
 
 
 def test_results_name_the_file_of_the_law_that_was_used(point, measured, capsys):
