@@ -380,6 +380,14 @@ def test_results_name_the_file_of_the_law_that_was_used(point, measured, capsys)
     assert json.loads(capsys.readouterr().out)["laws"] == {"law.toml": str(measured)}
 
 
+def test_sizes_of_a_disk_have_no_default(tmp_path):
+    scenario, _ = predict.write_example("sliding disk", tmp_path)
+    changed(scenario, "mass = 0.018 ", "# ")
+    with pytest.raises(asp.ConfigurationError, match="is missing") as refused:
+        simulate_scenario(scenario)
+    assert refused.value.key == "[body] mass"
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_scenarios_refuse_laws_of_the_line(kind, tmp_path):
     scenario, law = predict.write_example(kind, tmp_path)
@@ -452,6 +460,17 @@ def test_stability_names_the_critical_directions(tmp_path, capsys):
     assert at_50 == pytest.approx(0.381927, abs=1e-6)  # of Fig. 17's belt, docs/stability.md
     assert main(["stability", str(path), "--mass", "-1"]) == 2
     assert "--mass" in capsys.readouterr().err
+
+
+def test_directions_in_which_d_is_flat_do_not_hide_the_growth_in_others(tmp_path):
+    path = tmp_path / "flat.toml"
+    reservoir = asp.Ellipse(30.0, 10.0, angle=np.pi / 6)
+    asp.FrictionLaw(reservoir, asp.Superellipse(3.0, 1.0, 4.0)).save(path)
+    sheet = describe_stability(path)
+    assert np.isnan(sheet.growth).any()
+    assert sheet.fastest == np.nanmax(sheet.growth) > 0.0
+    assert "exp(" in sheet.text()
+    assert sheet.unstable
 
 
 def test_an_associated_law_is_stable(tmp_path):

@@ -16,6 +16,7 @@ from asperity.predict.kinds.base import (
     Quantity,
     Setup,
     end_point,
+    needed,
     planar_law,
     planar_vector,
     section,
@@ -30,8 +31,9 @@ _SIZES = ("mass", "diameter", "height", "pad_circle", "pad_height")
 
 
 def _build(file: TomlFile, laws: Laws) -> Setup:
-    body, start = section(file, "body"), section(file, "start")
-    gravity = float(body.pop("gravity", 9.81))
+    sizes = {name: needed(file, "body", name) for name in _SIZES}
+    start = section(file, "start")
+    gravity = float(section(file, "body").get("gravity", 9.81))
     if gravity <= 0.0:
         raise file.error("body.gravity", f"must be positive, got {gravity!r}")
     with file.blamed():
@@ -42,7 +44,7 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
             spin=start.get("spin", 0.0),
             angle=float(np.deg2rad(start.get("angle_deg", 0.0))),
             gravity=(0.0, 0.0, -gravity),
-            **body,
+            **sizes,
         )
     return Setup(disk)
 
