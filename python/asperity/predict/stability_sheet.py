@@ -216,7 +216,9 @@ def describe_stability(
     law = planar_law(path).law
     chosen = Belt() if belt is None else belt
     phi = np.linspace(0.0, 2.0 * math.pi, 2 * _DIRECTIONS - 1)
-    zeta = np.linspace(0.0, math.pi, _ROTATIONS)
+    # Sets that are the same forwards and backwards are themselves after half a turn.
+    turns = 1 if law.reservoir.is_symmetric else 2
+    zeta = np.linspace(0.0, turns * math.pi, turns * (_ROTATIONS - 1) + 1)
     sheet = StabilitySheet(
         law,
         Path(path),
