@@ -334,7 +334,9 @@ def test_systems_of_bodies_have_the_verdict_of_their_matrix(seed):
     directions, matrix = random_system(seed)
     mass = np.eye(len(directions))
     free, laws = matrix.free_velocity, matrix.laws
-    bodies = asp.ContactProblem.from_bodies(mass, directions, free, laws)
+    bodies = asp.ContactProblem.from_bodies(
+        mass, directions=directions, free_velocity=free, laws=laws
+    )
     for problem in (matrix, bodies):
         solution = problem.solve(tolerance=1e-9, on_failure="record")
         assert solution.status is Status.NO_SOLUTION
@@ -363,7 +365,9 @@ def test_bodies_of_any_mass_with_a_solution_are_not_denied_it(seed):
                 p[:], v[1] = (push, -0.4 * push), slip
     free = velocity.ravel() - directions.T @ np.linalg.solve(mass, directions @ percussion.ravel())
     law = asp.FrictionLaw.isotropic(0.4, dimension=1)
-    problem = asp.ContactProblem.from_bodies(mass, directions, free, law)
+    problem = asp.ContactProblem.from_bodies(
+        mass, directions=directions, free_velocity=free, laws=law
+    )
     assert problem.solve(on_failure="record", time_limit=20.0).status is not Status.NO_SOLUTION
 
 

@@ -70,7 +70,7 @@ def test_a_point_ends_where_simulate_says(point):
     )
     found = {one.name: one.value for one in done.quantities}
     assert np.allclose([found["end point e1"], found["end point e2"]], run.q[-1], atol=1e-15)
-    assert found["time at the end"] == run.t[-1]
+    assert found["time until rest"] == pytest.approx(run.t[-1], abs=1.1e-4)
     way = np.rad2deg(np.arctan2(run.q[-1, 1], run.q[-1, 0]))
     assert found["direction of the end point"] == pytest.approx(way)
 
@@ -123,7 +123,7 @@ WRONG = [
     ("step = 1e-4 ", "step = 2.0 ", "[run] step", "longer than the duration"),
     ("step = 1e-4 ", 'method = "magic" #', "[run] method", "not known"),
     ("step = 1e-4 ", 'step = "fine" #', "[run] step", "a number"),
-    ("samples = 400 ", "samples = 3 ", "[bands] samples", "at least 20"),
+    ("samples = 400 ", "samples = 3 ", "[bands] samples", "at least 40"),
     ("confidence = 0.95", "confidence = 95", "[bands] confidence", "in (0, 1)"),
     ("[bands] ", "[band] ", "band", "did you mean 'bands'"),
 ]
@@ -150,6 +150,9 @@ BODIES = [
     ("size = [0.1, 0.1, 0.04] ", "size = [0.1, 0.1, -0.04] ", "positive"),
     ("turned_about = [0.0, 0.0, 1.0]", "turned_about = [0.0, 0.0, 0.0]", "must not be zero"),
     ("axis = [1.0, 0.0, 0.0] ", "axis = [0.0, 0.0, 1.0] ", "axis"),
+    ("position = [0.0, 0.0, 0.02] ", "position = [0.0, 0.0, 0.0] ", "0.02 m within 'floor'"),
+    ("position = [0.0, 0.3, 0.03]", "position = [0.0, 0.3, 0.02]", "0.01 m within 'floor'"),
+    ("axis = [1.0, 0.0, 0.0] ", "normal = [0.0, 0.342, 0.940] ", "within 'floor'"),
 ]
 
 
@@ -178,7 +181,7 @@ def test_bands_hold_the_scatter_of_the_law(point, measured, tmp_path):
     )
     assert len(bands.draws) == 400
     assert not bands.failed
-    assert not bands.doubtful
+    assert not bands.doubts
     assert bands.region.contains(truth.q[-1])
     assert not bands.region.contains(truth.q[-1] + [0.005, 0.0])
     inside = np.mean([bands.region.contains(end) for end in bands.ends])
@@ -212,9 +215,50 @@ def test_bands_need_a_law_with_a_covariance(point):
 
 
 def test_the_same_seed_gives_the_same_bands(point, measured):
-    changed(point, "samples = 400 ", "samples = 20 ")
+    changed(point, "samples = 400 ", "samples = 40 ")
     one, other = (simulate_scenario(point, law=measured, bands=True).bands for _ in range(2))
     assert np.array_equal(one.draws, other.draws)
+
+
+def test_a_stray_draw_does_not_shape_the_region(point, tmp_path):
+    """Two turns have one degree of freedom: a few of the laws that are drawn are far off."""
+    path = tmp_path / "two_turns.toml"
+    identified(seed=1, turns=2).save(path)
+    changed(point, "step = 1e-4 ", "step = 1e-3 ")
+    bands = simulate_scenario(point, law=path, bands=True).bands
+    inside = np.array([bands.region.contains(end) for end in bands.ends])
+    assert inside.mean() == pytest.approx(0.95, abs=0.005)
+    stray = np.linalg.norm(bands.ends - bands.region.centre, axis=1).max()
+    sizes = np.sqrt(np.linalg.eigvalsh(bands.region.covariance)) * bands.region.radius
+    assert stray > 0.02  # m
+    assert sizes.max() < 0.003
+    # The ellipse has about the shape of the end points that it holds.
+    expected = np.sqrt(np.linalg.eigvalsh(np.cov(bands.ends[inside].T))) * bands.region.radius
+    assert np.allclose(sizes, expected, rtol=0.05)
+
+
+def test_an_interval_of_an_angle_does_not_go_round_the_circle(point, measured):
+    """A point that slides along -e1 ends at 180 degrees, or at -180."""
+    changed(point, "direction_deg = 32.0 ", "direction_deg = 180.0 ")
+    changed(point, "samples = 400 ", "samples = 40 ")
+    done = simulate_scenario(point, law=measured, bands=True)
+    (i,) = [k for k, one in enumerate(done.quantities) if one.name == "direction of the end point"]
+    low, high = done.bands.low[i], done.bands.high[i]
+    assert low <= done.quantities[i].value <= high
+    assert high - low < 1.0
+
+
+def test_draws_that_do_not_come_to_rest_are_told(point, measured):
+    nominal = simulate_scenario(point, law=measured)
+    rest = nominal.quantities[-1].value
+    changed(point, "duration = 1.0 ", f"duration = {rest + 2e-4:.4f} ")
+    changed(point, "samples = 400 ", "samples = 40 ")
+    done = simulate_scenario(point, law=measured, bands=True)
+    assert not done.scenario.doubts(done.run)
+    assert 0 < len(done.bands.doubts) < 40
+    (warning,) = done.warnings
+    assert f"{len(done.bands.doubts)} drawn law" in warning
+    assert "does not come to rest" in warning
 
 
 @pytest.mark.long
@@ -235,6 +279,121 @@ def test_a_run_that_does_not_end_in_time_is_doubtful(point, capsys):
     changed(point, "duration = 1.0 ", "duration = 0.1 ")
     assert main(["simulate", str(point)]) == 1
     assert "does not come to rest within 0.1 s" in capsys.readouterr().out
+    # That the file does not ask to end at rest does not make it an end point.
+    changed(point, "until_rest = true ", "until_rest = false ")
+    assert main(["simulate", str(point)]) == 1
+    assert "does not come to rest within 0.1 s" in capsys.readouterr().out
+
+
+def test_a_step_as_long_as_the_motion_is_doubtful(point, capsys):
+    changed(point, "step = 1e-4 ", "step = 0.05 ")
+    assert main(["simulate", str(point)]) == 1
+    assert "give a shorter step" in capsys.readouterr().out
+
+
+def test_a_point_that_starts_at_rest_stays_there(point):
+    changed(point, "speed = 1.52 ", "speed = 0.0 ")
+    done = simulate_scenario(point)
+    assert not done.warnings
+    assert [one.value for one in done.quantities[:3]] == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("until_rest", [True, False])
+def test_time_until_rest_is_not_that_of_the_run(point, until_rest):
+    expected = simulate_scenario(point).quantities[-1]
+    if until_rest:
+        changed(point, "step = 1e-4                 # s\n", 'method = "event-driven"\n')
+        changed(point, "until_rest = true           # end when it rests\n", "")
+    else:
+        changed(point, "until_rest = true ", "until_rest = false ")
+    done = simulate_scenario(point)
+    assert done.run.t[-1] == pytest.approx(1.0)
+    assert done.quantities[-1].name == expected.name == "time until rest"
+    assert done.quantities[-1].value == pytest.approx(expected.value, abs=5e-4)
+
+
+def test_contacts_with_laws_of_their_own(tmp_path, capsys):
+    scenario, law = predict.write_example("rigid bodies", tmp_path)
+    expected = {one.name: one.value for one in simulate_scenario(scenario).quantities}
+    asp.FrictionLaw.isotropic(0.8).save(tmp_path / "law")
+    changed(scenario, 'body = "box"\n', 'body = "box"\nlaw = "law"\n')
+    found = {one.name: one.value for one in simulate_scenario(scenario).quantities}
+    assert found["end of ball, x"] == pytest.approx(expected["end of ball, x"], abs=1e-9)
+    # The box stops after v²/2μg.
+    way = np.hypot(found["end of box, x"], found["end of box, y"])
+    assert way == pytest.approx((1.0 + 0.25) / (2.0 * 0.8 * 9.81), rel=1e-2)
+    # When every contact has its own law, none is needed for all of them, and none is replaced.
+    changed(scenario, 'body = "ball"\n', f'body = "ball"\nlaw = "{law.name}"\n')
+    changed(scenario, 'law = "law.toml"            #', "#")
+    again = {one.name: one.value for one in simulate_scenario(scenario).quantities}
+    assert again == found
+    assert main(["simulate", str(scenario), "--law", str(law)]) == 2
+    assert "--law: is that of no contact" in capsys.readouterr().err
+    # The line is that of the contact whose law is not there.
+    changed(scenario, 'law = "law"\n', 'law = "lav"\n')
+    with pytest.raises(asp.ConfigurationError, match="not there") as refused:
+        simulate_scenario(scenario)
+    assert refused.value.key == "[contacts[0]] law"
+
+
+@pytest.mark.parametrize(("turned_deg", "height"), [(0.0, 0.05), (90.0, 0.03)])
+def test_a_cylinder_stands_or_lies_on_a_moving_plane(turned_deg, height, tmp_path):
+    """Its speed becomes that of the belt under it."""
+    scenario, _ = predict.write_example("rigid bodies", tmp_path)
+    head = scenario.read_text().split("[[bodies]]")[0]
+    scenario.write_text(
+        head
+        + f"""
+[[bodies]]
+name = "can"
+shape = "cylinder"
+mass = 1.0
+diameter = 0.06
+height = 0.1
+position = [0.0, 0.0, {height}]
+turned_about = [0.0, 1.0, 0.0]
+turned_deg = {turned_deg}
+
+[[planes]]
+name = "belt"
+velocity = [0.1, 0.0]
+
+[[contacts]]
+body = "can"
+plane = "belt"
+
+[run]
+duration = 0.5
+step = 1e-3
+"""
+    )
+    done = simulate_scenario(scenario)
+    assert not done.warnings
+    assert done.run.u[-1, 0] == pytest.approx(0.1, abs=1e-6)
+    changed(scenario, f"{height}]", f"{0.5 * height}]")
+    with pytest.raises(asp.ConfigurationError, match="within 'belt'"):
+        simulate_scenario(scenario)
+
+
+def test_results_name_the_file_of_the_law_that_was_used(point, measured, capsys):
+    assert main(["simulate", str(point), "--law", str(measured), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["laws"] == {"law.toml": str(measured)}
+
+
+def test_sizes_of_a_disk_have_no_default(tmp_path):
+    scenario, _ = predict.write_example("sliding disk", tmp_path)
+    changed(scenario, "mass = 0.018 ", "# ")
+    with pytest.raises(asp.ConfigurationError, match="is missing") as refused:
+        simulate_scenario(scenario)
+    assert refused.value.key == "[body] mass"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_scenarios_refuse_laws_of_the_line(kind, tmp_path):
+    scenario, law = predict.write_example(kind, tmp_path)
+    asp.FrictionLaw.isotropic(0.3, dimension=1).save(law)
+    with pytest.raises(asp.ConfigurationError, match="dimension"):
+        simulate_scenario(scenario)
 
 
 def test_from_measured_forces_to_a_predicted_path_in_the_shell(tmp_path, monkeypatch, capsys):
@@ -303,6 +462,17 @@ def test_stability_names_the_critical_directions(tmp_path, capsys):
     assert "--mass" in capsys.readouterr().err
 
 
+def test_directions_in_which_d_is_flat_do_not_hide_the_growth_in_others(tmp_path):
+    path = tmp_path / "flat.toml"
+    reservoir = asp.Ellipse(30.0, 10.0, angle=np.pi / 6)
+    asp.FrictionLaw(reservoir, asp.Superellipse(3.0, 1.0, 4.0)).save(path)
+    sheet = describe_stability(path)
+    assert np.isnan(sheet.growth).any()
+    assert sheet.fastest == np.nanmax(sheet.growth) > 0.0
+    assert "exp(" in sheet.text()
+    assert sheet.unstable
+
+
 def test_an_associated_law_is_stable(tmp_path):
     path = tmp_path / "law.toml"
     asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.3)).save(path)
@@ -317,7 +487,28 @@ def test_laws_that_are_not_planar_are_refused(tmp_path, capsys):
     asp.FrictionLaw.isotropic(0.3, dimension=1).save(path)
     for verb in ("law", "stability"):
         assert main([verb, str(path)]) == 2
-        assert "must be planar" in capsys.readouterr().err
+        said = capsys.readouterr().err
+        assert "must be planar" in said
+        # The law is no option of these commands.
+        assert "--law" not in said
+
+
+def test_coefficients_are_those_without_the_dependence_on_the_speed(tmp_path):
+    path = tmp_path / "law.toml"
+    LAW.replace(rate=asp.Stribeck(0.1, ratio=0.5)).save(path)
+    sheet = describe_law(path)
+    found = sheet.coefficients(90.0)["friction coefficient [-]"]
+    assert found[0] == pytest.approx(4.99 / 9.3)
+    assert "dependence on the speed" in sheet.text()
+
+
+def test_init_offers_the_kinds_there_are(tmp_path, capsys):
+    for kind in KINDS:
+        folder = tmp_path / f"a {kind}"
+        assert main(["init", "--kind", kind, "--out", str(folder)]) == 0
+        # The command that is printed can be pasted.
+        command = capsys.readouterr().out.splitlines()[-1].removeprefix("now: asperity ")
+        assert shlex.split(command) == ["simulate", str(folder / "scenario.toml")]
 
 
 def test_init_overwrites_nothing(tmp_path, capsys):

@@ -263,6 +263,7 @@ class TomlFile:
     Attributes:
         path: of the file.
         values: what it holds.
+        text: as it is written.
 
     Raises:
         ConfigurationError: if it cannot be read, is no TOML, or holds what is not known.
@@ -278,7 +279,7 @@ class TomlFile:
     ) -> None:
         self.path = Path(path)
         self._schema = schema
-        self._text = ""
+        self.text = ""
         self.values = self._parsed()
         with self.named():
             _refuse_beyond(self.values, "", 0)
@@ -290,7 +291,7 @@ class TomlFile:
         line = None
         try:
             raw = self.path.read_bytes()
-            self._text = raw.decode("utf-8-sig", "replace")
+            self.text = raw.decode("utf-8-sig", "replace")
             return tomllib.loads(raw.decode("utf-8-sig"))
         except UnicodeDecodeError as error:
             problem, line = "is no TOML: save it as UTF-8", raw.count(b"\n", 0, error.start) + 1
@@ -300,7 +301,7 @@ class TomlFile:
             problem, _, place = f"is no TOML: {error}".partition(" (at ")
             number = re.match(r"line (\d+)", place)
             line = int(number[1]) if number else self._lines.count
-            if re.search(r"=\s*[-+]?\d+,\d", "".join(self._text.split("\n")[line - 1 : line])):
+            if re.search(r"=\s*[-+]?\d+,\d", "".join(self.text.split("\n")[line - 1 : line])):
                 problem += "; decimals take a point"
         except ValueError:
             # Python reads no more digits.
@@ -316,7 +317,7 @@ class TomlFile:
     @cached_property
     def _lines(self) -> KeyLines:
         # Curves have thousands of numbers: their lines are sought where something is wrong.
-        return KeyLines(self._text)
+        return KeyLines(self.text)
 
     def error(self, key: str, message: str) -> ConfigurationError:
         """Return what to raise for a key, such as ``"file.header"`` or ``"file"``."""

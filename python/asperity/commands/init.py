@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from pathlib import Path
 
 from asperity.commands.options import SUCCESS, Commands
@@ -34,5 +35,5 @@ def run(options: argparse.Namespace) -> int:
     from asperity.predict.examples import write_example
 
     scenario, law = write_example(options.kind, options.out)
-    print(f"wrote {scenario} and {law}\nnow: asperity simulate {scenario}")
+    print(f"wrote {scenario} and {law}\nnow: asperity simulate {shlex.quote(str(scenario))}")
     return SUCCESS

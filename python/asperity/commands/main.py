@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Sequence
 
@@ -45,7 +46,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"asperity {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for verb in _VERBS:
-        verb.add(commands).set_defaults(run=verb.run)
+        added = verb.add(commands)
+        added.set_defaults(run=verb.run, usage=added.format_usage())
     return parser
 
 
@@ -53,9 +55,11 @@ def _explained(error: Exception, options: argparse.Namespace) -> str:
     if isinstance(error, ModuleNotFoundError):
         extra = {"h5py": "data", "av": "video", "PIL": "video"}.get(error.name or "", "plot")
         return f"{error.name} is missing: pip install 'asperity[{extra}]'"
-    if isinstance(error, ParameterError) and error.argument in vars(options):
-        # In the words of the command line.
-        return f"--{error.argument.replace('_', '-')}: {error.message}"
+    if isinstance(error, ParameterError):
+        # In the words of the command line, if it is an option of it.
+        option = f"--{error.argument.replace('_', '-')}"
+        if re.search(rf"\[?{re.escape(option)}[\s\]]", options.usage):
+            return f"{option}: {error.message}"
     if isinstance(error, OSError) and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     return str(error)

@@ -17,8 +17,8 @@ from asperity.law import FrictionLaw
 from asperity.predict.kinds import Quantity
 from asperity.predict.scenario import Scenario
 
-# Draws that end without a result may be so many, relative to all, before the bands are doubtful.
-FAILED_AT_MOST = 0.05
+# Ellipses settle within a few rounds; this many end the search if two of them take turns.
+_ROUNDS = 50
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class Region:
     """An ellipse of the plane that holds the end point with the confidence of the bands.
 
     Attributes:
-        centre: mean of the end points of the draws in m, shape ``(2,)``.
+        centre: mean of the end points within the ellipse in m, shape ``(2,)``.
         covariance: of these end points in m², shape ``(2, 2)``.
-        radius: Mahalanobis distance from the centre to the outline, the quantile of the draws.
+        radius: Mahalanobis distance from the centre to the outline, the quantile of all draws.
     """
 
     centre: Array
@@ -68,6 +68,7 @@ class Bands:
         ends: end points of the draws in m, ``(n, 2)``; None for scenarios without an end point.
         region: of the end points; likewise.
         failed: why draws have no result, one sentence each.
+        doubts: what makes results of draws doubtful, one sentence for each such draw.
     """
 
     confidence: float
@@ -77,19 +78,17 @@ class Bands:
     ends: Array | None
     region: Region | None
     failed: tuple[str, ...]
-
-    @property
-    def doubtful(self) -> bool:
-        """Whether more than a twentieth of the draws have no result."""
-        return len(self.failed) > FAILED_AT_MOST * (len(self.failed) + len(self.draws))
+    doubts: tuple[str, ...]
 
 
 def propagate(scenario: Scenario, *, progress: Callable[[int, int], object] | None = None) -> Bands:
     """Draw the laws of a scenario from their uncertainty, compute every motion, and make bands.
 
-    Intervals are between quantiles of the draws; the region of end points is the ellipse of their
-    covariance about their mean that holds the share `confidence` of them. A law without covariance
-    is kept as it is.
+    Intervals are between quantiles of the draws, those of angles between quantiles of what they
+    differ by from the angle with the laws of the files. The region of end points is an ellipse that
+    holds the share `confidence` of them, with the shape of the end points within it: laws of few
+    turns are drawn from distributions with long tails, and a single stray draw must not give the
+    ellipse its shape. A law without covariance is kept as it is.
 
     Args:
         scenario: at least one of whose laws was identified.
@@ -97,30 +96,38 @@ def propagate(scenario: Scenario, *, progress: Callable[[int, int], object] | No
 
     Raises:
         ParameterError: if no law has a covariance.
-        FitError: if hardly any draw is a law, or none has a result.
+        FitError: if hardly any draw is a law.
+        AsperityError: if none has a result.
+
+    Reference: [RousseeuwVanDriessen1999] §3, the concentration steps of the ellipse.
     """
     options = scenario.bands
     drawn: dict[str, Sequence[FrictionLaw]] = {}
-    for i, (name, file) in enumerate(scenario.laws.items()):
-        if isinstance(file, IdentifiedLaw) and file.turns is not None:
-            # Laws of different files were measured independently of each other.
-            drawn[name] = file.sample(options.samples, seed=options.seed + i)
-        else:
-            drawn[name] = [file.law] * options.samples
-    if not any(
-        isinstance(file, IdentifiedLaw) and file.turns is not None
-        for file in scenario.laws.values()
-    ):
+    known = {
+        name: file
+        for name, file in scenario.laws.items()
+        if isinstance(file, IdentifiedLaw) and file.turns is not None
+    }
+    if not known:
         raise ParameterError(
             "bands",
             "need a law with the covariance of its parameters, as `asperity identify` writes it",
         )
+    for i, (name, file) in enumerate(scenario.laws.items()):
+        # Laws of different files were measured independently of each other.
+        drawn[name] = (
+            known[name].sample(options.samples, seed=options.seed + i)
+            if name in known
+            else [file.law] * options.samples
+        )
     rows: list[list[Quantity]] = []
     failed: list[str] = []
+    doubts: list[str] = []
     for i in range(options.samples):
         try:
             run = scenario.run({name: laws[i] for name, laws in drawn.items()})
             rows.append(scenario.quantities(run))
+            doubts += scenario.doubts(run)[:1]
         except AsperityError as error:
             failed.append(str(error))
         if progress is not None:
@@ -128,18 +135,49 @@ def propagate(scenario: Scenario, *, progress: Callable[[int, int], object] | No
     if not rows:
         raise AsperityError(f"no motion of a drawn law could be computed: {failed[0]}")
     draws = np.array([[one.value for one in row] for row in rows])
-    tail = 0.5 * (1.0 - options.confidence)
-    low, high = np.quantile(draws, [tail, 1.0 - tail], axis=0)
+    nominal = scenario.quantities(scenario.run())
+    low, high = _intervals(draws, nominal, options.confidence)
     ends = draws[:, :2].copy() if scenario.kind.has_end else None
     region = None if ends is None else _region(ends, options.confidence)
-    return Bands(options.confidence, draws, low, high, ends, region, tuple(failed))
+    return Bands(options.confidence, draws, low, high, ends, region, tuple(failed), tuple(doubts))
+
+
+def _quantile(values: Array, share: float | list[float]) -> Array:
+    """Return quantiles below which the next draw lies with this probability, along axis 0.
+
+    The k-th of n sorted draws is taken for the quantile k/(n + 1), which is the expected share of
+    the distribution below it, whatever the distribution is.
+    """
+    found: Array = np.quantile(values, share, axis=0, method="weibull")
+    return found
+
+
+def _intervals(draws: Array, nominal: Sequence[Quantity], confidence: float) -> tuple[Array, Array]:
+    """Return the ends of the intervals; turn angles so that none is half a turn off the nominal."""
+    for i, one in enumerate(nominal):
+        if one.unit == "deg":
+            draws[:, i] = one.value + (draws[:, i] - one.value + 180.0) % 360.0 - 180.0
+    tail = 0.5 * (1.0 - confidence)
+    low, high = _quantile(draws, [tail, 1.0 - tail])
+    return low, high
 
 
 def _region(ends: Array, confidence: float) -> Region:
-    centre = ends.mean(axis=0)
-    covariance = np.cov(ends.T)
-    distances = _distances(ends - centre, covariance)
-    return Region(centre, covariance, float(np.quantile(distances, confidence)))
+    """Return the ellipse that holds a share of the end points, of the shape of those it holds.
+
+    Each round takes the centre and the covariance of the end points that were nearest in the round
+    before; the area of the ellipse shrinks until these stay the same.
+    """
+    count = math.ceil(confidence * len(ends))
+    held = np.arange(len(ends))
+    for _ in range(_ROUNDS):
+        centre, covariance = ends[held].mean(axis=0), np.cov(ends[held].T)
+        distances = _distances(ends - centre, covariance)
+        nearest = np.sort(np.argsort(distances, kind="stable")[:count])
+        if np.array_equal(nearest, held):
+            break
+        held = nearest
+    return Region(centre, covariance, float(_quantile(distances, confidence)))
 
 
 def _distances(away: Array, covariance: Array) -> Array:

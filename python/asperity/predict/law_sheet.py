@@ -15,7 +15,7 @@ from asperity._base.files import ResultFolder
 from asperity._base.report import Facts, Grid, Picture, Section, Text, write_report
 from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult
 from asperity._base.tables import aligned
-from asperity.errors import DimensionError
+from asperity.errors import ConfigurationError
 from asperity.identify import IdentifiedLaw
 from asperity.law import FrictionLaw, LawFile
 from asperity.predict.scenario import load_law
@@ -88,12 +88,13 @@ class LawSheet(TableResult):
             step_deg: between two directions in degrees.
 
         Returns:
-            Columns with their units: direction of sliding, resistance (friction against the
-            sliding), magnitude of the force, angle from the sliding direction to that of −λ.
+            Columns with their units: direction of sliding, magnitude of the force, resistance
+            (friction against the sliding), angle from the sliding direction to that of −λ. Of a law
+            that depends on the speed they are those without this dependence.
         """
         phi_deg = np.arange(0.0, 360.0, arrays.positive(step_deg, "step_deg"))
         phi = np.deg2rad(phi_deg)
-        force = -self.law.force(unit_vectors(phi))
+        force = -self.law.replace(rate=None).force(unit_vectors(phi))
         return {
             "sliding direction [deg]": phi_deg,
             "friction coefficient [-]": np.linalg.norm(force, axis=-1),
@@ -187,7 +188,11 @@ class LawSheet(TableResult):
         if self.parameters():
             parts.insert(2, aligned(self.parameters(), right=(1, 2)))
         if self.law.rate is not None:
-            parts.insert(2, f"dependence on the speed: {self.law.rate!r}")
+            parts.insert(
+                2,
+                f"dependence on the speed: {self.law.rate!r}, by whose factor the coefficients "
+                "below are to be multiplied",
+            )
         return "\n\n".join(parts)
 
     def data(self) -> dict[str, Any]:
@@ -252,7 +257,7 @@ def describe_law(
 
     Raises:
         ConfigurationError: with file, line and key of what is wrong.
-        DimensionError: if the law is not planar.
+            A law that is not planar is refused too.
     """
     folder = None if out is None else ResultFolder(Path(out), FILES)
     sheet = LawSheet(planar_law(path), Path(path))
@@ -266,12 +271,11 @@ def planar_law(path: str | os.PathLike[str]) -> LawFile:
     """Read the file of a planar law.
 
     Raises:
-        ConfigurationError: with file, line and key of what is wrong.
-        DimensionError: if the law is not planar.
+        ConfigurationError: with file, line and key of what is wrong, or if it is not planar.
     """
     file = load_law(path)
     if file.law.dimension != 2:
-        raise DimensionError(
-            "law", f"in {os.fspath(path)} must be planar, its dimension is {file.law.dimension}"
+        raise ConfigurationError(
+            os.fspath(path), f"must be planar, its dimension is {file.law.dimension}", key="[law]"
         )
     return file

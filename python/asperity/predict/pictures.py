@@ -35,8 +35,7 @@ def paths(simulation: Simulation) -> Figure:
                 1e3 * simulation.quantities[0].value, 1e3 * simulation.quantities[1].value, "o"
             )
             near.set_title(
-                f"end points of {len(bands.ends)} drawn laws, "
-                f"{100 * bands.confidence:g} % within the ellipse"
+                f"{len(bands.ends)} drawn laws: ellipse of {100 * bands.confidence:g} % of the ends"
             )
             _label(near)
         for name, path in found.items():

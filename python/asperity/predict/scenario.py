@@ -9,13 +9,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from asperity._base.result import counted
 from asperity._base.toml import COUNT, NUMBER, SWITCH, TEXT, Schema, TomlFile, advice_on
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw, LawFile
 from asperity.law.file import SCHEMA as law_schema
-from asperity.predict.kinds import KINDS, Kind, Quantity, Setup
+from asperity.predict.kinds import KINDS, Kind, Quantity, Setup, rest_time
 from asperity.runs import integrate, simulate
 from asperity.runs.run import Run
+from asperity.runs.trajectory import Trajectory
+from asperity.status import Outcome, Phase
 
 _METHODS = ("time stepping", "event-driven")
 _COMMON: Schema = {
@@ -31,8 +34,12 @@ _COMMON: Schema = {
     },
     "bands": {"samples": COUNT, "confidence": NUMBER, "seed": COUNT},
 }
-# So many samples are kept of a run that does not say otherwise, in files and pictures.
-_SAMPLES = 2000
+# So many samples are kept of a run that does not say otherwise, in files and pictures: all steps of
+# most runs, because extremes of a vibration are those of its samples.
+_SAMPLES = 20_000
+# Time stepping is of first order, and the time until rest is known to a step at best: with so many
+# to a hundredth.
+_FEWEST_STEPS = 100
 
 
 @dataclass(frozen=True)
@@ -76,7 +83,8 @@ class Scenario:
     Attributes:
         file: the file, for messages.
         kind: of the scenario.
-        laws: files of laws by the names that the scenario gives them.
+        laws: laws and where they come from, by the names that the scenario gives their files.
+        law_paths: of these files.
         options: how it is computed.
         bands: how the uncertainty of the laws is propagated.
     """
@@ -84,6 +92,7 @@ class Scenario:
     file: TomlFile
     kind: Kind
     laws: Mapping[str, LawFile]
+    law_paths: Mapping[str, Path]
     options: RunOptions
     bands: BandOptions
 
@@ -102,16 +111,30 @@ class Scenario:
         """
         kind = _kind(path)
         file = TomlFile(path, {**_COMMON, **kind.schema})
-        laws = {}
-        if law is None and "law" not in file.values:
-            raise file.error("law", "is missing: name the file of a friction law")
-        names = {file.values.get("law", "law")}
-        names |= {one["law"] for one in file.values.get("contacts", []) if "law" in one}
-        file.values.setdefault("law", "law")
-        for name in sorted(names):
-            replaced = law if name == file.values["law"] and law is not None else None
-            laws[name] = _law(file, name, replaced)
-        scenario = cls(file, kind, laws, _options(file), _bands(file))
+        contacts = file.values.get("contacts", [])
+        keys = {}
+        if not contacts or any("law" not in one for one in contacts):
+            if law is not None:
+                file.values.setdefault("law", os.fspath(law))
+            elif "law" not in file.values:
+                raise file.error("law", "is missing: name the file of a friction law")
+            keys[file.values["law"]] = "law"
+        elif law is not None:
+            raise ParameterError("law", "is that of no contact, each names its own in the scenario")
+        for i, one in enumerate(contacts):
+            if "law" in one:
+                keys.setdefault(one["law"], f"contacts[{i}].law")
+        paths = {name: Path(file.path.parent, name) for name in sorted(keys)}
+        if law is not None:
+            paths[file.values["law"]] = Path(law)
+        for name, place in paths.items():
+            if not place.is_file():
+                problem = f"names the file {place}, which is not there"
+                if keys[name] == "law" and law is not None:
+                    raise ParameterError("law", problem)
+                raise file.error(keys[name], problem)
+        laws = {name: load_law(place) for name, place in paths.items()}
+        scenario = cls(file, kind, laws, paths, _options(file), _bands(file))
         scenario.setup()
         return scenario
 
@@ -130,7 +153,7 @@ class Scenario:
             ConfigurationError: if the file does not describe a system.
         """
         given = {name: file.law for name, file in self.laws.items()} if laws is None else laws
-        return self.kind.build(self.file, {**given, "law": given[self.file.values["law"]]})
+        return self.kind.build(self.file, given)
 
     def run(
         self,
@@ -172,6 +195,28 @@ class Scenario:
         """Return what a run is asked for."""
         return list(self.kind.quantities(self.setup().system, run))
 
+    def doubts(self, run: Run) -> list[str]:
+        """Return what makes the results of a run doubtful, as sentences."""
+        options, found = self.options, []
+        if run.status not in (Outcome.FINISHED, Outcome.AT_REST):
+            found.append(f"the run ended too early, at t = {run.t[-1]:g} s: {run.status}")
+        elif (options.until_rest and run.status is not Outcome.AT_REST) or (
+            self.kind.has_end and rest_time(run) is None
+        ):
+            found.append(
+                f"it does not come to rest within {options.duration:g} s: give a longer duration"
+            )
+        if isinstance(run, Trajectory):
+            if run.failed_steps:
+                found.append(f"{counted(run.failed_steps, 'step')} did not converge")
+            slipped = int(run.phase_counts[:, Phase.SLIP].max(initial=0))
+            if self.kind.has_end and 0 < slipped < _FEWEST_STEPS:
+                found.append(
+                    f"it slides for {counted(slipped, 'step')} only, which is too coarse: give a "
+                    "shorter step"
+                )
+        return found
+
 
 def _kind(path: str | os.PathLike[str]) -> Kind:
     """Return the kind of a scenario, which says what else its file may hold."""
@@ -182,16 +227,6 @@ def _kind(path: str | os.PathLike[str]) -> Kind:
     if name not in KINDS:
         raise file.error("kind", f"{name!r} is not known{advice_on(name, KINDS)}")
     return KINDS[name]
-
-
-def _law(file: TomlFile, name: str, replaced: str | os.PathLike[str] | None) -> LawFile:
-    path = Path(file.path.parent, name) if replaced is None else Path(replaced)
-    if not path.is_file():
-        problem = f"names the file {path}, which is not there"
-        if replaced is None:
-            raise file.error("law", problem)
-        raise ParameterError("law", problem)
-    return load_law(path)
 
 
 def load_law(path: str | os.PathLike[str]) -> LawFile:
@@ -238,10 +273,16 @@ def _bands(file: TomlFile) -> BandOptions:
         float(values.get("confidence", 0.95)),
         int(values.get("seed", 1)),
     )
-    if bands.samples < 20:
-        raise file.error("bands.samples", f"must be at least 20, got {bands.samples}")
     if not 0.0 < bands.confidence < 1.0:
         raise file.error("bands.confidence", f"must lie in (0, 1), got {bands.confidence!r}")
+    # With fewer draws the interval would have to reach beyond the outermost of them.
+    fewest = max(20, math.ceil(2.0 / (1.0 - bands.confidence) - 1e-9))
+    if bands.samples < fewest:
+        raise file.error(
+            "bands.samples",
+            f"must be at least {fewest} for the confidence {bands.confidence:g}, "
+            f"got {bands.samples}",
+        )
     if bands.seed < 0:
         raise file.error("bands.seed", f"must be 0 or more, got {bands.seed}")
     return bands

@@ -19,7 +19,6 @@ from asperity.predict.bands import Bands, propagate
 from asperity.predict.kinds import Quantity
 from asperity.predict.scenario import Scenario
 from asperity.runs.run import Run
-from asperity.status import Outcome
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,19 +48,17 @@ class Simulation(TableResult):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What makes the results doubtful, as sentences."""
-        options, run = self.scenario.options, self.run
-        found = []
-        if options.until_rest and run.status is not Outcome.AT_REST:
-            found.append(
-                f"it does not come to rest within {options.duration:g} s: give a longer duration"
-            )
-        failed = getattr(run, "failed_steps", 0)
-        if failed:
-            found.append(f"{failed} steps did not converge")
-        if self.bands is not None and self.bands.failed:
-            count = len(self.bands.failed)
-            first = self.bands.failed[0]
-            found.append(f"{count} of the drawn laws gave no motion, the first because {first}")
+        found = self.scenario.doubts(self.run)
+        if self.bands is not None:
+            for sentences, effect in (
+                (self.bands.failed, "no motion"),
+                (self.bands.doubts, "a doubtful motion"),
+            ):
+                if sentences:
+                    found.append(
+                        f"{counted(len(sentences), 'drawn law')} gave {effect}, the first because "
+                        f"{sentences[0]}"
+                    )
         return tuple(found)
 
     def rows(self) -> list[tuple[str, ...]]:
@@ -138,7 +135,7 @@ class Simulation(TableResult):
         result: dict[str, Any] = {
             "scenario": str(self.scenario.file.path),
             "kind": self.scenario.kind.name,
-            "laws": {name: str(name) for name in self.scenario.laws},
+            "laws": {name: str(path) for name, path in self.scenario.law_paths.items()},
             "status": str(self.run.status),
             "steps": self.run.steps,
             "quantities": quantities,
@@ -186,7 +183,7 @@ class Simulation(TableResult):
                 *(Text(sentence, "warning") for sentence in self.warnings),
                 *pictures,
             ),
-            Section("Scenario", Text(self.scenario.file.path.read_text(), "code")),
+            Section("Scenario", Text(self.scenario.file.text, "code")),
         ]
         write_report(folder / "report.html", self.scenario.title, sections)
 
@@ -194,8 +191,10 @@ class Simulation(TableResult):
         scenario = self.scenario
         facts = [("scenario", str(scenario.file.path))]
         for name, law in scenario.laws.items():
-            made = law.provenance.made_by or "not said"
-            facts.append((f"law {name}", f"made by: {made}; {law.provenance.date or 'no date'}"))
+            made = law.provenance
+            known = [made.made_by and f"made by {made.made_by}", made.date]
+            words = [str(scenario.law_paths[name]), *filter(None, known)]
+            facts.append((f"law {name}", "; ".join(words)))
         facts.append(("status", f"{self.run.status}, {self.run.steps} steps"))
         if self.bands is not None:
             facts.append(("laws drawn", f"{len(self.bands.draws)}, seed {scenario.bands.seed}"))

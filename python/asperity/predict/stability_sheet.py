@@ -87,20 +87,28 @@ class StabilitySheet(Result):
 
     @property
     def growth(self) -> Array:
-        """Growth rates in 1/s over the directions `chart.phi` of the belt, of C as it is."""
+        """Growth rates in 1/s over the directions `chart.phi` of the belt, of C as it is.
+
+        NaN where the outline of D is flat.
+        """
         rates: Array = self.chart.growth[:, 0]
         return rates
 
     @property
+    def fastest(self) -> float:
+        """Largest of the growth rates in 1/s; 0 if nothing grows."""
+        return float(np.nanmax(self.growth, initial=0.0))
+
+    @property
     def unstable(self) -> bool:
         """Whether sliding is unstable in some directions, as C and D are."""
-        return bool(self.directions) or bool(self.growth.max() > 0.0)
+        return bool(self.directions) or self.fastest > 0.0
 
     def verdict(self) -> str:
         """Return what the law does to steady sliding, in a sentence."""
         if not self.directions:
             text = "anisotropy makes no direction of sliding unstable"
-            if self.law.rate is not None and self.growth.max() > 0.0:
+            if self.law.rate is not None and self.fastest > 0.0:
                 return f"{text}, but friction that falls with the speed does"
             return text
         where = _intervals(self.directions)
@@ -108,8 +116,7 @@ class StabilitySheet(Result):
 
     def facts(self) -> list[tuple[str, str]]:
         """Return what there is to say, as pairs of name and text."""
-        belt, growth = self.belt, self.growth
-        most = int(growth.argmax())
+        belt = self.belt
         facts = [
             ("unstable sliding directions", _intervals(self.directions) or "none"),
             ("rotations of C that make some unstable", _intervals(self.rotations) or "none"),
@@ -119,15 +126,15 @@ class StabilitySheet(Result):
                 f"normal force {belt.normal_force:g} N",
             ),
         ]
-        if growth[most] > 0.0:
-            facts.append(
-                (
-                    "fastest growth on this belt",
-                    f"exp({growth[most]:.4g} t), t in s; belt at "
-                    f"{math.degrees(self.chart.phi[most]):.0f}°",
-                )
+        if self.fastest > 0.0:
+            along = math.degrees(self.chart.phi[int(np.nanargmax(self.growth))])
+            text = (
+                f"exp({self.fastest:.4g} t), t in s; the belt moves along {along:.0f}°, the mass "
+                f"slides on it along {(along + 180.0) % 360.0:.0f}°"
             )
-        return facts
+        else:
+            text = "nothing grows"
+        return [*facts, ("fastest growth on this belt", text)]
 
     def __repr__(self) -> str:
         return f"<StabilitySheet: {self.path.name}, {'un' * self.unstable}stable>"
@@ -201,7 +208,7 @@ def describe_stability(
 
     Raises:
         ConfigurationError: with file, line and key of what is wrong.
-        DimensionError: if the law is not planar.
+            A law that is not planar is refused too.
 
     Reference: [WL19] §4.3, Thm. 2.
     """
@@ -209,7 +216,9 @@ def describe_stability(
     law = planar_law(path).law
     chosen = Belt() if belt is None else belt
     phi = np.linspace(0.0, 2.0 * math.pi, 2 * _DIRECTIONS - 1)
-    zeta = np.linspace(0.0, math.pi, _ROTATIONS)
+    # Sets that are the same forwards and backwards are themselves after half a turn.
+    turns = 1 if law.reservoir.is_symmetric else 2
+    zeta = np.linspace(0.0, turns * math.pi, turns * (_ROTATIONS - 1) + 1)
     sheet = StabilitySheet(
         law,
         Path(path),

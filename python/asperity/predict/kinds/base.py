@@ -15,6 +15,7 @@ from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.runs.model import Model
 from asperity.runs.run import Run
+from asperity.status import Phase
 
 Laws: TypeAlias = Mapping[str, FrictionLaw]
 """Laws by the names that their files have in the scenario."""
@@ -55,7 +56,7 @@ class Kind:
         build: makes the system of the values of a file and of laws.
         paths: positions of what moves over the samples of a run, in m, by name: ``(n_t, 2 or 3)``.
         quantities: what a run is asked for; the first two are the end point if `has_end`.
-        has_end: whether the motion is expected to end at rest, in a point of the plane.
+        has_end: whether the motion is asked for the point of the plane in which it comes to rest.
         example: text of a file of this kind.
     """
 
@@ -86,6 +87,18 @@ def needed(file: TomlFile, name: str, key: str) -> Any:
     return values[key]
 
 
+def planar_law(file: TomlFile, laws: Laws) -> FrictionLaw:
+    """Return the law of the scenario.
+
+    Raises:
+        ConfigurationError: if it is not planar.
+    """
+    law = laws[file.values["law"]]
+    if law.dimension != 2:
+        raise file.error("law", f"must be planar, its dimension is {law.dimension}")
+    return law
+
+
 def planar_vector(file: TomlFile, name: str, key: str) -> Array:
     """Return a vector of the plane, given by components, or by ``speed`` and ``direction_deg``."""
     values = section(file, name)
@@ -109,8 +122,21 @@ def vector(file: TomlFile, key: str, value: Any, size: int) -> Array:
         raise file.error(key, f"must be {size} numbers in brackets, got {value!r}") from None
 
 
+def rest_time(run: Run) -> float | None:
+    """Return since when no contact slides and one sticks, in s; None if one slides at the end."""
+    resting = (run.phase == Phase.STICK).any(axis=1) & ~(run.phase == Phase.SLIP).any(axis=1)
+    # The first sample of a run of time stepping has no phase.
+    moving = np.flatnonzero(~resting)
+    since = moving[-1] + 1 if moving.size else 0
+    return float(run.t[since]) if since < len(run.t) else None
+
+
 def end_point(path: Array, run: Run) -> list[Quantity]:
-    """Return where a path of the plane ends, how far from its start, in which direction, when."""
+    """Return where a path of the plane ends, how far from its start, in which direction, when.
+
+    The time of a path that does not come to rest is that of its end.
+    """
+    rest = rest_time(run)
     first, last = path[0, :2], path[-1, :2]
     way = last - first
     return [
@@ -120,5 +146,5 @@ def end_point(path: Array, run: Run) -> list[Quantity]:
         Quantity(
             "direction of the end point", "deg", float(np.rad2deg(np.arctan2(way[1], way[0])))
         ),
-        Quantity("time at the end", "s", float(run.t[-1])),
+        Quantity("time until rest", "s", float(run.t[-1]) if rest is None else rest),
     ]

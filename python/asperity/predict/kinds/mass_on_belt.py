@@ -14,6 +14,7 @@ from asperity.predict.kinds.base import (
     Quantity,
     Setup,
     needed,
+    planar_law,
     planar_vector,
     section,
     vector,
@@ -32,7 +33,11 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
         raise file.error("belt", "must move: give speed and direction_deg, or velocity")
     with file.blamed():
         system = MassOnBelt(
-            mass, stiffness=stiffness, law=laws["law"], normal_force=load, belt_velocity=belt
+            mass,
+            stiffness=stiffness,
+            law=planar_law(file, laws),
+            normal_force=load,
+            belt_velocity=belt,
         )
     start = section(file, "start")
     return Setup(
@@ -50,7 +55,9 @@ def _paths(_: Model, run: Run) -> dict[str, Array]:
 
 def _quantities(_: Model, run: Run) -> Sequence[Quantity]:
     late = run.t >= 0.5 * (run.t[0] + run.t[-1])
-    q, phase = run.q[late], run.phase[late, 0]
+    q, stuck = run.q[late], run.phase[late, 0] == Phase.STICK
+    # A sample has the phase of the time before it; events make samples of unequal distance.
+    spans = np.diff(run.t[late])
     extremes = [
         Quantity(f"{word} of q{i + 1} in the second half", "m", float(extreme(q[:, i])))
         for i in range(2)
@@ -58,7 +65,7 @@ def _quantities(_: Model, run: Run) -> Sequence[Quantity]:
     ]
     return [
         *extremes,
-        Quantity("share of stick in the second half", "", float(np.mean(phase == Phase.STICK))),
+        Quantity("share of stick in the second half", "", float(spans @ stuck[1:] / spans.sum())),
     ]
 
 

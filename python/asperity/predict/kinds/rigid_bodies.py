@@ -23,6 +23,8 @@ from asperity.system.rigid.pairs import Pair
 _SIZES = {"box": ("size",), "ball": ("diameter",), "cylinder": ("diameter", "height")}
 # A cylinder touches planes with so many points of either edge.
 _EDGE_POINTS = 12
+# A body may start so deep within a plane, relative to its smallest size: positions are rounded.
+_DEEPEST = 0.01
 
 
 @contextmanager
@@ -92,11 +94,44 @@ def _body(file: TomlFile, key: str, table: Mapping[str, Any]) -> Body:
         )
 
 
+def _outermost(shape: Mapping[str, Any]) -> Array:
+    """Return points of a body, in its axes, between which and planes is the distance of the body.
+
+    Those of a ball are its centre, from which its radius is to be taken off.
+    """
+    if shape.get("shape", "box") == "box":
+        half = 0.5 * np.asarray(shape["size"], float)
+        return half * (np.stack(np.unravel_index(np.arange(8), (2, 2, 2)), axis=1) * 2.0 - 1.0)
+    if shape["shape"] == "ball":
+        return np.zeros((1, 3))
+    radius, half_height = 0.5 * float(shape["diameter"]), 0.5 * float(shape["height"])
+    angle = 2.0 * np.pi * np.arange(_EDGE_POINTS) / _EDGE_POINTS
+    edge = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return np.array([(*at, z) for z in (-half_height, half_height) for at in edge.tolist()])
+
+
+def _check_outside(
+    file: TomlFile, key: str, shape: Mapping[str, Any], body: Body, plane: Plane, name: str
+) -> None:
+    """Refuse a body that starts within a plane, such as one whose centre was put on it."""
+    from scipy.spatial.transform import Rotation
+
+    # SciPy has the scalar part of quaternions last.
+    turned = Rotation.from_quat(np.roll(body.orientation, -1)).apply(_outermost(shape))
+    radius = 0.5 * float(shape["diameter"]) if shape.get("shape") == "ball" else 0.0
+    deep = radius - float(((body.position + turned - plane.point) @ plane.axes[2]).min())
+    if deep > _DEEPEST * min(np.min(shape[one]) for one in _SIZES[shape.get("shape", "box")]):
+        raise file.error(
+            f"{key}.position", f"is that of the centre: the body is {deep:.3g} m within {name!r}"
+        )
+
+
 def _pairs(
     file: TomlFile,
     key: str,
     table: Mapping[str, Any],
     shapes: Sequence[Mapping[str, Any]],
+    bodies: Sequence[Body],
     planes: Mapping[str, Plane],
     laws: Laws,
 ) -> list[Pair]:
@@ -110,7 +145,7 @@ def _pairs(
             raise file.error(f"{key}.{word}", f"{problem}; bodies are {', '.join(names)}")
         return names.index(name)
 
-    law: FrictionLaw = laws[table.get("law", file.values["law"])]
+    law: FrictionLaw = laws[table["law"] if "law" in table else file.values["law"]]
     given = {
         name: table[name]
         for name in ("normal_restitution", "tangential_restitution")
@@ -143,24 +178,17 @@ def _pairs(
                 f"{key}.plane", f"of the name {table['plane']!r} is not there; planes are {known}"
             )
         plane = planes[table["plane"]]
+        _check_outside(file, f"bodies[{first}]", shape, bodies[first], plane, table["plane"])
         kind = shape.get("shape", "box")
         if kind == "box":
             half = 0.5 * np.asarray(shape["size"], float)
             return [BoxPlane(first, half_sizes=half, plane=plane, law=law, **given)]
-        radius = 0.5 * float(shape["diameter"])
         if kind == "ball":
+            radius = 0.5 * float(shape["diameter"])
             return [SpherePlane(first, radius=radius, plane=plane, law=law, **given)]
-        angle = 2.0 * np.pi * np.arange(_EDGE_POINTS) / _EDGE_POINTS
         return [
-            PointPlane(
-                first,
-                point=(radius * np.cos(a), radius * np.sin(a), z),
-                plane=plane,
-                law=law,
-                **given,
-            )
-            for z in (-0.5 * float(shape["height"]), 0.5 * float(shape["height"]))
-            for a in angle.tolist()
+            PointPlane(first, point=point, plane=plane, law=law, **given)
+            for point in _outermost(shape)
         ]
 
 
@@ -186,7 +214,7 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
             planes[name] = Plane(**table)
     pairs: list[Pair] = []
     for i, one in enumerate(_tables(file, "contacts")):
-        pairs += _pairs(file, f"contacts[{i}]", one, shapes, planes, laws)
+        pairs += _pairs(file, f"contacts[{i}]", one, shapes, bodies, planes, laws)
     gravity = vector(file, "gravity", file.values.get("gravity", [0.0, 0.0, -9.81]), 3)
     with file.blamed():
         return Setup(RigidBodies(bodies, pairs=pairs, gravity=gravity))

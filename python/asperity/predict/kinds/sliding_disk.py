@@ -16,6 +16,8 @@ from asperity.predict.kinds.base import (
     Quantity,
     Setup,
     end_point,
+    needed,
+    planar_law,
     planar_vector,
     section,
     vector,
@@ -29,19 +31,20 @@ _SIZES = ("mass", "diameter", "height", "pad_circle", "pad_height")
 
 
 def _build(file: TomlFile, laws: Laws) -> Setup:
-    body, start = section(file, "body"), section(file, "start")
-    gravity = float(body.pop("gravity", 9.81))
+    sizes = {name: needed(file, "body", name) for name in _SIZES}
+    start = section(file, "start")
+    gravity = float(section(file, "body").get("gravity", 9.81))
     if gravity <= 0.0:
         raise file.error("body.gravity", f"must be positive, got {gravity!r}")
     with file.blamed():
         disk = SlidingDisk(
-            laws["law"],
+            planar_law(file, laws),
             position=vector(file, "start.position", start.get("position", [0.0, 0.0]), 2),
             velocity=planar_vector(file, "start", "velocity"),
             spin=start.get("spin", 0.0),
             angle=float(np.deg2rad(start.get("angle_deg", 0.0))),
             gravity=(0.0, 0.0, -gravity),
-            **body,
+            **sizes,
         )
     return Setup(disk)
 

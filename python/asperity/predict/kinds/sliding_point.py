@@ -14,6 +14,7 @@ from asperity.predict.kinds.base import (
     Setup,
     end_point,
     needed,
+    planar_law,
     planar_vector,
     section,
     vector,
@@ -27,7 +28,7 @@ def _build(file: TomlFile, laws: Laws) -> Setup:
     mass = needed(file, "body", "mass")
     with file.blamed():
         system = SlidingPoint(
-            mass, law=laws["law"], gravity=section(file, "body").get("gravity", 9.81)
+            mass, law=planar_law(file, laws), gravity=section(file, "body").get("gravity", 9.81)
         )
     position = section(file, "start").get("position", [0.0, 0.0])
     return Setup(
