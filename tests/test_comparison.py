@@ -125,3 +125,13 @@ def test_only_the_tracked_path_is_called_measured_path():
     assert not hasattr(comparison, "MeasuredPath")
     assert tracked <= set(dir(asp.track.MeasuredPath)) | set(asp.track.MeasuredPath.__annotations__)
     assert "`track.MeasuredPath`" in str(comparison.TimedPath.__doc__)
+
+
+def test_a_run_without_samples_is_refused():
+    none = np.zeros((0, 0, 2))
+    empty = asp.Motion(
+        [], np.zeros((0, 2)), np.zeros((0, 2)), none, none, none[..., 0], none[..., 0], events=(),
+        status="failed", steps=0, rejected_steps=0,
+    )  # fmt: skip
+    with pytest.raises(asp.ParameterError, match="run: must hold a sample"):
+        asp.compare_path(empty, empty)

@@ -1,5 +1,6 @@
 """What all results have in common: summaries, pictures, tables, files."""
 
+import math
 import re
 import warnings
 from xml.etree import ElementTree
@@ -341,6 +342,39 @@ def test_strange_names_come_back_from_all_tables(tmp_path):
     assert asp.Trajectory.load(tmp_path / "run.npz").labels == run.labels
 
 
+@pytest.mark.parametrize(
+    ("names", "units"),
+    [
+        (("x", "x_dot"), None),
+        (("t", "x"), ("s", "m")),
+        (("iterations", "residual"), ("-", "-")),
+        (("contact 0 normal force", "contact 0 slip 1"), ("N", "m/s")),
+    ],
+)
+def test_names_hide_no_column(names, units, tmp_path):
+    """Coordinates may be called what a velocity or a force is called."""
+    contact = asp.Contact(LAW, direction=np.eye(2), normal_force=1.0)
+    system = asp.LinearSystem(
+        np.eye(2), stiffness=np.eye(2), contacts=[contact], coordinate_names=names,
+        coordinate_units=units,
+    )  # fmt: skip
+    for run in (
+        asp.simulate(system, dt=0.1, t_end=0.5, q0=[0.1, 0.2], u0=[1.0, 0.5]),
+        asp.integrate(system, t_end=0.5, q0=[0.1, 0.2], u0=[1.0, 0.5]),
+    ):
+        frame = run.to_pandas()
+        series = run.to_xarray().data_vars.values()
+        assert frame.shape[1] == sum(math.prod(one.shape[1:]) for one in series)
+        assert frame.index.name == "t [s]"
+        unit = run.velocity_units[0]
+        title = f"{names[0]}_dot [{unit}]"
+        words = f"u {title}" if f"u {title}" in frame else title
+        np.testing.assert_array_equal(frame[words], run.u[:, 0])
+        np.testing.assert_array_equal(frame["contact 0 normal force [N]"], run.normal_force[:, 0])
+        run.to_csv(tmp_path / "run.csv")
+        assert pandas.read_csv(tmp_path / "run.csv").shape[1] == 1 + frame.shape[1]
+
+
 def test_unnamed_parts_have_names_of_their_own():
     balls = [asp.Body.ball(1.0, radius=0.1, position=(k, 0.0, 0.1)) for k in (0.0, 1.0)]
     pairs = [
@@ -479,6 +513,67 @@ def test_damaged_results_are_refused(result, tmp_path):
         np.savez(path, **kept)
         with pytest.raises(asp.ParameterError, match=re.escape(str(path))):
             type(result).load(path)
+
+
+def test_files_of_other_results_are_called_so(tmp_path):
+    for made in (RUN, MOTION, CYCLE, DIAGRAM):
+        made.save(tmp_path / "result.npz")
+        for wanted in {type(one) for one in (RUN, MOTION, CYCLE, DIAGRAM)} - {type(made)}:
+            kind = wanted.__name__ if wanted in (type(CYCLE), type(DIAGRAM)) else wanted._kind
+            with pytest.raises(asp.ParameterError, match=rf"must be .*{kind}") as caught:
+                wanted.load(tmp_path / "result.npz")
+            assert "'Disk'" not in str(caught.value)
+            assert "of the kind 'trajectory'" not in str(caught.value) or made is RUN
+
+
+def test_a_run_whose_system_is_nested_too_deeply_is_saved_without_it(tmp_path):
+    one = asp.Ellipse(0.5, 0.3)
+    for depth in range(1, 60):
+        one = one | asp.Disk(0.1) if depth % 2 else one & asp.Disk(0.6)
+        if depth < 44:
+            continue
+        point = asp.SlidingPoint(1.0, law=asp.FrictionLaw.collinear(one))
+        run = asp.simulate(point, dt=0.1, t_end=0.1, u0=[1.0, 0.0])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            run.save(tmp_path / "run.npz")
+        read = asp.Trajectory.load(tmp_path / "run.npz")
+        assert read == run
+        if read.system is None:
+            assert "must not be nested" in read.summary()
+        else:
+            assert read.repeat() == run
+    assert read.system is None
+
+
+def test_a_slice_does_not_end_where_its_run_does_not():
+    for run in (RUN, MOTION):
+        words = run.slice(0.0, 0.0).summary()
+        assert words.startswith("The run went on to its end. It has 1 sample")
+        assert "up to t = 0 s." in words
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("q", lambda values: values + 1j),
+        ("t", lambda values: values.astype(str)),
+        ("phase", lambda values: values + 0.5),
+        ("phase", lambda values: np.where(values > 9, values, np.inf)),
+        ("phase", lambda values: values.astype(int) + 256),
+        ("iterations", lambda values: values + np.nan),
+    ],
+)
+def test_runs_hold_numbers_of_their_kind(name, change):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(asp.ParameterError, match=f"{name}: must hold"):
+            RUN.replace(**{name: change(getattr(RUN, name))})
+
+
+def test_multipliers_of_a_cycle_are_a_list():
+    with pytest.raises(asp.DimensionError, match="multipliers"):
+        CYCLE.replace(multipliers=[[0.5]])
 
 
 @pytest.mark.parametrize("library", ["pandas", "xarray"])

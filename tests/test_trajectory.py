@@ -313,7 +313,12 @@ def test_shares_and_summary(motion):
     expected = (phases == asp.Phase.STICK).mean(axis=0)
     np.testing.assert_allclose(motion.stick_fraction, expected)
     summary = motion.summary()
-    for words in ("went on to its end at t = 2 s", "of 200 steps", "contact 1 stuck", "slipped"):
+    for words in (
+        "went on to its end. ",
+        "of 200 steps, up to t = 2 s",
+        "contact 1 stuck",
+        "slipped",
+    ):
         assert words in summary
 
 

@@ -193,8 +193,10 @@ def typed(value: object, key: str, kinds: Kinds, arrays: Arrays | None = None) -
         arrays: as for `arguments`.
 
     Raises:
-        ParameterError: for an object of another class, such as one of a user, which is code.
+        ParameterError: for an object of another class, such as one of a user, which is code, and
+            for one that is nested too deeply to be read again.
     """
+    _check_depth(key)
     name = type(value).__name__
     if kinds.get(name) is not type(value):
         raise ParameterError(
@@ -221,8 +223,7 @@ def built_as_typed(
         ParameterError: whose argument is the key of what is wrong.
     """
     _check_table(table, key, "a table with its type and the arguments of that type")
-    if key.count(".") > _DEEPEST:
-        raise ParameterError(key, f"must not be nested in more than {_DEEPEST} tables")
+    _check_depth(key)
     if arrays is not None and table.keys() == {_ARRAY}:
         name = table[_ARRAY]
         if not isinstance(name, str) or name not in arrays:
@@ -242,6 +243,11 @@ def built_as_typed(
             for word, one in rest.items()
         }
     return built(kinds[name], rest, key, lambda one, key: built_as_typed(one, key, kinds, arrays))
+
+
+def _check_depth(key: str) -> None:
+    if key.count(".") > _DEEPEST:
+        raise ParameterError(key, f"must not be nested in more than {_DEEPEST} tables")
 
 
 def _key_of(word: str) -> int | str:

@@ -21,6 +21,7 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
     killed leaves behind can be told and removed.
 
     Raises:
+        ParameterError: if `path` names no file.
         OSError: naming `path`, if it cannot be written.
     """
     with replaced(path) as temporary, temporary.open("xb") as file:
@@ -33,6 +34,8 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
 def replaced(path: str | os.PathLike[str], ending: str = ".tmp") -> Iterator[Path]:
     """Yield the name of the temporary file of `atomic`, to writers that open files themselves."""
     target = Path(path)
+    if not target.name or "\0" in target.name:
+        raise ParameterError("path", f"must name a file, got {os.fspath(path)!r}")
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}{ending}")
     try:
         yield temporary

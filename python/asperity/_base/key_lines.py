@@ -57,8 +57,13 @@ class KeyLines:
         return None
 
     def begun(self, line: int | None) -> str:
-        """Return the last key that begins in this line or above it, or an empty text."""
-        known = [key for at, key in self._begun if line is not None and at <= line]
+        """Return the last key that begins in this line or above it, or an empty text.
+
+        What cannot be printed is no key, but bytes of a file of another kind.
+        """
+        known = [
+            key for at, key in self._begun if line is not None and at <= line and key.isprintable()
+        ]
         return known[-1] if known else ""
 
     def _read(self) -> None:

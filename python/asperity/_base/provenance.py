@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from asperity._base import arrays
+from asperity._base import arrays, toml
 from asperity._base.toml import TABLE, TEXT, Kind, Schema, Tables
 from asperity._base.value import Value
 from asperity.errors import ParameterError
@@ -34,7 +34,8 @@ class Provenance(Value):
         made_by: command or function that made it.
         note: free text.
         files: name and SHA-256 of what it was made of.
-        configuration: the options with which these files were read, by sections.
+        configuration: the options with which these files were read, by sections; what a file says
+            of them is kept: lists for tuples and arrays, nothing for None.
 
     >>> from asperity import Provenance
     >>> Provenance(note="PVC on PVC, dry").note
@@ -62,12 +63,10 @@ class Provenance(Value):
         for name, words in texts.items():
             if not isinstance(words, str):
                 raise ParameterError(name, f"must be a text, got {words!r}")
-        pairs = tuple(arrays.pair(one, "files") for one in arrays.several(files, "files"))
-        if not all(isinstance(word, str) for one in pairs for word in one):
-            raise ParameterError("files", f"must be pairs of name and hash, got {files!r}")
+        pairs = tuple(map(_name_and_hash, arrays.several(files, "files")))
         if not isinstance(configuration, Mapping | None):
             raise ParameterError("configuration", f"must hold sections, got {configuration!r}")
-        kept = None if configuration is None else dict(configuration)
+        kept = None if configuration is None else toml.plain(configuration, "configuration")
         self._set(**texts, files=pairs, configuration=kept)
 
     def __hash__(self) -> int:
@@ -118,6 +117,12 @@ class Provenance(Value):
             files.append((one["name"], one["sha256"]))
         texts = {"date": str(table["date"])} if "date" in table else {}
         return cls(**{**table, **texts, "files": files})
+
+
+def _name_and_hash(value: Any) -> tuple[str, str]:
+    if not isinstance(value, tuple | list) or [type(word) for word in value] != [str, str]:
+        raise ParameterError("files", f"must be pairs of name and hash, got {value!r}")
+    return value[0], value[1]
 
 
 def _sha256(path: Path) -> str:

@@ -92,7 +92,8 @@ class Series:
         unit: of the values; empty where an axis holds their units.
         description: what they are, in a few words.
         names: words for the numbers of an array that stand for these.
-        bare: whether the names along its axes say what it is, so that columns need no other word.
+        bare: whether the names along its axes say what it is, so that columns need no other word
+            unless two had the same title.
     """
 
     values: NDArray[Any]
@@ -124,14 +125,22 @@ class Table:
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Return one-dimensional columns by titles that hold their units, the rows' axis first."""
+        columns = list(self._titled(bare=True))
+        if len(dict(columns)) < len(columns):
+            # A name of the user, such as x_dot, is what another column is called.
+            columns = list(self._titled(bare=False))
+        return dict(columns)
+
+    def _titled(self, *, bare: bool) -> Iterator[tuple[str, NDArray[Any]]]:
         first = self.axes[self.rows]
-        columns = {title(self.rows, first.unit): np.asarray(first.values)}
+        yield title(self.rows, first.unit), np.asarray(first.values)
         for name, series in self.series.items():
             if series.axes[0] == self.rows:
-                columns |= self._columns_of(name, series)
-        return columns
+                yield from self._columns_of(name, series, bare=bare and series.bare)
 
-    def _columns_of(self, name: str, series: Series) -> Iterator[tuple[str, NDArray[Any]]]:
+    def _columns_of(
+        self, name: str, series: Series, *, bare: bool
+    ) -> Iterator[tuple[str, NDArray[Any]]]:
         names = series.axes[1:]
         others = [self.axes[axis] for axis in names]
         for index in np.ndindex(series.values.shape[1:]):
@@ -143,8 +152,10 @@ class Table:
                 if not isinstance(value, str)
             ]
             units = [a.units[i] for a, i in zip(others, index, strict=True) if a.units is not None]
-            own = [] if series.bare else [name.replace("_", " ")]
-            words = [*labels[:1], *own, *labels[1:], *numbers]
+            own = [] if bare else [name.replace("_", " ")]
+            # Of parts of a motion its letter stands in front: q x_dot, the coordinate.
+            front = [*own, *labels[:1]] if series.bare else [*labels[:1], *own]
+            words = [*front, *labels[1:], *numbers]
             yield (
                 title(" ".join(words), units[0] if units else series.unit),
                 series.values[:, *index],

@@ -60,11 +60,14 @@ def load(kind: type[Kind], known: Kinds, path: str | os.PathLike[str]) -> Kind:
             raise ParameterError("content", f"must be one text, in {file.path}")
         arrays = {key: file[key] for key in file.keys if key not in _OWN}
         try:
-            found = data.built_as_typed(_parsed(str(text)), "", known, arrays)
-            if type(found) is not kind:
+            table = _parsed(str(text))
+            name = table.get("type") if isinstance(table, dict) else None
+            if name != kind.__name__:
                 raise ParameterError(
-                    "content", f"must be a {kind.__name__}, is a {type(found).__name__}"
+                    "content", f"must be of the type {kind.__name__}, is of {name!r}"
                 )
+            found = data.built_as_typed(table, "", known, arrays)
+            assert isinstance(found, kind)
         except ParameterError as error:
             raise type(error)(error.argument, f"{error.message}, in {file.path}") from None
         return found

@@ -5,6 +5,7 @@ What is not known is refused with file, line and key; what is written is read ba
 
 from __future__ import annotations
 
+import datetime
 import difflib
 import json
 import math
@@ -159,6 +160,9 @@ def text(values: Mapping[str, Any], comments: Mapping[str, str] | None = None) -
         comments: lines above keys and sections, by the key after those of its sections and dots;
             those of the whole file by ``""``.
 
+    Raises:
+        ParameterError: as of `plain`.
+
     >>> from asperity._base.toml import text
     >>> print(text({"fps": 500.0, "mark": {"colour": "red", "diameter": None}}, {"mark": "seen"}))
     fps = 500.0
@@ -169,7 +173,7 @@ def text(values: Mapping[str, Any], comments: Mapping[str, str] | None = None) -
     <BLANKLINE>
     """
     said = {} if comments is None else comments
-    parts = [_comment(said.get("")), *_section_texts(values, "", "", said)]
+    parts = [_comment(said.get("")), *_section_texts(plain(values, ""), "", "", said)]
     return "\n".join(part for part in parts if part)
 
 
@@ -182,14 +186,14 @@ def _section_texts(
         key = f"{section}.{name}" if section else name
         if isinstance(value, Mapping):
             within.append((f"[{_path(section, name)}]", key, _path(section, name), value))
-        elif isinstance(value, list | tuple) and value and isinstance(value[0], Mapping):
+        elif isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value):
             path = _path(section, name)
             within += [(f"[[{path}]]", key, path, one) for one in value]
-        elif value is not None:
+        else:
             own += f"{_comment(comments.get(key))}{_key(name)} = {_value(value, name)}\n"
     comment = _comment(comments.get(section)) if section else ""
-    # A section that only holds others needs no line of its own.
-    if own or (head and not within):
+    # A section that only holds others needs no line of its own, an entry of a list does.
+    if own or (head and (not within or head.startswith("[["))):
         yield f"{comment}{head}\n{own}" if head else own
     for header, _, path, value in within:
         yield from _section_texts(value, path, header, comments)
@@ -215,14 +219,12 @@ def _quoted(words: str) -> str:
 
 def _value(value: Any, name: str) -> str:
     """Return a value as TOML; lists that do not fit behind their name are broken into lines."""
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if not isinstance(value, list | tuple):
+    if not isinstance(value, list):
         return _scalar(value)
     line = _one_line(value)
     if len(name) + len(" = ") + len(line) <= _COLUMNS:
         return line
-    if any(isinstance(one, list | tuple) for one in value):
+    if any(isinstance(one, list | Mapping) for one in value):
         rows = "".join(f"    {_one_line(one)},\n" for one in value)
         return f"[\n{rows}]"
     rows, row = "", "   "
@@ -235,8 +237,11 @@ def _value(value: Any, name: str) -> str:
 
 
 def _one_line(value: Any) -> str:
-    if isinstance(value, list | tuple):
+    if isinstance(value, list):
         return f"[{', '.join(map(_one_line, value))}]"
+    if isinstance(value, Mapping):
+        pairs = (f"{_key(name)} = {_one_line(one)}" for name, one in value.items())
+        return f"{{{', '.join(pairs)}}}"
     return _scalar(value)
 
 
@@ -246,9 +251,10 @@ def _scalar(value: Any) -> str:
     if isinstance(value, str):
         return _quoted(value)
     if isinstance(value, int | float):
-        # The shortest digits that are read back to the bit; TOML has words for NaN and infinity.
+        # The shortest digits that are read back to the bit.
         return repr(value)
-    raise TypeError(f"no value of TOML: {value!r}")
+    assert isinstance(value, _DATES)
+    return value.isoformat()
 
 
 class TomlFile:
@@ -282,13 +288,13 @@ class TomlFile:
         self.text = ""
         self.values = self._parsed()
         with self.named():
-            _refuse_beyond(self.values, "", 0)
+            plain(self.values, "")
             head(self.values)
             known = {key: one for key, one in self.values.items() if key in schema or not others}
             check(known, schema)
 
     def _parsed(self) -> dict[str, Any]:
-        line = None
+        line, raw = None, b""
         try:
             raw = self.path.read_bytes()
             self.text = raw.decode("utf-8-sig", "replace")
@@ -305,7 +311,11 @@ class TomlFile:
                 problem += "; decimals take a point"
         except ValueError:
             # Python reads no more digits.
-            problem, long = "has too many digits", re.search(rb"[0-9_]{4300,}", raw)
+            long = re.search(rb"[0-9_]{4300,}", raw)
+            # Else the name of the file holds what no name can.
+            problem = (
+                "cannot be read: no file has this name" if long is None else "has too many digits"
+            )
             line = None if long is None else raw.count(b"\n", 0, long.start()) + 1
         except IsADirectoryError:
             problem = "is a folder: name the file in it"
@@ -365,17 +375,55 @@ class TomlFile:
 _DEEPEST = 100
 
 
-def _refuse_beyond(value: Any, key: str, depth: int) -> None:
-    """Refuse numbers that are none, whole ones of more bits than TOML keeps, and deep nesting."""
+_DATES = (datetime.date, datetime.time)
+
+
+def plain(value: Any, key: str) -> Any:
+    """Return a value as a file says it: tables without None, lists and Python's own numbers.
+
+    What is written and what is read pass the same limits, so that all that is saved can be loaded.
+
+    Args:
+        value: tables, lists, tuples, arrays, texts, numbers, truth values and dates.
+        key: of the value, for messages.
+
+    Raises:
+        ParameterError: whose argument is the key of what is no data, of numbers that are none,
+            whole ones of more bits than TOML keeps, and of what is nested too deeply.
+
+    >>> import numpy as np
+    >>> from asperity._base.toml import plain
+    >>> plain({"rate": np.float64(0.5), "angles": (1, 2), "note": None}, "")
+    {'rate': 0.5, 'angles': [1, 2]}
+    """
+    return _plain(value, key, 0)
+
+
+def _plain(value: Any, key: str, depth: int) -> Any:
     if depth > _DEEPEST:
         raise ParameterError(key.partition(".")[0], "must not be nested so deeply")
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
     if isinstance(value, Mapping):
-        for name, one in value.items():
-            _refuse_beyond(one, f"{key}.{name}" if key else name, depth + 1)
-    elif isinstance(value, list):
-        for i, one in enumerate(value):
-            _refuse_beyond(one, f"{key}[{i}]", depth + 1)
-    elif isinstance(value, float) and not math.isfinite(value):
+        return {
+            _checked_key(name, key): _plain(one, f"{key}.{name}" if key else name, depth + 1)
+            for name, one in value.items()
+            if one is not None
+        }
+    if isinstance(value, list | tuple):
+        return [_plain(one, f"{key}[{i}]", depth + 1) for i, one in enumerate(value)]
+    if isinstance(value, float) and not math.isfinite(value):
         raise ParameterError(key, f"must be finite, got {value!r}")
-    elif isinstance(value, int) and not -(2**63) <= value < 2**63:
+    if isinstance(value, int) and not -(2**63) <= value < 2**63:
         raise ParameterError(key, "must be a whole number of 64 bits at most, or a decimal one")
+    if not isinstance(value, (str, int, float, *_DATES)):
+        raise ParameterError(
+            key, f"must be data, which a file can hold, is of the class {type(value).__name__}"
+        )
+    return value
+
+
+def _checked_key(name: Any, section: str) -> str:
+    if not isinstance(name, str):
+        raise ParameterError(section, f"must have texts for keys, got {name!r}")
+    return name

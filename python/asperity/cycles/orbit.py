@@ -59,6 +59,7 @@ class LimitCycle(TableResult, Value):
         iterations: int,
     ) -> None:
         values = np.array(multipliers, dtype=complex)
+        arrays.check_shape(values, "multipliers", (None,))
         values.flags.writeable = False
         self._set(
             period=float(period),

@@ -213,6 +213,8 @@ def compare_path(
     t, position, error = _samples(measured)
     if not isinstance(run, Run) or min(run.q.shape[1], run.u.shape[1]) < 2:
         raise ParameterError("run", f"must be a run with two coordinates, got {run!r}")
+    if not len(run):
+        raise ParameterError("run", "must hold a sample, it has none")
     local = t - arrays.number(time_offset, "time_offset")
     rounding = 1e-9 * (run.t[-1] - run.t[0])
     inside = local >= run.t[0] - rounding

@@ -185,9 +185,9 @@ class Origin(Value):
         if self.system is None:
             return None
         try:
-            data.typed(self.system, "system", KNOWN, {})
+            data.typed(self.system, "origin.system", KNOWN, {})
         except ParameterError as error:
-            return f"{error.argument} {error.message}"
+            return f"{error.argument.removeprefix('origin.')} {error.message}"
         return None
 
 

@@ -75,7 +75,7 @@ class Run(TableResult, Value):
     def _frozen(cls, *series: ArrayLike) -> dict[str, NDArray[Any]]:
         """Return the series by their names, as arrays that refuse writing."""
         frozen = {
-            name: arrays.read_only(np.asarray(values, dtype=kind))
+            name: arrays.read_only(_cast(values, name, kind))
             for (name, kind), values in zip(cls._series.items(), series, strict=True)
         }
         lengths: dict[str, int] = {}
@@ -179,8 +179,11 @@ class Run(TableResult, Value):
         return "\n".join(self._sentences())
 
     def _sentences(self) -> Iterator[str]:
-        until = f" at t = {self.t[-1]:.9g} s" if len(self) else " before the first sample"
-        yield f"{_ENDS[self.status]}{until}. It has {self._extent()}."
+        if len(self):
+            # The last sample of a slice is not the end of the run.
+            yield f"{_ENDS[self.status]}. It has {self._extent()}, up to t = {self.t[-1]:.9g} s."
+        else:
+            yield f"{_ENDS[self.status]} before the first sample. It has {self._extent()}."
         shares = self._shares()
         for name, contact in list(zip(self.contact_names, shares, strict=True))[:_TOLD]:
             words = zip(("was open", "stuck", "slipped"), contact, strict=True)
@@ -294,3 +297,15 @@ class Run(TableResult, Value):
     def _from_contents(cls, contents: dict[str, Any]) -> dict[str, Any]:
         """Return the arguments of the constructor, given the fields of a file."""
         return contents
+
+
+def _cast(values: ArrayLike, name: str, kind: type[np.generic]) -> NDArray[Any]:
+    """Return numbers as those of a type, which must hold them."""
+    given = np.asarray(values)
+    if given.dtype.kind in "iuf":
+        with np.errstate(invalid="ignore", over="ignore"):
+            cast = given.astype(kind, copy=False)
+        if cast.dtype.kind == "f" or (cast == given).all():
+            return cast
+    known = "real" if np.issubdtype(kind, np.floating) else f"{np.dtype(kind)}"
+    raise ParameterError(name, f"must hold {known} numbers")

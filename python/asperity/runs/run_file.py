@@ -114,6 +114,8 @@ def load(kind: str, path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def _check_format(file: Archive, kind: str) -> None:
+    if "content" in file:
+        raise ParameterError("path", f"must be a {kind}, {file.path} is of another result")
     marks = dict(_MARKS)
     if "format" in file and "kind" in file:
         marks["kind"] = "U"

@@ -51,7 +51,7 @@ class Trajectory(Run):
     >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> run = simulate(block, dt=0.01, t_end=1.0, u0=[2.0, 0.0])
     >>> print(run.summary())
-    The run went on to its end at t = 1 s. It has 101 samples of 100 steps.
+    The run went on to its end. It has 101 samples of 100 steps, up to t = 1 s.
     contact 0 stuck 61.0% and slipped 39.0% of the time.
     Contact problems took at most 1 iteration, with residuals up to 3.7e-17.
     >>> run.repeat() == run
