@@ -303,7 +303,10 @@ def test_a_stop_that_only_friction_presses_is_solved(solver, normal_load):
             normal_force=[1.0, None],
         )
         solution = problem.solve(solver)
-        assert solution.residual == problem.residual(solution.percussion) <= 1e-10
+        # One contact after another is measured in another order than all of them are.
+        measured = problem.residual(solution.percussion)
+        assert solution.residual == pytest.approx(measured, rel=1e-9, abs=1e-15)
+        assert measured <= 1e-10
 
 
 @pytest.mark.parametrize("exponents", [(3, 0, 0), (-9, 0, 0), (0, 6, 0), (0, 0, -6), (5, -4, 7)])

@@ -30,9 +30,7 @@ def test_orientation_of_length_zero_is_refused(body):
     system = asp.RigidBodies([asp.Body.ball(1.0, radius=0.1)] * 2)
     start = system.q0.copy()
     start[7 * body + 3 : 7 * body + 7] = 0.0
-    with pytest.raises(
-        asp.ParameterError, match=rf"q0: the orientation of body {body}, \(w, x, y, z\)"
-    ):
+    with pytest.raises(asp.ParameterError, match=rf"q0: the quaternion {body}, \(w, x, y, z\)"):
         asp.simulate(system, dt=0.1, t_end=0.1, q0=start)
 
 

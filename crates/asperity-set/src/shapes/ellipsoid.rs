@@ -174,7 +174,7 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
 
     /// From a lower bound of the root Newton's method never oversteps.
     fn project(&self, z: &Vector<P>) -> Vector<P> {
-        if self.holds(z) {
+        if self.gauge(z) <= 1.0 {
             return *z;
         }
         let local = self.axes.tr_mul(z);
@@ -196,7 +196,7 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
     /// On the boundary `z = x + t x/a²` in the axes, which gives `t` to second order.
     #[inline]
     fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
-        if self.holds(z) {
+        if self.gauge(z) <= 1.0 {
             return *z;
         }
         let (local, start) = (self.axes.tr_mul(z), self.axes.tr_mul(start));
@@ -220,7 +220,7 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
     /// In the axes `x + t x/a² = z`.
     #[inline]
     fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
-        if self.holds(z) {
+        if self.gauge(z) <= 1.0 {
             return (*z, Matrix::identity());
         }
         let x = self.project_from(z, start);
@@ -233,12 +233,6 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
 }
 
 impl<const P: usize> Ellipsoid<P> {
-    /// Whether a point is inside or on the boundary.
-    #[inline]
-    fn holds(&self, x: &Vector<P>) -> bool {
-        (self.to_ball * x).norm_squared() <= 1.0
-    }
-
     #[inline]
     fn squares(&self) -> Vector<P> {
         self.semi_axes.component_mul(&self.semi_axes)

@@ -62,6 +62,9 @@ struct Entry {
     velocity: usize,
     direction: f64,
     response: f64,
+    /// Whether it is the last one of its row and block, whose products are added up before the row is: in the order in
+    /// which all entries are, so that a run that is continued has the same velocities to the bit.
+    last: bool,
 }
 
 /// Rows and χ of one contact.
@@ -392,8 +395,12 @@ impl Assembly {
                         let direction = self.directions[first + i];
                         let response = self.responses[first + i];
                         if direction != 0.0 || response != 0.0 {
-                            entries.push(Entry { row, velocity, direction, response });
+                            let last = false;
+                            entries.push(Entry { row, velocity, direction, response, last });
                         }
+                    }
+                    if let Some(entry) = entries.last_mut() {
+                        entry.last = true;
                     }
                 }
             }
@@ -410,8 +417,13 @@ impl Assembly {
         };
         let loads = closed.problem.free_velocity_mut();
         copy(&self.chi, loads);
+        let mut sum = 0.0;
         for entry in entries {
-            loads[entry.row] += entry.direction * self.free[entry.velocity];
+            sum += entry.direction * self.free[entry.velocity];
+            if entry.last {
+                loads[entry.row] += sum;
+                sum = 0.0;
+            }
         }
     }
 

@@ -67,15 +67,20 @@ fn alone<const N: usize>(
     let own = problem.delassus().blocks().only_block::<N>(contact);
     let (percussion, velocity) = (first::<N>(percussion), &mut velocity[..N]);
     let free = first::<N>(&problem.free_velocity()[rows.offset..]);
-    // With one contact nothing is brought by others, see `scale` of the natural residual.
-    let counted = if problem.contacts().len() == 1 { 0.0 } else { 1.0 };
-    let (mut sums, mut brought) = (*free, [0.0; N]);
+    // With one contact nothing is brought by others, see `scale` of the natural residual. Terms are added in the order of
+    // `ContactProblem::velocity`, so that velocities do not tell, to the bit, which way they were found.
+    let only = problem.contacts().len() == 1;
+    let counted = if only { 0.0 } else { 1.0 };
+    let (mut sums, mut brought) = (if only { *free } else { [0.0; N] }, [0.0; N]);
     for a in 0..N {
         for b in 0..N {
             let term = own[N * a + b] * percussion[b];
             sums[a] += term;
             brought[a] += counted * term.abs();
         }
+    }
+    if !only {
+        sums = std::array::from_fn(|a| sums[a] + free[a]);
     }
     velocity.copy_from_slice(&sums);
     measure(problem, contact, rows, Own { percussion, velocity: &sums, brought })
