@@ -62,7 +62,7 @@ class Motion(Run):
     >>> from asperity import FrictionLaw, SlidingPoint, integrate
     >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5), gravity=10.0)
     >>> print(integrate(block, t_end=1.0, u0=[2.0, 0.0]).summary())
-    The run went on to its end. It has 40 samples and 1 event, up to t = 1 s.
+    The run went on to its end. It has 26 samples and 1 event, up to t = 1 s.
     contact 0 stuck 60.0% and slipped 40.0% of the time.
     contact 0 sticks at t = 0.4 s.
     """
