@@ -264,6 +264,7 @@ def test_draws_that_do_not_come_to_rest_are_told(point, measured):
 @pytest.mark.long
 def test_the_band_of_the_end_point_holds_the_truth_as_often_as_it_says(point):
     """100 measurements of one law: 95 % of the regions should hold its end point."""
+    changed(point, "samples = 400 ", "samples = 200 ")
     truth = asp.simulate(
         asp.SlidingPoint(0.018, law=LAW), dt=1e-4, t_end=1.0, u0=LAUNCH, until_rest=True
     ).q[-1]
