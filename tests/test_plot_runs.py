@@ -122,7 +122,9 @@ def test_bars_are_those_of_the_contacts_chosen(slide):
     ax = plot.plot_history(slide, quantity="normal_force", contacts=[0, 8])
     np.testing.assert_array_equal(ax.lines[1].get_ydata(), slide.normal_force[:, 8])
     (strip,) = ax.child_axes
-    assert [one.get_text() for one in strip.get_yticklabels()] == ["contact 0", "contact 8"]
+    names = [slide.contact_names[i] for i in (0, 8)]
+    assert [one.get_text() for one in strip.get_yticklabels()] == names
+    assert [line.get_label() for line in ax.lines] == names
     assert not plot.plot_history(slide, quantity="u", phases=False).child_axes
 
 

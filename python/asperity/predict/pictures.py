@@ -61,7 +61,7 @@ def history(simulation: Simulation) -> Figure:
     closed = np.flatnonzero(((run.phase == Phase.STICK) | (run.phase == Phase.SLIP)).any(axis=0))
     shown = closed[:_CONTACTS].tolist()
     with style():
-        figure = Figure(figsize=(6.4, 5.4), layout="constrained")
+        figure = Figure(figsize=(8.0, 5.4), layout="constrained")
         place, forces = figure.subplots(2, 1, sharex=True)
         found = scenario.kind.paths(scenario.setup().system, run)
         for name, path in found.items():

@@ -40,6 +40,8 @@ _MEASURED = {
 QUANTITIES = (*_OF_COORDINATES, "acceleration", *_OF_CONTACTS)
 """What may be drawn over time."""
 
+# Legends with more entries are put beside the axes.
+_BESIDE = 4
 # Height of the bar of a contact and the space above the bars, relative to the height of the axes.
 _BAR, _SPACE = 0.055, 0.03
 _DASHES = ("-", (0, (5.0, 1.5)), (0, (1.2, 1.2)))
@@ -127,7 +129,13 @@ def plot_history(
         handles += [Patch(color=chosen.PHASES[phase][0]) for phase in seen]
         texts += [chosen.PHASES[phase][1] for phase in seen]
         if texts:
-            ax.legend(handles, texts)
+            if len(texts) > _BESIDE:
+                # Long lists would cover what is drawn.
+                ax.legend(
+                    handles, texts, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small"
+                )
+            else:
+                ax.legend(handles, texts)
         return ax
 
 
@@ -152,14 +160,16 @@ def _curves(
     values: Array = getattr(run, quantity) if quantity in ("slip", "force") else np.empty(0)
     curves: list[_Curve] = []
     for number in wanted:
-        of = "" if len(wanted) == 1 else f" of contact {number}"
+        contact = run.contact_names[number]
+        of = "" if len(wanted) == 1 else f" of {contact}"
         if quantity in ("slip", "force"):
             for part in range(values.shape[2]):
                 one = values[:, number, part]
                 if np.isfinite(one).any():
                     curves.append((f"{name[:-1]}_{{{part + 1}}}$" + of, one, None))
         else:
-            curves.append((name + of, _scalar(run, quantity, number), None))
+            # The axis says what is drawn of each contact.
+            curves.append((contact if of else name, _scalar(run, quantity, number), None))
     return curves
 
 
@@ -229,7 +239,10 @@ def _draw_bars(ax: Axes, bars: Sequence[tuple[str | None, Run, int]]) -> list[An
             strip.broken_barh(spans, (row - 0.4, 0.8), color=chosen.PHASES[phase][0], linewidth=0.0)
             seen.append(phase)
     strip.set_ylim(len(bars) - 0.5, -0.5)
-    names = [", ".join(t for t in (name, f"contact {contact}") if t) for name, _, contact in bars]
+    names = [
+        ", ".join(text for text in (name, run.contact_names[contact]) if text)
+        for name, run, contact in bars
+    ]
     strip.set_yticks(range(len(bars)), names if len(bars) > 1 else ["phase"], fontsize="small")
     strip.tick_params(axis="y", length=0.0)
     strip.grid(False)
