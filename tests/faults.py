@@ -213,7 +213,7 @@ def command_solve():
 
 def folder():
     """Files of megabytes that belong together, as commands write them."""
-    from asperity._base.files import ResultFolder
+    from asperity._base.storage.files import ResultFolder
 
     names = [f"{k}.bin" for k in range(5)]
 

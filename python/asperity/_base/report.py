@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, TypeAlias
 
-from asperity._base.files import atomic
+from asperity._base.storage.files import atomic
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._base.files import atomic
+from asperity._base.storage.files import atomic
 
 # Rows that become Python numbers at a time.
 _CHUNK = 1 << 14

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import inspect
-import os
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity._base import arrays, result_file
+from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.data import Kinds
 from asperity._base.log import log
 from asperity._base.progress import Count, Progress, reporter
-from asperity._base.result import Axis, Series, Table, TableResult, counted
+from asperity._base.result import Axis, Series, Table, counted
+from asperity._base.storage.data import Kinds
+from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
 from asperity.cycles import orbit
 from asperity.cycles.continuation import Continuation, Found
@@ -32,7 +32,7 @@ from asperity.system.labels import Labels, numbered
 Family = Callable[..., Model]
 
 
-class BifurcationDiagram(TableResult, Value):
+class BifurcationDiagram(SavedResult, Value):
     """What a family of systems does over a parameter, found by `bifurcation_diagram`.
 
     Attributes:
@@ -146,8 +146,12 @@ class BifurcationDiagram(TableResult, Value):
                 lines.append(f"There are {word} limit cycles at {self.parameter} = {where}.")
         failed = [bool(text) for text in self.failures]
         if any(failed):
-            why, where = self.failures[failed.index(True)].rstrip("."), self._spans(failed)
-            lines.append(f"The search failed at {self.parameter} = {where}: {why}.")
+            first = failed.index(True)
+            at = f" at {self.values[first]:.6g}" if sum(failed) > 1 else ""
+            lines.append(
+                f"The search failed at {self.parameter} = {self._spans(failed)};{at} because: "
+                f"{self.failures[first].rstrip('.')}."
+            )
         return "\n".join(lines)
 
     def _spans(self, chosen: Sequence[bool]) -> str:
@@ -172,13 +176,6 @@ class BifurcationDiagram(TableResult, Value):
 
     def _table(self) -> Table:
         labels = self._labels
-        # A parameter may have the name of a column.
-        own = self.parameter
-        rows = (f"{own}_parameter" if own in _COLUMNS else own,)
-        axes = {
-            rows[0]: Axis(self.values, "", "parameter"),
-            "coordinate": Axis(labels.coordinates, "", "coordinate", labels.coordinate_units),
-        }
         coordinates = {
             "equilibrium": (self.equilibria, "coordinates of the equilibrium"),
             "cycle_minimum": (self.cycle_minima, "least coordinates of the limit cycle"),
@@ -191,6 +188,14 @@ class BifurcationDiagram(TableResult, Value):
             "period": (self.periods, "s", "period of the limit cycle"),
             "failure": (np.array(self.failures, dtype=np.str_), "", "why nothing was found"),
         }
+        # A parameter may have the name of a column.
+        own = self.parameter
+        taken = own in {"coordinate", *coordinates, *numbers}
+        rows = (f"{own}_parameter" if taken else own,)
+        axes = {
+            rows[0]: Axis(self.values, "", "parameter"),
+            "coordinate": Axis(labels.coordinates, "", "coordinate", labels.coordinate_units),
+        }
         series = {
             name: Series(values, (*rows, "coordinate"), "", words)
             for name, (values, words) in coordinates.items()
@@ -201,39 +206,10 @@ class BifurcationDiagram(TableResult, Value):
         }
         return Table(axes, series, {"title": repr(self)[1:-1]})
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a NumPy ``.npz`` file without pickled objects, with all equilibria and cycles.
-
-        Args:
-            path: of the file, which replaces an older one only when it is complete.
-        """
-        result_file.save(self, _KNOWN, path)
-
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> BifurcationDiagram:
-        """Read a file written by `save`.
+    def _known(cls) -> Kinds:
+        return _KNOWN
 
-        Args:
-            path: of the file.
-
-        Raises:
-            ParameterError: naming what is missing, damaged or of something else.
-            FileNotFoundError: if there is none.
-        """
-        return result_file.load(cls, _KNOWN, path)
-
-
-_COLUMNS = (
-    "coordinate",
-    "equilibrium",
-    "cycle_minimum",
-    "cycle_maximum",
-    "growth_rate",
-    "kind",
-    "cycle_stable",
-    "period",
-    "failure",
-)
 
 _KNOWN: Kinds = {
     **orbit.KNOWN,

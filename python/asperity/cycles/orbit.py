@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity._base import arrays, result_file
+from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.data import Kinds
-from asperity._base.result import Axis, Series, Table, TableResult
+from asperity._base.result import Axis, Series, Table
+from asperity._base.storage.data import Kinds
+from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.runs import origin
@@ -25,7 +24,7 @@ _VERBS = {Phase.STICK: "sticks", Phase.SLIP: "slips", Phase.OPEN: "is open"}
 _TOLD = 8
 
 
-class LimitCycle(TableResult, Value):
+class LimitCycle(SavedResult, Value):
     """An isolated periodic motion x(t + T) = x(t), found by `limit_cycle`.
 
     Attributes:
@@ -126,12 +125,9 @@ class LimitCycle(TableResult, Value):
         for name, unit, low, high in list(ranges)[:_TOLD]:
             lines.append(f"{name} moves between {low:.6g} and {high:.6g} {unit}.")
         for number, name in list(enumerate(self.motion.contact_names))[:_TOLD]:
-            shares = ", ".join(
-                f"{verb} {self.share(phase, contact=number):.1%}"
-                for phase, verb in _VERBS.items()
-                if self.share(phase, contact=number) > 0.0
-            )
-            lines.append(f"{name}: {shares} of the period.")
+            shares = {verb: self.share(phase, contact=number) for phase, verb in _VERBS.items()}
+            told = ", ".join(f"{verb} {share:.1%}" for verb, share in shares.items() if share > 0.0)
+            lines.append(f"{name}: {told} of the period.")
         return "\n".join(lines)
 
     def _table(self) -> Table:
@@ -148,26 +144,9 @@ class LimitCycle(TableResult, Value):
             {**table.axes, "multiplier": axis}, {**table.series, **series}, {**table.facts, **facts}
         )
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a NumPy ``.npz`` file without pickled objects, with the system if it is data.
-
-        Args:
-            path: of the file, which replaces an older one only when it is complete.
-        """
-        result_file.save(self, KNOWN, path)
-
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> LimitCycle:
-        """Read a file written by `save`.
-
-        Args:
-            path: of the file.
-
-        Raises:
-            ParameterError: naming what is missing, damaged or of something else.
-            FileNotFoundError: if there is none.
-        """
-        return result_file.load(cls, KNOWN, path)
+    def _known(cls) -> Kinds:
+        return KNOWN
 
     def __repr__(self) -> str:
         kind = "stable" if self.is_stable else "unstable"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from asperity._base.arrays import unit_vectors
-from asperity._base.files import ResultFolder
+from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
 from asperity.identify.estimation import fit_law

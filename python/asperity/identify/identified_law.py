@@ -9,11 +9,12 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity._base import arrays, data
+from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.provenance import Provenance
+from asperity._base.storage import data
+from asperity._base.storage.provenance import Provenance
+from asperity._base.storage.toml import advice_on
 from asperity._base.tables import aligned
-from asperity._base.toml import advice_on
 from asperity.errors import AsperityError, DimensionError, FitError, ParameterError
 from asperity.identify.fitting.models.coordinates import Coordinate, Scale
 from asperity.identify.fitting.models.directions import (

@@ -1,6 +1,6 @@
 """Friction laws: pairs of a force reservoir C and a direction set D ([WL19] §3)."""
 
-from asperity._base.provenance import Provenance
+from asperity._base.storage.provenance import Provenance
 from asperity.law.file import LawFile
 from asperity.law.flow import FlowReport
 from asperity.law.friction import FrictionLaw

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 from asperity import _core
-from asperity._base import data, provenance, toml
-from asperity._base.data import HEAD_SCHEMA, FileFormat
-from asperity._base.provenance import Provenance
-from asperity._base.toml import NUMBERS, TABLE, TEXTS, Kind, Schema, TomlFile
+from asperity._base.storage import data, provenance, toml
+from asperity._base.storage.data import HEAD_SCHEMA, FileFormat
+from asperity._base.storage.provenance import Provenance
+from asperity._base.storage.toml import NUMBERS, TABLE, TEXTS, Kind, Schema, TomlFile
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law.flow import FlowReport

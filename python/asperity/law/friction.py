@@ -351,7 +351,7 @@ class FrictionLaw(Questions):
         >>> FrictionLaw.load(path) == law
         True
         """
-        from asperity._base.provenance import Provenance
+        from asperity._base.storage.provenance import Provenance
         from asperity.law.file import LawFile
 
         LawFile(self, provenance=Provenance(note=note)).save(path)

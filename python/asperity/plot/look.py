@@ -20,7 +20,7 @@ from matplotlib.patches import Polygon
 from matplotlib.quiver import Quiver
 
 from asperity._base.arrays import Array, positive, unit_vectors
-from asperity._base.files import atomic
+from asperity._base.storage.files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 

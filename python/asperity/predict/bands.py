@@ -81,7 +81,12 @@ class Bands:
     doubts: tuple[str, ...]
 
 
-def propagate(scenario: Scenario, *, progress: Callable[[int, int], object] | None = None) -> Bands:
+def propagate(
+    scenario: Scenario,
+    *,
+    nominal: Sequence[Quantity],
+    progress: Callable[[int, int], object] | None = None,
+) -> Bands:
     """Draw the laws of a scenario from their uncertainty, compute every motion, and make bands.
 
     Intervals are between quantiles of the draws, those of angles between quantiles of what they
@@ -92,6 +97,7 @@ def propagate(scenario: Scenario, *, progress: Callable[[int, int], object] | No
 
     Args:
         scenario: at least one of whose laws was identified.
+        nominal: the quantities of the motion with the laws of the files.
         progress: called with the number of draws done and of all.
 
     Raises:
@@ -135,7 +141,6 @@ def propagate(scenario: Scenario, *, progress: Callable[[int, int], object] | No
     if not rows:
         raise AsperityError(f"no motion of a drawn law could be computed: {failed[0]}")
     draws = np.array([[one.value for one in row] for row in rows])
-    nominal = scenario.quantities(scenario.run())
     low, high = _intervals(draws, nominal, options.confidence)
     ends = draws[:, :2].copy() if scenario.kind.has_end else None
     region = None if ends is None else _region(ends, options.confidence)

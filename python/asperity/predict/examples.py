@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from asperity._base.files import ResultFolder
-from asperity._base.toml import advice_on
+from asperity._base.storage.files import ResultFolder
+from asperity._base.storage.toml import advice_on
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw, LawFile, Provenance
 from asperity.predict.kinds import KINDS

@@ -11,9 +11,9 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array, unit_vectors
-from asperity._base.files import ResultFolder
 from asperity._base.report import Facts, Grid, Picture, Section, Text, write_report
 from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult
+from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned
 from asperity.errors import ConfigurationError
 from asperity.identify import IdentifiedLaw

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from asperity._base.result import counted
-from asperity._base.toml import COUNT, NUMBER, SWITCH, TEXT, Schema, TomlFile, advice_on
+from asperity._base.storage.toml import COUNT, NUMBER, SWITCH, TEXT, Schema, TomlFile, advice_on
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw, LawFile
 from asperity.law.file import SCHEMA as law_schema

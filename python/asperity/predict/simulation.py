@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asperity._base.files import ResultFolder
 from asperity._base.report import Facts, Grid, Picture, Section, Text, write_report
 from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult, counted
+from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns
 from asperity.predict.bands import Bands, propagate
 from asperity.predict.kinds import Quantity
@@ -231,8 +231,9 @@ def simulate_scenario(
     folder = None if out is None else ResultFolder(Path(out), files)
     scenario = Scenario.load(path, law=law)
     run = scenario.run()
-    found = propagate(scenario, progress=progress) if bands else None
-    result = Simulation(scenario, run, tuple(scenario.quantities(run)), found)
+    quantities = tuple(scenario.quantities(run))
+    found = propagate(scenario, nominal=quantities, progress=progress) if bands else None
+    result = Simulation(scenario, run, quantities, found)
     if folder is not None:
         with folder.filled() as place:
             result.write(place)

@@ -12,9 +12,9 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.files import ResultFolder
 from asperity._base.report import Facts, Picture, Section, Text, write_report
 from asperity._base.result import Result
+from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns
 from asperity.law import FrictionLaw
 from asperity.predict.law_sheet import planar_law

@@ -10,8 +10,9 @@ from typing import Any
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, law, sets, solvers, system
-from asperity._base import arrays, data
+from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.storage import data
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.runs.model import Model

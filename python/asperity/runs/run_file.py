@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity import _core
-from asperity._base.archive import Archive
-from asperity._base.files import atomic
+from asperity._base.storage.archive import Archive
+from asperity._base.storage.files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.runs.event import NO_NUMBER, EventKind
 from asperity.runs.state import check_memory
@@ -57,7 +57,7 @@ _FIELDS: dict[str, _Fields] = {
 _TEXTS: _Fields = {"labels": (np.str_, ()), "origin": (np.str_, ())}
 # The state from which another run goes on; files of runs that end without one have none of these,
 # and the last three are there where they are known.
-_END: dict[str, tuple[type[np.generic], tuple[str | int, ...]]] = {
+_END: _Fields = {
     "end_q": (np.float64, ("q",)),
     "end_u": (np.float64, ("u",)),
     "end_t0": (np.float64, ()),

@@ -6,19 +6,19 @@ import os
 from typing import Any
 
 from asperity import _core
-from asperity._base import data, provenance, toml
-from asperity._base.data import HEAD_SCHEMA, FileFormat, Kinds
-from asperity._base.provenance import Provenance
-from asperity._base.toml import TABLE, Schema, TomlFile
+from asperity._base.storage import data, provenance, toml
+from asperity._base.storage.data import HEAD_SCHEMA, FileFormat, Kinds
+from asperity._base.storage.provenance import Provenance
+from asperity._base.storage.toml import TABLE, Schema, TomlFile
 from asperity.errors import ParameterError
-from asperity.sets.boxes import Box, CappedRectangle, Interval, Rectangle
 from asperity.sets.combined import Intersection, MinkowskiSum, Union
-from asperity.sets.curves import PolarCurve, Polygon, SupportCurve
-from asperity.sets.drilling import CoulombContensou
 from asperity.sets.mapped import Mapped
-from asperity.sets.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse
+from asperity.sets.shapes.boxes import Box, CappedRectangle, Interval, Rectangle
+from asperity.sets.shapes.curves import PolarCurve, Polygon, SupportCurve
+from asperity.sets.shapes.drilling import CoulombContensou
+from asperity.sets.shapes.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse
+from asperity.sets.shapes.wedge import WedgeAsperity
 from asperity.sets.star import StarSet
-from asperity.sets.wedge import WedgeAsperity
 
 KINDS: Kinds = {
     kind.__name__: kind

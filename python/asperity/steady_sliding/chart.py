@@ -51,8 +51,9 @@ class GrowthChart(TableResult, Value):
         return rates
 
     def __repr__(self) -> str:
+        largest = f" up to {self._largest():.6g} 1/s" if self._unknown() < 1.0 else ""
         return (
-            f"<GrowthChart: {self.growth.size} growth rates up to {self._largest():.6g} 1/s, "
+            f"<GrowthChart: {self.growth.size} growth rates{largest}, "
             f"unstable at {self._unstable():.1%}>"
         )
 
@@ -62,11 +63,20 @@ class GrowthChart(TableResult, Value):
     def _unstable(self) -> float:
         return float((self.growth > 0.0).mean()) if self.growth.size else 0.0
 
+    def _unknown(self) -> float:
+        return float(np.isnan(self.growth).mean()) if self.growth.size else 1.0
+
     def summary(self) -> str:
         """Return where sliding is unstable, in sentences."""
+        unknown = self._unknown() if self.growth.size else 0.0
+        rest = f"\nAt {unknown:.1%} the growth rate is not known." if unknown else ""
+        return f"{self._found()}{rest}"
+
+    def _found(self) -> str:
         over = f"{self.phi.size} directions of the belt and {self.zeta.size} rotations of C"
         if not self._unstable():
-            return f"Over {over} steady sliding is nowhere unstable."
+            known = " where its growth rate is known" if np.isnan(self.growth).any() else ""
+            return f"Over {over} steady sliding is nowhere unstable{known}."
         at = np.unravel_index(int(np.nanargmax(self.growth)), self.growth.shape)
         phi, zeta = self.phi[at[: self.phi.ndim]], self.zeta[at[self.phi.ndim :]]
         return (

@@ -105,13 +105,13 @@ class LinearSystem(Value):
         )
 
     def with_law(
-        self, law: FrictionLaw, *, contacts: int | Sequence[int] | None = None
+        self, law: FrictionLaw, *, contacts: int | str | Sequence[int | str] | None = None
     ) -> LinearSystem:
         """Return the same system, of which contacts obey another friction law.
 
         Args:
             law: of the dimension of the contacts' laws.
-            contacts: numbers of the contacts; default all.
+            contacts: numbers or names of the contacts; default all.
 
         >>> from asperity import FrictionLaw, mechanisms
         >>> weak = FrictionLaw.isotropic(0.1, dimension=1)

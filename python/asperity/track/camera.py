@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.files import atomic
+from asperity._base.storage.files import atomic
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.runs.run import Run

@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from asperity._base import arrays, toml
+from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.toml import NUMBER, NUMBERS, TEXT, Schema, TomlFile
+from asperity._base.storage import toml
+from asperity._base.storage.toml import NUMBER, NUMBERS, TEXT, Schema, TomlFile
 from asperity.errors import ParameterError
 from asperity.track.image.scene import Scene
 from asperity.track.image.segmentation import Mark

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._base.files import ResultFolder
 from asperity._base.progress import Progress
 from asperity._base.report import Facts, Picture, Section, write_report
+from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned
 from asperity.errors import ParameterError
 from asperity.track.config import TrackConfig, read_config

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._base.files import atomic
+from asperity._base.storage.files import atomic
 from asperity.contact import operator
 from asperity.contact.files import contents
 from asperity.contact.files.contents import Percussions

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from asperity._base import toml
 from asperity._base.arrays import Array
-from asperity._base.toml import COUNT, NUMBER, NUMBERS, SWITCH, TEXT, Kind, TomlFile
+from asperity._base.storage import toml
+from asperity._base.storage.toml import COUNT, NUMBER, NUMBERS, SWITCH, TEXT, Kind, TomlFile
 from asperity._base.value import Value
 from asperity.errors import AsperityError, ParameterError, RecordError
 from asperity.identify.records.calibration import Calibration

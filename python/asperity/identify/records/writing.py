@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from asperity._base import toml
+from asperity._base.storage import toml
 from asperity._base.tables import write_columns
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import LOADS

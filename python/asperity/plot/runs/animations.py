@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.files import atomic
+from asperity._base.storage.files import atomic
 from asperity.errors import ParameterError
 from asperity.plot import look
 from asperity.plot.runs import chosen

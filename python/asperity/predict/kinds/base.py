@@ -10,7 +10,7 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.toml import NUMBER, NUMBERS, Schema, TomlFile
+from asperity._base.storage.toml import NUMBER, NUMBERS, Schema, TomlFile
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.runs.model import Model

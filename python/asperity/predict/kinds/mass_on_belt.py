@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity._base.toml import NUMBER, NUMBERS, TomlFile
+from asperity._base.storage.toml import NUMBER, NUMBERS, TomlFile
 from asperity.predict.kinds.base import (
     Kind,
     Laws,

@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity._base.toml import NUMBER, NUMBERS, TEXT, Tables, TomlFile, advice_on
+from asperity._base.storage.toml import NUMBER, NUMBERS, TEXT, Tables, TomlFile, advice_on
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.predict.kinds.base import Kind, Laws, Quantity, Setup, vector

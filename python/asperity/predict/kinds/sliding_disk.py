@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity._base.toml import NUMBER, TomlFile
+from asperity._base.storage.toml import NUMBER, TomlFile
 from asperity.predict.kinds.base import (
     START,
     Kind,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from asperity._base.arrays import Array
-from asperity._base.toml import NUMBER, TomlFile
+from asperity._base.storage.toml import NUMBER, TomlFile
 from asperity.predict.kinds.base import (
     START,
     Kind,

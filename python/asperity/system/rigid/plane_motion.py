@@ -113,7 +113,8 @@ def _check_function(function: Any, argument: str, start: float, end: float) -> N
         try:
             contradiction = _contradiction(function, t, end - start)
         except Exception:
-            # The run meets it, and says when.
+            # Any class: the function is the user's. The run calls it too, and raises what it raises
+            # with the time at which it does.
             return
         if contradiction is not None:
             found.append((t, *contradiction))

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from asperity._base import arrays
-from asperity._base.files import replaced
+from asperity._base.storage.files import replaced
 from asperity.errors import ParameterError
 from asperity.track.film.frames import Frame, Pixels
 

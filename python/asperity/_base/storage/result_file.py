@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
-from asperity._base import data
-from asperity._base.archive import Archive
-from asperity._base.data import Kinds
-from asperity._base.files import atomic
+from asperity._base.result import TableResult
+from asperity._base.storage import data
+from asperity._base.storage.archive import Archive
+from asperity._base.storage.data import Kinds
+from asperity._base.storage.files import atomic
 from asperity.errors import ParameterError
 
 FORMAT = 1
@@ -71,6 +72,36 @@ def load(kind: type[Kind], known: Kinds, path: str | os.PathLike[str]) -> Kind:
         except ParameterError as error:
             raise type(error)(error.argument, f"{error.message}, in {file.path}") from None
         return found
+
+
+class SavedResult(TableResult):
+    """Base of results that have files of their own."""
+
+    @classmethod
+    def _known(cls) -> Kinds:
+        """Return all classes that the result is made of, by name."""
+        raise NotImplementedError
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a NumPy ``.npz`` file without pickled objects, with the systems that are data.
+
+        Args:
+            path: of the file, which replaces an older one only when it is complete.
+        """
+        save(self, self._known(), path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a file written by `save`.
+
+        Args:
+            path: of the file.
+
+        Raises:
+            ParameterError: naming what is missing, damaged or of something else.
+            FileNotFoundError: if there is none.
+        """
+        return load(cls, cls._known(), path)
 
 
 _OWN = ("format", "version", "content")

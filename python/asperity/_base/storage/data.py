@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._base.toml import COUNT, TEXT, Schema, advice_on
+from asperity._base.storage.toml import COUNT, TEXT, Schema, advice_on
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 
@@ -100,7 +100,7 @@ def _signature(kind: type) -> Mapping[str, inspect.Parameter]:
 _SIGNATURES: dict[type, Mapping[str, inspect.Parameter]] = {}
 
 
-def _parts(value: object) -> dict[str, Any]:
+def _parts(value: Any) -> dict[str, Any]:
     if isinstance(value, Value):
         parameters = value._stored()._parameters
         return {name: parameters[name] for name in _signature(type(value))}
@@ -108,8 +108,8 @@ def _parts(value: object) -> dict[str, Any]:
         return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if isinstance(value, dict):
         return {f"{_KEY}{name}": part for name, part in value.items()}
-    assert isinstance(value, tuple)
-    return dict(value._asdict())  # type: ignore[attr-defined]
+    named_tuple: dict[str, Any] = value._asdict()
+    return named_tuple
 
 
 def _is_record(value: object) -> bool:

@@ -30,7 +30,7 @@ class KeyLines:
     Attributes:
         count: number of lines.
 
-    >>> from asperity._base.key_lines import KeyLines
+    >>> from asperity._base.storage.key_lines import KeyLines
     >>> lines = KeyLines('x = [1,\n2]\n[[law.sets]]\nset = {radius = 1.0}\n')
     >>> lines.of("x[1]"), lines.of("law.sets[0].set.radius"), lines.of("law.direction")
     (2, 4, 3)

@@ -9,8 +9,8 @@ from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
+from asperity.sets.shapes.turned import TurnedSet
 from asperity.sets.star import StarSet
-from asperity.sets.turned import TurnedSet
 
 
 class Interval(StarSet):

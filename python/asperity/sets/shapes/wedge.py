@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from asperity import _core
 from asperity._base import arrays
-from asperity.sets.turned import AngledSet
+from asperity.sets.shapes.turned import AngledSet
 
 
 class WedgeAsperity(AngledSet):

@@ -20,8 +20,8 @@ from typing import Any, NamedTuple, NoReturn, TypeAlias
 
 import numpy as np
 
-from asperity._base.files import atomic
-from asperity._base.key_lines import KeyLines
+from asperity._base.storage.files import atomic
+from asperity._base.storage.key_lines import KeyLines
 from asperity.errors import ConfigurationError, ParameterError, RecordError
 
 
@@ -79,7 +79,7 @@ def check(values: Mapping[str, Any], schema: Schema) -> None:
     Raises:
         ParameterError: whose argument is the key, after the name of its section and a dot.
 
-    >>> from asperity._base.toml import NUMBER, check
+    >>> from asperity._base.storage.toml import NUMBER, check
     >>> check({"mark": {"diametre": 0.01}}, {"mark": {"diameter": NUMBER}})
     Traceback (most recent call last):
     asperity.errors.ParameterError: mark.diametre: is not known, did you mean 'diameter'?
@@ -123,7 +123,7 @@ def _refuse(name: str, key: str, known: Mapping[str, Any], schema: Schema) -> No
 def advice_on(name: str, known: Iterable[str]) -> str:
     """Return the end of a sentence that refuses a word: what it was perhaps meant to be.
 
-    >>> from asperity._base.toml import advice_on
+    >>> from asperity._base.storage.toml import advice_on
     >>> advice_on("Elipse", ["Disk", "Ellipse"]), advice_on("Torus", ["Disk", "Ellipse"])
     (", did you mean 'Ellipse'?", '; known are Disk, Ellipse')
     """
@@ -163,7 +163,7 @@ def text(values: Mapping[str, Any], comments: Mapping[str, str] | None = None) -
     Raises:
         ParameterError: as of `plain`.
 
-    >>> from asperity._base.toml import text
+    >>> from asperity._base.storage.toml import text
     >>> print(text({"fps": 500.0, "mark": {"colour": "red", "diameter": None}}, {"mark": "seen"}))
     fps = 500.0
     <BLANKLINE>
@@ -392,7 +392,7 @@ def plain(value: Any, key: str) -> Any:
             whole ones of more bits than TOML keeps, and of what is nested too deeply.
 
     >>> import numpy as np
-    >>> from asperity._base.toml import plain
+    >>> from asperity._base.storage.toml import plain
     >>> plain({"rate": np.float64(0.5), "angles": (1, 2), "note": None}, "")
     {'rate': 0.5, 'angles': [1, 2]}
     """

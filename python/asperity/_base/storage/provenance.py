@@ -9,8 +9,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from asperity._base import arrays, toml
-from asperity._base.toml import TABLE, TEXT, Kind, Schema, Tables
+from asperity._base import arrays
+from asperity._base.storage import toml
+from asperity._base.storage.toml import TABLE, TEXT, Kind, Schema, Tables
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 
@@ -70,7 +71,8 @@ class Provenance(Value):
         self._set(**texts, files=pairs, configuration=kept)
 
     def __hash__(self) -> int:
-        return hash(repr(self))
+        # Without the sections, which are equal in any order and cannot be hashed.
+        return hash((self.asperity, self.date, self.made_by, self.note, self.files))
 
     @classmethod
     def of_files(cls, paths: Iterable[str | os.PathLike[str]], **others: Any) -> Provenance:
