@@ -146,7 +146,6 @@ fn isotropic_contacts_enter_the_natural_map_with_their_cone() {
     close(map(&ellipses, &[1.0, -0.1, 0.0]), f64::hypot(1.0, 0.4) / f64::hypot(2.0, 1.0));
 }
 
-/// The measure names the worst contact; a light contact cannot hide behind a heavy one.
 /// Squares that are no numbers make every scale infinite, beside which any defect vanishes.
 #[test]
 fn percussions_beyond_all_numbers_solve_nothing() {
@@ -160,6 +159,7 @@ fn percussions_beyond_all_numbers_solve_nothing() {
     assert_eq!(map(&problem, &[1e160, 0.0, 0.0]), f64::INFINITY);
 }
 
+/// The measure names the worst contact; a light contact cannot hide behind a heavy one.
 #[test]
 fn the_worst_contact_is_named() {
     let law = || -> Law {

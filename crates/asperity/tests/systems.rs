@@ -10,6 +10,7 @@ use asperity::solver::Solver;
 use asperity::stepper::{State, StepError, Stepper};
 use asperity::system::{
     Blocks, Configuration, Contact, ContactLaw, LinearSystem, Midpoint, System, SystemError,
+    TimeDependence,
 };
 use nalgebra::DMatrix;
 
@@ -24,6 +25,7 @@ struct Falling {
     /// `q ← q + rate Δt u`.
     rate: f64,
     carries_momenta: bool,
+    dependence: Option<TimeDependence>,
 }
 
 impl Falling {
@@ -31,7 +33,8 @@ impl Falling {
         let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
         let contacts = vec![ContactLaw::new(law, None).unwrap()];
         let touched = (0..blocks.count()).collect();
-        Self { blocks, contacts, touched, lift: 0.0, rate: 1.0, carries_momenta: false }
+        let (lift, rate, carries_momenta, dependence) = (0.0, 1.0, false, None);
+        Self { blocks, contacts, touched, lift, rate, carries_momenta, dependence }
     }
 }
 
@@ -69,6 +72,10 @@ impl System for Falling {
     ) -> Result<(), SystemError> {
         h.fill(-10.0);
         Ok(())
+    }
+
+    fn time_dependence(&self, _q: &[f64], _u: &[f64], _t_end: f64) -> Option<TimeDependence> {
+        self.dependence.clone()
     }
 
     fn gap(&self, at: &Configuration<'_>, _contact: usize) -> Result<f64, SystemError> {
@@ -110,26 +117,32 @@ impl System for Falling {
     }
 }
 
-/// The same by an author who has forgotten to say which blocks a contact touches.
+/// A system of which its author has said nothing but what integrators cannot do without: neither which blocks a contact
+/// touches nor what is constant.
 #[derive(Debug)]
-struct Forgotten(Falling);
+struct Taciturn<S>(S);
 
-impl System for Forgotten {
+impl<S: System> System for Taciturn<S> {
     fn blocks(&self) -> &Blocks {
         self.0.blocks()
     }
+
     fn contacts(&self) -> &[ContactLaw] {
         self.0.contacts()
     }
+
     fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
         self.0.mass(q, block, mass)
     }
+
     fn forces(&self, at: &Configuration<'_>, u: &[f64], h: &mut [f64]) -> Result<(), SystemError> {
         self.0.forces(at, u, h)
     }
+
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         self.0.gap(at, contact)
     }
+
     fn rows(
         &self,
         at: &Configuration<'_>,
@@ -182,9 +195,9 @@ fn blocks_that_contacts_touch_are_checked_where_a_run_is_made() {
         assert_eq!(refused(&system, &[0.0; 2]), ["system"; 2], "{:?}", system.touched);
     }
     // Only where there is one block is it clear which a contact touches.
-    let forgotten = Forgotten(Falling::new(Blocks::one(2)));
+    let forgotten = Taciturn(Falling::new(Blocks::one(2)));
     assert!(stepper(&forgotten, &[0.0; 2]).unwrap().step().is_ok());
-    assert_eq!(refused(&Forgotten(in_blocks()), &[0.0; 2]), ["system"; 2]);
+    assert_eq!(refused(&Taciturn(in_blocks()), &[0.0; 2]), ["system"; 2]);
     for sizes in [vec![0], vec![2, 0]] {
         let n: usize = sizes.iter().sum();
         let system = Falling::new(Blocks::new(sizes));
@@ -225,6 +238,27 @@ fn systems_that_advance_themselves_are_not_integrated_as_if_they_did_not() {
     }
 }
 
+/// How large functions of time become is told for every velocity and for every contact.
+#[test]
+fn what_depends_on_time_is_counted() {
+    let ended = |dependence: TimeDependence| {
+        let system = Falling { dependence: Some(dependence), ..Falling::new(Blocks::one(2)) };
+        integrate(&system, &[1.0, 0.0]).unwrap().outcome
+    };
+    let whole = TimeDependence::none(2, 1);
+    assert!(matches!(ended(whole.clone()), event::Outcome::Finished));
+    for wrong in [
+        TimeDependence::default(),
+        TimeDependence { forces: vec![0.0; 3], ..whole.clone() },
+        TimeDependence { impulses: vec![0.0], ..whole.clone() },
+        TimeDependence { gaps: vec![0.0; 2], ..whole.clone() },
+        TimeDependence { velocities: vec![], ..whole.clone() },
+    ] {
+        let event::Outcome::Error(error) = ended(wrong) else { panic!("no failure") };
+        assert!(error.to_string().starts_with("time_dependence: must have"), "{error}");
+    }
+}
+
 #[test]
 fn momenta_of_a_system_are_compared_with_those_that_it_has() {
     let system = Falling { carries_momenta: true, ..Falling::new(Blocks::one(2)) };
@@ -261,43 +295,6 @@ fn places_that_a_contact_problem_does_not_have_are_no_contact() {
     assert_eq!((run.contact_of(0), run.contact_of(1)), (Some(0), None));
 }
 
-/// A system that says of nothing that it is constant.
-#[derive(Debug)]
-struct Silent(LinearSystem);
-
-impl System for Silent {
-    fn blocks(&self) -> &Blocks {
-        self.0.blocks()
-    }
-
-    fn contacts(&self) -> &[ContactLaw] {
-        self.0.contacts()
-    }
-
-    fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
-        self.0.mass(q, block, mass)
-    }
-
-    fn forces(
-        &self,
-        at: &Configuration<'_>,
-        u: &[f64],
-        forces: &mut [f64],
-    ) -> Result<(), SystemError> {
-        self.0.forces(at, u, forces)
-    }
-
-    fn rows(
-        &self,
-        at: &Configuration<'_>,
-        contact: usize,
-        rows: &mut [f64],
-        velocity: &mut [f64],
-    ) -> Result<f64, SystemError> {
-        self.0.rows(at, contact, rows, velocity)
-    }
-}
-
 /// What is constant is computed once, and steps are the same as if it were not said: masses on springs on a belt, one
 /// contact and two, with blocks of mass that are coupled and that are not.
 #[test]
@@ -325,7 +322,7 @@ fn constancy_changes_no_step() {
         let force = vec![0.0; n];
         let system =
             LinearSystem::new(mass, stiffness, damping, force, touching.collect()).unwrap();
-        let silent = Silent(system.clone());
+        let silent = Taciturn(system.clone());
         let solver = Solver::Exact { max_sweeps: 1000 };
         let start = State::new(0.0, &vec![0.0; n], &vec![0.0; n]);
         let [mut known, mut unknown] = [&system as &dyn System, &silent]

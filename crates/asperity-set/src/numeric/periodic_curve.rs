@@ -53,8 +53,8 @@ pub(crate) struct PeriodicCurve {
     pieces: Arc<[Piece]>,
     /// For each bin of `diamond(x)` the last piece that starts before it.
     bins: Arc<[u32]>,
-    /// The turns of `∇F` where pieces start, from the one before which it turns most, piece by piece from there on;
-    /// not for dents.
+    /// How far `∇F` has turned where each piece starts, counted from the piece before which it turns most, the number of
+    /// which is `first`. Of curves with dents they mean nothing.
     turns: Arc<[f64]>,
     first: usize,
     /// The smallest `ρ` and the direction of its knot.

@@ -31,24 +31,58 @@ impl Components {
 
     /// The component of every member, numbered from zero in the order of their first members.
     pub(crate) fn numbers(mut self) -> Vec<usize> {
-        let (mut numbers, mut count) = (vec![0; self.towards_first.len()], 0);
-        for i in 0..numbers.len() {
+        let mut numbers = Vec::new();
+        self.number(&mut numbers);
+        numbers
+    }
+
+    /// The same in a buffer; the number of components.
+    fn number(&mut self, numbers: &mut Vec<usize>) -> usize {
+        numbers.clear();
+        let mut count = 0;
+        for i in 0..self.towards_first.len() {
             let first = self.first(i);
-            numbers[i] = if first == i { count } else { numbers[first] };
+            numbers.push(if first == i { count } else { numbers[first] });
             count += usize::from(first == i);
         }
-        numbers
+        count
     }
 }
 
 /// The members of every component, components in the order of their first members.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Members {
+    /// Where the members of every component begin, and where the last ones end.
     starts: Vec<usize>,
     members: Vec<usize>,
+    /// The component of every member.
+    numbers: Vec<usize>,
 }
 
 impl Members {
+    /// Takes the members of other components, in the buffers that are there.
+    pub(crate) fn update(&mut self, components: &mut Components) {
+        let Self { starts, members, numbers } = self;
+        let count = components.number(numbers);
+        starts.clear();
+        starts.resize(count + 1, 0);
+        for &number in &*numbers {
+            starts[number + 1] += 1;
+        }
+        for component in 0..count {
+            starts[component + 1] += starts[component];
+        }
+        members.clear();
+        members.resize(numbers.len(), 0);
+        for (member, &number) in numbers.iter().enumerate() {
+            members[starts[number]] = member;
+            starts[number] += 1;
+        }
+        // Every start has moved on to where the next component begins.
+        starts.rotate_right(1);
+        starts[0] = 0;
+    }
+
     /// Number of components.
     #[inline]
     pub(crate) fn count(&self) -> usize {
@@ -59,25 +93,5 @@ impl Members {
     #[inline]
     pub(crate) fn of(&self, component: usize) -> &[usize] {
         &self.members[self.starts[component]..self.starts[component + 1]]
-    }
-}
-
-impl From<Components> for Members {
-    fn from(components: Components) -> Self {
-        let numbers = components.numbers();
-        let count = numbers.iter().map(|number| number + 1).max().unwrap_or(0);
-        let mut starts = vec![0; count + 1];
-        for &number in &numbers {
-            starts[number + 1] += 1;
-        }
-        for component in 0..count {
-            starts[component + 1] += starts[component];
-        }
-        let (mut next, mut members) = (starts.clone(), vec![0; numbers.len()]);
-        for (member, &number) in numbers.iter().enumerate() {
-            members[next[number]] = member;
-            next[number] += 1;
-        }
-        Self { starts, members }
     }
 }

@@ -2,7 +2,7 @@
 
 use asperity_set::{StarSet, Vector};
 
-use super::extended::FrictionLaw;
+use super::FrictionLaw;
 
 /// A piece of the boundary, on a line one of two points.
 #[derive(Debug, Clone, Copy)]

@@ -39,7 +39,7 @@ struct LawData {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     rate: Option<Stribeck>,
     #[serde(default, skip_serializing)]
-    #[allow(dead_code)]
+    #[expect(dead_code, reason = "is named so that it is no unknown field, and is passed over")]
     report: Option<IgnoredAny>,
 }
 

@@ -1,7 +1,7 @@
 //! LU factorisation of a small dense matrix, part by part where its entries connect nothing with each other.
 
 use super::DenseLu;
-use crate::contact::Components;
+use crate::contact::{Components, Members};
 
 /// A factored matrix, whose parts are those that entries other than zero connect.
 #[derive(Debug, Clone, Default)]
@@ -10,9 +10,8 @@ pub(crate) struct BlockLu {
     /// The matrix, row by row.
     entries: Vec<f64>,
     components: Components,
-    /// The rows of the parts, part after part, and where each part ends.
-    members: Vec<usize>,
-    ends: Vec<usize>,
+    /// The rows of the parts.
+    members: Members,
     parts: Vec<DenseLu>,
     scratch: Vec<f64>,
 }
@@ -39,8 +38,8 @@ impl BlockLu {
     ) -> bool {
         self.find_parts();
         let mut regular = true;
-        for part in 0..self.ends.len() {
-            let rows = part_of(&self.members, &self.ends, part);
+        for part in 0..self.members.count() {
+            let rows = self.members.of(part);
             let lu = &mut self.parts[part];
             let target = lu.begin(rows.len());
             for (target, &i) in target.chunks_exact_mut(rows.len()).zip(rows) {
@@ -67,28 +66,20 @@ impl BlockLu {
                 }
             }
         }
-        self.members.clear();
-        self.ends.clear();
-        for first in 0..n {
-            if self.components.first(first) == first {
-                let components = &mut self.components;
-                self.members.extend((first..n).filter(|&i| components.first(i) == first));
-                self.ends.push(self.members.len());
-            }
-        }
-        if self.parts.len() < self.ends.len() {
-            self.parts.resize(self.ends.len(), DenseLu::default());
+        self.members.update(&mut self.components);
+        if self.parts.len() < self.members.count() {
+            self.parts.resize(self.members.count(), DenseLu::default());
         }
     }
 
     /// `values ← matrix⁻¹ values`; false if the result is not finite.
     pub(crate) fn solve(&mut self, values: &mut [f64]) -> bool {
-        if self.ends.len() == 1 {
+        if self.members.count() == 1 {
             return self.parts[0].solve(values);
         }
         let mut finite = true;
-        for part in 0..self.ends.len() {
-            let rows = part_of(&self.members, &self.ends, part);
+        for part in 0..self.members.count() {
+            let rows = self.members.of(part);
             self.scratch.clear();
             self.scratch.extend(rows.iter().map(|&i| values[i]));
             finite &= self.parts[part].solve(&mut self.scratch);
@@ -98,11 +89,6 @@ impl BlockLu {
         }
         finite
     }
-}
-
-fn part_of<'m>(members: &'m [usize], ends: &[usize], part: usize) -> &'m [usize] {
-    let start = if part == 0 { 0 } else { ends[part - 1] };
-    &members[start..ends[part]]
 }
 
 #[cfg(test)]
@@ -126,7 +112,7 @@ mod tests {
             let mut y = x.clone();
             assert!(blocks.factor(1e-11) && whole.factor(1e-11));
             assert!(blocks.solve(&mut x) && whole.solve(&mut y));
-            assert_eq!(blocks.ends.len(), parts);
+            assert_eq!(blocks.members.count(), parts);
             assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() < 1e-14), "{parts}");
         }
     }

@@ -326,8 +326,7 @@ impl Solver {
         let once = self.sweeps_once(problem);
         let (mut iterations, mut ended, mut residual) = if once {
             let swept = sweeper.solve_uncoupled(&task, &mut iterate);
-            let measured = swept.ended != Ended::TimeLimit && stop.measure == Measure::Contact;
-            let residual = if measured { swept.residual() } else { iterate.measure(&task) };
+            let residual = swept.measure(&task, &mut iterate);
             // Most steps end here: what follows looks for what is wrong.
             if swept.is_clear() && residual.value <= stop.tolerance {
                 return workspace.solved(residual, 1, swept.ambiguous);
@@ -344,14 +343,13 @@ impl Solver {
                 (_, Some(swept)) if self.is_solved(&swept, &stop) => {
                     return workspace.solved(swept.residual(), swept.sweeps, swept.ambiguous);
                 }
-                (Self::Exact { .. }, Some(Swept { sweeps, ended: Ended::TimeLimit, .. })) => {
-                    (sweeps, Ended::TimeLimit, iterate.measure(&task))
+                (Self::Exact { .. }, Some(swept)) => {
+                    (swept.sweeps, swept.ended, swept.measure(&task, &mut iterate))
                 }
-                (Self::Exact { .. }, Some(swept)) => (swept.sweeps, swept.ended, swept.residual()),
                 (_, swept) => {
                     if let Some(swept) = swept {
-                        let (sweeps, residual) = (swept.sweeps, swept.residual());
-                        iterate.stages.push(Stage::of(Method::GaussSeidel, sweeps, residual));
+                        let residual = swept.measure(&task, &mut iterate);
+                        iterate.stages.push(Stage::of(Method::GaussSeidel, swept.sweeps, residual));
                         iterate.states.copy_from_slice(task.history);
                     }
                     self.run(&task, &mut iterate, sweeper, methods, next)

@@ -387,8 +387,8 @@ pub trait System: Debug + Sync {
 
     /// What depends on time from zero to `t_end`, as seen from the state `(q, u)`; nothing if nothing does.
     ///
-    /// By default the system is asked for forces, gaps and χ at times of all magnitudes, and what is not finite or fails
-    /// there is left out.
+    /// By default the system is asked for forces, gaps and χ at about a hundred times of all magnitudes, and what is not
+    /// finite or fails there is left out.
     fn time_dependence(&self, q: &[f64], u: &[f64], t_end: f64) -> Option<TimeDependence> {
         Some(sampled_dependence(self, q, u, t_end))
     }

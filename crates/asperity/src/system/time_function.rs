@@ -11,7 +11,8 @@ pub type Function<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 /// A function of the time in s that returns its value and its rate.
 pub type FunctionWithRate<const D: usize> = Arc<dyn Fn(f64) -> [[f64; D]; 2] + Send + Sync>;
 
-/// Times per factor of ten, and magnitudes of time, at which functions of the user are asked how large they become.
+/// At how many times per factor of ten, and over how many of these factors before the end, functions of the user are
+/// asked how large they become.
 const TIMES_PER_DECADE: i32 = 3;
 const DECADES: i32 = 32;
 
@@ -27,7 +28,7 @@ pub(super) fn sample_times(t_end: f64) -> impl Iterator<Item = f64> {
 pub(super) struct Extent {
     /// Its largest part.
     pub(super) size: f64,
-    /// The times at which its samples were a new largest one, and half of what they are now.
+    /// A time at which it has reached at least half of this size, and what it was then.
     since: f64,
     half: f64,
 }
@@ -44,7 +45,7 @@ impl Extent {
         self.size = value.abs();
     }
 
-    /// Its integral up to the time at which it has reached half of its size.
+    /// What its integral is at most up to the time at which it has reached half of its size.
     pub(super) fn reach(&self) -> f64 {
         self.since * self.size
     }

@@ -113,13 +113,18 @@ pub(crate) fn residual(measured: &Measured<'_>) -> Residual {
     for (i, contact) in problem.contacts().iter().enumerate() {
         let defect = measured.defect(contact, problem.rho(i));
         let relative = relative(defect, || scale(problem, i, percussion, velocity));
-        // Not-a-number counts as the worst of all.
-        if !(relative <= worst) {
+        if is_worse(relative, worst) {
             (worst, worst_contact) = (relative, i);
         }
     }
     let value = if worst < 0.0 { 0.0 } else { f64::sqrt(worst) };
     Residual { value, worst_contact }
+}
+
+/// Whether a defect is larger than another one; not-a-number is larger than all others.
+#[inline(always)]
+pub(crate) fn is_worse(defect: f64, than: f64) -> bool {
+    !(defect <= than || than.is_nan())
 }
 
 /// A defect relative to its scale, both squared. Percussions whose squares are no numbers are no solution of anything:

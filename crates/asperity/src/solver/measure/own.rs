@@ -1,7 +1,7 @@
 //! Residual and growth of one contact after another, in one pass with their solution.
 
 use super::growth::Size;
-use super::natural_residual::defect;
+use super::natural_residual::{defect, relative};
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::Friction;
 
@@ -132,8 +132,7 @@ fn measure<const N: usize>(
     }
     let normal = (normal_rows == 1).then_some((xi, free[0] + restitution[0]));
     let size = Size::of(percussion, normal, (squares, loads), rho);
-    let relative = if defect == 0.0 { 0.0 } else { defect / f64::max(squares, rho * rho * all) };
-    OwnMeasure { defect: relative, size }
+    OwnMeasure { defect: relative(defect, || f64::max(squares, rho * rho * all)), size }
 }
 
 /// The first numbers of a list that has them.

@@ -1,4 +1,4 @@
-//! The coordinates in which the friction cones of all contacts are Lorentz cones, see `law/lorentz.rs`.
+//! The coordinates in which the friction cones of all contacts are Lorentz cones, see `law/contact_equation/lorentz.rs`.
 
 use crate::contact::{ContactProblem, NormalForce};
 use crate::law::{ContactMatrix, ContactVector};

@@ -89,14 +89,16 @@ impl Sweeper {
         let goal = plan.goal * plan.goal;
         // Where percussions are those of a solution already, as in a body at rest, nothing has to be done.
         let mut swept = match policy {
-            Policy::Prove => Swept { defect: f64::INFINITY, ..Swept::NOTHING },
-            Policy::FirstFound => measure(task.problem, iterate, members),
+            Policy::Prove if plan.max_sweeps > 0 => {
+                Swept { defect: f64::INFINITY, ..Swept::NOTHING }
+            }
+            _ => measure(task.problem, iterate, members),
         };
         let mut sweeps = 0;
         // The comparison also finds what is not a number.
         while !(swept.defect <= goal) {
             if sweeps == plan.max_sweeps || alone && sweeps == 1 {
-                let ended = if alone { Ended::Done } else { Ended::MaxIterations };
+                let ended = if alone && sweeps == 1 { Ended::Done } else { Ended::MaxIterations };
                 swept.ended = if swept.ended == Ended::Done { ended } else { swept.ended };
                 break;
             }

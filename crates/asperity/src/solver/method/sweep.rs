@@ -42,7 +42,7 @@ impl Sweeper {
         for i in 0..contacts {
             problem.delassus().blocks().neighbours(i).iter().for_each(|&j| connected.join(i, j));
         }
-        self.islands = connected.into();
+        self.islands.update(&mut connected);
         self.refresh(problem);
     }
 

@@ -1,6 +1,8 @@
 //! What sweeps have come to.
 
-use crate::solver::measure::natural_residual::Residual;
+use super::task::{Iterate, Task};
+use crate::solver::measure::natural_residual::{Residual, is_worse};
+use crate::solver::measure::stop::Measure;
 use crate::solver::report::Ended;
 
 /// Of some contacts, until they are put together with others.
@@ -33,11 +35,11 @@ impl Swept {
     /// With further contacts.
     #[inline(always)]
     pub(super) fn and(self, other: Self) -> Self {
-        // Not-a-number counts as the worst of all; of equals the first contact does.
+        // Of equals the first contact counts.
         let other_is_worse = if other.defect == self.defect {
             other.worst_contact < self.worst_contact
         } else {
-            !(other.defect < self.defect)
+            is_worse(other.defect, self.defect)
         };
         let worst = if other_is_worse { other } else { self };
         Self {
@@ -59,6 +61,14 @@ impl Swept {
     #[inline(always)]
     pub(crate) fn is_clear(&self) -> bool {
         self.ended == Ended::Done && !self.may_grow
+    }
+
+    /// The measure of the stop, found on the way or, where not all contacts were visited or another one is asked for, anew.
+    pub(crate) fn measure(&self, task: &Task<'_>, iterate: &mut Iterate<'_>) -> Residual {
+        if self.ended == Ended::TimeLimit || task.stop.measure != Measure::Contact {
+            return iterate.measure(task);
+        }
+        self.residual()
     }
 
     /// The natural residual, where all contacts were visited.

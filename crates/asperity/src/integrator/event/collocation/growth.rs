@@ -8,7 +8,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::contact::Components;
+use crate::contact::{Components, Members};
 use crate::integrator::event::collocation::radau::{STAGES, Tableau};
 use crate::integrator::event::collocation::step::Step;
 use crate::integrator::event::state::ROUNDING;
@@ -105,21 +105,22 @@ fn largest_rate(n: usize, matrix: &[f64], h: f64, least: f64) -> f64 {
         }
         _ => {
             // Of parts that nothing connects the eigenvalues are those of each.
-            let mut parts = Components::default();
-            parts.separate(n);
+            let mut connections = Components::default();
+            connections.separate(n);
             let connected = |(k, entry): (usize, &f64)| (*entry != 0.0).then_some((k / n, k % n));
             for (i, j) in matrix.iter().enumerate().filter_map(connected) {
-                parts.join(i, j);
+                connections.join(i, j);
             }
-            let first: Vec<usize> = (0..n).map(|i| parts.first(i)).collect();
-            if first.iter().any(|part| *part != first[0]) {
+            let mut parts = Members::default();
+            parts.update(&mut connections);
+            if parts.count() > 1 {
                 let rate = |part: usize| {
-                    let rows: Vec<usize> = (0..n).filter(|&i| first[i] == part).collect();
+                    let rows = parts.of(part);
                     let entry = |k: usize| matrix[rows[k / rows.len()] * n + rows[k % rows.len()]];
                     let own: Vec<f64> = (0..rows.len() * rows.len()).map(entry).collect();
                     largest_rate(rows.len(), &own, h, least)
                 };
-                return (0..n).filter(|&i| first[i] == i).map(rate).fold(0.0, f64::max);
+                return (0..parts.count()).map(rate).fold(0.0, f64::max);
             }
             let square = DMatrix::from_row_slice(n, n, matrix);
             let Some(schur) = square.try_schur(f64::EPSILON, SWEEPS * n) else { return 0.0 };

@@ -82,29 +82,24 @@ pub(crate) struct IndependentParts {
     pub(crate) columns: Vec<Vec<usize>>,
 }
 
-/// The parts of functions of time.
+/// What the parts of functions of time give, see [`TimeDependence`](crate::system::TimeDependence).
 #[derive(Debug, Clone, Default)]
 pub(crate) struct TimeParts {
-    /// Accelerations that the parts of the forces give.
+    /// The largest acceleration that the parts of the forces give.
     pub(crate) load: f64,
-    /// Velocity that the forces give by the time at which they are of their size.
+    /// The largest velocity that the forces give by the time at which they have reached half of their largest value.
     pub(crate) reach: f64,
     /// The largest of the velocities of contacts.
     pub(crate) velocity: f64,
-    /// Those of every contact.
+    /// Those of every contact; empty if nothing depends on time.
     pub(crate) velocities: Vec<f64>,
     /// Whether anything depends on time.
-    pub(crate) depends: bool,
+    pub(crate) depends_on_time: bool,
 }
 
 impl TimeParts {
     /// The velocities of a contact.
     pub(crate) fn velocity_of(&self, contact: usize) -> f64 {
         self.velocities.get(contact).copied().unwrap_or(0.0)
-    }
-
-    /// Whether anything depends on time.
-    pub(crate) fn depends_on_time(&self) -> bool {
-        self.depends
     }
 }

@@ -80,8 +80,8 @@ impl Dynamics<'_> {
     fn differences_at(&self, t: f64) -> (&'static Differences, f64) {
         let (reach, Range { start, end }) = (2.0 * self.stencil.width, &self.piece);
         match (t - reach < *start, t + reach > *end) {
-            (true, _) if self.time_parts.depends_on_time() => (&FORWARD, 1.0),
-            (_, true) if self.time_parts.depends_on_time() => (&FORWARD, -1.0),
+            (true, _) if self.time_parts.depends_on_time => (&FORWARD, 1.0),
+            (_, true) if self.time_parts.depends_on_time => (&FORWARD, -1.0),
             _ => (&CENTRAL, 1.0),
         }
     }

@@ -3,18 +3,32 @@
 //! Where nothing has moved yet, functions of time are all there is to compare errors with: the parts of which they are
 //! made, whose small difference a load, a gap or a velocity may be.
 
+use crate::argument::length;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::TimeParts;
-use crate::integrator::event::state::{CLOSED_GAP, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY};
-use crate::system::TimeDependence;
-use crate::vectors::{dot, largest};
+use crate::integrator::event::state::{
+    CLOSED_GAP, EvaluationError, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY,
+};
+use crate::system::{SystemError, TimeDependence};
+use crate::vectors::largest;
 
 impl Dynamics<'_> {
     /// Asks for the parts of functions of time, as seen from the coordinates and velocities of the system at which the
     /// kinematics have been evaluated. They give contacts what gaps and slips are compared with at least.
-    pub(crate) fn account_for_time(&mut self, q: &[f64], u: &[f64], t_end: f64) {
-        let Some(found) = self.system.time_dependence(q, u, t_end) else { return };
+    pub(crate) fn account_for_time(
+        &mut self,
+        q: &[f64],
+        u: &[f64],
+        t_end: f64,
+    ) -> Result<(), EvaluationError> {
+        let Some(found) = self.system.time_dependence(q, u, t_end) else { return Ok(()) };
         let TimeDependence { mut forces, mut impulses, gaps, velocities } = found;
+        let (n, contacts) = (self.n, self.contacts.len());
+        for (sizes, count) in
+            [(&forces, n), (&impulses, n), (&gaps, contacts), (&velocities, contacts)]
+        {
+            length("time_dependence", count, sizes.len()).map_err(SystemError::from)?;
+        }
         if let Some(factor) = &self.factor {
             factor.solve(self.system, &mut forces);
             factor.solve(self.system, &mut impulses);
@@ -29,8 +43,9 @@ impl Dynamics<'_> {
             reach: largest(&impulses),
             velocity: largest(&velocities),
             velocities,
-            depends: true,
+            depends_on_time: true,
         };
+        Ok(())
     }
 
     /// The overlap of a contact that rounding explains.
@@ -51,7 +66,7 @@ impl Dynamics<'_> {
             }
             for row in self.rows_of(i) {
                 let response = self.response(row);
-                let per_rate = largest(response) / dot(self.row(row), response);
+                let per_rate = largest(response) / self.along(row, response);
                 load = load.max(velocity / self.stencil.width * per_rate);
             }
         }

@@ -2,7 +2,7 @@
 //!
 //! In slip `−P_T = P_N x` with `x = z/k_C(z)` on bdry *C* and `z` on bdry *D*. The normal row gives
 //! `P_N = −b_N/den(x)`, and multiplied by `den` the slip velocity is `v(x) = c₀ − A x`: the equation
-//! `F = n × v = 0` with `n·v/den > 0` has no pole. See `law/table.rs` for the table that is walked.
+//! `F = n × v = 0` with `n·v/den > 0` has no pole. See `law/walk_table/` for the table that is walked.
 
 mod all;
 mod equation;

@@ -6,8 +6,8 @@
 
 use asperity_set::{Convex, ConvexSet, Matrix, Star, Vector};
 
-use super::extended::FrictionLaw;
 use super::natural_map::ContactMatrix;
+use crate::law::FrictionLaw;
 
 /// `P̂ = T P`, `ξ̂ = K ξ`.
 #[derive(Debug, Clone, Copy)]
@@ -17,7 +17,7 @@ pub(crate) struct LorentzCone {
 }
 
 /// `T = s diag(1, S)` and `K = diag(1, R)/s` with the size `s` of the reservoir.
-pub(super) fn cone<const P: usize>(law: &FrictionLaw<P>) -> Option<LorentzCone> {
+pub(in crate::law) fn cone<const P: usize>(law: &FrictionLaw<P>) -> Option<LorentzCone> {
     let Star::Convex(reservoir) = law.reservoir() else { return None };
     let s = to_ball(reservoir)?;
     let d = to_ball(law.direction())?;

@@ -11,7 +11,7 @@
 use asperity_set::{ConvexSet, Matrix, StarSet, Vector};
 use nalgebra::{SMatrix, Vector4};
 
-use super::extended::FrictionLaw;
+use crate::law::FrictionLaw;
 
 /// Matrices over the rows of a contact, the normal row first where there is one; the rest unused.
 pub(crate) type ContactMatrix = SMatrix<f64, 4, 4>;

@@ -6,13 +6,17 @@
 //! how far `F` strays from its chord between two nodes, which excludes zeros. The bounds are sampled
 //! between the nodes and carry a margin; corners are nodes, so that nothing sharp lies in between.
 
+mod ambiguous_loads;
+mod node;
+
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
 use asperity_set::{Arc, BoundaryPoint, Convex, ConvexSet, Star, StarSet, Vector};
 
-use super::ambiguity::AmbiguousLoads;
-use super::node::{Node, angle};
+use ambiguous_loads::AmbiguousLoads;
+pub(crate) use node::Node;
+use node::angle;
 
 /// Number of coarse cells.
 pub(crate) const COARSE: usize = 64;

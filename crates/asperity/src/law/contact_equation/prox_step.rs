@@ -5,7 +5,7 @@
 
 use asperity_set::{ConvexSet, Vector};
 
-use super::extended::FrictionLaw;
+use crate::law::FrictionLaw;
 
 /// A step for unit normal force, before its projection.
 pub(crate) struct ProxStep<const P: usize> {

@@ -1,0 +1,7 @@
+//! The equations that sliding fulfils: the prox step, the natural map of a contact, and cones in which both are simple.
+
+pub(super) mod lorentz;
+pub(super) mod natural_map;
+mod prox_step;
+
+pub(crate) use natural_map::{ContactMatrix, ContactPoint, ContactVector, Derivatives, Rho};
