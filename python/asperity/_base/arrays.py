@@ -24,7 +24,9 @@ def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = 
     """Return a finite C-contiguous float64 array; ``None`` in `shape` stands for any length."""
     converted = with_gaps(value, argument, shape)
     # The sum of finite numbers is finite unless it overflows: a cheap test for the usual case.
-    if not math.isfinite(_sum(converted)) and not np.isfinite(converted).all():
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = float(converted.sum())
+    if not math.isfinite(total) and not np.isfinite(converted).all():
         raise ParameterError(argument, "must be finite, it holds NaN or infinity")
     return converted
 
@@ -58,23 +60,15 @@ def _is_masked(value: Any) -> bool:
     return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
 
 
-def _sum(values: Array) -> float:
-    with np.errstate(over="ignore", invalid="ignore"):
-        return float(values.sum())
-
-
 def check_shape(value: Any, argument: str, shape: Sequence[int | None]) -> None:
     """Refuse an array, dense or sparse, that does not have the shape."""
     fits = value.ndim == len(shape) and all(
         wanted in (None, length) for wanted, length in zip(shape, value.shape, strict=True)
     )
     if not fits:
-        wanted = _shape_text(["n" if length is None else str(length) for length in shape])
+        lengths = ", ".join("n" if length is None else str(length) for length in shape)
+        wanted = f"({lengths},)" if len(shape) == 1 else f"({lengths})"
         raise DimensionError(argument, f"must have shape {wanted}, got {value.shape}")
-
-
-def _shape_text(lengths: Sequence[str]) -> str:
-    return f"({lengths[0]},)" if len(lengths) == 1 else f"({', '.join(lengths)})"
 
 
 def points(value: ArrayLike, argument: str, dimension: int) -> tuple[Array, tuple[int, ...]]:

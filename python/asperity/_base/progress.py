@@ -59,12 +59,18 @@ def _bar(unit: str) -> Iterator[Report]:
             "progress", "True needs tqdm (pip install tqdm); or pass a function of (done, all)"
         ) from None
     with tqdm(unit=unit, unit_scale=True) as display:
+        yield _mover(display)
 
-        def move(done: float, whole: float) -> None:
+
+def _mover(display: Any) -> Report:
+    """Return the function of (done, all) that moves a bar, if there is one."""
+
+    def move(done: float, whole: float) -> None:
+        if display is not None:
             display.total = whole or None
             display.update(done - display.n)
 
-        yield move
+    return move
 
 
 def _on_a_terminal(**options: Any) -> AbstractContextManager[Any]:
@@ -80,13 +86,7 @@ def _on_a_terminal(**options: Any) -> AbstractContextManager[Any]:
 def bar_if_there() -> Iterator[Report]:
     """Yield a function of (step, steps) that moves a bar."""
     with _on_a_terminal(unit="step") as display:
-
-        def move(step: float, steps: float) -> None:
-            if display is not None:
-                display.total = steps
-                display.update(step - display.n)
-
-        yield move
+        yield _mover(display)
 
 
 @contextmanager

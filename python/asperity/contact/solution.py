@@ -89,13 +89,13 @@ class ContactSolution(TableResult, Value):
                 "infeasibility", f"must be an Infeasibility or None, got {infeasibility!r}"
             )
         self._keep(
-            percussion=arrays.read_only(np.asarray(percussion, dtype=np.float64)),
-            velocity=arrays.read_only(np.asarray(velocity, dtype=np.float64)),
-            phase=arrays.read_only(np.asarray(phase, dtype=np.int64)),
+            percussion=np.asarray(percussion, dtype=np.float64),
+            velocity=np.asarray(velocity, dtype=np.float64),
+            phase=np.asarray(phase, dtype=np.int64),
             status=Status(status),
             residual=float(residual),
             iterations=int(iterations),
-            ambiguous_contacts=arrays.read_only(np.asarray(ambiguous_contacts, dtype=np.bool_)),
+            ambiguous_contacts=np.asarray(ambiguous_contacts, dtype=np.bool_),
             worst_contact=int(worst_contact),
             natural_map=float(natural_map),
             stages=tuple(stages),
@@ -248,7 +248,7 @@ def infeasibility(proof: dict[str, Any]) -> Infeasibility:
     return Infeasibility(**{**proof, "cases": cases})
 
 
-class LocalSolution(Value):
+class LocalSolution(Record):
     """One solution of a single contact, see `ContactProblem.solutions`.
 
     Attributes:
@@ -261,17 +261,7 @@ class LocalSolution(Value):
     phase: Phase
     percussion: Array
     velocity: Array
-    degenerate: bool
-
-    def __init__(
-        self, phase: Phase, percussion: ArrayLike, velocity: ArrayLike, degenerate: bool = False
-    ) -> None:
-        self._set(
-            phase=Phase(phase),
-            percussion=arrays.read_only(np.asarray(percussion, dtype=np.float64)),
-            velocity=arrays.read_only(np.asarray(velocity, dtype=np.float64)),
-            degenerate=bool(degenerate),
-        )
+    degenerate: bool = False
 
 
 def starting(

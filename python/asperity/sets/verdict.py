@@ -54,7 +54,7 @@ class Verdict(Value):
             exact=_truth(exact, "exact"),
             tolerance=arrays.non_negative(tolerance, "tolerance"),
             defect=arrays.non_negative(defect, "defect"),
-            witness=None if points is None else arrays.read_only(points),
+            witness=None if points is None else points,
         )
 
     def __bool__(self) -> bool:

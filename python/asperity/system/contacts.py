@@ -125,12 +125,10 @@ class Contact(Value):
         belt = np.zeros(law.dimension) if velocity is None else velocity
         self._set(
             **laws,
-            direction=arrays.read_only(columns),
-            normal=None
-            if normal is None
-            else arrays.read_only(arrays.array(normal, "normal", (len(columns),))),
+            direction=columns,
+            normal=None if normal is None else arrays.array(normal, "normal", (len(columns),)),
             gap=arrays.number(gap, "gap"),
-            velocity=arrays.read_only(arrays.array(belt, "velocity", (law.dimension,))),
+            velocity=arrays.array(belt, "velocity", (law.dimension,)),
             name=labels.name(name),
         )
 

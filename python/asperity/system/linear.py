@@ -75,9 +75,7 @@ class LinearSystem(Value):
             mass=_matrix(mass, "mass", n),
             stiffness=_matrix(stiffness, "stiffness", n),
             damping=_matrix(damping, "damping", n),
-            force=arrays.read_only(
-                arrays.array(np.zeros(n) if force is None else force, "force", (n,))
-            ),
+            force=arrays.array(np.zeros(n) if force is None else force, "force", (n,)),
             contacts=listed,
             coordinate_names=_texts(coordinate_names, "coordinate_names", n),
             coordinate_units=_texts(coordinate_units, "coordinate_units", n),

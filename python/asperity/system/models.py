@@ -119,10 +119,10 @@ class MassOnBelt(Value):
         springs = arrays.square(stiffness, "stiffness", p)
         self._set(
             mass=mass,
-            stiffness=arrays.read_only(springs),
+            stiffness=springs,
             law=law,
             normal_force=normal_force,
-            belt_velocity=arrays.read_only(belt),
+            belt_velocity=belt,
         )
         contact = Contact(law, direction=np.eye(p), normal_force=normal_force, velocity=-belt)
         self._keep(linear=LinearSystem(mass, stiffness=springs, contacts=[contact], **_lengths(p)))

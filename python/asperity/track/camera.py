@@ -140,9 +140,9 @@ class VirtualCamera(Value):
         view = scene or self._facing(tilt)
         self._keep(
             view=view,
-            time=arrays.read_only(time),
-            position=arrays.read_only(position),
-            pixel=arrays.read_only(view.to_pixels(position)),
+            time=time,
+            position=position,
+            pixel=view.to_pixels(position),
         )
 
     def __len__(self) -> int:

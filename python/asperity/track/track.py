@@ -84,8 +84,8 @@ class Track(TableResult, Value):
         self._set(
             fps=arrays.positive(fps, "fps"),
             scene=scene,
-            **{n: arrays.read_only(np.asarray(v, dtype=np.float64)) for n, v in series.items()},
-            status=arrays.read_only(np.asarray(status, dtype=np.int64)),
+            **{n: np.asarray(v, dtype=np.float64) for n, v in series.items()},
+            status=np.asarray(status, dtype=np.int64),
         )
 
     def __len__(self) -> int:

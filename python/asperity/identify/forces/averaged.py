@@ -73,8 +73,8 @@ class Averaged(Value):
         self._set(**given, is_load_given=bool(is_load_given))
         resistance = self.readings @ self.matrix[:2].T
         self._keep(
-            resistance=arrays.read_only(resistance),
-            force=arrays.read_only(turned(angle, resistance)),
+            resistance=resistance,
+            force=turned(angle, resistance),
         )
 
     def __repr__(self) -> str:

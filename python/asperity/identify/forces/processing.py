@@ -88,8 +88,8 @@ class ProcessedData(Value):
         lengths = [len(r) for r in raw.recordings]
         starts = np.concatenate([[0], np.cumsum(lengths)])
         self._keep(
-            matrix=arrays.read_only(np.eye(3) if calibration is None else calibration.matrix),
-            zero=arrays.read_only(np.average([z.mean for z in zeros], axis=0, weights=lengths)),
+            matrix=np.eye(3) if calibration is None else calibration.matrix,
+            zero=np.average([z.mean for z in zeros], axis=0, weights=lengths),
             calibration_covariance=None
             if calibration is None
             else calibration.known_covariance(is_load_given=self.is_load_given),

@@ -69,9 +69,9 @@ class Spring(Value):
         far = np.zeros(len(near)) if other_point is None else other_point
         self._set(
             body=body,
-            point=arrays.read_only(near),
+            point=near,
             other=other,
-            other_point=arrays.read_only(arrays.array(far, "other_point", near.shape)),
+            other_point=arrays.array(far, "other_point", near.shape),
             stiffness=arrays.non_negative(stiffness, "stiffness"),
             damping=arrays.non_negative(damping, "damping"),
             length=_length(length),

@@ -109,9 +109,7 @@ class RigidBodies(Value):
             bodies=listed,
             pairs=_parts(pairs, "pairs", Pair, planar),
             springs=_parts(springs, "springs", Spring, planar),
-            gravity=arrays.read_only(
-                arrays.array(down if gravity is None else gravity, "gravity", (len(down),))
-            ),
+            gravity=arrays.array(down if gravity is None else gravity, "gravity", (len(down),)),
         )
         core = _core.RigidBodies(
             planar,

@@ -49,9 +49,9 @@ class Circle(Value):
         coverage: float,
     ) -> None:
         self._set(
-            centre=arrays.read_only(arrays.array(centre, "centre", (2,))),
+            centre=arrays.array(centre, "centre", (2,)),
             radius=arrays.positive(radius, "radius"),
-            covariance=arrays.read_only(arrays.array(covariance, "covariance", (3, 3))),
+            covariance=arrays.array(covariance, "covariance", (3, 3)),
             rms=arrays.non_negative(rms, "rms"),
             coverage=arrays.fraction(coverage, "coverage"),
         )
