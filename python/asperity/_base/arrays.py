@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Iterable, Sequence
+from types import UnionType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -233,6 +234,12 @@ def choice(value: Word, argument: str, allowed: Sequence[Word]) -> Word:
         words = " or ".join(repr(word) for word in allowed)
         raise ParameterError(argument, f"must be {words}, got {value!r}")
     return value
+
+
+def of_kind(value: object, argument: str, kind: type | UnionType, words: str) -> None:
+    """Refuse an object of another class, in words for the class."""
+    if not isinstance(value, kind):
+        raise ParameterError(argument, f"must be {words}, got {value!r}")
 
 
 def lengths(vectors: Array) -> Array:

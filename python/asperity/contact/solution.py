@@ -16,7 +16,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Record, Value
 from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
-from asperity.errors import DimensionError, ParameterError
+from asperity.errors import DimensionError
 from asperity.status import Phase, Status
 
 if TYPE_CHECKING:
@@ -80,14 +80,11 @@ class ContactSolution(TableResult, Value):
         infeasibility: Infeasibility | None = None,
     ) -> None:
         for stage in stages:
-            if not isinstance(stage, Stage):
-                raise ParameterError("stages", f"must be a sequence of Stage, got {stage!r}")
-        if not isinstance(certificate, Certificate):
-            raise ParameterError("certificate", f"must be a Certificate, got {certificate!r}")
-        if not isinstance(infeasibility, Infeasibility | None):
-            raise ParameterError(
-                "infeasibility", f"must be an Infeasibility or None, got {infeasibility!r}"
-            )
+            arrays.of_kind(stage, "stages", Stage, "a sequence of Stage")
+        arrays.of_kind(certificate, "certificate", Certificate, "a Certificate")
+        arrays.of_kind(
+            infeasibility, "infeasibility", Infeasibility | None, "an Infeasibility or None"
+        )
         self._keep(
             percussion=np.asarray(percussion, dtype=np.float64),
             velocity=np.asarray(velocity, dtype=np.float64),

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity._base import arrays
-from asperity.errors import FitError, ParameterError
+from asperity.errors import FitError
 from asperity.plot.look import (
     BLUE,
     DIRECTION,
@@ -148,8 +148,7 @@ def report_figures(fit: Fit) -> dict[str, Figure]:
 def _check(fit: Fit) -> None:
     from asperity.identify import Fit
 
-    if not isinstance(fit, Fit):
-        raise ParameterError("fit", f"must be a Fit, as of fit_law, got {fit!r}")
+    arrays.of_kind(fit, "fit", Fit, "a Fit, as of fit_law")
 
 
 def _over_directions(ax: Axes, label: str) -> None:

@@ -19,6 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.quiver import Quiver
 
+from asperity._base import arrays
 from asperity._base.arrays import Array, positive, unit_vectors
 from asperity._base.storage.files import atomic
 from asperity.errors import DimensionError, ParameterError
@@ -144,8 +145,7 @@ def line_options(kwargs: dict[str, Any]) -> dict[str, Any]:
 
 def planar_law(law: FrictionLaw) -> FrictionLaw:
     """Return `law` if it is a law of the plane."""
-    if not isinstance(law, FrictionLaw):
-        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
+    arrays.of_kind(law, "law", FrictionLaw, "a FrictionLaw")
     if law.dimension != 2:
         raise DimensionError("law", f"must be planar to be drawn, its dimension is {law.dimension}")
     return law

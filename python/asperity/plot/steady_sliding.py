@@ -14,6 +14,7 @@ from scipy.optimize import linear_sum_assignment
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity.cycles import BifurcationDiagram
 from asperity.errors import DimensionError, ParameterError
 from asperity.plot import look
 
@@ -36,38 +37,6 @@ class HasEigenvalues(Protocol):
     @property
     def eigenvalues(self) -> _Complex:
         """Eigenvalues in 1/s."""
-
-
-class Diagram(Protocol):
-    """What `plot_bifurcation` needs of a `asperity.BifurcationDiagram`."""
-
-    @property
-    def parameter(self) -> str:
-        """Name of the parameter."""
-
-    @property
-    def values(self) -> Array:
-        """Its values, shape ``(n,)``."""
-
-    @property
-    def equilibria(self) -> Array:
-        """Coordinates, shape ``(n, n_q)``; NaN where there is no equilibrium."""
-
-    @property
-    def kinds(self) -> Sequence[str]:
-        """Kinds of the equilibria."""
-
-    @property
-    def cycle_stable(self) -> NDArray[np.bool_]:
-        """Whether there is a stable limit cycle, shape ``(n,)``."""
-
-    @property
-    def cycle_minima(self) -> Array:
-        """Least coordinates of the limit cycles, shape ``(n, n_q)``; NaN where there is none."""
-
-    @property
-    def cycle_maxima(self) -> Array:
-        """Greatest coordinates of the limit cycles."""
 
 
 def plot_root_locus(
@@ -204,7 +173,7 @@ def plot_growth_chart(
 
 
 def plot_bifurcation(
-    diagram: Diagram, *, ax: Axes | None = None, coordinate: int = 0, legend: bool = True
+    diagram: BifurcationDiagram, *, ax: Axes | None = None, coordinate: int = 0, legend: bool = True
 ) -> Axes:
     """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
 
@@ -249,7 +218,7 @@ def plot_bifurcation(
         return ax
 
 
-def _cycle_lines(ax: Axes, diagram: Diagram, lower: Array, upper: Array) -> None:
+def _cycle_lines(ax: Axes, diagram: BifurcationDiagram, lower: Array, upper: Array) -> None:
     """Draw extremes of cycles, solid where stable and dotted where not."""
     for kind, style in (("stable", "-"), ("unstable", ":")):
         own = (diagram.cycle_stable == (kind == "stable")) & np.isfinite(lower)

@@ -55,8 +55,7 @@ def plot_track(
     >>> plot_track(track, image=frame).get_ylabel()
     'row'
     """
-    if not isinstance(track, Track):
-        raise ParameterError("track", f"must be a Track, got {track!r}")
+    arrays.of_kind(track, "track", Track, "a Track")
     every = arrays.count(every, "every")
     if image is not None and (np.ma.isMaskedArray(image) or np.asarray(image).dtype != np.uint8):
         raise ParameterError("image", "must be an array of uint8, (rows, columns, 3)")

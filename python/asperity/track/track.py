@@ -215,8 +215,7 @@ def track_mark(
     [24.0, 0.0]
     """
     fps = arrays.positive(fps, "fps")
-    if not isinstance(scene, Scene):
-        raise ParameterError("scene", f"must be a Scene, got {scene!r}")
+    arrays.of_kind(scene, "scene", Scene, "a Scene")
     source = open_frames(frames)
     follower = Follower(scene, mark or Mark(), fps)
     changes = repeats.Changes()

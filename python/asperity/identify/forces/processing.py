@@ -77,8 +77,7 @@ class ProcessedData(Value):
         order: int | EllipsisType = ...,
         grid_angle: float | EllipsisType = ...,
     ) -> None:
-        if not isinstance(raw, RawData):
-            raise ParameterError("raw", f"must be RawData, got {raw!r}")
+        arrays.of_kind(raw, "raw", RawData, "RawData")
         given = {"cut_off": cut_off, "order": order, "grid_angle": grid_angle}
         changes = {name: value for name, value in given.items() if value is not ...}
         done = raw.processing.replace(**changes)

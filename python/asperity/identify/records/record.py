@@ -169,8 +169,7 @@ class RawData(Value):
             raise ParameterError("recordings", "must hold at least one recording")
         if not isinstance(calibration, Calibration | None):
             raise ParameterError("calibration", f"must be a Calibration or None, got {calibration}")
-        if not isinstance(processing, Processing):
-            raise ParameterError("processing", f"must be a Processing, got {processing!r}")
+        arrays.of_kind(processing, "processing", Processing, "a Processing")
         _refuse_copies(runs)
         self._set(
             recordings=runs,

@@ -87,6 +87,6 @@ class Spring(Value):
 
 
 def _length(given: TimeFunction) -> Any:
-    if time_functions.depends_on_time(given):
+    if callable(given):
         return time_functions.checked(given, "length", ())
     return arrays.non_negative(given, "length")

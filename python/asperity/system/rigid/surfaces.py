@@ -209,4 +209,4 @@ def _axes(normal: Array, axis: Array) -> Array:
     if length <= _PARALLEL:
         raise ParameterError("axis", "must not be parallel to normal")
     e1 = projected / length
-    return arrays.read_only(np.stack([e1, np.cross(normal, e1), normal]) + 0.0)
+    return np.stack([e1, np.cross(normal, e1), normal]) + 0.0
