@@ -256,6 +256,13 @@ def unit_vectors(angle: Array | float) -> Array:
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
+def along_and_across(vectors: Array, phi: Array) -> tuple[Array, Array]:
+    """Return the parts of plane vectors ``(..., 2)`` along e(φ) and along e⊥(φ), to its left."""
+    cos, sin = np.cos(phi), np.sin(phi)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return x * cos + y * sin, y * cos - x * sin
+
+
 def read_only(values: NDArray[Any]) -> NDArray[Any]:
     """Return a C-contiguous copy that refuses writing."""
     frozen = np.array(values, order="C")

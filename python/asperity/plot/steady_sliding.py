@@ -96,8 +96,7 @@ def plot_root_locus(
         reach = max(right, 0.1 * (right - left))
         ax.axvspan(0.0, reach, color=look.ORANGE, alpha=0.07, linewidth=0.0)
         ax.set_xlim(left, reach)
-        ax.set_xlabel(r"Re $\Lambda$ in 1/s")
-        ax.set_ylabel(r"Im $\Lambda$ in 1/s")
+        ax.set(xlabel=r"Re $\Lambda$ in 1/s", ylabel=r"Im $\Lambda$ in 1/s")
         if colorbar:
             _colorbar(ax, lines[0], label)
         return ax
@@ -211,8 +210,7 @@ def plot_bifurcation(
             if shown.any():
                 ax.plot(values, np.where(shown, rest, np.nan), color=look.BLUE, **options)
         ax.margins(x=0.0)
-        ax.set_xlabel(diagram.parameter)
-        ax.set_ylabel(f"$q_{number + 1}$ in m")
+        ax.set(xlabel=diagram.parameter, ylabel=f"$q_{number + 1}$ in m")
         if legend:
             ax.legend()
         return ax

@@ -87,8 +87,7 @@ def plot_track(
         _last_circle(track, ax)
         ax.set_aspect("equal")
         ax.grid(False)
-        ax.set_xlabel("column")
-        ax.set_ylabel("row")
+        ax.set(xlabel="column", ylabel="row")
         return ax
 
 

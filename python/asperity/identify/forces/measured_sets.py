@@ -155,14 +155,13 @@ def _check_directions(phi: Array) -> None:
 
 def _parts(phi: Array, force: Array) -> tuple[Array, Array]:
     """Return l_t and l_p."""
-    c, s = np.cos(phi), np.sin(phi)
-    along: Array = c * force[:, 0] + s * force[:, 1]
+    along, across = arrays.along_and_across(force, phi)
     if along.min() <= 0.0:
         at = phi[along.argmin()]
         raise ParameterError(
             "force", f"must oppose sliding, does not in the direction {at:.6g} rad"
         )
-    return along, c * force[:, 1] - s * force[:, 0]
+    return along, across
 
 
 def _steps(angle: Array) -> Array:
@@ -174,8 +173,9 @@ def _steps(angle: Array) -> Array:
 
 def _integral(angle: Array, values: Array) -> Array:
     """Return the integral from the first angle on, by the trapezoidal rule."""
-    pieces = 0.5 * (values[1:] + values[:-1]) * np.diff(angle)
-    return np.concatenate([[0.0], np.cumsum(pieces)])
+    from scipy.integrate import cumulative_trapezoid
+
+    return np.asarray(cumulative_trapezoid(values, angle, initial=0), dtype=np.float64)
 
 
 def _largest_fall(theta: Array) -> float:
@@ -194,7 +194,8 @@ def _asymmetry(phi: Array, force: Array) -> float:
 def _inside(log_radius: Array, reservoir: Array, theta: Array) -> Array:
     """Return points of D at the angles of the forces, at the largest scale inside C."""
     scale = (np.log(reservoir) - log_radius).min()
-    return arrays.read_only(np.exp(log_radius + scale)[:, None] * arrays.unit_vectors(theta))
+    points: Array = np.exp(log_radius + scale)[:, None] * arrays.unit_vectors(theta)
+    return points
 
 
 def _distance(a: Array, b: Array) -> float:

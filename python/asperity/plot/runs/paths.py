@@ -89,9 +89,11 @@ def plot_path(
                 ax.plot(*last.T, "o", color=color, markerfacecolor=face, markersize=4.5)
         if contact is not None or any(name is not None for name in names):
             ax.legend()
-        ax.set_aspect("equal")
-        ax.set_xlabel(f"$q_{{{coordinates[0] + 1}}}$ in m")
-        ax.set_ylabel(f"$q_{{{coordinates[1] + 1}}}$ in m")
+        ax.set(
+            aspect="equal",
+            xlabel=f"$q_{{{coordinates[0] + 1}}}$ in m",
+            ylabel=f"$q_{{{coordinates[1] + 1}}}$ in m",
+        )
         return ax
 
 
@@ -145,8 +147,9 @@ def plot_phase_portrait(
                 ax.plot(q[:1], u[:1], "o", color=line.get_color(), **hollow)
         if any(name is not None for name in names):
             ax.legend()
-        ax.set_xlabel(f"$q_{{{coordinate + 1}}}$ in m")
-        ax.set_ylabel(f"$u_{{{velocities[0] + 1}}}$ in m/s")
+        ax.set(
+            xlabel=f"$q_{{{coordinate + 1}}}$ in m", ylabel=f"$u_{{{velocities[0] + 1}}}$ in m/s"
+        )
         return ax
 
 

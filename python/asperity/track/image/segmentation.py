@@ -136,6 +136,7 @@ def outline(
             of which the mark must then fill less than half.
     """
     from scipy.ndimage import gaussian_filter
+    from scipy.spatial import ConvexHull, QhullError
 
     strength = mark.strength(pixels)
     if mark.smoothing > 0.0:
@@ -154,16 +155,17 @@ def outline(
     )
     inside = region & (strength > level)
     points, widths = _crossings(strength, inside, level, 2.0 * (level - background))
-    hull = _hull(points)
-    if hull is None:
+    try:
+        hull = ConvexHull(points)
+    except (QhullError, ValueError):
         return None
-    corners, normals, offsets = hull
-    depth = -(points @ normals.T + offsets).max(axis=1)
+    depth = -(points @ hull.equations[:, :2].T + hull.equations[:, 2]).max(axis=1)
     kept = depth <= _HULL_DEPTH
     return Outline(
         points=points[kept],
-        hull=corners,
-        filling=min(float(inside.sum()) / _area(corners), 1.0),
+        hull=points[hull.vertices],
+        # The volume of a hull in the plane is its area.
+        filling=min(float(inside.sum()) / hull.volume, 1.0),
         blur=_blur(widths[kept], mark.smoothing),
         cut=bool(inside[0].any() or inside[-1].any() or inside[:, 0].any() or inside[:, -1].any()),
         background=background,
@@ -255,22 +257,6 @@ def _shifted(values: NDArray[np.generic], axis: int, end: int) -> NDArray[np.gen
     """Return the array without its last (0) or first (1) line."""
     part = slice(1, None) if end else slice(None, -1)
     return values[part] if axis == 0 else values[:, part]
-
-
-def _hull(points: Array) -> tuple[Array, Array, Array] | None:
-    """Return corners, outer normals and offsets of the hull; ``None`` if it has no area."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        hull = ConvexHull(points)
-    except (QhullError, ValueError):
-        return None
-    return points[hull.vertices], hull.equations[:, :2], hull.equations[:, 2]
-
-
-def _area(corners: Array) -> float:
-    x, y = corners.T
-    return 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
 
 
 def _blur(widths: Array, smoothing: float) -> float:
