@@ -27,9 +27,8 @@ from asperity.identify.fitting.least_squares.normal_equations import Family
 from asperity.identify.fitting.least_squares.outliers import Outliers, outliers
 from asperity.identify.fitting.models.coordinates import Estimate, Scale
 from asperity.identify.fitting.models.names import name_of
-from asperity.identify.fitting.uncertainty.bands import Bands
 from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
-from asperity.identify.fitting.uncertainty.covariance import Covariance, estimate, has_angle
+from asperity.identify.fitting.uncertainty.covariance import Bands, Covariance, estimate, has_angle
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.records.resolution import Steps, coarse_channels
