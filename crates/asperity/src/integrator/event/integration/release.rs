@@ -90,7 +90,8 @@ impl Integration<'_> {
             whole += slip * dynamics.along(row, change);
         }
         let share = present / whole;
-        Ok(if share.is_finite() { share } else { 0.0 })
+        // More than the whole change is none of the onset: the forces of the slip are shared in another way.
+        Ok(if share.abs() < 1.0 { share } else { 0.0 })
     }
 
     /// The largest acceleration that the friction force of a contact gives.
