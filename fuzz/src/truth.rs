@@ -161,7 +161,7 @@ fn tangent<const P: usize>(
     }
 }
 
-/// Defect of `γ ∈ N_D(z)`, `z = −αP`, as a percussion.
+/// How far percussion and `ρξ` are from where a step of the projection ends, or from rest, as a percussion.
 fn inclusion<const P: usize>(
     law: &FrictionLaw<P>,
     (first, normal, rho): (usize, f64, f64),
@@ -174,9 +174,14 @@ fn inclusion<const P: usize>(
     }
     let slip = Vector::<P>::from_fn(|k, _| velocity[first + k]);
     let x = -tangent / normal;
-    let (gauge_d, gauge_c) = (law.direction().gauge(&x), law.reservoir().gauge(&x));
-    let z = x / (gauge_d - gauge_c + 1.0);
-    (z - law.direction().project(&(z + slip * (rho / normal)))).norm() * normal
+    let excess = |x: &Vector<P>| law.direction().gauge(x) - law.reservoir().gauge(x);
+    let shrink = 1.0 + excess(&x);
+    let (z, moved) = (x / shrink, slip * (rho / normal));
+    let end = law.direction().project(&(z + moved / shrink));
+    let near = end / (1.0 - excess(&end));
+    let held = x / law.reservoir().gauge(&x).max(1.0);
+    let stepped = f64::max((x - near).norm(), (z - end).norm() * shrink);
+    stepped.min((x - held).norm() + moved.norm()) * normal
 }
 
 /// `max G_NT x` over *C*.
