@@ -139,7 +139,7 @@ def test_at_corners_of_the_direction_set_nothing_grows(share):
     )
     assert asp.growth_chart(system, phi=phi + np.pi).growth == 0.0
     rest = system.equilibrium
-    run = asp.simulate(system, dt=2e-3, t_end=40.0, q0=rest + [1e-2, 0.0])
+    run = asp.simulate(system, dt=2e-3, t_end=40.0, q0=[rest[0] + 1e-2, rest[1]])
     distance = np.linalg.norm(run.q - rest, axis=1)
     assert 0.999e-2 < distance[-4000:].max() <= distance.max() < 1.001e-2
 
