@@ -184,8 +184,8 @@ fn compare(count: usize) {
                 let listed = solutions(&problem, 0, &vec![0.0; problem.rows()]).unwrap();
                 for solution in &listed {
                     let residual = residual(&problem, solution);
-                    let factor = amplification(&problem, solution)
-                        + steepness(planar, &solution.percussion);
+                    let factor =
+                        amplification(&problem, solution) + steepness(planar, &solution.percussion);
                     let bound = 1e-12 + 1e-14 * factor;
                     assert!(residual < bound, "{name} {family:?}: {residual:e} {solution:?}");
                 }

@@ -29,6 +29,9 @@ const LONG_SWEEPS: usize = 1000;
 /// Outer steps without a new best after which the iteration starts again somewhere else: what led it astray
 /// may be its start. The stored problems take as many factorisations with a quarter and four times as many.
 const LOST: usize = 300;
+/// Newton iterations from where a search by cases leads; the motions of the systems that `infeasibility/cases.rs` names
+/// end in the same way with a quarter and four times as many.
+const FROM_CASE: usize = 50;
 /// New starts without success after which it gives up: two with every factor.
 const STARTS: usize = 2 * FACTORS.len();
 
@@ -122,7 +125,7 @@ impl ProximalPoint {
         let mut grade = progress.start_from_best(&mut self.centre);
         let mut schedule = Schedule::new(grade);
         self.newton.scale_rho(problem, schedule.factor());
-        let before = self.newton.factorizations;
+        let mut before = self.newton.factorizations;
         let (mut outer, mut lost, mut lowest) = (0, 0, grade);
         while !progress.is_solved() && outer < max_iterations && !progress.task.stop.early() {
             outer += 1;
@@ -137,6 +140,14 @@ impl ProximalPoint {
             if lost == LOST {
                 if schedule.restarts == STARTS {
                     break;
+                }
+                if schedule.restarts == 0 {
+                    let own = self.newton.factorizations - before;
+                    let ends = self.ask_cases(progress, matrix);
+                    before = self.newton.factorizations - own;
+                    if ends {
+                        break;
+                    }
                 }
                 self.new_start(progress, schedule.restarts);
                 schedule.restart();
@@ -226,16 +237,15 @@ impl ProximalPoint {
         self.newton_with_shift(progress, matrix, max_iterations)
     }
 
-    /// The same from given percussions.
+    /// The same from where a search by cases leads.
     pub(crate) fn newton_from(
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
         start: &[f64],
-        max_iterations: usize,
-    ) -> bool {
+    ) {
         self.centre.copy_from_slice(start);
-        self.newton_with_shift(progress, matrix, max_iterations)
+        self.newton_with_shift(progress, matrix, FROM_CASE);
     }
 
     /// The same from the centre.
@@ -247,9 +257,10 @@ impl ProximalPoint {
     ) -> bool {
         let goal = self.inner_goal(progress, progress.best_grade(), 0.0, max_iterations);
         let goal = Goal { shift: SHIFT, ..goal };
+        let before = self.newton.factorizations;
         let (_, iterations) = self.newton_from_centre(progress, matrix, goal);
         progress.grade(&self.trial);
-        progress.record(Method::Newton, iterations, self.newton.factorizations);
+        progress.record(Method::Newton, iterations, self.newton.factorizations - before);
         iterations == max_iterations
     }
 
@@ -262,6 +273,16 @@ impl ProximalPoint {
     ) -> (f64, usize) {
         self.trial.copy_from_slice(&self.centre);
         self.newton.solve(&progress.task, matrix, &mut self.trial, &self.centre, goal)
+    }
+
+    /// Asks by cases whether there is a solution at all, before all starts are gone through in vain; whether that ends
+    /// the work, with a proof that there is none or by Newton's method from where it is narrowed down to.
+    #[cold]
+    fn ask_cases(&mut self, progress: &mut Progress<'_>, matrix: &mut NewtonMatrix) -> bool {
+        if let Some(near) = progress.search_cases() {
+            self.newton_from(progress, matrix, &near);
+        }
+        progress.is_over()
     }
 
     /// Puts the centre where the iteration has not been led astray: in turn where many sweeps lead and at
