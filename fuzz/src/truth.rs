@@ -181,7 +181,18 @@ fn inclusion<const P: usize>(
     let near = end / (1.0 - excess(&end));
     let held = x / law.reservoir().gauge(&x).max(1.0);
     let stepped = f64::max((x - near).norm(), (z - end).norm() * shrink);
-    stepped.min((x - held).norm() + moved.norm()) * normal
+    let rest = (x - held).norm() + moved.norm();
+    // Beside cusps lengths along neighbouring rays differ though the boundary is near: is it crossed by a short step?
+    let (gauge, slope) = law.reservoir().gauge_jet(&x);
+    let across = slope * (2.0 * (gauge - 1.0) / slope.norm_squared());
+    let aside = |at: Vector<P>| {
+        let normal = law.direction().gauge_jet(&at).1.normalize();
+        (moved - normal * moved.dot(&normal).max(0.0)).norm()
+    };
+    let beside = across.norm() + aside(x).max(aside(x - across));
+    let crossed = (law.reservoir().gauge(&(x - across)) - 1.0) * (gauge - 1.0) <= 0.0;
+    let slips = if crossed && beside < stepped { beside } else { stepped };
+    slips.min(rest) * normal
 }
 
 /// `max G_NT x` over *C*.

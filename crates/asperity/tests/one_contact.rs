@@ -154,18 +154,6 @@ fn amplification(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
     problem.delassus().to_dense().norm() * percussion / problem.free_velocity()[0].abs()
 }
 
-/// How much the gauge of *C* multiplies rounding of the percussion: beside cusps its length hardly follows from its
-/// direction.
-fn steepness(law: &FrictionLaw<2>, percussion: &[f64]) -> f64 {
-    let friction = &percussion[percussion.len() - 2..];
-    let x = V::new(-friction[0], -friction[1]);
-    if x.amax() == 0.0 {
-        return 1.0;
-    }
-    let (gauge, gradient) = law.reservoir().gauge_jet(&x);
-    gradient.norm() * x.norm() / gauge
-}
-
 /// Every solution of the scan is listed, every listed one solves the problem, and a contact that is
 /// called unambiguous has exactly one.
 fn compare(count: usize) {

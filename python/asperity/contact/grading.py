@@ -378,7 +378,8 @@ def _friction(law: FrictionLaw, normal: Array, p: Array, v: Array) -> float:
     """Return the squared distance of P_T, v = ρξ_T from the law; all of P_T where P_N ≤ 0.
 
     Per unit of P_N two pairs obey the law near (x, v): the end of a prox step, x′ = z′/α(z′) with
-    the rest of the step as velocity, whose larger part is counted, and x in C at rest.
+    the rest of the step as velocity, whose larger part is counted, and x in C at rest. Beside cusps
+    of C there may be a nearer one.
     """
     closed = normal > 0.0
     open_defect = float((p[~closed] ** 2).sum())
@@ -392,9 +393,28 @@ def _friction(law: FrictionLaw, normal: Array, p: Array, v: Array) -> float:
     there = end / (law.reservoir.gauge(end) - depth + 1.0)[:, None]
     turned = _lengths(end - z) * (1.0 + excess)
     slip = np.maximum(_lengths(x - there), turned)
+    if not law.reservoir.is_convex:
+        slip = np.minimum(slip, _beside(law, x, v))
     held = x / np.maximum(law.reservoir.gauge(x), 1.0)[:, None]
     rest = _lengths(x - held) + _lengths(v)
     return open_defect + float(((np.minimum(slip, rest) * normal[closed]) ** 2).sum())
+
+
+def _beside(law: FrictionLaw, x: Array, v: Array) -> Array:
+    """Return distances to slip where a step along the gradient of k_C crosses the boundary of C."""
+    C, D = law.reservoir, law.direction
+    excess, slope = C.gauge(x) - 1.0, C.gauge_gradient(x)
+    step = slope * (2.0 * excess / (slope**2).sum(axis=1))[:, None]
+    aside = []
+    for at in (x, x - step):
+        normal = D.gauge_gradient(at)
+        normal /= _lengths(normal)[:, None]
+        along = np.maximum((v * normal).sum(axis=1), 0.0)[:, None]
+        aside.append(_lengths(v - along * normal))
+    distance = _lengths(step) + np.maximum(*aside)
+    crossed = (C.gauge(x - step) - 1.0) * excess <= 0.0
+    found: Array = np.where(crossed & np.isfinite(distance), distance, np.inf)
+    return found
 
 
 def _lengths(vectors: Array) -> Array:

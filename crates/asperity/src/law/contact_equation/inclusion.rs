@@ -2,14 +2,16 @@
 //!
 //! Per unit of `P_N`, friction is a pair of the percussion `x = −P_T/P_N` and the velocity `σ = ρ ξ_T/P_N`, and the law is
 //! the set of all pairs with `σ ∈ N_D(z)`, `z = α(x) x`. The defect is the distance to a pair near by that obeys the law
-//! exactly, percussion and velocity weighed alike. Two are known:
+//! exactly, percussion and velocity weighed alike. Two are always known:
 //!
 //! - Slip. The prox step `z′ = prox_D(z + r σ)` leaves a rest `z + r σ − z′ ∈ N_D(z′)`, so that `x′ = z′/α(z′)` and
 //!   `σ′ = (z + r σ − z′)/r` obey the law. They are off by `‖x − x′‖` and by `‖σ − σ′‖ = ‖z − z′‖/r`, of which the larger one
 //!   counts. `r = α(x)`, with which the scale of *D* drops out of the step as it does out of the adaptive one.
 //! - Rest. `x/max(1, k_C(x))` with `σ = 0` is off by `‖x‖ max(0, 1 − 1/k_C(x)) + ‖σ‖`.
 //!
-//! The smaller of the two is the defect. It vanishes exactly where the law holds. As `x′` and the point of rest are
+//! The smaller of the two is the defect. Beside cusps of a *C* that is not convex a third one is asked for: there bdry *C* is
+//! near although lengths along neighbouring rays differ, as those of `x` and `x′` do by rounding.
+//! It vanishes exactly where the law holds. As `x′` and the point of rest are
 //! in *C*, it is never less than the distance of the percussion from *C*; and where a velocity larger than it is left,
 //! `x′` is on bdry *C*, and the percussion as near to it. Units, the scale of *D* and the choice of rows change nothing.
 //!
@@ -52,6 +54,12 @@ pub(in crate::law) fn squared_defect<const P: usize>(
     let turned = (start - end).norm_squared() / (alpha * alpha);
     // The comparisons let not-a-number through.
     let slip = if off <= turned { turned } else { off };
+    let slip = if slip > ROUNDING * x.norm_squared() && law.reservoir().as_convex().is_none() {
+        let beside = slip_beside(law, x, sigma);
+        slip.min(beside * beside)
+    } else {
+        slip
+    };
     if !(speed < slip) {
         return slip;
     }
@@ -60,4 +68,23 @@ pub(in crate::law) fn squared_defect<const P: usize>(
     }
     let beyond = x.norm() * (1.0 - 1.0 / k_c) + speed.sqrt();
     slip.min(beyond * beyond)
+}
+
+/// The square of a relative defect that needs no nearer pair: it is rounding.
+const ROUNDING: f64 = 1e-30;
+
+/// How far it is to slip with a percussion on bdry *C* that is near to `x`, though maybe not along its ray: the step across,
+/// and what the velocity is off the normals of *D* at its ends; infinite if bdry *C* is not crossed.
+#[cold]
+fn slip_beside<const P: usize>(law: &FrictionLaw<P>, x: &Vector<P>, sigma: &Vector<P>) -> f64 {
+    let (gauge, slope) = law.reservoir().gauge_jet(x);
+    let across = slope * (2.0 * (gauge - 1.0) / slope.norm_squared());
+    let near = x - across;
+    let crosses = (law.reservoir().gauge(&near) - 1.0) * (gauge - 1.0) <= 0.0;
+    let aside = |at: &Vector<P>| {
+        let normal = law.direction().gauge_jet(at).1.normalize();
+        (sigma - normal * sigma.dot(&normal).max(0.0)).norm()
+    };
+    let distance = across.norm() + aside(x).max(aside(&near));
+    if crosses && distance.is_finite() { distance } else { f64::INFINITY }
 }

@@ -32,6 +32,9 @@ const LOST: usize = 300;
 /// Newton iterations from where a search by cases leads; the motions of the systems that `infeasibility/cases.rs` names
 /// end in the same way with a quarter and four times as many.
 const FROM_CASE: usize = 50;
+/// Outer steps without a new best after which a proof by cases is looked for, once: where it is not found, the search is
+/// one of some hundred cases in vain.
+const DOUBTFUL: usize = 50;
 /// New starts without success after which it gives up: two with every factor.
 const STARTS: usize = 2 * FACTORS.len();
 
@@ -126,7 +129,7 @@ impl ProximalPoint {
         let mut schedule = Schedule::new(grade);
         self.newton.scale_rho(problem, schedule.factor());
         let mut before = self.newton.factorizations;
-        let (mut outer, mut lost, mut lowest) = (0, 0, grade);
+        let (mut outer, mut lost, mut lowest, mut asked) = (0, 0, grade, false);
         while !progress.is_solved() && outer < max_iterations && !progress.task.stop.early() {
             outer += 1;
             let goal = self.inner_goal(progress, grade, schedule.epsilon, INNER);
@@ -137,17 +140,19 @@ impl ProximalPoint {
             }
             lost = if found < lowest { 0 } else { lost + 1 };
             lowest = lowest.min(found);
+            if lost == DOUBTFUL && !asked {
+                asked = true;
+                let own = self.newton.factorizations - before;
+                let ends = self.ask_cases(progress, matrix);
+                before = self.newton.factorizations - own;
+                if ends {
+                    break;
+                }
+                continue;
+            }
             if lost == LOST {
                 if schedule.restarts == STARTS {
                     break;
-                }
-                if schedule.restarts == 0 {
-                    let own = self.newton.factorizations - before;
-                    let ends = self.ask_cases(progress, matrix);
-                    before = self.newton.factorizations - own;
-                    if ends {
-                        break;
-                    }
                 }
                 self.new_start(progress, schedule.restarts);
                 schedule.restart();
@@ -276,11 +281,13 @@ impl ProximalPoint {
     }
 
     /// Asks by cases whether there is a solution at all, before all starts are gone through in vain; whether that ends
-    /// the work, with a proof that there is none or by Newton's method from where it is narrowed down to.
+    /// the work, with a proof that there is none or by Newton's method from where it is narrowed down to. The centre stays.
     #[cold]
     fn ask_cases(&mut self, progress: &mut Progress<'_>, matrix: &mut NewtonMatrix) -> bool {
         if let Some(near) = progress.search_cases() {
+            let centre = self.centre.clone();
             self.newton_from(progress, matrix, &near);
+            self.centre = centre;
         }
         progress.is_over()
     }
