@@ -5,7 +5,7 @@ mod common;
 use std::f64::consts::TAU;
 
 use asperity::contact::{
-    BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce,
+    BlockMatrix, ContactProblem, ContactState, Csr, Delassus, Factored, Memory, NormalForce, Phase,
 };
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{
@@ -206,6 +206,43 @@ fn stick_is_off_by_its_velocity() {
         let velocity = Vector::<2>::from_fn(|_, _| random.normal()) * 1e-10;
         let found = defect(law.into(), percussion, velocity);
         assert!(found <= velocity.norm() * (1.0 + 1e-4), "{found:e}");
+    }
+}
+
+/// From percussions half a per cent beyond the reservoir, of a body that is fast against what friction can bring: what
+/// is called converged obeys the law in percussions.
+#[test]
+fn solvers_leave_no_percussion_beyond_its_reservoir() {
+    let solvers = [
+        Solver::Exact { max_sweeps: 1 },
+        Solver::Auto { interior_point: true, threads: 1 },
+        Solver::ProximalPoint { max_iterations: 200 },
+        Solver::InteriorPoint { max_iterations: 100 },
+    ];
+    let mut random = Random::new(20);
+    for k in 0..200 {
+        let law = slender::<2>(10f64.powf(random.within(-3.0, 0.0)), &mut random);
+        let velocity = Vector::<2>::from_fn(|_, _| random.normal()).normalize();
+        let speed = 10f64.powf(random.within(-1.0, 5.0));
+        let friction = law.force(&velocity, 1.0).unwrap();
+        let known = nalgebra::DVector::from_vec(vec![1.0, friction.x, friction.y]);
+        let slip = nalgebra::DVector::from_vec(vec![0.0, speed * velocity.x, speed * velocity.y]);
+        let delassus = DMatrix::identity(3, 3);
+        let free = &slip - &known;
+        let size = free.norm();
+        let reservoir = law.reservoir().clone();
+        let contacts = [(Law::from(law), NormalForce::Unilateral)];
+        let problem = ContactProblem::new(delassus, free.as_slice().to_vec(), contacts).unwrap();
+        let mut memory = Memory::new(3, 1);
+        memory.percussion = vec![1.0, 1.005 * friction.x, 1.005 * friction.y];
+        memory.states[0] = ContactState::new(Phase::Slip, [slip[1], slip[2], 0.0]);
+        let solver = solvers[k % solvers.len()];
+        let mut workspace = Workspace::default();
+        let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
+        assert_eq!(report.status.name(), "converged", "{solver:?} {report:?}");
+        let found = Vector::<2>::new(memory.percussion[1], memory.percussion[2]);
+        let off = (reservoir.gauge(&-found) / memory.percussion[0] - 1.0).abs();
+        assert!(off * found.norm() <= 4e-10 * size, "{solver:?}: {off:e} at {speed:e}");
     }
 }
 
