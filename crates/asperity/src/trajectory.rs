@@ -68,8 +68,10 @@ impl Trajectory {
     pub(crate) fn count(&mut self, stepper: &Stepper<'_>, ambiguous: bool) {
         self.steps += 1;
         self.ambiguous_steps += usize::from(ambiguous);
-        for (contact, counts) in self.phase_counts.chunks_exact_mut(3).enumerate() {
-            counts[(stepper.phase(contact) as i8).max(0) as usize] += 1;
+        for (counts, phase) in
+            self.phase_counts.as_chunks_mut::<3>().0.iter_mut().zip(stepper.phases())
+        {
+            counts[(phase as i8).max(0) as usize] += 1;
         }
     }
 

@@ -219,14 +219,13 @@ impl Assembly {
         }
         let Midpoint { before, forces, .. } = &self.midpoint;
         self.mass.accelerate(system, before, (dt, forces), &mut self.free);
-        let (mut same, mut changed) = (true, false);
-        if closed.ready && self.fixed && !new_mass {
-            self.update_all_velocities(closed);
-        } else {
-            (same, changed) = self.find_closed(system, step, new_mass, closed)?;
-            if !same {
-                self.renew(system, step, closed)?;
-            }
+        if closed.ready && !new_mass && self.constant.is_some() {
+            self.update_constant(closed);
+            return Ok(Change::None);
+        }
+        let (same, changed) = self.find_closed(system, step, new_mass, closed)?;
+        if !same {
+            self.renew(system, step, closed)?;
         }
         if self.factors.any() {
             self.factors.update(&closed.problem, |row| self.slip[row]);
@@ -408,17 +407,13 @@ impl Assembly {
         self.constant = Some(entries);
     }
 
-    /// Brings the velocities of all contacts up to date where these neither open nor close.
+    /// Brings the velocities of all contacts up to date where these are known by their entries.
     #[inline(always)]
-    fn update_all_velocities(&mut self, closed: &mut Closed) {
-        let Some(entries) = &self.constant else {
-            return (0..self.contacts.len())
-                .for_each(|place| self.update_velocities(place, 0.0, closed));
-        };
+    fn update_constant(&self, closed: &mut Closed) {
         let loads = closed.problem.free_velocity_mut();
         copy(&self.chi, loads);
         let mut sum = 0.0;
-        for entry in entries {
+        for entry in self.constant.iter().flatten() {
             sum += entry.direction * self.free[entry.velocity];
             if entry.last {
                 loads[entry.row] += sum;

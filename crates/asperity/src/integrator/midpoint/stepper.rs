@@ -2,7 +2,7 @@
 
 use super::assembly::Assembly;
 use super::closed::Closed;
-use super::outcome::{ContactOutput, StepError};
+use super::outcome::{ContactOutput, KeptOutput, StepError};
 use super::state::State;
 use crate::argument::below;
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
@@ -28,7 +28,7 @@ pub struct Stepper<'a> {
     pub(super) before: Memory,
     pub(super) workspace: Workspace,
     /// What the contacts did in the last step; none of those that were open.
-    pub(super) outputs: Vec<Option<ContactOutput>>,
+    pub(super) outputs: Vec<Option<KeptOutput>>,
 }
 
 impl<'a> Stepper<'a> {
@@ -151,6 +151,12 @@ impl<'a> Stepper<'a> {
         output.map_or(Phase::Unknown, |output| output.map_or(Phase::Open, |output| output.phase))
     }
 
+    /// Phases of all contacts in the last step, in the order of the system's contacts.
+    #[inline]
+    pub(crate) fn phases(&self) -> impl Iterator<Item = Phase> {
+        self.outputs.iter().map(|output| output.map_or(Phase::Open, |output| output.phase))
+    }
+
     /// What a contact does after the last step.
     ///
     /// # Errors
@@ -158,7 +164,7 @@ impl<'a> Stepper<'a> {
     /// [`StepError::Options`] if the system has no such contact, [`StepError::System`] if the system fails.
     pub fn output(&mut self, contact: usize) -> Result<ContactOutput, StepError> {
         match self.outputs.get(contact) {
-            Some(Some(output)) => return Ok(*output),
+            Some(Some(kept)) => return Ok(kept.of(&self.system.contacts()[contact], self.dt)),
             Some(None) => {}
             None => below("contact", contact, self.outputs.len(), "contacts")?,
         }
