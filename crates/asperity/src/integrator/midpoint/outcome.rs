@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::argument::ArgumentError;
 use crate::contact::Phase;
-use crate::system::{ContactLaw, SystemError};
+use crate::system::SystemError;
 
 /// A step could not be made.
 #[derive(Debug, Error)]
@@ -38,34 +38,6 @@ pub enum StepError {
         /// First coordinate that is not finite.
         coordinate: usize,
     },
-}
-
-/// What is kept of a closed contact, row by row, until somebody asks for it: most steps are not sampled.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct KeptOutput {
-    pub(super) phase: Phase,
-    /// `γ_E` and percussions, the latter without the factor of the speed.
-    pub(super) velocity: [f64; 4],
-    pub(super) percussion: [f64; 4],
-    pub(super) factor: f64,
-}
-
-impl KeptOutput {
-    /// What a contact with this law did in a step of length `dt`.
-    pub(super) fn of(&self, law: &ContactLaw, dt: f64) -> ContactOutput {
-        let (first, end) = (law.normal_rows(), law.rows());
-        let friction = |values: &[f64; 4]| {
-            let mut components = [0.0; 3];
-            components[..end - first].copy_from_slice(&values[first..end]);
-            components
-        };
-        ContactOutput {
-            phase: self.phase,
-            slip: friction(&self.velocity),
-            force: friction(&self.percussion).map(|p| p * self.factor / dt),
-            normal_force: law.normal_force().unwrap_or(self.percussion[0] / dt),
-        }
-    }
 }
 
 /// What one contact does after a step.

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::closed::Change;
-use super::outcome::{KeptOutput, StepError};
+use super::outcome::StepError;
 use super::rated::Correction;
 use super::stepper::Stepper;
 use crate::contact::{ContactRows, Memory};
@@ -85,7 +85,8 @@ impl Stepper<'_> {
             self.memory.copy_from(&self.before);
             return Err(error.into());
         }
-        self.keep_outputs();
+        let Self { outputs, closed, memory, workspace, assembly, .. } = self;
+        outputs.keep(closed, memory, &workspace.velocity, assembly.factors());
         self.steps += 1;
         self.check_finite()?;
         Ok(report)
@@ -205,36 +206,5 @@ impl Stepper<'_> {
         let broken = |state: &[f64]| state.iter().position(|v| !v.is_finite());
         let coordinate = broken(&self.u).or_else(|| broken(&self.q)).unwrap_or(0);
         Err(StepError::NotFinite { time: self.time(), coordinate })
-    }
-
-    /// Keeps what the closed contacts do, before the next step changes the contact problem.
-    fn keep_outputs(&mut self) {
-        let Self { closed, memory, workspace, assembly, outputs, .. } = self;
-        if closed.settle() {
-            outputs.fill(None);
-        }
-        let rows = closed.active.iter().zip(closed.problem.contacts());
-        for ((&contact, rows), state) in rows.zip(&memory.states) {
-            let own = rows.rows();
-            outputs[contact] = Some(KeptOutput {
-                phase: state.phase,
-                velocity: padded(&workspace.velocity[own.clone()]),
-                percussion: padded(&memory.percussion[own.clone()]),
-                // All tangential rows of a contact have one factor.
-                factor: assembly.factors().of(own.end - 1),
-            });
-        }
-    }
-}
-
-/// The components in the rows of a contact, unused ones zero.
-#[inline(always)]
-fn padded(values: &[f64]) -> [f64; 4] {
-    match *values {
-        [a] => [a, 0.0, 0.0, 0.0],
-        [a, b] => [a, b, 0.0, 0.0],
-        [a, b, c] => [a, b, c, 0.0],
-        [a, b, c, d, ..] => [a, b, c, d],
-        [] => [0.0; 4],
     }
 }
