@@ -21,12 +21,7 @@ from asperity.cycles.continuation import Continuation, Found
 from asperity.cycles.orbit import LimitCycle
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.runs.model import Model
-from asperity.steady_sliding import Equilibrium, Stability, equilibrium, stability
-from asperity.steady_sliding.linearised.field import ContactState
-from asperity.steady_sliding.linearised.linearisation import Linearisation
-from asperity.steady_sliding.linearised.pencil import Pencil
-from asperity.steady_sliding.linearised.sliding import Sliding
-from asperity.steady_sliding.linearised.spectrum import Spectrum
+from asperity.steady_sliding import Stability, analysis, equilibrium, stability
 from asperity.system.labels import Labels, numbered
 
 Family = Callable[..., Model]
@@ -213,20 +208,8 @@ class BifurcationDiagram(SavedResult, Value):
 
 _KNOWN: Kinds = {
     **orbit.KNOWN,
-    **{
-        one.__name__: one
-        for one in (
-            BifurcationDiagram,
-            Stability,
-            Equilibrium,
-            Linearisation,
-            Sliding,
-            ContactState,
-            Spectrum,
-            Pencil,
-            dict,
-        )
-    },
+    **analysis.KNOWN,
+    BifurcationDiagram.__name__: BifurcationDiagram,
 }
 
 

@@ -28,8 +28,8 @@ from asperity.identify.fitting.models.names import (
     DirectionName,
     ReservoirName,
     direction_model,
-    name_of,
     reservoir_model,
+    short,
 )
 from asperity.identify.fitting.models.reservoirs import (
     CircleReservoir,
@@ -193,8 +193,8 @@ class IdentifiedLaw(LawFile):
         }
         self._set(
             **checked(law, provenance),
-            reservoir_model=_short(structure.reservoir),
-            direction_model=_short(structure.direction),
+            reservoir_model=short(structure.reservoir),
+            direction_model=short(structure.direction),
             values=arrays.read_only(numbers),
             **parts,
             degrees_of_freedom=_degrees(degrees_of_freedom),
@@ -430,12 +430,6 @@ def _structure(reservoir: Any, direction: Any) -> Structure:
         except ParameterError as error:
             raise ParameterError(name, error.message) from None
     return Structure(*models)
-
-
-def _short(model: Any) -> Any:
-    """Return the name of a model that has one, else the model."""
-    name = name_of(model)
-    return name if name in RESERVOIRS or name in DIRECTIONS else model
 
 
 def _model_table(model: Any, name: str, kinds: data.Kinds) -> Any:

@@ -7,7 +7,9 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, TableResult
+from asperity._base.result import Axis, Series, Table
+from asperity._base.storage.data import Kinds
+from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.steady_sliding.linearised.pencil import ROUNDING, SAFETY, Complex, Pencil
@@ -18,7 +20,7 @@ from asperity.system import MassOnBelt
 _EVEN, _NOTHING, _CLEAR = 1e3, 1e-13, 1e-6
 
 
-class GrowthChart(TableResult, Value):
+class GrowthChart(SavedResult, Value):
     """Growth rates over the direction of a belt and the rotation of C, found by `growth_chart`.
 
     NumPy takes it for the array `growth`.
@@ -45,6 +47,10 @@ class GrowthChart(TableResult, Value):
             zeta=arrays.read_only(turn),
             growth=arrays.read_only(rates),
         )
+
+    @classmethod
+    def _known(cls) -> Kinds:
+        return {cls.__name__: cls}
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Array:
         rates: Array = np.array(self.growth, dtype=dtype)
