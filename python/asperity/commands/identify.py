@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from asperity._base.progress import stages
+from asperity._base.progress import bar_if_there
 from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_out
 
 
@@ -50,9 +50,9 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 
 def run(options: argparse.Namespace) -> int:
     """Identify and print; return the exit code."""
-    from asperity.identify.campaign import STAGES, identify_campaign
+    from asperity.identify.campaign import identify_campaign
 
-    with stages(len(STAGES)) as announce:
+    with bar_if_there("stage") as bar:
         found = identify_campaign(
             options.paths,
             options.config,
@@ -61,7 +61,8 @@ def run(options: argparse.Namespace) -> int:
             direction=options.direction,
             loss=options.loss,
             confidence=options.confidence,
-            announce=announce,
+            progress=bar,
+            announce=bar.announce,
         )
     print(found.summary())
     print(f"\nfigures, tables and report.html in {options.out}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from asperity._base.progress import bar_if_there
 from asperity.commands.options import SUCCESS, Commands, add_json, add_out
 
 _BELT = (
@@ -43,7 +44,8 @@ def run(options: argparse.Namespace) -> int:
     from asperity.predict.stability_sheet import Belt, describe_stability
 
     belt = Belt(options.mass, options.stiffness, options.speed, options.normal_force)
-    sheet = describe_stability(options.law, belt=belt, out=options.out)
+    with bar_if_there("part") as bar:
+        sheet = describe_stability(options.law, belt=belt, out=options.out, progress=bar)
     print(as_json(sheet.data()) if options.json else sheet.text())
     if options.out is not None and not options.json:
         print(f"\nfigure, table and report.html in {options.out}")

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from asperity._base.arrays import unit_vectors
+from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
@@ -31,7 +32,7 @@ FILES = (_LAW, *_PICTURES, *_TABLES, "report.html")
 """What `identify_campaign` writes."""
 
 STAGES = ("reading", "fitting", "comparing models", "writing")
-"""What it announces."""
+"""What it announces, and counts in its progress; reading counts file by file."""
 
 _DIRECTIONS = 360
 
@@ -205,6 +206,7 @@ def identify_campaign(
     direction: str = "superellipse",
     loss: str = "linear",
     confidence: float = 0.95,
+    progress: Progress = None,
     announce: Callable[[str], object] = lambda _: None,
 ) -> Identification:
     """Identify a law and write what `FILES` lists into `out`; nothing if something is wrong.
@@ -218,6 +220,8 @@ def identify_campaign(
         direction: model of D, likewise.
         loss: ``"linear"``, ``"huber"`` or ``"cauchy"``.
         confidence: of the bands.
+        progress: ``True`` for a bar of tqdm, or a function of (stages done, all stages); while
+            files are read, of which each is a share of the first stage.
         announce: called with the name of every stage of `STAGES` when it begins.
 
     Raises:
@@ -227,26 +231,39 @@ def identify_campaign(
         FitError: if nothing fits, or the fitted D is not convex.
     """
     folder = ResultFolder(out, FILES)
-    announce("reading")
-    loaded = Configuration.load(config)
-    data = process(loaded.read(list(paths)))
-    origin = Provenance.of_files(
-        [*paths, config, *loaded.files],
-        made_by=f"asperity identify --reservoir {reservoir} --direction {direction} --loss {loss} "
-        f"--confidence {confidence!r}",
-        configuration=loaded.sections,
-    )
-    announce("fitting")
-    # The bands need two turns.
-    bands = confidence if data.turns > 1 else None
-    fit = fit_law(data, reservoir=reservoir, direction=direction, loss=loss, confidence=bands)
-    found = Identification(data, fit, origin)
-    if not np.isfinite(found.fit.law.alpha_min):
-        raise FitError("the fitted sets make no law")
-    announce("comparing models")
-    if data.turns > 1:
-        _ = found.fit.comparison
-    announce("writing")
-    with folder.filled() as place:
-        found.write(place, title=f"Friction law of {', '.join(path.name for path in paths)}")
+    with reporter(progress, "stage") as report:
+
+        def begin(stage: str) -> None:
+            announce(stage)
+            count.add(STAGES.index(stage))
+
+        count = Count(len(STAGES), report)
+        begin("reading")
+        loaded = Configuration.load(config)
+        data = process(loaded.read(list(paths), progress=_share(report)))
+        origin = Provenance.of_files(
+            [*paths, config, *loaded.files],
+            made_by=f"asperity identify --reservoir {reservoir} --direction {direction} "
+            f"--loss {loss} --confidence {confidence!r}",
+            configuration=loaded.sections,
+        )
+        begin("fitting")
+        # The bands need two turns.
+        bands = confidence if data.turns > 1 else None
+        fit = fit_law(data, reservoir=reservoir, direction=direction, loss=loss, confidence=bands)
+        found = Identification(data, fit, origin)
+        if not np.isfinite(found.fit.law.alpha_min):
+            raise FitError("the fitted sets make no law")
+        begin("comparing models")
+        if data.turns > 1:
+            _ = found.fit.comparison
+        begin("writing")
+        with folder.filled() as place:
+            found.write(place, title=f"Friction law of {', '.join(path.name for path in paths)}")
+        count.finish()
     return found
+
+
+def _share(report: Report | None) -> Report | None:
+    """Return what reports files as shares of the first stage."""
+    return None if report is None else lambda done, files: report(done / files, len(STAGES))
