@@ -25,7 +25,8 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "makes steady sliding unstable, so that a machine squeals or chatters, and the growth "
         "rates of such vibrations for a mass that springs hold on a moving belt. With --out it "
         "writes growth.csv, growth.png (growth rates over the direction of the belt and a further "
-        "rotation of the force reservoir) and report.html.",
+        "rotation of the force reservoir C, the set whose outline is the friction coefficient over "
+        "the direction of the force) and report.html.",
         epilog="example: asperity stability law.toml --mass 0.5 --stiffness 2e4 --out out",
     )
     parser.add_argument("law", metavar="LAW", type=Path, help="file of the law, such as law.toml")

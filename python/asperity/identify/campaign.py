@@ -15,8 +15,9 @@ from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
+from asperity.identify.diagnostics import SETS, UNITS_AND_SCALE
 from asperity.identify.estimation import fit_law
-from asperity.identify.fit import UNITS_AND_SCALE, Fit
+from asperity.identify.fit import Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
@@ -59,7 +60,7 @@ class Identification:
     def summary(self) -> str:
         """Return a few lines of text: the data, their defects, Table 1 of [WL19], the law."""
         parts = [aligned(self._facts()), aligned(self._parameters(), right=(1, 2, 3))]
-        parts.append(UNITS_AND_SCALE)
+        parts += [SETS, UNITS_AND_SCALE]
         names, force = self.fit.parameters, float(self.data.normal_force.mean())
         if {"reservoir.a", "reservoir.b"} <= set(names):
             a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
@@ -69,7 +70,10 @@ class Identification:
             pair = best.reservoir, best.direction
             fitted = pair == (self.fit.reservoir_model, self.fit.direction_model)
             remedy = "" if fitted else '; fit them with "best" for both'
-            parts.append(f"models: BIC prefers {pair[0]} for C and {pair[1]} for D{remedy}")
+            parts.append(
+                f"shapes: the best fit for its number of parameters (smallest BIC) is {pair[0]} "
+                f"for C and {pair[1]} for D{remedy}"
+            )
         if self.fit.warnings:
             parts.append("\n".join(f"warning: {sentence}" for sentence in self.fit.warnings))
         return "\n\n".join(parts)

@@ -17,7 +17,7 @@ from asperity._base.result import Axis, Series, Table, counted
 from asperity._base.storage import data as stored
 from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
-from asperity.identify.diagnostics import at_bounds, gaps, warnings_of
+from asperity.identify.diagnostics import UNITS_AND_SCALE, at_bounds, gaps, warnings_of
 from asperity.identify.fitting.data import defects
 from asperity.identify.fitting.data.bins import Bins, grouped
 from asperity.identify.fitting.data.defects import Defect
@@ -56,12 +56,6 @@ from asperity.sets import StarSet
 _WIDTH = 5
 # Without bands, a set counts as round if its combinations of coordinates are below this.
 _ROUND = 1e-9
-
-UNITS_AND_SCALE = (
-    "Semi-axes are per unit normal force. Forces determine the shape of D, not its size: "
-    "direction.scale has no value."
-)
-"""What stands below the parameters of every fit."""
 
 
 class Fit(SavedResult, Value):
@@ -206,6 +200,9 @@ class Fit(SavedResult, Value):
     @cached_property
     def law(self) -> FrictionLaw:
         """The friction law; D has the largest scale inside C.
+
+        A law knows nothing of its uncertainty: `save_law` writes it with the covariance of its
+        parameters, which bands of motions need, and ``fit.law.save`` without.
 
         Raises:
             FitError: if the fitted D is not convex.

@@ -369,7 +369,10 @@ class IdentifiedLaw(LawFile):
         key = "parameters"
         if parameters is None:
             raise ParameterError(
-                key, "is missing: this law was not identified, FrictionLaw.load or LawFile.load it"
+                key,
+                "is missing: this is a law without the parameters that it was identified by, which "
+                "FrictionLaw.load reads. Fit.save_law and `asperity identify` write them, "
+                "FrictionLaw.save does not",
             )
         for name in ("reservoir_model", "direction_model", "names", "values", "coordinates"):
             if name not in parameters:
