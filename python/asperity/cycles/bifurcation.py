@@ -164,6 +164,11 @@ class BifurcationDiagram(SavedResult, Value):
         return self._labels.coordinates
 
     @property
+    def coordinate_units(self) -> tuple[str, ...]:
+        """Their units."""
+        return self._labels.coordinate_units
+
+    @property
     def _labels(self) -> Labels:
         found = (cycle.motion.labels for cycle in self.cycles if cycle is not None)
         size = self.equilibria.shape[1]

@@ -177,9 +177,7 @@ class StabilitySheet(Result):
         with style():
             figure = Figure(figsize=(6.4, 4.6), layout="constrained")
             ax = figure.add_subplot()
-            phi, zeta = np.rad2deg(self.chart.phi), np.rad2deg(self.chart.zeta)
-            plot_growth_chart(self.chart.growth, x=phi, y=zeta, ax=ax)
-            ax.set_xlabel("direction of the belt in degrees")
+            plot_growth_chart(self.chart, ax=ax)
             ax.set_ylabel("further rotation of C in degrees")
         picture = Picture("growth", png(figure, 150))
         (folder / "growth.png").write_bytes(picture.png)

@@ -98,9 +98,6 @@ class GrowthChart(SavedResult, Value):
         rates: Array = self.growth.reshape(self.phi.size, self.zeta.size)
         return rates
 
-    def _drawing(self) -> dict[str, object]:
-        return {"x": np.rad2deg(self.phi), "y": np.rad2deg(self.zeta)}
-
     def _table(self) -> Table:
         axes = {
             "phi": Axis(self.phi.ravel(), "rad", "direction of the belt velocity"),
