@@ -32,8 +32,8 @@ class Certificate(Record):
         tension: max(0, −P_N), in N s.
         cone_violation: max |P| (1 − 1/k_C(−P/P_N))⁺ of the friction percussions P, in N s: by so
             much they are longer than the reservoir is in their direction.
-        direction_violation: largest distance of a friction percussion from the one that the law
-            assigns to the slip, in N s.
+        direction_violation: largest distance of a friction percussion, and of ρ times its slip,
+            from a pair that obeys the law, in N s, see `ContactProblem.residual`.
         stick: number of contacts that stick.
         slip: number of contacts that slip.
         open: number of open contacts.

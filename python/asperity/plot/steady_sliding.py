@@ -17,6 +17,8 @@ from asperity._base.arrays import Array
 from asperity.cycles import BifurcationDiagram
 from asperity.errors import DimensionError, ParameterError
 from asperity.plot import look
+from asperity.plot.runs import chosen
+from asperity.steady_sliding import GrowthChart
 
 _Complex = NDArray[np.complex128]
 
@@ -40,11 +42,11 @@ class HasEigenvalues(Protocol):
 
 
 def plot_root_locus(
-    eigenvalues: ArrayLike | Sequence[HasEigenvalues],
+    eigenvalues: ArrayLike | Sequence[HasEigenvalues] | BifurcationDiagram,
     *,
-    values: ArrayLike,
+    values: ArrayLike | None = None,
     ax: Axes | None = None,
-    label: str = "parameter",
+    label: str | None = None,
     colorbar: bool = True,
 ) -> Axes:
     """Draw how eigenvalues move in the complex plane while a parameter changes.
@@ -53,10 +55,12 @@ def plot_root_locus(
     parameter. The unstable half-plane is shaded.
 
     Args:
-        eigenvalues: in 1/s, shape ``(n, k)``, or objects with ``.eigenvalues``, n of them.
-        values: of the parameter, ascending or descending, shape ``(n,)``, n ≥ 2.
+        eigenvalues: in 1/s, shape ``(n, k)``, or objects with ``.eigenvalues``, n of them; or a
+            `BifurcationDiagram`, which knows them where it has an equilibrium.
+        values: of the parameter, ascending or descending, shape ``(n,)``, n ≥ 2; default those of
+            the diagram.
         ax: axes; default new ones.
-        label: name of the parameter, beside the colour bar.
+        label: name of the parameter, beside the colour bar; default that of the diagram.
         colorbar: whether to draw the colour bar.
 
     Returns:
@@ -72,6 +76,16 @@ def plot_root_locus(
     >>> len(ax.collections)  # one per eigenvalue
     2
     """
+    words = "parameter" if label is None else label
+    if isinstance(eigenvalues, BifurcationDiagram):
+        words = eigenvalues.parameter if label is None else label
+        known = [one is not None for one in eigenvalues.stabilities]
+        if values is None:
+            values = eigenvalues.values
+        values = arrays.array(values, "values", (len(eigenvalues),))[known]
+        eigenvalues = [one for one in eigenvalues.stabilities if one is not None]
+    elif values is None:
+        raise ParameterError("values", "must be given: only a BifurcationDiagram knows them")
     parameter = arrays.array(values, "values", (None,))
     branches = _branches(_eigenvalues(eigenvalues, len(parameter)))
     with look.drawing(ax) as ax:
@@ -98,15 +112,15 @@ def plot_root_locus(
         ax.set_xlim(left, reach)
         ax.set(xlabel=r"Re $\Lambda$ in 1/s", ylabel=r"Im $\Lambda$ in 1/s")
         if colorbar:
-            _colorbar(ax, lines[0], label)
+            _colorbar(ax, lines[0], words)
         return ax
 
 
 def plot_growth_chart(
-    growth: ArrayLike,
+    growth: GrowthChart | ArrayLike,
     *,
-    x: ArrayLike,
-    y: ArrayLike,
+    x: ArrayLike | None = None,
+    y: ArrayLike | None = None,
     ax: Axes | None = None,
     tolerance: float = 1e-6,
     limit: float | None = None,
@@ -118,10 +132,10 @@ def plot_growth_chart(
     White means neither growth nor decay.
 
     Args:
-        growth: largest real parts of the eigenvalues in 1/s, shape ``(n_x, n_y)``, as of
-            `asperity.growth_chart`; NaN where there is no equilibrium.
-        x: values of the first parameter, shape ``(n_x,)``.
-        y: values of the second, shape ``(n_y,)``.
+        growth: what `asperity.growth_chart` returns, or largest real parts of the eigenvalues in
+            1/s, shape ``(n_x, n_y)``; NaN where there is no equilibrium.
+        x: values of the first parameter, shape ``(n_x,)``; default those of the chart in degrees.
+        y: values of the second, shape ``(n_y,)``; likewise.
         ax: axes; default new ones.
         tolerance: growth rate in 1/s up to which a system counts as neutral.
         limit: growth rate in 1/s of the darkest colours; default the largest magnitude.
@@ -139,6 +153,15 @@ def plot_growth_chart(
     >>> mu, damping = np.linspace(0.0, 1.0, 30), np.linspace(0.0, 0.5, 20)
     >>> ax = plot_growth_chart(mu[:, None] - damping, x=mu, y=damping)
     """
+    across, up = "", ""
+    if isinstance(growth, GrowthChart):
+        if x is None:
+            x, across = np.rad2deg(growth.phi), "direction of the belt in degrees"
+        if y is None:
+            y, up = np.rad2deg(growth.zeta), "rotation of C in degrees"
+    if x is None or y is None:
+        name = "x" if x is None else "y"
+        raise ParameterError(name, "must be given: only a GrowthChart knows it")
     first, second = (arrays.array(values, name, (None,)) for values, name in ((x, "x"), (y, "y")))
     for values, name in ((first, "x"), (second, "y")):
         if not values.size:
@@ -160,6 +183,9 @@ def plot_growth_chart(
             rasterized=True,
         )
         ax.set_facecolor("#EDEDED")
+        # What somebody has written on axes of his own stays where nothing is known.
+        ax.set_xlabel(across or ax.get_xlabel())
+        ax.set_ylabel(up or ax.get_ylabel())
         ax.grid(False)
         # Lines need two values of each parameter; without growth anywhere there is no border.
         grows, rests = bool((rates > level).any()), bool((rates <= level).any())
@@ -210,7 +236,8 @@ def plot_bifurcation(
             if shown.any():
                 ax.plot(values, np.where(shown, rest, np.nan), color=look.BLUE, **options)
         ax.margins(x=0.0)
-        ax.set(xlabel=diagram.parameter, ylabel=f"$q_{number + 1}$ in m")
+        name, unit = diagram.coordinate_names[number], diagram.coordinate_units[number]
+        ax.set(xlabel=diagram.parameter, ylabel=chosen.titled(name, unit))
         if legend:
             ax.legend()
         return ax

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,11 +11,21 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
-from asperity.errors import ParameterError
+from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.system import labels
 
-_Part = TypeVar("_Part", bound=Value)
+
+class _Obeying(Protocol):
+    """A contact or a pair."""
+
+    @property
+    def law(self) -> FrictionLaw: ...
+
+    def replace(self, **changes: Any) -> Self: ...
+
+
+_Part = TypeVar("_Part", bound=_Obeying)
 
 
 class AnyContact(Value):
@@ -145,6 +155,14 @@ def relawed(
         wanted = {_number(each, names, argument) for each in given}
     if not wanted:
         raise ParameterError(argument, "must name one whose law is to change, there is none")
+    for number in wanted:
+        known = parts[number].law
+        if isinstance(law, FrictionLaw) and law.dimension != known.dimension:
+            raise DimensionError(
+                "law",
+                f"must have {known.dimension} as its dimension, as the law before, has "
+                f"{law.dimension}",
+            )
     return tuple(
         part.replace(law=law) if number in wanted else part for number, part in enumerate(parts)
     )

@@ -1,12 +1,19 @@
-"""Files of results: an archive of arrays with a text that says what they are."""
+"""Files of results: an archive of arrays with a text that says what they are.
+
+A result is what a computation has given. Each entry of the archive is therefore compared with the
+digest that was written with it: what somebody has changed is refused by its name, and need not be
+told from what the computation gives.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base.result import TableResult
 from asperity._base.storage import data
@@ -37,8 +44,12 @@ class SavedResult(TableResult):
 
         arrays: dict[str, Any] = {}
         text = json.dumps(data.typed(self, "", self._known(), arrays), ensure_ascii=False)
+        entries = {"content": np.asarray(text), **arrays}
+        digests = json.dumps({key: _digest(entry) for key, entry in entries.items()})
         with atomic(path) as file:
-            np.savez_compressed(file, format=FORMAT, version=__version__, content=text, **arrays)
+            np.savez_compressed(
+                file, format=FORMAT, version=__version__, digests=np.asarray(digests), **entries
+            )
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
@@ -52,17 +63,16 @@ class SavedResult(TableResult):
             FileNotFoundError: if there is none.
         """
         with Archive(path, f"a {cls.__name__} that this version can read") as file:
-            for key in ("format", "content"):
+            for key in ("format", "content", "digests"):
                 if key not in file:
                     raise ParameterError(key, f"is missing: {file.path} must be a {cls.__name__}")
-            number, text = file["format"], file["content"]
+            number = file["format"]
             if number.shape or number.dtype.kind != "i" or not 1 <= int(number) <= FORMAT:
                 raise ParameterError("format", f"must be {FORMAT} or older, in {file.path}")
-            if text.shape or text.dtype.kind != "U":
-                raise ParameterError("content", f"must be one text, in {file.path}")
-            arrays = {key: file[key] for key in file.keys if key not in _OWN}
+            entries = {key: file[key] for key in file.keys if key not in _HEAD}
             try:
-                return cls._made(_parsed(str(text)), arrays)
+                _compare(entries, _parsed(file["digests"], "digests"))
+                return cls._made(_parsed(entries.pop("content"), "content"), entries)
             except ParameterError as error:
                 raise type(error)(error.argument, f"{error.message}, in {file.path}") from None
 
@@ -76,11 +86,32 @@ class SavedResult(TableResult):
         return found
 
 
-_OWN = ("format", "version", "content")
+_HEAD = ("format", "version", "digests")
 
 
-def _parsed(text: str) -> Any:
+def _digest(entry: NDArray[Any]) -> str:
+    kind = f"{entry.dtype.str}{entry.shape}".encode()
+    return hashlib.blake2b(kind + np.ascontiguousarray(entry).tobytes(), digest_size=16).hexdigest()
+
+
+def _compare(entries: dict[str, NDArray[Any]], digests: Any) -> None:
+    """Refuse entries that are not those that were written."""
+    if not isinstance(digests, dict):
+        raise ParameterError("digests", "must be the text that asperity writes")
+    for key in digests:
+        if key not in entries:
+            raise ParameterError(key, "is missing")
+    for key, entry in entries.items():
+        if key not in digests:
+            raise ParameterError(key, "is no part of it")
+        if _digest(entry) != digests[key]:
+            raise ParameterError(key, "is not as it was written")
+
+
+def _parsed(text: NDArray[Any], key: str) -> Any:
+    if text.shape or text.dtype.kind != "U":
+        raise ParameterError(key, "must be one text")
     try:
-        return json.loads(text)
+        return json.loads(str(text))
     except (ValueError, RecursionError) as error:
-        raise ParameterError("content", f"must be the text that asperity writes: {error}") from None
+        raise ParameterError(key, f"must be the text that asperity writes: {error}") from None

@@ -140,9 +140,12 @@ def staged(
     contacts: int | Sequence[int] | None,
 ) -> tuple[Stage, Array]:
     """Return what is drawn of a run, or of a system as it starts, and the times."""
-    of = run if isinstance(run, RigidBodies) and system is None else system
+    of: Any = system
+    if of is None:
+        of = run if isinstance(run, RigidBodies) else chosen.one_run(run).system
     if not isinstance(of, RigidBodies):
-        raise ParameterError("system", f"must be the RigidBodies of the run, got {of!r}")
+        why = "which the run does not know" if of is None else f"got {of!r}"
+        raise ParameterError("system", f"must be the RigidBodies of the run, {why}")
     arrays.choice(view, "view", tuple(_SEEN))
     if of.planar and view != "above":
         raise ParameterError("view", f"must be left out for bodies in a plane, got {view!r}")

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import NO_UNIT
 from asperity.cycles import LimitCycle
 from asperity.errors import DimensionError, ParameterError
 from asperity.plot import look
 from asperity.runs.run import Run
 from asperity.status import Phase
+from asperity.system.labels import UNKNOWN_UNIT
 from asperity.track import MeasuredPath
 
 Drawable: TypeAlias = Run | LimitCycle
@@ -67,6 +69,19 @@ def runs_or_measured(given: Any) -> list[tuple[str | None, Run | MeasuredPath]]:
         (label, one if isinstance(one, MeasuredPath) else one_run(one))
         for label, one in several(given)
     ]
+
+
+def axis_label(run: Run, kind: Literal["coordinate", "velocity"], number: int) -> str:
+    """Return the name and the unit of a coordinate or of a velocity of a run."""
+    names, units = getattr(run, f"{kind}_names"), getattr(run, f"{kind}_units")
+    return titled(names[number], units[number])
+
+
+def titled(words: str, unit: str) -> str:
+    """Return what stands beside an axis."""
+    if unit == NO_UNIT:
+        return words
+    return f"{words} in {'SI units' if unit == UNKNOWN_UNIT else unit}"
 
 
 def labels(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from asperity.errors import ParameterError
 from asperity.identify.fitting.models.directions import (
@@ -64,3 +64,9 @@ def name_of(model: ReservoirModel | DirectionModel) -> str:
             if known == model:
                 return name
     return repr(model)
+
+
+def short(model: ReservoirModel | DirectionModel) -> Any:
+    """Return the name of a model that has one, else the model."""
+    name = name_of(model)
+    return name if name in RESERVOIRS or name in DIRECTIONS else model
