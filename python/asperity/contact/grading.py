@@ -127,13 +127,9 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
         changed.max() <= 8.0 * np.finfo(float).eps * (scale * weights).sum()
         and closing >= _HUGE * changed.max() * called_for
         and closing > 1e-13 * sizes_of_load
-        and _keeps_bodies_at_rest(problem, weights)
+        # Weights as percussions move no body, up to rounding.
+        and not _moved(problem, weights).any()
     )
-
-
-def _keeps_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
-    """Return whether weights as percussions move no body, up to rounding; so if none is known."""
-    return not _moved(problem, weights).any()
 
 
 def _keeps_lost_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:

@@ -98,14 +98,14 @@ class ContactProblem(Value):
         initial = np.zeros(rows) if initial_velocity is None else initial_velocity
         self._set(
             **operator.parameters(delassus, mass, directions, rows),
-            free_velocity=arrays.read_only(free),
+            free_velocity=free,
             laws=chosen_laws,
             normal_force=normal,
             normal_restitution=fractions(normal_restitution, "normal_restitution", contacts),
             tangential_restitution=fractions(
                 tangential_restitution, "tangential_restitution", contacts
             ),
-            initial_velocity=arrays.read_only(arrays.array(initial, "initial_velocity", (rows,))),
+            initial_velocity=arrays.array(initial, "initial_velocity", (rows,)),
         )
         core = _core.Problem(
             operator.for_core(self._parameters["delassus"], self.mass, self.directions),

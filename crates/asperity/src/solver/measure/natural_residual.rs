@@ -66,24 +66,19 @@ impl<'a> Measured<'a> {
     /// Square of the defect of both inclusions of a contact with the prox parameter `rho`.
     #[inline]
     pub(crate) fn defect(&self, contact: &ContactRows, rho: f64) -> f64 {
-        let normal = self.percussion[contact.offset];
-        defect(contact, (normal, self.xi(contact.offset)), self.friction(contact), rho)
+        let row = contact.offset;
+        let normal = match contact.normal {
+            NormalForce::Prescribed(_) => 0.0,
+            NormalForce::Unilateral => normal_defect(self.percussion[row], self.xi(row), rho),
+        };
+        contact.law.inclusion_defect(self.friction(contact), rho) + normal * normal
     }
 }
 
-/// The same from percussion and velocity in the contact's first row, and its friction.
+/// Defect of `0 ≤ P_N ⊥ ξ_N ≥ 0`.
 #[inline(always)]
-pub(crate) fn defect(
-    contact: &ContactRows,
-    (percussion, xi): (f64, f64),
-    friction: Friction<'_>,
-    rho: f64,
-) -> f64 {
-    let normal_defect = match contact.normal {
-        NormalForce::Prescribed(_) => 0.0,
-        NormalForce::Unilateral => percussion - f64::max(0.0, percussion - rho * xi),
-    };
-    normal_defect * normal_defect + contact.law.inclusion_defect(friction, rho)
+pub(super) fn normal_defect(percussion: f64, xi: f64, rho: f64) -> f64 {
+    percussion - f64::max(0.0, percussion - rho * xi)
 }
 
 /// How far percussions and velocities are from obeying the contact laws, contact by contact.
