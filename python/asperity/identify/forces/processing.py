@@ -206,18 +206,14 @@ class ProcessedData(Value):
             Forces ``(n, 2)`` and normal forces ``(n,)``. `averaged` has the same method for means,
             at a thousandth of the cost.
         """
-        t, shift = self._changed(matrix, zero)
+        t = self.matrix if matrix is None else arrays.array(matrix, "matrix", (3, 3))
+        shift = (self.zero if zero is None else arrays.array(zero, "zero", (3,))) - self.zero
         out = self._sized()
         for number in range(len(self.raw.recordings)):
             rows = slice(self.run[number], self.run[number + 1])
             other = self._zeros[number].shifted(shift)
             self._forces(number, t, other, out.force[rows], out.normal[rows])
         return out.force, out.normal
-
-    def _changed(self, matrix: ArrayLike | None, zero: ArrayLike | None) -> tuple[Array, Array]:
-        t = self.matrix if matrix is None else arrays.array(matrix, "matrix", (3, 3))
-        given = self.zero if zero is None else arrays.array(zero, "zero", (3,))
-        return t, given - self.zero
 
     def averaged(self, bins: int | None = None) -> Averaged:
         """Return the means of all complete turns in equal bins of the sliding direction.
