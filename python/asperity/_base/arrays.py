@@ -236,10 +236,11 @@ def choice(value: Word, argument: str, allowed: Sequence[Word]) -> Word:
     return value
 
 
-def of_kind(value: object, argument: str, kind: type | UnionType, words: str) -> None:
-    """Refuse an object of another class, in words for the class."""
+def of_kind(value: Any, argument: str, kind: type | UnionType, words: str) -> Any:
+    """Return an object of a class, for which there are words."""
     if not isinstance(value, kind):
         raise ParameterError(argument, f"must be {words}, got {value!r}")
+    return value
 
 
 def lengths(vectors: Array) -> Array:

@@ -117,9 +117,9 @@ class Record(Value):
     """Base of values that hold what they are given: annotations are the only list of parameters.
 
     A field that is ``Annotated`` holds what the check there returns, given the value and its name;
-    one that is a ``Literal`` takes these words alone. Others become Python's numbers, arrays and
-    enumerators where the annotation says so. Fields behind ``_: KW_ONLY`` are given by name; names
-    that begin with a bar are no fields.
+    one that is a ``Literal`` takes these words alone, one that is a class of values its objects.
+    Others become Python's numbers, arrays and enumerators where the annotation says so. Fields
+    behind ``_: KW_ONLY`` are given by name; names that begin with a bar are no fields.
     """
 
     def __init_subclass__(cls) -> None:
@@ -154,16 +154,20 @@ def _checks_of(kind: type[Any]) -> dict[str, Check]:
     return {name: _check_of(hints[name]) for name in kind.__signature__.parameters}
 
 
-def _check_of(hint: Any) -> Check:
+def _check_of(hint: Any, ending: str = "") -> Check:
     parts = get_args(hint)
     if isinstance(hint, UnionType) or get_origin(hint) is Union:
-        (inner,) = (_check_of(part) for part in parts if part is not NoneType)
+        (inner,) = (_check_of(part, " or None") for part in parts if part is not NoneType)
         return lambda value, name: None if value is None else inner(value, name)
     if get_origin(hint) is Literal:
         return lambda value, name: arrays.choice(value, name, parts)
     if hasattr(hint, "__metadata__"):
         check: Check = hint.__metadata__[0]
         return check
+    if isinstance(hint, type) and issubclass(hint, Value):
+        article = "an" if hint.__name__[0] in "AEIOU" else "a"
+        words = f"{article} {hint.__name__}{ending}"
+        return lambda value, name: arrays.of_kind(value, name, hint, words)
     if get_origin(hint) is np.ndarray:
         return lambda value, _: np.asarray(value)
     if hint in (int, float, bool) or (isinstance(hint, type) and issubclass(hint, Enum)):

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import KW_ONLY
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 from numpy.typing import NDArray
 
 from asperity import _core, law, sets, solvers, system
 from asperity._base import arrays
 from asperity._base.storage import data
-from asperity._base.value import Value
+from asperity._base.value import Count, Number, Positive, Record, Value
 from asperity.errors import ParameterError
 from asperity.runs.model import Model
 from asperity.runs.section import Section
@@ -21,17 +22,15 @@ from asperity.solvers import Solver, chosen
 from asperity.system.labels import Labels
 
 
-def _interval(sample_every: float | None) -> float | None:
-    return None if sample_every is None else arrays.positive(sample_every, "sample_every")
+def _solver(value: Solver | None, _: str) -> Solver:
+    return chosen(value)
 
 
-def _checked(start: State) -> State:
-    if not isinstance(start, State):
-        raise ParameterError("start", f"must be a State, got {start!r}")
-    return start
+def _on_failure(value: str, argument: str) -> str:
+    return arrays.choice(value, argument, ["raise", "record"])
 
 
-class TimeStepping(Value):
+class TimeStepping(Record):
     """Options of `simulate`, with the state that the run starts from.
 
     Args:
@@ -50,40 +49,18 @@ class TimeStepping(Value):
     0.01
     """
 
-    dt: float
-    t_end: float
+    _: KW_ONLY
+    dt: Positive
+    t_end: Number
     start: State
-    solver: Solver
-    tolerance: float
-    sample_every: float | None
+    solver: Annotated[Solver, _solver]
+    tolerance: Positive
+    sample_every: Positive | None
     until_rest: bool
-    on_failure: str
-
-    def __init__(
-        self,
-        *,
-        dt: float,
-        t_end: float,
-        start: State,
-        solver: Solver,
-        tolerance: float,
-        sample_every: float | None,
-        until_rest: bool,
-        on_failure: str,
-    ) -> None:
-        self._set(
-            dt=arrays.positive(dt, "dt"),
-            t_end=arrays.number(t_end, "t_end"),
-            start=_checked(start),
-            solver=chosen(solver),
-            tolerance=arrays.positive(tolerance, "tolerance"),
-            sample_every=_interval(sample_every),
-            until_rest=bool(until_rest),
-            on_failure=arrays.choice(on_failure, "on_failure", ["raise", "record"]),
-        )
+    on_failure: Annotated[str, _on_failure]
 
 
-class EventDriven(Value):
+class EventDriven(Record):
     """Options of `integrate`, with the state that the run starts from.
 
     Args:
@@ -101,36 +78,14 @@ class EventDriven(Value):
     1e-10
     """
 
-    t_end: float
+    _: KW_ONLY
+    t_end: Positive
     start: State
-    tolerance: float
-    sample_every: float | None
-    max_step: float | None
+    tolerance: Positive
+    sample_every: Positive | None
+    max_step: Positive | None
     section: Section | None
-    max_events: int
-
-    def __init__(
-        self,
-        *,
-        t_end: float,
-        start: State,
-        tolerance: float,
-        sample_every: float | None,
-        max_step: float | None,
-        section: Section | None,
-        max_events: int,
-    ) -> None:
-        if section is not None and not isinstance(section, Section):
-            raise ParameterError("section", f"must be a Section or None, got {section!r}")
-        self._set(
-            t_end=arrays.positive(t_end, "t_end"),
-            start=_checked(start),
-            tolerance=arrays.positive(tolerance, "tolerance"),
-            sample_every=_interval(sample_every),
-            max_step=None if max_step is None else arrays.positive(max_step, "max_step"),
-            section=section,
-            max_events=arrays.count(max_events, "max_events"),
-        )
+    max_events: Count
 
 
 class Origin(Value):
