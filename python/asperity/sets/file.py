@@ -16,7 +16,7 @@ from asperity.sets.mapped import Mapped
 from asperity.sets.shapes.boxes import Box, CappedRectangle, Interval, Rectangle
 from asperity.sets.shapes.curves import PolarCurve, Polygon, SupportCurve
 from asperity.sets.shapes.drilling import CoulombContensou
-from asperity.sets.shapes.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse
+from asperity.sets.shapes.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse, Superellipsoid
 from asperity.sets.shapes.wedge import WedgeAsperity
 from asperity.sets.star import StarSet
 
@@ -38,6 +38,7 @@ KINDS: Kinds = {
         Polygon,
         Rectangle,
         Superellipse,
+        Superellipsoid,
         SupportCurve,
         Union,
         WedgeAsperity,
