@@ -243,7 +243,8 @@ fn steps(
     unsaved: &mut Option<SolveReport>,
 ) -> Result<Outcome, StepError> {
     let (mut rested, mut fastest) = (0, 0.0_f64);
-    for step in 1..=options.steps {
+    let mut until_sample = options.save_every;
+    for step in (0..options.steps).map(|before| before + 1) {
         // A step that asks but once is over soon: the clock would be a part of its cost.
         let asked = Cell::new(false);
         let cancelled = || asked.replace(true) && observer.asks_to_stop(step - 1);
@@ -277,9 +278,10 @@ fn steps(
         if observer.asks_to_stop_after_step(step) {
             return Ok(Outcome::Interrupted);
         }
-        if step % options.save_every == 0 {
+        until_sample -= 1;
+        if until_sample == 0 {
             trajectory.record(stepper, report.iterations, report.residual)?;
-            *unsaved = None;
+            (*unsaved, until_sample) = (None, options.save_every);
         }
     }
     Ok(Outcome::Finished)

@@ -68,8 +68,8 @@ impl Trajectory {
     pub(crate) fn count(&mut self, stepper: &Stepper<'_>, ambiguous: bool) {
         self.steps += 1;
         self.ambiguous_steps += usize::from(ambiguous);
-        for (contact, counts) in self.phase_counts.chunks_exact_mut(3).enumerate() {
-            counts[(stepper.phase(contact) as i8).max(0) as usize] += 1;
+        for (contact, &phase) in stepper.phases().iter().enumerate() {
+            self.phase_counts[3 * contact + (phase as i8).max(0) as usize] += 1;
         }
     }
 

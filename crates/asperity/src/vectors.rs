@@ -1,35 +1,49 @@
 //! Operations on vectors that are slices.
 
-/// Calls `each` with the numbers of all components, up to three without a loop: for so few a loop costs more than the
-/// work in it.
-#[inline(always)]
-pub(crate) fn for_each(components: usize, mut each: impl FnMut(usize)) {
-    if components > 3 {
-        return (0..components).for_each(each);
-    }
-    for i in 0..3 {
-        if i < components {
-            each(i);
+/// Work with slices of a length `n`, of which that up to three is compiled for each of them: for so few a loop, and a
+/// look at the end of every slice, cost more than the work. Slices are cut to `..n` in it.
+macro_rules! unrolled {
+    ($n:ident = $len:expr => $work:expr) => {{
+        let $n: usize = $len;
+        match $n {
+            1 => {
+                let $n = 1;
+                $work
+            }
+            2 => {
+                let $n = 2;
+                $work
+            }
+            3 => {
+                let $n = 3;
+                $work
+            }
+            _ => $work,
         }
-    }
+    }};
 }
+pub(crate) use unrolled;
 
 /// `to ← from`, both of the same length.
 #[inline(always)]
 pub(crate) fn copy(from: &[f64], to: &mut [f64]) {
-    if from.len() > 3 {
-        return to.copy_from_slice(from);
-    }
-    let to = &mut to[..from.len()];
-    for_each(from.len(), |i| to[i] = from[i]);
+    unrolled!(n = from.len() => to[..n].copy_from_slice(&from[..n]));
 }
 
-/// `out ← x + factor y` as far as all of them go.
+/// `out ← x + factor y`, with as many components as `y` has.
 #[inline(always)]
 pub(crate) fn combine(x: &[f64], factor: f64, y: &[f64], out: &mut [f64]) {
-    let n = out.len().min(x.len()).min(y.len());
-    let (x, y, out) = (&x[..n], &y[..n], &mut out[..n]);
-    for_each(n, |i| out[i] = x[i] + factor * y[i]);
+    let n = y.len();
+    let (x, out) = (&x[..n], &mut out[..n]);
+    for i in 0..n {
+        out[i] = x[i] + factor * y[i];
+    }
+}
+
+/// Whether all are numbers and none is infinite.
+#[inline(always)]
+pub(crate) fn are_finite(values: &[f64]) -> bool {
+    unrolled!(n = values.len() => values[..n].iter().all(|v| v.is_finite()))
 }
 
 /// The largest size of a component.

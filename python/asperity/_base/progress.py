@@ -73,12 +73,18 @@ def _bar(unit: str) -> Iterator[Report]:
             "progress", "True needs tqdm (pip install tqdm); or pass a function of (done, all)"
         ) from None
     with tqdm(unit=unit, unit_scale=True) as display:
+        yield _mover(display)
 
-        def move(done: float, whole: float) -> None:
+
+def _mover(display: Any) -> Report:
+    """Return the function of (done, all) that moves a bar, if there is one."""
+
+    def move(done: float, whole: float) -> None:
+        if display is not None:
             display.total = whole or None
             display.update(done - display.n)
 
-        yield move
+    return move
 
 
 def _on_a_terminal(**options: Any) -> AbstractContextManager[Any]:
@@ -94,13 +100,11 @@ class Bar:
     """A bar that a terminal shows: called with what is done and all, it moves."""
 
     def __init__(self, display: Any) -> None:
-        self._display = display
+        self._display, self._move = display, _mover(display)
 
     def __call__(self, done: float, whole: float) -> None:
         """Move."""
-        if self._display is not None:
-            self._display.total = whole
-            self._display.update(done - self._display.n)
+        self._move(done, whole)
 
     def announce(self, name: str) -> None:
         """Say what is being done."""

@@ -42,7 +42,7 @@ def plot_gauge(set: StarSet, *, ax: Axes | None = None, height: float = 1.3) -> 
     height = arrays.positive(height, "height")
     outline = closed_outline(set)
     nodes = surface_nodes(outline, height)
-    with look.drawing(look.in_space(ax), projection="3d") as ax:
+    with look.drawing(ax, projection="3d") as ax:
         space: Any = ax
         space.plot_surface(
             *np.moveaxis(nodes, -1, 0), color=look.SKY, alpha=0.35, linewidth=0.0, rcount=len(nodes)

@@ -41,8 +41,7 @@ def plot_set(set: StarSet, *, ax: Axes | None = None, **kwargs: Any) -> Axes:
     planar_set(set)
     with look.drawing(ax) as ax:
         draw_set(ax, set, **kwargs)
-        ax.set_xlabel(r"$x_1$")
-        ax.set_ylabel(r"$x_2$")
+        ax.set(xlabel=r"$x_1$", ylabel=r"$x_2$")
         return ax
 
 

@@ -41,46 +41,6 @@ class HasEigenvalues(Protocol):
         """Eigenvalues in 1/s."""
 
 
-class Diagram(Protocol):
-    """What `plot_bifurcation` needs of a `asperity.BifurcationDiagram`."""
-
-    @property
-    def parameter(self) -> str:
-        """Name of the parameter."""
-
-    @property
-    def values(self) -> Array:
-        """Its values, shape ``(n,)``."""
-
-    @property
-    def equilibria(self) -> Array:
-        """Coordinates, shape ``(n, n_q)``; NaN where there is no equilibrium."""
-
-    @property
-    def coordinate_names(self) -> Sequence[str]:
-        """Names of the coordinates."""
-
-    @property
-    def coordinate_units(self) -> Sequence[str]:
-        """Their units."""
-
-    @property
-    def kinds(self) -> Sequence[str]:
-        """Kinds of the equilibria."""
-
-    @property
-    def cycle_stable(self) -> NDArray[np.bool_]:
-        """Whether there is a stable limit cycle, shape ``(n,)``."""
-
-    @property
-    def cycle_minima(self) -> Array:
-        """Least coordinates of the limit cycles, shape ``(n, n_q)``; NaN where there is none."""
-
-    @property
-    def cycle_maxima(self) -> Array:
-        """Greatest coordinates of the limit cycles."""
-
-
 def plot_root_locus(
     eigenvalues: ArrayLike | Sequence[HasEigenvalues] | BifurcationDiagram,
     *,
@@ -150,8 +110,7 @@ def plot_root_locus(
         reach = max(right, 0.1 * (right - left))
         ax.axvspan(0.0, reach, color=look.ORANGE, alpha=0.07, linewidth=0.0)
         ax.set_xlim(left, reach)
-        ax.set_xlabel(r"Re $\Lambda$ in 1/s")
-        ax.set_ylabel(r"Im $\Lambda$ in 1/s")
+        ax.set(xlabel=r"Re $\Lambda$ in 1/s", ylabel=r"Im $\Lambda$ in 1/s")
         if colorbar:
             _colorbar(ax, lines[0], words)
         return ax
@@ -239,7 +198,7 @@ def plot_growth_chart(
 
 
 def plot_bifurcation(
-    diagram: Diagram, *, ax: Axes | None = None, coordinate: int = 0, legend: bool = True
+    diagram: BifurcationDiagram, *, ax: Axes | None = None, coordinate: int = 0, legend: bool = True
 ) -> Axes:
     """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
 
@@ -277,15 +236,14 @@ def plot_bifurcation(
             if shown.any():
                 ax.plot(values, np.where(shown, rest, np.nan), color=look.BLUE, **options)
         ax.margins(x=0.0)
-        ax.set_xlabel(diagram.parameter)
         name, unit = diagram.coordinate_names[number], diagram.coordinate_units[number]
-        ax.set_ylabel(chosen.titled(name, unit))
+        ax.set(xlabel=diagram.parameter, ylabel=chosen.titled(name, unit))
         if legend:
             ax.legend()
         return ax
 
 
-def _cycle_lines(ax: Axes, diagram: Diagram, lower: Array, upper: Array) -> None:
+def _cycle_lines(ax: Axes, diagram: BifurcationDiagram, lower: Array, upper: Array) -> None:
     """Draw extremes of cycles, solid where stable and dotted where not."""
     for kind, style in (("stable", "-"), ("unstable", ":")):
         own = (diagram.cycle_stable == (kind == "stable")) & np.isfinite(lower)

@@ -72,13 +72,13 @@ class Scene(Value):
         if (below == above).any():
             raise ParameterError("upper", "must differ from lower: a body cannot touch itself")
         self._set(
-            mass=arrays.read_only(masses),
-            inertia=arrays.read_only(_inertia(inertia, bodies)),
-            center=arrays.read_only(arrays.array(center, "center", (bodies, 3))),
-            lower=arrays.read_only(below),
-            upper=arrays.read_only(above),
-            point=arrays.read_only(points),
-            frame=arrays.read_only(_frames(frame, contacts)),
+            mass=masses,
+            inertia=_inertia(inertia, bodies),
+            center=arrays.array(center, "center", (bodies, 3)),
+            lower=below,
+            upper=above,
+            point=points,
+            frame=_frames(frame, contacts),
         )
 
     @cached_property

@@ -33,7 +33,7 @@ class Mapped(StarSet):
     def __init__(self, set: StarSet, matrix: ArrayLike) -> None:
         set = checked_set(set, "set")
         converted = arrays.array(matrix, "matrix", (set.dimension, set.dimension))
-        self._set_core(set._core.mapped(converted), set=set, matrix=arrays.read_only(converted))
+        self._set_core(set._core.mapped(converted), set=set, matrix=converted)
 
     def mapped(self, matrix: ArrayLike) -> Mapped:
         """Return the image under a further map; the two matrices are multiplied."""

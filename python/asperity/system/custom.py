@@ -161,19 +161,12 @@ class System:
     def labels(self) -> Labels:
         """Names and units of coordinates and contacts."""
         contacts = labels.contact_names([contact.name for contact in self.contacts])
-        n = len(self._origin())
-        plain = labels.numbered(n, self.dof, len(contacts)).replace(contacts=contacts)
-        names, units = self.coordinate_names, self.coordinate_units
-        if names is None and units is None:
-            return plain
+        n, names, units = len(self._origin()), self.coordinate_names, self.coordinate_units
         for argument, given in (("coordinate_names", names), ("coordinate_units", units)):
             if given is not None and len(given) != n:
                 raise DimensionError(argument, f"must hold {n} texts, one per coordinate")
-        names = plain.coordinates if names is None else names
-        units = plain.coordinate_units if units is None else units
-        if n == self.dof and not self._advances:
-            return labels.of_rates(names, units, contacts)
-        return plain.replace(coordinates=names, coordinate_units=units)
+        are_rates = n == self.dof and not self._advances
+        return labels.of_coordinates(n, self.dof, contacts, names, units, are_rates=are_rates)
 
     @property
     def _core(self) -> _core.CallbackSystem:

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::{Delassus, IntoDelassus};
 use crate::argument::{ArgumentError, check, finite, length, not_negative, refuse};
 use crate::law::Law;
+use crate::vectors::unrolled;
 
 /// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
 /// cubes of them.
@@ -342,13 +343,17 @@ impl ContactProblem {
     }
 
     /// Velocities `b + e γ_B` of a contact's rows without percussions.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn load(&self, i: usize) -> [f64; 4] {
-        let contact = &self.contacts[i];
+        let rows = self.contacts[i].rows();
+        let (free, restitution) = (&self.free_velocity[rows.clone()], &self.restitution[rows]);
         let mut load = [0.0; 4];
-        for (value, row) in load.iter_mut().zip(contact.rows()) {
-            *value = self.free_velocity[row] + self.restitution[row];
-        }
+        unrolled!(n = free.len() => {
+            let (free, restitution) = (&free[..n], &restitution[..n]);
+            for k in 0..n {
+                load[k] = free[k] + restitution[k];
+            }
+        });
         load
     }
 

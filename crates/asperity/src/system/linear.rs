@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError, TimeDependence};
 use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::law::Law;
-use crate::vectors::{copy, dot};
+use crate::vectors::dot;
 
 /// Normal direction of a contact of a linear system.
 #[derive(Debug, Clone, PartialEq)]
@@ -189,9 +189,9 @@ impl System for LinearSystem {
         u: &[f64],
         forces: &mut [f64],
     ) -> Result<(), SystemError> {
-        let n = self.force.len();
-        let (q, u, forces) = (&at.q[..n], &u[..n], &mut forces[..n]);
-        copy(&self.force, forces);
+        let n = forces.len();
+        let (q, u) = (&at.q[..n], &u[..n]);
+        forces.copy_from_slice(&self.force[..n]);
         for &(i, j, k, b) in &self.internal {
             forces[i] += k * q[j] + b * u[j];
         }

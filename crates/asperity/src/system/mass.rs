@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVectorViewMut, Dyn};
 
 use super::{System, SystemError};
-use crate::vectors::for_each;
+use crate::vectors::unrolled;
 
 /// The mass matrix ready to be solved with.
 #[derive(Debug, Clone, Default)]
@@ -96,11 +96,13 @@ impl MassFactors {
         u: &mut [f64],
     ) {
         if self.cholesky.is_empty() {
-            let n = u.len();
-            let (before, forces, reciprocals) =
-                (&before[..n], &forces[..n], &self.reciprocals[..n]);
-            for_each(n, |i| u[i] = before[i] + dt * (forces[i] * reciprocals[i]));
-            return;
+            return unrolled!(n = u.len() => {
+                let (before, forces, u) = (&before[..n], &forces[..n], &mut u[..n]);
+                let reciprocals = &self.reciprocals[..n];
+                for i in 0..n {
+                    u[i] = before[i] + dt * (forces[i] * reciprocals[i]);
+                }
+            });
         }
         u.copy_from_slice(forces);
         self.solve(system, u);

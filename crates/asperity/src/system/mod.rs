@@ -23,7 +23,7 @@ pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
 use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::law::Law;
-use crate::vectors::copy;
+use crate::vectors::unrolled;
 use time_function::{Extent, sample_times};
 
 /// What of a system never changes, so that it is computed once.
@@ -460,11 +460,14 @@ pub trait System: Debug + Sync {
     fn begin(&self, step: &Step<'_>, midpoint: &mut Midpoint) -> Result<(), SystemError> {
         let &Step { midpoint: t, dt, q, u } = step;
         midpoint.t = t;
-        self.advance(q, u, 0.5 * dt, &mut midpoint.q);
-        self.derive(&midpoint.q, &mut midpoint.derived);
-        copy(u, &mut midpoint.before);
-        let at = Configuration { t, piece: t, q: &midpoint.q, derived: &midpoint.derived };
-        self.forces(&at, u, &mut midpoint.forces)
+        let Midpoint { q: at_midpoint, derived, before, forces, .. } = midpoint;
+        unrolled!(n = u.len() => {
+            let (u, before, forces) = (&u[..n], &mut before[..n], &mut forces[..n]);
+            self.advance(q, u, 0.5 * dt, at_midpoint);
+            self.derive(at_midpoint, derived);
+            before.copy_from_slice(u);
+            self.forces(&Configuration { t, piece: t, q: at_midpoint, derived }, u, forces)
+        })
     }
 
     /// The second half: `u` and `q = q_M ⊕ ½Δt u` from the velocities `after` all forces and percussions have acted.
@@ -481,8 +484,11 @@ pub trait System: Debug + Sync {
         q: &mut [f64],
         u: &mut [f64],
     ) -> Result<(), SystemError> {
-        copy(after, u);
-        self.advance(&midpoint.q, u, 0.5 * dt, q);
+        unrolled!(n = u.len() => {
+            let u = &mut u[..n];
+            u.copy_from_slice(&after[..n]);
+            self.advance(&midpoint.q, u, 0.5 * dt, q);
+        });
         Ok(())
     }
 }

@@ -18,7 +18,7 @@ pub struct Rotation {
 ///
 /// # Panics
 ///
-/// If the slices are too short for the rotations.
+/// If the slices are too short for the rotations, or there are not as many coordinates as velocities beside them.
 #[inline]
 pub fn advance(rotations: &[Rotation], q: &[f64], u: &[f64], dt: f64, out: &mut [f64]) {
     let (mut from, mut rate) = (0, 0);

@@ -7,6 +7,7 @@ among constructors that are known, which check what they are given.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import inspect
 from collections.abc import Callable, Mapping
 from types import ModuleType
@@ -90,14 +91,12 @@ def arguments(
     }
 
 
-def _signature(kind: type) -> Mapping[str, inspect.Parameter]:
-    """Return the parameters of a constructor; systems have thousands of parts of few classes."""
-    if kind not in _SIGNATURES:
-        _SIGNATURES[kind] = inspect.signature(kind).parameters
-    return _SIGNATURES[kind]
+def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
+    return inspect.signature(kind).parameters
 
 
-_SIGNATURES: dict[type, Mapping[str, inspect.Parameter]] = {}
+# Systems have thousands of parts of few classes.
+_signature: Callable[[type], Mapping[str, inspect.Parameter]] = functools.cache(_parameters)
 
 
 def _parts(value: Any) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from typing import Any, Self, TypeVar
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,64 +24,6 @@ from asperity.errors import ParameterError
 
 FORMAT = 1
 """Number of the file layout."""
-
-Kind = TypeVar("Kind")
-
-
-def save(value: object, known: Kinds, path: str | os.PathLike[str]) -> None:
-    """Write a result as a NumPy ``.npz`` file without pickled objects; it is complete or not there.
-
-    Args:
-        value: of one of the known classes.
-        known: all classes that it is made of, by name.
-        path: of the file.
-    """
-    from asperity import __version__
-
-    arrays: dict[str, Any] = {}
-    text = json.dumps(data.typed(value, "", known, arrays), ensure_ascii=False)
-    entries = {"content": np.asarray(text), **arrays}
-    digests = json.dumps({key: _digest(entry) for key, entry in entries.items()})
-    with atomic(path) as file:
-        np.savez_compressed(
-            file, format=FORMAT, version=__version__, digests=np.asarray(digests), **entries
-        )
-
-
-def load(kind: type[Kind], known: Kinds, path: str | os.PathLike[str]) -> Kind:
-    """Read a result that `save` has written.
-
-    Args:
-        kind: its class.
-        known: as of `save`.
-        path: of the file.
-
-    Raises:
-        ParameterError: naming the place of what is wrong, or ``path`` if the file is something
-            else.
-        FileNotFoundError: if there is none.
-    """
-    with Archive(path, f"a {kind.__name__} that this version can read") as file:
-        for key in ("format", "content", "digests"):
-            if key not in file:
-                raise ParameterError(key, f"is missing: {file.path} must be a {kind.__name__}")
-        number = file["format"]
-        if number.shape or number.dtype.kind != "i" or not 1 <= int(number) <= FORMAT:
-            raise ParameterError("format", f"must be {FORMAT} or older, in {file.path}")
-        entries = {key: file[key] for key in file.keys if key not in _HEAD}
-        try:
-            _compare(entries, _parsed(file["digests"], "digests"))
-            table, arrays = _parsed(entries.pop("content"), "content"), entries
-            name = table.get("type") if isinstance(table, dict) else None
-            if name != kind.__name__:
-                raise ParameterError(
-                    "content", f"must be of the type {kind.__name__}, is of {name!r}"
-                )
-            found = data.built_as_typed(table, "", known, arrays)
-            assert isinstance(found, kind)
-        except ParameterError as error:
-            raise type(error)(error.argument, f"{error.message}, in {file.path}") from None
-        return found
 
 
 class SavedResult(TableResult):
@@ -98,7 +40,16 @@ class SavedResult(TableResult):
         Args:
             path: of the file, which replaces an older one only when it is complete.
         """
-        save(self, self._known(), path)
+        from asperity import __version__
+
+        arrays: dict[str, Any] = {}
+        text = json.dumps(data.typed(self, "", self._known(), arrays), ensure_ascii=False)
+        entries = {"content": np.asarray(text), **arrays}
+        digests = json.dumps({key: _digest(entry) for key, entry in entries.items()})
+        with atomic(path) as file:
+            np.savez_compressed(
+                file, format=FORMAT, version=__version__, digests=np.asarray(digests), **entries
+            )
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
@@ -111,7 +62,28 @@ class SavedResult(TableResult):
             ParameterError: naming what is missing, damaged or of something else.
             FileNotFoundError: if there is none.
         """
-        return load(cls, cls._known(), path)
+        with Archive(path, f"a {cls.__name__} that this version can read") as file:
+            for key in ("format", "content", "digests"):
+                if key not in file:
+                    raise ParameterError(key, f"is missing: {file.path} must be a {cls.__name__}")
+            number = file["format"]
+            if number.shape or number.dtype.kind != "i" or not 1 <= int(number) <= FORMAT:
+                raise ParameterError("format", f"must be {FORMAT} or older, in {file.path}")
+            entries = {key: file[key] for key in file.keys if key not in _HEAD}
+            try:
+                _compare(entries, _parsed(file["digests"], "digests"))
+                return cls._made(_parsed(entries.pop("content"), "content"), entries)
+            except ParameterError as error:
+                raise type(error)(error.argument, f"{error.message}, in {file.path}") from None
+
+    @classmethod
+    def _made(cls, table: Any, arrays: data.Arrays) -> Self:
+        name = table.get("type") if isinstance(table, dict) else None
+        if name != cls.__name__:
+            raise ParameterError("content", f"must be of the type {cls.__name__}, is of {name!r}")
+        found = data.built_as_typed(table, "", cls._known(), arrays)
+        assert isinstance(found, cls)
+        return found
 
 
 _HEAD = ("format", "version", "digests")

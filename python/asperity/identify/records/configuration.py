@@ -106,11 +106,13 @@ class Configuration(Value):
     @property
     def files(self) -> list[Path]:
         """The files that it names: weighings and records without load."""
-        idle = self._section("no_load").get("files", [])
-        names = [idle] if isinstance(idle, str) else list(idle)
         weighings = self._section("calibration").get("file")
-        listed = names if weighings is None else [weighings, *names]
-        return [Path(self.folder, name) for name in listed]
+        return [*([] if weighings is None else [Path(self.folder, weighings)]), *self._no_load]
+
+    @property
+    def _no_load(self) -> list[Path]:
+        names = self._section("no_load").get("files", [])
+        return [Path(self.folder, name) for name in ([names] if isinstance(names, str) else names)]
 
     def read(self, paths: PathLike | Iterable[PathLike], *, progress: Progress = None) -> RawData:
         """Return the runs in some files, with the calibration, records without load and options.
@@ -131,8 +133,7 @@ class Configuration(Value):
             if self._file is None:
                 return self._read(paths, report)
             with self._file.blamed():
-                raw = self._read(paths, report)
-            return raw
+                return self._read(paths, report)
 
     def _read(self, paths: PathLike | Iterable[PathLike], report: Report | None) -> RawData:
         calibration = self._calibration()
@@ -144,8 +145,7 @@ class Configuration(Value):
                 "normal: the calibration says that the normal load moves the other channels, "
                 "which normal_load cannot replace: give the column of the normal channel as well",
             )
-        names = self._section("no_load").get("files", [])
-        idle = [Path(self.folder, name) for name in ([names] if isinstance(names, str) else names)]
+        idle = self._no_load
         whole = len(files) + len(idle)
         runs = self._runs(files, constant, part_of(report, 0, whole), loaded=True)
         later = part_of(report, len(files), whole)
@@ -166,6 +166,10 @@ class Configuration(Value):
     def _section(self, name: str) -> dict[str, Any]:
         return dict(self.sections.get(name, {}))
 
+    @property
+    def _format(self) -> Format:
+        return Format(**{k: v for k, v in self._section("file").items() if k in _FORMAT})
+
     def _constant_normal(self, files: Sequence[PathLike]) -> float | None:
         """Return the load that stands for a normal channel; None if the files have one.
 
@@ -173,9 +177,8 @@ class Configuration(Value):
         takes the normal channel to remove it.
         """
         load = self._section("tribometer").get("normal_load")
-        form = Format(**{k: v for k, v in self._section("file").items() if k in _FORMAT})
         named = "normal" in self._section("columns")
-        if load is None or named or (files and has_column(files[0], "normal", form)):
+        if load is None or named or (files and has_column(files[0], "normal", self._format)):
             return None
         return float(load)
 
@@ -216,8 +219,7 @@ class Configuration(Value):
     def _weighings(self, path: Path) -> tuple[Array, Array]:
         columns = self._section("columns")
         wanted = {name: name for name in LOADS} | {n: columns.get(n, n) for n in CHANNELS}
-        form = {key: value for key, value in self._section("file").items() if key in _FORMAT}
-        table = read_table(path, wanted, Format(**form))
+        table = read_table(path, wanted, self._format)
         if not np.isfinite(table.values).all():
             bad = np.flatnonzero(~np.isfinite(table.values).all(axis=1))
             raise RecordError(str(path), f"no number in line {table.lines(bad[:1])[0]}")

@@ -98,14 +98,12 @@ def labels(
     return [str(name) for name in names]
 
 
-def numbers(
-    chosen: int | Sequence[int] | None, count: int, argument: str, *, what: str | None = None
-) -> list[int]:
-    """Return the numbers of the parts to draw, all where none is named."""
+def numbers(chosen: Any, count: int, argument: str, *, what: str | None = None) -> list[int]:
+    """Return the numbers of the parts to draw, of one or several; all where none is named."""
     if chosen is None:
         return list(range(count))
     arrays.refuse_masked(chosen, argument)
-    given = [chosen] if np.ndim(chosen) == 0 else list(chosen)  # type: ignore[arg-type]
+    given = [chosen] if np.ndim(chosen) == 0 else list(chosen)
     wanted = [arrays.count(one, argument, 0) for one in given]
     if not wanted:
         raise ParameterError(argument, "must name one at least")

@@ -84,8 +84,7 @@ def plot_forces_in_reservoir(
         draw_set(ax, reservoir, color=look.INK, label="$C$")
         for options, points in drawn:
             ax.plot(*points.T, linestyle="none", **options)
-        ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
-        ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
+        ax.set(xlabel=r"$-\lambda_1/\lambda_N$", ylabel=r"$-\lambda_2/\lambda_N$")
         ax.legend(ncols=min(len(drawn) + 1, 3), **look.BELOW)
         return ax
 

@@ -89,7 +89,6 @@ def plot_path(
                 ax.plot(*last.T, "o", color=color, markerfacecolor=face, markersize=4.5)
         if contact is not None or any(name is not None for name in names):
             ax.legend()
-        ax.set_aspect("equal")
         first = found[0][1]
         across, up = (
             f"$q_{{{number + 1}}}$ in m"
@@ -97,8 +96,7 @@ def plot_path(
             else chosen.axis_label(first, "coordinate", number)
             for number in coordinates
         )
-        ax.set_xlabel(across)
-        ax.set_ylabel(up)
+        ax.set(aspect="equal", xlabel=across, ylabel=up)
         return ax
 
 
@@ -153,8 +151,10 @@ def plot_phase_portrait(
         if any(name is not None for name in names):
             ax.legend()
         first = found[0][1]
-        ax.set_xlabel(chosen.axis_label(first, "coordinate", coordinate))
-        ax.set_ylabel(chosen.axis_label(first, "velocity", velocities[0]))
+        ax.set(
+            xlabel=chosen.axis_label(first, "coordinate", coordinate),
+            ylabel=chosen.axis_label(first, "velocity", velocities[0]),
+        )
         return ax
 
 

@@ -9,11 +9,10 @@ from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
-from asperity.sets.shapes.turned import TurnedSet
-from asperity.sets.star import StarSet
+from asperity.sets.shapes.turned import SizedSet, TurnedSet
 
 
-class Interval(StarSet):
+class Interval(SizedSet):
     """The interval [lower, upper] of R¹, the force reservoir of a planar mechanism's contact.
 
     Args:
@@ -24,6 +23,8 @@ class Interval(StarSet):
     >>> Interval(-0.2, 0.3).gauge([[0.6], [-0.1]]).tolist()
     [2.0, 0.5]
     """
+
+    _lengths = ("lower", "upper")
 
     lower: float
     upper: float
@@ -36,13 +37,8 @@ class Interval(StarSet):
         core = _core.Set.cuboid(np.array([lower]), np.array([upper]))
         self._set_core(core, lower=lower, upper=upper)
 
-    def scaled(self, factor: float) -> Interval:
-        """Return the set {s x : x ∈ C}."""
-        factor = arrays.positive(factor, "factor")
-        return Interval(factor * self.lower, factor * self.upper)
 
-
-class Box(StarSet):
+class Box(SizedSet):
     """The box {x : |xᵢ| ≤ aᵢ}, or {x : lᵢ ≤ xᵢ ≤ uᵢ}; C = D: independent friction along each axis.
 
     It is a set of friction forces, as of an X–Y table; a rigid body of this shape is made by
@@ -67,6 +63,8 @@ class Box(StarSet):
     1.5
     """
 
+    _lengths = ("half_widths", "lower", "upper")
+
     half_widths: Array | None
     lower: Array
     """lᵢ."""
@@ -84,13 +82,9 @@ class Box(StarSet):
             if lower is not None or upper is not None:
                 raise ParameterError("half_widths", "excludes lower and upper")
             widths = arrays.extents(half_widths, "half_widths")
-            self._set_core(
-                _core.Set.cuboid(-widths, widths),
-                half_widths=arrays.read_only(widths),
-                lower=None,
-                upper=None,
-            )
-            self._keep(lower=arrays.read_only(-widths), upper=self.half_widths)
+            core = _core.Set.cuboid(-widths, widths)
+            self._set_core(core, half_widths=widths, lower=None, upper=None)
+            self._keep(lower=-widths, upper=widths)
             return
         if lower is None or upper is None:
             raise ParameterError("half_widths", "must be given, or lower and upper")
@@ -98,18 +92,7 @@ class Box(StarSet):
         low = arrays.array(lower, "lower", (len(high),))
         if (low >= 0.0).any():
             raise ParameterError("lower", f"must be negative, got {low.tolist()}")
-        self._set_core(
-            _core.Set.cuboid(low, high),
-            half_widths=None,
-            lower=arrays.read_only(low),
-            upper=arrays.read_only(high),
-        )
-
-    def scaled(self, factor: float) -> Box:
-        """Return the set {s x : x ∈ C}."""
-        factor = arrays.positive(factor, "factor")
-        given = {name: one for name, one in self._parameters.items() if one is not None}
-        return Box(**{name: factor * one for name, one in given.items()})
+        self._set_core(_core.Set.cuboid(low, high), half_widths=None, lower=low, upper=high)
 
 
 class Rectangle(TurnedSet):
@@ -153,6 +136,8 @@ class CappedRectangle(TurnedSet):
     [1.0, 1.0]
     """
 
+    _lengths = ("a", "b", "cap")
+
     cap: float
 
     def __init__(self, a: float, b: float, *, cap: float, angle: float = 0.0) -> None:
@@ -160,8 +145,3 @@ class CappedRectangle(TurnedSet):
         cap = arrays.size(cap, "cap")
         upright = _core.Set.capped_rectangle(a, b, cap)
         self._set_angled(upright, angle, a=a, b=b, cap=cap)
-
-    def scaled(self, factor: float) -> CappedRectangle:
-        """Return the set {s x : x ∈ C}."""
-        factor = arrays.positive(factor, "factor")
-        return self.replace(a=factor * self.a, b=factor * self.b, cap=factor * self.cap)

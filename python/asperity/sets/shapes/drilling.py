@@ -6,12 +6,12 @@ from typing import Literal
 
 from asperity import _core
 from asperity._base import arrays
-from asperity.sets.star import StarSet
+from asperity.sets.shapes.turned import SizedSet
 
 Pressure = Literal["hertz", "uniform"]
 
 
-class CoulombContensou(StarSet):
+class CoulombContensou(SizedSet):
     """The reservoir in R³ of a circular contact area of radius R that slides and drills.
 
     Slip is (v₁, v₂, Rω), force (λ₁, λ₂, τ/R) per unit normal force. Each point of the area obeys
@@ -30,6 +30,8 @@ class CoulombContensou(StarSet):
     (0.3, 0.176714587)
     """
 
+    _lengths = ("mu",)
+
     mu: float
     pressure: Pressure
 
@@ -37,7 +39,3 @@ class CoulombContensou(StarSet):
         mu = arrays.positive(mu, "mu")
         pressure = arrays.choice(pressure, "pressure", ("hertz", "uniform"))
         self._set_core(_core.Set.coulomb_contensou(mu, pressure), mu=mu, pressure=pressure)
-
-    def scaled(self, factor: float) -> CoulombContensou:
-        """Return the set {s x : x ∈ C}."""
-        return self.replace(mu=arrays.positive(factor, "factor") * self.mu)

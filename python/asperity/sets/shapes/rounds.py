@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -9,11 +11,21 @@ from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError
-from asperity.sets.shapes.turned import TurnedSet
-from asperity.sets.star import StarSet
+from asperity.sets.shapes.turned import SizedSet, TurnedSet
 
 
-class Ball(StarSet):
+class RoundSet(SizedSet):
+    """A ball, which looks the same from all sides."""
+
+    _lengths = ("radius",)
+
+    def rotated(self, angle: float) -> Self:
+        """Return the set itself."""
+        arrays.number(angle, "angle")
+        return self
+
+
+class Ball(RoundSet):
     """The ball {x : ‖x‖ ≤ radius} of R¹, R² or R³.
 
     It is a set of friction forces; a rigid body of this shape is made by `Body.ball`.
@@ -34,18 +46,8 @@ class Ball(StarSet):
             raise DimensionError("dimension", f"must be 1, 2 or 3, got {dimension}")
         self._set_core(_core.Set.ball(dimension, radius), radius=radius, dimension=dimension)
 
-    def rotated(self, angle: float) -> Ball:
-        """Return the ball itself."""
-        arrays.number(angle, "angle")
-        return self
 
-    def scaled(self, factor: float) -> Ball:
-        """Return the set {s x : x ∈ C}."""
-        factor = arrays.positive(factor, "factor")
-        return self.replace(radius=factor * self._parameters["radius"])
-
-
-class Disk(StarSet):
+class Disk(RoundSet):
     """The disk {x : ‖x‖ ≤ radius}, the force reservoir of isotropic Coulomb friction.
 
     It is a set of friction forces; a rigid body of this shape is made by `PlanarBody.disk`.
@@ -63,15 +65,6 @@ class Disk(StarSet):
     def __init__(self, radius: float) -> None:
         radius = arrays.positive(radius, "radius")
         self._set_core(_core.Set.ball(2, radius), radius=radius)
-
-    def rotated(self, angle: float) -> Disk:
-        """Return the disk itself."""
-        arrays.number(angle, "angle")
-        return self
-
-    def scaled(self, factor: float) -> Disk:
-        """Return the set {s x : x ∈ C}."""
-        return Disk(arrays.positive(factor, "factor") * self._parameters["radius"])
 
 
 class Ellipse(TurnedSet):
@@ -119,7 +112,7 @@ class Ellipse(TurnedSet):
         return cls(a, b, angle=angle)
 
 
-class Ellipsoid(StarSet):
+class Ellipsoid(SizedSet):
     """The ellipsoid {x : Σ (eᵢ·x/aᵢ)² ≤ 1} of R¹, R² or R³.
 
     Args:
@@ -137,6 +130,8 @@ class Ellipsoid(StarSet):
     3.0
     """
 
+    _lengths = ("semi_axes",)
+
     semi_axes: Array
     axes: Array | None
 
@@ -144,15 +139,7 @@ class Ellipsoid(StarSet):
         lengths = arrays.extents(semi_axes, "semi_axes")
         size = len(lengths)
         directions = None if axes is None else arrays.array(axes, "axes", (size, size))
-        self._set_core(
-            _core.Set.ellipsoid(lengths, directions),
-            semi_axes=arrays.read_only(lengths),
-            axes=None if directions is None else arrays.read_only(directions),
-        )
-
-    def scaled(self, factor: float) -> Ellipsoid:
-        """Return the set {s x : x ∈ C}."""
-        return self.replace(semi_axes=arrays.positive(factor, "factor") * self.semi_axes)
+        self._set_core(_core.Set.ellipsoid(lengths, directions), semi_axes=lengths, axes=directions)
 
 
 class Superellipse(TurnedSet):
@@ -185,7 +172,7 @@ class Superellipse(TurnedSet):
         self._set_angled(upright, angle, a=a, b=b, exponent=exponent)
 
 
-class Superellipsoid(StarSet):
+class Superellipsoid(SizedSet):
     """The superellipsoid {x : Σ |xᵢ/aᵢ|^s ≤ 1} of R¹, R² or R³ with its axes along the coordinates.
 
     An octahedron for s = 1, an ellipsoid for s = 2, nearly a box for large s; for s < 1 it is
@@ -205,18 +192,13 @@ class Superellipsoid(StarSet):
     False
     """
 
+    _lengths = ("semi_axes",)
+
     semi_axes: Array
     exponent: float
 
     def __init__(self, semi_axes: ArrayLike, *, exponent: float) -> None:
         lengths = arrays.extents(semi_axes, "semi_axes")
         exponent = arrays.positive(exponent, "exponent")
-        self._set_core(
-            _core.Set.superellipsoid(lengths, exponent),
-            semi_axes=arrays.read_only(lengths),
-            exponent=exponent,
-        )
-
-    def scaled(self, factor: float) -> Superellipsoid:
-        """Return the set {s x : x ∈ C}."""
-        return self.replace(semi_axes=arrays.positive(factor, "factor") * self.semi_axes)
+        core = _core.Set.superellipsoid(lengths, exponent)
+        self._set_core(core, semi_axes=lengths, exponent=exponent)

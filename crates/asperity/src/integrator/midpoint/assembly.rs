@@ -12,7 +12,7 @@ use super::products::Part;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus};
 use crate::system::mass::MassFactors;
-use crate::system::{Configuration, Constancy, ContactLaw, Midpoint, Step, System, SystemError};
+use crate::system::{Configuration, Constancy, Midpoint, Step, System, SystemError};
 use crate::vectors::copy;
 
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
@@ -26,9 +26,8 @@ const SLIDING: f64 = 4.0;
 /// The system and its closed contacts at the midpoint.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
-    /// What of the system never changes, and whether its contacts neither open, close nor change their directions.
+    /// What of the system never changes.
     constancy: Constancy,
-    fixed: bool,
     midpoint: Midpoint,
     mass: MassFactors,
     has_mass: bool,
@@ -48,23 +47,10 @@ pub(super) struct Assembly {
     /// The blocks that a new contact touches.
     struck: Vec<bool>,
     factors: Factors,
-    /// The entries of `Wᵀ` and `M⁻¹W` where neither changes from step to step and all that a step needs of the contacts is
-    /// products with them.
-    constant: Option<Vec<Entry>>,
+    /// Whether a step only needs products with `Wᵀ` and `M⁻¹W`, see [`is_constant`](Self::is_constant).
+    constant: bool,
     /// The contact whose rows were evaluated last.
     evaluated: Evaluated,
-}
-
-/// An entry of `Wᵀ` with that of `M⁻¹W` in the same place.
-#[derive(Debug, Clone, Copy)]
-struct Entry {
-    row: usize,
-    velocity: usize,
-    direction: f64,
-    response: f64,
-    /// Whether it is the last one of its row and block, whose products are added up before the row is: in the order in
-    /// which all entries are, so that a run that is continued has the same velocities to the bit.
-    last: bool,
 }
 
 /// Rows and χ of one contact.
@@ -157,10 +143,8 @@ impl Assembly {
     pub(super) fn new(system: &dyn System, q: &[f64], u: &[f64], momenta: Vec<f64>) -> Self {
         let (dof, constancy) = (system.dof(), system.constancy());
         let momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
-        let given = |contact: &ContactLaw| contact.normal_force().is_some();
         Self {
             constancy,
-            fixed: constancy.contacts && system.contacts().iter().all(given),
             midpoint: Midpoint {
                 q: q.to_vec(),
                 before: vec![0.0; dof],
@@ -219,14 +203,16 @@ impl Assembly {
         }
         let Midpoint { before, forces, .. } = &self.midpoint;
         self.mass.accelerate(system, before, (dt, forces), &mut self.free);
-        let (mut same, mut changed) = (true, false);
-        if closed.ready && self.fixed && !new_mass {
-            self.update_all_velocities(closed);
-        } else {
-            (same, changed) = self.find_closed(system, step, new_mass, closed)?;
-            if !same {
-                self.renew(system, step, closed)?;
-            }
+        if self.constant && closed.ready && !new_mass {
+            let loads = closed.problem.free_velocity_mut();
+            copy(&self.chi, loads);
+            let Self { free, directions, .. } = self;
+            Part { entries: directions, width: free.len() }.add_product(free, loads);
+            return Ok(Change::None);
+        }
+        let (same, changed) = self.find_closed(system, step, new_mass, closed)?;
+        if !same {
+            self.renew(system, step, closed)?;
         }
         if self.factors.any() {
             self.factors.update(&closed.problem, |row| self.slip[row]);
@@ -234,7 +220,7 @@ impl Assembly {
         if !same || changed || self.factors.any() {
             self.fill(system, closed);
             closed.check_directions()?;
-            self.find_constant(closed);
+            self.constant = self.is_constant(system, closed);
         }
         if closed.bounces() {
             closed.bounce(|row| self.slip[row]);
@@ -377,54 +363,16 @@ impl Assembly {
         }
     }
 
-    /// The entries that are not zero, if nothing but them is needed from now on.
-    fn find_constant(&mut self, closed: &Closed) {
-        let plain =
-            !self.factors.any() && !closed.bounces() && self.chord.iter().all(|&c| c == 0.0);
-        if !(self.fixed && self.constancy.mass && plain) {
-            self.constant = None;
-            return;
-        }
-        let mut entries = Vec::new();
-        for rows in &self.contacts {
-            for k in 0..rows.len {
-                for side in &self.sides[rows.sides.clone()] {
-                    let first = rows.place + k * rows.width + side.offset;
-                    for i in 0..side.len {
-                        let (row, velocity) = (rows.first + k, side.velocity + i);
-                        let direction = self.directions[first + i];
-                        let response = self.responses[first + i];
-                        if direction != 0.0 || response != 0.0 {
-                            let last = false;
-                            entries.push(Entry { row, velocity, direction, response, last });
-                        }
-                    }
-                    if let Some(entry) = entries.last_mut() {
-                        entry.last = true;
-                    }
-                }
-            }
-        }
-        self.constant = Some(entries);
-    }
-
-    /// Brings the velocities of all contacts up to date where these neither open nor close.
-    #[inline(always)]
-    fn update_all_velocities(&mut self, closed: &mut Closed) {
-        let Some(entries) = &self.constant else {
-            return (0..self.contacts.len())
-                .for_each(|place| self.update_velocities(place, 0.0, closed));
-        };
-        let loads = closed.problem.free_velocity_mut();
-        copy(&self.chi, loads);
-        let mut sum = 0.0;
-        for entry in entries {
-            sum += entry.direction * self.free[entry.velocity];
-            if entry.last {
-                loads[entry.row] += sum;
-                sum = 0.0;
-            }
-        }
+    /// Whether all that steps need of the contacts from now on are products with `Wᵀ` and `M⁻¹W` as they are, each one
+    /// matrix, as all velocities are in one block.
+    fn is_constant(&self, system: &dyn System, closed: &Closed) -> bool {
+        let Constancy { mass, contacts } = self.constancy;
+        mass && contacts
+            && system.blocks().count() == 1
+            && system.contacts().iter().all(|contact| contact.normal_force().is_some())
+            && !self.factors.any()
+            && !closed.bounces()
+            && self.chord.iter().all(|&c| c == 0.0)
     }
 
     /// Brings the velocities of a contact up to date; `closing` is that with which it closes its gap in a step.
@@ -536,7 +484,7 @@ impl Assembly {
     pub(super) fn fill(&mut self, system: &dyn System, closed: &mut Closed) {
         for rows in &self.contacts {
             for k in 0..rows.len {
-                let factor = self.factors.of(rows.first + k);
+                let factor = self.factors.rows()[rows.first + k];
                 let start = rows.place + k * rows.width;
                 for side in &self.sides[rows.sides.clone()] {
                     let first = start + side.offset;
@@ -599,12 +547,17 @@ impl Assembly {
         q: &mut [f64],
         u: &mut [f64],
     ) -> Result<(), SystemError> {
-        if let Some(entries) = &self.constant {
-            for entry in entries {
-                self.free[entry.velocity] += entry.response * percussion[entry.row];
-            }
-            return system.finish(&mut self.midpoint, &self.free, dt, q, u);
+        if self.constant {
+            let Self { free, responses, .. } = self;
+            Part { entries: responses, width: free.len() }.add_transposed(percussion, free);
+        } else {
+            self.add_responses(percussion);
         }
+        system.finish(&mut self.midpoint, &self.free, dt, q, u)
+    }
+
+    /// Adds what percussions change of the velocities.
+    fn add_responses(&mut self, percussion: &[f64]) {
         for rows in &self.contacts {
             let own = &percussion[rows.first..rows.first + rows.len];
             for side in &self.sides[rows.sides.clone()] {
@@ -612,7 +565,6 @@ impl Assembly {
                 rows.part(0, side, &self.responses).add_transposed(own, free);
             }
         }
-        system.finish(&mut self.midpoint, &self.free, dt, q, u)
     }
 }
 

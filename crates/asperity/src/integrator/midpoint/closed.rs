@@ -81,14 +81,16 @@ impl Closed {
         self.known[contact].closed
     }
 
-    /// The step is made, and its contacts are those that were closed.
+    /// The step is made, and its contacts are those that were closed; whether they are others than in the step before.
     #[inline]
-    pub(super) fn settle(&mut self) {
-        if std::mem::take(&mut self.renewed) {
+    pub(super) fn settle(&mut self) -> bool {
+        let renewed = std::mem::take(&mut self.renewed);
+        if renewed {
             for (known, &is_active) in self.known.iter_mut().zip(&self.is_active) {
                 known.closed = is_active;
             }
         }
+        renewed
     }
 
     /// Makes the contacts found closed the active ones, with a problem of zeros to be filled in.

@@ -10,13 +10,15 @@
 //! | `assembly.rs`, `coupling.rs` | from a system at the midpoint to the contact problem, and back |
 //! | `closed.rs` | the contacts that are closed, and what they remember |
 //! | `rated.rs`, `linear_solve.rs` | friction that depends on the speed |
-//! | `state.rs`, `outcome.rs` | what a run hands over; what comes of a step |
+//! | `state.rs` | what a run hands over |
+//! | `outcome.rs`, `outputs.rs` | what comes of a step; what is kept of its contacts |
 
 mod assembly;
 mod closed;
 mod coupling;
 mod linear_solve;
 mod outcome;
+mod outputs;
 mod products;
 mod rated;
 mod state;

@@ -368,10 +368,10 @@ impl Factors {
         }
     }
 
-    /// The factor of a row, one for rows without.
+    /// The factors of all rows, one for those without.
     #[inline]
-    pub(super) fn of(&self, row: usize) -> f64 {
-        self.rows[row]
+    pub(super) fn rows(&self) -> &[f64] {
+        &self.rows
     }
 }
 

@@ -3,12 +3,13 @@
 use std::cell::Cell;
 
 use super::closed::Change;
-use super::outcome::{ContactOutput, StepError};
+use super::outcome::StepError;
 use super::rated::Correction;
 use super::stepper::Stepper;
 use crate::contact::{ContactRows, Memory};
 use crate::solver::{self, SolveReport, Status, Stop};
 use crate::system::Step;
+use crate::vectors::are_finite;
 
 // Constants of friction that depends on the speed were multiplied by ¼, ½, 2 and 4 in 6000 steps of 60 random linear
 // systems of up to four velocities and four contacts with Stribeck's law. Of the results these depend on none but on
@@ -84,8 +85,8 @@ impl Stepper<'_> {
             self.memory.copy_from(&self.before);
             return Err(error.into());
         }
-        self.keep_outputs();
-        self.closed.settle();
+        let Self { outputs, closed, memory, workspace, assembly, .. } = self;
+        outputs.keep(closed, memory, &workspace.velocity, assembly.factors());
         self.steps += 1;
         self.check_finite()?;
         Ok(report)
@@ -205,45 +206,5 @@ impl Stepper<'_> {
         let broken = |state: &[f64]| state.iter().position(|v| !v.is_finite());
         let coordinate = broken(&self.u).or_else(|| broken(&self.q)).unwrap_or(0);
         Err(StepError::NotFinite { time: self.time(), coordinate })
-    }
-
-    /// Keeps what the closed contacts do, before the next step changes the contact problem.
-    pub(super) fn keep_outputs(&mut self) {
-        let Self { closed, memory, workspace, assembly, outputs, system, dt, .. } = self;
-        let factors = assembly.factors();
-        if outputs.len() > closed.active.len() {
-            outputs.fill(None);
-        }
-        let laws = system.contacts();
-        let rows = closed.active.iter().zip(closed.problem.contacts());
-        for ((&contact, rows), state) in rows.zip(&memory.states) {
-            let own = rows.tangential_rows();
-            // All tangential rows of a contact have one factor.
-            let factor = factors.of(own.start);
-            let force = padded(&memory.percussion[own.clone()]).map(|p| p * factor / *dt);
-            let normal_force = match laws[contact].normal_force() {
-                Some(value) => value,
-                None => memory.percussion[rows.offset] / *dt,
-            };
-            let (phase, slip) = (state.phase, padded(&workspace.velocity[own]));
-            outputs[contact] = Some(ContactOutput { phase, slip, force, normal_force });
-        }
-    }
-}
-
-/// Whether all are numbers and none is infinite.
-#[inline(always)]
-fn are_finite(values: &[f64]) -> bool {
-    values.iter().all(|v| v.is_finite())
-}
-
-/// The components of a contact's friction, unused ones zero.
-#[inline(always)]
-fn padded(values: &[f64]) -> [f64; 3] {
-    match *values {
-        [a] => [a, 0.0, 0.0],
-        [a, b] => [a, b, 0.0],
-        [a, b, c, ..] => [a, b, c],
-        [] => [0.0; 3],
     }
 }

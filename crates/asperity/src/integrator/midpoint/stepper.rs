@@ -3,6 +3,7 @@
 use super::assembly::Assembly;
 use super::closed::Closed;
 use super::outcome::{ContactOutput, StepError};
+use super::outputs::Outputs;
 use super::state::State;
 use crate::argument::below;
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
@@ -27,8 +28,7 @@ pub struct Stepper<'a> {
     /// The memory before the present step.
     pub(super) before: Memory,
     pub(super) workspace: Workspace,
-    /// What the contacts did in the last step; none of those that were open.
-    pub(super) outputs: Vec<Option<ContactOutput>>,
+    pub(super) outputs: Outputs,
 }
 
 impl<'a> Stepper<'a> {
@@ -66,10 +66,10 @@ impl<'a> Stepper<'a> {
             memory: Memory::default(),
             before: Memory::default(),
             workspace: Workspace::default(),
-            outputs: vec![None; system.contacts().len()],
+            outputs: Outputs::new(system.contacts().len()),
         };
         if contacts.is_empty() {
-            for contact in 0..stepper.outputs.len() {
+            for contact in 0..system.contacts().len() {
                 let slip = stepper.slip(contact)?;
                 if slip.iter().any(|&v| v != 0.0) {
                     stepper.closed.known[contact].state = ContactState::new(Phase::Slip, slip);
@@ -147,8 +147,13 @@ impl<'a> Stepper<'a> {
 
     /// Phase of a contact in the last step; nothing is known of a contact that the system does not have.
     pub fn phase(&self, contact: usize) -> Phase {
-        let output = self.outputs.get(contact);
-        output.map_or(Phase::Unknown, |output| output.map_or(Phase::Open, |output| output.phase))
+        self.phases().get(contact).copied().unwrap_or(Phase::Unknown)
+    }
+
+    /// Phases of all contacts in the last step, in the order of the system's contacts.
+    #[inline]
+    pub(crate) fn phases(&self) -> &[Phase] {
+        &self.outputs.phases
     }
 
     /// What a contact does after the last step.
@@ -157,10 +162,10 @@ impl<'a> Stepper<'a> {
     ///
     /// [`StepError::Options`] if the system has no such contact, [`StepError::System`] if the system fails.
     pub fn output(&mut self, contact: usize) -> Result<ContactOutput, StepError> {
-        match self.outputs.get(contact) {
-            Some(Some(output)) => return Ok(*output),
-            Some(None) => {}
-            None => below("contact", contact, self.outputs.len(), "contacts")?,
+        let laws = self.system.contacts();
+        below("contact", contact, laws.len(), "contacts")?;
+        if let Some(output) = self.outputs.of(contact, &laws[contact], self.dt) {
+            return Ok(output);
         }
         let slip = self.slip(contact)?;
         Ok(ContactOutput { phase: Phase::Open, slip, force: [0.0; 3], normal_force: 0.0 })

@@ -66,32 +66,31 @@ impl<'a> Measured<'a> {
     /// Square of the defect of both inclusions of a contact with the prox parameter `rho`.
     #[inline]
     pub(crate) fn defect(&self, contact: &ContactRows, rho: f64) -> f64 {
-        let normal = self.percussion[contact.offset];
-        defect(contact, (normal, self.xi(contact.offset)), self.friction(contact), rho)
+        let row = contact.offset;
+        let normal = match contact.normal {
+            NormalForce::Prescribed(_) => 0.0,
+            NormalForce::Unilateral => normal_defect(self.percussion[row], self.xi(row), rho),
+        };
+        contact.law.inclusion_defect(self.friction(contact), rho) + normal * normal
     }
 }
 
-/// The same from percussion and velocity in the contact's first row, and its friction.
+/// Defect of `0 ≤ P_N ⊥ ξ_N ≥ 0`.
 #[inline(always)]
-pub(crate) fn defect(
-    contact: &ContactRows,
-    (percussion, xi): (f64, f64),
-    friction: Friction<'_>,
-    rho: f64,
-) -> f64 {
-    let normal_defect = match contact.normal {
-        NormalForce::Prescribed(_) => 0.0,
-        NormalForce::Unilateral => percussion - f64::max(0.0, percussion - rho * xi),
-    };
-    normal_defect * normal_defect + contact.law.inclusion_defect(friction, rho)
+pub(super) fn normal_defect(percussion: f64, xi: f64, rho: f64) -> f64 {
+    percussion - f64::max(0.0, percussion - rho * xi)
 }
 
-/// Defect of the projections that the contact laws are, contact by contact:
+/// How far percussions and velocities are from obeying the contact laws, contact by contact.
 ///
-/// `P_N − max(0, P_N − ρξ_N)` and, for `z = −αP`, `z − prox_{P_N D}(z + ργ)` (\[WL19\] (12), (69)),
-/// with `ρ = rows/tr G` of the contact's own block.
+/// With `ρ = rows/tr G` of the contact's own block the defect of the normal row is `P_N − max(0, P_N − ρξ_N)` (\[WL19\] (12)).
+/// That of friction is the distance from the pair of `P_T` and `ρξ_T` to one near by that obeys the law with the same
+/// `P_N`, of percussion and velocity the larger part: with `z = −αP_T` and `z′ = prox_{P_N D}(z + αρξ_T)` (\[WL19\] (69)) it is
+/// `max(‖P_T + z′/α(z′)‖, ‖z − z′‖/α)`, or the distance to rest, `‖P_T‖ max(0, 1 − 1/k_C(−P_T/P_N)) + ρ‖ξ_T‖`,
+/// where that is less. For `D = C` it is `‖z − z′‖`, the natural map of friction.
 ///
-/// It vanishes exactly at solutions: the second is zero iff `k_C(−P/P_N) ≤ 1` and `γ ∈ N_D(z)`. The
+/// It vanishes exactly at solutions. A friction percussion is no farther beyond its reservoir than that, nor, in slip, farther
+/// within; and what the velocity is off the normal of *D* is no larger either, however thin *D* is beside *C*. The
 /// defect of a contact is taken relative to its own percussion and loads, so that a light contact
 /// cannot hide the defect of a heavy one.
 ///

@@ -1,9 +1,10 @@
 //! Residual and growth of one contact after another, in one pass with their solution.
 
 use super::growth::Size;
-use super::natural_residual::{defect, relative};
-use crate::contact::{ContactProblem, ContactRows};
-use crate::law::Friction;
+use super::natural_residual::{normal_defect, relative};
+use crate::contact::ContactProblem;
+use crate::contact::NormalForce::{Prescribed, Unilateral};
+use crate::law::{self, Friction, FrictionLaw, Law};
 
 /// What is measured of one contact in its own rows.
 #[derive(Debug, Clone, Copy)]
@@ -14,23 +15,27 @@ pub(crate) struct OwnMeasure {
     pub(crate) size: Size,
 }
 
-/// Percussions and velocities `γ_E` of one contact, with `Σ_j |G_ij P_j|`.
-struct Own<'a, const N: usize> {
-    percussion: &'a [f64; N],
-    velocity: &'a [f64; N],
-    brought: [f64; N],
+/// One contact of a problem, with its law.
+struct Own<'a, const P: usize> {
+    problem: &'a ContactProblem,
+    contact: usize,
+    law: &'a FrictionLaw<P>,
 }
 
-/// Calls a function of the number of rows of a contact.
+/// Calls a function of the number of rows and of components of friction with a contact and its law.
 macro_rules! by_rows {
-    ($len:expr, $of:ident $arguments:tt) => {
-        match $len {
-            1 => $of::<1> $arguments,
-            2 => $of::<2> $arguments,
-            3 => $of::<3> $arguments,
-            _ => $of::<4> $arguments,
+    ($problem:expr, $contact:expr, $of:ident, $($argument:expr),*) => {{
+        let (problem, contact) = ($problem, $contact);
+        let rows = &problem.contacts()[contact];
+        match (&rows.law, rows.normal) {
+            (Law::One(law), Prescribed(_)) => $of::<1, 1>(Own { problem, contact, law }, $($argument),*),
+            (Law::One(law), Unilateral) => $of::<2, 1>(Own { problem, contact, law }, $($argument),*),
+            (Law::Two(law), Prescribed(_)) => $of::<2, 2>(Own { problem, contact, law }, $($argument),*),
+            (Law::Two(law), Unilateral) => $of::<3, 2>(Own { problem, contact, law }, $($argument),*),
+            (Law::Three(law), Prescribed(_)) => $of::<3, 3>(Own { problem, contact, law }, $($argument),*),
+            (Law::Three(law), Unilateral) => $of::<4, 3>(Own { problem, contact, law }, $($argument),*),
         }
-    };
+    }};
 }
 
 /// Measures a contact that no other influences, from the percussions in its own rows; their velocities are found on the
@@ -42,7 +47,7 @@ pub(crate) fn measure_alone(
     percussion: &[f64],
     velocity: &mut [f64],
 ) -> OwnMeasure {
-    by_rows!(percussion.len(), alone(problem, contact, percussion, velocity))
+    by_rows!(problem, contact, alone, percussion, velocity)
 }
 
 /// Measures a contact that others may influence, from the percussions in all rows; its velocities are found on the way.
@@ -53,76 +58,79 @@ pub(crate) fn measure_coupled(
     percussion: &[f64],
     velocity: &mut [f64],
 ) -> OwnMeasure {
-    by_rows!(problem.contacts()[contact].len(), coupled(problem, contact, percussion, velocity))
+    by_rows!(problem, contact, coupled, percussion, velocity)
 }
 
 #[inline(always)]
-fn alone<const N: usize>(
-    problem: &ContactProblem,
-    contact: usize,
+fn alone<const N: usize, const P: usize>(
+    own: Own<'_, P>,
     percussion: &[f64],
     velocity: &mut [f64],
 ) -> OwnMeasure {
-    let rows = &problem.contacts()[contact];
-    let own = problem.delassus().blocks().only_block::<N>(contact);
-    let (percussion, velocity) = (first::<N>(percussion), &mut velocity[..N]);
-    let free = first::<N>(&problem.free_velocity()[rows.offset..]);
+    let Own { problem, contact, .. } = own;
+    let block = problem.delassus().blocks().only_block::<N>(contact);
+    let percussion = first::<N>(percussion);
+    let free = first::<N>(&problem.free_velocity()[problem.contacts()[contact].offset..]);
     // With one contact nothing is brought by others, see `scale` of the natural residual. Terms are added in the order of
     // `ContactProblem::velocity`, so that velocities do not tell, to the bit, which way they were found.
     let only = problem.contacts().len() == 1;
-    let counted = if only { 0.0 } else { 1.0 };
     let (mut sums, mut brought) = (if only { *free } else { [0.0; N] }, [0.0; N]);
     for a in 0..N {
         for b in 0..N {
-            let term = own[N * a + b] * percussion[b];
+            let term = block[N * a + b] * percussion[b];
             sums[a] += term;
-            brought[a] += counted * term.abs();
+            brought[a] += term.abs();
         }
     }
-    if !only {
+    if only {
+        brought = [0.0; N];
+    } else {
         sums = std::array::from_fn(|a| sums[a] + free[a]);
     }
-    velocity.copy_from_slice(&sums);
-    measure(problem, contact, rows, Own { percussion, velocity: &sums, brought })
+    velocity[..N].copy_from_slice(&sums);
+    measure(own, percussion, &sums, &brought)
 }
 
 #[inline(always)]
-fn coupled<const N: usize>(
-    problem: &ContactProblem,
-    contact: usize,
+fn coupled<const N: usize, const P: usize>(
+    own: Own<'_, P>,
     percussion: &[f64],
     velocity: &mut [f64],
 ) -> OwnMeasure {
-    let rows = &problem.contacts()[contact];
+    let Own { problem, contact, .. } = own;
+    let rows = problem.contacts()[contact].rows();
     let (sums, brought) = problem.delassus().blocks().row_products::<N>(contact, percussion);
-    let free = first::<N>(&problem.free_velocity()[rows.offset..]);
+    let free = first::<N>(&problem.free_velocity()[rows.start..]);
     let sums = std::array::from_fn(|a| free[a] + sums[a]);
-    velocity[rows.rows()].copy_from_slice(&sums);
-    let percussion = first::<N>(&percussion[rows.offset..]);
-    measure(problem, contact, rows, Own { percussion, velocity: &sums, brought })
+    velocity[rows.clone()].copy_from_slice(&sums);
+    measure(own, first::<N>(&percussion[rows.start..]), &sums, &brought)
 }
 
-/// The measure of a contact with `N` rows.
+/// The measure of a contact with `N` rows, from its percussions, its velocities `γ_E` and `Σ_j |G_ij P_j|`.
 #[inline(always)]
-fn measure<const N: usize>(
-    problem: &ContactProblem,
-    contact: usize,
-    rows: &ContactRows,
-    own: Own<'_, N>,
+fn measure<const N: usize, const P: usize>(
+    own: Own<'_, P>,
+    percussion: &[f64; N],
+    velocity: &[f64; N],
+    brought: &[f64; N],
 ) -> OwnMeasure {
-    let Own { percussion, velocity, brought } = own;
+    let Own { problem, contact, law } = own;
+    let rows = &problem.contacts()[contact];
     let rho = problem.rho(contact);
     let free = first::<N>(&problem.free_velocity()[rows.offset..]);
     let restitution = first::<N>(&problem.restitution()[rows.offset..]);
-    let normal_rows = rows.normal_rows();
+    let normal_rows = N - P;
     let friction = Friction {
         normal: rows.normal.prescribed().unwrap_or(percussion[0]),
         tangent: &percussion[normal_rows..],
         velocity: &velocity[normal_rows..],
         restitution: &restitution[normal_rows..],
     };
+    let mut defect = law::inclusion_defect(law, friction, rho);
     let xi = velocity[0] + restitution[0];
-    let defect = defect(rows, (percussion[0], xi), friction, rho);
+    if normal_rows == 1 {
+        defect += normal_defect(percussion[0], xi, rho).powi(2);
+    }
     let (mut squares, mut loads, mut all) = (0.0, 0.0, 0.0);
     for a in 0..N {
         squares += percussion[a] * percussion[a];

@@ -5,7 +5,7 @@ use asperity_set::{Matrix, StarSet, Vector};
 use super::block::Block;
 use super::effort::{Effort, Evaluations};
 use super::single::{self, Graded, Single};
-use crate::contact::{ContactRows, ContactState, Phase};
+use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
 use crate::law::{ContactVector, FrictionLaw};
 use crate::solver::measure::natural_residual::ROUNDED;
 
@@ -115,10 +115,13 @@ impl<'a, const P: usize> Local<'a, P> {
         block: &'a Block,
         held: &[f64; 4],
     ) -> Self {
-        let prescribed = rows.normal.prescribed();
-        let b_n = if prescribed.is_none() { held[0] } else { 0.0 };
-        let first = rows.normal_rows();
-        let b_t = Vector::<P>::from_fn(|i, _| held[first + i]);
+        let [normal, tangential @ ..] = held;
+        let (prescribed, b_n, b_t) = match rows.normal {
+            NormalForce::Prescribed(force) => {
+                (Some(force), 0.0, Vector::<P>::from_fn(|i, _| held[i]))
+            }
+            NormalForce::Unilateral => (None, *normal, Vector::<P>::from_fn(|i, _| tangential[i])),
+        };
         Self { law, block, prescribed, b_n, b_t }
     }
 

@@ -56,11 +56,26 @@ pub(crate) struct Start<'a> {
     pub(crate) slip: Option<[f64; 3]>,
 }
 
-/// The same with the method for its dimension.
-enum ByDimension<'a> {
-    Line(Local<'a, 1>),
-    Plane(Local<'a, 2>),
-    Space(Single<'a, 3>),
+/// What one of three expressions says of a contact with the data of its dimension: on a line, in the plane, in space.
+macro_rules! by_dimension {
+    ($contact:expr, Line($line:pat) => $on_line:expr, Plane($plane:pat) => $in_plane:expr, Space($space:pat) => $in_space:expr) => {{
+        let OneContact { problem, contact, block, held } = *$contact;
+        let rows = &problem.contacts()[contact];
+        match &rows.law {
+            Law::One(law) => {
+                let $line = &Local::<1>::new(law, rows, block, &held);
+                $on_line
+            }
+            Law::Two(law) => {
+                let $plane = &Local::<2>::new(law, rows, block, &held);
+                $in_plane
+            }
+            Law::Three(law) => {
+                let $space = &Single::<3>::of(problem, contact, law, &held);
+                $in_space
+            }
+        }
+    }};
 }
 
 impl<'a> OneContact<'a> {
@@ -81,18 +96,6 @@ impl<'a> OneContact<'a> {
         Self { problem, contact, block, held: problem.load(contact) }
     }
 
-    #[inline(always)]
-    fn by_dimension(&self) -> ByDimension<'a> {
-        let (rows, held) = (&self.problem.contacts()[self.contact], &self.held);
-        match &rows.law {
-            Law::One(law) => ByDimension::Line(Local::new(law, rows, self.block, held)),
-            Law::Two(law) => ByDimension::Plane(Local::new(law, rows, self.block, held)),
-            Law::Three(law) => {
-                ByDimension::Space(Single::of(self.problem, self.contact, law, held))
-            }
-        }
-    }
-
     /// Solves the contact and writes its percussions; `None` if no solution is found.
     #[inline(always)]
     pub(crate) fn solve(
@@ -104,25 +107,22 @@ impl<'a> OneContact<'a> {
         effort: &mut Effort,
     ) -> Option<Found> {
         let history = start.history;
-        match self.by_dimension() {
-            ByDimension::Line(local) => {
-                line::solve(&local, history, effort).map(|found| keep(&found, percussion))
-            }
-            ByDimension::Plane(local) => {
-                let guess = || guess(&local, start.slip.unwrap_or_else(|| history.ahead()));
+        by_dimension!(self,
+            Line(local) => Some(keep(&line::solve(local, history, effort)?, percussion)),
+            Plane(local) => {
+                let guess = || guess(local, start.slip.unwrap_or_else(|| history.ahead()));
                 let buffer = &mut candidates.planar;
-                match policy {
-                    Policy::Prove => plane::solve(&local, history, guess, buffer, effort),
-                    Policy::FirstFound => {
-                        plane::first_found(&local, history, guess, buffer, effort)
-                            .map(|solution| Selection { solution, ambiguous: false })
-                    }
+                if policy == Policy::Prove {
+                    let found = plane::solve(local, history, guess, buffer, effort)?;
+                    return Some(keep(&found, percussion));
                 }
-                .map(|found| keep(&found, percussion))
+                let solution = plane::first_found(local, history, guess, buffer, effort)?;
+                Some(keep(&Selection { solution, ambiguous: false }, percussion))
+            },
+            Space(single) => {
+                Some(keep(&space::solve(single, percussion, history, effort)?, percussion))
             }
-            ByDimension::Space(single) => space::solve(&single, percussion, history, effort)
-                .map(|found| keep(&found, percussion)),
-        }
+        )
     }
 
     /// Whether the contact has more than one solution, as far as that is known.
@@ -133,24 +133,22 @@ impl<'a> OneContact<'a> {
             return false;
         }
         let effort = &mut Effort::none();
-        match self.by_dimension() {
-            ByDimension::Line(local) => {
-                line::solve(&local, state, effort).is_some_and(|s| s.ambiguous)
-            }
-            ByDimension::Plane(local) => {
-                let guess = || guess(&local, state.ahead());
-                plane::solve(&local, state, guess, &mut candidates.planar, effort)
+        by_dimension!(self,
+            Line(local) => line::solve(local, state, effort).is_some_and(|s| s.ambiguous),
+            Plane(local) => {
+                let guess = || guess(local, state.ahead());
+                plane::solve(local, state, guess, &mut candidates.planar, effort)
                     .is_some_and(|s| s.ambiguous)
-            }
-            ByDimension::Space(_) => false,
-        }
+            },
+            Space(_) => false
+        )
     }
 
     /// All solutions, on a line with a zero second component; with drilling friction none are listed.
     pub(crate) fn all_solutions(&self) -> Vec<LocalSolution<2>> {
         let mut out = Vec::new();
-        match self.by_dimension() {
-            ByDimension::Line(local) => {
+        by_dimension!(self,
+            Line(local) => {
                 let planar = |s: LocalSolution<1>| LocalSolution {
                     phase: s.phase,
                     normal: s.normal,
@@ -158,13 +156,13 @@ impl<'a> OneContact<'a> {
                     slip: Vector::<2>::new(s.slip[0], 0.0),
                     degenerate: s.degenerate,
                 };
-                out.extend(line::solutions(&local).into_iter().flatten().map(planar));
-            }
-            ByDimension::Plane(local) => {
-                plane::solutions(&local, &mut out);
-            }
-            ByDimension::Space(_) => {}
-        }
+                out.extend(line::solutions(local).into_iter().flatten().map(planar));
+            },
+            Plane(local) => {
+                plane::solutions(local, &mut out);
+            },
+            Space(_) => {}
+        );
         out
     }
 
@@ -177,19 +175,19 @@ impl<'a> OneContact<'a> {
         factor: &Rising<'_>,
         candidates: &mut Candidates,
     ) -> Option<Settled> {
-        match self.by_dimension() {
-            ByDimension::Line(local) => {
+        by_dimension!(self,
+            Line(local) => {
                 let all = &mut candidates.linear;
-                plane::solutions_on_a_line(&local, factor, all);
-                Settled::new(&local, all, state, factor)
-            }
-            ByDimension::Plane(local) => {
+                plane::solutions_on_a_line(local, factor, all);
+                Settled::new(local, all, state, factor)
+            },
+            Plane(local) => {
                 let all = &mut candidates.planar;
-                plane::rising_solutions(&local, factor, all);
-                Settled::new(&local, all, state, factor)
-            }
-            ByDimension::Space(_) => None,
-        }
+                plane::rising_solutions(local, factor, all);
+                Settled::new(local, all, state, factor)
+            },
+            Space(_) => None
+        )
     }
 
     /// Whether it is proven that the contact has no solution.
@@ -206,11 +204,11 @@ impl<'a> OneContact<'a> {
     /// A block whose Schur complement has lost digits proves nothing, nor does a search that finds nothing in
     /// `p = 3`: there are contacts without a solution for which this is false.
     pub(crate) fn proves_no_solution(&self) -> bool {
-        match self.by_dimension() {
-            ByDimension::Line(local) => line::proves_no_solution(&local),
-            ByDimension::Plane(local) => plane::proves_no_solution(&local),
-            ByDimension::Space(_) => false,
-        }
+        by_dimension!(self,
+            Line(local) => line::proves_no_solution(local),
+            Plane(local) => plane::proves_no_solution(local),
+            Space(_) => false
+        )
     }
 }
 

@@ -210,18 +210,11 @@ def _pulls(
 ) -> Array:
     """Return the derivatives of the gradient by the entries of T, row by row, and by the zeros."""
     on_force, on_normal = family.responses(bins.phi, p)
-    cos, sin = np.cos(bins.phi), np.sin(bins.phi)
+    along, across = arrays.along_and_across(on_force, bins.phi)
     # What one unit in the tangential, radial and normal channel adds to the gradient, per bin.
-    pull = np.stack(
-        [
-            sense * (on_force[..., 0] * cos + on_force[..., 1] * sin),
-            sense * (on_force[..., 1] * cos - on_force[..., 0] * sin),
-            on_normal * read,
-        ],
-        axis=1,
-    )
-    x, y = bins.force.T
-    channels = np.stack([sense * (x * cos + y * sin), sense * (y * cos - x * sin), np.ones_like(x)])
+    pull = np.stack([sense * along, sense * across, on_normal * read], axis=1)
+    parts = np.stack(arrays.along_and_across(bins.force, bins.phi))
+    channels = np.vstack([sense * parts, np.ones_like(bins.phi)])
     readings = np.linalg.solve(transform, channels)
     by_entry = np.einsum("kin,jn,n->kij", pull, readings, bins.squares).reshape(len(p), 9)
     by_zero = -np.einsum("kin,n,ij->kj", pull, bins.normal, transform)

@@ -18,7 +18,7 @@ use asperity_set::{ConvexSet, StarSet};
 
 use super::block::Shape;
 use super::effort::Effort;
-use super::local::{Local, LocalSolution, Selection};
+use super::local::{Local, LocalSolution, Selection, Stick};
 use crate::contact::{ContactState, Phase};
 pub(crate) use all::solutions;
 use equation::{Slip, V, cross};
@@ -66,12 +66,11 @@ pub(crate) fn first_found(
     let stick = local.stick_load();
     let slips = || {
         let slip = Slip::new(local, local.law.bounds().largest_radius);
-        newton(&slip, &guess())
-            .or_else(|| newton(&slip, &local.law.direction().gauge_jet(&stick.load).1))
+        newton(&slip, &guess()).or_else(|| newton_from_load(local, &slip))
     };
     let mut others = |effort| select_among_all(*local, state, buffer, effort).map(|s| s.solution);
     match stick.holds() {
-        true if state.phase != Phase::Slip || certain(local, &stick.load, stick.gauge) => {
+        true if state.phase != Phase::Slip || has_one_solution(local, &stick) => {
             Some(stick.solution())
         }
         // Where several are possible, the rule decides between all of them.
@@ -137,19 +136,24 @@ fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>>
     if !local.block.sound {
         return None;
     }
-    let stick = local.stick_load();
-    let certain = certain(local, &stick.load, stick.gauge);
-    if stick.holds() {
-        let unique = stick.gauge < 1.0 - 1e-12 && (certain || is_only(local));
-        return unique.then(|| stick.solution());
+    let mut certain = certainly_slips(local);
+    if !certain {
+        let stick = local.stick_load();
+        certain = has_one_solution(local, &stick);
+        if stick.holds() {
+            let unique = stick.gauge < 1.0 - 1e-12 && (certain || is_only(local));
+            return unique.then(|| stick.solution());
+        }
     }
     let slip = Slip::new(local, local.law.bounds().largest_radius);
-    let mut found = newton(&slip, &guess());
-    if found.is_none() {
-        // Where the last direction is far off, the normal below the load is a good start.
-        found = newton(&slip, &local.law.direction().gauge_jet(&stick.load).1);
-    }
+    let found = newton(&slip, &guess()).or_else(|| newton_from_load(local, &slip));
     found.filter(|_| certain || has_one_root(local, &slip))
+}
+
+/// Newton's method from the normal below the load of stick, a good start where the last direction is far off.
+#[inline(never)]
+fn newton_from_load(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> Option<LocalSolution<2>> {
+    newton(slip, &local.law.direction().gauge_jet(&local.stick_load().load).1)
 }
 
 /// Whether there is no slip beside stick.
@@ -175,20 +179,23 @@ fn opens(local: &Local<'_, 2>) -> Option<Option<LocalSolution<2>>> {
     local.block.pressed.then(|| (local.b_n >= 0.0).then(|| local.open()))
 }
 
-/// Whether the contact certainly has one solution only.
+/// Whether the contact certainly has one solution only, a slip.
 #[inline(always)]
-fn certain(local: &Local<'_, 2>, load: &V, gauge: f64) -> bool {
+fn certainly_slips(local: &Local<'_, 2>) -> bool {
     let pressure = local.prescribed.unwrap_or(-local.b_n);
-    if local.b_t.norm_squared() > (local.block.certain_slip * pressure).powi(2) {
-        return true;
-    }
+    local.b_t.norm_squared() > (local.block.certain_slip * pressure).powi(2)
+}
+
+/// Whether the contact certainly has one solution only, whatever it is, as the percussions show that stick would need.
+#[inline(always)]
+fn has_one_solution(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
     let shape = match local.prescribed {
         Some(_) => local.block.shape,
         None => Shape::new(&local.affine().1, local.law.bounds().smallest_sine),
     };
     match shape {
         Shape::Monotone => true,
-        Shape::Scalar => !local.law.table().may_be_ambiguous(load, gauge),
+        Shape::Scalar => !local.law.table().may_be_ambiguous(&stick.load, stick.gauge),
         Shape::General => false,
     }
 }
