@@ -2,25 +2,28 @@
 //!
 //! Per unit of `P_N`, friction is a pair of the percussion `x = −P_T/P_N` and the velocity `σ = ρ ξ_T/P_N`, and the law is
 //! the set of all pairs with `σ ∈ N_D(z)`, `z = α(x) x`. The defect is the distance to a pair near by that obeys the law
-//! exactly, percussion and velocity weighed alike. Two are always known:
+//! exactly, percussion and velocity weighed alike. Two such pairs are known:
 //!
 //! - Slip. The prox step `z′ = prox_D(z + r σ)` leaves a rest `z + r σ − z′ ∈ N_D(z′)`, so that `x′ = z′/α(z′)` and
-//!   `σ′ = (z + r σ − z′)/r` obey the law. They are off by `‖x − x′‖` and by `‖σ − σ′‖ = ‖z − z′‖/r`, of which the larger one
-//!   counts. `r = α(x)`, with which the scale of *D* drops out of the step as it does out of the adaptive one.
+//!   `σ′ = (z + r σ − z′)/r` obey the law. They are off by `‖x − x′‖` and by `‖σ − σ′‖ = ‖z − z′‖/r`, of which the larger
+//!   one counts. With `r = α(x)` the scale of *D* drops out of the step, as it does out of the adaptive prox iteration.
 //! - Rest. `x/max(1, k_C(x))` with `σ = 0` is off by `‖x‖ max(0, 1 − 1/k_C(x)) + ‖σ‖`.
 //!
-//! The smaller of the two is the defect. Beside cusps of a *C* that is not convex a third one is asked for: there bdry *C* is
-//! near although lengths along neighbouring rays differ, as those of `x` and `x′` do by rounding.
-//! It vanishes exactly where the law holds. As `x′` and the point of rest are
-//! in *C*, it is never less than the distance of the percussion from *C*; and where a velocity larger than it is left,
-//! `x′` is on bdry *C*, and the percussion as near to it. Units, the scale of *D* and the choice of rows change nothing.
+//! The nearer one counts. The defect vanishes exactly where the law holds. As `x′` and the point of rest are in *C*, it is
+//! never less than the distance of the percussion from *C*, and as `σ′ ≠ 0` belongs to an `x′` on bdry *C*, a velocity
+//! larger than the defect is one of a percussion that is no farther than that from bdry *C*. Units, the scale of *D* and
+//! the choice of rows change nothing.
 //!
-//! The first pair says nothing where both `z` and `z′` are taken for themselves: a change `δ` of `x` along its ray is one of
-//! `α² δ` of `z`, and only one of `α δ` across it. The velocity has to be asked as well: along a slender *D* normals turn
-//! where `x` hardly changes. And in stick near the border `x′` moves with `‖σ‖/α`, while rest is only `‖σ‖` away.
+//! `‖z − z′‖` alone would not do: where *D* is thin, `α ≪ 1`, a change `δ` of `x` along its ray is one of `α² δ` of `z`. Nor
+//! would `‖x − x′‖`: along a slender *D* normals turn where `x` hardly changes. And in stick near the border `x′` moves with
+//! `‖σ‖/α`, while rest is only `‖σ‖` away.
 //!
 //! For `D = C`, where `α = 1`, both parts of the first pair are `‖x − prox_C(x + σ)‖`, and as `prox_C` does not expand
-//! distances, no other pair that obeys the law has a smaller sum of its two: the defect is the natural map of \[WL19\] (12).
+//! distances, the sum of both parts is no less for any other pair that obeys the law: the defect is the natural map of
+//! \[WL19\] (12).
+//!
+//! Where *C* is not convex a third pair is asked for, see [`slip_beside`]: beside a cusp the lengths of neighbouring rays
+//! differ, as those of `x` and `x′` do by rounding, by much more than bdry *C* is away.
 
 use asperity_set::{ConvexSet, StarSet, Vector};
 
@@ -73,8 +76,8 @@ pub(in crate::law) fn squared_defect<const P: usize>(
 /// The square of a relative defect that needs no nearer pair: it is rounding.
 const ROUNDING: f64 = 1e-30;
 
-/// How far it is to slip with a percussion on bdry *C* that is near to `x`, though maybe not along its ray: the step across,
-/// and what the velocity is off the normals of *D* at its ends; infinite if bdry *C* is not crossed.
+/// How far it is to slip with a percussion on bdry *C* near `x` that need not be on its ray: the length of a step across
+/// bdry *C*, and what the velocity is off the normals of *D* at its ends; infinite where the step does not cross bdry *C*.
 #[cold]
 fn slip_beside<const P: usize>(law: &FrictionLaw<P>, x: &Vector<P>, sigma: &Vector<P>) -> f64 {
     let (gauge, slope) = law.reservoir().gauge_jet(x);
