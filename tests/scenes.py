@@ -413,7 +413,9 @@ class Bodies:
             "t_end": self.steps * self.dt,
             "tolerance": self.tolerance,
         } | options
-        return asp.simulate(self.system(), **settings)
+        system = self.system()
+        # Bodies that touch overlap by `TOUCH`, as states do and bodies that are placed must not.
+        return asp.simulate(system, start=asp.State(system.q0, system.u0), **settings)
 
 
 def bodies(
