@@ -40,9 +40,8 @@ from asperity.identify.fitting.models.reservoirs import (
     SuperellipseReservoir,
 )
 from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
-from asperity.identify.fitting.uncertainty.bands import Bands
 from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
-from asperity.identify.fitting.uncertainty.covariance import Covariance, estimate, has_angle
+from asperity.identify.fitting.uncertainty.covariance import Bands, Covariance, estimate, has_angle
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.identified_law import IdentifiedLaw

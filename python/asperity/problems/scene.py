@@ -20,6 +20,10 @@ GROUND = -1
 """Number of the body that does not move."""
 
 
+Laws = FrictionLaw | Sequence[FrictionLaw] | None
+"""One law for all contacts, one each, or the default, isotropic with μ = 0.5."""
+
+
 class Scene(Value):
     """Rigid bodies in space at rest, touching at n points; each body has six degrees of freedom.
 
@@ -130,7 +134,7 @@ class Scene(Value):
 
     def problem(
         self,
-        law: FrictionLaw | Sequence[FrictionLaw] | None = None,
+        law: Laws = None,
         *,
         force: ArrayLike | None = None,
         velocity: ArrayLike | None = None,
@@ -177,9 +181,7 @@ class Scene(Value):
         return np.zeros(shape) if velocity is None else arrays.array(velocity, "velocity", shape)
 
 
-def plane_laws(
-    law: FrictionLaw | Sequence[FrictionLaw] | None, contacts: int
-) -> FrictionLaw | Sequence[FrictionLaw]:
+def plane_laws(law: Laws, contacts: int) -> FrictionLaw | Sequence[FrictionLaw]:
     """Return laws for contacts that have a plane each."""
     if law is None:
         return FrictionLaw.isotropic(0.5)

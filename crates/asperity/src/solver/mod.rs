@@ -160,6 +160,7 @@ impl Workspace {
     }
 
     /// Buffers for this problem; to be called again whenever its Delassus operator or its laws change.
+    #[inline(never)]
     pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
         let contacts = problem.contacts().len();
         self.prepared_for = problem.identity();
@@ -173,6 +174,7 @@ impl Workspace {
     }
 
     /// Brings the buffers up to date with the entries of the Delassus operator, whose pattern has not changed.
+    #[inline(never)]
     pub(crate) fn refresh(&mut self, problem: &ContactProblem) {
         self.prepared_for = problem.identity();
         self.sweeper.refresh(problem);

@@ -22,6 +22,7 @@ impl MassFactors {
     /// # Errors
     ///
     /// [`SystemError::SingularMass`] unless it is symmetric positive definite.
+    #[inline(never)]
     pub(crate) fn update(
         &mut self,
         system: &dyn System,
@@ -72,7 +73,7 @@ impl MassFactors {
     }
 
     /// `values ← M⁻¹ values` for all velocities.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn solve(&self, system: &dyn System, values: &mut [f64]) {
         if self.cholesky.is_empty() {
             for (value, reciprocal) in values.iter_mut().zip(&self.reciprocals) {

@@ -187,6 +187,7 @@ impl Assembly {
     }
 
     /// The contact problem of a step.
+    #[inline]
     pub(super) fn update(
         &mut self,
         system: &dyn System,
@@ -210,6 +211,18 @@ impl Assembly {
             Part { entries: directions, width: free.len() }.add_product(free, loads);
             return Ok(Change::None);
         }
+        self.update_contacts(system, step, new_mass, closed)
+    }
+
+    /// The same where more than the velocities of contacts may change.
+    #[inline(never)]
+    fn update_contacts(
+        &mut self,
+        system: &dyn System,
+        step: &Step<'_>,
+        new_mass: bool,
+        closed: &mut Closed,
+    ) -> Result<Change, StepError> {
         let (same, changed) = self.find_closed(system, step, new_mass, closed)?;
         if !same {
             self.renew(system, step, closed)?;
@@ -557,6 +570,7 @@ impl Assembly {
     }
 
     /// Adds what percussions change of the velocities.
+    #[inline(never)]
     fn add_responses(&mut self, percussion: &[f64]) {
         for rows in &self.contacts {
             let own = &percussion[rows.first..rows.first + rows.len];

@@ -86,11 +86,16 @@ impl Closed {
     pub(super) fn settle(&mut self) -> bool {
         let renewed = std::mem::take(&mut self.renewed);
         if renewed {
-            for (known, &is_active) in self.known.iter_mut().zip(&self.is_active) {
-                known.closed = is_active;
-            }
+            self.mark_closed();
         }
         renewed
+    }
+
+    #[inline(never)]
+    fn mark_closed(&mut self) {
+        for (known, &is_active) in self.known.iter_mut().zip(&self.is_active) {
+            known.closed = is_active;
+        }
     }
 
     /// Makes the contacts found closed the active ones, with a problem of zeros to be filled in.
@@ -118,10 +123,15 @@ impl Closed {
     }
 
     /// A memory for the contacts that are closed now: states and percussions of those that stay closed are kept.
+    #[inline]
     pub(super) fn carry_over(&mut self, memory: &mut Memory) {
-        if !std::mem::take(&mut self.moved) {
-            return;
+        if std::mem::take(&mut self.moved) {
+            self.rearrange(memory);
         }
+    }
+
+    #[inline(never)]
+    fn rearrange(&mut self, memory: &mut Memory) {
         let before = self.before.iter().map(|(contact, rows)| (contact, rows));
         remember(&mut self.known, before, memory);
         for (known, _) in self.known.iter_mut().zip(&self.is_active).filter(|(_, active)| !**active)

@@ -1,6 +1,8 @@
 //! Products of the rows of a contact with the velocities of a block, unrolled for the numbers of velocities that bodies
 //! have: these products are a good part of a step.
 
+use crate::vectors::unrolled;
+
 /// The entries of some rows that belong to one block.
 #[derive(Clone, Copy)]
 pub(super) struct Part<'a> {
@@ -30,6 +32,15 @@ impl Part<'_> {
     #[inline(always)]
     fn add_product_of<const N: usize>(self, x: &[f64], sums: &mut [f64]) {
         let Ok(x) = <&[f64; N]>::try_from(x) else { return };
+        if self.width == N {
+            let rows = self.entries.as_chunks().0;
+            return unrolled!(m = sums.len() => {
+                let (sums, rows) = (&mut sums[..m], &rows[..m]);
+                for k in 0..m {
+                    sums[k] += dot(&rows[k], x);
+                }
+            });
+        }
         let mut rest = self.entries;
         for sum in sums {
             let Some(row) = rest.first_chunk() else { return };
@@ -57,12 +68,20 @@ impl Part<'_> {
     #[inline(always)]
     fn add_transposed_of<const N: usize>(self, factors: &[f64], x: &mut [f64]) {
         let Ok(x) = <&mut [f64; N]>::try_from(x) else { return };
+        let mut add = |row: &[f64; N], factor: &f64| (0..N).for_each(|i| x[i] += row[i] * factor);
+        if self.width == N {
+            let rows = self.entries.as_chunks().0;
+            return unrolled!(m = factors.len() => {
+                let (factors, rows) = (&factors[..m], &rows[..m]);
+                for k in 0..m {
+                    add(&rows[k], &factors[k]);
+                }
+            });
+        }
         let mut rest = self.entries;
         for factor in factors {
-            let Some(row) = rest.first_chunk::<N>() else { return };
-            for i in 0..N {
-                x[i] += row[i] * factor;
-            }
+            let Some(row) = rest.first_chunk() else { return };
+            add(row, factor);
             rest = rest.get(self.width..).unwrap_or_default();
         }
     }

@@ -72,7 +72,7 @@ impl Stepper<'_> {
         let solved = report.status == Status::Converged;
         let given_up = was_cancelled.get() && !solved;
         if given_up || !(solved || keep_unsolved) {
-            self.memory.copy_from(&self.before);
+            self.take_back();
             return if given_up {
                 Err(StepError::Cancelled { time: self.time() })
             } else {
@@ -82,17 +82,24 @@ impl Stepper<'_> {
         let Self { system, assembly, memory, dt, q, u, .. } = self;
         let moved = assembly.finish(*system, &memory.percussion, *dt, q, u);
         if let Err(error) = moved {
-            self.memory.copy_from(&self.before);
+            self.take_back();
             return Err(error.into());
         }
         let Self { outputs, closed, memory, workspace, assembly, .. } = self;
         outputs.keep(closed, memory, &workspace.velocity, assembly.factors());
         self.steps += 1;
-        self.check_finite()?;
+        self.check_state()?;
         Ok(report)
     }
 
+    /// Contacts remember what they did before a step that is not made.
+    #[cold]
+    fn take_back(&mut self) {
+        self.memory.copy_from(&self.before);
+    }
+
     /// The contact problem of the step.
+    #[inline]
     fn update(&mut self) -> Result<Change, StepError> {
         let midpoint = self.origin + (self.steps as f64 + 0.5) * self.dt;
         let step = Step { midpoint, dt: self.dt, q: &self.q, u: &self.u };
@@ -188,23 +195,31 @@ impl Stepper<'_> {
         }
     }
 
+    #[inline]
     fn check_problem(&self) -> Result<(), StepError> {
+        if are_finite(self.closed.problem.free_velocity()) { Ok(()) } else { Err(self.broken()) }
+    }
+
+    /// The contact whose free velocities are not finite.
+    #[cold]
+    fn broken(&self) -> StepError {
         let problem = &self.closed.problem;
-        if are_finite(problem.free_velocity()) {
-            return Ok(());
-        }
         let broken = |contact: &ContactRows| !are_finite(&problem.free_velocity()[contact.rows()]);
         let broken = problem.contacts().iter().position(broken);
         let contact = broken.map_or(0, |place| self.closed.active[place]);
-        Err(StepError::NotFiniteContact { time: self.time(), contact })
+        StepError::NotFiniteContact { time: self.time(), contact }
     }
 
-    fn check_finite(&self) -> Result<(), StepError> {
-        if are_finite(&self.u) && are_finite(&self.q) {
-            return Ok(());
-        }
+    #[inline]
+    fn check_state(&self) -> Result<(), StepError> {
+        if are_finite(&self.u) && are_finite(&self.q) { Ok(()) } else { Err(self.diverged()) }
+    }
+
+    /// The first coordinate that is not finite.
+    #[cold]
+    fn diverged(&self) -> StepError {
         let broken = |state: &[f64]| state.iter().position(|v| !v.is_finite());
         let coordinate = broken(&self.u).or_else(|| broken(&self.q)).unwrap_or(0);
-        Err(StepError::NotFinite { time: self.time(), coordinate })
+        StepError::NotFinite { time: self.time(), coordinate }
     }
 }

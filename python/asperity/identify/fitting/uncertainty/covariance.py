@@ -1,4 +1,4 @@
-"""Covariance of fitted coordinates: what differs between turns, and what all turns share."""
+"""Covariance of fitted coordinates, from what differs between turns and what they share; bands."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.value import Record
 from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import Bins
 from asperity.identify.fitting.data.samples import reads_normal_force
@@ -101,6 +102,24 @@ class Covariance:
                 quantile = t.ppf(0.5 + 0.5 * confidence, min(degrees, _MOST_DEGREES))
                 squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
         return np.sqrt(np.maximum(squares, 0.0))
+
+
+class Bands(Record):
+    """Model forces per unit normal force with confidence bands, pointwise.
+
+    Args:
+        phi: sliding directions in rad, ``(n,)``.
+        force: −λ/λ_N, ``(n, 2)``.
+        half_width: of the bands of its components.
+        resistance: l_t and l_p, the parts against the sliding and across it, ``(n, 2)``.
+        resistance_half_width: of their bands.
+    """
+
+    phi: Array
+    force: Array
+    half_width: Array
+    resistance: Array
+    resistance_half_width: Array
 
 
 def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, int]:

@@ -6,8 +6,8 @@ use crate::integrator::event::dynamics::{Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::{add, largest, norm};
 
-/// Slip acceleration over the load that counts as none; of contacts that share the load it is known
-/// less well, see the polish of their solution.
+/// Slip acceleration over the load that counts as none; of contacts that share the load on
+/// boundaries that are curved it is known less well, see the polish of their solution.
 const AT_REST: f64 = 1e-11;
 const AT_REST_SHARED: f64 = 1e-9;
 
@@ -99,8 +99,9 @@ fn stick_at_limit(
     accelerations: &[f64],
 ) {
     let load = largest(problem.free_velocity());
-    let alone = participants.contacts.len() == 1;
-    let at_rest = if alone { AT_REST } else { AT_REST_SHARED };
+    let curved = |&i: &usize| dynamics.contacts[i].p > 1;
+    let shared = participants.contacts.len() > 1 && participants.contacts.iter().any(curved);
+    let at_rest = if shared { AT_REST_SHARED } else { AT_REST };
     for (&i, rows) in participants.contacts.iter().zip(problem.contacts()) {
         let contact = &mut dynamics.contacts[i];
         let own = &accelerations[rows.offset..rows.offset + rows.len()];

@@ -7,14 +7,17 @@ use crate::integrator::event::dynamics::{ContactVariables, Dynamics, SlidingForc
 use crate::integrator::event::event_function::{contact_event_function, rounded_excess};
 use crate::integrator::event::state::{EvaluationError, State};
 
-/// Evaluates the dynamics. Closed contacts that share their forces so that one could not carry its part or would have
-/// to pull, though together they can, are given parts that they can carry. The accelerations stay the same.
+/// Evaluates the dynamics at the time of `solving`. Closed contacts that share their forces so that one could not carry
+/// its part or would have to pull, though together they can, are given parts that they can carry. The accelerations stay
+/// the same.
 pub(crate) fn evaluate(
     dynamics: &mut Dynamics<'_>,
-    (t, q, u): (f64, &[f64], &[f64]),
+    q: &[f64],
+    u: &[f64],
     sliding_forces: SlidingForces,
     solving: &Solving<'_, '_>,
 ) -> Result<(), EvaluationError> {
+    let t = solving.t;
     dynamics.evaluate(t, q, u, sliding_forces)?;
     // A contact that is just at its limit, though together all can go on, would be taken for an event.
     let limit = -rounded_excess(dynamics);

@@ -53,7 +53,7 @@ impl Integration<'_> {
         self.step.points.apply(&mut self.dynamics, stage);
         let solving = Solving { memory: &self.memory, observer: &self.observer, t };
         let updated = SlidingForces::Updated;
-        let evaluated = redundancy::evaluate(&mut self.dynamics, (t, q, u), updated, &solving);
+        let evaluated = redundancy::evaluate(&mut self.dynamics, q, u, updated, &solving);
         self.dynamics.direction_points.clear();
         evaluated
     }
@@ -73,8 +73,7 @@ impl Integration<'_> {
         let sliding_forces =
             if h == 0.0 && self.starting { SlidingForces::Kept } else { SlidingForces::Updated };
         let solving = Solving { memory: &self.memory, observer: &self.observer, t };
-        let evaluated =
-            redundancy::evaluate(&mut self.dynamics, (t, q, u), sliding_forces, &solving);
+        let evaluated = redundancy::evaluate(&mut self.dynamics, q, u, sliding_forces, &solving);
         self.dynamics.direction_points.clear();
         Ok(evaluated?)
     }

@@ -2,7 +2,7 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::ContactVariables;
-use crate::integrator::event::event_function::root;
+use crate::integrator::event::event_function::root::{self, Value};
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Bracket;
 use crate::integrator::event::integration::variables::Integration;
@@ -29,8 +29,9 @@ impl Integration<'_> {
         let width = (1e-14 * bracket.high).max(2.0 * f64::EPSILON * self.state.t);
         let mut first = (bracket.high, bracket.triggered[0].number);
         for (k, function) in bracket.triggered.iter().enumerate() {
-            let low = (bracket.low, function.low.min(0.0));
-            let at = root::zero(low, (bracket.high, function.high), width, |h| {
+            let low = Value { at: bracket.low, value: function.low.min(0.0) };
+            let high = Value { at: bracket.high, value: function.high };
+            let at = root::zero(low, high, width, |h| {
                 self.solve_to(h)?;
                 let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
                 Ok::<f64, StateError>(self.event_function(function.number, q, u))

@@ -1,11 +1,12 @@
 //! The end of stick: which slip begins, and whether any does.
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::dynamics::{ROWS, SlidingForces};
+use crate::integrator::event::contact_problem::{Decision, Solving, accelerations};
+use crate::integrator::event::dynamics::{ContactVariables, ROWS};
 use crate::integrator::event::event_function;
 use crate::integrator::event::integration::decision::ONSET_SLIP;
 use crate::integrator::event::integration::variables::{Ending, Integration};
-use crate::integrator::event::state::EvaluationError;
+use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::{add, largest, norm};
 
 /// Jump of the accelerations, over those that the force of the contact gives, below which stick goes over to slip
@@ -69,29 +70,48 @@ impl Integration<'_> {
             let growth = norm(&self.memory[i].slip) / later;
             let onset = (2.0 * ONSET_SLIP * contact.reference_speed() / growth).sqrt();
             self.step_size.h = length.max(onset);
-            let share = self.share_at_onset(i, &change)?;
+            ahead.extrapolate(&self.state, &stuck, 2.0 * later);
+            let at_onset = self.change_at_onset(&ahead, &before, &stuck, &change)?;
+            let slope = change.iter().zip(&at_onset).map(|(later_on, now)| later_on - now);
+            self.slope = Some(slope.map(|a| a / later).collect());
             self.a0 = stuck;
-            add(&mut self.a0, share, &change);
-            self.slope = Some(change.iter().map(|a| (1.0 - share) * a / later).collect());
+            add(&mut self.a0, 1.0, &at_onset);
         }
         Ok(None)
     }
 
-    /// The share of a change of acceleration, from stick to a slip a little later, that is there at the onset already,
-    /// as the time at which stick ends is known to rounding only. Without it the first step would begin with an
-    /// acceleration that its stages contradict.
-    fn share_at_onset(&mut self, i: usize, change: &[f64]) -> Result<f64, EvaluationError> {
-        self.evaluate(SlidingForces::Kept)?;
-        let (dynamics, direction) = (&self.dynamics, &self.memory[i].slip);
-        let (mut present, mut whole) = (0.0, 0.0);
-        for (r, slip) in direction[..dynamics.contacts[i].p].iter().enumerate() {
-            let row = ROWS * i + 1 + r;
-            present += slip * dynamics.rate(row, &dynamics.acceleration);
-            whole += slip * dynamics.along(row, change);
+    /// What a slip that begins has changed in the accelerations at its onset already, as the end of a stick that several
+    /// contacts share is known to about 1e-8 of its time only: extrapolated from what it changes a little later, and at
+    /// `ahead` twice as late. Without it the first step would begin with an acceleration that its stages contradict.
+    fn change_at_onset(
+        &mut self,
+        ahead: &State,
+        before: &[Option<Phase>],
+        stuck: &[f64],
+        change: &[f64],
+    ) -> Result<Vec<f64>, EvaluationError> {
+        let none = vec![0.0; stuck.len()];
+        if before.iter().filter(|mode| **mode == Some(Phase::Stick)).count() < 2 {
+            return Ok(none);
         }
-        let share = present / whole;
-        // More than the whole change is none of the onset: the forces of the slip are shared in another way.
-        Ok(if share.abs() < 1.0 { share } else { 0.0 })
+        let decided = self.dynamics.contacts.clone();
+        for (contact, mode) in self.dynamics.contacts.iter_mut().zip(before) {
+            contact.mode = mode.unwrap_or_default();
+            contact.undecided = contact.mode == Phase::Stick;
+        }
+        let solving = Solving { memory: &self.memory, observer: &self.observer, t: ahead.t };
+        let decision = accelerations::decide(&mut self.dynamics, ahead, &solving)?;
+        let twice = self.dynamics.acceleration.clone();
+        let modes = |contacts: &[ContactVariables]| -> Vec<Phase> {
+            contacts.iter().map(|contact| contact.mode).collect()
+        };
+        let same = matches!(decision, Decision::Made { .. })
+            && modes(&self.dynamics.contacts) == modes(&decided);
+        self.dynamics.contacts = decided;
+        self.stale = true;
+        let later_on = change.iter().zip(&twice).zip(stuck);
+        let at_onset: Vec<f64> = later_on.map(|((c, a), stuck)| 2.0 * c - (a - stuck)).collect();
+        Ok(if same && largest(&at_onset) < largest(change) { at_onset } else { none })
     }
 
     /// The largest acceleration that the friction force of a contact gives.

@@ -5,7 +5,7 @@ use crate::integrator::event::contact_problem::{Solving, redundancy};
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::variables::Integration;
-use crate::integrator::event::state::EvaluationError;
+use crate::integrator::event::state::{EvaluationError, State};
 
 /// Samples between two readings of the clock.
 const RARELY: usize = 256;
@@ -33,9 +33,9 @@ impl Integration<'_> {
         self.interpolate(h, whole)?;
         while due(self.samples) && !self.observer.has_asked_to_stop() {
             self.dense_output.at(time(self.samples), &mut self.sampled);
-            let at = (self.sampled.t, &self.sampled.q[..], &self.sampled.u[..]);
-            let solving = Solving { memory: &self.memory, observer: &self.observer, t: at.0 };
-            redundancy::evaluate(&mut self.dynamics, at, SlidingForces::Updated, &solving)?;
+            let State { t, q, u } = &self.sampled;
+            let solving = Solving { memory: &self.memory, observer: &self.observer, t: *t };
+            redundancy::evaluate(&mut self.dynamics, q, u, SlidingForces::Updated, &solving)?;
             self.motion.record(&mut self.dynamics, &self.sampled);
             self.samples += 1;
             if self.samples.is_multiple_of(RARELY) {

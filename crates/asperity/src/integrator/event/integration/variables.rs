@@ -110,7 +110,7 @@ impl<'a> Integration<'a> {
     ) -> Result<(), EvaluationError> {
         let State { t, q, u } = &self.state;
         let solving = Solving { memory: &self.memory, observer: &self.observer, t: *t };
-        redundancy::evaluate(&mut self.dynamics, (*t, q, u), sliding_forces, &solving)
+        redundancy::evaluate(&mut self.dynamics, q, u, sliding_forces, &solving)
     }
 
     /// Tries again with a shorter step.

@@ -12,11 +12,19 @@ pub(super) struct Scan {
     margin: [f64; COARSE],
 }
 
-impl Scan {
-    /// Evaluates `F` and `n·v` at all coarse nodes: a cell is excluded where `F` keeps away from zero, or `n·v` stays
-    /// below it, by more than they may stray from their chords. The loops have no branches, so that they are compiled
-    /// to vector instructions.
-    pub(super) fn new(slip: &Slip<'_, '_>, table: &WalkTable) -> Self {
+/// A call of [`Scan::new`] that the compiler copies into every set of instructions. The loops have no branches, so that they
+/// are compiled to vector instructions; multiplications and additions stay apart, with the same bits in all of them.
+struct Evaluation<'a, 'b, 'c> {
+    slip: &'a Slip<'b, 'c>,
+    table: &'a WalkTable,
+}
+
+impl pulp::NullaryFnOnce for Evaluation<'_, '_, '_> {
+    type Output = Scan;
+
+    #[inline(always)]
+    fn call(self) -> Scan {
+        let Self { slip, table } = self;
         let (c0, a) = (&slip.c0, slip.a * slip.scale);
         let Columns { n: [n0, n1], nx: [[n0x0, n0x1], [n1x0, n1x1]], normal, product } =
             &*table.columns;
@@ -39,7 +47,15 @@ impl Scan {
             let apart = larger(smaller(f, g), smaller(-f, -g));
             margin[i] = larger(apart, smaller(against[i], against[i + 1])) - stray;
         }
-        Self { value, margin }
+        Scan { value, margin }
+    }
+}
+
+impl Scan {
+    /// Evaluates `F` and `n·v` at all coarse nodes: a cell is excluded where `F` keeps away from zero, or `n·v` stays
+    /// below it, by more than they may stray from their chords.
+    pub(super) fn new(slip: &Slip<'_, '_>, table: &WalkTable) -> Self {
+        pulp::Arch::new().dispatch(Evaluation { slip, table })
     }
 
     /// The cells that may hold a solution; what is not a number excludes nothing.
