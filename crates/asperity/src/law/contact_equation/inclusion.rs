@@ -81,7 +81,10 @@ const ROUNDING: f64 = 1e-30;
 #[cold]
 fn slip_beside<const P: usize>(law: &FrictionLaw<P>, x: &Vector<P>, sigma: &Vector<P>) -> f64 {
     let (gauge, slope) = law.reservoir().gauge_jet(x);
-    let across = slope * (2.0 * (gauge - 1.0) / slope.norm_squared());
+    let steepness = slope.norm();
+    // Twice the way and beyond what rounding of x hides.
+    let way = 2.0 * (gauge - 1.0) / steepness;
+    let across = slope * ((way + (16.0 * f64::EPSILON * x.norm()).copysign(way)) / steepness);
     let near = x - across;
     let crosses = (law.reservoir().gauge(&near) - 1.0) * (gauge - 1.0) <= 0.0;
     let aside = |at: &Vector<P>| {
