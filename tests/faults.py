@@ -151,6 +151,17 @@ def raw_data():
     return lambda out: write_raw(first, out), lambda out: write_raw(second, out)
 
 
+def fit():
+    from asperity.identify import fit_law
+
+    phi = np.linspace(0.0, 4.0 * np.pi, 5000, endpoint=False)
+    ray = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    first, second = (
+        fit_law((phi, mu * ray), reservoir="circle", direction="circle") for mu in (0.3, 0.5)
+    )
+    return lambda out: first.save(out / "fit.npz"), lambda out: second.save(out / "fit.npz")
+
+
 def report():
     from asperity.identify import fit_law
 
@@ -232,7 +243,7 @@ WRITERS = {
     one.__name__: one
     for one in (
         trajectory, table, problem_npz, problem_hdf5, law, figure, figure_data, frames, path, video,
-        raw_data, report, command_identify, command_track, command_solve, folder,
+        raw_data, fit, report, command_identify, command_track, command_solve, folder,
     )
 }  # fmt: skip
 # Writers of files that belong together, all of one result or none.

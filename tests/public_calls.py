@@ -31,6 +31,7 @@ MODULES = (
 _NUMBERS = re.compile(r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b|\bTimeFunction\b")
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.5), asp.Ellipse(3.0, 1.0))
+LINE_LAW = asp.FrictionLaw.isotropic(0.3, dimension=1)
 DISK = asp.Disk(0.5)
 BELT = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[0.1, 0.2])
 PROBLEM = asp.ContactProblem(np.eye(3), free_velocity=[-1.0, 0.2, 3.0], laws=LAW)
@@ -147,6 +148,9 @@ ARGUMENTS = {
     "LinearSystem.with_law": {"law": LAW, "contacts": 0},
     "RigidBodies.with_law": {"law": LAW, "pairs": 0},
     "SlidingDisk.with_law": {"law": LAW, "pairs": None},
+    "System.with_law": {"law": LINE_LAW, "contacts": 0},
+    "mechanisms.FollowerPendulum.with_law": {"law": LINE_LAW, "contacts": 0},
+    "mechanisms.FrictionalImpactOscillator.with_law": {"law": LINE_LAW, "contacts": 0},
     "predict.Belt": {"mass": 1.0, "stiffness": 2.0, "speed": 1.0, "normal_force": 1.0},
     "Cone.contains": {"y": [1.0, 0.1]},
     "predict.LawSheet.coefficients": {"step_deg": 30.0},

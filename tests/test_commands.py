@@ -69,3 +69,18 @@ def test_help_and_versions():
     assert info.returncode == 0
     assert "numpy" in info.stdout
     assert "build" in info.stdout
+
+
+@pytest.mark.parametrize("verb", ["identify", "law"])
+def test_help_explains_the_sets_of_a_law(verb, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([verb, "--help"])
+    assert ended.value.code == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for words in (
+        "outline is the friction coefficient over the direction of the force",
+        "the direction set D",
+        "the friction force is turned",
+    ):
+        assert words in text
+    assert "BIC" not in text or "by BIC, the Bayesian information criterion" in text

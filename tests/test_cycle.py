@@ -201,6 +201,17 @@ def test_bad_arguments_are_named(cycle):
         asp.limit_cycle(belt(), near=cycle, q0=[0.0, 0.0])
     with pytest.raises(asp.ParameterError, match="near"):
         asp.limit_cycle(asp.mechanisms.stribeck_block(), near=cycle)
+    with pytest.raises(asp.ParameterError, match="near"):
+        asp.limit_cycle(belt(), near=cycle, start=cycle.motion)
+    with pytest.raises(asp.ParameterError, match="start"):
+        asp.limit_cycle(belt(), start=cycle.motion, q0=[0.0, 0.0])
+
+
+def test_a_run_is_a_start(cycle):
+    for run in (cycle.motion, asp.integrate(belt(), t_end=50.0)):
+        for start in (run, run.end):
+            found = asp.limit_cycle(belt(), start=start, t_end=200.0)
+            assert found.period == pytest.approx(cycle.period, rel=1e-8)
 
 
 def test_the_impact_oscillator_hops_periodically():

@@ -52,6 +52,28 @@ def trajectory_file(folder):
     return folder / "run.npz"
 
 
+def fit_file(folder):
+    phi = np.linspace(0.0, 4.0 * np.pi, 100, endpoint=False)
+    ray = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    fit = identify.fit_law((phi, 0.3 * ray), reservoir="circle", direction="circle")
+    fit.save(folder / "fit.npz")
+    return folder / "fit.npz"
+
+
+def stability_file(folder):
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[1.0, 0.0])
+    asp.stability(belt).save(folder / "stability.npz")
+    return folder / "stability.npz"
+
+
+def chart_file(folder):
+    law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
+    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
+    chart = asp.growth_chart(belt, phi=np.linspace(0.0, 3.0, 70), zeta=[0.0, 0.5])
+    chart.save(folder / "chart.npz")
+    return folder / "chart.npz"
+
+
 def campaign(folder):
     """Write the files of a short measurement."""
     machine = identify.VirtualTribometer(
@@ -153,6 +175,9 @@ READERS = {
     "bodies hdf5": (problem_file(of_bodies(), ".h5"), load, True),
     "percussions": (problem_file(of_bodies(), ".h5"), percussions, True),
     "trajectory": (trajectory_file, asp.Trajectory.load, True),
+    "fit": (fit_file, identify.Fit.load, True),
+    "stability": (stability_file, asp.Stability.load, True),
+    "chart": (chart_file, asp.GrowthChart.load, True),
     "table": (table_of_run, identify.read_csv, False),
     "records": (table_of_run, read_campaign, False),
     "tribometer.toml": (tribometer_toml, read_campaign, False),
@@ -301,7 +326,9 @@ def with_other_keys(fields, edits):
 
 
 @every_amount
-@pytest.mark.parametrize("name", ["problem npz", "bodies npz", "trajectory"])
+@pytest.mark.parametrize(
+    "name", ["problem npz", "bodies npz", "trajectory", "fit", "stability", "chart"]
+)
 @pytest.mark.filterwarnings("ignore::numpy.exceptions.ComplexWarning")
 def test_archives_with_other_keys_are_refused_or_valid(name, amount, folders):
     write, read, _ = READERS[name]

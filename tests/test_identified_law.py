@@ -234,7 +234,9 @@ def test_what_is_wrong_with_the_parameters_is_named(old, new, message, tmp_path)
 
 def test_a_law_without_parameters_says_who_reads_it(tmp_path):
     LAW.save(tmp_path / "law.toml")
-    with pytest.raises(asp.ConfigurationError, match=r"parameters.*: is missing: this law was not"):
+    with pytest.raises(
+        asp.ConfigurationError, match=r"parameters.*: is missing: .* FrictionLaw.load reads"
+    ):
         IdentifiedLaw.load(tmp_path / "law.toml")
 
 

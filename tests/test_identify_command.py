@@ -68,10 +68,10 @@ def test_the_best_models_are_fitted_and_listed(campaign, tmp_path, capsys):
     ).record()
     write_raw(raw, tmp_path)
     assert identify(tmp_path, "run_1.csv", out=tmp_path / "usual") == 0
-    assert "BIC prefers ellipse for C and circle for D; fit them" in capsys.readouterr().out
+    assert "(smallest BIC) is ellipse for C and circle for D; fit them" in capsys.readouterr().out
     options = ("--reservoir", "best", "--direction", "best")
     assert identify(tmp_path, "run_1.csv", out=tmp_path / "out", options=options) == 0
-    assert "BIC prefers ellipse for C and circle for D\n" in capsys.readouterr().out
+    assert "(smallest BIC) is ellipse for C and circle for D\n" in capsys.readouterr().out
     with (tmp_path / "out" / "models.csv").open() as file:
         fitted = [row for row in csv.DictReader(file) if row["fitted"] == "True"]
     assert [(row["reservoir"], row["direction"]) for row in fitted] == [("ellipse", "circle")]

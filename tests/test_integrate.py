@@ -218,6 +218,80 @@ def test_bad_input_is_named(argument, arguments):
     assert info.value.argument == argument
 
 
+def shaken():
+    """A block that a force shakes, with a kink at 1.3 s."""
+    pull = asp.Signal(
+        [0.0, 1.3, 4.0], [[0.0, 0.0], [6.5, 1.0], [-7.0, 0.0]], interpolation="linear"
+    )
+    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    foot = asp.PointPlane(0, point=[0.0, 0.0], plane=asp.Line(), law=law)
+    block = asp.PlanarBody(1.0, inertia=1.0, force=pull)
+    return asp.RigidBodies([block], pairs=[foot], gravity=[0.0, -10.0])
+
+
+@pytest.mark.parametrize("cut", [0.2, 0.9, 1.3, 2.0, 2.6])
+def test_a_run_goes_on_at_its_clock(cut):
+    whole = asp.integrate(shaken(), t_end=4.0, sample_every=0.25)
+    first = asp.integrate(shaken(), t_end=cut)
+    assert first.end == asp.State(first.q[-1], first.u[-1], t0=cut)
+    for start in (first, first.end, first.slice(0.1, cut)):
+        second = asp.integrate(shaken(), t_end=4.0, start=start, sample_every=0.25)
+        np.testing.assert_allclose(second.t[:-1], cut + 0.25 * np.arange(len(second.t) - 1))
+        assert second.t[-1] == 4.0
+        assert second.options.start.t == cut
+        assert second.repeat() == second
+        np.testing.assert_allclose(second.q[-1], whole.q[-1], atol=1e-9)
+        np.testing.assert_allclose(second.u[-1], whole.u[-1], atol=1e-9)
+        later = [(e.kind, e.contact, e.time) for e in whole.events if e.time > cut + 1e-9]
+        found = [(e.kind, e.contact, e.time) for e in second.events if e.time > cut + 1e-9]
+        assert [e[:2] for e in found] == [e[:2] for e in later]
+        np.testing.assert_allclose([e[2] for e in found], [e[2] for e in later], atol=1e-9)
+
+
+def test_users_are_asked_at_the_times_of_the_run():
+    class Pushed(asp.System):
+        dof = 1
+        constant_mass = True
+
+        def mass(self, q):
+            return np.eye(1)
+
+        def forces(self, t, q, u):
+            return np.array([np.cos(t)])
+
+    whole = asp.integrate(Pushed(), t_end=1000.0)
+    late = asp.integrate(Pushed(), t_end=1000.5, start=whole)
+    np.testing.assert_allclose(late.q[-1], [1.0 - np.cos(1000.5)], atol=1e-7)
+    section = asp.Section([1.0, 0.0], 1.0, after=1003.0)
+    crossed = asp.integrate(Pushed(), t_end=1010.0, start=whole, section=section)
+    assert crossed.t[-1] == pytest.approx(320.5 * np.pi, abs=1e-7)
+    assert late.t[0] == 1000.0
+
+
+def test_runs_start_from_each_other_however_they_were_made():
+    stepped = asp.simulate(belt(), dt=1e-3, t_end=1.0)
+    exact = asp.integrate(belt(), t_end=1.0)
+    for start in (stepped, stepped.end, exact, exact.end):
+        further = asp.integrate(belt(), t_end=2.0, start=start)
+        assert further.t[0] == pytest.approx(1.0)
+        again = asp.simulate(belt(), dt=1e-3, t_end=2.0, start=start)
+        assert again.steps == 1000
+        np.testing.assert_allclose(again.q[-1], further.q[-1], atol=1e-2)
+    for function, options in ((asp.simulate, {"dt": 0.1}), (asp.integrate, {})):
+        with pytest.raises(asp.ParameterError, match="start: excludes q0 and u0"):
+            function(belt(), t_end=2.0, start=exact, u0=[0.0, 0.0], **options)
+        with pytest.raises(asp.ParameterError, match="start: must be a run or a State"):
+            function(belt(), t_end=2.0, start=[0.0, 0.0], **options)
+        with pytest.raises(asp.ParameterError, match=r"t_end: must lie after .* 1 s"):
+            function(belt(), t_end=1.0, start=exact, **options)
+        with pytest.raises(asp.ParameterError, match="start: does not know"):
+            function(belt(), t_end=2.0, start=stepped.slice(0.0, 0.5), **options)
+        with pytest.raises(asp.DimensionError, match="q0"):
+            function(belt(), t_end=2.0, start=asp.State([0.0], [0.0, 0.0]), **options)
+    with pytest.raises(asp.ParameterError, match="start: must not be at a negative time"):
+        asp.integrate(belt(), t_end=2.0, start=exact.end.replace(t0=-1.0))
+
+
 def test_failures_hold_the_part_before():
     with pytest.raises(asp.ConvergenceError, match="max_events") as info:
         asp.integrate(belt(), t_end=60.0, q0=[20.2, 2.7], max_events=2)

@@ -1010,3 +1010,68 @@ def test_bodies_that_do_not_touch_move_as_each_alone():
     assert [event.time for event in together.events] == pytest.approx(ends, abs=1e-10)
     # What ends the slip of one does not begin the steps of the others anew.
     assert together.steps <= sum(motion.steps for motion in alone)
+
+
+# Boxes at rest that a growing force pulls until they slide.
+
+
+def pulled_box(rng, interpolation):
+    """A box on corners that share its load, the friction coefficient, and when and how it slides.
+
+    The force F = t f along the plane and t f_N away from it reaches μ(m g - t f_N) at t = t_0; from
+    then on the acceleration is (f + μ f_N)(t - t_0)/m.
+    """
+    mass, g, mu = (
+        10.0 ** rng.uniform(-2.0, 3.0),
+        10.0 ** rng.uniform(0.0, 2.0),
+        rng.uniform(0.05, 0.9),
+    )
+    half, height = 0.1 * 10.0 ** rng.uniform(-0.3, 1.0), rng.uniform(0.01, 0.3)
+    height *= half / mu
+    along, lifting = mass * g * mu * rng.uniform(0.3, 5.0), rng.uniform(-0.3, 0.3) * mass * g
+    start = mu * mass * g / (along + mu * lifting)
+    end = start * rng.uniform(1.05, 1.5)
+    lifting = lifting if lifting * end < 0.5 * mass * g else 0.0
+    start = mu * mass * g / (along + mu * lifting)
+    spatial = rng.random() < 0.5
+    phi = rng.uniform(0.0, 2.0 * np.pi)
+    tangent = np.array(
+        [np.cos(phi), np.sin(phi), 0.0] if spatial else [rng.choice([-1.0, 1.0]), 0.0]
+    )
+    rate = along * tangent + lifting * np.eye(len(tangent))[-1]
+    if interpolation is None:
+        force = lambda t: t * rate  # noqa: E731
+    else:
+        times = np.linspace(0.0, 2.0 * end, 5)
+        force = asp.Signal(times, times[:, None] * rate, interpolation=interpolation)
+    if spatial:
+        sizes = [half, half, height]
+        body = asp.Body.box(mass, half_sizes=sizes, position=[0.0, 0.0, height], force=force)
+        law = asp.FrictionLaw.isotropic(mu)
+        pairs = [asp.BoxPlane(0, plane=asp.Plane(), law=law, half_sizes=sizes)]
+        gravity = (0.0, 0.0, -g)
+    else:
+        sizes = [half, height]
+        body = asp.PlanarBody.box(mass, half_sizes=sizes, position=[0.0, height], force=force)
+        feet = np.linspace(-half, half, rng.integers(2, 5))
+        pairs = [
+            asp.PointPlane(0, plane=asp.Line(), point=[x, -height], law=line(mu)) for x in feet
+        ]
+        gravity = (0.0, -g)
+    system = asp.RigidBodies([body], pairs=pairs, gravity=gravity)
+    jerk = (along + mu * lifting) / mass
+    return system, tangent, jerk, start, end
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "cubic", None])
+@pytest.mark.parametrize("seed", range(8))
+def test_a_growing_force_pulls_a_box_out_of_rest(seed, interpolation):
+    """Corners share a load of which only the sum is known until all of them slip at once."""
+    system, tangent, jerk, start, end = pulled_box(np.random.default_rng(seed), interpolation)
+    motion = asp.integrate(system, t_end=end)
+    slips = [event.time for event in motion.events if event.kind is EventKind.SLIP]
+    assert slips
+    assert {event.kind for event in motion.events} <= {EventKind.SLIP, EventKind.KINK}
+    assert slips == pytest.approx([start] * len(slips), rel=1e-7)
+    speed = motion.u[-1][: len(tangent)] @ tangent
+    assert speed == pytest.approx(0.5 * jerk * (end - start) ** 2, rel=1e-9)

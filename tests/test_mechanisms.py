@@ -478,3 +478,46 @@ def test_bad_parameters_are_named(make, argument):
     with pytest.raises(asp.ParameterError) as raised:
         make()
     assert raised.value.argument == argument
+
+
+# laws
+
+
+@pytest.mark.parametrize(
+    "make", [mechanisms.FollowerPendulum, mechanisms.FrictionalImpactOscillator]
+)
+def test_mechanisms_take_another_law(make):
+    law = asp.FrictionLaw.isotropic(0.6, dimension=1)
+    system = make(0.3)
+    other = system.with_law(law)
+    assert other == make(0.3, law=law) == system.with_law(law, contacts=0) != system
+    assert other.mu == 0.3
+    assert other.contacts[0].law == law
+    assert other.replace(law=None) == system
+    assert pickle.loads(pickle.dumps(other)) == other
+    with pytest.raises(asp.ParameterError, match="contacts: must be below 1"):
+        system.with_law(law, contacts=1)
+    for wrong in (system.with_law, lambda law: make(0.3, law=law)):
+        with pytest.raises(asp.DimensionError, match="law: must have"):
+            wrong(asp.FrictionLaw.isotropic(0.6))
+
+
+def test_another_law_leaves_the_springs_as_they_are():
+    rod = mechanisms.FrictionalImpactOscillator(0.3)
+    same = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    assert rod.with_law(same).small_angles == rod.small_angles
+    smooth = rod.with_law(asp.FrictionLaw.isotropic(0.1, dimension=1))
+    # The tip is pulled along less: the rotational spring turns the rod towards the belt's start.
+    rest = asp.equilibrium(smooth, q0=rod.equilibrium)
+    assert np.abs(rest.q - rod.equilibrium).max() > 0.01
+    loads = smooth.forces(0.0, rest.q, np.zeros(2))
+    pressed = smooth.normal(0.0, rest.q, 0) + 0.1 * smooth.direction(0.0, rest.q, 0)[:, 0]
+    np.testing.assert_allclose(loads + rest.normal_force[0] * pressed, 0.0, atol=1e-9)
+    with pytest.raises(asp.ParameterError, match="law: must be that of mu"):
+        _ = smooth.small_angles
+    pushed = mechanisms.FollowerPendulum(0.19).with_law(
+        asp.FrictionLaw.isotropic(0.23, dimension=1)
+    )
+    options = {"dt": 0.01, "t_end": 10.0, "q0": [1e-3, 0.0]}
+    direct = mechanisms.FollowerPendulum(0.23)
+    assert asp.simulate(pushed, **options) == asp.simulate(direct, **options)

@@ -145,6 +145,41 @@ def test_runs_and_measured_paths_share_axes(run, measured):
     assert len(ax.lines) == 2
 
 
+def test_what_a_run_knows_need_not_be_said(bodies, slide, run):
+    ends = {one.get_xydata().tobytes() for one in plot.plot_bodies(slide).lines}
+    given = {one.get_xydata().tobytes() for one in plot.plot_bodies(slide, system=bodies).lines}
+    assert ends == given
+    for one, law in ((slide, LAW), (run, run.system.law)):
+        own, same = (plot.plot_forces_in_reservoir(one, **o) for o in ({}, {"law": law}))
+        for mine, other in zip(own.lines, same.lines, strict=True):
+            np.testing.assert_array_equal(mine.get_xydata(), other.get_xydata())
+    unlike = bodies.with_law(asp.FrictionLaw.isotropic(0.3), pairs=1)
+    mixed = asp.simulate(unlike, dt=2e-3, t_end=0.02)
+    with pytest.raises(asp.ParameterError, match="contacts: must share a law"):
+        plot.plot_forces_in_reservoir(mixed)
+    assert plot.plot_forces_in_reservoir(mixed, contacts=8)
+    with pytest.raises(asp.ParameterError, match="law: must be given"):
+        plot.plot_forces_in_reservoir(run.replace(origin=None))
+    with pytest.raises(asp.ParameterError, match=r"system: .* does not know"):
+        plot.plot_bodies(slide.replace(origin=None))
+
+
+def test_axes_and_legends_have_the_names_and_units_of_the_run(slide, run):
+    portrait = plot.plot_phase_portrait(slide, coordinate=7)
+    assert (portrait.get_xlabel(), portrait.get_ylabel()) == ("body 1 x in m", "body 1 vx in m/s")
+    path = plot.plot_path(slide, coordinates=(0, 8))
+    assert (path.get_xlabel(), path.get_ylabel()) == ("body 0 x in m", "body 1 y in m")
+    history = plot.plot_history(slide, quantity="u", coordinates=[0, 3], phases=False)
+    assert history.get_ylabel() == "velocities $u$ in m/s or rad/s"
+    assert [line.get_label() for line in history.lines] == ["body 0 vx", "body 0 omega1"]
+    turning = plot.plot_history(slide, quantity="u", coordinates=3, phases=False)
+    assert turning.get_ylabel() == "velocities $u$ in rad/s"
+    labels = run.labels.replace(coordinate_units=["SI", "-"])
+    named = run.replace(labels=labels)
+    path = plot.plot_path(named)
+    assert (path.get_xlabel(), path.get_ylabel()) == ("x1 in SI units", "x2")
+
+
 def test_a_portrait_draws_velocities_over_coordinates(bodies, slide):
     block = mechanisms.stribeck_block()
     motion = asp.integrate(block, t_end=5.0, q0=[1.0])
@@ -256,7 +291,7 @@ def test_the_disk_on_pads_is_drawn_by_the_hull_of_its_points():
 @pytest.mark.parametrize(
     ("argument", "changes"),
     [
-        ("system", {"system": None}),
+        ("system", {"system": asp.SlidingPoint(1.0, law=LAW)}),
         ("view", {"view": "below"}),
         ("at", {"at": [0.1, 7.0]}),
         ("at", {"at": 0}),

@@ -29,6 +29,8 @@ def belt():
         parameter="speed",
         values=values,
         equilibria=np.column_stack([values, -values]),
+        coordinate_names=["tip", "turn"],
+        coordinate_units=["m", "rad"],
         kinds=["neutral", "neutral", "unstable", "unstable", "asymptotically stable", "none"],
         cycle_stable=cycle,
         cycle_minima=np.where(cycle, values - 1.0, np.nan)[:, None] * [1.0, 2.0],
@@ -88,6 +90,37 @@ def test_root_locus_takes_objects_with_eigenvalues_and_colours_by_the_parameter(
     assert [ax.get_ylabel() for ax in bars] == ["damping"]
     ends = {complex(np.round(points(one)[-1], 9)) for one in lines}
     assert ends == {complex(np.round(root, 9)) for root in ROOTS[-1]}
+
+
+def test_what_a_chart_and_a_diagram_know_need_not_be_said():
+    law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
+    system = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
+    chart = asp.growth_chart(system, phi=np.linspace(0.0, 1.0, 5), zeta=[0.0, 0.4])
+    ax = plot_growth_chart(chart)
+    assert ax.get_xlabel() == "direction of the belt in degrees"
+    assert ax.get_ylabel() == "rotation of C in degrees"
+    mesh = drawn(plot_growth_chart, chart)[0]
+    same = drawn(
+        plot_growth_chart, chart.growth, x=np.rad2deg(chart.phi), y=np.rad2deg(chart.zeta)
+    )[0]
+    assert np.array_equal(mesh.get_coordinates(), same.get_coordinates())
+    assert np.array_equal(mesh.get_array(), same.get_array())
+    own = plot_growth_chart(chart, x=chart.phi)
+    assert (own.get_xlabel(), own.get_ylabel()) == ("", "rotation of C in degrees")
+    for missing in ({"x": chart.phi}, {"y": chart.zeta}, {}):
+        with pytest.raises(asp.ParameterError, match="must be given: only a GrowthChart"):
+            plot_growth_chart(chart.growth, **missing)
+
+    diagram = asp.bifurcation_diagram(
+        asp.mechanisms.stribeck_block, parameter="belt_velocity", values=[0.2, 0.3], cycles=False
+    )
+    lines = [one for one in drawn(plot_root_locus, diagram) if isinstance(one, LineCollection)]
+    assert lines[0].get_clim() == (0.2, 0.3)
+    (bar,) = (ax for ax in lines[0].figure.axes if ax is not lines[0].axes)
+    assert bar.get_ylabel() == "belt_velocity"
+    assert plot_bifurcation(diagram).get_ylabel() == "q0 in SI units"
+    with pytest.raises(asp.ParameterError, match="values: must be given"):
+        plot_root_locus(diagram.stabilities)
 
 
 def test_root_locus_and_chart_take_what_the_analysis_returns():

@@ -7,6 +7,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import identify, mechanisms, track
+from asperity.identify.campaign import STAGES, identify_campaign
 
 LAW = asp.FrictionLaw.isotropic(0.5)
 BLOCK = asp.SlidingPoint(1.0, law=LAW)
@@ -18,6 +19,21 @@ FRAME = np.full((60, 80, 3), 120, dtype=np.uint8)
 FRAME[20:40, 30:50] = 200, 30, 30
 
 
+@pytest.fixture(scope="module", autouse=True)
+def campaign(tmp_path_factory):
+    """Write two runs of one turn."""
+    folder = tmp_path_factory.mktemp("campaign")
+    machine = identify.VirtualTribometer(
+        LAW, normal_force=10.0, turns=1.2, sample_rate=60.0, no_load_time=0.0
+    )
+    first, second = (machine.replace(seed=seed).record() for seed in (1, 2))
+    both = first.replace(recordings=[*first.recordings, *second.recordings])
+    CAMPAIGN[:] = [folder / name for name in identify.write_raw(both, folder)]
+    yield
+    CAMPAIGN.clear()
+
+
+CAMPAIGN = []
 LONG = {
     "simulate": lambda **o: asp.simulate(BLOCK, dt=1e-6, t_end=0.5, sample_every=0.5, **o),
     "integrate": lambda **o: asp.integrate(
@@ -27,6 +43,27 @@ LONG = {
     "bifurcation_diagram": lambda **o: asp.bifurcation_diagram(
         mechanisms.stribeck_block, parameter="belt_velocity", values=[0.2, 0.3], **o
     ),
+    "growth_chart": lambda **o: asp.growth_chart(
+        asp.MassOnBelt(
+            1.0,
+            stiffness=1.0,
+            law=asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0)),
+            normal_force=1.0,
+            belt_velocity=[1.0, 0.0],
+        ),
+        phi=np.linspace(0.0, 3.0, 90),
+        zeta=np.linspace(0.0, 3.0, 100),
+        **o,
+    ),
+    "read_raw": lambda **o: identify.read_raw(CAMPAIGN[:2], CAMPAIGN[-1], **o),
+    "identify_campaign": lambda **o: identify_campaign(
+        CAMPAIGN[:2],
+        CAMPAIGN[-1],
+        CAMPAIGN[-1].parent / "out",
+        reservoir="circle",
+        direction="circle",
+        **o,
+    ),
     "compare_models": lambda **o: identify.compare_models(
         FORCES, pairs=[("circle", "circle"), ("ellipse", "circle")], **o
     ),
@@ -35,7 +72,15 @@ LONG = {
         [FRAME] * 3, fps=500.0, scene=track.Scene.from_scale(1e-3), **o
     ),
 }
-COUNTED = ("bifurcation_diagram", "compare_models", "fit_law", "track_mark")
+COUNTED = (
+    "bifurcation_diagram",
+    "growth_chart",
+    "read_raw",
+    "identify_campaign",
+    "compare_models",
+    "fit_law",
+    "track_mark",
+)
 
 
 @pytest.mark.parametrize("name", LONG)
@@ -67,6 +112,17 @@ def test_other_values_are_refused_by_name(name, wrong):
         LONG[name](progress=wrong)
 
 
+def test_files_are_counted_one_by_one(capsys):
+    for name, whole in (("read_raw", 2), ("identify_campaign", 4)):
+        calls, names = [], []
+        options = {"announce": names.append} if name == "identify_campaign" else {}
+        LONG[name](progress=lambda *call, to=calls: to.append(call), **options)
+        assert {one for _, one in calls} == {whole}
+        done = sorted({one for one, _ in calls})
+        assert done == ([0, 0.5, 1, 2, 3, 4] if options else [0, 1, 2])
+        assert names == (list(STAGES) if options else [])
+
+
 def test_without_tqdm_true_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)
     with pytest.raises(asp.ParameterError, match="pip install tqdm"):
@@ -74,7 +130,7 @@ def test_without_tqdm_true_says_what_to_install(monkeypatch):
 
 
 def test_progress_changes_no_result():
-    for name in ("limit_cycle", "bifurcation_diagram", "compare_models"):
+    for name in ("limit_cycle", "bifurcation_diagram", "growth_chart", "compare_models"):
         assert LONG[name](progress=lambda *_: None) == LONG[name]()
 
 

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from asperity._base.result import Result, TableResult
+from asperity._base.storage.result_file import SavedResult
 from public_calls import (
     CYCLE,
     DIAGRAM,
@@ -492,13 +493,22 @@ def test_damaged_descriptions_are_refused_by_their_place(tmp_path):
         assert str(path) in str(caught.value)
 
 
-@pytest.mark.parametrize("result", [CYCLE, DIAGRAM], ids=named)
+def with_another_bit(array):
+    content = bytearray(array.tobytes())
+    content[0] ^= 1
+    return np.frombuffer(content, array.dtype).reshape(array.shape)
+
+
+ARCHIVED = [one for one in SAVED if isinstance(one, SavedResult)]
+
+
+@pytest.mark.parametrize("result", ARCHIVED, ids=named)
 def test_damaged_results_are_refused(result, tmp_path):
     path = tmp_path / "result.npz"
     result.save(path)
     with np.load(path) as file:
         fields = dict(file)
-    array = next(name for name in fields if name.endswith("motion.q"))
+    arrays = fields.keys() - {"format", "version", "digests", "content"}
     content = str(fields["content"])
     for change in (
         {"content": None},
@@ -506,20 +516,67 @@ def test_damaged_results_are_refused(result, tmp_path):
         {"format": "one"},
         {"content": "{}"},
         {"content": content.replace(named(result), "Motion", 1)},
-        {array: None},
-        {array: np.zeros((2, 2, 2))},
+        {"digests": None},
+        {"digests": "[]"},
+        {"more": np.zeros(3)},
+        *({array: None} for array in arrays),
+        *({array: np.zeros((2, 2, 2))} for array in arrays),
+        *({array: with_another_bit(fields[array])} for array in arrays),
     ):
         kept = {key: value for key, value in {**fields, **change}.items() if value is not None}
         np.savez(path, **kept)
-        with pytest.raises(asp.ParameterError, match=re.escape(str(path))):
+        with pytest.raises(asp.ParameterError, match=re.escape(str(path))) as caught:
             type(result).load(path)
+        assert caught.value.argument == next(iter(change))
+
+
+def test_a_loaded_fit_is_the_same_to_the_bit(tmp_path):
+    campaign = asp.identify.VirtualTribometer(LAW, normal_force=10.0, turns=4, sample_rate=200.0)
+    measured = asp.identify.process(campaign.record(), grid_angle=0.2)
+    phi, rng = np.linspace(0.0, 4.0 * np.pi, 60, endpoint=False), np.random.default_rng(0)
+    few = (
+        phi,
+        -LAW.force(np.stack([np.cos(phi), np.sin(phi)], axis=-1))
+        + rng.normal(scale=1e-3, size=(60, 2)),
+    )
+    turn = np.repeat([0, 1], 30).astype(np.int16)
+    fourier = asp.identify.FourierReservoir(2, odd=False)
+    for data, options in (
+        (measured, {"loss": "huber"}),
+        (measured, {"reservoir": fourier, "direction": "best", "confidence": 0.9}),
+        ((*few, turn), {"reservoir": "circle", "direction": "ellipse", "joint": False}),
+        (few, {"reservoir": "ellipse", "direction": "circle", "confidence": None}),
+    ):
+        fit = asp.identify.fit_law(data, **options)
+        fit.save(tmp_path / "fit.npz")
+        read = asp.identify.Fit.load(tmp_path / "fit.npz")
+        assert read == fit
+        assert read.summary() == fit.summary()
+        assert read.identified_law == fit.identified_law
+        for mine, other in zip(fit.means, read.means, strict=True):
+            assert np.array_equal(mine, other)
+        assert np.array_equal(read.residuals, fit.residuals)
+        assert read.to_pandas().equals(fit.to_pandas())
+        assert read.missing.keys() == fit.missing.keys()
+        assert read.comparison == fit.comparison
+
+
+def test_what_a_fit_cannot_be_saved_with_is_named(tmp_path):
+    class Own:
+        phi, force, normal_force, turn = FIT.data.phi, FIT.data.force, FIT.data.normal_force, None
+
+    Own.turn = FIT.data.turn
+    fit = asp.identify.fit_law(Own(), reservoir="circle", direction="circle")
+    with pytest.raises(asp.ParameterError, match=r"data: .*the class Own"):
+        fit.save(tmp_path / "fit.npz")
+    assert not list(tmp_path.iterdir())
 
 
 def test_files_of_other_results_are_called_so(tmp_path):
-    for made in (RUN, MOTION, CYCLE, DIAGRAM):
+    for made in (RUN, MOTION, *ARCHIVED):
         made.save(tmp_path / "result.npz")
-        for wanted in {type(one) for one in (RUN, MOTION, CYCLE, DIAGRAM)} - {type(made)}:
-            kind = wanted.__name__ if wanted in (type(CYCLE), type(DIAGRAM)) else wanted._kind
+        for wanted in {type(one) for one in (RUN, MOTION, *ARCHIVED)} - {type(made)}:
+            kind = wanted.__name__ if issubclass(wanted, SavedResult) else wanted._kind
             with pytest.raises(asp.ParameterError, match=rf"must be .*{kind}") as caught:
                 wanted.load(tmp_path / "result.npz")
             assert "'Disk'" not in str(caught.value)

@@ -578,5 +578,51 @@ def test_every_system_takes_another_law():
     assert [one.law for one in linear.with_law(smooth, contacts=1).contacts] == [rough, smooth]
     with pytest.raises(asp.ParameterError, match="contacts"):
         linear.with_law(smooth, contacts=2)
-    with pytest.raises(asp.DimensionError):
+    with pytest.raises(asp.DimensionError, match="law: must have 2"):
         linear.with_law(asp.FrictionLaw.isotropic(0.1, dimension=1))
+
+
+class TwoFeet(asp.System):
+    dof = 2
+    contacts = (
+        asp.ContactLaw(asp.FrictionLaw.isotropic(0.6, dimension=1), normal_force=1.0, name="left"),
+        asp.ContactLaw(asp.FrictionLaw.isotropic(0.6, dimension=1), normal_force=1.0),
+    )
+
+    def mass(self, q):
+        return np.eye(2)
+
+    def forces(self, t, q, u):
+        return np.zeros(2)
+
+    def direction(self, t, q, contact):
+        return np.eye(2)[:, contact : contact + 1]
+
+
+def test_systems_of_classes_of_the_user_take_another_law():
+    smooth = asp.FrictionLaw.isotropic(0.1, dimension=1)
+    feet = TwoFeet()
+    for chosen, wanted in ((None, (smooth, smooth)), ("left", (smooth, None)), (1, (None, smooth))):
+        other = feet.with_law(smooth, contacts=chosen)
+        rough = feet.contacts[0].law
+        assert [one.law for one in other.contacts] == [law or rough for law in wanted]
+        run = asp.simulate(other, dt=0.01, t_end=0.5, u0=[1.0, 1.0])
+        slowed = [0.1 if law else 0.6 for law in wanted]
+        np.testing.assert_allclose(run.u[-1], 1.0 - 0.5 * np.array(slowed), atol=1e-12)
+    assert feet.contacts is TwoFeet.contacts
+    with pytest.raises(asp.ParameterError, match=r"contacts: .*'left'"):
+        feet.with_law(smooth, contacts="right")
+    with pytest.raises(asp.DimensionError, match="law: must have 1"):
+        feet.with_law(asp.FrictionLaw.isotropic(0.1))
+    with pytest.raises(asp.ParameterError, match="law: must be a FrictionLaw"):
+        feet.with_law(0.1)
+
+
+def test_a_class_that_computes_its_contacts_is_named():
+    class Computed(TwoFeet):
+        @property
+        def contacts(self):
+            return TwoFeet.contacts
+
+    with pytest.raises(asp.ParameterError, match=r"system: must let .* Computed computes them"):
+        Computed().with_law(asp.FrictionLaw.isotropic(0.1, dimension=1))

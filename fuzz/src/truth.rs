@@ -161,7 +161,7 @@ fn tangent<const P: usize>(
     }
 }
 
-/// Defect of `γ ∈ N_D(z)`, `z = −αP`, as a percussion.
+/// How far percussion and `ρξ` are from where a step of the projection ends, or from rest, as a percussion.
 fn inclusion<const P: usize>(
     law: &FrictionLaw<P>,
     (first, normal, rho): (usize, f64, f64),
@@ -174,9 +174,25 @@ fn inclusion<const P: usize>(
     }
     let slip = Vector::<P>::from_fn(|k, _| velocity[first + k]);
     let x = -tangent / normal;
-    let (gauge_d, gauge_c) = (law.direction().gauge(&x), law.reservoir().gauge(&x));
-    let z = x / (gauge_d - gauge_c + 1.0);
-    (z - law.direction().project(&(z + slip * (rho / normal)))).norm() * normal
+    let excess = |x: &Vector<P>| law.direction().gauge(x) - law.reservoir().gauge(x);
+    let shrink = 1.0 + excess(&x);
+    let (z, moved) = (x / shrink, slip * (rho / normal));
+    let end = law.direction().project(&(z + moved / shrink));
+    let near = end / (1.0 - excess(&end));
+    let held = x / law.reservoir().gauge(&x).max(1.0);
+    let stepped = f64::max((x - near).norm(), (z - end).norm() * shrink);
+    let rest = (x - held).norm() + moved.norm();
+    // Beside cusps lengths along neighbouring rays differ though the boundary is near: is it crossed by a short step?
+    let (gauge, slope) = law.reservoir().gauge_jet(&x);
+    let across = slope * (2.0 * (gauge - 1.0) / slope.norm_squared());
+    let aside = |at: Vector<P>| {
+        let normal = law.direction().gauge_jet(&at).1.normalize();
+        (moved - normal * moved.dot(&normal).max(0.0)).norm()
+    };
+    let beside = across.norm() + aside(x).max(aside(x - across));
+    let crossed = (law.reservoir().gauge(&(x - across)) - 1.0) * (gauge - 1.0) <= 0.0;
+    let slips = if crossed && beside < stepped { beside } else { stepped };
+    slips.min(rest) * normal
 }
 
 /// `max G_NT x` over *C*.

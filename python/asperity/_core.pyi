@@ -270,7 +270,7 @@ def simulate(
 ) -> tuple[dict[str, Any], BaseException | None]: ...
 def integrate(
     system: LinearSystem | CallbackSystem | RigidBodies,
-    t_end: float,
+    times: tuple[float, float],
     q0: _Array,
     u0: _Array,
     tolerance: float,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from dataclasses import KW_ONLY
+from functools import cached_property
+from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from asperity import _core
 from asperity._base import arrays
-from asperity._base.value import Value
+from asperity._base.value import Count, Record
 from asperity.errors import ParameterError
 
 __all__ = [
@@ -22,10 +24,16 @@ __all__ = [
 ]
 
 
-class Solver(Value):
+class Solver(Record):
     """Base of the contact solvers; all take any law but `InteriorPoint` and `ADMM`."""
 
-    _core: _core.Solver
+    _method: ClassVar[str]
+
+    @cached_property
+    def _core(self) -> _core.Solver:
+        # The core says None for "adaptive".
+        options = {name: None if v == "adaptive" else v for name, v in self._parameters.items()}
+        return _core.Solver(self._method, **options)
 
 
 class Auto(Solver):
@@ -47,13 +55,11 @@ class Auto(Solver):
     Auto(threads=2)
     """
 
-    interior_point: bool
-    threads: int
+    _method = "auto"
 
-    def __init__(self, *, interior_point: bool = True, threads: int = 1) -> None:
-        interior_point, threads = bool(interior_point), arrays.count(threads, "threads")
-        self._set(interior_point=interior_point, threads=threads)
-        self._keep(_core=_core.Solver("auto", interior_point=interior_point, threads=threads))
+    _: KW_ONLY
+    interior_point: bool = True
+    threads: Count = 1
 
 
 class Exact(Solver):
@@ -77,12 +83,19 @@ class Exact(Solver):
     Exact()
     """
 
-    max_sweeps: int
+    _method = "exact"
 
-    def __init__(self, *, max_sweeps: int = 10_000) -> None:
-        max_sweeps = arrays.count(max_sweeps, "max_sweeps")
-        self._set(max_sweeps=max_sweeps)
-        self._keep(_core=_core.Solver("exact", max_sweeps=max_sweeps))
+    _: KW_ONLY
+    max_sweeps: Count = 10_000
+
+
+def _step_length(value: float | str, argument: str) -> float | str:
+    if isinstance(value, str):
+        return arrays.choice(value, argument, ["adaptive"])
+    return arrays.positive(value, argument)
+
+
+StepLength: TypeAlias = Annotated[float | Literal["adaptive"], _step_length]
 
 
 class ProxJacobi(Solver):
@@ -105,16 +118,11 @@ class ProxJacobi(Solver):
     ProxJacobi(r=0.5)
     """
 
-    r: float | Literal["adaptive"]
-    max_iterations: int
+    _method = "prox_jacobi"
 
-    def __init__(
-        self, *, r: float | Literal["adaptive"] = "adaptive", max_iterations: int = 100_000
-    ) -> None:
-        number = _step_length(r)
-        max_iterations = arrays.count(max_iterations, "max_iterations")
-        self._set(r="adaptive" if number is None else number, max_iterations=max_iterations)
-        self._keep(_core=_core.Solver("prox_jacobi", r=number, max_iterations=max_iterations))
+    _: KW_ONLY
+    r: StepLength = "adaptive"
+    max_iterations: Count = 100_000
 
 
 class ProxGaussSeidel(Solver):
@@ -131,16 +139,11 @@ class ProxGaussSeidel(Solver):
     ProxGaussSeidel(max_iterations=500)
     """
 
-    r: float | Literal["adaptive"]
-    max_iterations: int
+    _method = "prox_gauss_seidel"
 
-    def __init__(
-        self, *, r: float | Literal["adaptive"] = "adaptive", max_iterations: int = 100_000
-    ) -> None:
-        number = _step_length(r)
-        max_iterations = arrays.count(max_iterations, "max_iterations")
-        self._set(r="adaptive" if number is None else number, max_iterations=max_iterations)
-        self._keep(_core=_core.Solver("prox_gauss_seidel", r=number, max_iterations=max_iterations))
+    _: KW_ONLY
+    r: StepLength = "adaptive"
+    max_iterations: Count = 100_000
 
 
 class SemismoothNewton(Solver):
@@ -161,12 +164,10 @@ class SemismoothNewton(Solver):
     SemismoothNewton(max_iterations=20)
     """
 
-    max_iterations: int
+    _method = "newton"
 
-    def __init__(self, *, max_iterations: int = 200) -> None:
-        max_iterations = arrays.count(max_iterations, "max_iterations")
-        self._set(max_iterations=max_iterations)
-        self._keep(_core=_core.Solver("newton", max_iterations=max_iterations))
+    _: KW_ONLY
+    max_iterations: Count = 200
 
 
 class ProximalPoint(Solver):
@@ -186,12 +187,10 @@ class ProximalPoint(Solver):
     ProximalPoint()
     """
 
-    max_iterations: int
+    _method = "proximal_point"
 
-    def __init__(self, *, max_iterations: int = 1000) -> None:
-        max_iterations = arrays.count(max_iterations, "max_iterations")
-        self._set(max_iterations=max_iterations)
-        self._keep(_core=_core.Solver("proximal_point", max_iterations=max_iterations))
+    _: KW_ONLY
+    max_iterations: Count = 1000
 
 
 class InteriorPoint(Solver):
@@ -214,12 +213,10 @@ class InteriorPoint(Solver):
     InteriorPoint()
     """
 
-    max_iterations: int
+    _method = "interior_point"
 
-    def __init__(self, *, max_iterations: int = 100) -> None:
-        max_iterations = arrays.count(max_iterations, "max_iterations")
-        self._set(max_iterations=max_iterations)
-        self._keep(_core=_core.Solver("interior_point", max_iterations=max_iterations))
+    _: KW_ONLY
+    max_iterations: Count = 100
 
 
 class ADMM(Solver):
@@ -236,12 +233,10 @@ class ADMM(Solver):
     ADMM()
     """
 
-    max_iterations: int
+    _method = "admm"
 
-    def __init__(self, *, max_iterations: int = 2000) -> None:
-        max_iterations = arrays.count(max_iterations, "max_iterations")
-        self._set(max_iterations=max_iterations)
-        self._keep(_core=_core.Solver("admm", max_iterations=max_iterations))
+    _: KW_ONLY
+    max_iterations: Count = 2000
 
 
 _DEFAULT = Auto()
@@ -271,11 +266,3 @@ NAMES: dict[str, type[Solver]] = {
     "interior-point": InteriorPoint,
     "admm": ADMM,
 }
-
-
-def _step_length(r: float | str) -> float | None:
-    """Return the number, ``None`` for the adaptive choice."""
-    if isinstance(r, str):
-        arrays.choice(r, "r", ["adaptive"])
-        return None
-    return arrays.positive(r, "r")

@@ -5,10 +5,12 @@ mod common;
 use std::f64::consts::TAU;
 
 use asperity::contact::{
-    BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce,
+    BlockMatrix, ContactProblem, ContactState, Csr, Delassus, Factored, Memory, NormalForce, Phase,
 };
 use asperity::law::{FrictionLaw, Law};
-use asperity::set::{Convex, Cuboid, Ellipse, Interval, Vector};
+use asperity::set::{
+    Convex, ConvexSet, Cuboid, Ellipse, Ellipsoid, Interval, Matrix, StarSet, Vector,
+};
 use asperity::solver::{
     Certificate, Infeasibility, InfeasibilityKind, Solver, Stop, Workspace, natural_map,
     natural_residual,
@@ -97,12 +99,194 @@ fn the_extended_law_enters_with_alpha() {
     let law = FrictionLaw::new(ellipse(0.5, 0.25).into(), ellipse(1.0, 1.0)).unwrap();
     let problem = prescribed(law.into(), [1.0, 1.0], [1.0, 0.0]);
     let percussion = [-1.2, 0.0];
-    // x = 0.6: k_C = 1.2, k_D = 2.4, α = 1/2.2; γ = −0.2, ρ = 1, z + ργ/P_N = 0.6/2.2 − 0.1 < 0.25.
-    close(residual(&problem, &percussion), 0.2 / 1.2);
-    close(map(&problem, &percussion), 0.2 / 1.2);
-    // At P = −0.98: k_C = 0.98, k_D = 1.96, α = 1/1.98, γ = 0.02: projected onto 0.25.
-    let z = 0.49 / 1.98;
-    close(residual(&problem, &[-0.98, 0.0]), f64::min(0.01, 0.25 - z) * 2.0 / 1.0);
+    // x = 0.6: k_C = 1.2, k_D = 2.4, α = 1/2.2; γ = −0.2, σ = −0.1: z′ = (0.6 − 0.1)/2.2 = 5/22 is inside of D, where
+    // 1/α(z′) = 1/(10/22 − 20/22 + 1) = 11/6, x′ = 5/12: off by 11/60, less than rest, 0.1 + 0.1.
+    close(residual(&problem, &percussion), 2.0 * 11.0 / 60.0 / 1.2);
+    close(map(&problem, &percussion), 2.0 * 11.0 / 60.0 / 1.2);
+    // x = 0.49: k_C = 0.98, k_D = 1.96, α = 1/1.98; γ = 0.02, σ = 0.01: z′ = 0.25, x′ = 0.5.
+    close(residual(&problem, &[-0.98, 0.0]), 0.02);
+    // x = 0.45: σ = 0.05, z + ασ = 0.5/1.9 is outside, x′ = 0.5; rest is as near as slip.
+    close(residual(&problem, &[-0.9, 0.0]), 0.1);
+    // x = 0.499, k_D = 1.996, α = 1/1.998; σ = −0.001 leads inside, and rest is the velocity away.
+    let pressed = prescribed(problem.contacts()[0].law.clone(), [1.0, 1.0], [0.996, 0.0]);
+    close(residual(&pressed, &[-0.998, 0.0]), 0.002 / 0.998);
+}
+
+/// A law whose direction set is an ellipsoid of that slenderness, turned by chance against another one.
+fn slender<const P: usize>(slenderness: f64, random: &mut Random) -> FrictionLaw<P> {
+    let axes = Vector::<P>::from_fn(|_, _| random.within(0.3, 1.0));
+    let mirror = Vector::<P>::from_fn(|_, _| random.normal()).normalize();
+    let mirror = Matrix::identity() - mirror * mirror.transpose() * 2.0;
+    let reservoir = Convex::from(Ellipsoid::new(axes).unwrap()).mapped(&mirror).unwrap();
+    let axes = Vector::<P>::from_fn(|i, _| {
+        random.within(0.5, 1.0) * if i == 0 { 1.0 } else { slenderness }
+    });
+    FrictionLaw::new(reservoir.into(), Ellipsoid::new(axes).unwrap().into()).unwrap()
+}
+
+/// The same on a line: one end of the direction set is near.
+fn one_sided(nearness: f64, random: &mut Random) -> FrictionLaw<1> {
+    let interval = |low: f64, high: f64| {
+        Convex::from(Interval::new(Vector::<1>::new(-low), Vector::<1>::new(high)).unwrap())
+    };
+    let reservoir = interval(random.within(0.3, 1.0), random.within(0.3, 1.0));
+    FrictionLaw::new(reservoir.into(), interval(1.0, nearness)).unwrap()
+}
+
+/// The defect of friction, a percussion, where `ρ = 1` and the normal percussion is one.
+fn defect<const P: usize>(law: Law, percussion: Vector<P>, velocity: Vector<P>) -> f64 {
+    let free = velocity - percussion;
+    let contacts = [(law, NormalForce::Prescribed(1.0))];
+    let problem =
+        ContactProblem::new(DMatrix::identity(P, P), free.as_slice().to_vec(), contacts).unwrap();
+    residual(&problem, percussion.as_slice()) * f64::max(percussion.norm(), free.norm())
+}
+
+/// Percussions that slide along a velocity, made longer and shorter, and held; velocities that are turned.
+fn check_defects<const P: usize>(law: FrictionLaw<P>, velocity: Vector<P>, random: &mut Random)
+where
+    Law: From<FrictionLaw<P>>,
+{
+    let force = |velocity: &Vector<P>| law.force(velocity, 1.0).unwrap();
+    let (percussion, speed) = (force(&velocity), velocity.norm());
+    let aside = Vector::<P>::from_fn(|_, _| random.normal());
+    let aside = aside - velocity * (aside.dot(&velocity) / (speed * speed));
+    let turned = |angle: f64| velocity + aside * (speed * angle / aside.norm());
+    let off = |angle: f64| (force(&turned(angle)) - percussion).norm();
+    let size = percussion.norm().max(speed);
+    let cases = [1e-3, 1e-4, 1e-5, 1e-6].map(|part| {
+        let beyond = percussion * (1.0 + part);
+        let mut cases = vec![
+            ("beyond", beyond, velocity, part * percussion.norm()),
+            ("held beyond", beyond, velocity * 0.0, part * percussion.norm()),
+            ("within", percussion * (1.0 - part), velocity, part * percussion.norm().min(speed)),
+        ];
+        if P > 1 {
+            // Either half of the angle is a defect of the velocity, or the other half one of the percussion.
+            let least = off(0.5 * part).min(0.5 * part * speed);
+            cases.push(("turned", percussion, turned(part), least));
+        }
+        cases.into_iter().map(move |case| (part, case))
+    });
+    let law = Law::from(law);
+    for (part, (what, percussion, velocity, least)) in cases.into_iter().flatten() {
+        let found = defect(law.clone(), percussion, velocity);
+        // The distance from an ellipsoid is down to 0.3 of what a point is too long by.
+        assert!(found >= 0.25 * least, "{what} by {part}: {found:e} for {least:e}");
+        assert!(found <= 20.0 * part * size, "{what} by {part}: {found:e} of {size:e}");
+    }
+    let exact = defect(law, percussion, velocity);
+    assert!(exact <= 1e-12 * size, "{exact:e}");
+}
+
+/// A measure in *D* alone is blind by the square of how thin it is beside *C* in the direction of slip.
+#[test]
+fn defects_show_however_thin_the_direction_set_is() {
+    let mut random = Random::new(16);
+    for k in 0..400 {
+        let ratio = 10f64.powf(random.within(-3.0, 0.0));
+        let speed = 10f64.powf(random.within(-1.0, 2.0));
+        let along = |sign: f64| Vector::<1>::new(sign * speed);
+        check_defects(one_sided(ratio, &mut random), along([-1.0, 1.0][k % 2]), &mut random);
+        let velocity = Vector::<2>::from_fn(|_, _| random.normal()).normalize() * speed;
+        check_defects(slender::<2>(ratio, &mut random), velocity, &mut random);
+        let velocity = Vector::<3>::from_fn(|_, _| random.normal()).normalize() * speed;
+        check_defects(slender::<3>(ratio, &mut random), velocity, &mut random);
+    }
+}
+
+/// Stick on the border is as far off as its velocity, whichever way that points.
+#[test]
+fn stick_is_off_by_its_velocity() {
+    let mut random = Random::new(17);
+    for _ in 0..300 {
+        let law = slender::<2>(10f64.powf(random.within(-3.0, 0.0)), &mut random);
+        let outward = Vector::<2>::from_fn(|_, _| random.normal());
+        let percussion = outward * (-(1.0 - 1e-7) / law.reservoir().gauge(&outward));
+        let velocity = Vector::<2>::from_fn(|_, _| random.normal()) * 1e-10;
+        let found = defect(law.into(), percussion, velocity);
+        assert!(found <= velocity.norm() * (1.0 + 1e-4), "{found:e}");
+    }
+}
+
+/// From percussions half a per cent beyond the reservoir, of a body that is fast against what friction can bring: what
+/// is called converged obeys the law in percussions.
+#[test]
+fn solvers_leave_no_percussion_beyond_its_reservoir() {
+    let solvers = [
+        Solver::Exact { max_sweeps: 1 },
+        Solver::Auto { interior_point: true, threads: 1 },
+        Solver::ProximalPoint { max_iterations: 200 },
+        Solver::InteriorPoint { max_iterations: 100 },
+    ];
+    let mut random = Random::new(20);
+    for k in 0..200 {
+        let law = slender::<2>(10f64.powf(random.within(-3.0, 0.0)), &mut random);
+        let velocity = Vector::<2>::from_fn(|_, _| random.normal()).normalize();
+        let speed = 10f64.powf(random.within(-1.0, 5.0));
+        let friction = law.force(&velocity, 1.0).unwrap();
+        let known = nalgebra::DVector::from_vec(vec![1.0, friction.x, friction.y]);
+        let slip = nalgebra::DVector::from_vec(vec![0.0, speed * velocity.x, speed * velocity.y]);
+        let delassus = DMatrix::identity(3, 3);
+        let free = &slip - &known;
+        let size = free.norm();
+        let reservoir = law.reservoir().clone();
+        let contacts = [(Law::from(law), NormalForce::Unilateral)];
+        let problem = ContactProblem::new(delassus, free.as_slice().to_vec(), contacts).unwrap();
+        let mut memory = Memory::new(3, 1);
+        memory.percussion = vec![1.0, 1.005 * friction.x, 1.005 * friction.y];
+        memory.states[0] = ContactState::new(Phase::Slip, [slip[1], slip[2], 0.0]);
+        let solver = solvers[k % solvers.len()];
+        let mut workspace = Workspace::default();
+        let report = solver.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
+        assert_eq!(report.status.name(), "converged", "{solver:?} {report:?}");
+        let found = Vector::<2>::new(memory.percussion[1], memory.percussion[2]);
+        let off = (reservoir.gauge(&-found) / memory.percussion[0] - 1.0).abs();
+        assert!(off * found.norm() <= 4e-10 * size, "{solver:?}: {off:e} at {speed:e}");
+    }
+}
+
+/// Any scale of *D* is the same law, and that of *C* the associated one, with the natural map of [WL19] (12).
+#[test]
+fn the_scale_of_the_direction_set_does_not_count() {
+    let mut random = Random::new(18);
+    for _ in 0..300 {
+        let law = slender::<2>(10f64.powf(random.within(-3.0, 0.0)), &mut random);
+        let percussion = Vector::<2>::from_fn(|_, _| random.normal());
+        let velocity = Vector::<2>::from_fn(|_, _| random.normal());
+        let scaled = |factor: f64| {
+            let direction = law.direction().scaled(factor).unwrap();
+            FrictionLaw::new(law.reservoir().clone(), direction).unwrap()
+        };
+        let found = defect(scaled(1.0).into(), percussion, velocity);
+        for factor in [1e-3, 0.7, 1e6] {
+            let other = defect(scaled(factor).into(), percussion, velocity);
+            assert!((other - found).abs() <= 1e-9 * found, "{factor}: {other} for {found}");
+        }
+        let reservoir = law.reservoir().as_convex().unwrap();
+        let same = FrictionLaw::new(law.reservoir().clone(), reservoir.scaled(0.3).unwrap());
+        let found = defect(same.unwrap().into(), percussion, velocity);
+        close(found, (-percussion - reservoir.project(&(velocity - percussion))).norm());
+    }
+}
+
+/// Other tangential axes and other units are the same problem.
+#[test]
+fn the_choice_of_rows_does_not_count() {
+    let mut random = Random::new(19);
+    for _ in 0..300 {
+        let law = slender::<2>(10f64.powf(random.within(-3.0, 0.0)), &mut random);
+        let percussion = Vector::<2>::from_fn(|_, _| random.normal());
+        let velocity = Vector::<2>::from_fn(|_, _| random.normal());
+        let found = defect(law.rotated(0.0).unwrap().into(), percussion, velocity);
+        let angle = random.within(0.0, TAU);
+        let turn = |v: Vector<2>| {
+            let (s, c) = angle.sin_cos();
+            Vector::<2>::new(c * v.x - s * v.y, s * v.x + c * v.y)
+        };
+        let other = defect(law.rotated(angle).unwrap().into(), turn(percussion), turn(velocity));
+        assert!((other - found).abs() <= 1e-9 * found, "{angle}: {other} for {found}");
+    }
 }
 
 #[test]

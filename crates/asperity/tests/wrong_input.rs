@@ -589,6 +589,10 @@ fn integrators_refuse_wrong_options_and_states() {
     refused("sample_every", || integrate(good().with_sample(0.0)));
     refused("max_step", || integrate(good().with_max_step(NAN)));
     refused("max_events", || integrate(good().with_max_events(0)));
+    for wrong in [NAN, -1.0] {
+        refused("t_start", || integrate(good().with_start_time(wrong)));
+    }
+    refused("t_end", || integrate(good().with_start_time(0.1)));
     refused("section", || integrate(good().with_section(section(vec![]))));
     refused("section", || integrate(good().with_section(section(vec![NAN; 4]))));
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Iterable, Sequence
+from types import UnionType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -24,7 +25,9 @@ def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = 
     """Return a finite C-contiguous float64 array; ``None`` in `shape` stands for any length."""
     converted = with_gaps(value, argument, shape)
     # The sum of finite numbers is finite unless it overflows: a cheap test for the usual case.
-    if not math.isfinite(_sum(converted)) and not np.isfinite(converted).all():
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = float(converted.sum())
+    if not math.isfinite(total) and not np.isfinite(converted).all():
         raise ParameterError(argument, "must be finite, it holds NaN or infinity")
     return converted
 
@@ -58,23 +61,15 @@ def _is_masked(value: Any) -> bool:
     return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
 
 
-def _sum(values: Array) -> float:
-    with np.errstate(over="ignore", invalid="ignore"):
-        return float(values.sum())
-
-
 def check_shape(value: Any, argument: str, shape: Sequence[int | None]) -> None:
     """Refuse an array, dense or sparse, that does not have the shape."""
     fits = value.ndim == len(shape) and all(
         wanted in (None, length) for wanted, length in zip(shape, value.shape, strict=True)
     )
     if not fits:
-        wanted = _shape_text(["n" if length is None else str(length) for length in shape])
+        lengths = ", ".join("n" if length is None else str(length) for length in shape)
+        wanted = f"({lengths},)" if len(shape) == 1 else f"({lengths})"
         raise DimensionError(argument, f"must have shape {wanted}, got {value.shape}")
-
-
-def _shape_text(lengths: Sequence[str]) -> str:
-    return f"({lengths[0]},)" if len(lengths) == 1 else f"({', '.join(lengths)})"
 
 
 def points(value: ArrayLike, argument: str, dimension: int) -> tuple[Array, tuple[int, ...]]:
@@ -241,6 +236,12 @@ def choice(value: Word, argument: str, allowed: Sequence[Word]) -> Word:
     return value
 
 
+def of_kind(value: object, argument: str, kind: type | UnionType, words: str) -> None:
+    """Refuse an object of another class, in words for the class."""
+    if not isinstance(value, kind):
+        raise ParameterError(argument, f"must be {words}, got {value!r}")
+
+
 def lengths(vectors: Array) -> Array:
     """Return the norms of vectors ``(..., p)`` whose squares may be beyond the range of numbers."""
     exponent = np.frexp(np.abs(vectors).max(axis=-1, initial=0.0))[1]
@@ -253,6 +254,13 @@ def lengths(vectors: Array) -> Array:
 def unit_vectors(angle: Array | float) -> Array:
     """Return (cos φ, sin φ) for angles of any shape."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def along_and_across(vectors: Array, phi: Array) -> tuple[Array, Array]:
+    """Return the parts of plane vectors ``(..., 2)`` along e(φ) and along e⊥(φ), to its left."""
+    cos, sin = np.cos(phi), np.sin(phi)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return x * cos + y * sin, y * cos - x * sin
 
 
 def read_only(values: NDArray[Any]) -> NDArray[Any]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, TypeVar
 
 from asperity.errors import ParameterError
 
+Part = TypeVar("Part")
 Report = Callable[[float, float], object]
 """A function of what is done and of all there is to do; 0 where that is not known."""
 
@@ -49,6 +49,20 @@ class Count:
             self._report(self._whole, self._whole)
 
 
+def part_of(report: Report | None, done: float, whole: float) -> Report | None:
+    """Return what reports a part of work, before which so much of the whole is done."""
+    return None if report is None else lambda more, _: report(done + more, whole)
+
+
+def each(parts: Sequence[Part], report: Report | None) -> Iterator[Part]:
+    """Yield parts of work one after the other, and report how many are done."""
+    count = Count(len(parts), report)
+    for number, part in enumerate(parts):
+        count.add(number)
+        yield part
+    count.finish()
+
+
 @contextmanager
 def _bar(unit: str) -> Iterator[Report]:
     """Show a tqdm bar and yield the function that moves it."""
@@ -59,12 +73,18 @@ def _bar(unit: str) -> Iterator[Report]:
             "progress", "True needs tqdm (pip install tqdm); or pass a function of (done, all)"
         ) from None
     with tqdm(unit=unit, unit_scale=True) as display:
+        yield _mover(display)
 
-        def move(done: float, whole: float) -> None:
+
+def _mover(display: Any) -> Report:
+    """Return the function of (done, all) that moves a bar, if there is one."""
+
+    def move(done: float, whole: float) -> None:
+        if display is not None:
             display.total = whole or None
             display.update(done - display.n)
 
-        yield move
+    return move
 
 
 def _on_a_terminal(**options: Any) -> AbstractContextManager[Any]:
@@ -76,28 +96,24 @@ def _on_a_terminal(**options: Any) -> AbstractContextManager[Any]:
     return tqdm(disable=None, leave=False, **options)
 
 
+class Bar:
+    """A bar that a terminal shows: called with what is done and all, it moves."""
+
+    def __init__(self, display: Any) -> None:
+        self._display, self._move = display, _mover(display)
+
+    def __call__(self, done: float, whole: float) -> None:
+        """Move."""
+        self._move(done, whole)
+
+    def announce(self, name: str) -> None:
+        """Say what is being done."""
+        if self._display is not None:
+            self._display.set_description(name)
+
+
 @contextmanager
-def bar_if_there() -> Iterator[Report]:
-    """Yield a function of (step, steps) that moves a bar."""
-    with _on_a_terminal(unit="step") as display:
-
-        def move(step: float, steps: float) -> None:
-            if display is not None:
-                display.total = steps
-                display.update(step - display.n)
-
-        yield move
-
-
-@contextmanager
-def stages(count: int) -> Iterator[Callable[[str], object]]:
-    """Yield a function that announces the next of `count` stages."""
-    begun = itertools.count()
-    with _on_a_terminal(total=count, unit="stage") as display:
-
-        def announce(name: str) -> None:
-            if display is not None:
-                display.set_description(name)
-                display.update(next(begun) - display.n)
-
-        yield announce
+def bar_if_there(unit: str = "step") -> Iterator[Bar]:
+    """Yield a function of (done, all) that moves a bar, if there is a terminal and tqdm."""
+    with _on_a_terminal(unit=unit) as display:
+        yield Bar(display)

@@ -4,18 +4,36 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator
+from enum import Enum
+from functools import cache
 from inspect import Parameter
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, dataclass_transform
+from types import NoneType, UnionType
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    NoReturn,
+    Self,
+    TypeAlias,
+    Union,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 import numpy as np
 
-from asperity._base.arrays import read_only
+from asperity._base import arrays
 
 
 class Value:
     """Base of immutable objects that are equal when their parameters are.
 
     A subclass hands each parameter of its ``__init__`` to `_set`, and what it derives to `_keep`.
+    Arrays among them are kept as copies that refuse writing.
     """
 
     _descriptive: ClassVar[frozenset[str]] = frozenset()
@@ -27,13 +45,14 @@ class Value:
         def _parameters(self) -> dict[str, Any]: ...
 
     def _set(self, **parameters: Any) -> None:
-        self._keep(_parameters=parameters)
+        frozen = {name: _frozen(value) for name, value in parameters.items()}
         # A class attribute wins: the radius of a disk must not hide the method `radius`.
-        self._keep(**{n: value for n, value in parameters.items() if not hasattr(type(self), n)})
+        shown = {name: value for name, value in frozen.items() if not hasattr(type(self), name)}
+        self._keep(_parameters=frozen, **shown)
 
     def _keep(self, **attributes: Any) -> None:
         for name, attribute in attributes.items():
-            object.__setattr__(self, name, attribute)
+            object.__setattr__(self, name, _frozen(attribute))
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(
@@ -85,52 +104,82 @@ class Value:
         return f"{type(self).__name__}({', '.join(parts)})"
 
 
+# Numbers that a field of a `Record` may hold; the check says what else it refuses.
+Number: TypeAlias = Annotated[float, arrays.number]
+Positive: TypeAlias = Annotated[float, arrays.positive]
+NonNegative: TypeAlias = Annotated[float, arrays.non_negative]
+Fraction: TypeAlias = Annotated[float, arrays.fraction]
+Count: TypeAlias = Annotated[int, arrays.count]
+
+
 @dataclass_transform(frozen_default=True)
 class Record(Value):
     """Base of values that hold what they are given: annotations are the only list of parameters.
 
-    Integers and floats become Python's, arrays refuse writing.
+    A field that is ``Annotated`` holds what the check there returns, given the value and its name;
+    one that is a ``Literal`` takes these words alone. Others become Python's numbers, arrays and
+    enumerators where the annotation says so. Fields behind ``_: KW_ONLY`` are given by name; names
+    that begin with a bar are no fields.
     """
 
-    def __init_subclass__(cls, *, kw_only: bool = False) -> None:
-        place = Parameter.KEYWORD_ONLY if kw_only else Parameter.POSITIONAL_OR_KEYWORD
-        parameters = []
+    def __init_subclass__(cls) -> None:
+        parameters = list(getattr(cls, "__signature__", inspect.Signature()).parameters.values())
+        place: Any = Parameter.POSITIONAL_OR_KEYWORD
         for name, kind in inspect.get_annotations(cls).items():
-            default = cls.__dict__.get(name, Parameter.empty)
-            if name in cls.__dict__:
-                delattr(cls, name)
-            parameters.append(Parameter(name, place, default=default, annotation=kind))
+            if kind == "KW_ONLY":
+                place = Parameter.KEYWORD_ONLY
+            elif not name.startswith("_"):
+                default = cls.__dict__.get(name, Parameter.empty)
+                if name in cls.__dict__:
+                    delattr(cls, name)
+                parameters.append(Parameter(name, place, default=default, annotation=kind))
         cls.__signature__ = inspect.Signature(parameters)
 
     __signature__: ClassVar[inspect.Signature]
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        signature = type(self).__signature__
-        given = signature.bind(*args, **kwargs)
+        kind: Any = type(self)
+        given = kind.__signature__.bind(*args, **kwargs)
         given.apply_defaults()
-        self._set(
-            **{
-                name: _CONVERTERS.get(signature.parameters[name].annotation, _unchanged)(value)
-                for name, value in given.arguments.items()
-            }
-        )
+        checks = _checks_of(kind)
+        self._set(**{name: checks[name](value, name) for name, value in given.arguments.items()})
 
 
-def _unchanged(value: Any) -> Any:
-    return value
+Check: TypeAlias = Callable[[Any, str], Any]
 
 
-# By the annotation, which is a text.
-_CONVERTERS: dict[str, Callable[[Any], Any]] = {
-    "int": int,
-    "float": float,
-    "bool": bool,
-    "Array": read_only,
-}
+@cache
+def _checks_of(kind: type[Any]) -> dict[str, Check]:
+    hints = get_type_hints(kind, include_extras=True)
+    return {name: _check_of(hints[name]) for name in kind.__signature__.parameters}
 
 
-def _build(cls: type[Value], parameters: dict[str, Any]) -> Value:
-    return cls(**parameters)
+def _check_of(hint: Any) -> Check:
+    parts = get_args(hint)
+    if isinstance(hint, UnionType) or get_origin(hint) is Union:
+        (inner,) = (_check_of(part) for part in parts if part is not NoneType)
+        return lambda value, name: None if value is None else inner(value, name)
+    if get_origin(hint) is Literal:
+        return lambda value, name: arrays.choice(value, name, parts)
+    if hasattr(hint, "__metadata__"):
+        check: Check = hint.__metadata__[0]
+        return check
+    if get_origin(hint) is np.ndarray:
+        return lambda value, _: np.asarray(value)
+    if hint in (int, float, bool) or (isinstance(hint, type) and issubclass(hint, Enum)):
+        return lambda value, _: hint(value)
+    return lambda value, _: value
+
+
+def _build(kind: type[Value], parameters: dict[str, Any]) -> Value:
+    return kind(**parameters)
+
+
+def _frozen(value: Any) -> Any:
+    """Return an array as one that nobody can write into, all else as it is."""
+    if not isinstance(value, np.ndarray) or (value.flags.owndata and not value.flags.writeable):
+        return value
+    return arrays.read_only(value)
 
 
 def _is_default(value: Any, parameter: Parameter) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from asperity._base.progress import stages
+from asperity._base.progress import bar_if_there
 from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_out
 
 
@@ -14,45 +14,70 @@ def add(commands: Commands) -> argparse.ArgumentParser:
     parser = commands.add_parser(
         "identify",
         help="identify a friction law from measured forces",
-        description="Identify the force reservoir C and the direction set D from the forces of a "
-        "pin-on-disk tribometer, with confidence bands, and compare models. The TOML file says how "
-        "the files are read: sections file, columns, units, calibration, no_load, tribometer, "
-        "processing, all optional. Writes law.toml, the law with its parameters and their "
-        "covariance, sets.png, forces.png, residuals.png, parameters.csv, "
-        "directions.csv, turns.csv, models.csv, report.html. Exit code 1 if they are to be read "
-        "with warnings, which are printed: records without load or a calibration are missing, the "
-        "model does not fit, or the data have another defect. Exit code 2 if something is wrong "
-        "with the files; then nothing is written.",
+        description="Find the friction law of a pairing of surfaces from the forces that a "
+        "pin-on-disk tribometer has recorded: how large friction is in every direction of sliding, "
+        "and how far the friction force is turned away from opposing the sliding. The law consists "
+        "of two sets, drawn in sets.png. The force reservoir C holds the friction forces per unit "
+        "normal force that the contact can give: its outline is the friction coefficient over the "
+        "direction of the force. The shape of the direction set D says which of these forces acts "
+        "while the surface slides in a given direction. All numbers come with confidence "
+        "intervals. Shapes of the sets: a circle is the same in all directions, an ellipse has two "
+        "axes, a superellipse rounder or sharper corners between them, fourier is any curve; best "
+        "compares them and takes the one that fits best for its number of parameters (by BIC, the "
+        "Bayesian information criterion). The configuration, a TOML file, says how the data are "
+        "read: sections file, columns, units, calibration, no_load, tribometer and processing, all "
+        "optional. Written are law.toml, the law with the uncertainty of its parameters, which "
+        "`asperity law`, `asperity simulate` and `asperity stability` take; sets.png, "
+        "forces.png and residuals.png; parameters.csv, directions.csv, turns.csv and models.csv; "
+        "report.html with all of it. "
+        "Exit code 1 if they are to be read with the warnings that are printed: records without "
+        "load or a calibration are missing, the model does not fit, or the data have another "
+        "defect. Exit code 2 if something is wrong with the files; then nothing is written.",
         epilog="example: asperity identify run_1.csv --config tribometer.toml --out out/identify",
     )
-    parser.add_argument("paths", metavar="DATA", type=Path, nargs="+", help="CSV files of runs")
-    parser.add_argument("--config", metavar="FILE", type=Path, required=True, help="TOML file")
+    parser.add_argument(
+        "paths",
+        metavar="DATA",
+        type=Path,
+        nargs="+",
+        help="CSV files of the runs: rotation of the disk, tangential, radial and normal force",
+    )
+    parser.add_argument(
+        "--config", metavar="FILE", type=Path, required=True, help="how they are read, a TOML file"
+    )
     add_out(parser)
-    for name, meaning in (("reservoir", "C"), ("direction", "D")):
+    for name, meaning in (
+        ("reservoir", "force reservoir C"),
+        ("direction", "direction set D"),
+    ):
         parser.add_argument(
             f"--{name}",
             choices=("circle", "ellipse", "superellipse", "fourier", "best"),
             default="superellipse",
-            help=f"model of {meaning}, or the best one by BIC; default superellipse",
+            help=f"shape of the {meaning}; default superellipse",
         )
     parser.add_argument(
         "--loss",
         choices=("linear", "huber", "cauchy"),
         default="linear",
-        help="loss of the residuals: linear for least squares, the others for outliers; "
-        "default linear",
+        help="how forces far from the law count: linear fully, by least squares; huber and cauchy "
+        "less and less, for records with outliers. Default linear",
     )
     parser.add_argument(
-        "--confidence", type=float, default=0.95, help="level of the bands; default 0.95"
+        "--confidence",
+        metavar="LEVEL",
+        type=float,
+        default=0.95,
+        help="of the confidence intervals; default 0.95",
     )
     return parser
 
 
 def run(options: argparse.Namespace) -> int:
     """Identify and print; return the exit code."""
-    from asperity.identify.campaign import STAGES, identify_campaign
+    from asperity.identify.campaign import identify_campaign
 
-    with stages(len(STAGES)) as announce:
+    with bar_if_there("stage") as bar:
         found = identify_campaign(
             options.paths,
             options.config,
@@ -61,7 +86,8 @@ def run(options: argparse.Namespace) -> int:
             direction=options.direction,
             loss=options.loss,
             confidence=options.confidence,
-            announce=announce,
+            progress=bar,
+            announce=bar.announce,
         )
     print(found.summary())
     print(f"\nfigures, tables and report.html in {options.out}")

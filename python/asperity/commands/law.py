@@ -15,8 +15,10 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         help="say what a friction law is: coefficients over the direction, properties, pictures",
         description="Print what a file of a friction law holds: where it comes from, its "
         "properties, and for every direction of sliding the friction coefficient and the angle by "
-        "which the friction force is turned against the sliding direction. With --out it writes "
-        "coefficients.csv, sets.png, coefficients.png and report.html.",
+        "which the friction force is turned against the sliding direction. A law consists of two "
+        "sets: the force reservoir C, whose outline is the friction coefficient over the direction "
+        "of the force, and the direction set D, whose shape says how the force is turned. "
+        "With --out it writes coefficients.csv, sets.png, coefficients.png and report.html.",
         epilog="example: asperity law out/identify/law.toml --out out/law",
     )
     parser.add_argument("law", metavar="LAW", type=Path, help="file of the law, such as law.toml")

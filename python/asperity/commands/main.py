@@ -41,7 +41,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="asperity", description="Set-valued anisotropic dry friction."
+        prog="asperity",
+        description="Dry friction that depends on the direction of sliding: measure its law, "
+        "predict motions with it, find where it makes machines squeal.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")

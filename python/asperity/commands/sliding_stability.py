@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from asperity._base.progress import bar_if_there
 from asperity.commands.options import SUCCESS, Commands, add_json, add_out
 
 _BELT = (
@@ -24,7 +25,8 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "makes steady sliding unstable, so that a machine squeals or chatters, and the growth "
         "rates of such vibrations for a mass that springs hold on a moving belt. With --out it "
         "writes growth.csv, growth.png (growth rates over the direction of the belt and a further "
-        "rotation of the force reservoir) and report.html.",
+        "rotation of the force reservoir C, the set whose outline is the friction coefficient over "
+        "the direction of the force) and report.html.",
         epilog="example: asperity stability law.toml --mass 0.5 --stiffness 2e4 --out out",
     )
     parser.add_argument("law", metavar="LAW", type=Path, help="file of the law, such as law.toml")
@@ -43,7 +45,8 @@ def run(options: argparse.Namespace) -> int:
     from asperity.predict.stability_sheet import Belt, describe_stability
 
     belt = Belt(options.mass, options.stiffness, options.speed, options.normal_force)
-    sheet = describe_stability(options.law, belt=belt, out=options.out)
+    with bar_if_there("part") as bar:
+        sheet = describe_stability(options.law, belt=belt, out=options.out, progress=bar)
     print(as_json(sheet.data()) if options.json else sheet.text())
     if options.out is not None and not options.json:
         print(f"\nfigure, table and report.html in {options.out}")

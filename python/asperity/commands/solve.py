@@ -19,14 +19,17 @@ def add(commands: Commands) -> argparse.ArgumentParser:
     parser = commands.add_parser(
         "solve",
         help="solve contact problems from files and grade the solutions",
-        description="Solve the contact problems of .npz and HDF5 (FCLIB) files and print a row for "
-        "each: the residual is the natural map ||P - proj(P - rho xi)||/max(||P||, rho ||b||), "
+        description="For developers of simulations: solve contact problems, the equations of one "
+        "time step with friction, from .npz and HDF5 files (those of the collection FCLIB), and "
+        "print a row for each with the method, the time and the residual. The residual, 0 for "
+        "an exact solution, is that of the natural map, "
+        "||P - proj(P - rho xi)||/max(||P||, rho ||b||), "
         "computed apart from the solvers; stages are method:iterations/factorizations. Exit code "
         "1 if a problem is not solved to the tolerance.",
         epilog="example: asperity solve problems/ --tolerance 1e-8 --time-limit 30 --csv out.csv",
     )
     parser.add_argument(
-        "paths", metavar="FOLDER_OR_FILE", type=Path, nargs="+", help="files, folders of files"
+        "paths", metavar="FOLDER_OR_FILE", type=Path, nargs="+", help="files or folders of files"
     )
     parser.add_argument(
         "--tolerance", type=float, default=1e-8, help="of the residual; default 1e-8"
@@ -38,9 +41,18 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         default=30.0,
         help="longest time of one solve in s; default 30",
     )
-    parser.add_argument("--solver", choices=list(NAMES), default="auto", help="default auto")
     parser.add_argument(
-        "--repeat", metavar="N", type=int, default=1, help="best time of N short solves; default 1"
+        "--solver",
+        choices=list(NAMES),
+        default="auto",
+        help="method; default auto, which tries several",
+    )
+    parser.add_argument(
+        "--repeat",
+        metavar="N",
+        type=int,
+        default=1,
+        help="solve N times and print the shortest time, where it is short; default 1",
     )
     parser.add_argument("--csv", metavar="FILE", type=Path, help="write the table to a file too")
     return parser

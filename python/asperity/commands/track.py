@@ -15,10 +15,14 @@ def add(commands: Commands) -> argparse.ArgumentParser:
     parser = commands.add_parser(
         "track",
         help="track a round mark in a video and measure its path",
-        description="Track a round mark in a video or a folder of images; write path.csv, "
-        "frames.csv, overlay.png, motion.png and report.html. The configuration states fps (of the "
-        "recording, not of the playback), [mark] and [scene]. Exit code 1 if no position is known "
-        "for more than a tenth of the frames, or the body does not come to rest in view.",
+        description="Find a round mark in every frame of a video or of a folder of images, and "
+        "turn its pixels into a path in metres with velocities. The configuration, a TOML file, "
+        "states fps, the frames per second of the recording, not of the playback; [mark], the "
+        "colour of the mark; and [scene], how large things are: four known points of the plane or "
+        "metres per pixel. Written are path.csv (positions and velocities with their errors), "
+        "frames.csv (what was seen in each frame), overlay.png, motion.png and report.html. Exit "
+        "code 1 if no position is known for more than a tenth of the frames, or the body does not "
+        "come to rest in view.",
         epilog="example: asperity track frames/ --config track.toml --out out/track",
     )
     parser.add_argument("video", metavar="VIDEO", type=Path, help="video file or folder of images")

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.errors import DimensionError, ParameterError
+from asperity.errors import DimensionError
 from asperity.law import FrictionLaw
 
 
@@ -25,10 +25,7 @@ def listed_laws(laws: Any, rows: int, normal_force: Any) -> tuple[FrictionLaw, .
         return (laws,) * _contact_count(laws, rows, normal_force)
     listed = tuple(laws) if isinstance(laws, Sequence) else (laws,)
     for law in listed:
-        if not isinstance(law, FrictionLaw):
-            raise ParameterError(
-                "laws", f"must be a FrictionLaw or a sequence of them, got {law!r}"
-            )
+        arrays.of_kind(law, "laws", FrictionLaw, "a FrictionLaw or a sequence of them")
     if not listed:
         raise DimensionError("laws", "must hold at least one law")
     return listed

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import KW_ONLY
 from typing import Literal
 
 from numpy.typing import ArrayLike
@@ -16,7 +17,7 @@ from asperity.errors import ParameterError
 InfeasibilityKind = Literal["closing", "one_contact", "cases"]
 
 
-class Certificate(Record, kw_only=True):
+class Certificate(Record):
     """Largest defects of the contact laws over all contacts, each in its own unit.
 
     ``str()`` prints them as a table. A solution to rounding has all defects at zero; an approximate
@@ -31,8 +32,8 @@ class Certificate(Record, kw_only=True):
         tension: max(0, −P_N), in N s.
         cone_violation: max |P| (1 − 1/k_C(−P/P_N))⁺ of the friction percussions P, in N s: by so
             much they are longer than the reservoir is in their direction.
-        direction_violation: largest distance of a friction percussion from the one that the law
-            assigns to the slip, in N s.
+        direction_violation: largest distance of a friction percussion, and of ρ times its slip,
+            from a pair that obeys the law, in N s, see `ContactProblem.residual`.
         stick: number of contacts that stick.
         slip: number of contacts that slip.
         open: number of open contacts.
@@ -48,6 +49,7 @@ class Certificate(Record, kw_only=True):
     0.09999999999999998
     """
 
+    _: KW_ONLY
     worst_contact: int
     natural_map: float
     penetration_velocity: float
@@ -103,7 +105,7 @@ class InfeasibleCase(Value):
 
         self._set(
             states=tuple(read(state) for state in states),
-            direction=arrays.read_only(arrays.array(direction, "direction", (None,))),
+            direction=arrays.array(direction, "direction", (None,)),
         )
 
 
@@ -168,7 +170,7 @@ class Infeasibility(Value):
         self._set(
             kind=arrays.choice(kind, "kind", ("closing", "one_contact", "cases")),
             contact=arrays.count(contact, "contact", least=0),
-            direction=arrays.read_only(arrays.array(direction, "direction", (None,))),
+            direction=arrays.array(direction, "direction", (None,)),
             closing_velocity=arrays.non_negative(closing_velocity, "closing_velocity"),
             residual=arrays.non_negative(residual, "residual"),
             cases=tuple(cases),

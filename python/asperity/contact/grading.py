@@ -28,7 +28,8 @@ def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
     """Return ‖P − proj(P − ρξ)‖/max(‖P‖, ρ‖b + e∘γ_B‖), ρ = rows/tr G.
 
     Unilateral contacts with disks or balls are projected onto their cones, with μ‖ξ_T‖ added to
-    ξ_N. Others have the defects P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ_T), z = −αP.
+    ξ_N. Others have the defect P_N − max(0, P_N − ρξ_N), and that of friction which
+    `ContactProblem.residual` has: the distance to a pair near by that obeys the law.
 
     Args:
         problem: with any laws.
@@ -56,13 +57,13 @@ def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
     for law, unilateral, rows, normal in _groups(problem):
         p, v = given[rows], rho * xi[rows]
         if not unilateral:
-            squares += _tangential(law, normal, p, v)
+            squares += _friction(law, normal, p, v)
             continue
         if isinstance(law.reservoir, Ball | Disk) and law.reservoir == law.direction:
             squares += _cone(float(law.reservoir.support(np.eye(law.dimension)[0])), p, v)
             continue
         squares += float(((p[:, 0] - np.maximum(0.0, p[:, 0] - v[:, 0])) ** 2).sum())
-        squares += _tangential(law, p[:, 0], p[:, 1:], v[:, 1:])
+        squares += _friction(law, p[:, 0], p[:, 1:], v[:, 1:])
     scale = max(_norm(given), float(rho) * _norm(free), float(np.finfo(float).tiny))
     return math.sqrt(squares) / scale
 
@@ -126,13 +127,9 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
         changed.max() <= 8.0 * np.finfo(float).eps * (scale * weights).sum()
         and closing >= _HUGE * changed.max() * called_for
         and closing > 1e-13 * sizes_of_load
-        and _keeps_bodies_at_rest(problem, weights)
+        # Weights as percussions move no body, up to rounding.
+        and not _moved(problem, weights).any()
     )
-
-
-def _keeps_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
-    """Return whether weights as percussions move no body, up to rounding; so if none is known."""
-    return not _moved(problem, weights).any()
 
 
 def _keeps_lost_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
@@ -373,16 +370,52 @@ def _cone(mu: float, p: Array, v: Array) -> float:
     return float(((p - nearest) ** 2).sum())
 
 
-def _tangential(law: FrictionLaw, normal: Array, p: Array, v: Array) -> float:
-    """Return the squared defect of z = prox_{P_N D}(z + ρξ_T); all of P where P_N ≤ 0."""
+def _friction(law: FrictionLaw, normal: Array, p: Array, v: Array) -> float:
+    """Return the squared distance of P_T, v = ρξ_T from the law; all of P_T where P_N ≤ 0.
+
+    Per unit of P_N two pairs obey the law near (x, v): the end of a prox step, x′ = z′/α(z′) with
+    the rest of the step as velocity, whose larger part is counted, and x in C at rest. Beside cusps
+    of C there may be a nearer one.
+    """
     closed = normal > 0.0
     open_defect = float((p[~closed] ** 2).sum())
     force = normal[closed][:, None]
-    x = -p[closed] / force
-    alpha = 1.0 / (law.direction.gauge(x) - law.reservoir.gauge(x) + 1.0)
-    z = alpha[:, None] * x
-    off = (z - law.direction.project(z + v[closed] / force)) * force
-    return open_defect + float((off**2).sum())
+    x, v = -p[closed] / force, v[closed] / force
+    excess = law.direction.gauge(x) - law.reservoir.gauge(x)
+    z = x / (1.0 + excess)[:, None]
+    end = law.direction.project(z + v / (1.0 + excess)[:, None])
+    # 1/α(z′) is k_C(z′) − k_D(z′) + 1, and k_C(z′) where the step ends on the boundary of D.
+    depth = np.minimum(law.direction.gauge(end), 1.0)
+    there = end / (law.reservoir.gauge(end) - depth + 1.0)[:, None]
+    turned = _lengths(end - z) * (1.0 + excess)
+    slip = np.maximum(_lengths(x - there), turned)
+    if not law.reservoir.is_convex:
+        slip = np.minimum(slip, _beside(law, x, v))
+    held = x / np.maximum(law.reservoir.gauge(x), 1.0)[:, None]
+    rest = _lengths(x - held) + _lengths(v)
+    return open_defect + float(((np.minimum(slip, rest) * normal[closed]) ** 2).sum())
+
+
+def _beside(law: FrictionLaw, x: Array, v: Array) -> Array:
+    """Return distances to slip where a step along the gradient of k_C crosses the boundary of C."""
+    C, D = law.reservoir, law.direction
+    excess, slope = C.gauge(x) - 1.0, C.gauge_gradient(x)
+    step = slope * (2.0 * excess / (slope**2).sum(axis=1))[:, None]
+    aside = []
+    for at in (x, x - step):
+        normal = D.gauge_gradient(at)
+        normal /= _lengths(normal)[:, None]
+        along = np.maximum((v * normal).sum(axis=1), 0.0)[:, None]
+        aside.append(_lengths(v - along * normal))
+    distance = _lengths(step) + np.maximum(*aside)
+    crossed = (C.gauge(x - step) - 1.0) * excess <= 0.0
+    found: Array = np.where(crossed & np.isfinite(distance), distance, np.inf)
+    return found
+
+
+def _lengths(vectors: Array) -> Array:
+    lengths: Array = np.sqrt((vectors**2).sum(axis=1))
+    return lengths
 
 
 def _norm(values: Array) -> float:

@@ -98,14 +98,14 @@ class ContactProblem(Value):
         initial = np.zeros(rows) if initial_velocity is None else initial_velocity
         self._set(
             **operator.parameters(delassus, mass, directions, rows),
-            free_velocity=arrays.read_only(free),
+            free_velocity=free,
             laws=chosen_laws,
             normal_force=normal,
             normal_restitution=fractions(normal_restitution, "normal_restitution", contacts),
             tangential_restitution=fractions(
                 tangential_restitution, "tangential_restitution", contacts
             ),
-            initial_velocity=arrays.read_only(arrays.array(initial, "initial_velocity", (rows,))),
+            initial_velocity=arrays.array(initial, "initial_velocity", (rows,)),
         )
         core = _core.Problem(
             operator.for_core(self._parameters["delassus"], self.mass, self.directions),
@@ -236,10 +236,17 @@ class ContactProblem(Value):
         return solution
 
     def residual(self, percussion: ArrayLike) -> float:
-        """Return the natural-map residual of percussions, the largest over the contacts.
+        """Return the natural residual of percussions, the largest over the contacts.
 
-        The defects P_N − max(0, P_N − ρξ_N) and z − prox_{P_N D}(z + ρξ), z = −αP, of a contact,
-        ρ = rows/tr G of its own block, are taken relative to its percussion and ρ times its loads:
+        The defect of a normal row is P_N − max(0, P_N − ρξ_N), ρ = rows/tr G of the contact's own
+        block. That of friction is the distance from (P, ρξ) to a pair near by that obeys the law,
+        of percussion and velocity the larger part. With z = −αP and z′ = prox_{P_N D}(z + αρξ)
+        one such pair is max(‖P + z′/α(z′)‖, ‖z − z′‖/α) away, another one, at rest,
+        ‖P‖ max(0, 1 − 1/k_C(−P/P_N)) + ρ‖ξ‖; the nearer one counts. For D = C it is ‖z − z′‖.
+        So a percussion of friction is beyond its reservoir by no more than its defect, however thin
+        D is beside C.
+
+        Both are taken relative to the percussion of the contact and ρ times its loads:
         independent of units and of the other contacts' sizes ([WL19] (12), (69)).
 
         Args:

@@ -16,7 +16,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Record, Value
 from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
-from asperity.errors import DimensionError, ParameterError
+from asperity.errors import DimensionError
 from asperity.status import Phase, Status
 
 if TYPE_CHECKING:
@@ -80,22 +80,19 @@ class ContactSolution(TableResult, Value):
         infeasibility: Infeasibility | None = None,
     ) -> None:
         for stage in stages:
-            if not isinstance(stage, Stage):
-                raise ParameterError("stages", f"must be a sequence of Stage, got {stage!r}")
-        if not isinstance(certificate, Certificate):
-            raise ParameterError("certificate", f"must be a Certificate, got {certificate!r}")
-        if not isinstance(infeasibility, Infeasibility | None):
-            raise ParameterError(
-                "infeasibility", f"must be an Infeasibility or None, got {infeasibility!r}"
-            )
+            arrays.of_kind(stage, "stages", Stage, "a sequence of Stage")
+        arrays.of_kind(certificate, "certificate", Certificate, "a Certificate")
+        arrays.of_kind(
+            infeasibility, "infeasibility", Infeasibility | None, "an Infeasibility or None"
+        )
         self._keep(
-            percussion=arrays.read_only(np.asarray(percussion, dtype=np.float64)),
-            velocity=arrays.read_only(np.asarray(velocity, dtype=np.float64)),
-            phase=arrays.read_only(np.asarray(phase, dtype=np.int64)),
+            percussion=np.asarray(percussion, dtype=np.float64),
+            velocity=np.asarray(velocity, dtype=np.float64),
+            phase=np.asarray(phase, dtype=np.int64),
             status=Status(status),
             residual=float(residual),
             iterations=int(iterations),
-            ambiguous_contacts=arrays.read_only(np.asarray(ambiguous_contacts, dtype=np.bool_)),
+            ambiguous_contacts=np.asarray(ambiguous_contacts, dtype=np.bool_),
             worst_contact=int(worst_contact),
             natural_map=float(natural_map),
             stages=tuple(stages),
@@ -248,7 +245,7 @@ def infeasibility(proof: dict[str, Any]) -> Infeasibility:
     return Infeasibility(**{**proof, "cases": cases})
 
 
-class LocalSolution(Value):
+class LocalSolution(Record):
     """One solution of a single contact, see `ContactProblem.solutions`.
 
     Attributes:
@@ -261,17 +258,7 @@ class LocalSolution(Value):
     phase: Phase
     percussion: Array
     velocity: Array
-    degenerate: bool
-
-    def __init__(
-        self, phase: Phase, percussion: ArrayLike, velocity: ArrayLike, degenerate: bool = False
-    ) -> None:
-        self._set(
-            phase=Phase(phase),
-            percussion=arrays.read_only(np.asarray(percussion, dtype=np.float64)),
-            velocity=arrays.read_only(np.asarray(velocity, dtype=np.float64)),
-            degenerate=bool(degenerate),
-        )
+    degenerate: bool = False
 
 
 def starting(

@@ -21,12 +21,7 @@ from asperity.cycles.continuation import Continuation, Found
 from asperity.cycles.orbit import LimitCycle
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.runs.model import Model
-from asperity.steady_sliding import Equilibrium, Stability, equilibrium, stability
-from asperity.steady_sliding.linearised.field import ContactState
-from asperity.steady_sliding.linearised.linearisation import Linearisation
-from asperity.steady_sliding.linearised.pencil import Pencil
-from asperity.steady_sliding.linearised.sliding import Sliding
-from asperity.steady_sliding.linearised.spectrum import Spectrum
+from asperity.steady_sliding import Stability, analysis, equilibrium, stability
 from asperity.system.labels import Labels, numbered
 
 Family = Callable[..., Model]
@@ -169,6 +164,11 @@ class BifurcationDiagram(SavedResult, Value):
         return self._labels.coordinates
 
     @property
+    def coordinate_units(self) -> tuple[str, ...]:
+        """Their units."""
+        return self._labels.coordinate_units
+
+    @property
     def _labels(self) -> Labels:
         found = (cycle.motion.labels for cycle in self.cycles if cycle is not None)
         size = self.equilibria.shape[1]
@@ -213,20 +213,8 @@ class BifurcationDiagram(SavedResult, Value):
 
 _KNOWN: Kinds = {
     **orbit.KNOWN,
-    **{
-        one.__name__: one
-        for one in (
-            BifurcationDiagram,
-            Stability,
-            Equilibrium,
-            Linearisation,
-            Sliding,
-            ContactState,
-            Spectrum,
-            Pencil,
-            dict,
-        )
-    },
+    **analysis.KNOWN,
+    BifurcationDiagram.__name__: BifurcationDiagram,
 }
 
 

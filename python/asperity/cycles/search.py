@@ -28,7 +28,10 @@ from asperity.cycles.start import dragged, longest_time, starts
 from asperity.errors import NoCycleError, ParameterError
 from asperity.runs.event_driven import integrate
 from asperity.runs.model import Model
+from asperity.runs.run import Run
 from asperity.runs.section import Section
+from asperity.runs.state import State
+from asperity.runs.time_stepping import beginning
 from asperity.steady_sliding import Stability, equilibrium, stability
 from asperity.system import RigidBodies
 
@@ -48,6 +51,7 @@ def limit_cycle(
     *,
     q0: ArrayLike | None = None,
     u0: ArrayLike | None = None,
+    start: Run | State | None = None,
     section: Section | None = None,
     t_end: float | None = None,
     near: LimitCycle | None = None,
@@ -64,6 +68,7 @@ def limit_cycle(
         q0: coordinates to start from, shape ``(n,)``. Default: the equilibrium; without `u0`
             several velocities are tried there, beginning with those with which all contacts stick.
         u0: velocities to start from, shape ``(n,)``. Default: those with which all contacts stick.
+        start: a run or its ``end`` to start from, instead of `q0` and `u0`; its time is ignored.
         section: hyperplane that the cycle passes once per turn. Default: the middle of the widest
             swing of a coordinate, in the sense in which slip is faster.
         t_end: longest time in s until the motion recurs. Default 200 times the longest period of
@@ -86,7 +91,7 @@ def limit_cycle(
             very fast belts, turns of the spiral are not told from a cycle. Start near it then, by
             `q0`, `u0` and `section`, or continue that of a slower belt by `near`.
         ParameterError, ConvergenceError: as `integrate`, `equilibrium` and `stability`; the last
-            two are not needed if `q0` and `t_end` are given.
+            two are not needed if `q0` or `start`, and `t_end`, are given.
 
     Reference: [WL19] §4.3, Fig. 17; [LeineNijmeijer2004] ch. 8 on shooting in nonsmooth systems.
 
@@ -111,9 +116,12 @@ def limit_cycle(
     if section is not None and not isinstance(section, Section):
         raise ParameterError("section", f"must be a Section or None, got {section!r}")
     if near is not None:
-        if any(given is not None for given in (q0, u0, section, t_end)):
-            raise ParameterError("near", "excludes q0, u0, section and t_end")
+        if any(given is not None for given in (q0, u0, start, section, t_end)):
+            raise ParameterError("near", "excludes q0, u0, start, section and t_end")
         return _continued(system, near, tolerance)
+    if start is not None:
+        state = beginning(system, q0, u0, start)
+        q0, u0 = state.q, state.u
     horizon, states, growth = _beginnings(system, q0, u0, t_end)
     failure = None
     with reporter(progress, "s") as report:

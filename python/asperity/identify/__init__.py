@@ -24,7 +24,7 @@ from asperity.identify.fitting.models.reservoirs import (
     SuperellipseReservoir,
 )
 from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
-from asperity.identify.fitting.uncertainty.bands import Bands
+from asperity.identify.fitting.uncertainty.covariance import Bands
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.dependence import Dependence, load_dependence, speed_dependence
 from asperity.identify.forces.filters import low_pass

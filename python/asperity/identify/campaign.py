@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 
 from asperity._base.arrays import unit_vectors
+from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
+from asperity.identify.diagnostics import SETS, UNITS_AND_SCALE
 from asperity.identify.estimation import fit_law
-from asperity.identify.fit import UNITS_AND_SCALE, Fit
+from asperity.identify.fit import Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
@@ -31,7 +33,7 @@ FILES = (_LAW, *_PICTURES, *_TABLES, "report.html")
 """What `identify_campaign` writes."""
 
 STAGES = ("reading", "fitting", "comparing models", "writing")
-"""What it announces."""
+"""What it announces, and counts in its progress; reading counts file by file."""
 
 _DIRECTIONS = 360
 
@@ -58,7 +60,7 @@ class Identification:
     def summary(self) -> str:
         """Return a few lines of text: the data, their defects, Table 1 of [WL19], the law."""
         parts = [aligned(self._facts()), aligned(self._parameters(), right=(1, 2, 3))]
-        parts.append(UNITS_AND_SCALE)
+        parts += [SETS, UNITS_AND_SCALE]
         names, force = self.fit.parameters, float(self.data.normal_force.mean())
         if {"reservoir.a", "reservoir.b"} <= set(names):
             a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
@@ -68,7 +70,10 @@ class Identification:
             pair = best.reservoir, best.direction
             fitted = pair == (self.fit.reservoir_model, self.fit.direction_model)
             remedy = "" if fitted else '; fit them with "best" for both'
-            parts.append(f"models: BIC prefers {pair[0]} for C and {pair[1]} for D{remedy}")
+            parts.append(
+                f"shapes: the best fit for its number of parameters (smallest BIC) is {pair[0]} "
+                f"for C and {pair[1]} for D{remedy}"
+            )
         if self.fit.warnings:
             parts.append("\n".join(f"warning: {sentence}" for sentence in self.fit.warnings))
         return "\n\n".join(parts)
@@ -205,6 +210,7 @@ def identify_campaign(
     direction: str = "superellipse",
     loss: str = "linear",
     confidence: float = 0.95,
+    progress: Progress = None,
     announce: Callable[[str], object] = lambda _: None,
 ) -> Identification:
     """Identify a law and write what `FILES` lists into `out`; nothing if something is wrong.
@@ -218,6 +224,8 @@ def identify_campaign(
         direction: model of D, likewise.
         loss: ``"linear"``, ``"huber"`` or ``"cauchy"``.
         confidence: of the bands.
+        progress: ``True`` for a bar of tqdm, or a function of (stages done, all stages); while
+            files are read, of which each is a share of the first stage.
         announce: called with the name of every stage of `STAGES` when it begins.
 
     Raises:
@@ -227,26 +235,39 @@ def identify_campaign(
         FitError: if nothing fits, or the fitted D is not convex.
     """
     folder = ResultFolder(out, FILES)
-    announce("reading")
-    loaded = Configuration.load(config)
-    data = process(loaded.read(list(paths)))
-    origin = Provenance.of_files(
-        [*paths, config, *loaded.files],
-        made_by=f"asperity identify --reservoir {reservoir} --direction {direction} --loss {loss} "
-        f"--confidence {confidence!r}",
-        configuration=loaded.sections,
-    )
-    announce("fitting")
-    # The bands need two turns.
-    bands = confidence if data.turns > 1 else None
-    fit = fit_law(data, reservoir=reservoir, direction=direction, loss=loss, confidence=bands)
-    found = Identification(data, fit, origin)
-    if not np.isfinite(found.fit.law.alpha_min):
-        raise FitError("the fitted sets make no law")
-    announce("comparing models")
-    if data.turns > 1:
-        _ = found.fit.comparison
-    announce("writing")
-    with folder.filled() as place:
-        found.write(place, title=f"Friction law of {', '.join(path.name for path in paths)}")
+    with reporter(progress, "stage") as report:
+
+        def begin(stage: str) -> None:
+            announce(stage)
+            count.add(STAGES.index(stage))
+
+        count = Count(len(STAGES), report)
+        begin("reading")
+        loaded = Configuration.load(config)
+        data = process(loaded.read(list(paths), progress=_share(report)))
+        origin = Provenance.of_files(
+            [*paths, config, *loaded.files],
+            made_by=f"asperity identify --reservoir {reservoir} --direction {direction} "
+            f"--loss {loss} --confidence {confidence!r}",
+            configuration=loaded.sections,
+        )
+        begin("fitting")
+        # The bands need two turns.
+        bands = confidence if data.turns > 1 else None
+        fit = fit_law(data, reservoir=reservoir, direction=direction, loss=loss, confidence=bands)
+        found = Identification(data, fit, origin)
+        if not np.isfinite(found.fit.law.alpha_min):
+            raise FitError("the fitted sets make no law")
+        begin("comparing models")
+        if data.turns > 1:
+            _ = found.fit.comparison
+        begin("writing")
+        with folder.filled() as place:
+            found.write(place, title=f"Friction law of {', '.join(path.name for path in paths)}")
+        count.finish()
     return found
+
+
+def _share(report: Report | None) -> Report | None:
+    """Return what reports files as shares of the first stage."""
+    return None if report is None else lambda done, files: report(done / files, len(STAGES))

@@ -14,6 +14,19 @@ from asperity.identify.fitting.models.coordinates import Coordinate, Scale
 if TYPE_CHECKING:
     from asperity.identify.fit import Fit
 
+SETS = (
+    "reservoir is the force reservoir C, whose outline is the friction coefficient over the "
+    "direction of the force; direction is the direction set D, whose shape says how the force is "
+    "turned against the sliding."
+)
+"""What the names of the parameters begin with, for who sees them first."""
+
+UNITS_AND_SCALE = (
+    "Semi-axes are per unit normal force. Forces determine the shape of D, not its size: "
+    "direction.scale has no value."
+)
+"""What stands below the parameters of every fit."""
+
 _AT_BOUND = 1e-6
 # So many samples that are half as large again as the others move Cauchy's loss by half a standard
 # error: 33 of 40 confidence intervals of 95 % held the truth with 5 %, 37 of 40 with 1 % and with

@@ -6,16 +6,18 @@ import math
 import os
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, TableResult, counted
+from asperity._base.result import Axis, Series, Table, counted
+from asperity._base.storage import data as stored
+from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
-from asperity.identify.diagnostics import at_bounds, gaps, warnings_of
+from asperity.identify.diagnostics import UNITS_AND_SCALE, at_bounds, gaps, warnings_of
 from asperity.identify.fitting.data import defects
 from asperity.identify.fitting.data.bins import Bins, grouped
 from asperity.identify.fitting.data.defects import Defect
@@ -23,36 +25,45 @@ from asperity.identify.fitting.data.drift import Drift, drift
 from asperity.identify.fitting.data.samples import Samples, frozen, runs_of, samples_of
 from asperity.identify.fitting.least_squares.descent import Descent
 from asperity.identify.fitting.least_squares.loss import Loss
-from asperity.identify.fitting.least_squares.normal_equations import Family
+from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.least_squares.outliers import Outliers, outliers
 from asperity.identify.fitting.models.coordinates import Estimate, Scale
+from asperity.identify.fitting.models.directions import (
+    CircleDirection,
+    FourierDirection,
+    SuperellipseDirection,
+)
 from asperity.identify.fitting.models.names import name_of
-from asperity.identify.fitting.uncertainty.bands import Bands
+from asperity.identify.fitting.models.reservoirs import (
+    CircleReservoir,
+    FourierReservoir,
+    SuperellipseReservoir,
+)
+from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
 from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
-from asperity.identify.fitting.uncertainty.covariance import Covariance, estimate, has_angle
+from asperity.identify.fitting.uncertainty.covariance import Bands, Covariance, estimate, has_angle
 from asperity.identify.forces.measured_sets import MeasuredSets
+from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.identified_law import IdentifiedLaw
+from asperity.identify.records.calibration import Calibration
+from asperity.identify.records.record import Processing, RawData, Recording
 from asperity.identify.records.resolution import Steps, coarse_channels
 from asperity.law import FrictionLaw, Provenance
 from asperity.sets import StarSet
-
-if TYPE_CHECKING:
-    from asperity.identify.fitting.selection import Comparison
 
 # Means for figures are taken over half a degree.
 _WIDTH = 5
 # Without bands, a set counts as round if its combinations of coordinates are below this.
 _ROUND = 1e-9
 
-UNITS_AND_SCALE = (
-    "Semi-axes are per unit normal force. Forces determine the shape of D, not its size: "
-    "direction.scale has no value."
-)
-"""What stands below the parameters of every fit."""
 
-
-class Fit(TableResult, Value):
+class Fit(SavedResult, Value):
     """A law fitted to measured forces, with its uncertainty; made by `fit_law`.
+
+    What `save` writes holds all readings of the measurement with calibration and records without
+    load, 40 bytes per sample before compression: intervals, residuals, means and the comparison of
+    models follow from them, and those of a loaded fit are the same to the bit. The law alone, a
+    small file to read, is written by `save_law`.
 
     Args:
         data: as for `fit_law`.
@@ -146,6 +157,10 @@ class Fit(TableResult, Value):
         series["identifiable"] = Series(told, rows, "", "whether the data determine it")
         return Table({"parameter": Axis(tuple(listed), "", "parameter")}, series, {"rms": self.rms})
 
+    @classmethod
+    def _known(cls) -> stored.Kinds:
+        return _KNOWN
+
     def __repr__(self) -> str:
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
         text = "; ".join([f"{models}, {self.samples} samples, {self.turns} turns", *self.warnings])
@@ -184,6 +199,9 @@ class Fit(TableResult, Value):
     @cached_property
     def law(self) -> FrictionLaw:
         """The friction law; D has the largest scale inside C.
+
+        A law knows nothing of its uncertainty: `save_law` writes it with the covariance of its
+        parameters, which bands of motions need, and ``fit.law.save`` without.
 
         Raises:
             FitError: if the fitted D is not convex.
@@ -392,8 +410,6 @@ class Fit(TableResult, Value):
         given: Comparison | None = self._parameters["comparison"]
         if given is not None:
             return given
-        from asperity.identify.fitting.selection import compare_models
-
         return compare_models(self.data, loss=self.loss.kind)
 
     def report(self, path: str | os.PathLike[str], *, title: str = "Friction law") -> Path:
@@ -427,3 +443,28 @@ class Fit(TableResult, Value):
         if self.covariance is None:
             return bool(np.abs(roundness.matrix @ p - roundness.offset).max() > _ROUND)
         return has_angle(p, roundness, self.covariance.of(part))
+
+
+_KNOWN: stored.Kinds = {
+    one.__name__: one
+    for one in (
+        Fit,
+        ProcessedData,
+        RawData,
+        Recording,
+        Calibration,
+        Processing,
+        Family,
+        CircleReservoir,
+        SuperellipseReservoir,
+        FourierReservoir,
+        CircleDirection,
+        SuperellipseDirection,
+        FourierDirection,
+        Descent,
+        Sums,
+        Loss,
+        Comparison,
+        Candidate,
+    )
+}

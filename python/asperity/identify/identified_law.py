@@ -28,8 +28,8 @@ from asperity.identify.fitting.models.names import (
     DirectionName,
     ReservoirName,
     direction_model,
-    name_of,
     reservoir_model,
+    short,
 )
 from asperity.identify.fitting.models.reservoirs import (
     CircleReservoir,
@@ -193,8 +193,8 @@ class IdentifiedLaw(LawFile):
         }
         self._set(
             **checked(law, provenance),
-            reservoir_model=_short(structure.reservoir),
-            direction_model=_short(structure.direction),
+            reservoir_model=short(structure.reservoir),
+            direction_model=short(structure.direction),
             values=arrays.read_only(numbers),
             **parts,
             degrees_of_freedom=_degrees(degrees_of_freedom),
@@ -369,7 +369,10 @@ class IdentifiedLaw(LawFile):
         key = "parameters"
         if parameters is None:
             raise ParameterError(
-                key, "is missing: this law was not identified, FrictionLaw.load or LawFile.load it"
+                key,
+                "is missing: this is a law without the parameters that it was identified by, which "
+                "FrictionLaw.load reads. Fit.save_law and `asperity identify` write them, "
+                "FrictionLaw.save does not",
             )
         for name in ("reservoir_model", "direction_model", "names", "values", "coordinates"):
             if name not in parameters:
@@ -430,12 +433,6 @@ def _structure(reservoir: Any, direction: Any) -> Structure:
         except ParameterError as error:
             raise ParameterError(name, error.message) from None
     return Structure(*models)
-
-
-def _short(model: Any) -> Any:
-    """Return the name of a model that has one, else the model."""
-    name = name_of(model)
-    return name if name in RESERVOIRS or name in DIRECTIONS else model
 
 
 def _model_table(model: Any, name: str, kinds: data.Kinds) -> Any:

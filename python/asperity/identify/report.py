@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from asperity._base import report
 from asperity._base.report import Block, Facts, Grid, Picture, Section, Text
 from asperity.errors import FitError, ParameterError
+from asperity.identify.diagnostics import SETS
 from asperity.identify.fitting.models.coordinates import Estimate
 
 if TYPE_CHECKING:
@@ -69,11 +70,11 @@ def _parameters(fit: Fit) -> list[Block]:
             for share in shares.tolist()
         ]
     sources = (
-        "Confidence intervals include the scatter between turns, or between runs if there are "
-        "three or more (Student's t), and the uncertainty of the calibration and of the records "
-        "without load where these are known; the last columns are their shares of the variance "
-        "that is known. Semi-axes are per unit normal force. The scale of D has no effect on "
-        "forces."
+        f"{SETS} Confidence intervals include the scatter between turns, or between runs if there "
+        "are three or more (Student's t), and the uncertainty of the calibration and of the "
+        "records without load where these are known; the last columns are their shares of the "
+        "variance that is known. Semi-axes are per unit normal force. The scale of D has no effect "
+        "on forces."
     )
     return [Grid([*head, "turns", "calibration", "zeros"], rows), Text(sources)]
 
@@ -139,8 +140,9 @@ def _comparison(fit: Fit) -> list[Section]:
         for one in comparison.candidates
     ]
     note = (
-        f"BIC prefers {best.reservoir} and {best.direction}; the smallest pair that predicts "
-        "left-out turns as well as the best one, within a standard error, is "
+        "By the Bayesian information criterion (BIC), which weighs fit against the number of "
+        f"parameters, {best.reservoir} and {best.direction} are best; the smallest pair that "
+        "predicts left-out turns as well as the best one, within a standard error, is "
         f"{predicting.reservoir} and {predicting.direction}. The samples are worth "
         f"{comparison.effective_samples:.0f} independent components of forces."
     )

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 from asperity import _core
+from asperity._base import arrays
 from asperity._base.storage import data, provenance, toml
 from asperity._base.storage.data import HEAD_SCHEMA, FileFormat
 from asperity._base.storage.provenance import Provenance
@@ -174,8 +175,6 @@ class LawFile(Value):
 
 def checked(law: FrictionLaw, provenance: Provenance | None) -> dict[str, Any]:
     """Return the arguments of `LawFile`."""
-    if not isinstance(law, FrictionLaw):
-        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
-    if not isinstance(provenance, Provenance | None):
-        raise ParameterError("provenance", f"must be a Provenance or None, got {provenance!r}")
+    arrays.of_kind(law, "law", FrictionLaw, "a FrictionLaw")
+    arrays.of_kind(provenance, "provenance", Provenance | None, "a Provenance or None")
     return {"law": law, "provenance": Provenance() if provenance is None else provenance}

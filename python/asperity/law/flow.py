@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import KW_ONLY
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike
 from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Count, NonNegative, Number, Positive, Record
 from asperity.errors import ParameterError
 from asperity.sets import Ellipse, PolarCurve, SupportCurve
 
@@ -23,7 +24,7 @@ FlowRule: TypeAlias = Callable[[Array], ArrayLike]
 """From angles φ of the sliding direction, ``(n,)``, to −λ/λ_N, ``(n, 2)``."""
 
 
-class FlowReport(Value):
+class FlowReport(Record):
     """What was found, and repaired, when a law was built from forces over sliding directions.
 
     Args:
@@ -48,37 +49,15 @@ class FlowReport(Value):
     (1440, 0.3)
     """
 
-    closure: float
-    convexity_defect: float
-    smallest_resistance: float
-    repair: float
-    misfit: float
-    samples: int
-    order: int | None
-    noise: float
-
-    def __init__(
-        self,
-        closure: float,
-        convexity_defect: float,
-        smallest_resistance: float,
-        repair: float,
-        *,
-        misfit: float,
-        samples: int,
-        order: int | None = None,
-        noise: float = 0.0,
-    ) -> None:
-        self._set(
-            closure=arrays.positive(closure, "closure"),
-            convexity_defect=arrays.non_negative(convexity_defect, "convexity_defect"),
-            smallest_resistance=arrays.number(smallest_resistance, "smallest_resistance"),
-            repair=arrays.non_negative(repair, "repair"),
-            misfit=arrays.non_negative(misfit, "misfit"),
-            samples=arrays.count(samples, "samples"),
-            order=None if order is None else arrays.count(order, "order"),
-            noise=arrays.non_negative(noise, "noise"),
-        )
+    closure: Positive
+    convexity_defect: NonNegative
+    smallest_resistance: Number
+    repair: NonNegative
+    _: KW_ONLY
+    misfit: NonNegative
+    samples: Count
+    order: Count | None = None
+    noise: NonNegative = 0.0
 
 
 Numbers: TypeAlias = tuple[float, float, float, float]

@@ -66,10 +66,8 @@ class FrictionLaw(Questions):
     ) -> None:
         checked_set(reservoir, "reservoir")
         same_dimension((direction,), "direction", reservoir.dimension)
-        if not isinstance(rate, Stribeck | None):
-            raise ParameterError("rate", f"must be a Stribeck factor or None, got {rate!r}")
-        if not isinstance(report, flow.FlowReport | None):
-            raise ParameterError("report", f"must be a FlowReport or None, got {report!r}")
+        arrays.of_kind(rate, "rate", Stribeck | None, "a Stribeck factor or None")
+        arrays.of_kind(report, "report", flow.FlowReport | None, "a FlowReport or None")
         factor = None if rate is None else rate._core
         core = _core.Law(reservoir._core, direction._convex("normality", "direction"), factor)
         if core.is_associated:

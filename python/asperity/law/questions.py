@@ -102,8 +102,7 @@ class Questions(Evaluation):
         >>> bool(most.dissipates_at_least(law)), bool(law.dissipates_at_least(most))
         (True, False)
         """
-        if not isinstance(other, Evaluation):
-            raise ParameterError("other", f"must be a FrictionLaw, got {other!r}")
+        arrays.of_kind(other, "other", Evaluation, "a FrictionLaw")
         if (other.reservoir, other.rate) != (self.reservoir, self.rate):
             raise ParameterError("other", "must have the same reservoir and rate as this law")
         if self._core.is_associated or self.direction == other.direction:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import KW_ONLY
 from typing import Literal
 
 import numpy as np
@@ -9,13 +10,13 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Fraction, NonNegative, Positive, Record
 from asperity.errors import ParameterError
 
 Shape = Literal["exponential", "hyperbolic"]
 
 
-class Stribeck(Value):
+class Stribeck(Record):
     """The rate factor f(v) = ρ + (1 − ρ) s((v/v₀)^δ) + κv of the force in slip, v = ‖γ‖.
 
     s(x) = exp(−x) (``"exponential"``) or 1/(1 + x) (``"hyperbolic"``). In slip
@@ -40,28 +41,12 @@ class Stribeck(Value):
     [[-0.25, -0.0], [-0.0, -0.125]]
     """
 
-    speed: float
-    ratio: float
-    shape: Shape
-    exponent: float
-    viscous: float
-
-    def __init__(
-        self,
-        speed: float,
-        *,
-        ratio: float = 0.0,
-        shape: Shape = "exponential",
-        exponent: float = 1.0,
-        viscous: float = 0.0,
-    ) -> None:
-        self._set(
-            speed=arrays.positive(speed, "speed"),
-            ratio=arrays.fraction(ratio, "ratio"),
-            shape=arrays.choice(shape, "shape", ("exponential", "hyperbolic")),
-            exponent=arrays.positive(exponent, "exponent"),
-            viscous=arrays.non_negative(viscous, "viscous"),
-        )
+    speed: Positive
+    _: KW_ONLY
+    ratio: Fraction = 0.0
+    shape: Shape = "exponential"
+    exponent: Positive = 1.0
+    viscous: NonNegative = 0.0
 
     def __call__(self, speed: ArrayLike) -> Array:
         """Return f(v).

@@ -81,9 +81,7 @@ def _walk(phi: Array, force: Array) -> tuple[Array, Array]:
 
     Over φ alone the force jumps where D is nearly flat, over θ it does where D has a corner.
     """
-    sliding = arrays.unit_vectors(phi)
-    along = (force * sliding).sum(axis=1)
-    across = sliding[:, 0] * force[:, 1] - sliding[:, 1] * force[:, 0]
+    along, across = arrays.along_and_across(force, phi)
     if along.min() <= 0.0:
         at = phi[along.argmin()]
         raise ParameterError("force", f"must oppose sliding, does not in the direction {at} rad")

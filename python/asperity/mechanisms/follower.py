@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
 
@@ -10,7 +12,9 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.law import FrictionLaw
+from asperity.mechanisms.line_law import line_law
 from asperity.system import ContactLaw, System
+from asperity.system.contacts import relawed
 
 
 class FollowerPendulum(Value, System):
@@ -32,6 +36,7 @@ class FollowerPendulum(Value, System):
 
     Args:
         mu: friction coefficient μ.
+        law: friction law of the contact, of dimension 1; default that of μ.
         normal_force: λ_N in N.
         tip_mass: m > 0 in kg.
         length: l > 0 in m.
@@ -53,6 +58,7 @@ class FollowerPendulum(Value, System):
     dof = 2
 
     mu: float
+    law: FrictionLaw | None
     normal_force: float
     tip_mass: float
     length: float
@@ -65,6 +71,7 @@ class FollowerPendulum(Value, System):
         self,
         mu: float,
         *,
+        law: FrictionLaw | None = None,
         normal_force: float = 10.0,
         tip_mass: float = 1.0,
         length: float = 1.0,
@@ -72,9 +79,10 @@ class FollowerPendulum(Value, System):
         damping: float = 0.0,
         belt_velocity: float = 1.0,
     ) -> None:
-        law = FrictionLaw.isotropic(mu, dimension=1)
+        friction = line_law(mu, law)
         self._set(
             mu=float(mu),
+            law=law,
             normal_force=arrays.non_negative(normal_force, "normal_force"),
             tip_mass=arrays.positive(tip_mass, "tip_mass"),
             length=arrays.positive(length, "length"),
@@ -82,7 +90,13 @@ class FollowerPendulum(Value, System):
             damping=arrays.number(damping, "damping"),
             belt_velocity=arrays.positive(belt_velocity, "belt_velocity"),
         )
-        self._keep(contacts=(ContactLaw(law, normal_force=self.normal_force),))
+        self._keep(contacts=(ContactLaw(friction, normal_force=self.normal_force),))
+
+    def with_law(
+        self, law: FrictionLaw, *, contacts: int | str | Sequence[int | str] | None = None
+    ) -> Self:
+        """Return the same pendulum with another law of its contact, of dimension 1."""
+        return self.replace(law=relawed(self.contacts, law, contacts, "contacts")[0].law)
 
     def mass(self, q: Array) -> Array:
         """Return M(φ) in kg m²."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
 
@@ -11,7 +13,9 @@ from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
+from asperity.mechanisms.line_law import line_law
 from asperity.system import Contact, ContactLaw, LinearSystem, System
+from asperity.system.contacts import relawed
 
 
 class FrictionalImpactOscillator(Value, System):
@@ -35,7 +39,8 @@ class FrictionalImpactOscillator(Value, System):
     paradox begins. There is no gravity. [WL19] gives no parameters; these were chosen here.
 
     Args:
-        mu: friction coefficient μ.
+        mu: friction coefficient μ, for which the springs are stretched.
+        law: friction law of the contact, of dimension 1; default that of μ.
         angle: φ of the steady sliding in rad, above 0 and below π/2.
         normal_force: λ_N of the steady sliding in N.
         masses: m₁ and m₂ in kg.
@@ -58,6 +63,7 @@ class FrictionalImpactOscillator(Value, System):
     dof = 2
 
     mu: float
+    law: FrictionLaw | None
     angle: float
     normal_force: float
     masses: Array
@@ -74,6 +80,7 @@ class FrictionalImpactOscillator(Value, System):
         self,
         mu: float,
         *,
+        law: FrictionLaw | None = None,
         angle: float = math.radians(30.0),
         normal_force: float = 1.0,
         masses: tuple[float, float] = (1.0, 1.0),
@@ -89,11 +96,11 @@ class FrictionalImpactOscillator(Value, System):
         both = arrays.array(masses, "masses", (2,))
         if both.min() <= 0.0:
             raise ParameterError("masses", f"must be positive, got {both.tolist()}")
-        law = ContactLaw(
-            FrictionLaw.isotropic(mu, dimension=1), normal_restitution=normal_restitution
-        )
+        friction = line_law(mu, law)
+        contact = ContactLaw(friction, normal_restitution=normal_restitution)
         self._set(
             mu=float(mu),
+            law=law,
             angle=angle,
             normal_force=arrays.positive(normal_force, "normal_force"),
             masses=arrays.read_only(both),
@@ -101,14 +108,23 @@ class FrictionalImpactOscillator(Value, System):
             stiffness=arrays.read_only(arrays.array(stiffness, "stiffness", (2,))),
             damping=arrays.read_only(arrays.array(damping, "damping", (2,))),
             belt_velocity=arrays.positive(belt_velocity, "belt_velocity"),
-            normal_restitution=law.normal_restitution,
+            normal_restitution=contact.normal_restitution,
         )
-        self._keep(contacts=(law,), _rest=self.equilibrium)
+        self._keep(contacts=(contact,), _rest=self.equilibrium)
         self._keep(_stretch=self._stretched())
+
+    def with_law(
+        self, law: FrictionLaw, *, contacts: int | str | Sequence[int | str] | None = None
+    ) -> Self:
+        """Return the same oscillator with another law of its contact, of dimension 1.
+
+        Its springs stay as they are stretched, so that it slides steadily at another angle.
+        """
+        return self.replace(law=relawed(self.contacts, law, contacts, "contacts")[0].law)
 
     @property
     def equilibrium(self) -> Array:
-        """Coordinates (y, φ) of the steady sliding."""
+        """Coordinates (y, φ) of the steady sliding under the law of μ."""
         return np.array([self.length * math.cos(self.angle), self.angle])
 
     @property
@@ -116,7 +132,12 @@ class FrictionalImpactOscillator(Value, System):
         """The linear system of the deviations from the steady sliding, with contact and impacts.
 
         The turning of the constant contact forces is part of its stiffness.
+
+        Raises:
+            ParameterError: under another law than that of μ, which slides steadily elsewhere.
         """
+        if self.contacts[0].law != line_law(self.mu, None):
+            raise ParameterError("law", "must be that of mu, about whose steady sliding this is")
         q, lever = self.equilibrium, self.length * self.normal_force
         turning = lever * (math.cos(self.angle) + self.mu * math.sin(self.angle))
         contact = Contact(

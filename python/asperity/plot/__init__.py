@@ -7,7 +7,6 @@ of `simulate` and `integrate`, limit cycles, or several of them in a list or, by
 
 from asperity.plot.cones import plot_cones, plot_projection
 from asperity.plot.direction import plot_deflection, plot_friction_coefficient
-from asperity.plot.gauge import plot_gauge
 from asperity.plot.identification import plot_fitted_forces, plot_fitted_sets, plot_residuals
 from asperity.plot.law import plot_law
 from asperity.plot.look import save_figure, style
@@ -16,7 +15,7 @@ from asperity.plot.runs.bodies import plot_bodies
 from asperity.plot.runs.forces import plot_forces_in_reservoir
 from asperity.plot.runs.histories import plot_history
 from asperity.plot.runs.paths import plot_path, plot_phase_portrait
-from asperity.plot.sets import plot_set
+from asperity.plot.sets import plot_gauge, plot_set
 from asperity.plot.steady_sliding import plot_bifurcation, plot_growth_chart, plot_root_locus
 from asperity.plot.tracking import plot_track
 

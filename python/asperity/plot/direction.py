@@ -8,12 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from asperity._base.arrays import Array
-from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.plot import look
 
-_NODES = 721
+_DIRECTIONS = np.linspace(0.0, 2.0 * np.pi, 721)
 
 
 def plot_friction_coefficient(
@@ -54,9 +52,9 @@ def plot_friction_coefficient(
     >>> float(along.get_ydata().max())
     0.6
     """
-    phi = _directions()
+    phi = _DIRECTIONS
     opposing, deflecting = look.planar_law(law).resistance(phi)
-    with look.drawing(_for(ax, polar), polar=polar) as ax:
+    with look.drawing(ax, projection="polar" if polar else None) as ax:
         options = look.line_options(kwargs)
         label = options.pop("label", None)
         suffix = "" if label is None else f", {label}"
@@ -75,7 +73,7 @@ def plot_friction_coefficient(
                 own = {**options, "color": line.get_color(), "linestyle": dashes}
                 ax.plot(angle, values, label=text, **own)
         _label(ax, "friction coefficient")
-        ax.legend(**_legend_place(ax))
+        ax.legend(**({"loc": "upper left", "bbox_to_anchor": (1.0, 1.05)} if round_axes else {}))
         return ax
 
 
@@ -109,9 +107,9 @@ def plot_deflection(
     >>> float(abs(line.get_ydata()).max()) < 1e-9
     True
     """
-    phi = _directions()
+    phi = _DIRECTIONS
     theta = np.rad2deg(look.planar_law(law).deflection(phi))
-    with look.drawing(_for(ax, polar), polar=polar) as ax:
+    with look.drawing(ax, projection="polar" if polar else None) as ax:
         round_axes = ax.name == "polar"
         ax.plot(phi if round_axes else np.rad2deg(phi), theta, **look.line_options(kwargs))
         if round_axes:
@@ -124,23 +122,6 @@ def plot_deflection(
         return ax
 
 
-def _for(ax: Axes | None, polar: bool) -> Axes | None:
-    """Return axes that fit what is wanted."""
-    if isinstance(ax, Axes) and polar and ax.name != "polar":
-        raise ParameterError("ax", 'must be made with projection="polar" for a polar plot')
-    return ax
-
-
-def _directions() -> Array:
-    return np.linspace(0.0, 2.0 * np.pi, _NODES)
-
-
-def _legend_place(ax: Axes) -> dict[str, Any]:
-    if ax.name != "polar":
-        return {}
-    return {"loc": "upper left", "bbox_to_anchor": (1.0, 1.05)}
-
-
 def _label(ax: Axes, what: str) -> None:
     if ax.name == "polar":
         ax.set_xticks(np.deg2rad(np.arange(0.0, 360.0, 45.0)))
@@ -149,5 +130,4 @@ def _label(ax: Axes, what: str) -> None:
         return
     ax.set_xticks(np.arange(0.0, 361.0, 45.0))
     ax.set_xlim(0.0, 360.0)
-    ax.set_xlabel(r"sliding direction $\varphi$ in degrees")
-    ax.set_ylabel(what)
+    ax.set(xlabel=r"sliding direction $\varphi$ in degrees", ylabel=what)

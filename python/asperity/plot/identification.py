@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity._base import arrays
-from asperity.errors import FitError, ParameterError
+from asperity.errors import FitError
 from asperity.plot.look import (
     BLUE,
     DIRECTION,
@@ -66,9 +66,7 @@ def plot_fitted_sets(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Axes
             draw_set(ax, fit.law.direction, color=DIRECTION, linestyle="--", label="D")
         except FitError:
             ax.set_title("D is not convex")
-        ax.set_aspect("equal")
-        ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
-        ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
+        ax.set(aspect="equal", xlabel=r"$-\lambda_1/\lambda_N$", ylabel=r"$-\lambda_2/\lambda_N$")
         ax.legend(loc="center")
         return ax
 
@@ -87,8 +85,7 @@ def plot_fitted_forces(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Ax
     _check(fit)
     with drawing(ax) as ax:
         phi, means = fit.means
-        e = arrays.unit_vectors(phi)
-        measured = (means * e).sum(axis=1), means[:, 1] * e[:, 0] - means[:, 0] * e[:, 1]
+        measured = arrays.along_and_across(means, phi)
         bands = fit.bands(_DIRECTIONS)
         look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
         for column, (name, color) in enumerate((("$l_t$", BLUE), ("$l_p$", ORANGE))):
@@ -118,9 +115,7 @@ def plot_residuals(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Axes:
     _check(fit)
     with drawing(ax) as ax:
         phi, means = fit.means
-        left = means - fit.forces(phi)
-        e = arrays.unit_vectors(phi)
-        parts = (left * e).sum(axis=1), left[:, 1] * e[:, 0] - left[:, 0] * e[:, 1]
+        parts = arrays.along_and_across(means - fit.forces(phi), phi)
         names = (("against sliding", BLUE), ("across sliding", ORANGE))
         for values, (name, color) in zip(parts, names, strict=True):
             look: dict[str, Any] = {"color": color, "linewidth": 0.8, "label": name}
@@ -148,12 +143,10 @@ def report_figures(fit: Fit) -> dict[str, Figure]:
 def _check(fit: Fit) -> None:
     from asperity.identify import Fit
 
-    if not isinstance(fit, Fit):
-        raise ParameterError("fit", f"must be a Fit, as of fit_law, got {fit!r}")
+    arrays.of_kind(fit, "fit", Fit, "a Fit, as of fit_law")
 
 
 def _over_directions(ax: Axes, label: str) -> None:
     ax.set_xlim(0.0, 360.0)
     ax.set_xticks(_TICKS)
-    ax.set_xlabel("sliding direction φ in °")
-    ax.set_ylabel(label)
+    ax.set(xlabel="sliding direction φ in °", ylabel=label)

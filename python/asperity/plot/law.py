@@ -70,8 +70,7 @@ def plot_law(
         _draw_forces(ax, force, arrows=forces == "arrows")
         ax.plot([], [], color=look.SLIDING, label=r"sliding direction $\gamma$")
         ax.margins(0.08)
-        ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
-        ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
+        ax.set(xlabel=r"$-\lambda_1/\lambda_N$", ylabel=r"$-\lambda_2/\lambda_N$")
         if legend:
             ax.legend(ncols=2, **look.BELOW)
         return ax

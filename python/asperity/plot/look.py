@@ -19,6 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.quiver import Quiver
 
+from asperity._base import arrays
 from asperity._base.arrays import Array, positive, unit_vectors
 from asperity._base.storage.files import atomic
 from asperity.errors import DimensionError, ParameterError
@@ -69,18 +70,20 @@ def style() -> AbstractContextManager[None]:
 
 
 @contextmanager
-def drawing(ax: Axes | None, **kwargs: Any) -> Iterator[Axes]:
-    """Yield `ax`, or new axes made with `kwargs`, in a context that has the house look.
+def drawing(ax: Axes | None, *, projection: str | None = None) -> Iterator[Axes]:
+    """Yield `ax`, or new axes, of this projection if it is given, in the house look.
 
     Axes that are still empty take it on; those that hold something keep the look they have.
     """
-    if ax is not None and not isinstance(ax, Axes):
-        raise ParameterError("ax", f"must be axes of matplotlib or None, got {ax!r}")
+    arrays.of_kind(ax, "ax", Axes | None, "axes of matplotlib or None")
+    if ax is not None and projection is not None and ax.name != projection:
+        reason = " for a polar plot" if projection == "polar" else ""
+        raise ParameterError("ax", f'must be made with projection="{projection}"{reason}')
     with style():
         if ax is None:
             import matplotlib.pyplot as plt
 
-            ax = plt.figure(layout="constrained").add_subplot(**kwargs)
+            ax = plt.figure(layout="constrained").add_subplot(projection=projection)
         elif not ax.has_data():
             _dress(ax)
         yield ax
@@ -120,13 +123,6 @@ def color(number: int) -> str:
     return str(colors[number % len(colors)])
 
 
-def in_space(ax: Axes | None) -> Axes | None:
-    """Return `ax` if it has three dimensions or is to be made."""
-    if isinstance(ax, Axes) and ax.name != "3d":
-        raise ParameterError("ax", 'must be made with projection="3d"')
-    return ax
-
-
 BELOW: dict[str, Any] = {
     "loc": "upper left",
     "bbox_to_anchor": (0.0, 0.0),
@@ -144,8 +140,7 @@ def line_options(kwargs: dict[str, Any]) -> dict[str, Any]:
 
 def planar_law(law: FrictionLaw) -> FrictionLaw:
     """Return `law` if it is a law of the plane."""
-    if not isinstance(law, FrictionLaw):
-        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
+    arrays.of_kind(law, "law", FrictionLaw, "a FrictionLaw")
     if law.dimension != 2:
         raise DimensionError("law", f"must be planar to be drawn, its dimension is {law.dimension}")
     return law

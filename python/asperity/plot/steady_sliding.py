@@ -14,8 +14,11 @@ from scipy.optimize import linear_sum_assignment
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity.cycles import BifurcationDiagram
 from asperity.errors import DimensionError, ParameterError
 from asperity.plot import look
+from asperity.plot.runs import chosen
+from asperity.steady_sliding import GrowthChart
 
 _Complex = NDArray[np.complex128]
 
@@ -38,44 +41,12 @@ class HasEigenvalues(Protocol):
         """Eigenvalues in 1/s."""
 
 
-class Diagram(Protocol):
-    """What `plot_bifurcation` needs of a `asperity.BifurcationDiagram`."""
-
-    @property
-    def parameter(self) -> str:
-        """Name of the parameter."""
-
-    @property
-    def values(self) -> Array:
-        """Its values, shape ``(n,)``."""
-
-    @property
-    def equilibria(self) -> Array:
-        """Coordinates, shape ``(n, n_q)``; NaN where there is no equilibrium."""
-
-    @property
-    def kinds(self) -> Sequence[str]:
-        """Kinds of the equilibria."""
-
-    @property
-    def cycle_stable(self) -> NDArray[np.bool_]:
-        """Whether there is a stable limit cycle, shape ``(n,)``."""
-
-    @property
-    def cycle_minima(self) -> Array:
-        """Least coordinates of the limit cycles, shape ``(n, n_q)``; NaN where there is none."""
-
-    @property
-    def cycle_maxima(self) -> Array:
-        """Greatest coordinates of the limit cycles."""
-
-
 def plot_root_locus(
-    eigenvalues: ArrayLike | Sequence[HasEigenvalues],
+    eigenvalues: ArrayLike | Sequence[HasEigenvalues] | BifurcationDiagram,
     *,
-    values: ArrayLike,
+    values: ArrayLike | None = None,
     ax: Axes | None = None,
-    label: str = "parameter",
+    label: str | None = None,
     colorbar: bool = True,
 ) -> Axes:
     """Draw how eigenvalues move in the complex plane while a parameter changes.
@@ -84,10 +55,12 @@ def plot_root_locus(
     parameter. The unstable half-plane is shaded.
 
     Args:
-        eigenvalues: in 1/s, shape ``(n, k)``, or objects with ``.eigenvalues``, n of them.
-        values: of the parameter, ascending or descending, shape ``(n,)``, n ≥ 2.
+        eigenvalues: in 1/s, shape ``(n, k)``, or objects with ``.eigenvalues``, n of them; or a
+            `BifurcationDiagram`, which knows them where it has an equilibrium.
+        values: of the parameter, ascending or descending, shape ``(n,)``, n ≥ 2; default those of
+            the diagram.
         ax: axes; default new ones.
-        label: name of the parameter, beside the colour bar.
+        label: name of the parameter, beside the colour bar; default that of the diagram.
         colorbar: whether to draw the colour bar.
 
     Returns:
@@ -103,6 +76,16 @@ def plot_root_locus(
     >>> len(ax.collections)  # one per eigenvalue
     2
     """
+    words = "parameter" if label is None else label
+    if isinstance(eigenvalues, BifurcationDiagram):
+        words = eigenvalues.parameter if label is None else label
+        known = [one is not None for one in eigenvalues.stabilities]
+        if values is None:
+            values = eigenvalues.values
+        values = arrays.array(values, "values", (len(eigenvalues),))[known]
+        eigenvalues = [one for one in eigenvalues.stabilities if one is not None]
+    elif values is None:
+        raise ParameterError("values", "must be given: only a BifurcationDiagram knows them")
     parameter = arrays.array(values, "values", (None,))
     branches = _branches(_eigenvalues(eigenvalues, len(parameter)))
     with look.drawing(ax) as ax:
@@ -127,18 +110,17 @@ def plot_root_locus(
         reach = max(right, 0.1 * (right - left))
         ax.axvspan(0.0, reach, color=look.ORANGE, alpha=0.07, linewidth=0.0)
         ax.set_xlim(left, reach)
-        ax.set_xlabel(r"Re $\Lambda$ in 1/s")
-        ax.set_ylabel(r"Im $\Lambda$ in 1/s")
+        ax.set(xlabel=r"Re $\Lambda$ in 1/s", ylabel=r"Im $\Lambda$ in 1/s")
         if colorbar:
-            _colorbar(ax, lines[0], label)
+            _colorbar(ax, lines[0], words)
         return ax
 
 
 def plot_growth_chart(
-    growth: ArrayLike,
+    growth: GrowthChart | ArrayLike,
     *,
-    x: ArrayLike,
-    y: ArrayLike,
+    x: ArrayLike | None = None,
+    y: ArrayLike | None = None,
     ax: Axes | None = None,
     tolerance: float = 1e-6,
     limit: float | None = None,
@@ -150,10 +132,10 @@ def plot_growth_chart(
     White means neither growth nor decay.
 
     Args:
-        growth: largest real parts of the eigenvalues in 1/s, shape ``(n_x, n_y)``, as of
-            `asperity.growth_chart`; NaN where there is no equilibrium.
-        x: values of the first parameter, shape ``(n_x,)``.
-        y: values of the second, shape ``(n_y,)``.
+        growth: what `asperity.growth_chart` returns, or largest real parts of the eigenvalues in
+            1/s, shape ``(n_x, n_y)``; NaN where there is no equilibrium.
+        x: values of the first parameter, shape ``(n_x,)``; default those of the chart in degrees.
+        y: values of the second, shape ``(n_y,)``; likewise.
         ax: axes; default new ones.
         tolerance: growth rate in 1/s up to which a system counts as neutral.
         limit: growth rate in 1/s of the darkest colours; default the largest magnitude.
@@ -171,6 +153,15 @@ def plot_growth_chart(
     >>> mu, damping = np.linspace(0.0, 1.0, 30), np.linspace(0.0, 0.5, 20)
     >>> ax = plot_growth_chart(mu[:, None] - damping, x=mu, y=damping)
     """
+    across, up = "", ""
+    if isinstance(growth, GrowthChart):
+        if x is None:
+            x, across = np.rad2deg(growth.phi), "direction of the belt in degrees"
+        if y is None:
+            y, up = np.rad2deg(growth.zeta), "rotation of C in degrees"
+    if x is None or y is None:
+        name = "x" if x is None else "y"
+        raise ParameterError(name, "must be given: only a GrowthChart knows it")
     first, second = (arrays.array(values, name, (None,)) for values, name in ((x, "x"), (y, "y")))
     for values, name in ((first, "x"), (second, "y")):
         if not values.size:
@@ -192,6 +183,9 @@ def plot_growth_chart(
             rasterized=True,
         )
         ax.set_facecolor("#EDEDED")
+        # What somebody has written on axes of his own stays where nothing is known.
+        ax.set_xlabel(across or ax.get_xlabel())
+        ax.set_ylabel(up or ax.get_ylabel())
         ax.grid(False)
         # Lines need two values of each parameter; without growth anywhere there is no border.
         grows, rests = bool((rates > level).any()), bool((rates <= level).any())
@@ -204,7 +198,7 @@ def plot_growth_chart(
 
 
 def plot_bifurcation(
-    diagram: Diagram, *, ax: Axes | None = None, coordinate: int = 0, legend: bool = True
+    diagram: BifurcationDiagram, *, ax: Axes | None = None, coordinate: int = 0, legend: bool = True
 ) -> Axes:
     """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
 
@@ -242,14 +236,14 @@ def plot_bifurcation(
             if shown.any():
                 ax.plot(values, np.where(shown, rest, np.nan), color=look.BLUE, **options)
         ax.margins(x=0.0)
-        ax.set_xlabel(diagram.parameter)
-        ax.set_ylabel(f"$q_{number + 1}$ in m")
+        name, unit = diagram.coordinate_names[number], diagram.coordinate_units[number]
+        ax.set(xlabel=diagram.parameter, ylabel=chosen.titled(name, unit))
         if legend:
             ax.legend()
         return ax
 
 
-def _cycle_lines(ax: Axes, diagram: Diagram, lower: Array, upper: Array) -> None:
+def _cycle_lines(ax: Axes, diagram: BifurcationDiagram, lower: Array, upper: Array) -> None:
     """Draw extremes of cycles, solid where stable and dotted where not."""
     for kind, style in (("stable", "-"), ("unstable", ":")):
         own = (diagram.cycle_stable == (kind == "stable")) & np.isfinite(lower)

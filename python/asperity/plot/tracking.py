@@ -55,8 +55,7 @@ def plot_track(
     >>> plot_track(track, image=frame).get_ylabel()
     'row'
     """
-    if not isinstance(track, Track):
-        raise ParameterError("track", f"must be a Track, got {track!r}")
+    arrays.of_kind(track, "track", Track, "a Track")
     every = arrays.count(every, "every")
     if image is not None and (np.ma.isMaskedArray(image) or np.asarray(image).dtype != np.uint8):
         raise ParameterError("image", "must be an array of uint8, (rows, columns, 3)")
@@ -88,8 +87,7 @@ def plot_track(
         _last_circle(track, ax)
         ax.set_aspect("equal")
         ax.grid(False)
-        ax.set_xlabel("column")
-        ax.set_ylabel("row")
+        ax.set(xlabel="column", ylabel="row")
         return ax
 
 

@@ -117,7 +117,8 @@ def propagate(
     if not known:
         raise ParameterError(
             "bands",
-            "need a law with the covariance of its parameters, as `asperity identify` writes it",
+            "need a law with the covariance of its parameters, as `asperity identify` and "
+            "Fit.save_law write it from two turns or more; FrictionLaw.save writes the law alone",
         )
     for i, (name, file) in enumerate(scenario.laws.items()):
         # Laws of different files were measured independently of each other.

@@ -12,6 +12,7 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.progress import Progress
 from asperity._base.report import Facts, Picture, Section, Text, write_report
 from asperity._base.result import Result
 from asperity._base.storage.files import ResultFolder
@@ -176,9 +177,7 @@ class StabilitySheet(Result):
         with style():
             figure = Figure(figsize=(6.4, 4.6), layout="constrained")
             ax = figure.add_subplot()
-            phi, zeta = np.rad2deg(self.chart.phi), np.rad2deg(self.chart.zeta)
-            plot_growth_chart(self.chart.growth, x=phi, y=zeta, ax=ax)
-            ax.set_xlabel("direction of the belt in degrees")
+            plot_growth_chart(self.chart, ax=ax)
             ax.set_ylabel("further rotation of C in degrees")
         picture = Picture("growth", png(figure, 150))
         (folder / "growth.png").write_bytes(picture.png)
@@ -198,6 +197,7 @@ def describe_stability(
     *,
     belt: Belt | None = None,
     out: str | os.PathLike[str] | None = None,
+    progress: Progress = None,
 ) -> StabilitySheet:
     """Read a planar law and say where it makes steady sliding unstable.
 
@@ -205,6 +205,7 @@ def describe_stability(
         path: of the file, as `FrictionLaw.save` or ``asperity identify`` writes it.
         belt: of the growth rates; default one with mass, stiffness, speed and normal force 1.
         out: folder for what `FILES` lists; it is complete or not there.
+        progress: of the growth rates, as of `growth_chart`.
 
     Raises:
         ConfigurationError: with file, line and key of what is wrong.
@@ -225,7 +226,7 @@ def describe_stability(
         chosen,
         critical_directions(law),
         critical_rotation(law.reservoir, law.direction),
-        growth_chart(chosen.system(law), phi=phi, zeta=zeta),
+        growth_chart(chosen.system(law), phi=phi, zeta=zeta, progress=progress),
     )
     if folder is not None:
         with folder.filled() as place:

@@ -12,17 +12,14 @@ True
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity.contact import ContactProblem
-from asperity.law import FrictionLaw
 from asperity.problems import scenes
 from asperity.problems.independent import sliders
-from asperity.problems.scene import GROUND, Scene
+from asperity.problems.scene import GROUND, Laws, Scene
 
 __all__ = [
     "GROUND",
@@ -36,8 +33,6 @@ __all__ = [
     "table",
     "wall",
 ]
-
-Laws = FrictionLaw | Sequence[FrictionLaw] | None
 
 
 def stack(

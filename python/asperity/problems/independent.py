@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.sparse import bsr_array, csr_array, eye_array
 
 from asperity._base import arrays
 from asperity.contact import ContactProblem
-from asperity.law import FrictionLaw
-from asperity.problems.scene import plane_laws
+from asperity.problems.scene import Laws, plane_laws
 
 
 def sliders(
     n: int,
     *,
-    law: FrictionLaw | Sequence[FrictionLaw] | None = None,
+    law: Laws = None,
     coupled: bool = False,
     speed: float = 1.0,
     dt: float = 0.01,

@@ -20,6 +20,10 @@ GROUND = -1
 """Number of the body that does not move."""
 
 
+Laws = FrictionLaw | Sequence[FrictionLaw] | None
+"""One law for all contacts, one each, or the default, isotropic with μ = 0.5."""
+
+
 class Scene(Value):
     """Rigid bodies in space at rest, touching at n points; each body has six degrees of freedom.
 
@@ -72,13 +76,13 @@ class Scene(Value):
         if (below == above).any():
             raise ParameterError("upper", "must differ from lower: a body cannot touch itself")
         self._set(
-            mass=arrays.read_only(masses),
-            inertia=arrays.read_only(_inertia(inertia, bodies)),
-            center=arrays.read_only(arrays.array(center, "center", (bodies, 3))),
-            lower=arrays.read_only(below),
-            upper=arrays.read_only(above),
-            point=arrays.read_only(points),
-            frame=arrays.read_only(_frames(frame, contacts)),
+            mass=masses,
+            inertia=_inertia(inertia, bodies),
+            center=arrays.array(center, "center", (bodies, 3)),
+            lower=below,
+            upper=above,
+            point=points,
+            frame=_frames(frame, contacts),
         )
 
     @cached_property
@@ -130,7 +134,7 @@ class Scene(Value):
 
     def problem(
         self,
-        law: FrictionLaw | Sequence[FrictionLaw] | None = None,
+        law: Laws = None,
         *,
         force: ArrayLike | None = None,
         velocity: ArrayLike | None = None,
@@ -177,9 +181,7 @@ class Scene(Value):
         return np.zeros(shape) if velocity is None else arrays.array(velocity, "velocity", shape)
 
 
-def plane_laws(
-    law: FrictionLaw | Sequence[FrictionLaw] | None, contacts: int
-) -> FrictionLaw | Sequence[FrictionLaw]:
+def plane_laws(law: Laws, contacts: int) -> FrictionLaw | Sequence[FrictionLaw]:
     """Return laws for contacts that have a plane each."""
     if law is None:
         return FrictionLaw.isotropic(0.5)

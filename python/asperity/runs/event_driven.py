@@ -7,6 +7,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from asperity import _core
+from asperity._base import arrays
 from asperity._base.log import log
 from asperity._base.progress import Progress, reporter
 from asperity.errors import (
@@ -18,8 +19,10 @@ from asperity.runs.event import Event
 from asperity.runs.model import Model, labels_of
 from asperity.runs.motion import Motion
 from asperity.runs.origin import EventDriven, Origin
+from asperity.runs.run import Run
 from asperity.runs.section import Section
-from asperity.runs.time_stepping import initial_state, raise_with, without_solution
+from asperity.runs.state import State
+from asperity.runs.time_stepping import beginning, raise_with, without_solution
 from asperity.status import Outcome, Status
 from asperity.system.rigid import plane_motion
 
@@ -68,6 +71,7 @@ def integrate(
     t_end: float,
     q0: ArrayLike | None = None,
     u0: ArrayLike | None = None,
+    start: Run | State | None = None,
     tolerance: float = 1e-10,
     sample_every: float | None = None,
     max_step: float | None = None,
@@ -85,14 +89,18 @@ def integrate(
     Args:
         system: a system with as many coordinates as velocities but for ``rotations``; the
             direction sets of its laws must be strictly convex.
-        t_end: end time in s. Of a force that jumps there the limit from the left counts. What is
-            short is told by it: events in its last 2e-14 are not looked for, and the integration
-            gives up where 2000 steps, made or rejected, do not pass 1e-10 of it.
+        t_end: end time in s, after the time of `start`, which is 0 without it. Of a force that
+            jumps there the limit from the left counts. What is short is told by it: events in its
+            last 2e-14 are not looked for, and the integration gives up where 2000 steps, made or
+            rejected, do not pass 1e-10 of the time from start to end.
         q0: initial coordinates, shape ``(n,)``. Default 0, of `RigidBodies` that of the bodies.
             Quaternions are normalised, and no rotation by default.
         u0: initial velocities, shape ``(n,)``; default likewise. At the beginning gaps and
             velocities count as none below 2.2e-16 of the way and of the velocity that the loads
             give until ``t_end`` where nothing stops them, and 2.2e-16 m and m/s at most.
+        start: a run or its ``end`` to go on from, instead of `q0` and `u0`, at its time, which must
+            not be negative. What contacts did before is not handed over: where they have a choice
+            they decide afresh. Those that time stepping has let overlap are refused.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far, as far as rounding of forces and of functions of time allows; between
             1e-14 and 1e-2. Functions of the user are asked at the start how large they become up
@@ -101,8 +109,8 @@ def integrate(
             events.
         max_step: longest step in s. Default: as the error allows. Functions of time of the user are
             seen at five times of a step: set this to the length of pulses, else they are missed.
-            At least 1e-10 of ``t_end``. A `Signal` needs none: steps end where it is not smooth.
-        section: where to stop.
+            At least 1e-10 of all the time. A `Signal` needs none: steps end where it is not smooth.
+        section: where to stop; its ``after`` is by the same clock.
         max_events: number of events after which the integration gives up, kinks apart.
         progress: ``True`` for a bar of tqdm, or a function of (t, t_end) called a few times a
             second.
@@ -135,24 +143,30 @@ def integrate(
         raise ParameterError(
             "system", "must have its velocities as rates, but has its own `advance`"
         )
-    q, u = initial_state(system, q0, u0)
+    state = beginning(system, q0, u0, start)
+    if state.t < 0.0:
+        raise ParameterError("start", f"must not be at a negative time, is at {state.t:.9g} s")
+    t_end = arrays.positive(t_end, "t_end")
+    if t_end <= state.t:
+        raise ParameterError(
+            "t_end", f"must lie after the time of start, {state.t:.9g} s, got {t_end:.9g}"
+        )
     options = EventDriven(
         t_end=t_end,
-        q0=q,
-        u0=u,
+        start=state,
         tolerance=tolerance,
         sample_every=sample_every,
         max_step=max_step,
         section=section,
         max_events=max_events,
     )
-    plane_motion.check_rates(system, 0.0, options.t_end)
+    plane_motion.check_rates(system, state.t, options.t_end)
     with reporter(progress, "s") as report:
         run, exception = _core.integrate(
             system._core,
-            options.t_end,
-            q,
-            u,
+            (state.t, options.t_end),
+            state.q,
+            state.u,
             options.tolerance,
             options.sample_every,
             options.max_step,

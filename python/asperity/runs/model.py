@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
 from asperity import _core
+from asperity.law import FrictionLaw
+from asperity.system import RigidBodies
 from asperity.system.labels import Labels, contact_names, numbered
 
 
@@ -33,3 +35,10 @@ def labels_of(system: Model) -> Labels:
     coordinates = getattr(system, "coordinates", None) or system.dof
     names = contact_names([getattr(one, "name", None) for one in system.contacts])
     return numbered(coordinates, system.dof, len(names)).replace(contacts=names)
+
+
+def laws_of(system: Model) -> list[FrictionLaw]:
+    """Return the friction law of every contact."""
+    if isinstance(system, RigidBodies):
+        return [system.pairs[contact.pair].law for contact in system.contacts]
+    return [contact.law for contact in system.contacts]

@@ -14,6 +14,7 @@ from asperity.runs.event import NO_NUMBER, Event, EventKind
 from asperity.runs.model import Model
 from asperity.runs.origin import Origin
 from asperity.runs.run import Run
+from asperity.runs.state import State
 from asperity.status import Outcome, Phase
 from asperity.system.labels import Labels
 
@@ -175,6 +176,17 @@ class Motion(Run):
             for time, kind, contact, phase, ambiguous in zip(*columns, strict=True)
         ]
         return {**contents, "events": events}
+
+    @property
+    def end(self) -> State | None:
+        """The `State` at the last sample, from which runs go on with ``start=``; None without one.
+
+        Contacts then decide afresh what they do; where they have a choice, what they did before the
+        end does not count.
+        """
+        if not len(self):
+            return None
+        return State(self.q[-1], self.u[-1], t0=self.t[-1])
 
     @property
     def at_section(self) -> bool:

@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
 
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from asperity import _core, law, sets, solvers, system
 from asperity._base import arrays
-from asperity._base.arrays import Array
 from asperity._base.storage import data
 from asperity._base.value import Value
 from asperity.errors import ParameterError
@@ -24,6 +23,12 @@ from asperity.system.labels import Labels
 
 def _interval(sample_every: float | None) -> float | None:
     return None if sample_every is None else arrays.positive(sample_every, "sample_every")
+
+
+def _checked(start: State) -> State:
+    if not isinstance(start, State):
+        raise ParameterError("start", f"must be a State, got {start!r}")
+    return start
 
 
 class TimeStepping(Value):
@@ -66,12 +71,10 @@ class TimeStepping(Value):
         until_rest: bool,
         on_failure: str,
     ) -> None:
-        if not isinstance(start, State):
-            raise ParameterError("start", f"must be a State, got {start!r}")
         self._set(
             dt=arrays.positive(dt, "dt"),
             t_end=arrays.number(t_end, "t_end"),
-            start=start,
+            start=_checked(start),
             solver=chosen(solver),
             tolerance=arrays.positive(tolerance, "tolerance"),
             sample_every=_interval(sample_every),
@@ -85,8 +88,7 @@ class EventDriven(Value):
 
     Args:
         t_end: end time in s.
-        q0: initial coordinates.
-        u0: initial velocities.
+        start: the state at the start.
         tolerance: error that is aimed at.
         sample_every: time between samples in s, or None: every step is kept.
         max_step: longest step in s, or None.
@@ -100,8 +102,7 @@ class EventDriven(Value):
     """
 
     t_end: float
-    q0: Array
-    u0: Array
+    start: State
     tolerance: float
     sample_every: float | None
     max_step: float | None
@@ -112,8 +113,7 @@ class EventDriven(Value):
         self,
         *,
         t_end: float,
-        q0: ArrayLike,
-        u0: ArrayLike,
+        start: State,
         tolerance: float,
         sample_every: float | None,
         max_step: float | None,
@@ -124,8 +124,7 @@ class EventDriven(Value):
             raise ParameterError("section", f"must be a Section or None, got {section!r}")
         self._set(
             t_end=arrays.positive(t_end, "t_end"),
-            q0=arrays.read_only(arrays.array(q0, "q0", (None,))),
-            u0=arrays.read_only(arrays.array(u0, "u0", (None,))),
+            start=_checked(start),
             tolerance=arrays.positive(tolerance, "tolerance"),
             sample_every=_interval(sample_every),
             max_step=None if max_step is None else arrays.positive(max_step, "max_step"),

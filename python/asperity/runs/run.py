@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ from asperity.runs import origin as origins
 from asperity.runs import run_file
 from asperity.runs.model import Model
 from asperity.runs.origin import EventDriven, Origin, TimeStepping
+from asperity.runs.state import State
 from asperity.status import Outcome, Phase
 from asperity.system.labels import Labels, numbered
 
@@ -62,6 +63,12 @@ class Run(TableResult, Value):
     steps: int
     labels: Labels
     origin: Origin | None
+
+    if TYPE_CHECKING:
+
+        @property
+        def end(self) -> State | None:
+            """The state from which another run goes on."""
 
     _kind: ClassVar[str]
     _picture = "plot_history"

@@ -44,7 +44,7 @@ def simulate(
     t_end: float,
     q0: ArrayLike | None = None,
     u0: ArrayLike | None = None,
-    start: Trajectory | State | None = None,
+    start: Run | State | None = None,
     solver: Solver | None = None,
     tolerance: float = 1e-10,
     sample_every: float | None = None,
@@ -67,10 +67,10 @@ def simulate(
         q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``, whose
             quaternions are normalised. Default 0, of `RigidBodies` the state of the bodies.
         u0: initial velocities, shape ``(n,)``; default likewise.
-        start: a trajectory or its ``end`` to go on from, instead of `q0` and `u0`: time, phases,
+        start: a run or its ``end`` to go on from, instead of `q0` and `u0`, at its time: `t_end` is
+            then still the time at the end, counts are those of the new run. Of a trajectory phases,
             slip directions and percussions are handed over, so that with the same options what
-            follows is what an unbroken run would have had, to the bit. `t_end` is then still the
-            time at the end, counts are those of the new run.
+            follows is what an unbroken run would have had, to the bit.
         solver: contact solver. Default `Auto`.
         tolerance: of each step's contact problem, see `ContactProblem.solve`.
         sample_every: time between samples in s, a multiple of `dt`. Default `dt`. The initial and
@@ -106,11 +106,7 @@ def simulate(
     t_end = arrays.number(t_end, "t_end")
     if start is None:
         t_end = arrays.positive(t_end, "t_end")
-        state = State(*initial_state(system, q0, u0))
-    elif q0 is None and u0 is None:
-        state = _beginning(start)
-    else:
-        raise ParameterError("start", "excludes q0 and u0")
+    state = beginning(system, q0, u0, start)
     steps = _steps_from(state, dt, t_end)
     _check_clock(state, dt, steps)
     options = TimeStepping(
@@ -171,20 +167,25 @@ def simulate(
     return trajectory
 
 
-def _beginning(start: Trajectory | State) -> State:
-    """Return the state from which a run is to go on."""
-    if isinstance(start, State):
-        return start
-    if not isinstance(start, Trajectory):
-        raise ParameterError("start", f"must be a Trajectory or a State, got {start!r}")
-    if start.end is None:
+def beginning(
+    system: Model, q0: ArrayLike | None, u0: ArrayLike | None, start: Run | State | None
+) -> State:
+    """Return the state from which a run begins, or goes on."""
+    if start is None:
+        return State(*initial_state(system, q0, u0))
+    if q0 is not None or u0 is not None:
+        raise ParameterError("start", "excludes q0 and u0")
+    state = start.end if isinstance(start, Run) else start
+    if state is None:
         raise ParameterError(
             "start",
             "does not know what its contacts did at its end: it was cut, its state was not finite, "
             "or it is from a file of an earlier version. A fresh start is "
             "start=State(run.q[-1], run.u[-1], t0=run.t[-1])",
         )
-    return start.end
+    if not isinstance(state, State):
+        raise ParameterError("start", f"must be a run or a State, got {start!r}")
+    return state
 
 
 def _steps_from(state: State, dt: float, t_end: float) -> int:

@@ -1,13 +1,11 @@
 """Star-shaped and convex sets in one, two and three dimensions ([WL19] §2.1)."""
 
-from asperity.sets.combined import Intersection, MinkowskiSum, Union
+from asperity.sets.combined import Intersection, Mapped, MinkowskiSum, Union
 from asperity.sets.cone import Cone
-from asperity.sets.mapped import Mapped
 from asperity.sets.shapes.boxes import Box, CappedRectangle, Interval, Rectangle
+from asperity.sets.shapes.contacts import CoulombContensou, WedgeAsperity
 from asperity.sets.shapes.curves import PolarCurve, Polygon, SupportCurve, star_shape
-from asperity.sets.shapes.drilling import CoulombContensou
 from asperity.sets.shapes.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse
-from asperity.sets.shapes.wedge import WedgeAsperity
 from asperity.sets.star import StarSet
 from asperity.sets.verdict import Verdict
 

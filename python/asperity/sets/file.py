@@ -5,43 +5,16 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from asperity import _core
+from asperity import _core, sets
 from asperity._base.storage import data, provenance, toml
 from asperity._base.storage.data import HEAD_SCHEMA, FileFormat, Kinds
 from asperity._base.storage.provenance import Provenance
 from asperity._base.storage.toml import TABLE, Schema, TomlFile
 from asperity.errors import ParameterError
-from asperity.sets.combined import Intersection, MinkowskiSum, Union
-from asperity.sets.mapped import Mapped
-from asperity.sets.shapes.boxes import Box, CappedRectangle, Interval, Rectangle
-from asperity.sets.shapes.curves import PolarCurve, Polygon, SupportCurve
-from asperity.sets.shapes.drilling import CoulombContensou
-from asperity.sets.shapes.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse
-from asperity.sets.shapes.wedge import WedgeAsperity
 from asperity.sets.star import StarSet
 
 KINDS: Kinds = {
-    kind.__name__: kind
-    for kind in (
-        Ball,
-        Box,
-        CappedRectangle,
-        CoulombContensou,
-        Disk,
-        Ellipse,
-        Ellipsoid,
-        Intersection,
-        Interval,
-        Mapped,
-        MinkowskiSum,
-        PolarCurve,
-        Polygon,
-        Rectangle,
-        Superellipse,
-        SupportCurve,
-        Union,
-        WedgeAsperity,
-    )
+    name: kind for name, kind in data.classes(sets).items() if issubclass(kind, StarSet)
 }
 """The only classes that are made of what stands in a file."""
 

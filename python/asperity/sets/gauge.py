@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,11 @@ class GaugeMethods(Value):
         self._set(**parameters)
         self._keep(_core=core)
 
+    def _each(self, function: Callable[[Array], Array], points: ArrayLike, argument: str) -> Array:
+        """Return what a function of the core says of points of shape ``(..., p)``."""
+        flat, lead = arrays.points(points, argument, self.dimension)
+        return arrays.unflatten(function(flat), lead)
+
     @property
     def dimension(self) -> int:
         """Dimension p of the space, 1, 2 or 3."""
@@ -46,8 +52,7 @@ class GaugeMethods(Value):
         >>> float(Ellipse(3.0, 1.0).gauge([6.0, 0.0]))
         2.0
         """
-        flat, lead = arrays.points(x, "x", self.dimension)
-        return arrays.unflatten(self._core.gauge(flat), lead)
+        return self._each(self._core.gauge, x, "x")
 
     def gauge_gradient(self, x: ArrayLike) -> Array:
         """Return the gradient ∇k_C(x), an outward normal of the boundary.
@@ -67,8 +72,7 @@ class GaugeMethods(Value):
         >>> Disk(2.0).gauge_gradient([3.0, 4.0]).tolist()
         [0.3, 0.4]
         """
-        flat, lead = arrays.points(x, "x", self.dimension)
-        return arrays.unflatten(self._core.gauge_gradient(flat), lead)
+        return self._each(self._core.gauge_gradient, x, "x")
 
     def radius(self, theta: ArrayLike) -> Array:
         """Return the radius r_C(θ) = 1/k_C(cos θ, sin θ) of a planar set.

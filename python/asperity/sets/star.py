@@ -18,8 +18,7 @@ from asperity.sets.support import SupportMethods
 from asperity.sets.verdict import Verdict, verdict
 
 if TYPE_CHECKING:
-    from asperity.sets.combined import Intersection, MinkowskiSum, Union
-    from asperity.sets.mapped import Mapped
+    from asperity.sets.combined import Intersection, Mapped, MinkowskiSum, Union
 
 
 class StarSet(SupportMethods):
@@ -176,7 +175,7 @@ class StarSet(SupportMethods):
         >>> float(Disk(1.0).mapped([[3.0, 0.0], [0.0, 1.0]]).radius(0.0))
         3.0
         """
-        from asperity.sets.mapped import Mapped
+        from asperity.sets.combined import Mapped
 
         return Mapped(self, matrix)
 

@@ -33,8 +33,7 @@ class SupportMethods(GaugeMethods):
         >>> float(Ellipse(3.0, 1.0).support([2.0, 0.0]))
         6.0
         """
-        flat, lead = arrays.points(y, "y", self.dimension)
-        return arrays.unflatten(self._convex("support").support(flat), lead)
+        return self._each(self._convex("support").support, y, "y")
 
     def support_point(self, y: ArrayLike) -> Array:
         """Return the point ∇Ψ*_C(y) of a convex set that is farthest in direction y.
@@ -54,8 +53,7 @@ class SupportMethods(GaugeMethods):
         >>> Rectangle(2.0, 1.0).support_point([1.0, -1.0]).tolist()
         [2.0, -1.0]
         """
-        flat, lead = arrays.points(y, "y", self.dimension)
-        return arrays.unflatten(self._convex("support_point").support_point(flat), lead)
+        return self._each(self._convex("support_point").support_point, y, "y")
 
     def support_hessian(self, y: ArrayLike) -> Array:
         """Return the Hessian ∇²Ψ*_C(y) of a convex set; it holds ∇²Ψ*_C(y) y = 0.
@@ -77,8 +75,7 @@ class SupportMethods(GaugeMethods):
         >>> Disk(2.0).support_hessian([0.0, 4.0]).tolist()
         [[0.5, 0.0], [0.0, 0.0]]
         """
-        flat, lead = arrays.points(y, "y", self.dimension)
-        return arrays.unflatten(self._convex("support_hessian").support_hessian(flat), lead)
+        return self._each(self._convex("support_hessian").support_hessian, y, "y")
 
     def project(self, z: ArrayLike) -> Array:
         """Return the proximal point prox_C(z) = argmin{‖z − x‖ : x ∈ C} of a convex set.
@@ -98,8 +95,7 @@ class SupportMethods(GaugeMethods):
         >>> Rectangle(2.0, 1.0).project([5.0, 0.5]).tolist()
         [2.0, 0.5]
         """
-        flat, lead = arrays.points(z, "z", self.dimension)
-        return arrays.unflatten(self._convex("project").project(flat), lead)
+        return self._each(self._convex("project").project, z, "z")
 
     def normal_cone(self, x: ArrayLike, *, tolerance: float = 1e-9) -> Cone:
         """Return the normal cone N_C(x) = {y : yᵀ(x* − x) ≤ 0 ∀x* ∈ C} of a convex set.

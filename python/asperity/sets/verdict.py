@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
-from asperity.errors import ParameterError
 
 Answer: TypeAlias = tuple[bool, bool, float, float, Array | None]
 
@@ -54,7 +53,7 @@ class Verdict(Value):
             exact=_truth(exact, "exact"),
             tolerance=arrays.non_negative(tolerance, "tolerance"),
             defect=arrays.non_negative(defect, "defect"),
-            witness=None if points is None else arrays.read_only(points),
+            witness=None if points is None else points,
         )
 
     def __bool__(self) -> bool:
@@ -68,6 +67,5 @@ def verdict(answer: Answer) -> Verdict:
 
 
 def _truth(value: object, argument: str) -> bool:
-    if not isinstance(value, bool | np.bool_):
-        raise ParameterError(argument, f"must be True or False, got {value!r}")
+    arrays.of_kind(value, argument, bool | np.bool_, "True or False")
     return bool(value)

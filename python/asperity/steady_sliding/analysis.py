@@ -10,13 +10,16 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, TableResult
+from asperity._base.result import Axis, Series, Table
+from asperity._base.storage.data import Kinds
+from asperity._base.storage.result_file import SavedResult
 from asperity.errors import ParameterError
+from asperity.runs import origin
 from asperity.runs.model import Model
 from asperity.steady_sliding.linearised import reasons
-from asperity.steady_sliding.linearised.field import STEP, Field, start
+from asperity.steady_sliding.linearised.field import STEP, ContactState, Field, start
 from asperity.steady_sliding.linearised.linearisation import Linearisation, linearisation, total
-from asperity.steady_sliding.linearised.pencil import Complex
+from asperity.steady_sliding.linearised.pencil import Complex, Pencil
 from asperity.steady_sliding.linearised.sliding import Sliding
 from asperity.steady_sliding.linearised.spectrum import Spectrum
 from asperity.steady_sliding.steady_state import Equilibrium, closed_contacts
@@ -29,7 +32,7 @@ _BALANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Stability(TableResult):
+class Stability(SavedResult):
     """What small motions about steady sliding do: M δq̈ + B δq̇ + K δq = 0.
 
     Closed unilateral contacts are held closed; δq moves within them, and M, B, K of
@@ -208,6 +211,29 @@ class Stability(TableResult):
             for name, (values, unit, words) in parts.items()
         }
         return Table(axis, series, {"kind": self.kind, "growth_rate": self.growth_rate})
+
+    @classmethod
+    def _known(cls) -> Kinds:
+        return KNOWN
+
+
+KNOWN: Kinds = {
+    **origin.KNOWN,
+    **{
+        one.__name__: one
+        for one in (
+            Stability,
+            Equilibrium,
+            Linearisation,
+            Sliding,
+            ContactState,
+            Spectrum,
+            Pencil,
+            dict,
+        )
+    },
+}
+"""Classes that a stability is made of."""
 
 
 def stability(

@@ -7,7 +7,10 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, TableResult
+from asperity._base.progress import Progress, each, reporter
+from asperity._base.result import Axis, Series, Table
+from asperity._base.storage.data import Kinds
+from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.steady_sliding.linearised.pencil import ROUNDING, SAFETY, Complex, Pencil
@@ -15,10 +18,12 @@ from asperity.system import MassOnBelt
 
 # In first-order matrices without entries above this size real parts below and above these parts of
 # it are zero and not zero for sure; the others are judged one by one, which takes ten times longer.
+# Growth rates that are computed together: fewer take longer each.
+_PART = 4096
 _EVEN, _NOTHING, _CLEAR = 1e3, 1e-13, 1e-6
 
 
-class GrowthChart(TableResult, Value):
+class GrowthChart(SavedResult, Value):
     """Growth rates over the direction of a belt and the rotation of C, found by `growth_chart`.
 
     NumPy takes it for the array `growth`.
@@ -45,6 +50,10 @@ class GrowthChart(TableResult, Value):
             zeta=arrays.read_only(turn),
             growth=arrays.read_only(rates),
         )
+
+    @classmethod
+    def _known(cls) -> Kinds:
+        return {cls.__name__: cls}
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Array:
         rates: Array = np.array(self.growth, dtype=dtype)
@@ -89,9 +98,6 @@ class GrowthChart(TableResult, Value):
         rates: Array = self.growth.reshape(self.phi.size, self.zeta.size)
         return rates
 
-    def _drawing(self) -> dict[str, object]:
-        return {"x": np.rad2deg(self.phi), "y": np.rad2deg(self.zeta)}
-
     def _table(self) -> Table:
         axes = {
             "phi": Axis(self.phi.ravel(), "rad", "direction of the belt velocity"),
@@ -101,7 +107,9 @@ class GrowthChart(TableResult, Value):
         return Table(axes, {"growth": Series(self._flat(), ("phi", "zeta"), "1/s", words)}, {})
 
 
-def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -> GrowthChart:
+def growth_chart(
+    system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0, progress: Progress = None
+) -> GrowthChart:
     """Return growth rates of a mass on a belt over the belt's direction and the rotation of C.
 
     Args:
@@ -110,6 +118,7 @@ def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -
             has the direction φ + π, which is what `critical_directions` returns.
         zeta: angles ζ in rad by which the reservoir C of the law is turned counter-clockwise, D
             stays; shape ``(k,)``.
+        progress: ``True`` for a bar of tqdm, or a function of (done, all) parts of the chart.
 
     Returns:
         The chart, whose ``growth`` is the largest real part of an eigenvalue in 1/s, shape
@@ -143,8 +152,12 @@ def growth_chart(system: MassOnBelt, *, phi: ArrayLike, zeta: ArrayLike = 0.0) -
         -arrays.unit_vectors(angle).reshape(-1, 1, 2), (angle.size, turn.size, 2)
     ).reshape(-1, 2)
     rotation = np.broadcast_to(turn.reshape(1, -1), (angle.size, turn.size)).ravel()
-    damping, error = _damping(system, slip, rotation, speed)
-    rates = _growth(system.mass, damping, system.stiffness, error)
+    rates = np.empty(len(slip))
+    parts = [slice(start, start + _PART) for start in range(0, len(slip), _PART)]
+    with reporter(progress, "part") as report:
+        for part in each(parts, report):
+            damping, error = _damping(system, slip[part], rotation[part], speed)
+            rates[part] = _growth(system.mass, damping, system.stiffness, error)
     return GrowthChart(angle, turn, rates.reshape(lead))
 
 

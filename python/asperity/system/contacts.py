@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,14 +11,42 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
-from asperity.errors import ParameterError
+from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.system import labels
 
-_Part = TypeVar("_Part", bound=Value)
+
+class _Obeying(Protocol):
+    """A contact or a pair."""
+
+    @property
+    def law(self) -> FrictionLaw: ...
+
+    def replace(self, **changes: Any) -> Self: ...
 
 
-class ContactLaw(Value):
+_Part = TypeVar("_Part", bound=_Obeying)
+
+
+class AnyContact(Value):
+    """What a contact obeys."""
+
+    law: FrictionLaw
+    normal_force: float | None
+    normal_restitution: float
+    tangential_restitution: float
+    name: str | None
+
+    @property
+    def unilateral(self) -> bool:
+        """Whether the contact can open."""
+        return self.normal_force is None
+
+    def _core_data(self) -> dict[str, Any]:
+        return {**self._parameters, "law": self.law._core}
+
+
+class ContactLaw(AnyContact):
     """The laws of one contact of a `System`; its kinematics are the system's methods.
 
     Args:
@@ -33,12 +61,6 @@ class ContactLaw(Value):
     ContactLaw(FrictionLaw(Disk(0.3), Disk(0.3)), normal_force=9.81)
     """
 
-    law: FrictionLaw
-    normal_force: float | None
-    normal_restitution: float
-    tangential_restitution: float
-    name: str | None
-
     def __init__(
         self,
         law: FrictionLaw,
@@ -49,20 +71,11 @@ class ContactLaw(Value):
         name: str | None = None,
     ) -> None:
         self._set(
-            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
-            name=labels.name(name),
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution, name),
         )
 
-    @property
-    def unilateral(self) -> bool:
-        """Whether the contact can open."""
-        return self.normal_force is None
 
-    def _core_data(self) -> dict[str, Any]:
-        return {**self._parameters, "law": self.law._core}
-
-
-class Contact(Value):
+class Contact(AnyContact):
     """A contact with constant directions: γ = Wᵀu + χ, g_N = w_Nᵀq + g₀.
 
     Exactly one of `normal_force` (prescribed) and `normal` (unilateral) has to be given.
@@ -88,15 +101,10 @@ class Contact(Value):
            [0.]])
     """
 
-    law: FrictionLaw
     direction: Array
-    normal_force: float | None
     normal: Array | None
     gap: float
     velocity: Array
-    normal_restitution: float
-    tangential_restitution: float
-    name: str | None
 
     def __init__(
         self,
@@ -111,7 +119,7 @@ class Contact(Value):
         tangential_restitution: float = 0.0,
         name: str | None = None,
     ) -> None:
-        laws = checked_laws(law, normal_force, normal_restitution, tangential_restitution)
+        laws = checked_laws(law, normal_force, normal_restitution, tangential_restitution, name)
         if (normal_force is None) == (normal is None):
             raise ParameterError(
                 "normal_force", "give either normal_force (prescribed) or normal (unilateral)"
@@ -125,22 +133,11 @@ class Contact(Value):
         belt = np.zeros(law.dimension) if velocity is None else velocity
         self._set(
             **laws,
-            direction=arrays.read_only(columns),
-            normal=None
-            if normal is None
-            else arrays.read_only(arrays.array(normal, "normal", (len(columns),))),
+            direction=columns,
+            normal=None if normal is None else arrays.array(normal, "normal", (len(columns),)),
             gap=arrays.number(gap, "gap"),
-            velocity=arrays.read_only(arrays.array(belt, "velocity", (law.dimension,))),
-            name=labels.name(name),
+            velocity=arrays.array(belt, "velocity", (law.dimension,)),
         )
-
-    @property
-    def unilateral(self) -> bool:
-        """Whether the contact can open."""
-        return self.normal_force is None
-
-    def _core_data(self) -> dict[str, Any]:
-        return {**self._parameters, "law": self.law._core}
 
 
 def relawed(
@@ -158,6 +155,14 @@ def relawed(
         wanted = {_number(each, names, argument) for each in given}
     if not wanted:
         raise ParameterError(argument, "must name one whose law is to change, there is none")
+    for number in wanted:
+        known = parts[number].law
+        if isinstance(law, FrictionLaw) and law.dimension != known.dimension:
+            raise DimensionError(
+                "law",
+                f"must have {known.dimension} as its dimension, as the law before, has "
+                f"{law.dimension}",
+            )
     return tuple(
         part.replace(law=law) if number in wanted else part for number, part in enumerate(parts)
     )
@@ -175,20 +180,28 @@ def _number(chosen: Any, names: list[str | None], argument: str) -> int:
     return number
 
 
+def checked_law(law: object) -> FrictionLaw:
+    """Return `law` if it is one."""
+    if not isinstance(law, FrictionLaw):
+        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
+    return law
+
+
 def checked_laws(
     law: FrictionLaw,
     normal_force: float | None,
     normal_restitution: float,
     tangential_restitution: float,
+    name: str | None,
 ) -> dict[str, Any]:
-    """Return the laws of a contact under the names of its parameters."""
-    if not isinstance(law, FrictionLaw):
-        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
+    """Return the laws of a contact and its name under the names of its parameters."""
+    checked_law(law)
+    if normal_force is not None:
+        normal_force = arrays.non_negative(normal_force, "normal_force")
     return {
         "law": law,
-        "normal_force": None
-        if normal_force is None
-        else arrays.non_negative(normal_force, "normal_force"),
+        "normal_force": normal_force,
         "normal_restitution": arrays.fraction(normal_restitution, "normal_restitution"),
         "tangential_restitution": arrays.fraction(tangential_restitution, "tangential_restitution"),
+        "name": labels.name(name),
     }

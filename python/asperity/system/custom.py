@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import difflib
 import inspect
 import operator
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -14,8 +15,9 @@ from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
+from asperity.law import FrictionLaw
 from asperity.system import labels
-from asperity.system.contacts import ContactLaw
+from asperity.system.contacts import ContactLaw, relawed
 from asperity.system.labels import Labels
 
 
@@ -128,23 +130,43 @@ class System:
         """Return g_N of a unilateral contact in m."""
         raise NotImplementedError
 
+    def with_law(
+        self, law: FrictionLaw, *, contacts: int | str | Sequence[int | str] | None = None
+    ) -> Self:
+        """Return a copy of which contacts obey another friction law.
+
+        A class that derives anything from its laws, or whose contacts are computed by a property,
+        overrides this.
+
+        Args:
+            law: of the dimension of the contacts' laws.
+            contacts: numbers or names of the contacts; default all.
+
+        Raises:
+            ParameterError: naming the argument; ``system`` if its contacts cannot be set.
+        """
+        changed = relawed(self.contacts, law, contacts, "contacts")
+        other = copy.copy(self)
+        try:
+            object.__setattr__(other, "contacts", changed)
+        except AttributeError:
+            raise ParameterError(
+                "system",
+                f"must let its contacts be set: {type(self).__name__} computes them, and needs a "
+                "with_law of its own",
+            ) from None
+        return other
+
     @property
     def labels(self) -> Labels:
         """Names and units of coordinates and contacts."""
         contacts = labels.contact_names([contact.name for contact in self.contacts])
-        n = len(self._origin())
-        plain = labels.numbered(n, self.dof, len(contacts)).replace(contacts=contacts)
-        names, units = self.coordinate_names, self.coordinate_units
-        if names is None and units is None:
-            return plain
+        n, names, units = len(self._origin()), self.coordinate_names, self.coordinate_units
         for argument, given in (("coordinate_names", names), ("coordinate_units", units)):
             if given is not None and len(given) != n:
                 raise DimensionError(argument, f"must hold {n} texts, one per coordinate")
-        names = plain.coordinates if names is None else names
-        units = plain.coordinate_units if units is None else units
-        if n == self.dof and not self._advances:
-            return labels.of_rates(names, units, contacts)
-        return plain.replace(coordinates=names, coordinate_units=units)
+        are_rates = n == self.dof and not self._advances
+        return labels.of_coordinates(n, self.dof, contacts, names, units, are_rates=are_rates)
 
     @property
     def _core(self) -> _core.CallbackSystem:

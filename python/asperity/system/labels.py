@@ -68,8 +68,26 @@ def numbered(coordinates: int, velocities: int, contacts: int) -> Labels:
     )
 
 
-def of_rates(names: Sequence[str], units: Sequence[str], contacts: Sequence[str]) -> Labels:
-    """Return the labels of a system whose velocities are the rates of its coordinates."""
+def of_coordinates(
+    coordinates: int,
+    velocities: int,
+    contacts: Sequence[str],
+    names: Sequence[str] | None,
+    units: Sequence[str] | None,
+    *,
+    are_rates: bool,
+) -> Labels:
+    """Return labels with the names and units that are given for the coordinates.
+
+    Velocities are called after the coordinates where they are their rates.
+    """
+    plain = numbered(coordinates, velocities, len(contacts)).replace(contacts=contacts)
+    if names is None and units is None:
+        return plain
+    names = plain.coordinates if names is None else names
+    units = plain.coordinate_units if units is None else units
+    if not are_rates:
+        return plain.replace(coordinates=names, coordinate_units=units)
     rates = [f"{name}_dot" for name in names]
     return Labels(names, units, rates, list(map(per_second, units)), contacts)
 

@@ -11,7 +11,7 @@ from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
-from asperity.errors import DimensionError, ParameterError
+from asperity.errors import DimensionError
 from asperity.law import FrictionLaw
 from asperity.system import labels
 from asperity.system.contacts import Contact, relawed
@@ -75,9 +75,7 @@ class LinearSystem(Value):
             mass=_matrix(mass, "mass", n),
             stiffness=_matrix(stiffness, "stiffness", n),
             damping=_matrix(damping, "damping", n),
-            force=arrays.read_only(
-                arrays.array(np.zeros(n) if force is None else force, "force", (n,))
-            ),
+            force=arrays.array(np.zeros(n) if force is None else force, "force", (n,)),
             contacts=listed,
             coordinate_names=_texts(coordinate_names, "coordinate_names", n),
             coordinate_units=_texts(coordinate_units, "coordinate_units", n),
@@ -91,17 +89,12 @@ class LinearSystem(Value):
             self.force,
             [contact._core_data() for contact in listed],
         )
-        self._keep(_core=core, labels=self._labels())
-
-    def _labels(self) -> Labels:
-        n, contacts = self.dof, labels.contact_names([contact.name for contact in self.contacts])
-        plain = labels.numbered(n, n, len(contacts)).replace(contacts=contacts)
-        if self.coordinate_names is None and self.coordinate_units is None:
-            return plain
-        return labels.of_rates(
-            plain.coordinates if self.coordinate_names is None else self.coordinate_names,
-            plain.coordinate_units if self.coordinate_units is None else self.coordinate_units,
-            contacts,
+        names = labels.contact_names([contact.name for contact in listed])
+        self._keep(
+            _core=core,
+            labels=labels.of_coordinates(
+                n, n, names, self.coordinate_names, self.coordinate_units, are_rates=True
+            ),
         )
 
     def with_law(
@@ -129,8 +122,7 @@ class LinearSystem(Value):
 def _contacts(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
     listed = tuple(contacts) if isinstance(contacts, Sequence) else (contacts,)
     for contact in listed:
-        if not isinstance(contact, Contact):
-            raise ParameterError("contacts", f"must be a sequence of Contact, got {contact!r}")
+        arrays.of_kind(contact, "contacts", Contact, "a sequence of Contact")
     return listed
 
 
@@ -155,4 +147,4 @@ def _dof(mass: ArrayLike, contacts: Sequence[Contact]) -> int:
 
 
 def _matrix(value: ArrayLike | None, argument: str, n: int) -> Array:
-    return arrays.read_only(arrays.square(0.0 if value is None else value, argument, n))
+    return arrays.square(0.0 if value is None else value, argument, n)

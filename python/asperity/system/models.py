@@ -13,12 +13,42 @@ from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
-from asperity.system.contacts import Contact
+from asperity.system.contacts import Contact, checked_law
 from asperity.system.labels import Labels
 from asperity.system.linear import LinearSystem
 
 
-class SlidingPoint(Value):
+class OneContact(Value):
+    """A linear system with one contact, whose law has the dimension of the motion."""
+
+    law: FrictionLaw
+    linear: LinearSystem
+
+    def with_law(self, law: FrictionLaw) -> Self:
+        """Return the same system with another friction law."""
+        return self.replace(law=law)
+
+    @property
+    def dof(self) -> int:
+        """Number of coordinates, the law's dimension."""
+        return self.linear.dof
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The one contact, with W = I, and χ = −v on a belt that moves with v."""
+        return self.linear.contacts
+
+    @property
+    def labels(self) -> Labels:
+        """Names and units of coordinates and contacts."""
+        return self.linear.labels
+
+    @property
+    def _core(self) -> _core.LinearSystem:
+        return self.linear._core
+
+
+class SlidingPoint(OneContact):
     """A point mass on a horizontal plane: m q̈ = λ, λ_N = m g.
 
     Args:
@@ -36,42 +66,17 @@ class SlidingPoint(Value):
     """
 
     mass: float
-    law: FrictionLaw
     gravity: float
-    linear: LinearSystem
 
     def __init__(self, mass: float, *, law: FrictionLaw, gravity: float = 9.81) -> None:
         mass, gravity = arrays.positive(mass, "mass"), arrays.positive(gravity, "gravity")
-        _check_law(law)
+        checked_law(law)
         self._set(mass=mass, law=law, gravity=gravity)
         contact = Contact(law, direction=np.eye(law.dimension), normal_force=mass * gravity)
         self._keep(linear=LinearSystem(mass, contacts=[contact], **_lengths(law.dimension)))
 
-    def with_law(self, law: FrictionLaw) -> Self:
-        """Return the same system with another friction law."""
-        return self.replace(law=law)
 
-    @property
-    def dof(self) -> int:
-        """Number of coordinates, the law's dimension."""
-        return self.linear.dof
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """The one contact, with W = I."""
-        return self.linear.contacts
-
-    @property
-    def labels(self) -> Labels:
-        """Names and units of coordinates and contacts."""
-        return self.linear.labels
-
-    @property
-    def _core(self) -> _core.LinearSystem:
-        return self.linear._core
-
-
-class MassOnBelt(Value):
+class MassOnBelt(OneContact):
     """A mass held by springs on a belt moving with v: m q̈ + K q = λ, γ = q̇ − v.
 
     Args:
@@ -97,10 +102,8 @@ class MassOnBelt(Value):
 
     mass: float
     stiffness: Array
-    law: FrictionLaw
     normal_force: float
     belt_velocity: Array
-    linear: LinearSystem
 
     def __init__(
         self,
@@ -112,17 +115,16 @@ class MassOnBelt(Value):
         belt_velocity: ArrayLike,
     ) -> None:
         mass = arrays.positive(mass, "mass")
-        _check_law(law)
-        p = law.dimension
+        p = checked_law(law).dimension
         belt = arrays.array(belt_velocity, "belt_velocity", (p,))
         normal_force = arrays.positive(normal_force, "normal_force")
         springs = arrays.square(stiffness, "stiffness", p)
         self._set(
             mass=mass,
-            stiffness=arrays.read_only(springs),
+            stiffness=springs,
             law=law,
             normal_force=normal_force,
-            belt_velocity=arrays.read_only(belt),
+            belt_velocity=belt,
         )
         contact = Contact(law, direction=np.eye(p), normal_force=normal_force, velocity=-belt)
         self._keep(linear=LinearSystem(mass, stiffness=springs, contacts=[contact], **_lengths(p)))
@@ -137,29 +139,6 @@ class MassOnBelt(Value):
             raise ParameterError("stiffness", "must be regular for an equilibrium") from None
         return arrays.array(position, "equilibrium")
 
-    def with_law(self, law: FrictionLaw) -> Self:
-        """Return the same system with another friction law."""
-        return self.replace(law=law)
-
-    @property
-    def dof(self) -> int:
-        """Number of coordinates, the law's dimension."""
-        return self.linear.dof
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """The one contact, with W = I and χ = −v."""
-        return self.linear.contacts
-
-    @property
-    def labels(self) -> Labels:
-        """Names and units of coordinates and contacts."""
-        return self.linear.labels
-
-    @property
-    def _core(self) -> _core.LinearSystem:
-        return self.linear._core
-
 
 def _lengths(p: int) -> dict[str, list[str]]:
     """Return names and units of p coordinates that are lengths along e₁, e₂, e₃."""
@@ -167,8 +146,3 @@ def _lengths(p: int) -> dict[str, list[str]]:
         "coordinate_names": [f"x{axis + 1}" for axis in range(p)],
         "coordinate_units": ["m"] * p,
     }
-
-
-def _check_law(law: object) -> None:
-    if not isinstance(law, FrictionLaw):
-        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")

@@ -100,8 +100,8 @@ class SlidingDisk(RigidBodies):
     ) -> None:
         if not isinstance(law, FrictionLaw) or law.dimension != 2:
             raise ParameterError("law", f"must be a planar FrictionLaw, got {law!r}")
-        start = arrays.read_only(arrays.array(velocity, "velocity", (2,)))
-        place = arrays.read_only(arrays.array(position, "position", (2,)))
+        start = arrays.array(velocity, "velocity", (2,))
+        place = arrays.array(position, "position", (2,))
         given = {
             "spin": arrays.number(spin, "spin"),
             "angle": arrays.number(angle, "angle"),

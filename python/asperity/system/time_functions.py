@@ -64,10 +64,10 @@ class Signal(Value):
         interpolation: Literal["linear", "cubic"],
         periodic: bool = False,
     ) -> None:
-        at = arrays.read_only(arrays.array(times, "times", (None,)))
+        at = arrays.array(times, "times", (None,))
         if len(at) == 0:
             raise DimensionError("times", "must not be empty")
-        given = arrays.read_only(arrays.array(values, "values"))
+        given = arrays.array(values, "values")
         if given.ndim not in (1, 2) or len(given) != len(at):
             raise DimensionError(
                 "values", f"must have shape ({len(at)},) or ({len(at)}, d), got {given.shape}"
@@ -189,10 +189,7 @@ class Sine(Signal):
                     name, f"must be a number or of shape {wanted}, got {array.shape}"
                 )
             shape = shape or array.shape
-        kept = {
-            name: float(array) if array.ndim == 0 else arrays.read_only(array)
-            for name, array in given.items()
-        }
+        kept = {name: float(array) if array.ndim == 0 else array for name, array in given.items()}
         self._set(
             amplitude=kept["amplitude"],
             frequency=arrays.positive(frequency, "frequency"),
@@ -221,19 +218,7 @@ def checked(value: Any, argument: str, shape: tuple[int, ...]) -> Any:
         return value
     if callable(value):
         return value
-    if not shape:
-        return arrays.number(value, argument)
-    return arrays.read_only(arrays.array(value, argument, shape))
-
-
-def depends_on_time(value: Any) -> bool:
-    """Whether it is a signal or a function."""
-    return callable(value)
-
-
-def constants(*values: Any) -> Array:
-    """Return the numbers of several constants one after another."""
-    return np.concatenate([np.ravel(value) for value in values])
+    return arrays.array(value, argument, shape) if shape else arrays.number(value, argument)
 
 
 def core(value: Any) -> Any:

@@ -108,8 +108,7 @@ class VirtualCamera(Value):
         rest: float = 0.02,
         seed: int = 0,
     ) -> None:
-        if not isinstance(run, Run):
-            raise ParameterError("run", f"must be a Trajectory or a Motion, got {run!r}")
+        arrays.of_kind(run, "run", Run, "a Trajectory or a Motion")
         mark = mark or Mark(diameter=0.01)
         if mark.diameter is None:
             raise ParameterError("mark", "must have a diameter")
@@ -140,9 +139,9 @@ class VirtualCamera(Value):
         view = scene or self._facing(tilt)
         self._keep(
             view=view,
-            time=arrays.read_only(time),
-            position=arrays.read_only(position),
-            pixel=arrays.read_only(view.to_pixels(position)),
+            time=time,
+            position=position,
+            pixel=view.to_pixels(position),
         )
 
     def __len__(self) -> int:

@@ -102,9 +102,9 @@ class MeasuredPath(TableResult, Value):
         moves = _section(section, t) if section is not None else _moving(t[seen], x[seen], limit)
         h = _usual(t[seen], moves) if bandwidth is None else _bandwidth(bandwidth, t[seen])
         self._set(
-            time=arrays.read_only(t),
-            position=arrays.read_only(x),
-            position_error=arrays.read_only(error),
+            time=t,
+            position=x,
+            position_error=error,
             bandwidth=h,
             section=moves,
         )
@@ -112,10 +112,10 @@ class MeasuredPath(TableResult, Value):
         derived = local_cubics(t, x, h, bounds)
         first, place = resting(x[seen], limit)
         self._keep(
-            seen=arrays.read_only(seen),
+            seen=seen,
             comes_to_rest=_rests(t, x, seen, len(x[seen]) - first, limit),
-            _end=arrays.read_only(place),
-            **{name: arrays.read_only(values) for name, values in derived.items()},
+            _end=place,
+            **{name: values for name, values in derived.items()},
         )
 
     def __len__(self) -> int:

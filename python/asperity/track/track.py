@@ -7,14 +7,14 @@ import os
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.log import log
 from asperity._base.progress import Progress, reporter
 from asperity._base.result import Axis, Series, Table, TableResult, counted
-from asperity._base.value import Value
+from asperity._base.value import Positive, Record
 from asperity.errors import ParameterError
 from asperity.track.film.frames import Frames, Pixels, open_frames
 from asperity.track.following import repeats
@@ -27,7 +27,7 @@ from asperity.track.path import MeasuredPath
 _WRONG_SCALE = 0.1
 
 
-class Track(TableResult, Value):
+class Track(TableResult, Record):
     """What was seen of a mark in every frame; all arrays are read-only.
 
     Frame k is taken at k/fps. Frames without a position hold NaN.
@@ -45,7 +45,10 @@ class Track(TableResult, Value):
         status: `Sight` of each frame as integers, shape ``(n,)``.
     """
 
-    fps: float
+    _picture = "plot_track"
+    _digits = 10
+
+    fps: Positive
     scene: Scene
     pixel: Array
     position: Array
@@ -55,38 +58,6 @@ class Track(TableResult, Value):
     filling: Array
     coverage: Array
     status: NDArray[np.int64]
-
-    _picture = "plot_track"
-    _digits = 10
-
-    def __init__(
-        self,
-        fps: float,
-        scene: Scene,
-        pixel: ArrayLike,
-        position: ArrayLike,
-        position_error: ArrayLike,
-        diameter: ArrayLike,
-        blur: ArrayLike,
-        filling: ArrayLike,
-        coverage: ArrayLike,
-        status: ArrayLike,
-    ) -> None:
-        series = {
-            "pixel": pixel,
-            "position": position,
-            "position_error": position_error,
-            "diameter": diameter,
-            "blur": blur,
-            "filling": filling,
-            "coverage": coverage,
-        }
-        self._set(
-            fps=arrays.positive(fps, "fps"),
-            scene=scene,
-            **{n: arrays.read_only(np.asarray(v, dtype=np.float64)) for n, v in series.items()},
-            status=arrays.read_only(np.asarray(status, dtype=np.int64)),
-        )
 
     def __len__(self) -> int:
         return len(self.status)
@@ -215,8 +186,7 @@ def track_mark(
     [24.0, 0.0]
     """
     fps = arrays.positive(fps, "fps")
-    if not isinstance(scene, Scene):
-        raise ParameterError("scene", f"must be a Scene, got {scene!r}")
+    arrays.of_kind(scene, "scene", Scene, "a Scene")
     source = open_frames(frames)
     follower = Follower(scene, mark or Mark(), fps)
     changes = repeats.Changes()

@@ -19,7 +19,7 @@ use crate::systems::any_system::{raised as raised_meanwhile, with_system};
 pub fn integrate<'py>(
     py: Python<'py>,
     system: &Bound<'py, PyAny>,
-    t_end: f64,
+    times: (f64, f64),
     q0: Numbers<'py>,
     u0: Numbers<'py>,
     tolerance: f64,
@@ -34,7 +34,11 @@ pub fn integrate<'py>(
     });
     let (q0, u0) = (numbers(&q0, "q0")?.to_vec(), numbers(&u0, "u0")?.to_vec());
     let section = section.transpose()?;
-    let mut options = Options::new(t_end)?.with_start(&q0, &u0).with_tolerance(tolerance);
+    let (t_start, t_end) = times;
+    let mut options = Options::new(t_end)?
+        .with_start_time(t_start)
+        .with_start(&q0, &u0)
+        .with_tolerance(tolerance);
     (options.sample, options.max_step, options.section) = (sample, max_step, section);
     options.max_events = max_events;
     let mut raised = None;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use asperity_set::{Convex, ConvexSet, Matrix, Star, StarSet, Vector, strict_convexity};
 
 use super::boundary::BoundaryPiece;
+use super::contact_equation::inclusion;
 use super::contact_equation::lorentz::{self, LorentzCone};
 use super::contact_equation::natural_map::{self, ContactPoint, Derivatives};
 use super::extended::FrictionLaw;
@@ -205,8 +206,8 @@ impl Law {
         answer!(self, law => lorentz::cone(law))
     }
 
-    /// Square of the defect `P_N ‖z − prox_D(z + ρξ_T/P_N)‖`, `z = −αP_T/P_N`, of the inclusion of friction (\[WL19\]
-    /// (69), per unit of `P_N`); without a normal percussion the square of the friction.
+    /// Square of the defect of friction, a percussion: how far percussion and velocity times `ρ` are from a pair that obeys
+    /// the law (`contact_equation/inclusion.rs`); without a normal percussion the square of the friction.
     #[inline]
     pub(crate) fn inclusion_defect(&self, friction: Friction<'_>, rho: f64) -> f64 {
         answer!(self, law => inclusion_defect(law, friction, rho))
@@ -284,9 +285,8 @@ pub(crate) fn inclusion_defect<const P: usize>(
     if normal <= 0.0 {
         return vector::<P>(friction.tangent).norm_squared();
     }
-    let moved = friction.slip::<P>() * (rho * (1.0 / normal));
-    let step = law.prox_step(&friction.reduced(), |_| moved);
-    (step.start - step.end(law)).norm_squared() * normal * normal
+    let sigma = friction.slip::<P>() * (rho * (1.0 / normal));
+    inclusion::squared_defect(law, &friction.reduced(), &sigma) * normal * normal
 }
 
 fn is_projected<const P: usize>(law: &FrictionLaw<P>, friction: Friction<'_>, rho: f64) -> bool {

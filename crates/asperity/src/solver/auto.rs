@@ -34,9 +34,6 @@ const ATTEMPT: usize = 6;
 /// Iterations of the interior point method, after which the proximal point method starts: half as many cost 105
 /// factorisations on the stored problems, twice as many 19.
 const INTERIOR: usize = 40;
-/// Newton iterations from where the search by cases leads; the motions of the systems that `infeasibility/cases.rs` names
-/// end in the same way with a quarter and four times as many.
-const FROM_CANDIDATE: usize = 50;
 /// Outer steps of the last phase, which a limit of time ends before where there is one; those systems end in the same way
 /// with a quarter and four times as many.
 const OUTER: usize = 5000;
@@ -120,7 +117,7 @@ impl Methods {
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
         proximal.prepare(task.problem);
         matrix.prepare(task.problem);
-        proximal.newton_from(&mut progress, matrix, start, FROM_CANDIDATE);
+        proximal.newton_from(&mut progress, matrix, start);
         progress.finish(false)
     }
 

@@ -7,6 +7,7 @@ among constructors that are known, which check what they are given.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import inspect
 from collections.abc import Callable, Mapping
 from types import ModuleType
@@ -90,20 +91,19 @@ def arguments(
     }
 
 
-def _signature(kind: type) -> Mapping[str, inspect.Parameter]:
-    """Return the parameters of a constructor; systems have thousands of parts of few classes."""
-    if kind not in _SIGNATURES:
-        _SIGNATURES[kind] = inspect.signature(kind).parameters
-    return _SIGNATURES[kind]
+def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
+    return inspect.signature(kind).parameters
 
 
-_SIGNATURES: dict[type, Mapping[str, inspect.Parameter]] = {}
+# Systems have thousands of parts of few classes.
+_signature: Callable[[type], Mapping[str, inspect.Parameter]] = functools.cache(_parameters)
 
 
 def _parts(value: Any) -> dict[str, Any]:
     if isinstance(value, Value):
         parameters = value._stored()._parameters
-        return {name: parameters[name] for name in _signature(type(value))}
+        # A constructor may also take what follows from the parameters, if it is at hand.
+        return {name: parameters[name] for name in _signature(type(value)) if name in parameters}
     if dataclasses.is_dataclass(value):
         return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if isinstance(value, dict):
@@ -164,7 +164,7 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
 
     given = {}
     for name, value in table.items():
-        if parameters[name].annotation != "bool":
+        if not _takes_truth(parameters[name]):
             _refuse_truth(value, _joined(key, f".{name}"))
         given[name] = made(value, _joined(key, f".{name}"))
     if not issubclass(kind, Value):
@@ -254,6 +254,12 @@ def _key_of(word: str) -> int | str:
     """Return the key of a dictionary, a number or a word."""
     name = word.removeprefix(_KEY)
     return int(name) if name.isdecimal() else name
+
+
+def _takes_truth(parameter: inspect.Parameter) -> bool:
+    # Annotations are texts, those of named tuples references to what a text names.
+    annotation = parameter.annotation
+    return "bool" in (annotation, getattr(annotation, "__forward_arg__", None))
 
 
 def _check_table(table: Any, key: str, words: str) -> None:

@@ -79,7 +79,8 @@ class KeyLines:
 
     def _header(self) -> str:
         """Read ``[key]`` or ``[[key]]``; return the key with the number of the table."""
-        line = self._take().line
+        line = self._peek().line
+        self._next += 1
         several = self._peek().text == "["
         if several:
             self._next += 1
@@ -151,11 +152,6 @@ class KeyLines:
 
     def _peek(self) -> _Token:
         return self._tokens[self._next] if self._next < len(self._tokens) else _Token(_END, "", 0)
-
-    def _take(self) -> _Token:
-        token = self._peek()
-        self._next += 1
-        return token
 
     def _skip(self, kind: str) -> _Token:
         while self._peek().kind == kind:

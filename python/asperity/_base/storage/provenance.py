@@ -62,8 +62,7 @@ class Provenance(Value):
     ) -> None:
         texts = {"asperity": asperity, "date": date, "made_by": made_by, "note": note}
         for name, words in texts.items():
-            if not isinstance(words, str):
-                raise ParameterError(name, f"must be a text, got {words!r}")
+            arrays.of_kind(words, name, str, "a text")
         pairs = tuple(map(_name_and_hash, arrays.several(files, "files")))
         if not isinstance(configuration, Mapping | None):
             raise ParameterError("configuration", f"must hold sections, got {configuration!r}")

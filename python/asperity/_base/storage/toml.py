@@ -185,17 +185,17 @@ def _section_texts(
     for name, value in values.items():
         key = f"{section}.{name}" if section else name
         if isinstance(value, Mapping):
-            within.append((f"[{_path(section, name)}]", key, _path(section, name), value))
+            within.append((f"[{_path(section, name)}]", _path(section, name), value))
         elif isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value):
             path = _path(section, name)
-            within += [(f"[[{path}]]", key, path, one) for one in value]
+            within += [(f"[[{path}]]", path, one) for one in value]
         else:
             own += f"{_comment(comments.get(key))}{_key(name)} = {_value(value, name)}\n"
     comment = _comment(comments.get(section)) if section else ""
     # A section that only holds others needs no line of its own, an entry of a list does.
     if own or (head and (not within or head.startswith("[["))):
         yield f"{comment}{head}\n{own}" if head else own
-    for header, _, path, value in within:
+    for header, path, value in within:
         yield from _section_texts(value, path, header, comments)
 
 
@@ -373,12 +373,10 @@ class TomlFile:
 
 # More than anyone nests tables, less than Python nests calls.
 _DEEPEST = 100
-
-
 _DATES = (datetime.date, datetime.time)
 
 
-def plain(value: Any, key: str) -> Any:
+def plain(value: Any, key: str, depth: int = 0) -> Any:
     """Return a value as a file says it: tables without None, lists and Python's own numbers.
 
     What is written and what is read pass the same limits, so that all that is saved can be loaded.
@@ -386,6 +384,7 @@ def plain(value: Any, key: str) -> Any:
     Args:
         value: tables, lists, tuples, arrays, texts, numbers, truth values and dates.
         key: of the value, for messages.
+        depth: how many tables and lists it is in.
 
     Raises:
         ParameterError: whose argument is the key of what is no data, of numbers that are none,
@@ -396,22 +395,18 @@ def plain(value: Any, key: str) -> Any:
     >>> plain({"rate": np.float64(0.5), "angles": (1, 2), "note": None}, "")
     {'rate': 0.5, 'angles': [1, 2]}
     """
-    return _plain(value, key, 0)
-
-
-def _plain(value: Any, key: str, depth: int) -> Any:
     if depth > _DEEPEST:
         raise ParameterError(key.partition(".")[0], "must not be nested so deeply")
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
         return {
-            _checked_key(name, key): _plain(one, f"{key}.{name}" if key else name, depth + 1)
+            _checked_key(name, key): plain(one, f"{key}.{name}" if key else name, depth + 1)
             for name, one in value.items()
             if one is not None
         }
     if isinstance(value, list | tuple):
-        return [_plain(one, f"{key}[{i}]", depth + 1) for i, one in enumerate(value)]
+        return [plain(one, f"{key}[{i}]", depth + 1) for i, one in enumerate(value)]
     if isinstance(value, float) and not math.isfinite(value):
         raise ParameterError(key, f"must be finite, got {value!r}")
     if isinstance(value, int) and not -(2**63) <= value < 2**63:

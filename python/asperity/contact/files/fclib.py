@@ -57,37 +57,29 @@ class _Group:
         self.file, self.path = file, path
 
     def __contains__(self, key: str) -> bool:
-        try:
+        with self._reading(key):
             return key in self.file
-        except Exception as error:
-            raise self._unreadable(key, error) from None
 
     def __getitem__(self, key: str) -> NDArray[Any]:
-        if key not in self or not self._is_dataset(key):
-            raise ParameterError(key, f"is missing in {self.path}")
-        try:
+        with self._reading(key):
+            if key not in self.file or not hasattr(self.file[key], "shape"):
+                raise ParameterError(key, f"is missing in {self.path}")
             found = self.file[key][()]
             return np.array(found.decode() if isinstance(found, bytes) else found)
-        except Exception as error:
-            raise self._unreadable(key, error) from None
 
     def members(self, key: str) -> list[str]:
         """Return what a group holds, nothing where there is none."""
-        if key not in self:
-            return []
-        try:
-            return list(self.file[key])
-        except Exception as error:
-            raise self._unreadable(key, error) from None
+        with self._reading(key):
+            return list(self.file[key]) if key in self.file else []
 
-    def _is_dataset(self, key: str) -> bool:
+    @contextmanager
+    def _reading(self, key: str) -> Iterator[None]:
         try:
-            return hasattr(self.file[key], "shape")
+            yield
+        except ParameterError:
+            raise
         except Exception as error:
-            raise self._unreadable(key, error) from None
-
-    def _unreadable(self, key: str, error: Exception) -> ParameterError:
-        return ParameterError(key, f"cannot be read from {self.path}: {error}")
+            raise ParameterError(key, f"cannot be read from {self.path}: {error}") from None
 
 
 def save(problem: ContactProblem, path: Path) -> None:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
+from asperity._base import arrays
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.law.file import law_of, table_of
@@ -28,8 +29,7 @@ def read(text: str, key: str) -> list[FrictionLaw]:
     """
     try:
         tables = json.loads(text)
-        if not isinstance(tables, list):
-            raise ParameterError(key, f"must be a list of laws, got {tables!r}")
+        arrays.of_kind(tables, key, list, "a list of laws")
         return [law_of(_of_today(table), f"{key}[{i}]") for i, table in enumerate(tables)]
     except ParameterError as error:
         raise type(error)(key, str(error)) from None

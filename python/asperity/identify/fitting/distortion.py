@@ -72,10 +72,8 @@ class Distortion:
     def _columns(self, bins: Bins, sense: float, model: Array) -> Array:
         """Return what unit errors add to the residuals of the bins, ``(12, 2n)``."""
         cos, sin = np.cos(bins.phi), np.sin(bins.phi)
-        x, y = bins.force.T
-        channels = np.stack(
-            [sense * (x * cos + y * sin), sense * (y * cos - x * sin), np.ones_like(x)]
-        )
+        parts = np.stack(arrays.along_and_across(bins.force, bins.phi))
+        channels = np.vstack([sense * parts, np.ones_like(bins.phi)])
         along = sense * np.stack([cos, sin], axis=-1)
         across = sense * np.stack([-sin, cos], axis=-1)
         unit = np.stack([along, across, -model * self._read])

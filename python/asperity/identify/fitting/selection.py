@@ -31,6 +31,7 @@ from asperity.identify.fitting.models.names import (
     direction_model,
     name_of,
     reservoir_model,
+    short,
 )
 from asperity.identify.fitting.models.reservoirs import ReservoirModel
 
@@ -83,8 +84,6 @@ class Candidate(Value):
         left_out_error: standard error of that difference, over turns.
     """
 
-    reservoir: str
-    direction: str
     parameters: int
     rms: float
     bic: float
@@ -107,14 +106,24 @@ class Candidate(Value):
         models = reservoir_model(reservoir), direction_model(direction)
         self._keep(reservoir_model=models[0], direction_model=models[1])
         self._set(
-            reservoir=name_of(models[0]),
-            direction=name_of(models[1]),
+            reservoir=short(models[0]),
+            direction=short(models[1]),
             parameters=arrays.count(parameters, "parameters"),
             rms=arrays.non_negative(rms, "rms"),
             bic=float(bic),
             left_out=float(left_out),
             left_out_error=float(left_out_error),
         )
+
+    @property
+    def reservoir(self) -> str:
+        """Name of the model of C."""
+        return name_of(self.reservoir_model)
+
+    @property
+    def direction(self) -> str:
+        """Name of the model of D."""
+        return name_of(self.direction_model)
 
 
 class Comparison(Value):

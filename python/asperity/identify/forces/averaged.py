@@ -59,22 +59,21 @@ class Averaged(Value):
     ) -> None:
         angle = arrays.array(phi, "phi", (None,))
         k = angle.size
-        values = {
-            "phi": angle,
-            "readings": arrays.array(readings, "readings", (k, 3)),
-            "normal_force": arrays.array(normal_force, "normal_force", (k,)),
-            "count": arrays.array(count, "count", (k,)),
-            "unsigned_readings": arrays.array(unsigned_readings, "unsigned_readings", (k, 3)),
-            "sense": arrays.array(sense, "sense", (k,)),
-            "matrix": arrays.array(matrix, "matrix", (3, 3)),
-            "zero": arrays.array(zero, "zero", (3,)),
-        }
-        given = {name: arrays.read_only(value) for name, value in values.items()}
-        self._set(**given, is_load_given=bool(is_load_given))
+        self._set(
+            phi=angle,
+            readings=arrays.array(readings, "readings", (k, 3)),
+            normal_force=arrays.array(normal_force, "normal_force", (k,)),
+            count=arrays.array(count, "count", (k,)),
+            unsigned_readings=arrays.array(unsigned_readings, "unsigned_readings", (k, 3)),
+            sense=arrays.array(sense, "sense", (k,)),
+            matrix=arrays.array(matrix, "matrix", (3, 3)),
+            zero=arrays.array(zero, "zero", (3,)),
+            is_load_given=bool(is_load_given),
+        )
         resistance = self.readings @ self.matrix[:2].T
         self._keep(
-            resistance=arrays.read_only(resistance),
-            force=arrays.read_only(turned(angle, resistance)),
+            resistance=resistance,
+            force=turned(angle, resistance),
         )
 
     def __repr__(self) -> str:

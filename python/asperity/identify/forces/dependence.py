@@ -64,7 +64,7 @@ class Dependence(Value):
                 "values", f"must differ by 5 % or more, lie in {x.min():.4g}..{x.max():.4g}"
             )
         level = arrays.fraction(confidence, "confidence")
-        self._set(values=arrays.read_only(x), coefficients=arrays.read_only(y), confidence=level)
+        self._set(values=x, coefficients=y, confidence=level)
         away = np.log(x) - np.log(x).mean()
         spread = float(away @ away)
         exponent = float(away @ np.log(y)) / spread

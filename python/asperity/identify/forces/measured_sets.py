@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import KW_ONLY
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import NonNegative, Record, Value
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import Polygon
@@ -80,7 +81,7 @@ class MeasuredSets(Value):
         angle = arrays.array(phi, "phi", (None,))
         f = arrays.array(force, "force", (angle.size, 2))
         _check_directions(angle)
-        self._set(phi=arrays.read_only(angle), force=arrays.read_only(f))
+        self._set(phi=angle, force=f)
         along, across = _parts(angle, f)
         slope = across / along
         theta = angle + np.arctan(slope)
@@ -92,8 +93,8 @@ class MeasuredSets(Value):
         by_support = support + 0.5 * np.log1p(slope**2)
         by_integration = _integral(theta, slope - logarithm / _TURN)
         self._keep(
-            theta=arrays.read_only(theta),
-            radius=arrays.read_only(radius),
+            theta=theta,
+            radius=radius,
             reservoir_points=self.force,
             closure=math.exp(logarithm),
             convexity_defect=_largest_fall(theta),
@@ -101,7 +102,7 @@ class MeasuredSets(Value):
             direction_by_integration=_inside(by_integration, radius, theta),
             direction_by_support=_inside(by_support, radius, theta),
             difference=_distance(by_integration, by_support),
-            _slope=arrays.read_only(even),
+            _slope=even,
         )
 
     def __repr__(self) -> str:
@@ -129,7 +130,7 @@ class MeasuredSets(Value):
         return FrictionLaw.from_samples(self.phi, self.force, **options)
 
 
-class ConvexDirection(Value):
+class ConvexDirection(Record):
     """A convex D from measured forces: isotonic regression of θ over φ, then half-planes.
 
     Args:
@@ -139,15 +140,9 @@ class ConvexDirection(Value):
     """
 
     polygon: Polygon
-    angle_change: float
-    support_change: float
-
-    def __init__(self, polygon: Polygon, *, angle_change: float, support_change: float) -> None:
-        self._set(
-            polygon=polygon,
-            angle_change=arrays.non_negative(angle_change, "angle_change"),
-            support_change=arrays.non_negative(support_change, "support_change"),
-        )
+    _: KW_ONLY
+    angle_change: NonNegative
+    support_change: NonNegative
 
 
 def _check_directions(phi: Array) -> None:
@@ -160,14 +155,13 @@ def _check_directions(phi: Array) -> None:
 
 def _parts(phi: Array, force: Array) -> tuple[Array, Array]:
     """Return l_t and l_p."""
-    c, s = np.cos(phi), np.sin(phi)
-    along: Array = c * force[:, 0] + s * force[:, 1]
+    along, across = arrays.along_and_across(force, phi)
     if along.min() <= 0.0:
         at = phi[along.argmin()]
         raise ParameterError(
             "force", f"must oppose sliding, does not in the direction {at:.6g} rad"
         )
-    return along, c * force[:, 1] - s * force[:, 0]
+    return along, across
 
 
 def _steps(angle: Array) -> Array:
@@ -179,8 +173,9 @@ def _steps(angle: Array) -> Array:
 
 def _integral(angle: Array, values: Array) -> Array:
     """Return the integral from the first angle on, by the trapezoidal rule."""
-    pieces = 0.5 * (values[1:] + values[:-1]) * np.diff(angle)
-    return np.concatenate([[0.0], np.cumsum(pieces)])
+    from scipy.integrate import cumulative_trapezoid
+
+    return np.asarray(cumulative_trapezoid(values, angle, initial=0), dtype=np.float64)
 
 
 def _largest_fall(theta: Array) -> float:
@@ -199,7 +194,8 @@ def _asymmetry(phi: Array, force: Array) -> float:
 def _inside(log_radius: Array, reservoir: Array, theta: Array) -> Array:
     """Return points of D at the angles of the forces, at the largest scale inside C."""
     scale = (np.log(reservoir) - log_radius).min()
-    return arrays.read_only(np.exp(log_radius + scale)[:, None] * arrays.unit_vectors(theta))
+    points: Array = np.exp(log_radius + scale)[:, None] * arrays.unit_vectors(theta)
+    return points
 
 
 def _distance(a: Array, b: Array) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import EllipsisType
@@ -17,7 +18,6 @@ from asperity.errors import ParameterError, RecordError
 from asperity.identify.forces import filters
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
-from asperity.identify.forces.refusals import refuse_incomplete, refuse_lost_contact
 from asperity.identify.forces.turns import (
     TurnAverage,
     average_turns,
@@ -77,8 +77,7 @@ class ProcessedData(Value):
         order: int | EllipsisType = ...,
         grid_angle: float | EllipsisType = ...,
     ) -> None:
-        if not isinstance(raw, RawData):
-            raise ParameterError("raw", f"must be RawData, got {raw!r}")
+        arrays.of_kind(raw, "raw", RawData, "RawData")
         given = {"cut_off": cut_off, "order": order, "grid_angle": grid_angle}
         changes = {name: value for name, value in given.items() if value is not ...}
         done = raw.processing.replace(**changes)
@@ -88,8 +87,8 @@ class ProcessedData(Value):
         lengths = [len(r) for r in raw.recordings]
         starts = np.concatenate([[0], np.cumsum(lengths)])
         self._keep(
-            matrix=arrays.read_only(np.eye(3) if calibration is None else calibration.matrix),
-            zero=arrays.read_only(np.average([z.mean for z in zeros], axis=0, weights=lengths)),
+            matrix=np.eye(3) if calibration is None else calibration.matrix,
+            zero=np.average([z.mean for z in zeros], axis=0, weights=lengths),
             calibration_covariance=None
             if calibration is None
             else calibration.known_covariance(is_load_given=self.is_load_given),
@@ -121,8 +120,8 @@ class ProcessedData(Value):
             self._forces(
                 number, self.matrix, self._zeros[number], out.force[rows], out.normal[rows]
             )
-        refuse_incomplete(self.raw, found)
-        refuse_lost_contact(self.raw, self.run, out.normal)
+        _refuse_incomplete(self.raw, found)
+        _refuse_lost_contact(self.raw, self.run, out.normal)
         for series in (out.phi, out.force, out.normal, out.turn):
             series.flags.writeable = False
         self._keep(phi=out.phi, force=out.force, normal_force=out.normal, turn=out.turn)
@@ -282,11 +281,10 @@ class ProcessedData(Value):
         """
         if bins is None:
             bins = self.full_bins(360, each_turn=True)
-        c, s = np.cos(self.phi), np.sin(self.phi)
-        x, y = self.force.T
+        along, across = arrays.along_and_across(self.force, self.phi)
         channels = {
-            "tangential": (c * x + s * y) / self.normal_force,
-            "radial": (c * y - s * x) / self.normal_force,
+            "tangential": along / self.normal_force,
+            "radial": across / self.normal_force,
             "normal": self.normal_force,
         }
         return {
@@ -347,3 +345,32 @@ def _turn_rate(run: Recording) -> float:
     if abs(run.turns) < 1e-3:
         raise RecordError(run.source, "angle: the disk does not turn")
     return run.turn_rate
+
+
+def _refuse_incomplete(raw: RawData, found: Sequence[int]) -> None:
+    """Refuse files without a complete turn; `found` are the complete turns of each recording.
+
+    Pieces of a file that was cut at its defects count together.
+    """
+    turns = dict(zip(map(id, raw.recordings), found, strict=True))
+    for run in raw.recordings:
+        # A recording without a name is a file of its own.
+        pieces = [one for one in raw.recordings if run.source and one.file == run.file] or [run]
+        if not any(turns[id(piece)] for piece in pieces):
+            covered = max(abs(piece.turns) for piece in pieces)
+            raise RecordError(
+                run.file,
+                f"angle: covers {covered:.3g} turns, at least one complete turn is needed",
+            )
+
+
+def _refuse_lost_contact(raw: RawData, starts: tuple[int, ...], normal: Array) -> None:
+    """Refuse runs with a normal force that is not positive."""
+    for run, start, stop in zip(raw.recordings, starts, starts[1:], strict=False):
+        lowest = int(normal[start:stop].argmin())
+        if normal[start + lowest] <= 0.0:
+            raise RecordError(
+                run.source,
+                f"normal channel: no pressure at row {lowest + 1} "
+                f"({normal[start + lowest]:.4g} N); compression must be positive",
+            )

@@ -91,8 +91,8 @@ class TurnAverage(Value):
         values = arrays.array(turns, "turns", (None, centres.size))
         level = arrays.fraction(confidence, "confidence")
         self._set(
-            phi=arrays.read_only(centres),
-            turns=arrays.read_only(values),
+            phi=centres,
+            turns=values,
             confidence=level,
         )
         mean: Array = values.mean(axis=0)
@@ -100,10 +100,10 @@ class TurnAverage(Value):
         offset = values.mean(axis=1) - values.mean()
         number = np.arange(len(values)) - 0.5 * (len(values) - 1)
         self._keep(
-            mean=arrays.read_only(mean),
-            low=arrays.read_only(mean - half),
-            high=arrays.read_only(mean + half),
-            offset=arrays.read_only(offset),
+            mean=mean,
+            low=mean - half,
+            high=mean + half,
+            offset=offset,
             drift=float(number @ offset / max(number @ number, 1.0)),
         )
 

@@ -69,9 +69,9 @@ class Calibration(Value):
         read = arrays.array(readings, "readings", (len(given), 3))
         error = None if reading_error is None else _channels(reading_error)
         self._set(
-            loads=arrays.read_only(given),
-            readings=arrays.read_only(read),
-            reading_error=None if error is None else arrays.read_only(error),
+            loads=given,
+            readings=read,
+            reading_error=None if error is None else error,
             fit_zero=bool(fit_zero),
         )
         design = np.hstack([given, np.ones((len(given), 1))]) if fit_zero else given
@@ -95,10 +95,10 @@ class Calibration(Value):
         sensitivity = np.kron(matrix, matrix.T)
         covariance = sensitivity @ np.kron(np.diag(variance), spread) @ sensitivity.T
         self._keep(
-            matrix=arrays.read_only(matrix),
+            matrix=matrix,
             condition=condition,
-            covariance=arrays.read_only(covariance),
-            residuals=arrays.read_only(residuals),
+            covariance=covariance,
+            residuals=residuals,
         )
 
     def known_covariance(self, *, is_load_given: bool) -> Array | None:

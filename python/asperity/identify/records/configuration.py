@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity._base.progress import Progress, Report, part_of, reporter
 from asperity._base.storage import toml
 from asperity._base.storage.toml import COUNT, NUMBER, NUMBERS, SWITCH, TEXT, Kind, TomlFile
 from asperity._base.value import Value
@@ -105,29 +106,36 @@ class Configuration(Value):
     @property
     def files(self) -> list[Path]:
         """The files that it names: weighings and records without load."""
-        idle = self._section("no_load").get("files", [])
-        names = [idle] if isinstance(idle, str) else list(idle)
         weighings = self._section("calibration").get("file")
-        listed = names if weighings is None else [weighings, *names]
-        return [Path(self.folder, name) for name in listed]
+        return [*([] if weighings is None else [Path(self.folder, weighings)]), *self._no_load]
 
-    def read(self, paths: PathLike | Iterable[PathLike]) -> RawData:
+    @property
+    def _no_load(self) -> list[Path]:
+        names = self._section("no_load").get("files", [])
+        return [Path(self.folder, name) for name in ([names] if isinstance(names, str) else names)]
+
+    def read(self, paths: PathLike | Iterable[PathLike], *, progress: Progress = None) -> RawData:
         """Return the runs in some files, with the calibration, records without load and options.
 
         `process` finds the options of the section ``processing`` in what is returned.
+
+        Args:
+            paths: of the files.
+            progress: ``True`` for a bar of tqdm, or a function of (files read, all files), those of
+                records without load too.
 
         Raises:
             RecordError: as `read_csv`.
             ConfigurationError: for an option that does not fit, if a file gave it; else
                 ParameterError.
         """
-        if self._file is None:
-            return self._read(paths)
-        with self._file.blamed():
-            raw = self._read(paths)
-        return raw
+        with reporter(progress, "file") as report:
+            if self._file is None:
+                return self._read(paths, report)
+            with self._file.blamed():
+                return self._read(paths, report)
 
-    def _read(self, paths: PathLike | Iterable[PathLike]) -> RawData:
+    def _read(self, paths: PathLike | Iterable[PathLike], report: Report | None) -> RawData:
         calibration = self._calibration()
         files = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
         constant = self._constant_normal(files)
@@ -137,12 +145,14 @@ class Configuration(Value):
                 "normal: the calibration says that the normal load moves the other channels, "
                 "which normal_load cannot replace: give the column of the normal channel as well",
             )
-        names = self._section("no_load").get("files", [])
-        idle = [Path(self.folder, name) for name in ([names] if isinstance(names, str) else names)]
+        idle = self._no_load
+        whole = len(files) + len(idle)
+        runs = self._runs(files, constant, part_of(report, 0, whole), loaded=True)
+        later = part_of(report, len(files), whole)
         return RawData(
-            self._runs(files, constant, loaded=True),
+            runs,
             calibration=calibration,
-            no_load=self._runs(idle, constant, loaded=False) if idle else (),
+            no_load=self._runs(idle, constant, later, loaded=False) if idle else (),
             processing=Processing(**self._processing()),
             **self._section("tribometer"),
         )
@@ -156,6 +166,10 @@ class Configuration(Value):
     def _section(self, name: str) -> dict[str, Any]:
         return dict(self.sections.get(name, {}))
 
+    @property
+    def _format(self) -> Format:
+        return Format(**{k: v for k, v in self._section("file").items() if k in _FORMAT})
+
     def _constant_normal(self, files: Sequence[PathLike]) -> float | None:
         """Return the load that stands for a normal channel; None if the files have one.
 
@@ -163,14 +177,18 @@ class Configuration(Value):
         takes the normal channel to remove it.
         """
         load = self._section("tribometer").get("normal_load")
-        form = Format(**{k: v for k, v in self._section("file").items() if k in _FORMAT})
         named = "normal" in self._section("columns")
-        if load is None or named or (files and has_column(files[0], "normal", form)):
+        if load is None or named or (files and has_column(files[0], "normal", self._format)):
             return None
         return float(load)
 
     def _runs(
-        self, paths: Iterable[PathLike], normal_load: float | None, *, loaded: bool
+        self,
+        paths: Iterable[PathLike],
+        normal_load: float | None,
+        report: Report | None,
+        *,
+        loaded: bool,
     ) -> tuple[Recording, ...]:
         return read_csv(
             paths,
@@ -178,6 +196,7 @@ class Configuration(Value):
             units=self._section("units"),
             normal_load=normal_load,
             loaded=loaded,
+            progress=report,
             **self._section("file"),
         )
 
@@ -200,8 +219,7 @@ class Configuration(Value):
     def _weighings(self, path: Path) -> tuple[Array, Array]:
         columns = self._section("columns")
         wanted = {name: name for name in LOADS} | {n: columns.get(n, n) for n in CHANNELS}
-        form = {key: value for key, value in self._section("file").items() if key in _FORMAT}
-        table = read_table(path, wanted, Format(**form))
+        table = read_table(path, wanted, self._format)
         if not np.isfinite(table.values).all():
             bad = np.flatnonzero(~np.isfinite(table.values).all(axis=1))
             raise RecordError(str(path), f"no number in line {table.lines(bad[:1])[0]}")
@@ -209,7 +227,9 @@ class Configuration(Value):
         return table.values[:, :3], table.values[:, 3:] * [scale[name] for name in CHANNELS]
 
 
-def read_raw(paths: PathLike | Iterable[PathLike], config: PathLike) -> RawData:
+def read_raw(
+    paths: PathLike | Iterable[PathLike], config: PathLike, *, progress: Progress = None
+) -> RawData:
     """Return the runs in some files as a configuration file says: `Configuration.read`.
 
     `process` finds the options of the section ``processing`` in what is returned.
@@ -217,12 +237,13 @@ def read_raw(paths: PathLike | Iterable[PathLike], config: PathLike) -> RawData:
     Args:
         paths: files of the runs.
         config: a TOML file, see `Configuration`.
+        progress: as of `Configuration.read`.
 
     Raises:
         RecordError: as `read_csv`.
         ConfigurationError: for the configuration, naming file, line and key.
     """
-    return Configuration.load(config).read(paths)
+    return Configuration.load(config).read(paths, progress=progress)
 
 
 def _mixes_normal(calibration: Calibration) -> bool:

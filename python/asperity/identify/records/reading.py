@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.log import log
+from asperity._base.progress import Progress, each, reporter
 from asperity.errors import ParameterError, RecordError
 from asperity.identify.records import units as _units
 from asperity.identify.records.record import (
@@ -52,6 +53,7 @@ def read_csv(
     loaded: bool = True,
     check_units: bool = True,
     on_defect: str = "raise",
+    progress: Progress = None,
 ) -> tuple[Recording, ...]:
     r"""Read runs of a tribometer from text files, one or several of a campaign.
 
@@ -74,6 +76,7 @@ def read_csv(
         check_units: whether implausible magnitudes are refused.
         on_defect: ``"raise"``, or ``"split"``: the record is cut at its defects, and pieces
             without them are returned.
+        progress: ``True`` for a bar of tqdm, or a function of (files read, all files).
 
     Returns:
         The recordings, in the order of the files.
@@ -118,8 +121,7 @@ def read_csv(
     if not files:
         raise ParameterError("paths", "must name at least one file")
     found: list[Recording] = []
-    for path in files:
-        table = read_table(path, where, form)
+    for path, table in _tables(files, where, form, progress):
         if len(table.values) < 2:
             raise RecordError(str(path), "holds one sample only, a run needs two or more")
         series = _series(table, where, scale, constants)
@@ -141,6 +143,14 @@ def read_csv(
     if not found:
         raise RecordError(str(files[0]), "nothing is left between its defects")
     return tuple(found)
+
+
+def _tables(
+    files: Sequence[PathLike], where: Mapping[str, str | int], form: Format, progress: Progress
+) -> Iterator[tuple[PathLike, Table]]:
+    with reporter(progress, "file") as report:
+        for path in each(files, report):
+            yield path, read_table(path, where, form)
 
 
 def _columns(

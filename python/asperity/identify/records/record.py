@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import KW_ONLY
 from itertools import combinations
 from typing import Any
 
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Count, Number, Positive, Record, Value
 from asperity.errors import DimensionError, ParameterError, RecordError
 from asperity.identify.records.calibration import Calibration
 
@@ -102,7 +103,7 @@ class Recording(Value):
         return abs(self.turns) / self.duration
 
 
-class Processing(Value):
+class Processing(Record):
     """How raw data become forces over the sliding direction: what `process` does if not told.
 
     Args:
@@ -116,18 +117,10 @@ class Processing(Value):
     Processing(grid_angle=0.5)
     """
 
-    cut_off: float | None
-    order: int
-    grid_angle: float
-
-    def __init__(
-        self, *, cut_off: float | None = 20.0, order: int = 4, grid_angle: float = 0.0
-    ) -> None:
-        self._set(
-            cut_off=None if cut_off is None else arrays.positive(cut_off, "cut_off"),
-            order=arrays.count(order, "order"),
-            grid_angle=arrays.number(grid_angle, "grid_angle"),
-        )
+    _: KW_ONLY
+    cut_off: Positive | None = 20.0
+    order: Count = 4
+    grid_angle: Number = 0.0
 
 
 _USUAL = Processing()
@@ -176,8 +169,7 @@ class RawData(Value):
             raise ParameterError("recordings", "must hold at least one recording")
         if not isinstance(calibration, Calibration | None):
             raise ParameterError("calibration", f"must be a Calibration or None, got {calibration}")
-        if not isinstance(processing, Processing):
-            raise ParameterError("processing", f"must be a Processing, got {processing!r}")
+        arrays.of_kind(processing, "processing", Processing, "a Processing")
         _refuse_copies(runs)
         self._set(
             recordings=runs,

@@ -95,7 +95,6 @@ def check_magnitudes(run: Recording, units: Mapping[str, str]) -> None:
             source,
             "force units: friction coefficient",
         )
-    _check_folding(run)
 
 
 def _inside(value: float, limits: tuple[float, float], unit: str, source: str, what: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -122,9 +123,7 @@ class _Point:
         if self._paths:
             ax.plot(*self._points[: last + 1].T, color=look.GREY, linewidth=1.2)
         ax.plot(*self._points[last : last + 1].T, "o", color=look.SLIDING, markersize=7.0)
-        ax.set_aspect("equal")
-        ax.set_xlabel("$q_1$ in m")
-        ax.set_ylabel("$q_2$ in m")
+        ax.set(aspect="equal", xlabel="$q_1$ in m", ylabel="$q_2$ in m")
 
 
 class _Bodies:
@@ -163,7 +162,8 @@ def _pictures(
     figure: Figure, draw: _Point | _Bodies, moments: Array
 ) -> Iterator[NDArray[np.uint8]]:
     """Yield the pictures, shape ``(rows, columns, 3)``, with the axes at the same place in all."""
-    canvas = FigureCanvasAgg(figure)
+    # Its methods have no types.
+    canvas: Any = FigureCanvasAgg(figure)
     with look.style():
         ax = figure.add_subplot(projection=draw.projection)
     lower, upper = draw.limits
@@ -176,11 +176,10 @@ def _pictures(
                 ax.set(**{f"{name}lim": (low, high)})
             draw(ax, float(moment))
             ax.set_title(f"t = {moment:.3f} s")
-            canvas.draw()  # type: ignore[no-untyped-call]
+            canvas.draw()
         if number == 0:
             figure.set_layout_engine("none")
-        pixels = canvas.buffer_rgba()  # type: ignore[no-untyped-call]
-        yield np.asarray(pixels)[..., :3].copy()
+        yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
 def _write_gif(
@@ -199,12 +198,11 @@ def _write_gif(
 def _write_mp4(
     pictures: Iterator[NDArray[np.uint8]], path: str | os.PathLike[str], rate: int
 ) -> None:
+    # The format has even numbers of rows and columns.
+    even = (one[: len(one) // 2 * 2, : one.shape[1] // 2 * 2] for one in pictures)
     try:
-        import av  # noqa: F401
+        write_video(even, path, rate=rate)
     except ImportError:
         raise ParameterError(
             "path", '.mp4 needs PyAV (pip install "asperity[video]"); .gif does without'
         ) from None
-    # The format has even numbers of rows and columns.
-    even = (one[: len(one) // 2 * 2, : one.shape[1] // 2 * 2] for one in pictures)
-    write_video(even, path, rate=rate)

@@ -118,9 +118,9 @@ def plot_bodies(
     stage, times = staged(run, system, view, bodies, contacts)
     samples = _samples(times, at)
     space = len(stage.seen) == 3
-    with look.drawing(
-        look.in_space(ax) if space else _flat(ax), projection="3d" if space else None
-    ) as ax:
+    if isinstance(ax, Axes) and ax.name == "3d" and not space:
+        raise ParameterError("ax", 'must have two dimensions, or view="space"')
+    with look.drawing(ax, projection="3d" if space else None) as ax:
         if paths and len(times) > 1:
             draw_paths(ax, stage, len(times) - 1)
         for step, sample in enumerate(samples):
@@ -140,9 +140,12 @@ def staged(
     contacts: int | Sequence[int] | None,
 ) -> tuple[Stage, Array]:
     """Return what is drawn of a run, or of a system as it starts, and the times."""
-    of = run if isinstance(run, RigidBodies) and system is None else system
+    of: Any = system
+    if of is None:
+        of = run if isinstance(run, RigidBodies) else chosen.one_run(run).system
     if not isinstance(of, RigidBodies):
-        raise ParameterError("system", f"must be the RigidBodies of the run, got {of!r}")
+        why = "which the run does not know" if of is None else f"got {of!r}"
+        raise ParameterError("system", f"must be the RigidBodies of the run, {why}")
     arrays.choice(view, "view", tuple(_SEEN))
     if of.planar and view != "above":
         raise ParameterError("view", f"must be left out for bodies in a plane, got {view!r}")
@@ -202,8 +205,7 @@ def draw_bodies(ax: Axes, stage: Stage, sample: int, *, alpha: float, forces: bo
 def dress(ax: Axes, stage: Stage, *, room: bool = True) -> None:
     """Label the axes, draw the ground and keep the scales equal, by more room or smaller axes."""
     names = [f"$x_{i + 1}$ in m" for i in stage.seen]
-    ax.set_xlabel(names[0])
-    ax.set_ylabel(names[1])
+    ax.set(xlabel=names[0], ylabel=names[1])
     if len(stage.seen) == 3:
         space: Any = ax
         space.set_zlabel(names[2])
@@ -268,12 +270,6 @@ def _samples(times: Array, at: int | ArrayLike) -> list[int]:
         count = arrays.count(at, "at")
         wanted = np.linspace(times[0], times[-1], count) if count > 1 else times[-1:]
     return sorted({int(np.abs(times - one).argmin()) for one in wanted})
-
-
-def _flat(ax: Axes | None) -> Axes | None:
-    if isinstance(ax, Axes) and ax.name == "3d":
-        raise ParameterError("ax", 'must have two dimensions, or view="space"')
-    return ax
 
 
 def _scale(stage: Stage) -> Line2D:

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import NO_UNIT
 from asperity.cycles import LimitCycle
 from asperity.errors import DimensionError, ParameterError
 from asperity.plot import look
 from asperity.runs.run import Run
 from asperity.status import Phase
+from asperity.system.labels import UNKNOWN_UNIT
 from asperity.track import MeasuredPath
 
 Drawable: TypeAlias = Run | LimitCycle
@@ -69,6 +71,19 @@ def runs_or_measured(given: Any) -> list[tuple[str | None, Run | MeasuredPath]]:
     ]
 
 
+def axis_label(run: Run, kind: Literal["coordinate", "velocity"], number: int) -> str:
+    """Return the name and the unit of a coordinate or of a velocity of a run."""
+    names, units = getattr(run, f"{kind}_names"), getattr(run, f"{kind}_units")
+    return titled(names[number], units[number])
+
+
+def titled(words: str, unit: str) -> str:
+    """Return what stands beside an axis."""
+    if unit == NO_UNIT:
+        return words
+    return f"{words} in {'SI units' if unit == UNKNOWN_UNIT else unit}"
+
+
 def labels(
     found: Sequence[tuple[str | None, Any]], label: str | Sequence[str] | None
 ) -> list[str | None]:
@@ -83,14 +98,12 @@ def labels(
     return [str(name) for name in names]
 
 
-def numbers(
-    chosen: int | Sequence[int] | None, count: int, argument: str, *, what: str | None = None
-) -> list[int]:
-    """Return the numbers of the parts to draw, all where none is named."""
+def numbers(chosen: Any, count: int, argument: str, *, what: str | None = None) -> list[int]:
+    """Return the numbers of the parts to draw, of one or several; all where none is named."""
     if chosen is None:
         return list(range(count))
     arrays.refuse_masked(chosen, argument)
-    given = [chosen] if np.ndim(chosen) == 0 else list(chosen)  # type: ignore[arg-type]
+    given = [chosen] if np.ndim(chosen) == 0 else list(chosen)
     wanted = [arrays.count(one, argument, 0) for one in given]
     if not wanted:
         raise ParameterError(argument, "must name one at least")

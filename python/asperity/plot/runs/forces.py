@@ -14,6 +14,8 @@ from asperity.plot import look
 from asperity.plot.runs import chosen
 from asperity.plot.runs.chosen import Drawable
 from asperity.plot.sets import draw_set
+from asperity.runs.model import laws_of
+from asperity.runs.run import Run
 
 # Forces under a normal force below this share of the largest are left out: their ratio is rounding.
 _UNLOADED = 1e-9
@@ -23,7 +25,7 @@ _MARKERS = (".", "x", "+", "1", "2")
 def plot_forces_in_reservoir(
     run: Drawable | Sequence[Any] | Mapping[str, Any],
     *,
-    law: FrictionLaw,
+    law: FrictionLaw | None = None,
     ax: Axes | None = None,
     contacts: int | Sequence[int] | None = None,
     label: str | Sequence[str] | None = None,
@@ -37,9 +39,9 @@ def plot_forces_in_reservoir(
     Args:
         run: a `Trajectory`, a `Motion` or a `LimitCycle`, or several of them in a list or, by
             their labels, in a dict; each has markers of its own.
-        law: law of the contacts that are drawn.
+        law: law of the contacts that are drawn; default that of the run's own system.
         ax: axes; default new ones.
-        contacts: numbers of the contacts; default all, which then have this law.
+        contacts: numbers of the contacts; default all. They must share a law.
         label: of the run, or a list of labels.
 
     Returns:
@@ -55,12 +57,13 @@ def plot_forces_in_reservoir(
     >>> from asperity.plot import plot_forces_in_reservoir
     >>> law = FrictionLaw.isotropic(0.5)
     >>> belt = MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.1, 0.0])
-    >>> ax = plot_forces_in_reservoir(simulate(belt, dt=1e-2, t_end=10.0), law=law)
+    >>> ax = plot_forces_in_reservoir(simulate(belt, dt=1e-2, t_end=10.0))
     >>> [line.get_label() for line in ax.lines]
     ['$C$', 'stick', 'slip']
     """
-    reservoir = look.planar_law(law).reservoir
     found = chosen.runs(run)
+    shared = _shared_law([one for _, one in found], contacts) if law is None else law
+    reservoir = look.planar_law(shared).reservoir
     names = chosen.labels(found, label)
     drawn: list[tuple[dict[str, Any], Any]] = []
     for number, ((_, one), name) in enumerate(zip(found, names, strict=True)):
@@ -81,7 +84,27 @@ def plot_forces_in_reservoir(
         draw_set(ax, reservoir, color=look.INK, label="$C$")
         for options, points in drawn:
             ax.plot(*points.T, linestyle="none", **options)
-        ax.set_xlabel(r"$-\lambda_1/\lambda_N$")
-        ax.set_ylabel(r"$-\lambda_2/\lambda_N$")
+        ax.set(xlabel=r"$-\lambda_1/\lambda_N$", ylabel=r"$-\lambda_2/\lambda_N$")
         ax.legend(ncols=min(len(drawn) + 1, 3), **look.BELOW)
         return ax
+
+
+def _shared_law(runs: Sequence[Run], contacts: int | Sequence[int] | None) -> FrictionLaw:
+    """Return the law that the contacts of some runs share."""
+    found: list[FrictionLaw] = []
+    for run in runs:
+        wanted = chosen.numbers(contacts, run.phase.shape[1], "contacts")
+        if run.system is None:
+            raise ParameterError("law", "must be given, the run does not know its system")
+        laws = laws_of(run.system)
+        for number in wanted:
+            law = laws[number]
+            if law not in found:
+                found.append(law)
+    if len(found) > 1:
+        raise ParameterError(
+            "contacts", f"must share a law, these have {len(found)} different ones"
+        )
+    if not found:
+        raise ParameterError("contacts", "must have carried load, there are none")
+    return found[0]

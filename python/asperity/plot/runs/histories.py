@@ -19,8 +19,8 @@ from asperity.runs.run import Run
 from asperity.track import MeasuredPath
 
 _OF_COORDINATES = {
-    "q": ("$q$", "coordinates $q$ in m or rad"),
-    "u": ("$u$", "velocities $u$ in m/s or rad/s"),
+    "q": ("coordinates $q$", ""),
+    "u": ("velocities $u$", ""),
     "speed": ("speed", "speed in m/s"),
 }
 _OF_CONTACTS = {
@@ -122,7 +122,7 @@ def plot_history(
                     band = values - 2.0 * error, values + 2.0 * error
                     ax.fill_between(time, *band, color=line.get_color(), alpha=0.25, linewidth=0.0)
         ax.set_xlabel("time in s")
-        ax.set_ylabel(_axis_label(found, quantity))
+        ax.set_ylabel(_axis_label(found, quantity, coordinates))
         ax.margins(x=0.0)
         seen = _draw_bars(ax, bars) if bars else []
         handles, texts = ax.get_legend_handles_labels()
@@ -197,7 +197,8 @@ def _of_coordinates(
         parts = chosen.numbers(list(two) if isinstance(two, range) else two, count, "coordinates")
         return [("speed", np.linalg.norm(values[:, parts], axis=1), None)]
     parts = chosen.numbers(coordinates, count, "coordinates")
-    return [(f"${quantity}_{{{part + 1}}}$", values[:, part], None) for part in parts]
+    names = run.coordinate_names if quantity == "q" else run.velocity_names
+    return [(names[part], values[:, part], None) for part in parts]
 
 
 def _measured(
@@ -223,9 +224,20 @@ def _measured(
     ]
 
 
-def _axis_label(found: Sequence[tuple[str | None, Any]], quantity: str) -> str:
+def _axis_label(
+    found: Sequence[tuple[str | None, Any]],
+    quantity: str,
+    coordinates: int | Sequence[int] | None,
+) -> str:
     if any(isinstance(one, MeasuredPath) for _, one in found):
         return _MEASURED[quantity][3]
+    if quantity in ("q", "u"):
+        units = [
+            (one.coordinate_units if quantity == "q" else one.velocity_units)[part]
+            for _, one in found
+            for part in chosen.numbers(coordinates, getattr(one, quantity).shape[1], "coordinates")
+        ]
+        return chosen.titled(_OF_COORDINATES[quantity][0], " or ".join(dict.fromkeys(units)))
     return {**_OF_COORDINATES, **_OF_CONTACTS}[quantity][1]
 
 

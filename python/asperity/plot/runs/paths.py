@@ -89,9 +89,14 @@ def plot_path(
                 ax.plot(*last.T, "o", color=color, markerfacecolor=face, markersize=4.5)
         if contact is not None or any(name is not None for name in names):
             ax.legend()
-        ax.set_aspect("equal")
-        ax.set_xlabel(f"$q_{{{coordinates[0] + 1}}}$ in m")
-        ax.set_ylabel(f"$q_{{{coordinates[1] + 1}}}$ in m")
+        first = found[0][1]
+        across, up = (
+            f"$q_{{{number + 1}}}$ in m"
+            if isinstance(first, MeasuredPath)
+            else chosen.axis_label(first, "coordinate", number)
+            for number in coordinates
+        )
+        ax.set(aspect="equal", xlabel=across, ylabel=up)
         return ax
 
 
@@ -130,7 +135,7 @@ def plot_phase_portrait(
     >>> start = integrate(block, t_end=20.0, q0=[1.0])
     >>> ax = plot_phase_portrait({"from rest": start, "limit cycle": limit_cycle(block)})
     >>> ax.get_ylabel()
-    '$u_{1}$ in m/s'
+    'u0 in SI units'
     """
     listed = [one for _, one in chosen.several(run)]
     found = chosen.runs(run)
@@ -145,8 +150,11 @@ def plot_phase_portrait(
                 ax.plot(q[:1], u[:1], "o", color=line.get_color(), **hollow)
         if any(name is not None for name in names):
             ax.legend()
-        ax.set_xlabel(f"$q_{{{coordinate + 1}}}$ in m")
-        ax.set_ylabel(f"$u_{{{velocities[0] + 1}}}$ in m/s")
+        first = found[0][1]
+        ax.set(
+            xlabel=chosen.axis_label(first, "coordinate", coordinate),
+            ylabel=chosen.axis_label(first, "velocity", velocities[0]),
+        )
         return ax
 
 

@@ -9,11 +9,10 @@ from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
-from asperity.sets.shapes.turned import TurnedSet
-from asperity.sets.star import StarSet
+from asperity.sets.shapes.turned import SizedSet, TurnedSet
 
 
-class Interval(StarSet):
+class Interval(SizedSet):
     """The interval [lower, upper] of R¹, the force reservoir of a planar mechanism's contact.
 
     Args:
@@ -24,6 +23,8 @@ class Interval(StarSet):
     >>> Interval(-0.2, 0.3).gauge([[0.6], [-0.1]]).tolist()
     [2.0, 0.5]
     """
+
+    _lengths = ("lower", "upper")
 
     lower: float
     upper: float
@@ -36,13 +37,8 @@ class Interval(StarSet):
         core = _core.Set.cuboid(np.array([lower]), np.array([upper]))
         self._set_core(core, lower=lower, upper=upper)
 
-    def scaled(self, factor: float) -> Interval:
-        """Return the set {s x : x ∈ C}."""
-        factor = arrays.positive(factor, "factor")
-        return Interval(factor * self.lower, factor * self.upper)
 
-
-class Box(StarSet):
+class Box(SizedSet):
     """The box {x : |xᵢ| ≤ aᵢ}; with C = D, independent friction along each axis (X–Y table).
 
     It is a set of friction forces; a rigid body of this shape is made by `Body.box`.
@@ -57,15 +53,13 @@ class Box(StarSet):
     [2.0, 0.0, -1.0]
     """
 
+    _lengths = ("half_widths",)
+
     half_widths: Array
 
     def __init__(self, half_widths: ArrayLike) -> None:
         widths = arrays.extents(half_widths, "half_widths")
-        self._set_core(_core.Set.cuboid(-widths, widths), half_widths=arrays.read_only(widths))
-
-    def scaled(self, factor: float) -> Box:
-        """Return the set {s x : x ∈ C}."""
-        return Box(arrays.positive(factor, "factor") * self.half_widths)
+        self._set_core(_core.Set.cuboid(-widths, widths), half_widths=widths)
 
 
 class Rectangle(TurnedSet):
@@ -109,6 +103,8 @@ class CappedRectangle(TurnedSet):
     [1.0, 1.0]
     """
 
+    _lengths = ("a", "b", "cap")
+
     cap: float
 
     def __init__(self, a: float, b: float, *, cap: float, angle: float = 0.0) -> None:
@@ -116,8 +112,3 @@ class CappedRectangle(TurnedSet):
         cap = arrays.size(cap, "cap")
         upright = _core.Set.capped_rectangle(a, b, cap)
         self._set_angled(upright, angle, a=a, b=b, cap=cap)
-
-    def scaled(self, factor: float) -> CappedRectangle:
-        """Return the set {s x : x ∈ C}."""
-        factor = arrays.positive(factor, "factor")
-        return self.replace(a=factor * self.a, b=factor * self.b, cap=factor * self.cap)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar, Self
+from typing import Self
 
 from numpy.typing import ArrayLike
 
@@ -12,11 +12,11 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._core import Set as CoreSet
 from asperity.errors import ParameterError
-from asperity.sets.star import StarSet
+from asperity.sets.shapes.turned import SizedSet
 from asperity.sets.verdict import Verdict, verdict
 
 
-class Polygon(StarSet):
+class Polygon(SizedSet):
     """The polygon with the given vertices, star-shaped with respect to the origin.
 
     Args:
@@ -32,45 +32,37 @@ class Polygon(StarSet):
     [0.0, 2.0]
     """
 
+    _lengths = ("vertices",)
+
     vertices: Array
 
     def __init__(self, vertices: ArrayLike) -> None:
         points = arrays.array(vertices, "vertices", (None, 2))
-        self._set_core(_core.Set.polygon(points), vertices=arrays.read_only(points))
+        self._set_core(_core.Set.polygon(points), vertices=points)
 
     def rotated(self, angle: float) -> Polygon:
         """Return the polygon turned counter-clockwise by `angle` in rad."""
         return Polygon(self.vertices @ arrays.rotation(arrays.number(angle, "angle")).T)
 
-    def scaled(self, factor: float) -> Polygon:
-        """Return the set {s x : x ∈ C}."""
-        return Polygon(arrays.positive(factor, "factor") * self.vertices)
 
-
-class CurveSet(StarSet):
+class CurveSet(SizedSet):
     """A planar set whose smooth boundary is given by values over angles."""
 
     angle: Array
-    _values: ClassVar[str]
 
     def _set_curve(
         self, make: Callable[[Array, Array], CoreSet], angle: ArrayLike, values: ArrayLike
     ) -> None:
+        (name,) = self._lengths
         angles = arrays.array(angle, "angle", (None,))
-        numbers = arrays.array(values, self._values, (angles.size,))
+        numbers = arrays.array(values, name, (angles.size,))
         if numbers.min(initial=1.0) <= 0.0:
-            raise ParameterError(self._values, f"must be positive, got {numbers.min()}")
-        parameters = {"angle": arrays.read_only(angles), self._values: arrays.read_only(numbers)}
-        self._set_core(make(angles, numbers), **parameters)
+            raise ParameterError(name, f"must be positive, got {numbers.min()}")
+        self._set_core(make(angles, numbers), **{"angle": angles, name: numbers})
 
     def rotated(self, angle: float) -> Self:
         """Return the set turned counter-clockwise by `angle` in rad."""
         return self.replace(angle=self.angle + arrays.number(angle, "angle"))
-
-    def scaled(self, factor: float) -> Self:
-        """Return the set {s x : x ∈ C}."""
-        values = arrays.positive(factor, "factor") * self._parameters[self._values]
-        return self.replace(**{self._values: values})
 
 
 class PolarCurve(CurveSet):
@@ -98,7 +90,7 @@ class PolarCurve(CurveSet):
     [0.3, 0.3]
     """
 
-    _values = "radius"
+    _lengths = ("radius",)
 
     def __init__(self, angle: ArrayLike, radius: ArrayLike) -> None:
         self._set_curve(_core.Set.polar_curve, angle, radius)
@@ -129,7 +121,7 @@ class SupportCurve(CurveSet):
     [3.0, 2.0]
     """
 
-    _values = "support"
+    _lengths = ("support",)
 
     def __init__(self, angle: ArrayLike, support: ArrayLike) -> None:
         self._set_curve(_core.Set.support_curve, angle, support)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -9,11 +11,21 @@ from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError
-from asperity.sets.shapes.turned import TurnedSet
-from asperity.sets.star import StarSet
+from asperity.sets.shapes.turned import SizedSet, TurnedSet
 
 
-class Ball(StarSet):
+class RoundSet(SizedSet):
+    """A ball, which looks the same from all sides."""
+
+    _lengths = ("radius",)
+
+    def rotated(self, angle: float) -> Self:
+        """Return the set itself."""
+        arrays.number(angle, "angle")
+        return self
+
+
+class Ball(RoundSet):
     """The ball {x : ‖x‖ ≤ radius} of R¹, R² or R³.
 
     It is a set of friction forces; a rigid body of this shape is made by `Body.ball`.
@@ -34,18 +46,8 @@ class Ball(StarSet):
             raise DimensionError("dimension", f"must be 1, 2 or 3, got {dimension}")
         self._set_core(_core.Set.ball(dimension, radius), radius=radius, dimension=dimension)
 
-    def rotated(self, angle: float) -> Ball:
-        """Return the ball itself."""
-        arrays.number(angle, "angle")
-        return self
 
-    def scaled(self, factor: float) -> Ball:
-        """Return the set {s x : x ∈ C}."""
-        factor = arrays.positive(factor, "factor")
-        return self.replace(radius=factor * self._parameters["radius"])
-
-
-class Disk(StarSet):
+class Disk(RoundSet):
     """The disk {x : ‖x‖ ≤ radius}, the force reservoir of isotropic Coulomb friction.
 
     It is a set of friction forces; a rigid body of this shape is made by `PlanarBody.disk`.
@@ -63,15 +65,6 @@ class Disk(StarSet):
     def __init__(self, radius: float) -> None:
         radius = arrays.positive(radius, "radius")
         self._set_core(_core.Set.ball(2, radius), radius=radius)
-
-    def rotated(self, angle: float) -> Disk:
-        """Return the disk itself."""
-        arrays.number(angle, "angle")
-        return self
-
-    def scaled(self, factor: float) -> Disk:
-        """Return the set {s x : x ∈ C}."""
-        return Disk(arrays.positive(factor, "factor") * self._parameters["radius"])
 
 
 class Ellipse(TurnedSet):
@@ -119,7 +112,7 @@ class Ellipse(TurnedSet):
         return cls(a, b, angle=angle)
 
 
-class Ellipsoid(StarSet):
+class Ellipsoid(SizedSet):
     """The ellipsoid {x : Σ (xᵢ/aᵢ)² ≤ 1} of R¹, R² or R³ with its axes along the coordinates.
 
     Args:
@@ -132,15 +125,13 @@ class Ellipsoid(StarSet):
     [0.0, 0.0, 2.0]
     """
 
+    _lengths = ("semi_axes",)
+
     semi_axes: Array
 
     def __init__(self, semi_axes: ArrayLike) -> None:
         axes = arrays.extents(semi_axes, "semi_axes")
-        self._set_core(_core.Set.ellipsoid(axes), semi_axes=arrays.read_only(axes))
-
-    def scaled(self, factor: float) -> Ellipsoid:
-        """Return the set {s x : x ∈ C}."""
-        return Ellipsoid(arrays.positive(factor, "factor") * self.semi_axes)
+        self._set_core(_core.Set.ellipsoid(axes), semi_axes=axes)
 
 
 class Superellipse(TurnedSet):

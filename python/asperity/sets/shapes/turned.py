@@ -1,12 +1,23 @@
-"""Planar sets that carry their own angle."""
+"""Sets that grow with their parameters, and planar ones that carry their own angle."""
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from asperity._base import arrays
 from asperity._core import Set as CoreSet
 from asperity.sets.star import StarSet
+
+
+class SizedSet(StarSet):
+    """A set whose lengths are parameters."""
+
+    _lengths: ClassVar[tuple[str, ...]]
+
+    def scaled(self, factor: float) -> Self:
+        """Return the set {s x : x ∈ C}."""
+        factor = arrays.positive(factor, "factor")
+        return self.replace(**{name: factor * self._parameters[name] for name in self._lengths})
 
 
 class AngledSet(StarSet):
@@ -24,13 +35,10 @@ class AngledSet(StarSet):
         return self.replace(angle=self.angle + arrays.number(angle, "angle"))
 
 
-class TurnedSet(AngledSet):
+class TurnedSet(SizedSet, AngledSet):
     """A planar set with semi-axes a, b, turned by an angle."""
+
+    _lengths: ClassVar[tuple[str, ...]] = ("a", "b")
 
     a: float
     b: float
-
-    def scaled(self, factor: float) -> Self:
-        """Return the set {s x : x ∈ C}."""
-        factor = arrays.positive(factor, "factor")
-        return self.replace(a=factor * self.a, b=factor * self.b)

@@ -39,13 +39,24 @@ def margins(C: StarSet, D: StarSet, slip: Array, rotation: Array | float = 0.0) 
     return angle
 
 
+def destabilising(C: StarSet, D: StarSet, slip: Array, rotation: Array | float = 0.0) -> Array:
+    """Return the `margins` of directions in which the force turns with γ, π/2 of the others.
+
+    At a corner of D, H = ∇²Ψ*_D(γ) vanishes, and ∂λ/∂γ with it: the force is the same for all
+    normals of the corner, and a mass swings about its equilibrium as without friction.
+    """
+    turns = D.support_hessian(slip).any(axis=(-2, -1))
+    return np.where(turns, margins(C, D, slip, rotation), 0.5 * np.pi)
+
+
 def critical_directions(law: FrictionLaw) -> CriticalIntervals:
-    """Return the intervals of sliding direction in which γ ∈ int T_C(−λ).
+    """Return the intervals of sliding direction in which γ ∈ int T_C(−λ) and the force turns.
 
     There a body with M ∝ I slides unsteadily on a belt. φ is the direction of γ, of the body's slip
     over the ground: on a belt that moves along φ_b a resting body slips along φ_b + π, which is
     not the same unless C and D are symmetric; `growth_chart` uses φ_b. Where D is flat the
-    force is set-valued for one direction, which is no interval and is not reported.
+    force is set-valued for one direction, which is no interval and is not reported. Where D has a
+    corner, the force does not turn with γ, ∂λ/∂γ = 0, and no direction is critical.
 
     Args:
         law: planar friction law; its rate factor does not matter.
@@ -75,7 +86,7 @@ def critical_directions(law: FrictionLaw) -> CriticalIntervals:
     C, D = law.reservoir, law.direction
 
     def margin(phi: Array) -> Array:
-        return margins(C, D, unit_vectors(phi))
+        return destabilising(C, D, unit_vectors(phi))
 
     def shape(phi: Array) -> Array:
         z = D.support_point(unit_vectors(phi))

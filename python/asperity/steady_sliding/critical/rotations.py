@@ -9,7 +9,7 @@ import numpy as np
 from asperity._base.arrays import Array, unit_vectors
 from asperity.errors import DimensionError, ParameterError
 from asperity.sets import StarSet
-from asperity.steady_sliding.critical.directions import angle_of, margins
+from asperity.steady_sliding.critical.directions import angle_of, destabilising
 from asperity.steady_sliding.critical.intervals import CriticalIntervals
 from asperity.steady_sliding.critical.scan import NARROW, TURN, Interval, least, negative, refined
 
@@ -31,7 +31,7 @@ def critical_rotation(reservoir: StarSet, direction: StarSet) -> CriticalInterva
     """Return the rotations of C against D for which some sliding directions are critical.
 
     With δ(θ), the angle from a boundary point to the normal there, C turned by ζ has critical
-    directions where |δ_C(θ − ζ) − δ_D(θ)| > π/2 for some θ.
+    directions where |δ_C(θ − ζ) − δ_D(θ)| > π/2 for some θ at which D has no corner.
 
     Args:
         reservoir: planar C, which is turned counter-clockwise by ζ.
@@ -86,6 +86,8 @@ class _LeastMargin:
         turn = refined(lambda x: angle_of(C.gauge_gradient(unit_vectors(x)))[:, None], _POINTS)
         self.turn = turn = _thinned(turn)
         self.delta = _wrapped(angle_of(C.gauge_gradient(unit_vectors(turn))) - turn)
+        # At corners of D the force does not turn with the direction.
+        self.corner = ~D.support_hessian(unit_vectors(phi)).any(axis=(1, 2))
         # Where D is flat its points have one direction in common, which is no interval.
         self.flat = (np.diff(phi) < 10.0 * _NEAR) & (np.diff(self.theta) > 2.0 * TURN / _POINTS)
 
@@ -110,6 +112,7 @@ class _LeastMargin:
         """
         there = self.turn[0] + np.mod(self.theta - zeta[:, None] - self.turn[0], TURN)
         of_d = np.abs(np.interp(there, self.turn, self.delta) - (self.phi - self.theta))
+        of_d[:, self.corner] = 0.0
         at = self.theta[0] + np.mod(self.turn + zeta[:, None] - self.theta[0], TURN)
         phi = np.interp(at, self.theta, self.phi)
         if exact:
@@ -140,7 +143,7 @@ class _LeastMargin:
         """Return the larger margin of two neighbours: what holds in one direction only is none."""
         sides = np.stack([phi - NARROW, phi + NARROW])
         angles = np.broadcast_to(zeta, sides.shape).ravel()
-        both = margins(self.C, self.D, unit_vectors(sides.ravel()), angles)
+        both = destabilising(self.C, self.D, unit_vectors(sides.ravel()), angles)
         worse: Array = both.reshape(sides.shape).max(axis=0)
         return worse
 

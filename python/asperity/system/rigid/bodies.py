@@ -103,10 +103,10 @@ class Body(Value):
         self._set(
             mass=arrays.positive(mass, "mass"),
             inertia=_inertia(inertia),
-            position=_vector(position, "position", 3),
+            position=arrays.array(position, "position", (3,)),
             orientation=rotation.quaternion(orientation, "orientation"),
-            velocity=_vector(velocity, "velocity", 3),
-            angular_velocity=_vector(angular_velocity, "angular_velocity", 3),
+            velocity=arrays.array(velocity, "velocity", (3,)),
+            angular_velocity=arrays.array(angular_velocity, "angular_velocity", (3,)),
             force=time_functions.checked(force, "force", (3,)),
             torque=time_functions.checked(torque, "torque", (3,)),
             name=labels.name(name),
@@ -214,9 +214,9 @@ class PlanarBody(Value):
         self._set(
             mass=arrays.positive(mass, "mass"),
             inertia=arrays.positive(inertia, "inertia"),
-            position=_vector(position, "position", 2),
+            position=arrays.array(position, "position", (2,)),
             angle=arrays.number(angle, "angle"),
-            velocity=_vector(velocity, "velocity", 2),
+            velocity=arrays.array(velocity, "velocity", (2,)),
             angular_velocity=arrays.number(angular_velocity, "angular_velocity"),
             force=time_functions.checked(force, "force", (2,)),
             torque=time_functions.checked(torque, "torque", ()),
@@ -263,11 +263,7 @@ def positive_vector(value: ArrayLike, argument: str, size: int) -> Array:
     vector = arrays.array(value, argument, (size,))
     if vector.min() <= 0.0:
         raise ParameterError(argument, f"must be positive, got {vector.tolist()}")
-    return arrays.read_only(vector)
-
-
-def _vector(value: ArrayLike, argument: str, size: int) -> Array:
-    return arrays.read_only(arrays.array(value, argument, (size,)))
+    return vector
 
 
 def _inertia(value: ArrayLike) -> Array:
@@ -284,4 +280,4 @@ def _inertia(value: ArrayLike) -> Array:
             "inertia",
             f"must have no principal moment above the sum of the others, {moments.tolist()}",
         )
-    return arrays.read_only(inertia)
+    return inertia

@@ -9,16 +9,14 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
-from asperity.system import labels
-from asperity.system.contacts import checked_laws
+from asperity.system.contacts import AnyContact, checked_law, checked_laws
 from asperity.system.rigid.bodies import positive_vector
 from asperity.system.rigid.surfaces import BodyAxis, Frame, Line, Plane, checked_frame
 
 
-class Pair(Value):
+class Pair(AnyContact):
     """Base of the pairs.
 
     Attributes:
@@ -34,12 +32,7 @@ class Pair(Value):
     _kind: ClassVar[str]
 
     body: int
-    law: FrictionLaw
-    normal_force: float | None
-    normal_restitution: float
-    tangential_restitution: float
     patch_radius: float | None
-    name: str | None
 
     @property
     def planar(self) -> bool:
@@ -52,7 +45,7 @@ class Pair(Value):
         return 1
 
     def _core_data(self) -> dict[str, Any]:
-        return {**self._parameters, "kind": self._kind, "law": self.law._core}
+        return {**super()._core_data(), "kind": self._kind}
 
 
 class PlanePair(Pair):
@@ -112,8 +105,7 @@ class PointPlane(PlanePair):
     ) -> None:
         self._set(
             **_on_plane(body, plane, law, frame, patch_radius),
-            name=labels.name(name),
-            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution, name),
             point=_vector(point, "point", len(plane.point)),
         )
 
@@ -166,8 +158,7 @@ class SpherePlane(PlanePair):
     ) -> None:
         self._set(
             **_on_plane(body, plane, law, frame, patch_radius),
-            name=labels.name(name),
-            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution, name),
             radius=arrays.positive(radius, "radius"),
             center=_vector(center, "center", len(plane.point)),
         )
@@ -218,8 +209,7 @@ class BoxPlane(PlanePair):
     ) -> None:
         self._set(
             **_on_plane(body, plane, law, frame, patch_radius),
-            name=labels.name(name),
-            **checked_laws(law, normal_force, normal_restitution, tangential_restitution),
+            **checked_laws(law, normal_force, normal_restitution, tangential_restitution, name),
             half_sizes=positive_vector(half_sizes, "half_sizes", len(plane.point)),
         )
 
@@ -284,11 +274,10 @@ class SphereSphere(Pair):
         patch_radius: float | None = None,
         name: str | None = None,
     ) -> None:
-        checked = checked_laws(law, normal_force, normal_restitution, tangential_restitution)
+        checked = checked_laws(law, normal_force, normal_restitution, tangential_restitution, name)
         size = 2 if law.dimension == 1 else 3
         frame = BodyAxis((1.0, 0.0, 0.0)) if frame is None else frame
-        if not isinstance(frame, BodyAxis):
-            raise ParameterError("frame", f"must be a BodyAxis between spheres, got {frame!r}")
+        arrays.of_kind(frame, "frame", BodyAxis, "a BodyAxis between spheres")
         body, other = arrays.count(body, "body", 0), arrays.count(other, "other", 0)
         if body == other:
             raise ParameterError("other", f"must be another body than {body}")
@@ -302,7 +291,6 @@ class SphereSphere(Pair):
             other_center=_vector(other_center, "other_center", size),
             frame=frame,
             patch_radius=_patch_radius(patch_radius, law),
-            name=labels.name(name),
         )
 
     def _core_data(self) -> dict[str, Any]:
@@ -313,12 +301,9 @@ def _on_plane(
     body: int, plane: Plane | Line, law: FrictionLaw, frame: Frame, patch_radius: float | None
 ) -> dict[str, Any]:
     """Return what every pair with a plane holds, checked."""
-    if not isinstance(plane, Plane | Line):
-        raise ParameterError("plane", f"must be a Plane or a Line, got {plane!r}")
-    if not isinstance(law, FrictionLaw):
-        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
+    arrays.of_kind(plane, "plane", Plane | Line, "a Plane or a Line")
     allowed = (1,) if isinstance(plane, Line) else (2, 3)
-    if law.dimension not in allowed:
+    if checked_law(law).dimension not in allowed:
         words = " or ".join(map(str, allowed))
         kind = type(plane).__name__
         raise DimensionError("law", f"must have dimension {words} on a {kind}, has {law.dimension}")
@@ -340,5 +325,4 @@ def _patch_radius(value: float | None, law: FrictionLaw) -> float | None:
 
 
 def _vector(value: ArrayLike | None, argument: str, size: int) -> Array:
-    given = np.zeros(size) if value is None else value
-    return arrays.read_only(arrays.array(given, argument, (size,)))
+    return arrays.array(np.zeros(size) if value is None else value, argument, (size,))

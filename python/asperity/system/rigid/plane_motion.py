@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError
@@ -73,8 +74,7 @@ def checked(motion: PlaneMotion | None, shapes: tuple[tuple[int, ...], tuple[int
     """Return a motion whose displacement and rotation have these shapes."""
     if motion is None:
         return None
-    if not isinstance(motion, PlaneMotion):
-        raise ParameterError("motion", f"must be a PlaneMotion or None, got {motion!r}")
+    arrays.of_kind(motion, "motion", PlaneMotion, "a PlaneMotion or None")
     parts = (("displacement", motion.displacement), ("rotation", motion.rotation))
     for (argument, given), shape in zip(parts, shapes, strict=True):
         if given is not None:

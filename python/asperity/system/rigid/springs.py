@@ -69,9 +69,9 @@ class Spring(Value):
         far = np.zeros(len(near)) if other_point is None else other_point
         self._set(
             body=body,
-            point=arrays.read_only(near),
+            point=near,
             other=other,
-            other_point=arrays.read_only(arrays.array(far, "other_point", near.shape)),
+            other_point=arrays.array(far, "other_point", near.shape),
             stiffness=arrays.non_negative(stiffness, "stiffness"),
             damping=arrays.non_negative(damping, "damping"),
             length=_length(length),
@@ -87,6 +87,6 @@ class Spring(Value):
 
 
 def _length(given: TimeFunction) -> Any:
-    if time_functions.depends_on_time(given):
+    if callable(given):
         return time_functions.checked(given, "length", ())
     return arrays.non_negative(given, "length")

@@ -70,7 +70,7 @@ class Plane(Value):
         body: int | None = None,
     ) -> None:
         self._set(
-            point=arrays.read_only(arrays.array(point, "point", (3,))),
+            point=arrays.array(point, "point", (3,)),
             normal=rotation.normalised(normal, "normal", 3),
             axis=rotation.normalised(axis, "axis", 3),
             velocity=time_functions.checked(velocity, "velocity", (2,)),
@@ -145,7 +145,7 @@ class Line(Value):
         body: int | None = None,
     ) -> None:
         self._set(
-            point=arrays.read_only(arrays.array(point, "point", (2,))),
+            point=arrays.array(point, "point", (2,)),
             normal=rotation.normalised(normal, "normal", 2),
             velocity=time_functions.checked(velocity, "velocity", ()),
             motion=plane_motion.checked(motion, ((2,), ())),
@@ -153,7 +153,7 @@ class Line(Value):
         )
         n1, n2 = self.normal.tolist()
         # Adding zero turns −0 into 0.
-        self._keep(axes=arrays.read_only(np.array([[n2, -n1], [n1, n2]]) + 0.0))
+        self._keep(axes=np.array([[n2, -n1], [n1, n2]]) + 0.0)
 
     def _core_data(self) -> dict[str, Any]:
         return {
@@ -209,4 +209,4 @@ def _axes(normal: Array, axis: Array) -> Array:
     if length <= _PARALLEL:
         raise ParameterError("axis", "must not be parallel to normal")
     e1 = projected / length
-    return arrays.read_only(np.stack([e1, np.cross(normal, e1), normal]) + 0.0)
+    return np.stack([e1, np.cross(normal, e1), normal]) + 0.0

@@ -109,9 +109,7 @@ class RigidBodies(Value):
             bodies=listed,
             pairs=_parts(pairs, "pairs", Pair, planar),
             springs=_parts(springs, "springs", Spring, planar),
-            gravity=arrays.read_only(
-                arrays.array(down if gravity is None else gravity, "gravity", (len(down),))
-            ),
+            gravity=arrays.array(down if gravity is None else gravity, "gravity", (len(down),)),
         )
         core = _core.RigidBodies(
             planar,
@@ -402,14 +400,14 @@ def _touching(pair: Pair, names: Sequence[str]) -> str:
 
 
 def _is_timed(body: Body | PlanarBody) -> bool:
-    return any(map(time_functions.depends_on_time, (body.force, body.torque)))
+    return callable(body.force) or callable(body.torque)
 
 
-def _constant_load(body: Body | PlanarBody, planar: bool) -> Array:
+def _constant_load(body: Any, planar: bool) -> Array:
     """Return force and torque, zeros if one of them depends on time."""
     if _is_timed(body):
         return np.zeros(3 if planar else 6)
-    return time_functions.constants(body.force, body.torque)
+    return np.append(np.ravel(body.force), np.ravel(body.torque))
 
 
 def _turned(matrices: Array, vectors: Array) -> Array:

@@ -12,6 +12,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity._base import arrays
 from asperity.errors import DimensionError, ParameterError
 
 Pixels = NDArray[np.uint8]
@@ -182,8 +183,7 @@ def open_frames(source: str | os.PathLike[str] | Frames | Iterable[Pixels]) -> F
     if isinstance(source, Frames):
         return source
     if not isinstance(source, str | os.PathLike):
-        if not isinstance(source, Iterable):
-            raise ParameterError("frames", f"must be a path or arrays, got {source!r}")
+        arrays.of_kind(source, "frames", Iterable, "a path or arrays")
         return _Arrays(source)
     path = Path(source)
     if path.is_dir():

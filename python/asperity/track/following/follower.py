@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.errors import ParameterError
 from asperity.track.film.frames import Frame
 from asperity.track.following.sight import Sight, Sighting
 from asperity.track.image.circle import Circle, fit_circle
@@ -49,8 +49,7 @@ class Follower:
     """The mark as it was in the frames so far."""
 
     def __init__(self, scene: Scene, mark: Mark, fps: float) -> None:
-        if not isinstance(mark, Mark):
-            raise ParameterError("mark", f"must be a Mark, got {mark!r}")
+        arrays.of_kind(mark, "mark", Mark, "a Mark")
         self.scene = scene
         self.mark = mark
         self._fps = fps

@@ -49,9 +49,9 @@ class Circle(Value):
         coverage: float,
     ) -> None:
         self._set(
-            centre=arrays.read_only(arrays.array(centre, "centre", (2,))),
+            centre=arrays.array(centre, "centre", (2,)),
             radius=arrays.positive(radius, "radius"),
-            covariance=arrays.read_only(arrays.array(covariance, "covariance", (3, 3))),
+            covariance=arrays.array(covariance, "covariance", (3, 3)),
             rms=arrays.non_negative(rms, "rms"),
             coverage=arrays.fraction(coverage, "coverage"),
         )
@@ -101,7 +101,7 @@ def fit_circle(points: ArrayLike, *, robust: bool = False, resolution: float = 0
             break
     distance, slope = _distances(unit, guess)
     used = weights > 0.0
-    angles = _angles(unit, guess)
+    angles = np.arctan2(*(unit - guess[:2]).T[::-1])
     return Circle(
         middle + spread * guess[:2],
         spread * float(guess[2]),
@@ -140,12 +140,6 @@ def _biweight(distance: Array, resolution: float) -> tuple[Array, Array]:
     scale = max(float(np.median(np.abs(distance))) / _MEDIAN, resolution, _SMALLEST)
     share = np.minimum((distance / (_TUKEY * scale)) ** 2, 1.0)
     return (1.0 - share) ** 2, (1.0 - share) * (1.0 - 5.0 * share)
-
-
-def _angles(points: Array, circle: Array) -> Array:
-    x, y = (points - circle[:2]).T
-    angles: Array = np.arctan2(y, x)
-    return angles
 
 
 def _covariance(

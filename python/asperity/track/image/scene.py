@@ -36,7 +36,7 @@ class Scene(Value):
     def __init__(self, homography: ArrayLike) -> None:
         matrix = arrays.array(homography, "homography", (3, 3))
         inverse = arrays.inverse(matrix, "homography", 3)
-        self._set(homography=arrays.read_only(matrix))
+        self._set(homography=matrix)
         self._keep(_inverse=inverse)
 
     @classmethod

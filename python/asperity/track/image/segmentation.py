@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import KW_ONLY, dataclass
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Positive, Record
 from asperity.errors import ParameterError
 from asperity.track.film.frames import Pixels
 
@@ -39,7 +39,21 @@ _WIDEST = 90.0
 _STRONGEST, _SMOOTHEST = 254.0, 50.0
 
 
-class Mark(Value):
+def _threshold(value: float, argument: str) -> float:
+    return _at_most(_STRONGEST, arrays.positive(value, argument), argument)
+
+
+def _smoothing(value: float, argument: str) -> float:
+    return _at_most(_SMOOTHEST, arrays.non_negative(value, argument), argument)
+
+
+def _at_most(limit: float, value: float, argument: str) -> float:
+    if value > limit:
+        raise ParameterError(argument, f"must be at most {limit:g}, got {value:g}")
+    return value
+
+
+class Mark(Record):
     """A round mark of one colour on the body that slides.
 
     Args:
@@ -58,30 +72,12 @@ class Mark(Value):
     Mark(colour='blue', diameter=0.01)
     """
 
-    colour: Colour
-    diameter: float | None
-    threshold: float
-    smoothing: float
-    blur_limit: float
-
-    def __init__(
-        self,
-        colour: Colour = "red",
-        *,
-        diameter: float | None = None,
-        threshold: float = 40.0,
-        smoothing: float = 1.0,
-        blur_limit: float = 0.25,
-    ) -> None:
-        self._set(
-            colour=arrays.choice(colour, "colour", list(_COLOURS)),
-            diameter=None if diameter is None else arrays.positive(diameter, "diameter"),
-            threshold=_at_most(_STRONGEST, arrays.positive(threshold, "threshold"), "threshold"),
-            smoothing=_at_most(
-                _SMOOTHEST, arrays.non_negative(smoothing, "smoothing"), "smoothing"
-            ),
-            blur_limit=arrays.positive(blur_limit, "blur_limit"),
-        )
+    colour: Colour = "red"
+    _: KW_ONLY
+    diameter: Positive | None = None
+    threshold: Annotated[float, _threshold] = 40.0
+    smoothing: Annotated[float, _smoothing] = 1.0
+    blur_limit: Positive = 0.25
 
     def strength(self, pixels: Pixels) -> NDArray[np.float32]:
         """Return how much of the colour each pixel has, shape ``(rows, columns)``."""
@@ -95,12 +91,6 @@ class Mark(Value):
             [channels[i] for i in present]
         ) - np.maximum.reduce([channels[i] for i in absent])
         return strength
-
-
-def _at_most(limit: float, value: float, argument: str) -> float:
-    if value > limit:
-        raise ParameterError(argument, f"must be at most {limit:g}, got {value:g}")
-    return value
 
 
 def _mean(channels: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -146,6 +136,7 @@ def outline(
             of which the mark must then fill less than half.
     """
     from scipy.ndimage import gaussian_filter
+    from scipy.spatial import ConvexHull, QhullError
 
     strength = mark.strength(pixels)
     if mark.smoothing > 0.0:
@@ -164,16 +155,17 @@ def outline(
     )
     inside = region & (strength > level)
     points, widths = _crossings(strength, inside, level, 2.0 * (level - background))
-    hull = _hull(points)
-    if hull is None:
+    try:
+        hull = ConvexHull(points)
+    except (QhullError, ValueError):
         return None
-    corners, normals, offsets = hull
-    depth = -(points @ normals.T + offsets).max(axis=1)
+    depth = -(points @ hull.equations[:, :2].T + hull.equations[:, 2]).max(axis=1)
     kept = depth <= _HULL_DEPTH
     return Outline(
         points=points[kept],
-        hull=corners,
-        filling=min(float(inside.sum()) / _area(corners), 1.0),
+        hull=points[hull.vertices],
+        # The volume of a hull in the plane is its area.
+        filling=min(float(inside.sum()) / hull.volume, 1.0),
         blur=_blur(widths[kept], mark.smoothing),
         cut=bool(inside[0].any() or inside[-1].any() or inside[:, 0].any() or inside[:, -1].any()),
         background=background,
@@ -265,22 +257,6 @@ def _shifted(values: NDArray[np.generic], axis: int, end: int) -> NDArray[np.gen
     """Return the array without its last (0) or first (1) line."""
     part = slice(1, None) if end else slice(None, -1)
     return values[part] if axis == 0 else values[:, part]
-
-
-def _hull(points: Array) -> tuple[Array, Array, Array] | None:
-    """Return corners, outer normals and offsets of the hull; ``None`` if it has no area."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        hull = ConvexHull(points)
-    except (QhullError, ValueError):
-        return None
-    return points[hull.vertices], hull.equations[:, :2], hull.equations[:, 2]
-
-
-def _area(corners: Array) -> float:
-    x, y = corners.T
-    return 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
 
 
 def _blur(widths: Array, smoothing: float) -> float:

@@ -41,7 +41,9 @@ impl Section {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
-    /// End time in s.
+    /// Start time in s, not negative; 0.
+    pub t_start: f64,
+    /// End time in s, after the start.
     pub t_end: f64,
     /// Where to start; by default in the system's own state, [`System::initial_state`].
     pub start: Option<InitialState>,
@@ -59,7 +61,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// An integration up to the time `t_end` in s.
+    /// An integration from the time 0 up to `t_end` in s.
     ///
     /// # Errors
     ///
@@ -67,14 +69,25 @@ impl Options {
     pub fn new(t_end: f64) -> Result<Self, ArgumentError> {
         positive("t_end", t_end)?;
         let (tolerance, max_events) = (1e-10, 10_000);
-        let (start, sample, max_step, section) = (None, None, None, None);
-        Ok(Self { t_end, start, tolerance, sample, max_step, section, max_events })
+        let (t_start, start, sample, max_step, section) = (0.0, None, None, None, None);
+        Ok(Self { t_start, t_end, start, tolerance, sample, max_step, section, max_events })
     }
 
     /// The same from these coordinates and velocities.
     #[must_use]
     pub fn with_start(self, q0: &[f64], u0: &[f64]) -> Self {
         Self { start: Some(InitialState { q: q0.to_vec(), u: u0.to_vec() }), ..self }
+    }
+
+    /// The same from this time in s on, which is not negative.
+    #[must_use]
+    pub fn with_start_time(self, t_start: f64) -> Self {
+        Self { t_start, ..self }
+    }
+
+    /// How long the motion is in s.
+    pub(crate) fn duration(&self) -> f64 {
+        self.t_end - self.t_start
     }
 
     /// The same to another tolerance.
@@ -133,21 +146,30 @@ impl Options {
         positive("tolerance", self.tolerance)?;
         positive("sample_every", self.sample.unwrap_or(1.0))?;
         positive("max_step", self.max_step.unwrap_or(1.0))?;
-        let Self { t_end, tolerance, .. } = *self;
+        let Self { t_start, t_end, tolerance, .. } = *self;
         if !(1e-14..=1e-2).contains(&tolerance) {
             return refuse("tolerance", format!("must lie in [1e-14, 1e-2], got {tolerance}"));
         }
         if t_end > LATEST {
             return refuse("t_end", format!("must be at most {LATEST:e} s, got {t_end}"));
         }
-        if let Some(samples) = self.sample.map(|dt| t_end / dt).filter(|n| *n > MOST_SAMPLES) {
+        finite("t_start", &[t_start])?;
+        if t_start < 0.0 {
+            return refuse("t_start", format!("must not be negative, got {t_start}"));
+        }
+        if t_start >= t_end {
+            let message = format!("must lie after the start at {t_start} s, got {t_end}");
+            return refuse("t_end", message);
+        }
+        let duration = self.duration();
+        if let Some(samples) = self.sample.map(|dt| duration / dt).filter(|n| *n > MOST_SAMPLES) {
             let message =
                 format!("must not give more than {MOST_SAMPLES:e} samples, gives {samples:.3e}");
             return refuse("sample_every", message);
         }
-        if let Some(steps) = self.max_step.map(|h| t_end / h).filter(|n| *n > MOST_STEPS) {
+        if let Some(steps) = self.max_step.map(|h| duration / h).filter(|n| *n > MOST_STEPS) {
             let message = format!(
-                "is too small for t_end = {t_end}: must not ask for more than {MOST_STEPS:e} steps, asks for {steps:.3e}"
+                "is too small for {duration} s: must not ask for more than {MOST_STEPS:e} steps, asks for {steps:.3e}"
             );
             return refuse("max_step", message);
         }

@@ -34,10 +34,10 @@ pub(crate) struct Negligible {
 }
 
 impl Negligible {
-    /// In a motion that begins with the velocity `speed` and lasts until `t_end`, with accelerations up to `acceleration`.
-    pub(crate) fn of(speed: f64, acceleration: f64, t_end: f64) -> Self {
-        let velocity = f64::EPSILON * acceleration * t_end;
-        let gap = (f64::EPSILON * speed + velocity) * t_end;
+    /// In a motion that begins with the velocity `speed` and lasts for `duration`, with accelerations up to `acceleration`.
+    pub(crate) fn of(speed: f64, acceleration: f64, duration: f64) -> Self {
+        let velocity = f64::EPSILON * acceleration * duration;
+        let gap = (f64::EPSILON * speed + velocity) * duration;
         Self { gap: gap.min(LEAST), velocity: velocity.min(LEAST) }
     }
 }

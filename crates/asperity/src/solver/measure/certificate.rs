@@ -27,7 +27,8 @@ pub struct Certificate {
     /// Largest part of a friction percussion beyond its reservoir, `|P_T| (1 − 1/k_C(−P_T/P_N))` above
     /// zero, in N s: by so much it is too long.
     pub cone_violation: f64,
-    /// Largest defect of the inclusion `ξ_T ∈ N_D(−αP_T)` in N s.
+    /// Largest distance of friction percussion and velocity from a pair that obeys the law, in N s, see
+    /// [`natural_residual`](crate::solver::natural_residual).
     pub direction_violation: f64,
     /// Number of open, sticking and slipping contacts.
     pub phases: [usize; 3],

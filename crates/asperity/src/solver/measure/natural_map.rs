@@ -8,7 +8,7 @@ use crate::vectors::norm;
 /// `‖P − prox(P − ρξ)‖ / max(‖P‖, ρ‖b‖)` with `ρ = rows/tr G` for the whole problem, independent of units.
 ///
 /// Isotropic unilateral contacts enter with the projection onto their friction cone, `ξ_N` enlarged by
-/// `μ‖ξ_T‖` (\[DeSaxceFeng1998\], \[AcaryBremondHuber2018\]); others with the inclusions of normal and tangential
+/// `μ‖ξ_T‖` (\[DeSaxceFeng1998\], \[AcaryBremondHuber2018\]); others with the defects of normal and friction
 /// percussion, as in [`natural_residual`](crate::solver::natural_residual).
 ///
 /// # Errors

@@ -81,12 +81,16 @@ pub(super) fn normal_defect(percussion: f64, xi: f64, rho: f64) -> f64 {
     percussion - f64::max(0.0, percussion - rho * xi)
 }
 
-/// Defect of the projections that the contact laws are, contact by contact:
+/// How far percussions and velocities are from obeying the contact laws, contact by contact.
 ///
-/// `P_N − max(0, P_N − ρξ_N)` and, for `z = −αP`, `z − prox_{P_N D}(z + ργ)` (\[WL19\] (12), (69)),
-/// with `ρ = rows/tr G` of the contact's own block.
+/// With `ρ = rows/tr G` of the contact's own block the defect of the normal row is `P_N − max(0, P_N − ρξ_N)` (\[WL19\] (12)).
+/// That of friction is the distance from the pair of `P_T` and `ρξ_T` to one near by that obeys the law with the same
+/// `P_N`, of percussion and velocity the larger part: with `z = −αP_T` and `z′ = prox_{P_N D}(z + αρξ_T)` (\[WL19\] (69)) it is
+/// `max(‖P_T + z′/α(z′)‖, ‖z − z′‖/α)`, or the distance to rest, `‖P_T‖ max(0, 1 − 1/k_C(−P_T/P_N)) + ρ‖ξ_T‖`,
+/// where that is less. For `D = C` it is `‖z − z′‖`, the natural map of friction.
 ///
-/// It vanishes exactly at solutions: the second is zero iff `k_C(−P/P_N) ≤ 1` and `γ ∈ N_D(z)`. The
+/// It vanishes exactly at solutions. A friction percussion is no farther beyond its reservoir than that, nor, in slip, farther
+/// within; and what the velocity is off the normal of *D* is no larger either, however thin *D* is beside *C*. The
 /// defect of a contact is taken relative to its own percussion and loads, so that a light contact
 /// cannot hide the defect of a heavy one.
 ///

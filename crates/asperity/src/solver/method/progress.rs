@@ -5,7 +5,7 @@
 
 use super::sweep::Sweeper;
 use super::task::{Iterate, Task};
-use crate::solver::infeasibility::prove_closing;
+use crate::solver::infeasibility::{ByCases, prove_closing, search_cases};
 use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
 use crate::solver::measure::natural_map;
 use crate::solver::measure::natural_residual::{self, Measured};
@@ -142,6 +142,24 @@ impl<'a> Progress<'a> {
             *proof = prove_closing(self.task.problem, &self.buffers.astray);
         }
         proof.is_some()
+    }
+
+    /// Searches a proof by cases that there is no solution, and keeps it; else percussions near which one may be.
+    pub(crate) fn search_cases(&mut self) -> Option<Vec<f64>> {
+        let Task { problem, stop, .. } = self.task;
+        let percussion = &self.buffers.best;
+        problem.velocity(percussion, &mut self.buffers.velocity);
+        let velocity = &self.buffers.velocity;
+        let worst = natural_residual::residual(&Measured { problem, percussion, velocity });
+        let contact = self.stuck.unwrap_or(worst.worst_contact);
+        match search_cases(problem, stop, contact) {
+            ByCases::NoSolution(proof) => {
+                *self.iterate.infeasibility = Some(proof);
+                None
+            }
+            ByCases::Candidate(percussion) => Some(percussion),
+            ByCases::Undecided => None,
+        }
     }
 
     /// One sweep over the percussions of the iterate.

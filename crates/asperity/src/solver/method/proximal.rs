@@ -29,6 +29,12 @@ const LONG_SWEEPS: usize = 1000;
 /// Outer steps without a new best after which the iteration starts again somewhere else: what led it astray
 /// may be its start. The stored problems take as many factorisations with a quarter and four times as many.
 const LOST: usize = 300;
+/// Newton iterations from where a search by cases leads; the motions of the systems that `infeasibility/cases.rs` names
+/// end in the same way with a quarter and four times as many.
+const FROM_CASE: usize = 50;
+/// Outer steps without a new best after which a proof by cases is looked for, once: where it is not found, the search is
+/// one of some hundred cases in vain.
+const DOUBTFUL: usize = 50;
 /// New starts without success after which it gives up: two with every factor.
 const STARTS: usize = 2 * FACTORS.len();
 
@@ -122,8 +128,8 @@ impl ProximalPoint {
         let mut grade = progress.start_from_best(&mut self.centre);
         let mut schedule = Schedule::new(grade);
         self.newton.scale_rho(problem, schedule.factor());
-        let before = self.newton.factorizations;
-        let (mut outer, mut lost, mut lowest) = (0, 0, grade);
+        let mut before = self.newton.factorizations;
+        let (mut outer, mut lost, mut lowest, mut asked) = (0, 0, grade, false);
         while !progress.is_solved() && outer < max_iterations && !progress.task.stop.early() {
             outer += 1;
             let goal = self.inner_goal(progress, grade, schedule.epsilon, INNER);
@@ -134,6 +140,16 @@ impl ProximalPoint {
             }
             lost = if found < lowest { 0 } else { lost + 1 };
             lowest = lowest.min(found);
+            if lost == DOUBTFUL && !asked {
+                asked = true;
+                let own = self.newton.factorizations - before;
+                let ends = self.ask_cases(progress, matrix);
+                before = self.newton.factorizations - own;
+                if ends {
+                    break;
+                }
+                continue;
+            }
             if lost == LOST {
                 if schedule.restarts == STARTS {
                     break;
@@ -226,16 +242,15 @@ impl ProximalPoint {
         self.newton_with_shift(progress, matrix, max_iterations)
     }
 
-    /// The same from given percussions.
+    /// The same from where a search by cases leads.
     pub(crate) fn newton_from(
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
         start: &[f64],
-        max_iterations: usize,
-    ) -> bool {
+    ) {
         self.centre.copy_from_slice(start);
-        self.newton_with_shift(progress, matrix, max_iterations)
+        self.newton_with_shift(progress, matrix, FROM_CASE);
     }
 
     /// The same from the centre.
@@ -247,9 +262,10 @@ impl ProximalPoint {
     ) -> bool {
         let goal = self.inner_goal(progress, progress.best_grade(), 0.0, max_iterations);
         let goal = Goal { shift: SHIFT, ..goal };
+        let before = self.newton.factorizations;
         let (_, iterations) = self.newton_from_centre(progress, matrix, goal);
         progress.grade(&self.trial);
-        progress.record(Method::Newton, iterations, self.newton.factorizations);
+        progress.record(Method::Newton, iterations, self.newton.factorizations - before);
         iterations == max_iterations
     }
 
@@ -262,6 +278,18 @@ impl ProximalPoint {
     ) -> (f64, usize) {
         self.trial.copy_from_slice(&self.centre);
         self.newton.solve(&progress.task, matrix, &mut self.trial, &self.centre, goal)
+    }
+
+    /// Asks by cases whether there is a solution at all, before all starts are gone through in vain; whether that ends
+    /// the work, with a proof that there is none or by Newton's method from where it is narrowed down to. The centre stays.
+    #[cold]
+    fn ask_cases(&mut self, progress: &mut Progress<'_>, matrix: &mut NewtonMatrix) -> bool {
+        if let Some(near) = progress.search_cases() {
+            let centre = self.centre.clone();
+            self.newton_from(progress, matrix, &near);
+            self.centre = centre;
+        }
+        progress.is_over()
     }
 
     /// Puts the centre where the iteration has not been led astray: in turn where many sweeps lead and at

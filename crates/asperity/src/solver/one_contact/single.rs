@@ -238,29 +238,34 @@ impl<'a, const P: usize> Single<'a, P> {
         if normal.is_finite() { unit * normal } else { V::zeros() }
     }
 
-    /// Sliding with the normal `n` of *D*: the friction percussion per normal percussion, after 1 for the normal
-    /// one, the denominator `G_N·` of it, and how far the direction of `denominator · γ_T` is from `n`.
+    /// Sliding with a velocity along `v`: the percussions, the denominator `G_N·` of the normal one, and how far the
+    /// velocity under these percussions, times the denominator, is from `v`.
     ///
     /// With `P_N = −b_N/denominator` that product has no pole where the denominator vanishes, as in `plane/`.
-    fn astray(&self, n: &Vector<P>) -> Option<(V, f64, Vector<P>)> {
-        let (unit, denominator) = self.per_normal(n)?;
+    fn astray(&self, v: &Vector<P>) -> Option<(V, f64, Vector<P>)> {
+        let (unit, denominator) = self.per_normal(v)?;
         let factor = self.normal.prescribed().unwrap_or(-self.b[0]);
         let slip = self.tangent(&self.b) * denominator + self.tangent(&(self.g * unit)) * factor;
-        Some((unit * factor, denominator, slip.try_normalize(0.0)? - n))
+        Some((unit * factor, denominator, slip - v))
     }
 
-    /// Newton's method for the normal of *D* along which the contact slides, with differences.
+    /// Newton's method for the slip velocity that the friction of sliding along it leaves, with differences.
     ///
     /// Beside cusps of *C* and on slender *D* the natural map has no derivative to speak of; along bdry *D* the
     /// percussions depend on the normal the less the sharper these are. Where friction nearly pulls the contact in,
-    /// percussions are large and nothing else leads to them.
-    fn along_normals(&self, start: &Vector<P>, left: &mut Evaluations) -> Option<V> {
+    /// percussions are large and nothing else leads to them. Velocities of any length, unlike normals, tell a contact
+    /// that creeps from one that is led past rest.
+    fn along_slips(&self, start: &Vector<P>, left: &mut Evaluations) -> Option<V> {
         const STEP: f64 = 1e-7;
-        let mut n = start.try_normalize(0.0)?;
-        let (mut percussion, mut denominator, mut off) = self.astray(&n)?;
+        const LEAST: f64 = 1e-4;
+        let normal = start.try_normalize(0.0)?;
+        let (_, _, off) = self.astray(&normal)?;
+        let mut velocity = normal * (off + normal).norm();
+        let (mut percussion, mut denominator, mut off) = self.astray(&velocity)?;
         'newton: for _ in 0..ITERATIONS {
             let distance = off.norm();
-            if distance <= 4.0 * f64::EPSILON {
+            let size = velocity.norm();
+            if distance <= 4.0 * f64::EPSILON * size {
                 break;
             }
             let mut jacobian = Matrix::<P>::zeros();
@@ -268,29 +273,29 @@ impl<'a, const P: usize> Single<'a, P> {
                 if !left.take() {
                     break 'newton;
                 }
-                let mut beside = n;
-                beside[k] += STEP;
-                jacobian.set_column(k, &((self.astray(&beside)?.2 - off) / STEP));
+                let mut beside = velocity;
+                beside[k] += STEP * size;
+                jacobian.set_column(k, &((self.astray(&beside)?.2 - off) / (STEP * size)));
             }
-            // Along the normal itself the derivative is −1.
+            // Along the velocity itself the derivative is −1.
             let step = -(jacobian.try_inverse()? * off);
-            let mut length = (0.5 / step.norm()).min(1.0);
+            let mut length = 1.0;
             loop {
                 // The comparison also turns away NaN.
-                if !(length > 1e-4) || !left.take() {
+                if !(length > LEAST) || !left.take() {
                     break 'newton;
                 }
-                let next = (n + step * length).normalize();
+                let next = velocity + step * length;
                 let there = self.astray(&next)?;
                 if there.2.norm() < (1.0 - 1e-4 * length) * distance {
-                    n = next;
+                    velocity = next;
                     (percussion, denominator, off) = there;
                     break;
                 }
                 length *= 0.5;
             }
         }
-        (denominator > 0.0 && off.norm() < 1e-6).then(|| percussion / denominator)
+        (denominator > 0.0 && off.norm() < 1e-6 * velocity.norm()).then(|| percussion / denominator)
     }
 
     /// What the natural map is a function of.
@@ -432,7 +437,7 @@ impl<'a, const P: usize> Single<'a, P> {
         }
         // In turns, so that neither takes all evaluations; on a line there are two normals only.
         for n in std::iter::once(free).chain(around()) {
-            if P > 1 && self.along_normals(&n, &mut left).is_some_and(&mut keep) {
+            if P > 1 && self.along_slips(&n, &mut left).is_some_and(&mut keep) {
                 return best;
             }
             if self.newton(self.slipping(&n), &mut left).is_some_and(&mut keep) {

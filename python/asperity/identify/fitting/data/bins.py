@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import FitError
 from asperity.identify.fitting.data.samples import Samples, bin_of
@@ -123,7 +124,7 @@ def along_sliding(bins: Bins) -> tuple[float, float] | None:
 
     With it comes the share of directions where it does not.
     """
-    against = bins.force[:, 0] * np.cos(bins.phi) + bins.force[:, 1] * np.sin(bins.phi)
+    against, _ = arrays.along_and_across(bins.force, bins.phi)
     at = int(against.argmin())
     wrong = against <= 0.0
     return (float(np.rad2deg(bins.phi[at])), float(wrong.mean())) if wrong.any() else None
@@ -136,9 +137,7 @@ def support(bins: Bins) -> tuple[Array, Array]:
 
     Reference: [WL19] (125), in the form h_D(φ) = h_D(0) exp∫l_p/l_t dφ.
     """
-    cos, sin = np.cos(bins.phi), np.sin(bins.phi)
-    x, y = bins.force.T
-    against, across = x * cos + y * sin, y * cos - x * sin
+    against, across = arrays.along_and_across(bins.force, bins.phi)
     slope = across / against
     width = np.diff(bins.phi, append=bins.phi[0] + 2.0 * np.pi)
     slope = slope - 0.5 * (slope + np.roll(slope, -1)) @ width / (2.0 * np.pi)

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.identify.fitting.data.bins import FINE, GroupedBins, grouped
 from asperity.identify.fitting.data.samples import Samples
@@ -91,9 +92,7 @@ def closure(phi: Array, force: Array, error: float = 0.0) -> Defect:
 
     Reference: [WL19] (125).
     """
-    cos, sin = np.cos(phi), np.sin(phi)
-    along = force[..., 0] * cos + force[..., 1] * sin
-    across = force[..., 1] * cos - force[..., 0] * sin
+    along, across = arrays.along_and_across(force, phi)
     if along.min() <= 0.0:
         along, across = along.mean(axis=0, keepdims=True), across.mean(axis=0, keepdims=True)
     logarithm = 2.0 * np.pi * (across / along).mean(axis=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -51,7 +51,7 @@ class Samples:
 
 def frozen(data: Any) -> Any:
     """Return data that nobody else can change: arrays that can be are copied."""
-    if not isinstance(data, tuple):
+    if not isinstance(data, tuple | list):
         return data
     return tuple(
         part if not part.flags.writeable else arrays.read_only(part) for part in _series(data)
@@ -60,7 +60,7 @@ def frozen(data: Any) -> Any:
 
 def samples_of(data: Any) -> Samples:
     """Return the samples of processed data, or of arrays (φ, −λ/λ_N) or (φ, −λ/λ_N, turn)."""
-    if isinstance(data, tuple):
+    if isinstance(data, tuple | list):
         phi, force, *given = _series(data)
         turn = given[0] if given else _counted_turns(phi)
         normal = np.broadcast_to(np.float64(1.0), phi.shape)
@@ -78,7 +78,7 @@ def samples_of(data: Any) -> Samples:
     return samples
 
 
-def _series(data: tuple[Any, ...]) -> list[NDArray[Any]]:
+def _series(data: Sequence[Any]) -> list[NDArray[Any]]:
     if len(data) not in (2, 3):
         raise DimensionError("data", f"must be (phi, force) or (phi, force, turn), got {len(data)}")
     phi = arrays.array(data[0], "data.phi", (None,))

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import Bins, along_sliding, grouped
@@ -136,9 +137,8 @@ def check_sense(bins: Bins, samples: Samples, width: int) -> None:
 
 def _parts(samples: Samples, rows: NDArray[np.intp]) -> Array:
     """Return l_t and l_p, which vary less over the directions than the components of the force."""
-    phi, (x, y) = samples.phi[rows], samples.force[rows].T
-    cos, sin = np.cos(phi), np.sin(phi)
-    return np.stack([x * cos + y * sin, y * cos - x * sin]) / samples.normal[rows]
+    parts = arrays.along_and_across(samples.force[rows], samples.phi[rows])
+    return np.stack(parts) / samples.normal[rows]
 
 
 def _medians(parts: Array, at: NDArray[np.intp], bins: int) -> Array:

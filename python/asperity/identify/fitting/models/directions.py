@@ -101,7 +101,11 @@ class SuperellipseDirection(DirectionModel):
         if exponent is not None:
             exponent = arrays.positive(exponent, "exponent")
             if exponent < _LOWEST_EXPONENT:
-                raise _too_sharp(exponent)
+                raise FitError(
+                    f"direction: the exponent must be at least {_LOWEST_EXPONENT}, got "
+                    f"{exponent!r}: a direction set with corners and flats gives jumps that least "
+                    "squares cannot follow"
+                )
         self._set(exponent=exponent)
         bounds = math.log(_LOWEST_EXPONENT - 1.0), math.log(SHARPEST - 1.0)
         free = (Coordinate("exponent", Scale.LOG_EXCESS, *bounds),) if exponent is None else ()
@@ -217,10 +221,3 @@ class FourierDirection(FourierModel, DirectionModel):
     def start(self, c: Array, s: Array, log_support: Array, slope: Array) -> list[Array]:
         """Return the least-squares polynomial through the derivatives of ln h_D."""
         return [least_squares(series(c, s, self._harmonics)[1].T, slope)]
-
-
-def _too_sharp(exponent: float) -> FitError:
-    return FitError(
-        f"direction: the exponent must be at least {_LOWEST_EXPONENT}, got {exponent!r}: "
-        "a direction set with corners and flats gives jumps that least squares cannot follow"
-    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from asperity.errors import ParameterError
 from asperity.identify.fitting.models.directions import (
@@ -18,6 +18,7 @@ from asperity.identify.fitting.models.reservoirs import (
     SuperellipseReservoir,
 )
 
+Model = TypeVar("Model", ReservoirModel, DirectionModel)
 ReservoirName: TypeAlias = str | ReservoirModel
 """``"circle"``, ``"ellipse"``, ``"superellipse"``, ``"fourier"``, ``"odd fourier"`` or a model."""
 DirectionName: TypeAlias = str | DirectionModel
@@ -41,20 +42,19 @@ DIRECTIONS: dict[str, DirectionModel] = {
 
 def reservoir_model(name: ReservoirName) -> ReservoirModel:
     """Return the model of C that is meant."""
-    if isinstance(name, ReservoirModel):
-        return name
-    if name not in RESERVOIRS:
-        raise ParameterError("reservoir", f"must be {_words(RESERVOIRS)} or a model, got {name!r}")
-    return RESERVOIRS[name]
+    return name if isinstance(name, ReservoirModel) else _named(name, RESERVOIRS, "reservoir")
 
 
 def direction_model(name: DirectionName) -> DirectionModel:
     """Return the model of D that is meant."""
-    if isinstance(name, DirectionModel):
-        return name
-    if name not in DIRECTIONS:
-        raise ParameterError("direction", f"must be {_words(DIRECTIONS)} or a model, got {name!r}")
-    return DIRECTIONS[name]
+    return name if isinstance(name, DirectionModel) else _named(name, DIRECTIONS, "direction")
+
+
+def _named(name: str, known: dict[str, Model], argument: str) -> Model:
+    if name not in known:
+        words = ", ".join(map(repr, known))
+        raise ParameterError(argument, f"must be {words} or a model, got {name!r}")
+    return known[name]
 
 
 def name_of(model: ReservoirModel | DirectionModel) -> str:
@@ -66,5 +66,7 @@ def name_of(model: ReservoirModel | DirectionModel) -> str:
     return repr(model)
 
 
-def _words(names: dict[str, ReservoirModel] | dict[str, DirectionModel]) -> str:
-    return ", ".join(repr(name) for name in names)
+def short(model: ReservoirModel | DirectionModel) -> Any:
+    """Return the name of a model that has one, else the model."""
+    name = name_of(model)
+    return name if name in RESERVOIRS or name in DIRECTIONS else model

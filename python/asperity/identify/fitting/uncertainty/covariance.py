@@ -1,4 +1,4 @@
-"""Covariance of fitted coordinates: what differs between turns, and what all turns share."""
+"""Covariance of fitted coordinates, from what differs between turns and what they share; bands."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.value import Record
 from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import Bins
 from asperity.identify.fitting.data.samples import reads_normal_force
@@ -101,6 +102,24 @@ class Covariance:
                 quantile = t.ppf(0.5 + 0.5 * confidence, min(degrees, _MOST_DEGREES))
                 squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
         return np.sqrt(np.maximum(squares, 0.0))
+
+
+class Bands(Record):
+    """Model forces per unit normal force with confidence bands, pointwise.
+
+    Args:
+        phi: sliding directions in rad, ``(n,)``.
+        force: −λ/λ_N, ``(n, 2)``.
+        half_width: of the bands of its components.
+        resistance: l_t and l_p, the parts against the sliding and across it, ``(n, 2)``.
+        resistance_half_width: of their bands.
+    """
+
+    phi: Array
+    force: Array
+    half_width: Array
+    resistance: Array
+    resistance_half_width: Array
 
 
 def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, int]:
@@ -210,18 +229,11 @@ def _pulls(
 ) -> Array:
     """Return the derivatives of the gradient by the entries of T, row by row, and by the zeros."""
     on_force, on_normal = family.responses(bins.phi, p)
-    cos, sin = np.cos(bins.phi), np.sin(bins.phi)
+    along, across = arrays.along_and_across(on_force, bins.phi)
     # What one unit in the tangential, radial and normal channel adds to the gradient, per bin.
-    pull = np.stack(
-        [
-            sense * (on_force[..., 0] * cos + on_force[..., 1] * sin),
-            sense * (on_force[..., 1] * cos - on_force[..., 0] * sin),
-            on_normal * read,
-        ],
-        axis=1,
-    )
-    x, y = bins.force.T
-    channels = np.stack([sense * (x * cos + y * sin), sense * (y * cos - x * sin), np.ones_like(x)])
+    pull = np.stack([sense * along, sense * across, on_normal * read], axis=1)
+    parts = np.stack(arrays.along_and_across(bins.force, bins.phi))
+    channels = np.vstack([sense * parts, np.ones_like(bins.phi)])
     readings = np.linalg.solve(transform, channels)
     by_entry = np.einsum("kin,jn,n->kij", pull, readings, bins.squares).reshape(len(p), 9)
     by_zero = -np.einsum("kin,n,ij->kj", pull, bins.normal, transform)

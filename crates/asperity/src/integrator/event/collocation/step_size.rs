@@ -122,13 +122,13 @@ impl StepSize {
 
     /// The longest first step: a share of the times in which velocities and coordinates change by themselves, as
     /// far as there are any, and of all the time.
-    pub(crate) fn first_step_limit(&self, t_end: f64, a0: &[f64]) -> f64 {
+    pub(crate) fn first_step_limit(&self, duration: f64, a0: &[f64]) -> f64 {
         let Scale { q, u } = self.scale;
         // A velocity that is rounding, such as of a sine at its crest, tells no time.
         let u = if u > ZERO_VELOCITY * self.creep { u } else { 0.0 };
         let times = [0.01 * u / largest(a0), 0.01 * q / u];
         let usable = times.into_iter().filter(|t| t.is_finite() && *t > 0.0);
-        usable.fold(0.01 * t_end, f64::min)
+        usable.fold(0.01 * duration, f64::min)
     }
 
     /// Whether a step with this estimate of its error is accurate enough. Sets the length of the next attempt.

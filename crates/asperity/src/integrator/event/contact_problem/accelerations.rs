@@ -6,8 +6,10 @@ use crate::integrator::event::dynamics::{Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::{add, largest, norm};
 
-/// Slip acceleration over the load that counts as none.
+/// Slip acceleration over the load that counts as none; of contacts that share the load on
+/// boundaries that are curved it is known less well, see the polish of their solution.
 const AT_REST: f64 = 1e-11;
+const AT_REST_SHARED: f64 = 1e-9;
 
 /// Decides on the contacts that are undecided. Afterwards the dynamics hold the accelerations, the modes, and for
 /// contacts that begin to slip γ̇ in place of γ.
@@ -97,10 +99,13 @@ fn stick_at_limit(
     accelerations: &[f64],
 ) {
     let load = largest(problem.free_velocity());
+    let curved = |&i: &usize| dynamics.contacts[i].p > 1;
+    let shared = participants.contacts.len() > 1 && participants.contacts.iter().any(curved);
+    let at_rest = if shared { AT_REST_SHARED } else { AT_REST };
     for (&i, rows) in participants.contacts.iter().zip(problem.contacts()) {
         let contact = &mut dynamics.contacts[i];
         let own = &accelerations[rows.offset..rows.offset + rows.len()];
-        let rests = norm(own) <= AT_REST * load;
+        let rests = norm(own) <= at_rest * load;
         let may_stick = contact.mode == Phase::Slip || contact.prescribed.is_none();
         if rests && may_stick {
             contact.mode = Phase::Stick;

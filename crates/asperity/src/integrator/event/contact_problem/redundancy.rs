@@ -4,11 +4,12 @@ use crate::contact::Phase;
 use crate::integrator::event::contact_problem::accelerations::decide;
 use crate::integrator::event::contact_problem::problem::{Decision, Solving};
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, SlidingForces};
-use crate::integrator::event::event_function::contact_event_function;
+use crate::integrator::event::event_function::{contact_event_function, rounded_excess};
 use crate::integrator::event::state::{EvaluationError, State};
 
-/// Evaluates the dynamics at the time of `solving`. Closed contacts that share their forces so that one could not carry its part or would have
-/// to pull, though together they can, are given parts that they can carry. The accelerations stay the same.
+/// Evaluates the dynamics at the time of `solving`. Closed contacts that share their forces so that one could not carry
+/// its part or would have to pull, though together they can, are given parts that they can carry. The accelerations stay
+/// the same.
 pub(crate) fn evaluate(
     dynamics: &mut Dynamics<'_>,
     q: &[f64],
@@ -18,8 +19,10 @@ pub(crate) fn evaluate(
 ) -> Result<(), EvaluationError> {
     let t = solving.t;
     dynamics.evaluate(t, q, u, sliding_forces)?;
+    // A contact that is just at its limit, though together all can go on, would be taken for an event.
+    let limit = -rounded_excess(dynamics);
     let overloaded = |i: usize| {
-        dynamics.contacts[i].mode != Phase::Open && contact_event_function(dynamics, i) > 0.0
+        dynamics.contacts[i].mode != Phase::Open && contact_event_function(dynamics, i) > limit
     };
     if dynamics.is_indeterminate() && (0..dynamics.contacts.len()).any(overloaded) {
         let state = State { t, q: q.to_vec(), u: u.to_vec() };

@@ -13,6 +13,8 @@ use crate::vectors::dot;
 const CHANGE: f64 = 1e-3;
 /// Number of widths that are tried at the beginning, from a billionth of the whole time on.
 const TRIALS: usize = 30;
+/// Narrowest stencil over the time of its middle at the beginning: times are rounded by a millionth of its width.
+const UNROUNDED: f64 = 1e-10;
 /// The states of a stencil in its widths from the present one, and the weights of the present velocities and of those
 /// there in their rate.
 struct Differences {
@@ -127,10 +129,10 @@ impl Dynamics<'_> {
     pub(crate) fn choose_stencil(
         &mut self,
         State { t, q, u }: &State,
-        t_end: f64,
+        duration: f64,
     ) -> Result<(), EvaluationError> {
-        self.stencil.widest = power_of_two(CHANGE * t_end);
-        self.stencil.width = power_of_two(1e-9 * t_end);
+        self.stencil.widest = power_of_two(CHANGE * duration);
+        self.stencil.width = power_of_two((1e-9 * duration).max(UNROUNDED * t));
         for _ in 0..TRIALS {
             if self.constant {
                 break;

@@ -62,8 +62,8 @@ pub(crate) struct Dynamics<'a> {
 }
 
 impl<'a> Dynamics<'a> {
-    /// The system up to the time `t_end`, all contacts open.
-    pub(crate) fn new(system: &'a dyn System, chart: Chart<'a>, t_end: f64) -> Self {
+    /// The system between two times, all contacts open.
+    pub(crate) fn new(system: &'a dyn System, chart: Chart<'a>, times: Range<f64>) -> Self {
         let (n, rows) = (system.dof(), ROWS * system.contacts().len());
         let constant = chart.is_constant();
         let span = |contact: usize| {
@@ -79,9 +79,9 @@ impl<'a> Dynamics<'a> {
             acceleration: vec![0.0; n],
             load: 0.0,
             time_parts: TimeParts::default(),
-            piece: 0.0..t_end,
+            latest: times.end.next_down(),
+            piece: times,
             creep: 0.0,
-            latest: t_end.next_down(),
             direction_points: Vec::new(),
             rows: vec![0.0; rows * n],
             spans: (0..system.contacts().len()).map(span).collect(),

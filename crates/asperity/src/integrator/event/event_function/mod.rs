@@ -8,6 +8,9 @@ pub(crate) use between_stages::NODES;
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
 
+/// Excess of a sticking force over the reservoir that may be rounding, relative to the largest normal force.
+const AT_LIMIT: f64 = 1e-9;
+
 /// A function that is not positive while a contact stays in its mode. It becomes positive where a gap closes, a
 /// sticking force leaves the reservoir, or the normal force of a slipping contact vanishes.
 pub(crate) fn contact_event_function(dynamics: &Dynamics<'_>, i: usize) -> f64 {
@@ -27,4 +30,10 @@ pub(crate) fn excess(dynamics: &Dynamics<'_>, i: usize) -> f64 {
     dynamics.law(i).gauge(&contact.force.map(|f| -f))
         - contact.normal_force
         - contact.tolerated_excess
+}
+
+/// The excess of a sticking force over the reservoir that may be rounding.
+pub(crate) fn rounded_excess(dynamics: &Dynamics<'_>) -> f64 {
+    let pressing = dynamics.contacts.iter().map(|contact| contact.normal_force);
+    AT_LIMIT * pressing.fold(f64::MIN_POSITIVE, f64::max)
 }

@@ -24,13 +24,15 @@ impl Integration<'_> {
     fn sample(&mut self, t: f64, h: f64, whole: bool) -> Result<bool, EvaluationError> {
         let Some(dt) = self.options.sample else { return Ok(false) };
         // The end of the run is a sample of its own.
-        let due = |k: usize| k as f64 * dt < t || (k as f64 * dt == t && whole);
+        let start = self.options.t_start;
+        let time = |k: usize| start + k as f64 * dt;
+        let due = |k: usize| time(k) < t || (time(k) == t && whole);
         if !due(self.samples) {
             return Ok(false);
         }
         self.interpolate(h, whole)?;
         while due(self.samples) && !self.observer.has_asked_to_stop() {
-            self.dense_output.at(self.samples as f64 * dt, &mut self.sampled);
+            self.dense_output.at(time(self.samples), &mut self.sampled);
             let State { t, q, u } = &self.sampled;
             let solving = Solving { memory: &self.memory, observer: &self.observer, t: *t };
             redundancy::evaluate(&mut self.dynamics, q, u, SlidingForces::Updated, &solving)?;

@@ -15,7 +15,7 @@ impl Integration<'_> {
         self.enter_piece();
         let State { t, q, u } = &self.state;
         self.dynamics.kinematics(*t, q, u)?;
-        let t_end = self.options.t_end;
+        let (t_end, duration) = (self.options.t_end, self.options.duration());
         let (start_q, start_u) = self.dynamics.chart.system_state(&self.state);
         let (start_q, start_u) = (start_q.to_vec(), start_u.to_vec());
         self.dynamics.account_for_time(&start_q, &start_u, t_end)?;
@@ -24,7 +24,7 @@ impl Integration<'_> {
         // An impact at the beginning is told from rest by the accelerations without contacts.
         self.dynamics.free_acceleration(*t, u, &mut self.a0)?;
         let acceleration = largest(&self.a0).max(self.dynamics.time_parts.load);
-        self.negligible = Negligible::of(largest(u), acceleration, t_end);
+        self.negligible = Negligible::of(largest(u), acceleration, duration);
         let overlaps = |c: &ContactVariables| c.prescribed.is_none() && c.gap < -self.closed_gap(c);
         let contacts = &self.dynamics.contacts;
         Ok(contacts.iter().position(overlaps).map_or(Ok(()), |contact| {
@@ -37,7 +37,7 @@ impl Integration<'_> {
 
     /// Decides what the contacts do at the beginning.
     pub(crate) fn initialise(&mut self) -> Ending {
-        self.dynamics.choose_stencil(&self.state, self.options.t_end)?;
+        self.dynamics.choose_stencil(&self.state, self.options.duration())?;
         let mut hit = self.touch();
         if hit.is_some() && self.step_back()? {
             hit = None;

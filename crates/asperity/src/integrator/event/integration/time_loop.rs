@@ -70,14 +70,15 @@ impl Integration<'_> {
             outcome = self.pass_break()?;
         }
         if outcome.is_none() {
-            let longest = self.step_size.first_step_limit(self.options.t_end, &self.a0);
+            let longest = self.step_size.first_step_limit(self.options.duration(), &self.a0);
             let longest = longest.min(self.dynamics.chart.turn_limit(&self.state, &self.a0));
-            let longest = longest.min(self.end_of_piece());
+            let longest = longest.min(self.end_of_piece() - self.state.t);
             let dynamics = &mut self.dynamics;
-            self.step_size.h = initial_step(dynamics, &self.state, &self.a0, longest)?;
+            let first = initial_step(dynamics, &self.state, &self.a0, longest)?;
+            self.step_size.h = first.max(shortest_step(self.state.t));
             self.stale = true;
         }
-        let mut progress = Progress::default();
+        let mut progress = Progress { t: self.state.t, ..Progress::default() };
         loop {
             if let Some(outcome) = outcome {
                 if self.motion.samples.t.last() != Some(&self.state.t) {
@@ -201,7 +202,7 @@ impl Integration<'_> {
             (self.motion.steps, self.motion.rejected_steps, self.state.t);
         let rejected = rejected_steps - progress.rejected_steps;
         if steps - progress.steps + rejected >= WINDOW {
-            let passed = (t - progress.t) / self.options.t_end;
+            let passed = (t - progress.t) / self.options.duration();
             *progress = Progress { steps, rejected_steps, t };
             if passed < LEAST_PROGRESS {
                 let many = rejected >= TOO_MANY;

@@ -70,8 +70,9 @@ impl<'a> Integration<'a> {
         observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
-        let (chart, state) = Chart::new(system, &start.q, &start.u);
-        let dynamics = Dynamics::new(system, chart, options.t_end);
+        let (chart, mut state) = Chart::new(system, &start.q, &start.u);
+        state.t = options.t_start;
+        let dynamics = Dynamics::new(system, chart, options.t_start..options.t_end);
         Self {
             options,
             state,
