@@ -68,7 +68,9 @@ impl ContactState {
         if phase == Phase::Slip {
             let continues = before.phase == Phase::Slip;
             self.known = if continues { (before.known + 1).min(2) } else { 0 };
-            (self.slip, self.earlier) = (slip, [before.slip, before.earlier[0]]);
+            self.slip = slip;
+            self.earlier[0] = before.slip;
+            self.earlier[1] = before.earlier[0];
         } else {
             (self.slip, self.earlier, self.known) = (before.slip, Default::default(), 0);
         }

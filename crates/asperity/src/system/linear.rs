@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError, TimeDependence};
 use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::law::Law;
-use crate::vectors::dot;
+use crate::vectors::{dot, unrolled};
 
 /// Normal direction of a contact of a linear system.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,11 +68,27 @@ impl Contact {
 pub struct LinearSystem {
     blocks: Blocks,
     mass: DMatrix<f64>,
-    /// `(i, j, −K_ij, −B_ij)` where either is not zero.
-    internal: Vec<(usize, usize, f64, f64)>,
+    /// `−K` and `−B` of few velocities, column by column.
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+    /// Their entries of which either is not zero, where velocities are many.
+    internal: Vec<Internal>,
     force: Vec<f64>,
     contacts: Vec<LinearContact>,
     laws: Vec<ContactLaw>,
+}
+
+/// Up to so many velocities all forces are computed at once in registers: what is stored number by number, the processor
+/// cannot load in pairs at once.
+const FEW: usize = 3;
+
+/// An entry of `−K` and `−B`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Internal {
+    row: usize,
+    column: usize,
+    stiffness: f64,
+    damping: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -109,14 +125,31 @@ impl LinearSystem {
         {
             return refuse("mass", "must be symmetric positive definite");
         }
+        let (stiffness, damping) = (-stiffness, -damping);
+        let entry = |(row, column)| Internal {
+            row,
+            column,
+            stiffness: stiffness[(row, column)],
+            damping: damping[(row, column)],
+        };
         let internal = (0..n)
-            .flat_map(|i| (0..n).map(move |j| (i, j)))
-            .map(|(i, j)| (i, j, -stiffness[(i, j)], -damping[(i, j)]))
-            .filter(|&(_, _, k, b)| k != 0.0 || b != 0.0)
+            .flat_map(|row| (0..n).map(move |column| (row, column)))
+            .map(entry)
+            .filter(|entry| entry.stiffness != 0.0 || entry.damping != 0.0)
             .collect();
         let checked = contacts.iter().map(|c| linear_contact(c, n)).collect::<Result<_, _>>()?;
         let laws = contacts.into_iter().map(contact_law).collect::<Result<_, _>>()?;
-        Ok(Self { blocks: Blocks::one(n), mass, internal, force, contacts: checked, laws })
+        let few = |matrix: DMatrix<f64>| if n > FEW { Vec::new() } else { matrix.data.into() };
+        Ok(Self {
+            blocks: Blocks::one(n),
+            mass,
+            stiffness: few(stiffness),
+            damping: few(damping),
+            internal,
+            force,
+            contacts: checked,
+            laws,
+        })
     }
 }
 
@@ -189,12 +222,26 @@ impl System for LinearSystem {
         u: &[f64],
         forces: &mut [f64],
     ) -> Result<(), SystemError> {
-        let n = forces.len();
-        let (q, u) = (&at.q[..n], &u[..n]);
-        forces.copy_from_slice(&self.force[..n]);
-        for &(i, j, k, b) in &self.internal {
-            forces[i] += k * q[j] + b * u[j];
-        }
+        unrolled!(n = forces.len() => {
+            let (q, u) = (&at.q[..n], &u[..n]);
+            if n > FEW {
+                forces.copy_from_slice(&self.force[..n]);
+                for entry in &self.internal {
+                    let Internal { row, column, stiffness, damping } = *entry;
+                    forces[row] += stiffness * q[column] + damping * u[column];
+                }
+            } else {
+                let (k, b) = (&self.stiffness[..n * n], &self.damping[..n * n]);
+                let mut sums = [0.0; FEW];
+                sums[..n].copy_from_slice(&self.force[..n]);
+                for j in 0..n {
+                    for i in 0..n {
+                        sums[i] += k[n * j + i] * q[j] + b[n * j + i] * u[j];
+                    }
+                }
+                forces.copy_from_slice(&sums[..n]);
+            }
+        });
         Ok(())
     }
 

@@ -68,22 +68,27 @@ impl Part<'_> {
     #[inline(always)]
     fn add_transposed_of<const N: usize>(self, factors: &[f64], x: &mut [f64]) {
         let Ok(x) = <&mut [f64; N]>::try_from(x) else { return };
-        let mut add = |row: &[f64; N], factor: &f64| (0..N).for_each(|i| x[i] += row[i] * factor);
+        // In registers: what is stored number by number, the processor cannot load in pairs at once.
+        let mut sums = *x;
+        let mut add =
+            |row: &[f64; N], factor: &f64| (0..N).for_each(|i| sums[i] += row[i] * factor);
         if self.width == N {
             let rows = self.entries.as_chunks().0;
-            return unrolled!(m = factors.len() => {
+            unrolled!(m = factors.len() => {
                 let (factors, rows) = (&factors[..m], &rows[..m]);
                 for k in 0..m {
                     add(&rows[k], &factors[k]);
                 }
             });
+        } else {
+            let mut rest = self.entries;
+            for factor in factors {
+                let Some(row) = rest.first_chunk() else { break };
+                add(row, factor);
+                rest = rest.get(self.width..).unwrap_or_default();
+            }
         }
-        let mut rest = self.entries;
-        for factor in factors {
-            let Some(row) = rest.first_chunk() else { return };
-            add(row, factor);
-            rest = rest.get(self.width..).unwrap_or_default();
-        }
+        *x = sums;
     }
 }
 

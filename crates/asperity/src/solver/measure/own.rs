@@ -75,8 +75,8 @@ fn alone<const N: usize, const P: usize>(
     // `ContactProblem::velocity`, so that velocities do not tell, to the bit, which way they were found.
     let only = problem.contacts().len() == 1;
     let (mut sums, mut brought) = (if only { *free } else { [0.0; N] }, [0.0; N]);
-    for a in 0..N {
-        for b in 0..N {
+    for b in 0..N {
+        for a in 0..N {
             let term = block[N * a + b] * percussion[b];
             sums[a] += term;
             brought[a] += term.abs();

@@ -6,7 +6,8 @@ use crate::contact::ContactProblem;
 use crate::law::Bounds;
 
 /// Part of the square of its size that the determinant of a sound block has at least: the inverse then keeps
-/// twelve digits.
+/// twelve digits. Of the contacts that `mod.rs` names 22 that are solved end inexact with a quarter, and with four times as
+/// much 11 that end inexact are solved and one proof is lost.
 const SOUND: f64 = 1e-4;
 /// Part by which a slip must exceed the one from which on it is certain: far more than rounding.
 const MARGIN: f64 = 1e-6;

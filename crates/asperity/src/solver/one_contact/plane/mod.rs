@@ -203,6 +203,7 @@ fn has_one_solution(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
 /// Newton's method for `F = 0` in the angle of the normal, from the last slip direction.
 ///
 /// `dF/dφ = −n·v − n × (A x')`, `x' = (z' − x (∇k_C·z'))/k_C`, `z' = ∇²h_D n⊥`.
+#[inline(always)]
 fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
     let law = slip.local.law;
     let mut n = guess.try_normalize(0.0)?;
