@@ -38,7 +38,7 @@ PROBLEM = asp.ContactProblem(np.eye(3), free_velocity=[-1.0, 0.2, 3.0], laws=LAW
 PHI = np.arange(24) * np.pi / 12
 UNIT = np.stack([np.cos(PHI), np.sin(PHI)], axis=-1)
 PLANE = asp.Plane()
-BALL = asp.Body.ball(1.0, radius=0.1)
+BALL = asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1))
 BODIES = asp.RigidBodies([BALL], pairs=[asp.SpherePlane(0, radius=0.1, plane=PLANE, law=LAW)])
 MACHINE = identify.VirtualTribometer(
     LAW, normal_force=9.3, turns=2, turn_rate=0.5, sample_rate=250.0, no_load_time=1.0

@@ -50,6 +50,7 @@ def convex_plane(rng, deep=True):
         lambda: asp.Ellipsoid([a, b]),
         lambda: asp.Rectangle(a, b, angle=angle(rng)),
         lambda: asp.Box([a, b]),
+        lambda: asp.Box(lower=[-a, -b], upper=[b, a]),
         lambda: asp.CappedRectangle(a, b, cap=size(rng), angle=angle(rng)),
         lambda: asp.Superellipse(a, b, rng.uniform(1.0, 6.0), angle=angle(rng)),
         lambda: asp.WedgeAsperity(
@@ -85,11 +86,19 @@ def line(rng):
     ][rng.integers(3)]()
 
 
+def axes(rng):
+    return np.linalg.qr(rng.normal(size=(3, 3)))[0]
+
+
 def space(rng):
     simple = [
         lambda: asp.Ball(size(rng)),
         lambda: asp.Box([size(rng), size(rng), size(rng)]),
         lambda: asp.Ellipsoid([size(rng), size(rng), size(rng)]),
+        lambda: asp.Ellipsoid([size(rng), size(rng), size(rng)], axes=axes(rng)),
+        lambda: asp.Superellipsoid(
+            [size(rng), size(rng), size(rng)], exponent=rng.uniform(1.0, 6.0)
+        ),
         lambda: asp.CoulombContensou(size(rng), pressure=str(rng.choice(["hertz", "uniform"]))),
         lambda: asp.Mapped(asp.Ball(1.0), np.eye(3) + 0.2 * rng.normal(size=(3, 3))),
     ]

@@ -23,6 +23,9 @@ UNEVEN = asp.PolarCurve(
     ANGLES + 0.8 * np.sin(ANGLES), asp.Ellipse(0.5, 0.3).radius(ANGLES + 0.8 * np.sin(ANGLES))
 )
 
+# Columns of lengths whose squares are whole numbers, so that they are orthonormal to rounding.
+SLANTED = np.array([[2.0, -2.0, 1.0], [1.0, 2.0, 2.0], [-2.0, -1.0, 2.0]]) / 3.0
+
 CONVEX_PLANE = [
     asp.Disk(0.4),
     asp.Ellipse(3.0, 1.0),
@@ -78,6 +81,9 @@ SPACE = [
     asp.Ball(2.0),
     asp.Box([1.0, 2.0, 0.5]),
     asp.Ellipsoid([3.0, 1.0, 2.0]),
+    asp.Ellipsoid([0.5, 0.3, 0.8], axes=SLANTED),
+    asp.Superellipsoid([1.0, 0.6, 0.4], exponent=3.0),
+    asp.Box(lower=[-0.8, -1.2, -0.6], upper=[1.0, 1.6, 0.5]),
     asp.Mapped(asp.Ball(1.0), np.diag([3.0, 1.0, 2.0])),
     asp.CoulombContensou(0.3),
     asp.CoulombContensou(1.5, pressure="uniform"),
@@ -85,7 +91,10 @@ SPACE = [
     asp.Ellipsoid([1.0, 0.4, 0.6]) + asp.CoulombContensou(0.5),
     asp.Box([1.0, 1.0, 1.0]) + asp.Ball(0.5),
 ]
-STAR_SPACE = [asp.Ellipsoid([3.0, 1.0, 2.0]) | asp.Box([0.5, 1.5, 0.5])]
+STAR_SPACE = [
+    asp.Superellipsoid([1.0, 0.8, 0.7], exponent=0.9),
+    asp.Ellipsoid([3.0, 1.0, 2.0]) | asp.Box([0.5, 1.5, 0.5]),
+]
 
 CONVEX = CONVEX_PLANE + LINE + SPACE
 PLANE = CONVEX_PLANE + STAR_PLANE

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import asperity as asp
 import numpy as np
-from samples import BEAN, CORNERED, EGG, PENTAGON
+from samples import BEAN, CORNERED, EGG, PENTAGON, SLANTED
 
 FOLDER = Path(__file__).parents[1] / "crates" / "asperity" / "tests" / "laws"
 
@@ -32,6 +32,11 @@ LAWS = {
     "line": asp.FrictionLaw.associated(asp.Interval(-0.2, 0.3)),
     "drilling": asp.FrictionLaw(
         asp.CoulombContensou(0.3, pressure="uniform"), asp.Ellipsoid([1.0, 0.8, 0.5])
+    ),
+    "turned": asp.FrictionLaw(
+        asp.Superellipsoid([0.5, 0.3, 0.4], exponent=3.0)
+        & asp.Box(lower=[-0.4, -0.3, -0.2], upper=[0.45, 0.25, 0.3]),
+        asp.Ellipsoid([1.2, 0.7, 0.9], axes=SLANTED),
     ),
     "space": asp.FrictionLaw(asp.Ball(0.4), asp.Box([1.0, 0.8, 0.5]) + asp.Ball(0.3)),
     "pentagon": asp.FrictionLaw.associated(PENTAGON.scaled(0.3)),

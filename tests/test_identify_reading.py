@@ -539,7 +539,12 @@ def test_a_given_load_that_no_channel_shows_comes_back(run, tmp_path):
             "[columns]\ntime = 99",
             r"run\.csv: has no column 99 \(time\), 5 columns; see \[columns\] in .*rig\.toml",
         ),
-        ("[columns]\ntime = 't'", r"has no column 't', only .*; see \[columns\] in .*rig\.toml"),
+        ("[columns]\ntime = 't'", r"has no column 't', only .*'; see \[columns\] in .*rig\.toml"),
+        (
+            "[file]\nheader = 2",
+            r"has no column 'time', only .*, the names in line 2, the last of the header: if .* "
+            r"numbers of the columns, .*; see \[columns\] in .*rig\.toml",
+        ),
         (
             "[file]\ndelimiter = ';'\nheader = 0\n[columns]\ntime = 0\nangle = 1\n"
             "tangential = 2\nradial = 3\nnormal = 4",

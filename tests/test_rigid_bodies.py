@@ -269,6 +269,60 @@ def test_initial_state_comes_from_the_bodies():
     np.testing.assert_allclose(system.angular_velocities(motion)[:, 1], [[0.1, 0.2, 0.3]] * 3)
 
 
+@pytest.mark.parametrize(
+    ("run", "options"), [(asp.simulate, {"dt": 1e-3}), (asp.integrate, {})], ids=["step", "event"]
+)
+def test_bodies_that_overlap_at_the_start_are_refused(run, options):
+    law = asp.FrictionLaw.isotropic(0.3)
+    balls = [
+        asp.Body.ball(1.0, radius=0.1, position=(x, 0.0, 5.0), name=name)
+        for x, name in ((0.0, "left"), (0.19, "right"))
+    ]
+    touch = asp.SphereSphere(0, radius=0.1, other=1, other_radius=0.1, law=law)
+    system = asp.RigidBodies(balls, pairs=[touch])
+    with pytest.raises(ParameterError, match=r"left on right does by 0.01 m") as refused:
+        run(system, t_end=0.1, **options)
+    assert refused.value.argument == "system"
+    apart = system.q0.copy()
+    apart[7] = 0.2
+    run(system, t_end=0.1, q0=apart, **options)
+    with pytest.raises(ParameterError, match="left on right") as refused:
+        run(system, t_end=0.1, q0=3.0 * (system.q0 == 1.0) + 5.0 * (system.q0 == 5.0), **options)
+    assert refused.value.argument == "q0"
+
+    half = (0.3, 0.2, 0.1)
+    tilted = asp.axis_angle((0.0, 1.0, 0.0), angle=0.5)
+    # The lower edge of a box that is turned by 0.5 about y is deeper by its half edges.
+    height = 0.3 * np.sin(0.5) + 0.1 * np.cos(0.5)
+    for above, deep in ((0.0, False), (-1e-12, False), (-1e-6, True)):
+        box = asp.Body.box(
+            1.0, half_sizes=half, position=(9.0, 0.0, height + above), orientation=2.0 * tilted
+        )
+        feet = asp.BoxPlane(0, half_sizes=half, plane=asp.Plane(), law=law)
+        system = asp.RigidBodies([box], pairs=[feet])
+        if deep:
+            with pytest.raises(ParameterError, match=r"body 0 on plane corner \d does by 1e-06 m"):
+                run(system, t_end=0.01, **options)
+        elif run is asp.simulate:
+            run(system, t_end=0.01, **options)
+
+
+def test_an_overlap_is_taken_as_a_state():
+    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    disk = asp.PlanarBody.disk(1.0, radius=0.1, position=(0.0, 0.09))
+    foot = asp.PointPlane(0, point=(0.0, -0.1), plane=asp.Line(), law=law)
+    system = asp.RigidBodies([disk], pairs=[foot])
+    with pytest.raises(ParameterError, match="system: must not let bodies overlap"):
+        asp.simulate(system, dt=1e-3, t_end=0.1)
+    sunk = asp.simulate(system, dt=1e-3, t_end=0.1, start=asp.State(system.q0, system.u0))
+    np.testing.assert_allclose(sunk.q[-1], system.q0, atol=1e-12)
+    # What time stepping itself has let overlap goes on.
+    dropped = asp.RigidBodies([disk.replace(position=(0.0, 0.15))], pairs=[foot])
+    landed = asp.simulate(dropped, dt=1e-2, t_end=0.5)
+    assert landed.q[-1, 1] < 0.1
+    assert asp.simulate(dropped, dt=1e-2, t_end=0.6, start=landed).steps == 10
+
+
 def test_planar_bodies_have_an_angle():
     body = DISK.replace(position=(1.0, 2.0), angle=0.5, velocity=(0.0, 3.0), angular_velocity=2.0)
     system = asp.RigidBodies([body], gravity=(0.0, 0.0))
@@ -314,7 +368,8 @@ def test_contacts_are_labelled():
     assert system.contacts[0] == (0, 0)
     assert system.contacts[8].pair == 1
     assert system.contacts[8].corner == 7
-    points = system.contact_points(asp.simulate(system, dt=1e-3, t_end=1e-3))[0, 1:]
+    run = asp.simulate(system, dt=1e-3, t_end=1e-3, start=asp.State(system.q0, system.u0))
+    points = system.contact_points(run)[0, 1:]
     signs = [[-1 if k >> i & 1 == 0 else 1 for i in range(3)] for k in range(8)]
     np.testing.assert_allclose(points, signs * np.array(HALF), atol=1e-15)
 

@@ -124,6 +124,35 @@ def test_classes_survive_turning_and_scaling(star):
     assert type(star.scaled(2.0)) is type(star)
 
 
+def test_sets_of_space_are_those_of_their_formulas(rng):
+    x = rng.normal(size=(200, 3))
+    a = np.array([0.5, 0.3, 0.8])
+    axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turned = asp.Ellipsoid(a, axes=axes)
+    np.testing.assert_allclose(turned.gauge(x), np.linalg.norm(x @ axes / a, axis=1), rtol=1e-13)
+    np.testing.assert_allclose(turned.support(x), np.linalg.norm(x @ axes * a, axis=1), rtol=1e-13)
+    assert turned == asp.Ellipsoid(a, axes=axes) != asp.Ellipsoid(a)
+    assert asp.Ellipsoid(a, axes=np.eye(3)).gauge(x).tolist() == asp.Ellipsoid(a).gauge(x).tolist()
+    for s in (0.5, 1.0, 3.0):
+        star = asp.Superellipsoid(a, exponent=s)
+        expected = (np.abs(x / a) ** s).sum(axis=1) ** (1.0 / s)
+        np.testing.assert_allclose(star.gauge(x), expected, rtol=1e-12)
+        plane = asp.Superellipsoid(a[:2], exponent=s)
+        same = asp.Superellipse(*a[:2], s)
+        np.testing.assert_array_equal(plane.gauge(x[:, :2]), same.gauge(x[:, :2]))
+    lower, upper = -a, a[::-1]
+    box = asp.Box(lower=lower, upper=upper)
+    expected = np.maximum(x / upper, x / lower).max(axis=1)
+    np.testing.assert_allclose(box.gauge(x), expected, rtol=1e-14)
+    np.testing.assert_array_equal(box.project(x), np.clip(x, lower, upper))
+    # Friction of a table whose axis resists one sense of sliding more.
+    law = asp.FrictionLaw.associated(box)
+    np.testing.assert_allclose(law.force([1.0, 0.0, 0.0])[0], -upper[0])
+    np.testing.assert_allclose(law.force([-1.0, 0.0, 0.0])[0], -lower[0])
+    assert asp.Box(a).lower.tolist() == (-a).tolist()
+    assert asp.Box(a).upper.tolist() == a.tolist()
+
+
 def test_classes_are_kept_where_the_shape_allows():
     assert asp.Ellipse(3.0, 1.0).rotated(0.2).scaled(2.0) == asp.Ellipse(6.0, 2.0, angle=0.2)
     assert asp.Disk(1.0).rotated(0.2) == asp.Disk(1.0)
@@ -155,7 +184,13 @@ def test_largest_scale_inside_touches_and_does_not_cross(star, rng):
     p = star.dimension
     outer = asp.Ellipsoid([1.3, 0.7, 1.1][:p]).mapped(random_matrix(rng, p))
     scale = star.scale_inside(outer)
-    ratio = outer.gauge(star.boundary(20_000))
+    # Corners in space lie between points of coarser samples, and cusps, on axes, between those of
+    # all samples.
+    axes = np.vstack([np.eye(p), -np.eye(p)])
+    points = np.vstack(
+        [star.boundary(20_000 if p < 3 else 100_000), axes / star.gauge(axes)[:, None]]
+    )
+    ratio = outer.gauge(points)
     assert scale * ratio.max() <= 1.0 + 1e-9
     assert scale * ratio.max() >= 1.0 - (3e-4 if p < 3 else 1e-2)
     assert star.margin_inside(outer) == scale - 1.0

@@ -148,6 +148,7 @@ def test_corners_of_an_intersection_of_any_size(size):
         ("a", lambda s: asp.Ellipse(s, 1.0)),
         ("semi_axes", lambda s: asp.Ellipsoid([1.0, s, 1.0])),
         ("b", lambda s: asp.Superellipse(1.0, s, 2.5)),
+        ("semi_axes", lambda s: asp.Superellipsoid([1.0, s, 1.0], exponent=2.5)),
         ("lower", lambda s: asp.Interval(-s, 1.0)),
         ("upper", lambda s: asp.Interval(-1.0, s)),
         ("half_widths", lambda s: asp.Box([1.0, s])),

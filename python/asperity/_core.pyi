@@ -36,6 +36,7 @@ __all__ = [
     "build_profile",
     "cone_polar",
     "cone_projection",
+    "deepest_overlap",
     "evaluate",
     "flow_law",
     "integrate",
@@ -53,7 +54,7 @@ class Set:
     @staticmethod
     def cuboid(lower: _Array, upper: _Array) -> Set: ...
     @staticmethod
-    def ellipsoid(semi_axes: _Array) -> Set: ...
+    def ellipsoid(semi_axes: _Array, axes: _Array | None = None) -> Set: ...
     @staticmethod
     def ellipse_from_intercepts(n1: float, n2: float, nu: float) -> tuple[float, float, float]: ...
     @staticmethod
@@ -246,6 +247,9 @@ class RigidBodies:
     @property
     def depends_on_time(self) -> bool: ...
 
+def deepest_overlap(
+    system: LinearSystem | CallbackSystem | RigidBodies, t: float, q: _Array
+) -> tuple[int, float] | None: ...
 def evaluate(
     system: LinearSystem | CallbackSystem | RigidBodies, t: float, q: _Array, u: _Array
 ) -> dict[str, Any]: ...

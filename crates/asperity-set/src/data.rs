@@ -25,8 +25,7 @@
 //! | `Intersection`, `Union`, `MinkowskiSum` | `sets` |
 //! | `Mapped` | `set`, `matrix`, row by row |
 //!
-//! Python reads and writes the same tables, but for `Superellipsoid`, the `axes` of an `Ellipsoid` and a `Box` with
-//! `lower` and `upper`, for which it has no class.
+//! Python reads and writes the same tables.
 //!
 //! Sets of users hold code: they are refused when they are to be written.
 
@@ -41,9 +40,6 @@ use crate::{
     Matrix, Planar, PolarCurve, Polygon, Pressure, SetError, Star, Superellipsoid, SupportCurve,
     Vector, WedgeAsperity,
 };
-
-/// How far axes may be from orthonormal ones: they come from rotations and factorisations.
-const ORTHONORMAL: f64 = 1e-12;
 
 /// A set as data, see the page of the crate's feature `serde`; of any dimension, and not checked yet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -213,12 +209,7 @@ impl SetData {
                 let Some(axes) = axes else {
                     return Ok(Convex::from(Ellipsoid::new(semi_axes)?).into());
                 };
-                let axes = matrix::<P>("axes", axes)?;
-                let defect = (axes.transpose() * axes - Matrix::identity()).amax();
-                if !(defect <= ORTHONORMAL) {
-                    return refuse("axes", "must have orthonormal columns");
-                }
-                Ok(Convex::from(Ellipsoid::along(semi_axes, axes)?).into())
+                Ok(Convex::from(Ellipsoid::turned(semi_axes, matrix("axes", axes)?)?).into())
             }
             Self::Superellipse { a, b, exponent, angle } => {
                 turned(Superellipsoid::new(Vector::<2>::new(*a, *b), *exponent)?.into(), *angle)

@@ -33,6 +33,8 @@ from asperity.status import Status
 from asperity.system.custom import System
 from asperity.system.rigid import RigidBodies, plane_motion
 
+# Overlap at the start, relative to the coordinates, that rounding of what a user computes explains.
+_ROUNDED_OVERLAP = 1e-9
 # Relative tolerance within which t_end counts as a multiple of dt.
 _MULTIPLE = 1e-9
 
@@ -66,11 +68,13 @@ def simulate(
             the first with k Δt ≥ `t_end` (to 1e-9 relative).
         q0: initial coordinates, shape ``(n,)``, of `RigidBodies` ``(coordinates,)``, whose
             quaternions are normalised. Default 0, of `RigidBodies` the state of the bodies.
+            Rigid bodies must not overlap there: time stepping would leave them so.
         u0: initial velocities, shape ``(n,)``; default likewise.
         start: a run or its ``end`` to go on from, instead of `q0` and `u0`, at its time: `t_end` is
             then still the time at the end, counts are those of the new run. Of a trajectory phases,
             slip directions and percussions are handed over, so that with the same options what
-            follows is what an unbroken run would have had, to the bit.
+            follows is what an unbroken run would have had, to the bit. Overlaps are taken as they
+            are, as time stepping leaves them.
         solver: contact solver. Default `Auto`.
         tolerance: of each step's contact problem, see `ContactProblem.solve`.
         sample_every: time between samples in s, a multiple of `dt`. Default `dt`. The initial and
@@ -89,7 +93,8 @@ def simulate(
         ConvergenceError: a contact problem was not solved to `tolerance`. Either holds the step,
             the time, the contact, the residual and the part before as ``trajectory``.
         DivergenceError: the state is no longer finite, with the part before as ``trajectory``.
-        ParameterError: naming the argument; ``dt`` where a body turns too far in a step.
+        ParameterError: naming the argument, ``system`` or ``q0`` with the contact where bodies
+            overlap; ``dt`` where a body turns too far in a step.
         SimulationInterrupted: on Ctrl-C, with the part before as ``trajectory``.
 
     Reference: [WL19] (19)–(22).
@@ -172,20 +177,46 @@ def beginning(
 ) -> State:
     """Return the state from which a run begins, or goes on."""
     if start is None:
-        return State(*initial_state(system, q0, u0))
+        state = State(*initial_state(system, q0, u0))
+        if isinstance(system, RigidBodies):
+            _refuse_overlap(system, state.q, "system" if q0 is None else "q0")
+        return state
     if q0 is not None or u0 is not None:
         raise ParameterError("start", "excludes q0 and u0")
-    state = start.end if isinstance(start, Run) else start
-    if state is None:
+    found = start.end if isinstance(start, Run) else start
+    if found is None:
         raise ParameterError(
             "start",
             "does not know what its contacts did at its end: it was cut, its state was not finite, "
             "or it is from a file of an earlier version. A fresh start is "
             "start=State(run.q[-1], run.u[-1], t0=run.t[-1])",
         )
-    if not isinstance(state, State):
+    if not isinstance(found, State):
         raise ParameterError("start", f"must be a run or a State, got {start!r}")
-    return state
+    return found
+
+
+def _refuse_overlap(system: RigidBodies, q: Array, argument: str) -> None:
+    """Refuse bodies that lie in each other or in a plane at the time 0."""
+    if not system.planar:
+        q = q.copy()
+        attitudes = q.reshape(-1, 7)[:, 3:]
+        lengths = np.linalg.norm(attitudes, axis=1, keepdims=True)
+        if not lengths.all():
+            return  # The core names the body.
+        attitudes /= lengths
+    deepest = _core.deepest_overlap(system._core, 0.0, q)
+    if deepest is None:
+        return
+    contact, gap = deepest
+    positions = q.reshape(len(system.bodies), -1)[:, : len(system.gravity)]
+    if -gap > _ROUNDED_OVERLAP * float(np.abs(positions).max()):
+        raise ParameterError(
+            argument,
+            f"must not let bodies overlap: {system.labels.contacts[contact]} does by "
+            f"{-gap:.3g} m, which no percussion undoes. start=State(q, u) begins with it all the "
+            "same in simulate",
+        )
 
 
 def _steps_from(state: State, dt: float, t_end: float) -> int:

@@ -3,9 +3,9 @@
 from asperity.sets.combined import Intersection, Mapped, MinkowskiSum, Union
 from asperity.sets.cone import Cone
 from asperity.sets.shapes.boxes import Box, CappedRectangle, Interval, Rectangle
-from asperity.sets.shapes.contacts import CoulombContensou, WedgeAsperity
 from asperity.sets.shapes.curves import PolarCurve, Polygon, SupportCurve, star_shape
-from asperity.sets.shapes.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse
+from asperity.sets.shapes.reservoirs import CoulombContensou, WedgeAsperity
+from asperity.sets.shapes.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse, Superellipsoid
 from asperity.sets.star import StarSet
 from asperity.sets.verdict import Verdict
 
@@ -27,6 +27,7 @@ __all__ = [
     "Rectangle",
     "StarSet",
     "Superellipse",
+    "Superellipsoid",
     "SupportCurve",
     "Union",
     "Verdict",

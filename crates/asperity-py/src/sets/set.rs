@@ -35,9 +35,15 @@ impl Set {
     }
 
     #[staticmethod]
-    fn ellipsoid(semi_axes: Numbers<'_>) -> Result<Self, Failure> {
+    #[pyo3(signature = (semi_axes, axes = None))]
+    fn ellipsoid(semi_axes: Numbers<'_>, axes: Option<Points<'_>>) -> Result<Self, Failure> {
         Ok(Self(build!(numbers(&semi_axes, "semi_axes")?.len(), "semi_axes", P => {
-            Star::Convex(Ellipsoid::<P>::new(vector(&semi_axes, "semi_axes")?)?.into())
+            let semi_axes = vector(&semi_axes, "semi_axes")?;
+            let ellipsoid = match &axes {
+                None => Ellipsoid::<P>::new(semi_axes),
+                Some(axes) => Ellipsoid::turned(semi_axes, square(axes, "axes")?),
+            };
+            Star::Convex(ellipsoid?.into())
         })))
     }
 

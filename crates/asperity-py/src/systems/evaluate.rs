@@ -16,6 +16,32 @@ fn check_length(argument: &str, values: &[f64], expected: usize) -> PyResult<()>
     Err(dimension(argument, &format!("must have {expected} entries, has {}", values.len())))
 }
 
+/// The unilateral contact that overlaps most at a time, and its gap, which is negative; none if none overlaps.
+#[pyfunction]
+pub fn deepest_overlap(
+    system: &Bound<'_, PyAny>,
+    t: f64,
+    q: Numbers<'_>,
+) -> Result<Option<(usize, f64)>, Failure> {
+    let q = numbers(&q, "q")?;
+    let deepest = with_system(system, |system| -> Result<_, Failure> {
+        check_length("q", q, system.coordinates())?;
+        let at = Configuration::new(t, q);
+        let mut deepest: Option<(usize, f64)> = None;
+        for (contact, law) in system.contacts().iter().enumerate() {
+            if law.normal_rows() == 0 {
+                continue;
+            }
+            let gap = system.gap(&at, contact)?;
+            if gap < deepest.map_or(0.0, |(_, least)| least) {
+                deepest = Some((contact, gap));
+            }
+        }
+        Ok(deepest)
+    })??;
+    raised(system).map_or(Ok(deepest), |error| Err(error.into()))
+}
+
 /// `M`, `h` and of every contact `W`, χ, and `w_N` and gap if it is unilateral.
 #[pyfunction]
 pub fn evaluate<'py>(

@@ -3,6 +3,9 @@
 use crate::project::jet::on_level;
 use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size};
 
+/// How far axes that are given may be from orthonormal ones: they come from rotations and factorisations.
+const ORTHONORMAL: f64 = 1e-12;
+
 /// `{x : ‖diag(1/a) Rᵀx‖ ≤ 1}` with semi-axes `a` along the columns of the rotation `R`.
 ///
 /// Kept in factors: the matrix of the quadratic form would lose all digits at axis ratios of 1e8.
@@ -27,6 +30,20 @@ impl<const P: usize> Ellipsoid<P> {
     /// [`SetError::Parameter`] if a semi-axis is not between 1e-60 and 1e60.
     pub fn new(semi_axes: Vector<P>) -> Result<Self, SetError> {
         Self::along(semi_axes, Matrix::identity())
+    }
+
+    /// Ellipsoid with semi-axes along these unit vectors, the columns of a matrix.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::new`], and [`SetError::Shape`] if the columns are not orthonormal to 1e-12.
+    pub fn turned(semi_axes: Vector<P>, axes: Matrix<P>) -> Result<Self, SetError> {
+        let defect = (axes.transpose() * axes - Matrix::identity()).amax();
+        if !(defect <= ORTHONORMAL) {
+            let message = "must have orthonormal columns".into();
+            return Err(SetError::Shape { argument: "axes", message });
+        }
+        Self::along(semi_axes, axes)
     }
 
     /// Ellipsoid with semi-axes along the columns of a rotation.

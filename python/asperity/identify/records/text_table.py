@@ -85,7 +85,7 @@ def read_table(
     try:
         with _text(place, form) as file:
             names = _names(file, form, place)
-            wanted = [_position(column, names, place) for column in columns.values()]
+            wanted = [_position(column, names, place, form.header) for column in columns.values()]
             _refuse_twice(columns, wanted)
             values = _quickly(file, form, wanted)
         if values is None:
@@ -134,14 +134,19 @@ def _names(file: TextIO, form: Format, path: Path) -> list[str]:
     return _split(line, form) if form.header else []
 
 
-def _position(column: str | int, names: Sequence[str], path: Path) -> int:
+def _position(column: str | int, names: Sequence[str], path: Path, header: int) -> int:
     if isinstance(column, bool) or not isinstance(column, str | int):
         raise ParameterError("columns", f"must hold names or numbers, got {column!r}")
     if isinstance(column, int):
         return arrays.count(column, "columns", least=0)
     if column not in names:
         listed = ", ".join(_short(name) for name in names[:_SHOWN]) or "numbers: header is 0"
-        raise RecordError(str(path), f"has no column {_short(column)}, only {listed}", ("columns",))
+        message, options = f"has no column {_short(column)}, only {listed}", ("columns",)
+        if header > 1:
+            # A line of units is often the last one.
+            message += f", the names in line {header}, the last of the header: if they stand in "
+            message += "another line, give the numbers of the columns, which count from 0"
+        raise RecordError(str(path), message, options)
     return names.index(column)
 
 

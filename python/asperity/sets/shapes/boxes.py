@@ -39,27 +39,60 @@ class Interval(SizedSet):
 
 
 class Box(SizedSet):
-    """The box {x : |xᵢ| ≤ aᵢ}; with C = D, independent friction along each axis (X–Y table).
+    """The box {x : |xᵢ| ≤ aᵢ}, or {x : lᵢ ≤ xᵢ ≤ uᵢ}; C = D: independent friction along each axis.
 
-    It is a set of friction forces; a rigid body of this shape is made by `Body.box`.
+    It is a set of friction forces, as of an X–Y table; a rigid body of this shape is made by
+    `Body.box`.
 
     Args:
-        half_widths: aᵢ > 0, shape ``(p,)`` with p ≤ 3.
+        half_widths: aᵢ > 0, shape ``(p,)`` with p ≤ 3; or `lower` and `upper` in its place.
+        lower: lᵢ < 0, shape ``(p,)``; with another size than uᵢ, friction along the axis depends on
+            the sense of sliding.
+        upper: uᵢ > 0, shape ``(p,)``.
+
+    Raises:
+        ParameterError: naming the argument; ``half_widths`` if neither it nor both others are
+            given.
 
     Reference: [WL19] (36).
 
     >>> from asperity import Box
     >>> Box([2.0, 1.0, 1.0]).project([3.0, 0.0, -4.0]).tolist()
     [2.0, 0.0, -1.0]
+    >>> float(Box(lower=[-1.0, -0.5], upper=[2.0, 0.5]).support([-1.0, 1.0]))
+    1.5
     """
 
-    _lengths = ("half_widths",)
+    _lengths = ("half_widths", "lower", "upper")
 
-    half_widths: Array
+    half_widths: Array | None
+    lower: Array
+    """lᵢ."""
+    upper: Array
+    """uᵢ."""
 
-    def __init__(self, half_widths: ArrayLike) -> None:
-        widths = arrays.extents(half_widths, "half_widths")
-        self._set_core(_core.Set.cuboid(-widths, widths), half_widths=widths)
+    def __init__(
+        self,
+        half_widths: ArrayLike | None = None,
+        *,
+        lower: ArrayLike | None = None,
+        upper: ArrayLike | None = None,
+    ) -> None:
+        if half_widths is not None:
+            if lower is not None or upper is not None:
+                raise ParameterError("half_widths", "excludes lower and upper")
+            widths = arrays.extents(half_widths, "half_widths")
+            core = _core.Set.cuboid(-widths, widths)
+            self._set_core(core, half_widths=widths, lower=None, upper=None)
+            self._keep(lower=-widths, upper=widths)
+            return
+        if lower is None or upper is None:
+            raise ParameterError("half_widths", "must be given, or lower and upper")
+        high = arrays.extents(upper, "upper")
+        low = arrays.array(lower, "lower", (len(high),))
+        if (low >= 0.0).any():
+            raise ParameterError("lower", f"must be negative, got {low.tolist()}")
+        self._set_core(_core.Set.cuboid(low, high), half_widths=None, lower=low, upper=high)
 
 
 class Rectangle(TurnedSet):

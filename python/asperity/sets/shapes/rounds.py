@@ -1,4 +1,4 @@
-"""Sets with round boundary: ball, disk, ellipse, ellipsoid, superellipse."""
+"""Sets with round boundary: ball, disk, ellipse, ellipsoid, superellipse, superellipsoid."""
 
 from __future__ import annotations
 
@@ -113,25 +113,33 @@ class Ellipse(TurnedSet):
 
 
 class Ellipsoid(SizedSet):
-    """The ellipsoid {x : Σ (xᵢ/aᵢ)² ≤ 1} of R¹, R² or R³ with its axes along the coordinates.
+    """The ellipsoid {x : Σ (eᵢ·x/aᵢ)² ≤ 1} of R¹, R² or R³.
 
     Args:
         semi_axes: aᵢ > 0, shape ``(p,)`` with p ≤ 3.
+        axes: unit vectors eᵢ along them, orthonormal to 1e-12, as the columns of a matrix of shape
+            ``(p, p)``; default those of the coordinates.
 
     Reference: [WL19] (34).
 
     >>> from asperity import Ellipsoid
     >>> Ellipsoid([3.0, 1.0, 2.0]).support_point([0.0, 0.0, 5.0]).tolist()
     [0.0, 0.0, 2.0]
+    >>> turned = Ellipsoid([3.0, 1.0, 2.0], axes=[[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    >>> float(turned.support([0.0, 1.0, 0.0]))
+    3.0
     """
 
     _lengths = ("semi_axes",)
 
     semi_axes: Array
+    axes: Array | None
 
-    def __init__(self, semi_axes: ArrayLike) -> None:
-        axes = arrays.extents(semi_axes, "semi_axes")
-        self._set_core(_core.Set.ellipsoid(axes), semi_axes=axes)
+    def __init__(self, semi_axes: ArrayLike, *, axes: ArrayLike | None = None) -> None:
+        lengths = arrays.extents(semi_axes, "semi_axes")
+        size = len(lengths)
+        directions = None if axes is None else arrays.array(axes, "axes", (size, size))
+        self._set_core(_core.Set.ellipsoid(lengths, directions), semi_axes=lengths, axes=directions)
 
 
 class Superellipse(TurnedSet):
@@ -162,3 +170,35 @@ class Superellipse(TurnedSet):
         exponent = arrays.positive(exponent, "exponent")
         upright = _core.Set.superellipsoid(np.array([a, b]), exponent)
         self._set_angled(upright, angle, a=a, b=b, exponent=exponent)
+
+
+class Superellipsoid(SizedSet):
+    """The superellipsoid {x : Σ |xᵢ/aᵢ|^s ≤ 1} of R¹, R² or R³ with its axes along the coordinates.
+
+    An octahedron for s = 1, an ellipsoid for s = 2, nearly a box for large s; for s < 1 it is
+    star-shaped only and has no support function, projection or normal cone. `mapped` turns it.
+
+    Args:
+        semi_axes: aᵢ > 0, shape ``(p,)`` with p ≤ 3.
+        exponent: s ≥ 0.01.
+
+    Reference: [WL19] (37).
+
+    >>> from asperity import Superellipsoid
+    >>> octahedron = Superellipsoid([1.0, 2.0, 0.5], exponent=1.0)
+    >>> float(octahedron.gauge([1.0, 2.0, 0.5]))
+    3.0
+    >>> bool(octahedron.replace(exponent=0.5).is_convex)
+    False
+    """
+
+    _lengths = ("semi_axes",)
+
+    semi_axes: Array
+    exponent: float
+
+    def __init__(self, semi_axes: ArrayLike, *, exponent: float) -> None:
+        lengths = arrays.extents(semi_axes, "semi_axes")
+        exponent = arrays.positive(exponent, "exponent")
+        core = _core.Set.superellipsoid(lengths, exponent)
+        self._set_core(core, semi_axes=lengths, exponent=exponent)

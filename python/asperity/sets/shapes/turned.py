@@ -17,7 +17,10 @@ class SizedSet(StarSet):
     def scaled(self, factor: float) -> Self:
         """Return the set {s x : x ∈ C}."""
         factor = arrays.positive(factor, "factor")
-        return self.replace(**{name: factor * self._parameters[name] for name in self._lengths})
+        given = {name: self._parameters[name] for name in self._lengths}
+        return self.replace(
+            **{name: factor * length for name, length in given.items() if length is not None}
+        )
 
 
 class AngledSet(StarSet):
