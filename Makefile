@@ -6,7 +6,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 
 export CARGO_TERM_COLOR ?= auto
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo figures test test-rust test-fuzz test-python bench many peers linear long fuzz format clean
+.PHONY: demo figures test test-rust test-python bench many peers linear long fuzz format clean
 
 demo: $(VENV)/.optimised
 	$(BIN)/asperity demo --out out/demo
@@ -17,21 +17,16 @@ figures: $(VENV)/.installed
 
 # Two parts at a time: compiling, linking and tests of one process leave a core idle that the other part takes.
 test:
-	$(MAKE) --jobs=2 test-python test-rust test-fuzz
+	$(MAKE) --jobs=2 test-python test-rust
 
 test-rust:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --features asperity/serde --locked -- -D warnings
 	cargo clippy -p asperity --no-default-features --locked -- -D warnings
-	cargo test --features asperity/serde,asperity-set/serde --locked --quiet
+	cargo test -p asperity-set -p asperity -p asperity-fuzz --features asperity/serde,asperity-set/serde --locked --quiet
 	cargo test -p asperity --no-default-features --features serde --lib --test features --test methods --locked --quiet
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --features asperity/serde --locked --quiet
 	cd benches/linear && cargo fmt --check
-
-test-fuzz:
-	cd fuzz && cargo fmt --check
-	cd fuzz && cargo clippy --all-targets --locked --target-dir ../target -- -D warnings
-	cd fuzz && cargo test --locked --quiet --target-dir ../target
 
 test-python: $(VENV)/.installed
 	$(BIN)/ruff format --check .
@@ -71,8 +66,7 @@ long: $(VENV)/.installed
 	failed=0; \
 	PROPTEST_CASES=$(SETS) cargo test --release --locked --no-fail-fast -p asperity-set || failed=1; \
 	cargo test --release --locked --no-fail-fast -p asperity -- --ignored || failed=1; \
-	(cd fuzz && ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test --release --locked --no-fail-fast \
-		--target-dir ../target/fuzz) || failed=1; \
+	ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test -p asperity-fuzz --profile fuzz --locked --no-fail-fast || failed=1; \
 	$(BIN)/pytest --numprocesses auto --timeout 7200 -m long -k "$(ONLY)" || failed=1; \
 	exit $$failed
 
@@ -86,11 +80,11 @@ FUZZ_FLAGS = --cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverag
 	-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
 	-Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1
 fuzz:
-	cd fuzz && RUSTFLAGS="$(FUZZ_FLAGS)" cargo build --release --locked --bins --features libfuzzer-sys \
-		--target $(HOST) --target-dir ../target/fuzz
+	RUSTFLAGS="$(FUZZ_FLAGS)" cargo build -p asperity-fuzz --profile fuzz --locked --bins --features libfuzzer-sys \
+		--target $(HOST)
 	found=0; for target in $(TARGETS); do \
 		mkdir -p out/fuzz/corpus/$$target; \
-		target/fuzz/$(HOST)/release/$$target out/fuzz/corpus/$$target fuzz/corpus/$$target \
+		target/$(HOST)/fuzz/$$target out/fuzz/corpus/$$target fuzz/corpus/$$target \
 			-max_total_time=$(SECONDS) -timeout=$(TIMEOUT) -rss_limit_mb=4096 -max_len=1024 \
 			-artifact_prefix=out/fuzz/$$target- -print_final_stats=1 || found=1; \
 	done; exit $$found
