@@ -1075,3 +1075,31 @@ def test_a_growing_force_pulls_a_box_out_of_rest(seed, interpolation):
     assert slips == pytest.approx([start] * len(slips), rel=1e-7)
     speed = motion.u[-1][: len(tangent)] @ tangent
     assert speed == pytest.approx(0.5 * jerk * (end - start) ** 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("torque", [0.4, 0.1, -0.3])
+def test_a_box_on_six_feet_that_begins_to_turn_ends_as_the_readme_says(torque):
+    """How feet share their load is a choice on which this motion depends, and it is not made yet.
+
+    Up to there the box rests, as it does under time stepping; the law is not associated, so that
+    feet which share a load need not begin to slip at the same time in both.
+    """
+    feet = [[0.1 * np.cos(a), 0.1 * np.sin(a), -0.02] for a in np.arange(6) * np.pi / 3.0 + 0.2]
+    pull = {"interpolation": "linear"}
+    body = asp.Body.box(
+        1.0,
+        half_sizes=[0.1, 0.1, 0.02],
+        position=[0.0, 0.0, 0.02],
+        force=asp.Signal([0.0, 1.5], [[0.0, 0.0, 0.0], [6.0, 8.0, 0.0]], **pull),
+        torque=asp.Signal([0.0, 1.5], [[0.0, 0.0, 0.0], [0.0, 0.0, torque]], **pull),
+    )
+    law = asp.FrictionLaw(asp.Ellipse(0.3, 0.5, angle=0.4), direction=asp.Disk(1.0))
+    pairs = [asp.PointPlane(0, plane=asp.Plane(), point=foot, law=law) for foot in feet]
+    system = asp.RigidBodies([body], pairs=pairs, gravity=(0.0, 0.0, -9.81))
+    with pytest.raises(asp.ConvergenceError, match="steps fail") as failed:
+        asp.integrate(system, t_end=1.0)
+    found = failed.value.trajectory
+    stepped = asp.simulate(system, dt=1e-3, t_end=1.0)
+    assert np.abs(found.u[-1]).max() < 1e-12
+    assert np.abs(stepped.u[stepped.t < found.t[-1] - 0.01]).max() < 1e-9
+    assert np.abs(stepped.u[stepped.t > found.t[-1] + 0.01]).max() > 1e-3

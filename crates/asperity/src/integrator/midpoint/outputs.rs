@@ -25,13 +25,12 @@ pub(super) struct Outputs {
 impl Outputs {
     /// Of so many contacts, before the first step.
     pub(super) fn new(contacts: usize) -> Self {
-        let none = Vec::new;
         Self {
             phases: vec![Phase::Open; contacts],
             rows: vec![None; contacts],
-            velocity: none(),
-            percussion: none(),
-            factors: none(),
+            velocity: Vec::new(),
+            percussion: Vec::new(),
+            factors: Vec::new(),
         }
     }
 

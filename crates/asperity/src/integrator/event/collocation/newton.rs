@@ -111,7 +111,8 @@ impl Step {
         Ok(false)
     }
 
-    /// Residuals and derivatives at the stages; false where points are unknowns and a slip vanishes.
+    /// Residuals and derivatives at the stages; false where points are unknowns and a slip vanishes, or where an iterate
+    /// has left the chart.
     fn linearise(
         &mut self,
         dynamics: &mut Dynamics<'_>,
@@ -124,6 +125,9 @@ impl Step {
             let (own, block) = (i * n..(i + 1) * n, i * n * n..(i + 1) * n * n);
             self.points.assign(dynamics, i);
             let (t, q, u) = (start.t + c * self.h, &self.q[own.clone()], &self.u[own.clone()]);
+            if !dynamics.chart.reaches(q) {
+                return Ok(false);
+            }
             dynamics.evaluate(t, q, u, SlidingForces::Updated)?;
             let (defect, of_points) = self.residual[i * (n + m)..(i + 1) * (n + m)].split_at_mut(n);
             for ((r, f), a) in defect.iter_mut().zip(&dynamics.acceleration).zip(&self.a[own]) {

@@ -11,6 +11,7 @@
 //! near a full turn, where `D` is singular, the chart moves on to the present attitude.
 
 use std::borrow::Cow;
+use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -267,6 +268,12 @@ impl<'a> Chart<'a> {
         self.centre_at(&q, &mut state.q);
         self.q = q;
         true
+    }
+
+    /// Whether no attitude is more than a full turn from the centre, beyond which the series of `D` says nothing.
+    pub(crate) fn reaches(&self, x: &[f64]) -> bool {
+        // The comparison also turns away NaN.
+        self.rotations.iter().all(|turn| turn.part(x).norm() <= TAU)
     }
 
     /// The longest step along which no attitude turns too far from the centre.
