@@ -151,25 +151,21 @@ def raw_data():
     return lambda out: write_raw(first, out), lambda out: write_raw(second, out)
 
 
-def fit():
+def _two_fits(samples):
     from asperity.identify import fit_law
 
-    phi = np.linspace(0.0, 4.0 * np.pi, 5000, endpoint=False)
+    phi = np.linspace(0.0, 4.0 * np.pi, samples, endpoint=False)
     ray = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-    first, second = (
-        fit_law((phi, mu * ray), reservoir="circle", direction="circle") for mu in (0.3, 0.5)
-    )
+    return (fit_law((phi, mu * ray), reservoir="circle", direction="circle") for mu in (0.3, 0.5))
+
+
+def fit():
+    first, second = _two_fits(5000)
     return lambda out: first.save(out / "fit.npz"), lambda out: second.save(out / "fit.npz")
 
 
 def report():
-    from asperity.identify import fit_law
-
-    phi = np.linspace(0.0, 4.0 * np.pi, 500, endpoint=False)
-    ray = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-    first, second = (
-        fit_law((phi, mu * ray), reservoir="circle", direction="circle") for mu in (0.3, 0.5)
-    )
+    first, second = _two_fits(500)
     return lambda out: first.report(out / "fit.html"), lambda out: second.report(out / "fit.html")
 
 

@@ -1040,7 +1040,10 @@ def pulled_box(rng, interpolation):
     )
     rate = along * tangent + lifting * np.eye(len(tangent))[-1]
     if interpolation is None:
-        force = lambda t: t * rate  # noqa: E731
+
+        def force(t):
+            return t * rate
+
     else:
         times = np.linspace(0.0, 2.0 * end, 5)
         force = asp.Signal(times, times[:, None] * rate, interpolation=interpolation)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from asperity.errors import DimensionError, ParameterError
+from asperity._base import arrays
+from asperity.errors import DimensionError
 from asperity.law import FrictionLaw
 
 
@@ -11,8 +12,7 @@ def line_law(mu: float, law: FrictionLaw | None) -> FrictionLaw:
     coulomb = FrictionLaw.isotropic(mu, dimension=1)
     if law is None:
         return coulomb
-    if not isinstance(law, FrictionLaw):
-        raise ParameterError("law", f"must be a FrictionLaw or None, got {law!r}")
+    arrays.of_kind(law, "law", FrictionLaw, "a FrictionLaw or None")
     if law.dimension != 1:
         raise DimensionError("law", f"must have the dimension 1, has {law.dimension}")
     return law

@@ -15,9 +15,10 @@ const TOLERANCE: f64 = 1e-12;
 /// What contacts do that share a load which is nearly all that friction can hold is not told by this tolerance: where
 /// the share δ of the load is left, forces on the boundaries of the reservoirs may point √δ away from the common slip
 /// and balance but for accelerations of the tolerance over √δ. Newton's method makes these forces as accurate as
-/// rounding allows, so that the end of stick is known to about 1e-10 of the load instead of 1e-6.
+/// rounding allows: the end of the stick of 77 boxes in space that a growing force pulled was found to 2e-8 of its time
+/// then, and to 1e-5 before.
 const POLISH: Solver = Solver::Newton { max_iterations: 8 };
-/// Acceleration over the load that may be none.
+/// Acceleration over the load that may be none: at the tolerance this is what is left of it where δ is 1e-12.
 const MAY_BE_AT_REST: f64 = 1e-6;
 /// Residual that counts as solved where rounding leaves no better one and the solver has come to its end.
 const ROUNDED: f64 = 1e-9;

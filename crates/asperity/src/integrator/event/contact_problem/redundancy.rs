@@ -19,12 +19,15 @@ pub(crate) fn evaluate(
 ) -> Result<(), EvaluationError> {
     let t = solving.t;
     dynamics.evaluate(t, q, u, sliding_forces)?;
+    if !dynamics.is_indeterminate() {
+        return Ok(());
+    }
     // A contact that is just at its limit, though together all can go on, would be taken for an event.
     let limit = -rounded_excess(dynamics);
     let overloaded = |i: usize| {
         dynamics.contacts[i].mode != Phase::Open && contact_event_function(dynamics, i) > limit
     };
-    if dynamics.is_indeterminate() && (0..dynamics.contacts.len()).any(overloaded) {
+    if (0..dynamics.contacts.len()).any(overloaded) {
         let state = State { t, q: q.to_vec(), u: u.to_vec() };
         if !redistribute(dynamics, &state, solving)? {
             dynamics.evaluate(t, q, u, sliding_forces)?;

@@ -37,10 +37,7 @@ impl Integration<'_> {
             ahead.extrapolate(&self.state, &stuck, later);
             self.memory.clone_from(&kept);
             self.memory[i] = ContactState::new(Phase::Slip, direction);
-            for (contact, mode) in self.dynamics.contacts.iter_mut().zip(&before) {
-                contact.mode = mode.unwrap_or_default();
-                contact.undecided = contact.mode == Phase::Stick;
-            }
+            self.leave_undecided(&before);
             let (events, samples) = (self.motion.events.len(), self.motion.samples.len());
             self.step_size.h = length;
             let outcome = self.decide_modes_at(&ahead, &before)?;
@@ -80,6 +77,14 @@ impl Integration<'_> {
         Ok(None)
     }
 
+    /// Contacts are in the modes that they were in, and those that stuck are undecided.
+    fn leave_undecided(&mut self, before: &[Option<Phase>]) {
+        for (contact, mode) in self.dynamics.contacts.iter_mut().zip(before) {
+            contact.mode = mode.unwrap_or_default();
+            contact.undecided = contact.mode == Phase::Stick;
+        }
+    }
+
     /// What a slip that begins has changed in the accelerations at its onset already, as the end of a stick that several
     /// contacts share is known to about 1e-8 of its time only: extrapolated from what it changes a little later, and at
     /// `ahead` twice as late. Without it the first step would begin with an acceleration that its stages contradict.
@@ -95,10 +100,7 @@ impl Integration<'_> {
             return Ok(none);
         }
         let decided = self.dynamics.contacts.clone();
-        for (contact, mode) in self.dynamics.contacts.iter_mut().zip(before) {
-            contact.mode = mode.unwrap_or_default();
-            contact.undecided = contact.mode == Phase::Stick;
-        }
+        self.leave_undecided(before);
         let solving = Solving { memory: &self.memory, observer: &self.observer, t: ahead.t };
         let decision = accelerations::decide(&mut self.dynamics, ahead, &solving)?;
         let twice = self.dynamics.acceleration.clone();
