@@ -96,7 +96,7 @@ fn slip_on_ray<const P: usize>(
     sigma: &Vector<P>,
     k_c: f64,
 ) -> f64 {
-    let normal = law.direction().gauge_jet(x).1;
+    let normal = law.direction().normal(x);
     let along = f64::max(0.0, sigma.dot(&normal) / normal.norm_squared());
     let off = 1.0 - 1.0 / k_c;
     off * off * x.norm_squared() + (sigma - normal * along).norm_squared()
@@ -114,7 +114,7 @@ fn slip_beside<const P: usize>(law: &FrictionLaw<P>, x: &Vector<P>, sigma: &Vect
     let near = x - across;
     let crosses = (law.reservoir().gauge(&near) - 1.0) * (gauge - 1.0) <= 0.0;
     let aside = |at: &Vector<P>| {
-        let normal = law.direction().gauge_jet(at).1.normalize();
+        let normal = law.direction().normal(at).normalize();
         (sigma - normal * sigma.dot(&normal).max(0.0)).norm()
     };
     let distance = across.norm() + aside(x).max(aside(&near));
