@@ -61,7 +61,7 @@ impl Friction<'_> {
     /// `−P_T/P_N`.
     #[inline(always)]
     fn reduced<const P: usize>(&self) -> Vector<P> {
-        vector::<P>(self.tangent) * -(1.0 / self.normal)
+        -(vector::<P>(self.tangent) * (1.0 / self.normal))
     }
 }
 
@@ -156,7 +156,7 @@ impl Law {
     /// The sliding direction that goes with a force λ on the boundary of the reservoir: the normal of *D*.
     pub(crate) fn normal(&self, force: &[f64]) -> Components {
         answer!(self, law => {
-            let normal = law.direction().gauge_jet(&-vector(force)).1;
+            let normal = law.direction().normal(&-vector(force));
             padded(&normal.try_normalize(0.0).unwrap_or_else(Vector::zeros))
         })
     }
