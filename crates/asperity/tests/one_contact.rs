@@ -1020,6 +1020,45 @@ fn listed_solutions_of_contacts_that_bounce_have_the_velocities_of_their_percuss
     }
 }
 
+/// Friction that pulls the contact in by just more than the normal force resists leaves no solution; that is said where
+/// it does not hang on the tenth digit.
+#[test]
+fn proofs_keep_a_margin() {
+    for (kg, speed) in [(1.0, 1.0), (4f64.powi(20), 1.0), (4f64.powi(-20), 2f64.powi(30))] {
+        for (p, mu, excess, proven) in [
+            (1, 0.8, 1e-8, true),
+            (1, 0.8, 1e-10, false),
+            (1, 0.8, -1e-8, false),
+            (2, 0.8, 1e-6, true),
+            (2, 0.8, 1e-10, false),
+            (2, 0.8, -1e-6, false),
+            (1, 0.4, 1e-8, true),
+            (2, 0.4, 1e-6, true),
+        ] {
+            let pull = (1.0 + excess) / mu;
+            let delassus = DMatrix::from_fn(1 + p, 1 + p, |i, j| match (i, j) {
+                (0, 0) => 1.0,
+                (0, 1) | (1, 0) => pull,
+                _ if i == j => 0.75 * pull * pull,
+                _ => 0.0,
+            });
+            let law = match p {
+                1 => Law::from(FrictionLaw::<1>::isotropic(mu).unwrap()),
+                _ => Law::from(FrictionLaw::<2>::isotropic(mu).unwrap()),
+            };
+            let free = [-speed, 5.0 * speed, 0.0][..1 + p].to_vec();
+            let contacts = [(law, NormalForce::Unilateral)];
+            let problem = ContactProblem::new(delassus / kg, free, contacts).unwrap();
+            let (mut memory, mut workspace) = (Memory::new(1 + p, 1), Workspace::default());
+            let exact = Solver::Exact { max_sweeps: 1 };
+            let report = exact.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
+            let none = report.status == Status::NoSolution;
+            assert_eq!(none, proven, "p = {p}, {mu}, {excess:e}, {kg:e} kg: {report:?}");
+            assert_eq!(none, workspace.infeasibility().is_some());
+        }
+    }
+}
+
 /// Contacts side by side, those of several threads and those of one: each does what it does alone, to the bit.
 #[test]
 fn contacts_side_by_side_do_what_they_do_alone() {
