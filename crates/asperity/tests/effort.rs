@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use asperity::contact::{ContactProblem, ContactState, Memory, NormalForce, Phase};
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{
-    Cone, Convex, ConvexSet, CustomConvex, CustomStar, Ellipsoid, Matrix, Star, StarSet, Vector,
+    Cone, Convex, ConvexSet, CoulombContensou, Cuboid, CustomConvex, CustomStar, Ellipsoid, Matrix,
+    Pressure, Star, StarSet, Vector,
 };
 use asperity::solver::{Solver, Status, Stop, Workspace, solutions};
 use common::{Random, V, gram, laws};
@@ -311,11 +312,13 @@ const PLANAR: [(&str, [usize; 6]); 24] = [
     ("measured", [1645, 2295, 24606, 4086, 92, 396]),
     ("C ellipse, D runner", [2827, 3349, 26114, 4681, 90, 422]),
 ];
-const OTHERS: [(&str, [usize; 3]); 4] = [
+const OTHERS: [(&str, [usize; 3]); 6] = [
     ("line", [1152, 1150, 15179]),
     ("ball", [1358, 1556, 21861]),
     ("ellipsoid", [1352, 1588, 24286]),
     ("two ellipsoids", [5008, 6413, 29543]),
+    ("box", [9999999; 3]),
+    ("Hertz", [9999999; 3]),
 ];
 
 #[track_caller]
@@ -347,6 +350,16 @@ fn solutions_on_a_line_and_in_space_ask_no_more_than_they_did() {
         ("ball", FrictionLaw::<3>::isotropic(0.5).unwrap()),
         ("ellipsoid", FrictionLaw::associated(convex(0.6, 0.3, 0.2))),
         ("two ellipsoids", two),
+        (
+            "box",
+            FrictionLaw::associated(
+                Cuboid::symmetric(Vector::<3>::new(0.5, 0.3, 0.2)).unwrap().into(),
+            ),
+        ),
+        (
+            "Hertz",
+            FrictionLaw::associated(CoulombContensou::new(0.4, Pressure::Hertz).unwrap().into()),
+        ),
     ];
     let space =
         space.map(|(name, law)| (name, BLOCKS.map(|block| solutions_of(name, &law, block))));

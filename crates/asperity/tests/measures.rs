@@ -431,6 +431,17 @@ fn certificates_are_in_physical_units() {
     close(pulls.cone_violation, 0.1);
     close(pulls.direction_violation, 0.1);
     assert_eq!(pulls.phases, [1, 0, 0]);
+    // In space: −P = (0.3, 0.6, 0.6) of length 0.9 is 0.15 too long for 0.5·1.5.
+    let law = FrictionLaw::<3>::isotropic(0.5).unwrap().into();
+    let space = ContactProblem::new(
+        DMatrix::identity(4, 4),
+        vec![-1.5, 0.3, 0.6, 0.6],
+        [(law, NormalForce::Unilateral)],
+    )
+    .unwrap();
+    let found = Certificate::new(&space, &[1.5, -0.3, -0.6, -0.6]).unwrap();
+    close(found.cone_violation, 0.15);
+    close(found.direction_violation, 0.15);
     // What is in order has none of it.
     let open = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [1.0, 1.0, 0.0]);
     let found = Certificate::new(&open, &[0.0; 3]).unwrap();

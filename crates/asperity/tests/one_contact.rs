@@ -1141,17 +1141,22 @@ fn contacts_that_meet_are_marked_one_by_one() {
             [x.x, x.y]
         })
         .collect();
-    let contacts = (0..count).map(|_| (law.clone(), NormalForce::Prescribed(1.0)));
-    let problem = ContactProblem::new(delassus, free, contacts).unwrap();
-    let solve = |threads: usize| {
+    let in_units_of = |speed: f64| {
+        let contacts = (0..count).map(|_| (law.clone(), NormalForce::Prescribed(speed)));
+        let free = free.iter().map(|v| v * speed).collect();
+        ContactProblem::new(delassus.clone(), free, contacts).unwrap()
+    };
+    let problem = in_units_of(1.0);
+    let solve = |problem: &ContactProblem, threads: usize| {
         let (mut memory, mut workspace) = (Memory::new(2 * count, count), Workspace::default());
         let auto = Solver::Auto { interior_point: true, threads };
-        let report = auto.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
+        let report = auto.solve(problem, Stop::at(1e-9), &mut memory, &mut workspace);
         assert_eq!(report.status, Status::Converged, "{report:?}");
         (memory, workspace.ambiguous().to_vec())
     };
-    let (memory, flags) = solve(1);
-    assert_eq!(solve(2), (memory.clone(), flags.clone()));
+    let (memory, flags) = solve(&problem, 1);
+    assert_eq!(solve(&problem, 2), (memory.clone(), flags.clone()));
+    assert_eq!(solve(&in_units_of(2f64.powi(-40)), 1).1, flags);
     assert!(flags.iter().any(|flag| *flag) && flags.iter().any(|flag| !*flag));
     for i in (0..count).step_by(25).chain([510, 511, 512, 513, 699]) {
         let listed = solutions(&problem, i, &memory.percussion).unwrap();
