@@ -365,3 +365,6 @@ fn square<const P: usize>(matrix: &Matrix<P>) -> [Components; 3] {
         std::array::from_fn(|j| if i < P && j < P { matrix[(i, j)] } else { 0.0 })
     })
 }
+
+#[cfg(test)]
+mod tests;
