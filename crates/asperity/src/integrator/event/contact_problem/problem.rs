@@ -150,7 +150,7 @@ impl Participants {
         let delassus = BlockMatrix::full(&sizes, |i, j| {
             dot(dynamics.row(self.rows[i]), response(j)) + shared(i, j)
         });
-        let mut problem = ContactProblem::assemble(contacts.into_iter(), delassus.into());
+        let mut problem = ContactProblem::assemble(contacts, delassus.into());
         problem.free_velocity_mut().copy_from_slice(load);
         Ok(problem)
     }

@@ -50,13 +50,16 @@ impl Sharing {
 
     /// The entry of `ρP` for two rows of the system.
     pub(crate) fn entry(&self, row: usize, other: usize) -> f64 {
-        if self.is_empty() || row % ROWS != 0 || other % ROWS != 0 {
-            return 0.0;
-        }
-        match (self.places[row / ROWS], self.places[other / ROWS]) {
+        match (self.place(row), self.place(other)) {
             (Some(a), Some(b)) if a.group == b.group => self.groups[a.group][(a.row, b.row)],
             _ => 0.0,
         }
+    }
+
+    /// The place of a normal row of a contact that shares.
+    fn place(&self, row: usize) -> Option<Place> {
+        let normal = row.is_multiple_of(ROWS);
+        self.places.get(row / ROWS).copied().flatten().filter(|_| normal)
     }
 
     /// A row of `ρP` times forces along other rows.
