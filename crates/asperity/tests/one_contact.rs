@@ -1067,8 +1067,8 @@ fn contacts_side_by_side_do_what_they_do_alone() {
     let blocks = {
         let (starts, indices) = ((0..=2 * count).collect(), (0..2 * count).collect());
         let values = (0..2 * count).map(entry).collect();
-        let size = (2 * count, 2 * count);
-        let matrix = Csr::new("delassus", size, starts, indices, values).unwrap();
+        let rows = 2 * count;
+        let matrix = Csr::new("delassus", rows, rows, starts, indices, values).unwrap();
         assert!(BlockMatrix::from_pattern(&sizes, &lists).is_ok());
         BlockMatrix::from_csr(&matrix, &sizes).unwrap()
     };
