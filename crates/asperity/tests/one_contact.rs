@@ -998,8 +998,9 @@ fn of_any_continuum_the_shortest_percussions_are_taken() {
 fn listed_solutions_of_contacts_that_bounce_have_the_velocities_of_their_percussions() {
     let mut random = Random::new(29);
     let line = Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap());
+    let planar: Vec<Law> = laws().into_iter().take(12).map(|(_, law)| law.into()).collect();
     for k in 0..60 {
-        let law = if k % 3 == 0 { line.clone() } else { laws().swap_remove(k % 12).1.into() };
+        let law = if k % 3 == 0 { line.clone() } else { planar[k % 12].clone() };
         let rows = 1 + law.dimension();
         let delassus = gram(rows, rows + 3, &mut random);
         let before: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 0.0)).collect();
