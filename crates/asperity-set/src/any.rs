@@ -300,6 +300,11 @@ impl<const P: usize> StarSet<P> for Convex<P> {
         each_convex!(self, set => set.gauge_jet(x))
     }
 
+    #[inline(always)]
+    fn normal(&self, x: &Vector<P>) -> Vector<P> {
+        each_convex!(self, set => set.normal(x))
+    }
+
     fn corners(&self) -> Vec<Vector<P>> {
         each_convex!(self, set => set.corners())
     }

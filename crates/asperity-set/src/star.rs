@@ -33,6 +33,11 @@ pub trait StarSet<const P: usize>: Debug + Send + Sync {
         (x.amax() > 0.0).then(|| self.gauge_jet(x).1)
     }
 
+    /// An outward normal of the boundary on the ray of `x ≠ 0`, of any length.
+    fn normal(&self, x: &Vector<P>) -> Vector<P> {
+        self.gauge_jet(x).1
+    }
+
     /// Distance from the origin to the boundary along `direction`, which need not have unit length.
     fn radius(&self, direction: &Vector<P>) -> f64 {
         direction.norm() / self.gauge(direction)

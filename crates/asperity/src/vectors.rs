@@ -40,10 +40,10 @@ pub(crate) fn combine(x: &[f64], factor: f64, y: &[f64], out: &mut [f64]) {
     }
 }
 
-/// Whether all are numbers and none is infinite.
+/// Whether all are numbers and none is infinite: zero times anything else is not a number.
 #[inline(always)]
 pub(crate) fn are_finite(values: &[f64]) -> bool {
-    unrolled!(n = values.len() => values[..n].iter().all(|v| v.is_finite()))
+    unrolled!(n = values.len() => values[..n].iter().fold(0.0, |sum, v| sum + 0.0 * v) == 0.0)
 }
 
 /// The largest size of a component.

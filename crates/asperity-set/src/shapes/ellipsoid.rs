@@ -151,11 +151,16 @@ impl<const P: usize> StarSet<P> for Ellipsoid<P> {
         (self.to_ball * x).norm()
     }
 
-    #[inline]
+    #[inline(always)]
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
         let unit = self.to_ball * x;
         let gauge = unit.norm();
         (gauge, self.to_ball.tr_mul(&unit) * (1.0 / gauge))
+    }
+
+    #[inline]
+    fn normal(&self, x: &Vector<P>) -> Vector<P> {
+        self.to_ball.tr_mul(&(self.to_ball * x))
     }
 }
 
@@ -180,7 +185,7 @@ impl<const P: usize> ConvexSet<P> for Ellipsoid<P> {
         (point, self.from_ball * tangential * self.from_ball.transpose())
     }
 
-    #[inline]
+    #[inline(always)]
     fn support_derivative(&self, y: &Vector<P>, dy: &Vector<P>) -> (Vector<P>, Vector<P>) {
         let stretched = self.from_ball.tr_mul(y);
         let reciprocal = 1.0 / stretched.norm();

@@ -402,40 +402,11 @@ impl ContactProblem {
     /// `velocity ← G P + b`.
     #[inline]
     pub(crate) fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
-        let free = &self.free_velocity[..];
-        // The rows of one contact stay in registers.
-        if self.contacts.len() == 1 && !self.delassus.is_matrix_free() {
-            let entries = self.delassus.blocks().values();
-            return match free.len() {
-                1 => velocity_of::<1>(entries, percussion, free, velocity),
-                2 => velocity_of::<2>(entries, percussion, free, velocity),
-                3 => velocity_of::<3>(entries, percussion, free, velocity),
-                _ => velocity_of::<4>(entries, percussion, free, velocity),
-            };
-        }
         self.delassus.apply(percussion, velocity);
-        for (value, free) in velocity.iter_mut().zip(free) {
+        for (value, free) in velocity.iter_mut().zip(&self.free_velocity) {
             *value += free;
         }
     }
-}
-
-/// `γ_E = G P + b` of one contact with `N` rows.
-#[inline(always)]
-fn velocity_of<const N: usize>(
-    entries: &[f64],
-    percussion: &[f64],
-    free: &[f64],
-    velocity: &mut [f64],
-) {
-    let (entries, percussion) = (&entries[..N * N], &percussion[..N]);
-    let mut sums: [f64; N] = std::array::from_fn(|i| free[i]);
-    for j in 0..N {
-        for i in 0..N {
-            sums[i] += entries[i * N + j] * percussion[j];
-        }
-    }
-    velocity.copy_from_slice(&sums);
 }
 
 /// Refuses velocities and normal percussions whose squares, or those of what follows from them, would overflow.

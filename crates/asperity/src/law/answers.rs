@@ -61,7 +61,7 @@ impl Friction<'_> {
     /// `−P_T/P_N`.
     #[inline(always)]
     fn reduced<const P: usize>(&self) -> Vector<P> {
-        vector::<P>(self.tangent) * -(1.0 / self.normal)
+        -(vector::<P>(self.tangent) * (1.0 / self.normal))
     }
 }
 
@@ -117,6 +117,17 @@ impl Law {
         answer!(self, law => law.rate())
     }
 
+    /// The associated law with this reservoir where that is convex, and this law is another one. Whether contacts can stick
+    /// depends on reservoirs alone; with associated laws, accelerations and with them the answer are unique.
+    pub(crate) fn associated(&self) -> Option<Self> {
+        fn of<const P: usize>(law: &FrictionLaw<P>) -> Option<FrictionLaw<P>> {
+            let other = !law.is_associated() || law.rate().is_some();
+            let reservoir = law.reservoir().as_convex().filter(|_| other)?;
+            Some(FrictionLaw::associated(reservoir.clone()))
+        }
+        answer!(self, law => of(law).map(Self::from))
+    }
+
     /// `min r_D/r_C`, see [`FrictionLaw::alpha_min`].
     pub fn alpha_min(&self) -> f64 {
         answer!(self, law => law.alpha_min())
@@ -145,7 +156,7 @@ impl Law {
     /// The sliding direction that goes with a force λ on the boundary of the reservoir: the normal of *D*.
     pub(crate) fn normal(&self, force: &[f64]) -> Components {
         answer!(self, law => {
-            let normal = law.direction().gauge_jet(&-vector(force)).1;
+            let normal = law.direction().normal(&-vector(force));
             padded(&normal.try_normalize(0.0).unwrap_or_else(Vector::zeros))
         })
     }
@@ -354,3 +365,6 @@ fn square<const P: usize>(matrix: &Matrix<P>) -> [Components; 3] {
         std::array::from_fn(|j| if i < P && j < P { matrix[(i, j)] } else { 0.0 })
     })
 }
+
+#[cfg(test)]
+mod tests;

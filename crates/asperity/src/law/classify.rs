@@ -101,7 +101,7 @@ impl<const P: usize> FrictionLaw<P> {
     fn sliding_directions(&self) -> Vec<Vector<P>> {
         let mut all: Vec<Vector<P>> = directions(COUNT);
         let corners = self.reservoir().corners().into_iter().chain(self.direction().corners());
-        all.extend(corners.map(|x| self.direction().gauge_jet(&x).1.normalize()));
+        all.extend(corners.map(|x| self.direction().normal(&x).normalize()));
         all
     }
 

@@ -225,7 +225,7 @@ impl<const P: usize> FrictionLaw<P> {
         if !(gauge <= 1.0 + tolerance) {
             return Err(LawError::OutsideReservoir { gauge });
         }
-        Ok(self.direction.gauge_jet(&x).1.normalize())
+        Ok(self.direction.normal(&x).normalize())
     }
 
     /// `∂λ/∂γ` while sliding: `−λ_N/k_C(z) (I − z∇k_C(z)ᵀ/k_C(z)) ∇²Ψ*_D(γ)` (\[WL19\] (87), (88)), and

@@ -22,6 +22,9 @@
 //! distances, the sum of both parts is no less for any other pair that obeys the law: the defect is the natural map of
 //! \[WL19\] (12).
 //!
+//! Solvers end in rest, or in slip on the ray of `x` along a normal of *D*. Where such a pair is as near as rounding, no
+//! projection is made to find a nearer one.
+//!
 //! Where *C* is not convex a third pair is asked for, see [`slip_beside`]: beside a cusp the lengths of neighbouring rays
 //! differ, as those of `x` and `x′` do by rounding, by much more than bdry *C* is away.
 
@@ -39,8 +42,16 @@ pub(in crate::law) fn squared_defect<const P: usize>(
     if law.is_associated() {
         return (x - law.direction().project_from(&(x + sigma), x)).norm_squared();
     }
-    let speed = sigma.norm_squared();
-    let (k_d, k_c) = (law.direction().gauge(x), law.reservoir().gauge(x));
+    let (speed, k_c) = (sigma.norm_squared(), law.reservoir().gauge(x));
+    let rounding = ROUNDING * (x.norm_squared() + speed);
+    if k_c <= 1.0 && speed <= rounding {
+        return speed;
+    }
+    let on_ray = slip_on_ray(law, x, sigma, k_c);
+    if on_ray <= rounding {
+        return on_ray;
+    }
+    let k_d = law.direction().gauge(x);
     let alpha = 1.0 / (k_d - k_c + 1.0);
     let start = x * alpha;
     let target = start + sigma * alpha;
@@ -76,6 +87,21 @@ pub(in crate::law) fn squared_defect<const P: usize>(
 /// The square of a relative defect that needs no nearer pair: it is rounding.
 const ROUNDING: f64 = 1e-30;
 
+/// Square of how far it is to slip with the percussion on the ray of `x` in bdry *C*: what `x` is off it, and the velocity off
+/// the normal of *D* there.
+#[inline(always)]
+fn slip_on_ray<const P: usize>(
+    law: &FrictionLaw<P>,
+    x: &Vector<P>,
+    sigma: &Vector<P>,
+    k_c: f64,
+) -> f64 {
+    let normal = law.direction().normal(x);
+    let along = f64::max(0.0, sigma.dot(&normal) / normal.norm_squared());
+    let off = 1.0 - 1.0 / k_c;
+    off * off * x.norm_squared() + (sigma - normal * along).norm_squared()
+}
+
 /// How far it is to slip with a percussion on bdry *C* near `x` that need not be on its ray: the length of a step across
 /// bdry *C*, and what the velocity is off the normals of *D* at its ends; infinite where the step does not cross bdry *C*.
 #[cold]
@@ -88,7 +114,7 @@ fn slip_beside<const P: usize>(law: &FrictionLaw<P>, x: &Vector<P>, sigma: &Vect
     let near = x - across;
     let crosses = (law.reservoir().gauge(&near) - 1.0) * (gauge - 1.0) <= 0.0;
     let aside = |at: &Vector<P>| {
-        let normal = law.direction().gauge_jet(at).1.normalize();
+        let normal = law.direction().normal(at).normalize();
         (sigma - normal * sigma.dot(&normal).max(0.0)).norm()
     };
     let distance = across.norm() + aside(x).max(aside(&near));

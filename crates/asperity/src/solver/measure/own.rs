@@ -74,18 +74,16 @@ fn alone<const N: usize, const P: usize>(
     // With one contact nothing is brought by others, see `scale` of the natural residual. Terms are added in the order of
     // `ContactProblem::velocity`, so that velocities do not tell, to the bit, which way they were found.
     let only = problem.contacts().len() == 1;
-    let (mut sums, mut brought) = (if only { *free } else { [0.0; N] }, [0.0; N]);
-    for b in 0..N {
-        for a in 0..N {
+    let (mut sums, mut brought) = ([0.0; N], [0.0; N]);
+    for a in 0..N {
+        let (mut sum, mut magnitudes) = (0.0, 0.0);
+        for b in 0..N {
             let term = block[N * a + b] * percussion[b];
-            sums[a] += term;
-            brought[a] += term.abs();
+            sum += term;
+            magnitudes += term.abs();
         }
-    }
-    if only {
-        brought = [0.0; N];
-    } else {
-        sums = std::array::from_fn(|a| sums[a] + free[a]);
+        sums[a] = sum + free[a];
+        brought[a] = if only { 0.0 } else { magnitudes };
     }
     velocity[..N].copy_from_slice(&sums);
     measure(own, percussion, &sums, &brought)

@@ -172,6 +172,7 @@ impl<'a, const P: usize> Local<'a, P> {
     }
 
     /// The slip solution with `−P_T = P_N x`.
+    #[inline(always)]
     pub(crate) fn slip(&self, x: &Vector<P>, v: &Vector<P>, degenerate: bool) -> LocalSolution<P> {
         let denominator = self.denominator(x);
         let normal = self.prescribed.unwrap_or(-self.b_n / denominator);

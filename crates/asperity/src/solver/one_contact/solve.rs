@@ -113,7 +113,11 @@ impl<'a> OneContact<'a> {
                 let guess = || guess(local, start.slip.unwrap_or_else(|| history.ahead()));
                 let buffer = &mut candidates.planar;
                 if policy == Policy::Prove {
-                    let found = plane::solve(local, history, guess, buffer, effort)?;
+                    // Most contacts end here.
+                    if let Some(solution) = plane::fast(local, guess) {
+                        return Some(keep(&Selection { solution, ambiguous: false }, percussion));
+                    }
+                    let found = plane::select_among_all(*local, history, buffer, effort)?;
                     return Some(keep(&found, percussion));
                 }
                 let solution = plane::first_found(local, history, guess, buffer, effort)?;
@@ -137,8 +141,9 @@ impl<'a> OneContact<'a> {
             Line(local) => line::solve(local, state, effort).is_some_and(|s| s.ambiguous),
             Plane(local) => {
                 let guess = || guess(local, state.ahead());
-                plane::solve(local, state, guess, &mut candidates.planar, effort)
-                    .is_some_and(|s| s.ambiguous)
+                plane::fast(local, guess).is_none()
+                    && plane::select_among_all(*local, state, &mut candidates.planar, effort)
+                        .is_some_and(|s| s.ambiguous)
             },
             Space(_) => false
         )

@@ -99,7 +99,7 @@ impl<'a, 'b> Slip<'a, 'b> {
     }
 
     /// The same for a root that Newton's method has found, if it has kept its digits.
-    #[inline]
+    #[inline(always)]
     pub(super) fn admit_root(&self, n: &V, x: &V, v: &V) -> Option<LocalSolution<2>> {
         let outward = self.sign * n.dot(v) > 0.0;
         let pressed = self.sign * self.local.denominator(x) > self.least;

@@ -27,21 +27,6 @@ pub(crate) use rising::Rising;
 pub(crate) use rising::{solutions as rising_solutions, solutions_on_a_line};
 use scan::Scan;
 
-/// The solution that continues `state`, by the fast path where uniqueness is certain.
-#[inline(always)]
-pub(crate) fn solve(
-    local: &Local<'_, 2>,
-    state: &ContactState,
-    guess: impl Fn() -> V,
-    buffer: &mut Vec<LocalSolution<2>>,
-    effort: &mut Effort,
-) -> Option<Selection<2>> {
-    match fast(local, guess) {
-        Some(solution) => Some(Selection { solution, ambiguous: false }),
-        None => select_among_all(*local, state, buffer, effort),
-    }
-}
-
 /// A solution for sweeps that will come back to the contact: the one that continues `state` as far as the
 /// stick solution and Newton's method from the last direction show, without a proof that there is no other.
 #[inline(always)]
@@ -107,9 +92,10 @@ fn ill_conditioned(
     local.rescued(state, effort).map(|s| s.solution)
 }
 
+/// The solution that continues `state`, from all that there are.
 #[cold]
 #[inline(never)]
-fn select_among_all(
+pub(crate) fn select_among_all(
     local: Local<'_, 2>,
     state: &ContactState,
     buffer: &mut Vec<LocalSolution<2>>,
@@ -125,7 +111,7 @@ fn select_among_all(
 
 /// The solution, if it is found quickly and certainly the only one.
 #[inline(always)]
-fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
+pub(crate) fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
     // Friction may pull a contact towards the surface that is not pressed by any.
     if local.prescribed.is_none() && !local.block.pressed {
         return None;
@@ -153,7 +139,7 @@ fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>>
 /// Newton's method from the normal below the load of stick, a good start where the last direction is far off.
 #[inline(never)]
 fn newton_from_load(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> Option<LocalSolution<2>> {
-    newton(slip, &local.law.direction().gauge_jet(&local.stick_load().load).1)
+    newton(slip, &local.law.direction().normal(&local.stick_load().load))
 }
 
 /// Whether there is no slip beside stick.
@@ -202,14 +188,15 @@ fn has_one_solution(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
 
 /// Newton's method for `F = 0` in the angle of the normal, from the last slip direction.
 ///
-/// `dF/dφ = −n·v − n × (A x')`, `x' = (z' − x (∇k_C·z'))/k_C`, `z' = ∇²h_D n⊥`.
+/// `dF/dφ = −n·v − n × (A x')`, `x' = (z' − x (∇k_C·z'))/k_C`, `z' = ∇²h_D n⊥`, where `n` may have any length: it is a
+/// factor of `F` and `dF/dφ` alike.
 #[inline(always)]
 fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
     let law = slip.local.law;
-    let mut n = guess.try_normalize(0.0)?;
     if let Some(mu) = law.isotropic_coefficient() {
-        return isotropic::newton(slip, n, mu);
+        return isotropic::newton(slip, guess.try_normalize(0.0)?, mu);
     }
+    let mut n = *guess;
     for _ in 0..10 {
         let turn = V::new(-n.y, n.x);
         let (z, dz) = law.direction().support_derivative(&n, &turn);
@@ -218,7 +205,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
         let x = z * reciprocal;
         let v = slip.velocity(&x);
         let value = cross(&n, &v);
-        if value.abs() <= slip.rounding {
+        if value.abs() <= slip.rounding * n.norm() {
             return slip.admit_root(&n, &x, &v);
         }
         let dx = (dz - x * gradient.dot(&dz)) * reciprocal;
