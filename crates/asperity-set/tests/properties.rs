@@ -48,6 +48,8 @@ proptest! {
         prop_assert_eq!(gradient, same);
         prop_assert!(close(gauge, set.gauge(&x), 1e-14));
         prop_assert!(set.gauge_gradient(&V::zeros()).is_none());
+        let normal = set.as_convex().map_or(same, |convex| convex.normal(&x));
+        prop_assert!((normal.normalize() - gradient.normalize()).norm() <= 1e-12, "{normal} {x}");
     }
 
     #[test]

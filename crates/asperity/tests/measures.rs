@@ -623,7 +623,7 @@ fn between_walls(
             }
             starts.push(indices.len());
         }
-        Csr::new(argument, matrix.shape(), starts, indices, values).unwrap()
+        Csr::new(argument, matrix.nrows(), matrix.ncols(), starts, indices, values).unwrap()
     };
     let masses = DMatrix::from_fn(4, 4, |i, j| if i == j { mass(i) } else { 0.0 });
     let factored =
@@ -770,11 +770,11 @@ fn heavy_bodies_that_the_operator_has_lost_are_never_said_to_have_no_solution() 
     for heavy in [1e15, 1e16, 1e17, 1e20, 1e25, 1e30] {
         let masses = [1.0, 1.0, heavy, heavy];
         let mass =
-            Csr::new("mass", (4, 4), (0..=4).collect(), (0..4).collect(), masses.to_vec()).unwrap();
+            Csr::new("mass", 4, 4, (0..=4).collect(), (0..4).collect(), masses.to_vec()).unwrap();
         // Rows: light on ground, normal and along; heavy on light likewise. Velocities (x, y) of both bodies.
         let (starts, columns) = (vec![0, 1, 2, 4, 6], vec![1, 0, 1, 3, 0, 2]);
         let values = vec![1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
-        let directions = Csr::new("directions", (4, 4), starts, columns, values).unwrap();
+        let directions = Csr::new("directions", 4, 4, starts, columns, values).unwrap();
         let factored = Factored::new(mass, directions, &[2, 2]).unwrap();
         let law = || Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap());
         let contacts = [0, 1].map(|_| (law(), NormalForce::Unilateral));

@@ -237,7 +237,7 @@ fn of_islands(islands: &[Island], contacts: &[(usize, usize)]) -> ContactProblem
         }
     }
     let rows = 3 * contacts.len();
-    let matrix = Csr::new("delassus", (rows, rows), starts, indices, values).unwrap();
+    let matrix = Csr::new("delassus", rows, rows, starts, indices, values).unwrap();
     let blocks = BlockMatrix::from_csr(&matrix, &vec![3; contacts.len()]).unwrap();
     let free = contacts.iter().flat_map(|&(island, place)| {
         islands[island].free[3 * place..3 * place + 3].iter().copied()

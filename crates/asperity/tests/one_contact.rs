@@ -16,7 +16,8 @@ use asperity::set::{
 };
 use asperity::simulate::{Options, Outcome, simulate};
 use asperity::solver::{
-    ContactSolution, Solver, Status, Stop, Workspace, natural_residual, solutions,
+    ContactSolution, InfeasibilityKind, Solver, Status, Stop, Workspace, natural_residual,
+    solutions,
 };
 use asperity::system::{Contact, LinearSystem};
 use common::{FAMILIES, Random, V, gram, laws, one_contact};
@@ -997,8 +998,9 @@ fn of_any_continuum_the_shortest_percussions_are_taken() {
 fn listed_solutions_of_contacts_that_bounce_have_the_velocities_of_their_percussions() {
     let mut random = Random::new(29);
     let line = Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap());
+    let planar: Vec<Law> = laws().into_iter().take(12).map(|(_, law)| law.into()).collect();
     for k in 0..60 {
-        let law = if k % 3 == 0 { line.clone() } else { laws().swap_remove(k % 12).1.into() };
+        let law = if k % 3 == 0 { line.clone() } else { planar[k % 12].clone() };
         let rows = 1 + law.dimension();
         let delassus = gram(rows, rows + 3, &mut random);
         let before: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 0.0)).collect();
@@ -1052,9 +1054,11 @@ fn proofs_keep_a_margin() {
             let (mut memory, mut workspace) = (Memory::new(1 + p, 1), Workspace::default());
             let exact = Solver::Exact { max_sweeps: 1 };
             let report = exact.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
-            let none = report.status == Status::NoSolution;
-            assert_eq!(none, proven, "p = {p}, {mu}, {excess:e}, {kg:e} kg: {report:?}");
-            assert_eq!(none, workspace.infeasibility().is_some());
+            let kind = workspace.infeasibility().map(|proof| proof.kind);
+            let by_search = kind == Some(InfeasibilityKind::OneContact);
+            assert_eq!(by_search, proven, "p = {p}, {mu}, {excess:e}, {kg:e} kg: {report:?}");
+            assert_eq!(report.status == Status::NoSolution, kind.is_some());
+            assert!(excess > 0.0 || kind.is_none(), "p = {p}, {mu}, {excess:e}: {report:?}");
         }
     }
 }
@@ -1072,8 +1076,8 @@ fn contacts_side_by_side_do_what_they_do_alone() {
     let blocks = {
         let (starts, indices) = ((0..=2 * count).collect(), (0..2 * count).collect());
         let values = (0..2 * count).map(entry).collect();
-        let size = (2 * count, 2 * count);
-        let matrix = Csr::new("delassus", size, starts, indices, values).unwrap();
+        let rows = 2 * count;
+        let matrix = Csr::new("delassus", rows, rows, starts, indices, values).unwrap();
         assert!(BlockMatrix::from_pattern(&sizes, &lists).is_ok());
         BlockMatrix::from_csr(&matrix, &sizes).unwrap()
     };

@@ -161,9 +161,9 @@ fn bad_operators_are_named() {
     named(factored(&chain, &along), "mass");
     let products = Arc::new(Products(DMatrix::identity(4, 4)));
     named(MatrixFree::new(products, &[3]).map(|_| ()), "delassus");
-    let unsorted = Csr::new("delassus", (1, 2), vec![0, 2], vec![1, 0], vec![1.0, 1.0]);
+    let unsorted = Csr::new("delassus", 1, 2, vec![0, 2], vec![1, 0], vec![1.0, 1.0]);
     named(unsorted.map(|_| ()), "delassus");
-    let outside = Csr::new("delassus", (1, 2), vec![0, 1], vec![2], vec![1.0]);
+    let outside = Csr::new("delassus", 1, 2, vec![0, 1], vec![2], vec![1.0]);
     named(outside.map(|_| ()), "delassus");
 }
 

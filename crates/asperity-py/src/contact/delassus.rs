@@ -52,13 +52,13 @@ impl Operator<'_> {
 
 fn sparse(
     argument: &'static str,
-    shape: (usize, usize),
-    (starts, columns, values): &Triple<'_>,
+    (rows, columns): (usize, usize),
+    (starts, indices, values): &Triple<'_>,
 ) -> Result<Csr, Failure> {
     let index = |array: &PyReadonlyArray1<'_, i64>| -> Vec<usize> {
         // Negative numbers become too large ones, which are refused.
         array.as_array().iter().map(|&k| k as usize).collect()
     };
     let values = numbers(values, argument)?.to_vec();
-    Ok(Csr::new(argument, shape, index(starts), index(columns), values)?)
+    Ok(Csr::new(argument, rows, columns, index(starts), index(indices), values)?)
 }

@@ -93,7 +93,8 @@ impl From<&Csr> for CsrData {
 
 impl CsrData {
     fn csr(self, argument: &'static str) -> Result<Csr, ArgumentError> {
-        Csr::new(argument, self.shape, self.starts, self.indices, self.values)
+        let Self { shape: (rows, columns), starts, indices, values } = self;
+        Csr::new(argument, rows, columns, starts, indices, values)
     }
 }
 

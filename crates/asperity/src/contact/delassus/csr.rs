@@ -14,7 +14,7 @@ pub struct Csr {
 }
 
 impl Csr {
-    /// The matrix whose row `i` has its entries at `starts[i]..starts[i + 1]`; `argument` is named in errors.
+    /// The matrix with so many rows and columns whose row `i` has its entries at `starts[i]..starts[i + 1]`; `argument` is named in errors.
     ///
     /// # Errors
     ///
@@ -22,7 +22,8 @@ impl Csr {
     /// it, or if an entry is not finite.
     pub fn new(
         argument: &'static str,
-        (rows, columns): (usize, usize),
+        rows: usize,
+        columns: usize,
         starts: Vec<usize>,
         indices: Vec<usize>,
         values: Vec<f64>,
@@ -64,7 +65,7 @@ impl Csr {
             }
             starts.push(indices.len());
         }
-        Self::new(argument, matrix.shape(), starts, indices, values)
+        Self::new(argument, matrix.nrows(), matrix.ncols(), starts, indices, values)
     }
 
     /// Number of rows.

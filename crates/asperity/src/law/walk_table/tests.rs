@@ -81,20 +81,35 @@ fn columns_are_those_of_the_coarse_nodes() {
                     assert_eq!(columns.nx[a][b][i], first.point.normal[a] * first.x[b])
                 });
             }
-            let chord = last.point.normal - first.point.normal;
-            let sagitta = |node: &Node| {
-                let off = node.point.normal - first.point.normal;
-                (off - chord * (off.dot(&chord) / chord.norm_squared())).norm()
-            };
             let within = &table.nodes[range];
-            let largest = within.iter().map(sagitta).fold(0.0, f64::max);
-            let bound = columns.normal[i];
-            assert!(largest <= bound && bound <= 4.0 * largest, "{i}: {largest:e} {bound:e}");
-            let size = first.x.norm().max(last.x.norm());
-            assert!(columns.product[i] >= 0.3 * largest * size, "{i}");
-            assert!(columns.product[i] <= 20.0 * largest * size, "{i}");
+            let normal =
+                within.iter().map(|node| off(node.point.normal, first, last, |n| n.point.normal));
+            let product = within.iter().map(|node| off(dyad(node), first, last, dyad));
+            for (largest, bound) in [
+                (normal.fold(0.0, f64::max), columns.normal[i]),
+                (product.fold(0.0, f64::max), columns.product[i]),
+            ] {
+                assert!(largest <= bound && bound <= 20.0 * largest, "{i}: {largest:e} {bound:e}");
+            }
         }
     }
+}
+
+/// `n ⊗ x`, row by row.
+fn dyad(node: &Node) -> nalgebra::Vector4<f64> {
+    let (n, x) = (node.point.normal, node.x);
+    nalgebra::Vector4::new(n.x * x.x, n.x * x.y, n.y * x.x, n.y * x.y)
+}
+
+/// Distance from the chord between two nodes.
+fn off<const N: usize>(
+    value: nalgebra::SVector<f64, N>,
+    first: &Node,
+    last: &Node,
+    of: impl Fn(&Node) -> nalgebra::SVector<f64, N>,
+) -> f64 {
+    let (from, chord) = (value - of(first), of(last) - of(first));
+    (from - chord * (from.dot(&chord) / chord.norm_squared())).norm()
 }
 
 /// Closed forms of the bounds, for ellipses on the same axes, and where there are none.
@@ -150,7 +165,6 @@ fn loads_with_several_solutions_are_marked() {
     let laws = [
         (ellipse(0.6, 0.2, 0.5), ellipse(0.6, 0.2, 0.0)),
         (ellipse(1.0, 0.01, 0.5), ellipse(1.0, 0.01, 0.0)),
-        (Cuboid::symmetric(V::new(0.5, 0.3)).unwrap().into(), ellipse(0.5, 0.2, 0.6)),
     ];
     let mut seed = 3_u64;
     for (k, (reservoir, direction)) in laws.into_iter().enumerate() {
@@ -179,8 +193,7 @@ fn loads_with_several_solutions_are_marked() {
             several += usize::from(many);
             doubted += usize::from(marked && !many);
         }
-        println!("{k}: {several} {doubted}");
-        let (most, least) = [(285, 540), (9999, 0), (9999, 0)][k];
+        let (most, least) = [(285, 540), (490, 2200)][k];
         assert!(several >= least && doubted <= most, "{k}: {several} {doubted}");
     }
 }

@@ -1,5 +1,7 @@
 //! Residual and growth of one contact after another, in one pass with their solution.
 
+use nalgebra::{SMatrix, SVector};
+
 use super::growth::Size;
 use super::natural_residual::{normal_defect, relative};
 use crate::contact::ContactProblem;
@@ -74,19 +76,11 @@ fn alone<const N: usize, const P: usize>(
     // With one contact nothing is brought by others, see `scale` of the natural residual. Terms are added in the order of
     // `ContactProblem::velocity`, so that velocities do not tell, to the bit, which way they were found.
     let only = problem.contacts().len() == 1;
-    let (mut sums, mut brought) = ([0.0; N], [0.0; N]);
-    for a in 0..N {
-        let (mut sum, mut magnitudes) = (0.0, 0.0);
-        for b in 0..N {
-            let term = block[N * a + b] * percussion[b];
-            sum += term;
-            magnitudes += term.abs();
-        }
-        sums[a] = sum + free[a];
-        brought[a] = if only { 0.0 } else { magnitudes };
-    }
-    velocity[..N].copy_from_slice(&sums);
-    measure(own, percussion, &sums, &brought)
+    let (block, p) = (SMatrix::from_row_slice(block), SVector::from(*percussion));
+    let sums = block * p + SVector::from(*free);
+    let brought = if only { SVector::zeros() } else { block.abs() * p.abs() };
+    velocity[..N].copy_from_slice(sums.as_slice());
+    measure(own, percussion, &sums.into(), &brought.into())
 }
 
 #[inline(always)]

@@ -315,6 +315,8 @@ fn the_scan_excludes_what_holds_no_root() {
                 );
                 if (f >= 0.0) != (g >= 0.0) && along.min(along_g) > 0.0 {
                     assert!(open.contains(&cell) && !excluded, "{cell} {j}");
+                }
+                if (f >= 0.0) != (g >= 0.0) && open.contains(&cell) {
                     roots.push(j);
                 }
                 let bound = slip.norm_c * table.fine[j].normal
@@ -332,12 +334,11 @@ fn the_scan_excludes_what_holds_no_root() {
         single += usize::from(roots.len() == 1);
         known += usize::from(one);
     });
-    println!("single {single} known {known}");
     assert!(known * 100 >= single * KNOWN, "{known} of {single}");
 }
 
 /// Percent of the contacts with one slip of which the scan of the test above knows that.
-const KNOWN: usize = 50;
+const KNOWN: usize = 78;
 
 /// Between two points `F` and `n·v` stray from their chords by no more than the bound, which is not far more, and so it is
 /// on both halves of a cell, as often as it is halved.
@@ -356,17 +357,20 @@ fn values_stray_from_their_chords_by_the_bound() {
                 let arc = Arc { start: a.point, end: b.point };
                 let bound = stray(&slip, &a, &b, &cell);
                 let middle = End::new(&slip, arc.middle(direction));
-                // The middle of the arc is near that of the chord of a small cell.
-                let off = (middle.value - 0.5 * (a.value + b.value)).abs();
-                let share = middle.point.normal - a.point.normal;
-                let chord = b.point.normal - a.point.normal;
-                let weight = share.dot(&chord) / chord.norm_squared();
-                let off = off.min((middle.value - a.value - weight * (b.value - a.value)).abs());
-                let along = (middle.along - a.along - weight * (b.along - a.along)).abs();
-                assert!(off <= 1.01 * bound + slip.rounding, "{j} {depth}: {off:e} {bound:e}");
-                assert!(along <= 1.01 * bound + slip.rounding, "{j} {depth}: {along:e} {bound:e}");
+                // The nearest place on both chords.
+                let off = |w: f64| {
+                    let value = middle.value - a.value - w * (b.value - a.value);
+                    let along = middle.along - a.along - w * (b.along - a.along);
+                    value.abs().max(along.abs())
+                };
+                let (mut low, mut high) = (0.0, 1.0);
+                for _ in 0..80 {
+                    let (left, right) = ((2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0);
+                    if off(left) < off(right) { high = right } else { low = left }
+                }
+                assert!(off(low) <= bound + slip.rounding, "{j} {depth}: {:e} {bound:e}", off(low));
                 if bound > 100.0 * slip.rounding {
-                    reached += off.max(along) / bound;
+                    reached += off(low) / bound;
                     cells += 1.0;
                 }
                 cell = halved(&cell, &a, &middle, &b);
@@ -374,8 +378,7 @@ fn values_stray_from_their_chords_by_the_bound() {
             }
         }
     });
-    println!("reached {}", reached / cells);
-    assert!(reached > 0.2 * cells, "{}", reached / cells);
+    assert!(reached > 0.13 * cells, "{}", reached / cells);
 }
 
 /// What `Shape::Monotone` says holds at all nodes of the table, and of most matrices for which it does hold it is said;
@@ -397,7 +400,6 @@ fn monotone_matrices_leave_one_solution() {
         (said, holds) =
             (said + usize::from(shape == Shape::Monotone), holds + usize::from(positive));
     });
-    println!("said {said} holds {holds}");
     assert!(100 * said >= SAID * holds, "{said} of {holds}");
     let unit = nalgebra::Matrix2::identity();
     for factor in [1e-30, 1.0, 1e30] {
@@ -433,7 +435,7 @@ fn monotone_matrices_leave_one_solution() {
 }
 
 /// Percent of the monotone matrices of the test above of which that is known.
-const SAID: usize = 50;
+const SAID: usize = 80;
 
 /// The defect of one contact by itself is its natural residual, but for percussions that go on approaching.
 #[test]
