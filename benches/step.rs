@@ -1,8 +1,8 @@
 //! Cost of a time step, as a ratio to a hand-written loop for the same problem.
 //!
-//! `cargo bench` prints the ratios after criterion's own report. With the argument `million` it only
-//! prints the nanoseconds per step of a million belt steps with every 100th saved, the floor that
-//! `python_overhead.py` compares Python with. With `count` and `hand` or `exact` it makes 20,000 belt steps and no
+//! `cargo bench` prints the ratios of the shortest of several runs. With the argument `million` it only prints the
+//! nanoseconds per step of a million belt steps with every 100th saved, the floor that `python_overhead.py` compares
+//! Python with. With `count` and `hand` or `exact` it makes 20,000 belt steps and no
 //! measurement, for tools that count instructions; a third argument is another number of steps.
 
 use std::hint::black_box;
@@ -14,7 +14,6 @@ use asperity::set::{Convex, Ellipse, Superellipse, Vector};
 use asperity::simulate::{Options, Outcome, simulate};
 use asperity::solver::Solver;
 use asperity::system::{LinearSystem, mass_on_belt, sliding_point};
-use criterion::Criterion;
 use nalgebra::{Matrix2, Vector2};
 
 const STEPS: usize = 200_000;
@@ -143,15 +142,10 @@ fn main() {
     }
     let difference = (floor(STEPS) - run(&belt, [0.0; 2], STEPS, STEPS)).abs();
     assert!(difference < 1e-6, "the floor solves another problem: {difference:e} m apart");
-    let mut criterion = Criterion::default().configure_from_args().sample_size(10);
-    criterion.bench_function("belt/floor", |b| b.iter(|| floor(STEPS)));
-    criterion.bench_function("belt/exact", |b| b.iter(|| run(&belt, [0.0; 2], STEPS, STEPS)));
-    criterion.bench_function("disk/exact", |b| b.iter(|| run(&disk, [1e3, 5e2], STEPS, STEPS)));
-    criterion.final_summary();
     let times = nanoseconds(&[&|| floor(STEPS), &|| run(&belt, [0.0; 2], STEPS, STEPS), &|| {
         run(&disk, [1e3, 5e2], STEPS, STEPS)
     }]);
-    println!("\nstep                        ns    ratio   allowed");
+    println!("step                        ns    ratio   allowed");
     println!("belt, hand-written   {:9.1}", times[0]);
     println!("belt, default solver {:9.1}  {:7.2}   2", times[1], times[1] / times[0]);
     println!("disk, superellipses  {:9.1}            1000 ns", times[2]);

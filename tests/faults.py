@@ -268,23 +268,31 @@ def contents(out: Path, name: str) -> dict[str, object]:
     return found
 
 
-def complete(name: str, writers: tuple[Write, ...]) -> list[dict[str, object]]:
-    results = []
-    for write in writers:
+class Case:
+    """A writer of two results, what they are when nothing goes wrong, and how long both take."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.writers: tuple[Write, Write] = WRITERS[name]()
+        begin = time.perf_counter()
+        self.results = [self._written(write) for write in self.writers]
+        self.seconds = time.perf_counter() - begin
+        assert self.results[0] != self.results[1], "the two results must differ"
+
+    def _written(self, write: Write) -> dict[str, object]:
         with tempfile.TemporaryDirectory() as out:
             write(Path(out))
-            results.append(contents(Path(out), name))
-    assert results[0] != results[1], "the two results must differ"
-    return results
+            return contents(Path(out), self.name)
 
-
-def check(found: dict[str, object], results: list[dict[str, object]], name: str) -> None:
-    """Every file is one of the complete ones."""
-    for key, value in found.items():
-        assert any(one.get(key) == value for one in results), f"{key} is half-written"
-    if name in TOGETHER:
-        of_one = [all(one.get(key) == value for key, value in found.items()) for one in results]
-        assert any(of_one), "files of two results are mixed"
+    def check(self, found: dict[str, object]) -> None:
+        """Every file is one of the complete ones."""
+        for key, value in found.items():
+            assert any(one.get(key) == value for one in self.results), f"{key} is half-written"
+        if self.name in TOGETHER:
+            of_one = [
+                all(one.get(key) == value for key, value in found.items()) for one in self.results
+            ]
+            assert any(of_one), "files of two results are mixed"
 
 
 def child(action: Callable[[], object], ready: int | None = None) -> int:
@@ -302,21 +310,15 @@ def child(action: Callable[[], object], ready: int | None = None) -> int:
         os._exit(1)
 
 
-def killed(name: str, count: int) -> None:
+def killed(case: Case, count: int) -> None:
     """Kill processes that replace a result by another one again and again."""
-    writers = WRITERS[name]()
-    results = complete(name, writers)
     out = Path(tempfile.mkdtemp())
-    writers[0](out)
-    begin = time.perf_counter()
-    for write in writers:
-        write(out)
-    both = time.perf_counter() - begin
+    case.writers[0](out)
     rng = np.random.default_rng()
 
     def again_and_again():
         while True:
-            for write in writers:
+            for write in case.writers:
                 write(out)
 
     leftovers = 0
@@ -324,22 +326,22 @@ def killed(name: str, count: int) -> None:
         heard, ready = os.pipe()
         number = child(again_and_again, ready)
         os.read(heard, 1)
-        time.sleep(float(rng.uniform(0.0, 1.5 * both)))
+        time.sleep(float(rng.uniform(0.0, 1.5 * case.seconds)))
         os.kill(number, signal.SIGKILL)
         os.waitpid(number, 0)
         os.close(heard)
         os.close(ready)
-        found = contents(out, name)
-        if name not in TOGETHER:
-            assert found.keys() == results[0].keys() | results[1].keys(), "a file has gone"
-        check(found, results, name)
+        found = contents(out, case.name)
+        if case.name not in TOGETHER:
+            assert found.keys() == set().union(*case.results), "a file has gone"
+        case.check(found)
         for one in out.iterdir():
             if TEMPORARY.fullmatch(one.name):
                 leftovers += 1
                 shutil.rmtree(one) if one.is_dir() else one.unlink()
     # What a process left behind does not hinder the next one.
-    writers[1](out)
-    assert contents(out, name) == results[1]
+    case.writers[1](out)
+    assert contents(out, case.name) == case.results[1]
     print(f"{count} killed, {leftovers} left a temporary file")
 
 
@@ -365,10 +367,9 @@ def refused(name: str, write: Write, out: Path, prepare: Callable[[], object]) -
     return message.decode() or None
 
 
-def full(name: str, count: int) -> None:
+def full(case: Case, count: int) -> None:
     """Let a writer run out of space after so and so many bytes of a file."""
-    first, second = WRITERS[name]()
-    results = complete(name, (first, second))
+    first, second = case.writers
     with tempfile.TemporaryDirectory() as place:
         out = Path(place)
         first(out)
@@ -380,29 +381,27 @@ def full(name: str, count: int) -> None:
                 # As on a full disk, but for the number of the error.
                 resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
-            message = refused(name, second, out, limited)
-            found = contents(out, name)
-            check(found, results, name)
+            message = refused(case.name, second, out, limited)
+            found = contents(out, case.name)
+            case.check(found)
             assert not [one for one in out.iterdir() if TEMPORARY.fullmatch(one.name)]
             if message is None:
-                assert found == results[1]
+                assert found == case.results[1]
                 first(out)
                 continue
             refusals += 1
-            if name in TOGETHER:
-                assert found == results[0], "the older result has gone"
+            if case.name in TOGETHER:
+                assert found == case.results[0], "the older result has gone"
             assert "File too large" in message, message
             assert ".tmp" not in message, f"{message} names a temporary file"
         assert refusals
         print(f"{refusals} refused")
 
 
-def forbidden(name: str, _: int) -> None:
+def forbidden(case: Case, _: int) -> None:
     """Let a writer write where it must not, and where no folder can be."""
-    write, _ = WRITERS[name]()
-    with tempfile.TemporaryDirectory() as out:
-        # Whoever may write nowhere may perhaps not read modules, either.
-        write(Path(out))
+    # It has written before: whoever may write nowhere may perhaps not read modules, either.
+    write, _ = case.writers
     place = Path(tempfile.mkdtemp())
     place.chmod(0o755)
     locked = place / "locked"
@@ -414,13 +413,13 @@ def forbidden(name: str, _: int) -> None:
             os.setgid(65534)
             os.setuid(65534)
 
-    message = refused(name, write, locked, as_nobody)
+    message = refused(case.name, write, locked, as_nobody)
     assert message is not None, "wrote into a folder without permission"
     assert re.search("Permission denied|does not allow", message), message
     assert ".tmp" not in message, f"{message} names a temporary file"
     assert not list(locked.iterdir())
     (place / "file").write_text("mine")
-    message = refused(name, write, place / "file" / "below", lambda: None)
+    message = refused(case.name, write, place / "file" / "below", lambda: None)
     assert message is not None
     assert re.search("Not a directory|is a file|must name a folder", message), message
     assert (place / "file").read_text() == "mine"
@@ -430,5 +429,6 @@ def forbidden(name: str, _: int) -> None:
 
 
 if __name__ == "__main__":
+    given = Case(sys.argv[1])
     for fault in (killed, full, forbidden):
-        fault(sys.argv[1], int(sys.argv[2]))
+        fault(given, int(sys.argv[2]))

@@ -120,9 +120,16 @@ def test_bifurcation_over_the_belt_direction():
     found = np.isfinite(diagram.periods)
     assert found[unstable].all(), [f for f in diagram.failures if f]
     assert (diagram.cycle_minima[found] < diagram.equilibria[found]).all()
-    again = asp.bifurcation_diagram(belt, parameter="phi", values=values, threads=1)
-    assert again.cycles == diagram.cycles
-    assert again.failures == diagram.failures
+
+
+def test_diagrams_do_not_depend_on_the_number_of_threads():
+    values = np.deg2rad([43.0, 46.0, 60.0])
+    one, two = (
+        asp.bifurcation_diagram(belt, parameter="phi", values=values, threads=threads)
+        for threads in (1, 2)
+    )
+    assert one.cycles == two.cycles
+    assert one.failures == two.failures
 
 
 @pytest.mark.parametrize("phi", [44.2, 62.0, 66.0])
@@ -154,6 +161,7 @@ def test_a_cycle_with_impacts():
     assert late.max(axis=0) == pytest.approx(cycle.maximum, abs=2e-3)
 
 
+@pytest.mark.long
 def test_every_value_of_the_critical_interval_has_a_cycle():
     values = np.deg2rad(np.linspace(44.2, 75.8, 60))
     diagram = asp.bifurcation_diagram(belt, parameter="phi", values=values)
@@ -256,12 +264,11 @@ def check_twin(phi, speed, mass, stiffness, load):
 @pytest.mark.parametrize(
     ("phi", "speed", "twin"),
     [
-        *((phi, speed, "heavy") for phi in (50.0, 60.0) for speed in (0.1, 1.0, 30.0, 100.0)),
         (50.0, 1e-2, "loaded"),
-        (60.0, 1e-2, "tiny"),
-        (50.0, 1e-3, "heavy"),
-        (50.0, 1.0, "loaded"),
-        (60.0, 30.0, "tiny"),
+        (60.0, 0.1, "heavy"),
+        (50.0, 1.0, "tiny"),
+        (60.0, 30.0, "loaded"),
+        (50.0, 100.0, "heavy"),
     ],
 )
 def test_the_cycle_depends_on_speed_mass_and_stiffness_by_one_parameter(phi, speed, twin):

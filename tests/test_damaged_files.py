@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from test_problem_files import PROBLEMS, of_bodies
 
 LAW = asp.FrictionLaw.isotropic(0.3)
-DAMAGES = {"sample": 60, "long": 2000}
+DAMAGES = {"sample": 30, "long": 2000}
 every_amount = pytest.mark.parametrize(
     "amount", ["sample", pytest.param("long", marks=pytest.mark.long)]
 )
@@ -258,12 +258,11 @@ def test_no_byte_of_an_archive_may_change_what_is_read(folders):
     content, expected = path.read_bytes(), read(path)
     # The list of entries at the end; each byte of entries is covered by a checksum.
     for place in range(content.index(b"PK\x01\x02"), len(content)):
-        for flipped in (0x01, 0x80):
-            changed = bytearray(content)
-            changed[place] ^= flipped
-            path.write_bytes(changed)
-            found = outcome(read, path)
-            assert found is None or found == expected, (place, flipped)
+        changed = bytearray(content)
+        changed[place] ^= (0x01, 0x80)[place % 2]
+        path.write_bytes(changed)
+        found = outcome(read, path)
+        assert found is None or found == expected, place
 
 
 ARRAYS = st.sampled_from(

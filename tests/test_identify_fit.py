@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -23,6 +24,7 @@ from asperity.identify.fitting.data.bins import grouped
 from asperity.identify.fitting.data.samples import by_sense
 from asperity.identify.fitting.least_squares.normal_equations import Family
 from asperity.identify.fitting.uncertainty.covariance import _pulls
+from profiles import counts, every
 from scipy.optimize import least_squares
 from table_1 import TABLE_1, TRUTH, sampled, turned_law
 
@@ -89,9 +91,10 @@ def test_exact_forces_give_the_exact_parameters():
             assert abs(fit.parameters[parameter].value - value) < 1e-6 * max(1.0, abs(value))
 
 
-def test_random_laws_are_found_again():
+@counts(30, 200)
+def test_random_laws_are_found_again(count):
     random, missed = np.random.default_rng(5), 0
-    for _ in range(60):
+    for _ in range(count):
         a, b, p = np.exp(random.uniform(-0.8, 0.8, 3))
         s, t = random.uniform(1.4, 6.0, 2)
         x, y = random.uniform(-0.7, 0.7, 2)
@@ -123,9 +126,10 @@ def test_minimum_is_that_of_another_solver():
     assert fit.rms == pytest.approx(np.sqrt((fit.residuals**2).mean()), rel=1e-5)
 
 
-@pytest.mark.parametrize("joint", [True, False])
-@pytest.mark.parametrize("offset", [0.0, 1e-9, 1e-5, 1e-3])
-@pytest.mark.parametrize("exponent", [2.5, 4.0, 5.0, 6.0, 10.0])
+@pytest.mark.parametrize(
+    ("exponent", "offset", "joint"),
+    every(7, product([2.5, 4.0, 5.0, 6.0, 10.0], [0.0, 1e-9, 1e-5, 1e-3], [True, False])),
+)
 def test_samples_on_the_axes_do_not_hide_the_minimum(exponent, offset, joint):
     """Encoders with 4k counts per turn give samples exactly at multiples of 90°."""
     phi = np.linspace(0.0, 12.0 * np.pi, 4320, endpoint=False) + offset
@@ -158,9 +162,10 @@ def test_samples_on_the_axes_of_a_slender_turned_direction_set():
         assert (fit.residuals**2).sum() < 1.01 * (error**2).sum()
 
 
-@pytest.mark.parametrize("noise", [1e-4, 1e-2])
-@pytest.mark.parametrize("offset", [0.0, 1e-3, 0.3])
-@pytest.mark.parametrize("exponent", [0.5, 0.7, 0.9])
+@pytest.mark.parametrize(
+    ("exponent", "offset", "noise"),
+    every(5, product([0.5, 0.7, 0.9], [0.0, 1e-3, 0.3], [1e-4, 1e-2])),
+)
 def test_samples_on_the_tips_of_a_cusped_reservoir_do_not_hide_the_minimum(exponent, offset, noise):
     phi = np.linspace(0.0, 12.0 * np.pi, 4320, endpoint=False) + offset
     e = np.stack([np.cos(phi), np.sin(phi)], axis=-1)

@@ -13,6 +13,7 @@ from asperity.identify import (
     fit_law,
     process,
 )
+from profiles import counts
 
 LAWS = {
     "isotropic": (FrictionLaw.isotropic(0.14), ("circle", "circle")),
@@ -33,9 +34,10 @@ def sampled(law, samples=6000, turns=10, noise=0.005, seed=0):
 
 
 @pytest.mark.parametrize("name", list(LAWS)[:-1])
-def test_the_true_models_are_chosen(name):
+@counts(1, 3)
+def test_the_true_models_are_chosen(name, count):
     law, (reservoir, direction) = LAWS[name]
-    for seed in range(3):
+    for seed in range(count):
         best = compare_models(sampled(law, seed=seed)).best
         assert (best.reservoir, best.direction) == (reservoir, direction)
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import scenes
 
-SAMPLE, LONG = 50, 10_000
+SAMPLE, LONG = 30, 10_000
 AMBIGUOUS = 0.02
 """Largest share of runs that may meet steps with several solutions: at steps this short loads that
 have them are rare."""

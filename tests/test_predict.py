@@ -174,6 +174,7 @@ def test_a_contact_of_a_body_that_is_not_there(tmp_path):
 
 
 def test_bands_hold_the_scatter_of_the_law(point, measured, tmp_path):
+    changed(point, "step = 1e-4 ", "step = 1e-3 ")
     done = simulate_scenario(point, law=measured, bands=True, out=tmp_path)
     bands = done.bands
     truth = asp.simulate(
@@ -406,7 +407,7 @@ def test_from_measured_forces_to_a_predicted_path_in_the_shell(tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     machine = identify.VirtualTribometer(LAW, normal_force=9.3, turns=4, sample_rate=500.0, seed=2)
     machine.write("campaign")
-    for command in commands:
+    for command in commands[:-1]:
         assert main(shlex.split(command)) == 0
     capsys.readouterr()
     assert main([*shlex.split(commands[-1]), "--json"]) == 0

@@ -256,15 +256,18 @@ def test_thirty_sliders_slide_as_each_alone():
         force = np.broadcast_to((30.0 * random_directions(rng, count, 2))[one], (count, 2))
         u0 = np.broadcast_to((3.0 * random_directions(rng, count, 2))[one], (count, 2))
         for dt in (1e-3, 3e-2):
-            options = {"dt": dt, "t_end": 20 * dt, "tolerance": 1e-12}
+            options = {"dt": dt, "t_end": 10 * dt, "tolerance": 1e-12}
             together = asp.simulate(
                 sliders(rates, chosen, loads, force), u0=u0.ravel(), **options
             ).u.reshape(-1, count, 2)
             for k in range(count):
                 own = slice(k, k + 1)
-                alone = asp.simulate(
-                    sliders(rates[own], chosen[own], loads[own], force[own]), u0=u0[k], **options
-                )
+                if k == 0 or not identical:
+                    alone = asp.simulate(
+                        sliders(rates[own], chosen[own], loads[own], force[own]),
+                        u0=u0[k],
+                        **options,
+                    )
                 np.testing.assert_allclose(together[:, k], alone.u, rtol=1e-7, atol=1e-9)
 
 

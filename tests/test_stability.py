@@ -5,6 +5,7 @@ import math
 import asperity as asp
 import numpy as np
 import pytest
+from profiles import counts
 
 PAPER = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.deg2rad(30.0)), asp.Ellipse(3.0, 1.0))
 
@@ -147,10 +148,11 @@ def test_verdict_does_not_depend_on_units():
             assert asp.stability(quick).kind == kind
 
 
+@counts(60, 250)
 @pytest.mark.parametrize("kind", ["associated", "collinear", "tensor", "asperity"])
-def test_nothing_is_unstable_with_laws_of_these_kinds(kind):
+def test_nothing_is_unstable_with_laws_of_these_kinds(kind, count):
     rng = np.random.default_rng(8)
-    for _ in range(250):
+    for _ in range(count):
         law = {
             "associated": lambda: asp.FrictionLaw.associated(random_smooth_law(rng).direction),
             "collinear": lambda: asp.FrictionLaw.collinear(random_smooth_law(rng).reservoir),
@@ -220,12 +222,13 @@ def random_definite(rng, n):
     return root @ root.T / n + 0.1 * np.eye(n)
 
 
+@counts(100, 300)
 @pytest.mark.parametrize("associated", [True, False])
-def test_any_mass_matrix_and_stiffness(associated):
+def test_any_mass_matrix_and_stiffness(associated, count):
     """Negative trace means unstable (Prop. 10), associated laws never are (Thm. 1)."""
     rng = np.random.default_rng(12)
     signs = set()
-    for _ in range(300):
+    for _ in range(count):
         law = random_smooth_law(rng)
         if associated:
             law = asp.FrictionLaw.associated(law.direction)

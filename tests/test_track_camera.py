@@ -31,12 +31,18 @@ def folder(tmp_path_factory):
 @pytest.mark.parametrize(
     "options",
     [
-        {},
-        {"tilt": 0.4, "seed": 1},
         {"exposure": 2e-3, "fps": 500.0, "size": (320, 270)},
-        {"noise": 6.0, "defocus": 1.5},
         {"glare": 0.6},
-        {"mark": Mark("blue", diameter=0.014)},
+        {"tilt": 0.4, "noise": 6.0, "defocus": 1.5, "mark": Mark("blue", diameter=0.014)},
+        *(
+            pytest.param(one, marks=pytest.mark.long)
+            for one in (
+                {},
+                {"tilt": 0.4, "seed": 1},
+                {"noise": 6.0, "defocus": 1.5},
+                {"mark": Mark("blue", diameter=0.014)},
+            )
+        ),
     ],
     ids=str,
 )

@@ -9,6 +9,7 @@ from pathlib import Path
 import asperity as asp
 import pytest
 
+ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("identify", "mechanisms", "plot", "predict", "problems", "track")
 NAMES = [
     *(f"asp.{name}" for name in asp.__all__),
@@ -25,11 +26,12 @@ def test_nothing_public_is_of_any_type(tmp_path):
     pytest.importorskip("mypy")
     lines = ["import asperity as asp", *(f"reveal_type({name})" for name in NAMES)]
     (tmp_path / "user.py").write_text("\n".join(lines))
-    command = [sys.executable, "-m", "mypy", "--config-file", "", "--cache-dir", str(tmp_path)]
+    # In the project's folder and by its configuration, so that mypy knows the package already.
+    command = [sys.executable, "-m", "mypy", os.fspath(tmp_path / "user.py")]
     package = os.fspath(Path(asp.__file__).parents[1])
     done = subprocess.run(
-        [*command, "user.py"],
-        cwd=tmp_path,
+        command,
+        cwd=ROOT,
         env={**os.environ, "MYPYPATH": package},
         capture_output=True,
         text=True,

@@ -93,8 +93,7 @@ def proposition_5(name: str, law: asp.FrictionLaw) -> list[Check]:
 def _products(law: asp.FrictionLaw) -> Array:
     slips = np.random.default_rng(1).normal(size=(2, _PAIRS, 2))
     (force, other), (slip, another) = law.force(slips), slips
-    products: Array = np.sum((slip - another) * (force - other), axis=-1)
-    return products
+    return np.sum((slip - another) * (force - other), axis=-1)
 
 
 def _broken(law: asp.FrictionLaw) -> bool:

@@ -390,3 +390,63 @@ fn edges_and_faces_of_the_reservoir_are_found() {
         assert!(report.residual <= 1e-11, "{name} {free:?}: {report:?} {memory:?}");
     }
 }
+
+/// Contacts that are made of a solution, which is the only one where the law is associated and the normal force given:
+/// phase, percussions and slip velocity are those, whatever was before.
+#[test]
+fn known_solutions_are_found_with_their_phase() {
+    let mut random = Random::new(61);
+    for (name, law) in laws() {
+        let round = !["octahedron", "box"].iter().any(|corners| name.contains(corners));
+        let shared =
+            Law::from(FrictionLaw::new(law.reservoir().clone(), law.direction().clone()).unwrap());
+        for k in 0..48 {
+            let slips = k % 2 == 0;
+            let direction = W::from_fn(|_, _| random.normal());
+            let force =
+                law.force(&direction, 2.0).unwrap() * if slips { 1.0 } else { 0.9 * random.unit() };
+            let velocity =
+                direction * if slips { 10f64.powf(random.within(-2.0, 1.0)) } else { 0.0 };
+            let unilateral = k % 4 > 1;
+            let rows = 3 + usize::from(unilateral);
+            let mut delassus =
+                gram(rows, rows + 4, &mut random) + DMatrix::identity(rows, rows) * 0.2;
+            // Friction presses or lifts but little.
+            (1..rows).filter(|_| unilateral).for_each(|j| {
+                delassus[(0, j)] *= 0.1;
+                delassus[(j, 0)] *= 0.1;
+            });
+            let mut known = nalgebra::DVector::from_element(rows, 2.0);
+            let mut after = nalgebra::DVector::zeros(rows);
+            known.rows_mut(rows - 3, 3).copy_from(&force);
+            after.rows_mut(rows - 3, 3).copy_from(&velocity);
+            let free = &after - &delassus * &known;
+            let normal =
+                if unilateral { NormalForce::Unilateral } else { NormalForce::Prescribed(2.0) };
+            let contacts = [(shared.clone(), normal)];
+            let problem =
+                ContactProblem::new(delassus, free.as_slice().to_vec(), contacts).unwrap();
+            let last = [random.normal(), random.normal(), random.normal()];
+            let state = match k / 4 % 4 {
+                0 => ContactState::default(),
+                1 => ContactState::new(Phase::Stick, [0.0; 3]),
+                2 => ContactState::new(Phase::Slip, last),
+                _ => ContactState::new(Phase::Slip, [velocity.x, velocity.y, velocity.z]),
+            };
+            let (report, memory) = solve(&problem, state);
+            assert!(report.residual <= 1e-11, "{name} {k}: {report:?}");
+            if !law.is_associated() || unilateral {
+                continue;
+            }
+            for (found, known) in memory.percussion.iter().zip(&known) {
+                assert!((found - known).abs() < 1e-8, "{name} {k}: {memory:?} {known}");
+            }
+            let expected = if slips { Phase::Slip } else { Phase::Stick };
+            assert_eq!(memory.states[0].phase, expected, "{name} {k}");
+            let slip = W::from_column_slice(&memory.states[0].slip);
+            if slips && round {
+                assert!((slip - velocity).norm() < 1e-8 * velocity.norm().max(1.0), "{name} {k}");
+            }
+        }
+    }
+}

@@ -431,6 +431,17 @@ fn certificates_are_in_physical_units() {
     close(pulls.cone_violation, 0.1);
     close(pulls.direction_violation, 0.1);
     assert_eq!(pulls.phases, [1, 0, 0]);
+    // In space: −P = (0.3, 0.6, 0.6) of length 0.9 is 0.15 too long for 0.5·1.5.
+    let law = FrictionLaw::<3>::isotropic(0.5).unwrap().into();
+    let space = ContactProblem::new(
+        DMatrix::identity(4, 4),
+        vec![-1.5, 0.3, 0.6, 0.6],
+        [(law, NormalForce::Unilateral)],
+    )
+    .unwrap();
+    let found = Certificate::new(&space, &[1.5, -0.3, -0.6, -0.6]).unwrap();
+    close(found.cone_violation, 0.15);
+    close(found.direction_violation, 0.15);
     // What is in order has none of it.
     let open = unilateral(isotropic(0.5), [1.0, 1.0, 1.0], [1.0, 1.0, 0.0]);
     let found = Certificate::new(&open, &[0.0; 3]).unwrap();
@@ -780,4 +791,63 @@ fn heavy_bodies_that_the_operator_has_lost_are_never_said_to_have_no_solution() 
             assert!(workspace.infeasibility().is_none(), "{heavy:e} {solver:?}");
         }
     }
+}
+
+/// What solvers report is the residual of the percussions and velocities that they leave, of contacts that
+/// meet and of others, that bounce and that do not.
+#[test]
+fn reported_residuals_are_those_of_the_percussions() {
+    let mut random = Random::new(27);
+    let mut nonzero = 0;
+    for k in 0..120 {
+        let law = |k: usize| -> Law {
+            match k % 4 {
+                0 => FrictionLaw::<1>::isotropic(0.4).unwrap().into(),
+                1 => isotropic(0.5),
+                2 => FrictionLaw::new(ellipse(0.5, 0.25).into(), ellipse(1.0, 1.0)).unwrap().into(),
+                _ => FrictionLaw::<3>::isotropic(0.3).unwrap().into(),
+            }
+        };
+        let count = 1 + k % 3;
+        let normal = |i: usize| match (k / 3 + i) % 3 {
+            0 => NormalForce::Prescribed(1.3),
+            _ => NormalForce::Unilateral,
+        };
+        let contacts: Vec<(Law, NormalForce)> =
+            (0..count).map(|i| (law(k / 2 + i), normal(i))).collect();
+        let size = |(law, normal): &(Law, NormalForce)| {
+            law.dimension() + usize::from(*normal == NormalForce::Unilateral)
+        };
+        let sizes: Vec<usize> = contacts.iter().map(size).collect();
+        let rows: usize = sizes.iter().sum();
+        let owner: Vec<usize> =
+            sizes.iter().enumerate().flat_map(|(i, n)| std::iter::repeat_n(i, *n)).collect();
+        let mut delassus = common::gram(rows, rows + 2, &mut random);
+        if k % 2 == 0 {
+            for i in 0..rows {
+                (0..rows).filter(|j| owner[*j] != owner[i]).for_each(|j| delassus[(i, j)] = 0.0);
+            }
+        }
+        let free: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 0.3)).collect();
+        let bounce = vec![if k % 5 < 2 { 0.4 } else { 0.0 }; count];
+        let problem = ContactProblem::new(delassus, free.clone(), contacts).unwrap();
+        let problem = problem.with_restitution(&bounce, &bounce, &free).unwrap();
+        for solver in
+            [Solver::Exact { max_sweeps: 2 }, Solver::Auto { interior_point: true, threads: 1 }]
+        {
+            let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+            let report = solver.solve(&problem, Stop::at(1e-5), &mut memory, &mut workspace);
+            let velocity = workspace.velocity();
+            let found = natural_residual(&problem, &memory.percussion, velocity).unwrap();
+            let off = (report.residual - found.value).abs();
+            assert!(off <= 1e-12 * found.value, "{k} {solver:?} {report:?} {found:?}");
+            nonzero += usize::from(report.residual > 1e-9);
+            for (own, expected) in
+                velocity.iter().zip(problem.velocities(&memory.percussion).unwrap())
+            {
+                assert!((own - expected).abs() < 1e-12, "{k} {solver:?}");
+            }
+        }
+    }
+    assert!(nonzero > 20, "{nonzero}");
 }

@@ -7,7 +7,7 @@ use asperity::contact::{
     BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce,
 };
 use asperity::law::{FrictionLaw, Law};
-use asperity::set::{Convex, Ellipsoid, Vector};
+use asperity::set::{Convex, Ellipse, Ellipsoid, Vector};
 use asperity::solver::{ProxStep, SolveReport, Solver, Status, Stop, Workspace, natural_map};
 use common::Random;
 use nalgebra::{DMatrix, DVector};
@@ -279,6 +279,48 @@ fn islands_do_not_depend_on_each_other() {
             if matches!(solver, Solver::Exact { .. }) {
                 let alone = solve(solver, &[(contact.0, 0), (contact.0, 1)]);
                 assert_eq!(rows(&one, i), rows(&alone, contact.1), "{contact:?}");
+            }
+        }
+    }
+}
+
+/// One step of the paper's iteration, [WL19] (69) and (70), written out for a disk within an ellipse: from percussions within
+/// the reservoir, and from percussions beyond it, whose α is that of the border.
+#[test]
+fn one_iteration_of_the_paper_is_its_formula() {
+    let ellipse = |a, b| Convex::from(Ellipse::new(Vector::<2>::new(a, b)).unwrap());
+    let law = FrictionLaw::new(ellipse(0.5, 0.25).into(), ellipse(1.0, 1.0)).unwrap();
+    let (k_c, k_d) = (|x: &Vector<2>| x.x.hypot(2.0 * x.y) / 0.5, |x: &Vector<2>| x.norm() / 0.25);
+    let (normal, free) = (2.0, Vector::<2>::new(0.7, -0.4));
+    let g = nalgebra::Matrix2::new(1.5, 0.2, 0.2, 0.8);
+    let contacts = [(Law::from(law), NormalForce::Prescribed(normal))];
+    let delassus = DMatrix::from_fn(2, 2, |i, j| g[(i, j)]);
+    let problem = ContactProblem::new(delassus, free.as_slice().to_vec(), contacts).unwrap();
+    let steps = [ProxStep::Adaptive, ProxStep::Constant(0.3)];
+    for start in
+        [Vector::<2>::new(0.3, -0.1), Vector::<2>::new(-0.6, 0.2), Vector::<2>::new(1.7, 1.1)]
+    {
+        let mut x = -start / normal;
+        x /= f64::max(1.0, k_c(&x));
+        let alpha = 1.0 / (k_d(&x) - k_c(&x) + 1.0);
+        let slip = free + g * start;
+        for step in steps {
+            let r = if step == ProxStep::Adaptive { alpha / 1.7 } else { 0.3 };
+            let z = x * alpha + slip * (r / normal);
+            let z = z / f64::max(1.0, k_d(&z));
+            let expected = z * (-normal / alpha);
+            for solver in [
+                Solver::ProxJacobi { step, max_iterations: 1 },
+                Solver::ProxGaussSeidel { step, max_iterations: 1 },
+            ] {
+                let (mut memory, mut workspace) = (Memory::new(2, 1), Workspace::default());
+                memory.percussion = start.as_slice().to_vec();
+                solver.solve(&problem, Stop::at(1e-12), &mut memory, &mut workspace);
+                let found = Vector::<2>::from_column_slice(&memory.percussion);
+                assert!(
+                    (found - expected).norm() < 1e-14,
+                    "{solver:?} {start}: {found} {expected}"
+                );
             }
         }
     }

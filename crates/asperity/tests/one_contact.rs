@@ -16,7 +16,8 @@ use asperity::set::{
 };
 use asperity::simulate::{Options, Outcome, simulate};
 use asperity::solver::{
-    ContactSolution, Solver, Status, Stop, Workspace, natural_residual, solutions,
+    ContactSolution, InfeasibilityKind, Solver, Status, Stop, Workspace, natural_residual,
+    solutions,
 };
 use asperity::system::{Contact, LinearSystem};
 use common::{FAMILIES, Random, V, gram, laws, one_contact};
@@ -186,6 +187,13 @@ fn compare(count: usize) {
                     };
                     missed += usize::from(!listed.iter().any(|s| near(&s)));
                 }
+                for (k, one) in listed.iter().enumerate() {
+                    let same = |s: &ContactSolution| {
+                        let apart = (ratio(s) - ratio(one)).norm();
+                        s.phase == one.phase && apart < 1e-9 && !(s.degenerate || one.degenerate)
+                    };
+                    assert!(!listed[..k].iter().any(same), "{name} {family:?}: {listed:?}");
+                }
                 several += usize::from(listed.len() > 1);
                 none += usize::from(listed.is_empty());
                 check_selection(&problem, &listed, &mut random, name);
@@ -232,12 +240,7 @@ fn check_selection(
 
 #[test]
 fn no_solution_is_missed() {
-    compare(150 / FAMILIES.len());
-}
-
-#[test]
-fn no_solution_is_missed_in_ten_thousand_problems() {
-    compare(10_000 / FAMILIES.len());
+    compare(2_000 / FAMILIES.len());
 }
 
 #[test]
@@ -322,8 +325,8 @@ fn solutions_do_not_know_units() {
             };
             let given = listed(1.0, 1.0);
             several += usize::from(given.2.len() > 2);
-            for (kg, speed) in [(2f64.powi(40), 1.0), (1.0, 2f64.powi(-40)), (0.25, 2f64.powi(36))]
-            {
+            let (large, small) = (2f64.powi(40), 2f64.powi(-40));
+            for (kg, speed) in [(large, 1.0), (1.0, small), (0.25, 2f64.powi(36)), (small, large)] {
                 assert_eq!(listed(kg, speed), given, "{name} {k}: {kg} kg, {speed} m/s");
             }
         }
@@ -805,7 +808,7 @@ fn contacts_that_friction_pulls_in_are_solved_or_refuted() {
             for j in 1..rows {
                 let pull = random.within(1.0, 3.0);
                 delassus[(0, j)] *= pull;
-                delassus[(j, 0)] *= pull;
+                delassus[(j, 0)] *= if k % 4 < 2 { pull } else { random.within(0.5, 3.0) };
             }
             let mut free: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 1.0)).collect();
             free[0] = -free[0].abs() * [1.0, 0.01][k % 2];
@@ -896,6 +899,165 @@ fn of_a_continuum_the_shortest_percussions_are_taken() {
     }
 }
 
+/// Blocks of any rank below the full one, that percussions within the reservoir stop: the shortest percussions that do so,
+/// in units in which the diagonal is one, or where the reservoir does not hold these, some on its border.
+#[test]
+fn of_any_continuum_the_shortest_percussions_are_taken() {
+    let mut random = Random::new(83);
+    let (mut within, mut beyond) = (0, 0);
+    let ellipsoid = Convex::from(Ellipsoid::new(Vector::<3>::new(0.9, 0.5, 0.4)).unwrap());
+    let asymmetric = Interval::new(Vector::<1>::new(-0.4), Vector::<1>::new(1.5)).unwrap();
+    let laws = [
+        Law::from(FrictionLaw::<1>::isotropic(0.7).unwrap()),
+        FrictionLaw::associated(Convex::from(asymmetric)).into(),
+        FrictionLaw::<2>::isotropic(0.6).unwrap().into(),
+        laws().swap_remove(1).1.into(),
+        laws().swap_remove(2).1.into(),
+        laws().swap_remove(10).1.into(),
+        FrictionLaw::<3>::isotropic(0.8).unwrap().into(),
+        FrictionLaw::associated(ellipsoid).into(),
+    ];
+    for k in 0..480 {
+        let law = &laws[k % laws.len()];
+        let p = law.dimension();
+        let unilateral = k / laws.len() % 4 > 0 || p == 1;
+        let rows = p + usize::from(unilateral);
+        let first = rows - p;
+        let rank = 1 + k % (rows - 1);
+        let a = DMatrix::from_fn(rows, rank, |_, _| random.normal());
+        let delassus = &a * a.transpose();
+        let known = match law {
+            Law::One(law) => known_solution(law, Known::Stick, &mut random).0,
+            Law::Two(law) => known_solution(law, Known::Stick, &mut random).0,
+            Law::Three(law) => known_solution(law, Known::Stick, &mut random).0,
+        };
+        let known =
+            DVector::from_column_slice(&known[1 - first..]) * if unilateral { 1.0 } else { 0.1 };
+        let free = -&delassus * &known;
+        if unilateral && free[0] >= 0.0 {
+            continue;
+        }
+        let size = if unilateral { known[0] } else { known.norm() * 2.5 };
+        let normal =
+            if unilateral { NormalForce::Unilateral } else { NormalForce::Prescribed(size) };
+        let gauge = |x: &DVector<f64>| {
+            let normal = if unilateral { x[0] } else { size };
+            let x: Vec<f64> = x.rows(first, p).iter().map(|p| -p / normal).collect();
+            let gauge = match law {
+                Law::One(law) => law.reservoir().gauge(&Vector::<1>::from_column_slice(&x)),
+                Law::Two(law) => law.reservoir().gauge(&Vector::<2>::from_column_slice(&x)),
+                Law::Three(law) => law.reservoir().gauge(&Vector::<3>::from_column_slice(&x)),
+            };
+            if normal > 0.0 { gauge } else { f64::INFINITY }
+        };
+        if gauge(&known) > 0.99 {
+            continue;
+        }
+        let mean = (first..rows).map(|i| delassus[(i, i)]).sum::<f64>() / p as f64;
+        let unit = |i: usize| 1.0 / if i < first { delassus[(0, 0)] } else { mean }.sqrt();
+        let unit = DMatrix::from_fn(rows, rows, |i, j| if i == j { unit(i) } else { 0.0 });
+        let inverse = (&unit * &delassus * &unit).pseudo_inverse(1e-10).unwrap();
+        let shortest = -&unit * inverse * &unit * &free;
+        let problem = ContactProblem::new(
+            delassus.clone(),
+            free.as_slice().to_vec(),
+            [(law.clone(), normal)],
+        )
+        .unwrap();
+        let (mut memory, mut workspace) = (Memory::new(rows, 1), Workspace::default());
+        let exact = Solver::Exact { max_sweeps: 1 };
+        let report = exact.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
+        assert_eq!((report.status, report.ambiguous), (Status::Converged, true), "{k}: {report:?}");
+        assert_eq!(memory.states[0].phase, Phase::Stick, "{k}");
+        let found = DVector::from_column_slice(&memory.percussion);
+        let rest = (&delassus * &found + &free).norm();
+        assert!(rest < 1e-12 * free.norm(), "{k}: {rest:e}");
+        if gauge(&shortest) <= 1.0 - 1e-9 {
+            within += 1;
+            assert!(
+                (&found - &shortest).norm() < 1e-9 * shortest.norm(),
+                "{k}: {found} {shortest}"
+            );
+        } else if gauge(&shortest) > 1.0 + 1e-9 {
+            beyond += 1;
+            // With more than one direction rounding may leave percussions of more than the least rank.
+            let border = (gauge(&found) - 1.0).abs() < 1e-9;
+            assert!(border || rows - rank > 1, "{k}: {}", gauge(&found));
+        }
+    }
+    assert!(within > 50 && beyond > 50, "{within} {beyond}");
+}
+
+/// Contacts of every dimension that bounce: the listed velocities are those after the impact.
+#[test]
+fn listed_solutions_of_contacts_that_bounce_have_the_velocities_of_their_percussions() {
+    let mut random = Random::new(29);
+    let line = Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap());
+    let planar: Vec<Law> = laws().into_iter().take(12).map(|(_, law)| law.into()).collect();
+    for k in 0..60 {
+        let law = if k % 3 == 0 { line.clone() } else { planar[k % 12].clone() };
+        let rows = 1 + law.dimension();
+        let delassus = gram(rows, rows + 3, &mut random);
+        let before: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 0.0)).collect();
+        let contacts = [(law, NormalForce::Unilateral)];
+        let problem = ContactProblem::new(delassus, before.clone(), contacts).unwrap();
+        let problem = problem.with_restitution(&[0.6], &[0.3], &before).unwrap();
+        let listed = solutions(&problem, 0, &vec![0.0; rows]).unwrap();
+        assert!(!listed.is_empty());
+        for solution in listed {
+            let velocity = problem.velocities(&solution.percussion).unwrap();
+            for (found, expected) in solution.velocity.iter().zip(&velocity) {
+                assert!((found - expected).abs() < 1e-13, "{k}: {solution:?} {velocity:?}");
+            }
+            if solution.phase == Phase::Stick {
+                assert!((velocity[0] + 0.6 * before[0]).abs() < 1e-12, "{k}: {velocity:?}");
+            }
+            assert!(residual(&problem, &solution) < 1e-13, "{k}: {solution:?}");
+        }
+    }
+}
+
+/// Friction that pulls the contact in by just more than the normal force resists leaves no solution; that is said where
+/// it does not hang on the tenth digit.
+#[test]
+fn proofs_keep_a_margin() {
+    for (kg, speed) in [(1.0, 1.0), (4f64.powi(20), 1.0), (4f64.powi(-20), 2f64.powi(30))] {
+        for (p, mu, excess, proven) in [
+            (1, 0.8, 1e-8, true),
+            (1, 0.8, 1e-10, false),
+            (1, 0.8, -1e-8, false),
+            (2, 0.8, 1e-6, true),
+            (2, 0.8, 1e-10, false),
+            (2, 0.8, -1e-6, false),
+            (1, 0.4, 1e-8, true),
+            (2, 0.4, 1e-6, true),
+        ] {
+            let pull = (1.0 + excess) / mu;
+            let delassus = DMatrix::from_fn(1 + p, 1 + p, |i, j| match (i, j) {
+                (0, 0) => 1.0,
+                (0, 1) | (1, 0) => pull,
+                _ if i == j => 0.75 * pull * pull,
+                _ => 0.0,
+            });
+            let law = match p {
+                1 => Law::from(FrictionLaw::<1>::isotropic(mu).unwrap()),
+                _ => Law::from(FrictionLaw::<2>::isotropic(mu).unwrap()),
+            };
+            let free = [-speed, 5.0 * speed, 0.0][..1 + p].to_vec();
+            let contacts = [(law, NormalForce::Unilateral)];
+            let problem = ContactProblem::new(delassus / kg, free, contacts).unwrap();
+            let (mut memory, mut workspace) = (Memory::new(1 + p, 1), Workspace::default());
+            let exact = Solver::Exact { max_sweeps: 1 };
+            let report = exact.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
+            let kind = workspace.infeasibility().map(|proof| proof.kind);
+            let by_search = kind == Some(InfeasibilityKind::OneContact);
+            assert_eq!(by_search, proven, "p = {p}, {mu}, {excess:e}, {kg:e} kg: {report:?}");
+            assert_eq!(report.status == Status::NoSolution, kind.is_some());
+            assert!(excess > 0.0 || kind.is_none(), "p = {p}, {mu}, {excess:e}: {report:?}");
+        }
+    }
+}
+
 /// Contacts side by side, those of several threads and those of one: each does what it does alone, to the bit.
 #[test]
 fn contacts_side_by_side_do_what_they_do_alone() {
@@ -978,17 +1140,22 @@ fn contacts_that_meet_are_marked_one_by_one() {
             [x.x, x.y]
         })
         .collect();
-    let contacts = (0..count).map(|_| (law.clone(), NormalForce::Prescribed(1.0)));
-    let problem = ContactProblem::new(delassus, free, contacts).unwrap();
-    let solve = |threads: usize| {
+    let in_units_of = |speed: f64| {
+        let contacts = (0..count).map(|_| (law.clone(), NormalForce::Prescribed(speed)));
+        let free = free.iter().map(|v| v * speed).collect();
+        ContactProblem::new(delassus.clone(), free, contacts).unwrap()
+    };
+    let problem = in_units_of(1.0);
+    let solve = |problem: &ContactProblem, threads: usize| {
         let (mut memory, mut workspace) = (Memory::new(2 * count, count), Workspace::default());
         let auto = Solver::Auto { interior_point: true, threads };
-        let report = auto.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
+        let report = auto.solve(problem, Stop::at(1e-9), &mut memory, &mut workspace);
         assert_eq!(report.status, Status::Converged, "{report:?}");
         (memory, workspace.ambiguous().to_vec())
     };
-    let (memory, flags) = solve(1);
-    assert_eq!(solve(2), (memory.clone(), flags.clone()));
+    let (memory, flags) = solve(&problem, 1);
+    assert_eq!(solve(&problem, 2), (memory.clone(), flags.clone()));
+    assert_eq!(solve(&in_units_of(2f64.powi(-40)), 1).1, flags);
     assert!(flags.iter().any(|flag| *flag) && flags.iter().any(|flag| !*flag));
     for i in (0..count).step_by(25).chain([510, 511, 512, 513, 699]) {
         let listed = solutions(&problem, i, &memory.percussion).unwrap();

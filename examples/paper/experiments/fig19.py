@@ -52,8 +52,7 @@ def _draw_paths(runs: Sequence[asp.Trajectory], names: Sequence[str], ax: Axes) 
 def _shades(count: int) -> Array:
     from matplotlib import colormaps
 
-    shades: Array = colormaps["viridis"](np.linspace(0.0, 0.85, count))
-    return shades
+    return colormaps["viridis"](np.linspace(0.0, 0.85, count))
 
 
 def _speed_checks(runs: Sequence[asp.Trajectory]) -> list[Check]:

@@ -209,8 +209,7 @@ def follower_matrices(load: Array) -> tuple[Array, Array, Array]:
 
 
 def _growth(mass: Array, damping: Array, stiffness: Array) -> Array:
-    growth: Array = np.linalg.eigvals(_first_order(mass, damping, stiffness)).real.max(axis=-1)
-    return growth
+    return np.linalg.eigvals(_first_order(mass, damping, stiffness)).real.max(axis=-1)
 
 
 def _first_order(mass: Array, damping: Array, stiffness: Array) -> Array:

@@ -44,8 +44,7 @@ def hidden(outline: Array) -> Array:
     """
     angle = np.unwrap(np.arctan2(outline[:, 1], outline[:, 0]))
     behind = outline[1:-1][(angle[2:] < angle[1:-1]) & (angle[1:-1] < angle[:-2])]
-    farthest: Array = behind[np.argmax(np.linalg.norm(behind, axis=1))]
-    return farthest
+    return behind[np.argmax(np.linalg.norm(behind, axis=1))]
 
 
 def _draw_segment(ax: Axes, ends: Array, *, inside: bool) -> None:

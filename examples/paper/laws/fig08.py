@@ -42,8 +42,7 @@ def _collinear_checks() -> list[Check]:
 
 def _gap(convex: asp.StarSet, x: Array, y: Array) -> Array:
     """Ψ*_C(y) − xᵀy at boundary points x, 0 exactly for y ∈ N_C(x)."""
-    gap: Array = convex.support(y) - np.sum(x * y, axis=-1)
-    return gap
+    return convex.support(y) - np.sum(x * y, axis=-1)
 
 
 def draw() -> Redrawn:

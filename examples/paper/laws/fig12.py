@@ -125,8 +125,7 @@ def _quadrature(law: asp.FrictionLaw) -> Array:
     theta = np.unwrap(np.arctan2(force[:, 1], force[:, 0]))
     grown = np.exp(cumulative_simpson(np.tan(theta - phi), x=theta, initial=0.0))
     radius = law.direction.radius(theta)
-    difference: Array = grown * radius[0] / radius - 1.0
-    return difference
+    return grown * radius[0] / radius - 1.0
 
 
 def draw() -> Redrawn:

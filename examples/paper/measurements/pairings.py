@@ -76,8 +76,7 @@ def _pvc_reservoir() -> asp.PolarCurve:
 
 def beyond(angle: Array) -> Array:
     """Return in N how far C of PVC reaches beyond the superellipse of Table 1."""
-    waves: Array = np.cos(2.0 * np.multiply.outer(angle, np.arange(len(_BEYOND)))) @ _BEYOND
-    return waves
+    return np.cos(2.0 * np.multiply.outer(angle, np.arange(len(_BEYOND)))) @ _BEYOND
 
 
 SANDBLASTED = Pairing(

@@ -138,5 +138,4 @@ def _along(shape: Array, start: ArrayLike, end: ArrayLike, width: float) -> Arra
     length = np.linalg.norm(last - first)
     along = (last - first) / length
     across = np.array([-along[1], along[0]])
-    placed: Array = first + shape[:, :1] * (last - first) + width * shape[:, 1:] * across
-    return placed
+    return first + shape[:, :1] * (last - first) + width * shape[:, 1:] * across

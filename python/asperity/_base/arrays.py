@@ -115,8 +115,7 @@ def point_pairs(
 
 def unflatten(values: Array, lead: tuple[int, ...]) -> Array:
     """Give the results ``(n, ...)`` the leading shape back; shape ``()`` becomes a NumPy scalar."""
-    result: Array = values.reshape(lead + values.shape[1:])[()]
-    return result
+    return values.reshape(lead + values.shape[1:])[()]
 
 
 def square(value: ArrayLike, argument: str, size: int) -> Array:

@@ -192,10 +192,7 @@ class TableResult(Result):
         """
         library = _library("pandas")
         index, *columns = self._table().columns().items()
-        frame: pandas.DataFrame = library.DataFrame(
-            dict(columns), index=library.Index(index[1], name=index[0])
-        )
-        return frame
+        return library.DataFrame(dict(columns), index=library.Index(index[1], name=index[0]))
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the arrays with names for their axes, and units and meanings as attributes.
@@ -219,8 +216,7 @@ class TableResult(Result):
             for name, series in table.series.items()
             if all(series.values.shape[1:])
         }
-        dataset: xarray.Dataset = library.Dataset(variables, coordinates, dict(table.facts))
-        return dataset
+        return library.Dataset(variables, coordinates, dict(table.facts))
 
     def _attributes_of(self, table: Table, series: Series) -> dict[str, Any]:
         units = {unit for name in series.axes for unit in (table.axes[name].units or ())} or {

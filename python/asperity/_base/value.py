@@ -162,8 +162,7 @@ def _check_of(hint: Any, ending: str = "") -> Check:
     if get_origin(hint) is Literal:
         return lambda value, name: arrays.choice(value, name, parts)
     if hasattr(hint, "__metadata__"):
-        check: Check = hint.__metadata__[0]
-        return check
+        return hint.__metadata__[0]
     if isinstance(hint, type) and issubclass(hint, Value):
         article = "an" if hint.__name__[0] in "AEIOU" else "a"
         words = f"{article} {hint.__name__}{ending}"

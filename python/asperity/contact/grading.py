@@ -151,8 +151,7 @@ def _moved(problem: ContactProblem, weights: Array) -> NDArray[np.bool_]:
     scale = np.sqrt(problem.delassus.diagonal())
     explained = abs(problem.directions) @ np.where(weights == 0.0, 0.0, 1.0 / scale)
     momentum = np.abs(problem.directions @ weights)
-    moved: NDArray[np.bool_] = ~(momentum <= 2e-10 * (scale * np.abs(weights)).max() * explained)
-    return moved
+    return ~(momentum <= 2e-10 * (scale * np.abs(weights)).max() * explained)
 
 
 def _check(value: object, argument: str, kind: type) -> None:
@@ -302,8 +301,7 @@ def _friction_of(law: FrictionLaw, state: State) -> Array:
         return np.vstack([friction, np.zeros(law.dimension)])
     middle, half = 0.5 * (state[0] + state[1]), 0.5 * (state[1] - state[0])
     if law.dimension == 1:
-        slides: Array = friction[directions[:, 0] * np.cos(middle) > 0.0]
-        return slides
+        return friction[directions[:, 0] * np.cos(middle) > 0.0]
     turned = np.arctan2(directions[:, 1], directions[:, 0]) - middle
     inside = np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi) <= half + 1e-12
     ends = law.direction.support_point([[np.cos(angle), np.sin(angle)] for angle in state])
@@ -336,8 +334,7 @@ def _restitution(problem: ContactProblem) -> Array:
     first = np.cumsum(each) - each
     closed = np.array([force is None for force in problem.normal_force])
     factor[first[closed]] = problem.normal_restitution[closed]
-    restitution: Array = factor * problem.initial_velocity
-    return restitution
+    return factor * problem.initial_velocity
 
 
 def _groups(
@@ -409,13 +406,11 @@ def _beside(law: FrictionLaw, x: Array, v: Array) -> Array:
         aside.append(_lengths(v - along * normal))
     distance = _lengths(step) + np.maximum(*aside)
     crossed = (C.gauge(x - step) - 1.0) * excess <= 0.0
-    found: Array = np.where(crossed & np.isfinite(distance), distance, np.inf)
-    return found
+    return np.where(crossed & np.isfinite(distance), distance, np.inf)
 
 
 def _lengths(vectors: Array) -> Array:
-    lengths: Array = np.sqrt((vectors**2).sum(axis=1))
-    return lengths
+    return np.sqrt((vectors**2).sum(axis=1))
 
 
 def _norm(values: Array) -> float:

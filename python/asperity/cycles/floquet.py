@@ -59,5 +59,4 @@ def _has_neighbours(returns: ReturnMap, fixed: Return) -> bool:
 def _mean(motion: Motion) -> NDArray[np.float64]:
     """Return the mean state of a motion that is sampled densely."""
     states = np.concatenate([motion.q, motion.u], axis=1)
-    mean: NDArray[np.float64] = np.trapezoid(states, motion.t, axis=0) / motion.t[-1]
-    return mean
+    return np.trapezoid(states, motion.t, axis=0) / motion.t[-1]

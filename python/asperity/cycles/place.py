@@ -40,8 +40,7 @@ class Place:
         rows = self._constraints(state)[0] * self.scale
         _, values, right = np.linalg.svd(rows / np.linalg.norm(rows, axis=1)[:, None])
         rank = int((values > 1e-9 * values[0]).sum())
-        within: Array = self.scale[:, None] * right[rank:].T
-        return within
+        return self.scale[:, None] * right[rank:].T
 
     def onto(self, state: Array) -> Array:
         """Return the nearest state of the place."""

@@ -84,8 +84,7 @@ class ReturnMap:
         for k, direction in enumerate(directions.T):
             end = self(place.onto(state + step * direction), image.period).state
             columns[:, k] = (end - image.state) / step
-        derivative: Array = np.asarray(np.linalg.pinv(directions) @ columns, dtype=np.float64)
-        return derivative
+        return np.asarray(np.linalg.pinv(directions) @ columns, dtype=np.float64)
 
 
 def fixed_point(

@@ -38,8 +38,7 @@ def dragged(system: Model, q: Array) -> Array:
     contacts = _core.evaluate(system._core, 0.0, q, np.zeros(n))["contacts"]
     rows = np.vstack([np.zeros((0, n)), *(contact["tangent"] for contact in contacts)])
     belts = np.concatenate([np.zeros(0), *(contact["velocity"] for contact in contacts)])
-    velocity: Array = np.linalg.lstsq(rows, -belts, rcond=None)[0]
-    return velocity
+    return np.linalg.lstsq(rows, -belts, rcond=None)[0]
 
 
 def longest_time(system: Model, state: Stability) -> float:

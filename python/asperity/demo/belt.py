@@ -133,5 +133,4 @@ def _draw_time(once: asp.Trajectory, ax: Axes) -> None:
 def _upward_passages(t: Array, height: Array) -> Array:
     below = np.flatnonzero((height[:-1] < 0.0) & (height[1:] >= 0.0))
     share = height[below] / (height[below] - height[below + 1])
-    passages: Array = t[below] + share * (t[below + 1] - t[below])
-    return passages
+    return t[below] + share * (t[below + 1] - t[below])

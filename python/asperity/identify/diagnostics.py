@@ -39,8 +39,7 @@ _WIDEST_GAP = np.deg2rad(30.0)
 def at_bounds(p: Array, coordinates: Sequence[Coordinate]) -> NDArray[np.bool_]:
     """Return which coordinates ended at a bound."""
     low, high = np.array([(c.low, c.high) for c in coordinates]).reshape(-1, 2).T
-    bound: NDArray[np.bool_] = (p <= low + _AT_BOUND) | (p >= high - _AT_BOUND)
-    return bound
+    return (p <= low + _AT_BOUND) | (p >= high - _AT_BOUND)
 
 
 def gaps(force: Array) -> list[tuple[float, float]]:

@@ -237,8 +237,7 @@ class IdentifiedLaw(LawFile):
             float(one.scale.slope(x))
             for x, (_, one) in zip(self._at, self._structure.coordinates, strict=True)
         ]
-        errors: Array = np.sqrt(np.maximum(np.diag(self.covariance), 0.0)) * slopes
-        return errors
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0)) * slopes
 
     def law_of(self, values: ArrayLike) -> FrictionLaw:
         """Return the law of other values of the parameters, with the rate factor of this one.
@@ -461,8 +460,7 @@ def _covariance(given: ArrayLike, name: str, count: int) -> Array:
 def _root(covariance: Array) -> Array:
     """Return L with L Lᵀ the covariance, which may be singular."""
     sizes, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
-    root: Array = vectors * np.sqrt(np.maximum(sizes, 0.0))
-    return root
+    return vectors * np.sqrt(np.maximum(sizes, 0.0))
 
 
 def _degrees(given: Any) -> tuple[float, float, float]:

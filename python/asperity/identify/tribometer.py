@@ -208,8 +208,7 @@ class VirtualTribometer(Value):
         drawn = random.uniform(-1.0, 1.0, (3, 3))
         if isinstance(self.crosstalk, np.ndarray):
             return self.crosstalk
-        mixing: Array = np.eye(3) + self.crosstalk * drawn
-        return mixing
+        return np.eye(3) + self.crosstalk * drawn
 
     def _calibration(self, random: np.random.Generator, mixing: Array) -> Calibration | None:
         m = self.calibration_loads
@@ -252,8 +251,7 @@ class VirtualTribometer(Value):
         if self.bits is None:
             return readings
         step = 8.0 * self.normal_force / 2.0**self.bits
-        rounded: Array = step * np.round(readings / step)
-        return rounded
+        return step * np.round(readings / step)
 
 
 def _recording(time: Array, angle: Array, readings: Array, source: str) -> Recording:

@@ -127,8 +127,7 @@ def wedges(mu: float, beta: ArrayLike, weights: ArrayLike | None) -> FlowRule:
 
     def mean(phi: Array) -> Array:
         climb, descent = _flank(phi, mu, slopes[0]), _flank(phi, mu, -slopes[1])
-        force: Array = rising * climb + falling * descent
-        return force
+        return rising * climb + falling * descent
 
     return mean
 
@@ -168,13 +167,11 @@ def tensor_function(given: Any) -> FlowRule:
         def matrices(phi: Array) -> Array:
             angles = np.multiply.outer(phi, np.arange(len(pairs)))
             waves = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-            values: Array = np.einsum("nks,ksij->nij", waves, pairs)
-            return values
+            return np.einsum("nks,ksij->nij", waves, pairs)
 
     def force(phi: Array) -> Array:
         values = arrays.array(matrices(phi), "tensor", (len(phi), 2, 2))
-        product: Array = np.einsum("nij,nj->ni", values, arrays.unit_vectors(phi))
-        return product
+        return np.einsum("nij,nj->ni", values, arrays.unit_vectors(phi))
 
     return force
 

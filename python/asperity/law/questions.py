@@ -177,8 +177,7 @@ class Questions(Evaluation):
         True
         """
         along, across = self.resistance(phi)
-        angle: Array = np.arctan2(across, along)
-        return angle
+        return np.arctan2(across, along)
 
     def trace_criterion(self, phi: ArrayLike) -> Array:
         """Return l_t + dl_p/dφ = ‖γ‖ tr(−∂λ/∂γ) per unit normal force.
@@ -204,8 +203,7 @@ class Questions(Evaluation):
         [False, True]
         """
         jacobian = self._dry.jacobian(self._sliding(phi))
-        trace: Array = -np.trace(jacobian, axis1=-2, axis2=-1) + 0.0
-        return trace
+        return -np.trace(jacobian, axis1=-2, axis2=-1) + 0.0
 
     @cached_property
     def _dry(self) -> Evaluation:

@@ -66,8 +66,7 @@ class Stribeck(Record):
             raise ParameterError("speed", f"must not be negative, got {v.min()}")
         x = (v / self.speed) ** self.exponent
         drop = np.exp(-x) if self.shape == "exponential" else 1.0 / (1.0 + x)
-        factor: Array = self.ratio + (1.0 - self.ratio) * drop + self.viscous * v
-        return factor
+        return self.ratio + (1.0 - self.ratio) * drop + self.viscous * v
 
     @property
     def _core(self) -> tuple[str, float, float, float, float]:

@@ -166,5 +166,4 @@ def _residual_squares(walk: Array, shape: Array, highest: int) -> Array:
         triangle = np.asarray(np.linalg.qr(np.vstack([triangle, rows]), mode="r"))
     rows = (triangle[:, count:] ** 2).sum(axis=1)
     left = np.append(np.cumsum(rows[::-1])[::-1], 0.0)
-    squares: Array = left[np.minimum(2 * np.arange(1, highest + 1) + 1, len(rows))]
-    return squares
+    return left[np.minimum(2 * np.arange(1, highest + 1) + 1, len(rows))]

@@ -92,8 +92,7 @@ def _polar_angles(outline: Array, angles: int | ArrayLike) -> Array:
     lengths = np.linalg.norm(np.diff(outline, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(lengths)])
     turned = np.unwrap(np.arctan2(outline[:, 1], outline[:, 0]))
-    theta: Array = np.interp(along[-1] * np.arange(n) / n, along, turned)
-    return theta
+    return np.interp(along[-1] * np.arange(n) / n, along, turned)
 
 
 def _on_boundary(set: StarSet, theta: Array) -> Array:

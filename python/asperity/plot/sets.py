@@ -95,8 +95,7 @@ def surface_nodes(outline: Array, height: float) -> Array:
     """Return points of the surface of a gauge, from 0 up to `height`; shape ``(m, n, 3)``."""
     k = np.linspace(0.0, height, 27)[:, None, None]
     flat = k * outline[::4]
-    nodes: Array = np.concatenate([flat, np.broadcast_to(k, (*flat.shape[:2], 1))], axis=-1)
-    return nodes
+    return np.concatenate([flat, np.broadcast_to(k, (*flat.shape[:2], 1))], axis=-1)
 
 
 def draw_set(ax: Axes, set: StarSet, **kwargs: Any) -> list[Artist]:

@@ -52,8 +52,7 @@ class Region:
         sizes, axes = np.linalg.eigh(self.covariance)
         circle = np.stack([np.cos(angle), np.sin(angle)])
         scaled = np.sqrt(np.maximum(sizes, 0.0))[:, None] * circle
-        outline: Array = self.centre + self.radius * (axes @ scaled).T
-        return outline
+        return self.centre + self.radius * (axes @ scaled).T
 
 
 @dataclass(frozen=True)
@@ -154,8 +153,7 @@ def _quantile(values: Array, share: float | list[float]) -> Array:
     The k-th of n sorted draws is taken for the quantile k/(n + 1), which is the expected share of
     the distribution below it, whatever the distribution is.
     """
-    found: Array = np.quantile(values, share, axis=0, method="weibull")
-    return found
+    return np.quantile(values, share, axis=0, method="weibull")
 
 
 def _intervals(draws: Array, nominal: Sequence[Quantity], confidence: float) -> tuple[Array, Array]:
@@ -198,5 +196,4 @@ def _distances(away: Array, covariance: Array) -> Array:
             along / np.sqrt(np.maximum(sizes, rounding)),
             np.where(along > 1e-6 * math.sqrt(max(float(sizes[-1]), 0.0)), np.inf, 0.0),
         )
-    distances: Array = np.sqrt((parts**2).sum(axis=1))
-    return distances
+    return np.sqrt((parts**2).sum(axis=1))

@@ -92,8 +92,7 @@ class StabilitySheet(Result):
 
         NaN where the outline of D is flat.
         """
-        rates: Array = self.chart.growth[:, 0]
-        return rates
+        return self.chart.growth[:, 0]
 
     @property
     def fastest(self) -> float:

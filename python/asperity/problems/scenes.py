@@ -293,8 +293,7 @@ def _upright(
 def _box_inertia(mass: Array, half: Array) -> Array:
     squares = half**2
     principal = (squares.sum(axis=1)[:, None] - squares) * mass[:, None] / 3.0
-    inertia: Array = principal[:, :, None] * np.eye(3)
-    return inertia
+    return principal[:, :, None] * np.eye(3)
 
 
 def _half_sizes(value: ArrayLike) -> Array:

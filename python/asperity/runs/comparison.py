@@ -89,14 +89,12 @@ class PathComparison(TableResult, Value):
     @property
     def difference(self) -> Array:
         """Simulated minus measured position at equal times in m, shape ``(n, 2)``."""
-        difference: Array = self.simulated - self.measured
-        return difference
+        return self.simulated - self.measured
 
     @property
     def distance(self) -> Array:
         """Distance of the positions at equal times in m, shape ``(n,)``."""
-        distance: Array = np.linalg.norm(self.difference, axis=1)
-        return distance
+        return np.linalg.norm(self.difference, axis=1)
 
     @property
     def rms(self) -> float:
@@ -111,8 +109,7 @@ class PathComparison(TableResult, Value):
     @property
     def end_difference(self) -> Array:
         """Simulated minus measured last position in m, shape ``(2,)``."""
-        difference: Array = self.difference[-1]
-        return difference
+        return self.difference[-1]
 
     @property
     def end_distance(self) -> float:
@@ -264,8 +261,7 @@ def _at(run: Run, times: Array) -> Array:
     step = step[:, None]
     start = (1.0 + 2.0 * s) * (1.0 - s) ** 2 * q[k] + s * (1.0 - s) ** 2 * step * u[k]
     end = s**2 * (3.0 - 2.0 * s) * q[k + 1] + s**2 * (s - 1.0) * step * u[k + 1]
-    between: Array = start + end
-    return between
+    return start + end
 
 
 def _from_curve(curve: Array, points: Array) -> Array:

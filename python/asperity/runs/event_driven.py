@@ -118,7 +118,8 @@ def integrate(
     Returns:
         The motion, from the state before any impact at 0 on. Bounces that are lower than 1e-13 of
         the contact's reach, the largest |w_N|ᵀ|q| so far, end a sequence of impacts, of one contact
-        or of several between which a body rocks: they stay closed from there.
+        or of several between which a body rocks: they stay closed from there. Closed contacts whose
+        normal forces equilibrium leaves open share them as contacts of equal compliance do.
 
     Raises:
         NoSolutionError: no forces or percussions satisfy the laws; it holds the proof.

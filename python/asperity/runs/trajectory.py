@@ -111,12 +111,10 @@ class Trajectory(Run):
     def stick_fraction(self) -> Array:
         """Share of all steps, saved or not, in which each contact stuck; shape ``(n_contact,)``."""
         counted = np.maximum(self.phase_counts.sum(axis=1), 1)
-        fraction: Array = self.phase_counts[:, Phase.STICK] / counted
-        return fraction
+        return self.phase_counts[:, Phase.STICK] / counted
 
     def _shares(self) -> Array:
-        counted: Array = self.phase_counts / max(self.steps, 1)
-        return counted
+        return self.phase_counts / max(self.steps, 1)
 
     def _sentences(self) -> Iterator[str]:
         yield from super()._sentences()

@@ -85,8 +85,7 @@ class Cone(Value):
         """
         distance = self.distance(y)
         length = arrays.lengths(arrays.array(y, "y"))
-        inside: NDArray[np.bool_] = distance <= length * arrays.non_negative(tolerance, "tolerance")
-        return inside
+        return distance <= length * arrays.non_negative(tolerance, "tolerance")
 
     def distance(self, y: ArrayLike) -> Array:
         """Return the distance from y to the nearest element, infinite if there is none.

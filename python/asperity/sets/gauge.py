@@ -105,10 +105,7 @@ class GaugeMethods(Value):
         >>> Disk(1.0).contains([[0.5, 0.5], [1.0, 1.0]]).tolist()
         [True, False]
         """
-        inside: NDArray[np.bool_] = self.gauge(x) <= 1.0 + arrays.non_negative(
-            tolerance, "tolerance"
-        )
-        return inside
+        return self.gauge(x) <= 1.0 + arrays.non_negative(tolerance, "tolerance")
 
     def boundary(self, n: int = 360) -> Array:
         """Return points of the boundary.
@@ -143,8 +140,7 @@ class GaugeMethods(Value):
         >>> Disk(1.0).indicator([[0.5, 0.5], [1.0, 1.0]]).tolist()
         [0.0, inf]
         """
-        outside: Array = np.where(self.contains(x, tolerance=tolerance), 0.0, np.inf)[()]
-        return outside
+        return np.where(self.contains(x, tolerance=tolerance), 0.0, np.inf)[()]
 
     def _require_plane(self, operation: str) -> None:
         if self.dimension != 2:

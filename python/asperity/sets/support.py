@@ -145,8 +145,7 @@ class SupportMethods(GaugeMethods):
         [0.0, 1.5]
         """
         x, y = arrays.point_pairs(x, "x", y, "y", self.dimension)
-        gap: Array = self.indicator(x, tolerance=tolerance) + self.support(y) - (x * y).sum(-1)
-        return gap
+        return self.indicator(x, tolerance=tolerance) + self.support(y) - (x * y).sum(-1)
 
     def _convex(self, operation: str, argument: str = "set") -> CoreSet:
         if self._core.is_convex:

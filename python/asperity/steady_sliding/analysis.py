@@ -60,20 +60,17 @@ class Stability(SavedResult):
     def matrix(self) -> Array:
         """B = −W ∂λ/∂γ Wᵀ of all contacts in N s/m, shape ``(n, n)``; [WL19] (86)."""
         parts = [c.state.W @ c.jacobian @ c.state.W.T for c in self.contacts.values()]
-        whole: Array = -np.sum([np.zeros_like(self.linearisation.mass), *parts], axis=0) + 0.0
-        return whole
+        return -np.sum([np.zeros_like(self.linearisation.mass), *parts], axis=0) + 0.0
 
     @property
     def symmetric(self) -> Array:
         """D, the symmetric part of `matrix`; [WL19] (111)."""
-        part: Array = 0.5 * (self.matrix + self.matrix.T)
-        return part
+        return 0.5 * (self.matrix + self.matrix.T)
 
     @property
     def skew(self) -> Array:
         """G, the skew part of `matrix`; [WL19] (111)."""
-        part: Array = 0.5 * (self.matrix - self.matrix.T)
-        return part
+        return 0.5 * (self.matrix - self.matrix.T)
 
     @property
     def mass(self) -> Array:
@@ -105,8 +102,7 @@ class Stability(SavedResult):
     @property
     def modes(self) -> Complex:
         """Their displacements as velocities times 1 s, one column each, of length 1."""
-        modes: Complex = self.linearisation.reduced.Z @ self.spectrum.modes
-        return modes
+        return self.linearisation.reduced.Z @ self.spectrum.modes
 
     @property
     def growth_rate(self) -> float:

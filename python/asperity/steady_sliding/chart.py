@@ -56,8 +56,7 @@ class GrowthChart(SavedResult, Value):
         return {cls.__name__: cls}
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Array:
-        rates: Array = np.array(self.growth, dtype=dtype)
-        return rates
+        return np.array(self.growth, dtype=dtype)
 
     def __repr__(self) -> str:
         largest = f" up to {self._largest():.6g} 1/s" if self._unknown() < 1.0 else ""
@@ -95,8 +94,7 @@ class GrowthChart(SavedResult, Value):
         )
 
     def _flat(self) -> Array:
-        rates: Array = self.growth.reshape(self.phi.size, self.zeta.size)
-        return rates
+        return self.growth.reshape(self.phi.size, self.zeta.size)
 
     def _table(self) -> Table:
         axes = {
@@ -222,5 +220,4 @@ def _certain(pencil: Pencil, values: Complex, blur: Array) -> Array:
     values = pencil.polished(values)
     errors = Pencil(*(2.0 * ROUNDING * np.abs(part) for part in pencil))
     on_axis = pencil.on_axis(errors._replace(damping=errors.damping + blur[:, None, None]), values)
-    largest: Array = np.where(on_axis, np.where(on_axis, 0.0, -np.inf), values.real).max(axis=1)
-    return largest
+    return np.where(on_axis, np.where(on_axis, 0.0, -np.inf), values.real).max(axis=1)

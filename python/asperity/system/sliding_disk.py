@@ -166,8 +166,7 @@ class SlidingDisk(RigidBodies):
         """
         turned = self.rotations(trajectory)[:, 0]
         angle = np.unwrap(np.arctan2(turned[:, 1, 0], turned[:, 0, 0]))
-        since_start: Array = angle - angle[0]
-        return since_start
+        return angle - angle[0]
 
     def rest_time(self, trajectory: Trajectory) -> float:
         """Return the time in s from which on the disk rests; NaN if it still moves at the end.

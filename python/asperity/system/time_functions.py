@@ -105,8 +105,7 @@ class Signal(Value):
             end: in s.
         """
         whole = self._core.integral(arrays.number(start, "start"), arrays.number(end, "end"))
-        result: Array = whole.reshape(self.shape)[()]
-        return result
+        return whole.reshape(self.shape)[()]
 
     def breaks(self, start: float, end: float) -> Array:
         """Return the times after `start` and up to `end` where it or its derivatives jump.
@@ -140,8 +139,7 @@ class Signal(Value):
     def _at(self, t: ArrayLike, order: int) -> Array:
         times = arrays.array(t, "t")
         values = self._core.values(times.reshape(-1), order)
-        result: Array = values.reshape(times.shape + self.shape)[()]
-        return result
+        return values.reshape(times.shape + self.shape)[()]
 
 
 class Sine(Signal):

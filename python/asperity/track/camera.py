@@ -192,8 +192,7 @@ class VirtualCamera(Value):
         # The first exposure begins before the run.
         early = np.minimum(time, 0.0)[:, None] * (places[1] - places[0]) / (since[1] - since[0])
         along = [np.interp(time, since, coordinate) for coordinate in places.T]
-        moved: Array = np.column_stack(along) + early
-        return moved
+        return np.column_stack(along) + early
 
     def _facing(self, tilt: float) -> Scene:
         places = self.run.q[:, list(self.coordinates)]
@@ -213,8 +212,7 @@ class VirtualCamera(Value):
         grooves = np.random.default_rng([self.seed, 0]).normal(0.0, 6.0, 4096)
         level = np.interp(place[:, 0] / 1e-4 % 4096.0, np.arange(4096), grooves).reshape(rows, -1)
         away = ((column / columns - 0.5) ** 2 + (row / rows - 0.5) ** 2) / 0.5
-        plate: _Image = ((_STEEL + level) * (1.0 - 0.25 * away)).astype(np.float32)
-        return plate
+        return ((_STEEL + level) * (1.0 - 0.25 * away)).astype(np.float32)
 
     def _frame(self, number: int, steel: _Image) -> Pixels:
         image = np.repeat(steel[..., None], 3, axis=2)

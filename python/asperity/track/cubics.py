@@ -90,8 +90,7 @@ def _cubic(offset: Array, places: Array) -> tuple[Array, Array, Array, float]:
 def noise(x: Array) -> Array:
     """Return the standard deviation of positions, shape ``(2,)``, from their third differences."""
     third = np.abs(np.diff(x, n=3, axis=0))
-    deviation: Array = np.median(third, axis=0) / (0.6745 * np.sqrt(20.0))
-    return deviation
+    return np.median(third, axis=0) / (0.6745 * np.sqrt(20.0))
 
 
 def resting(x: Array, limit: float) -> tuple[int, Array]:

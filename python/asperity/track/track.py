@@ -68,8 +68,7 @@ class Track(TableResult, Record):
     @property
     def time(self) -> Array:
         """Times of the frames in s, shape ``(n,)``."""
-        time: Array = np.arange(len(self)) / self.fps
-        return time
+        return np.arange(len(self)) / self.fps
 
     def frames(self, sight: Sight) -> NDArray[np.int64]:
         """Return the numbers of the frames with a status, such as ``Sight.LOST``."""

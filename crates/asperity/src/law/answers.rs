@@ -117,6 +117,17 @@ impl Law {
         answer!(self, law => law.rate())
     }
 
+    /// The associated law with this reservoir where that is convex, and this law is another one. Whether contacts can stick
+    /// depends on reservoirs alone; with associated laws, accelerations and with them the answer are unique.
+    pub(crate) fn associated(&self) -> Option<Self> {
+        fn of<const P: usize>(law: &FrictionLaw<P>) -> Option<FrictionLaw<P>> {
+            let other = !law.is_associated() || law.rate().is_some();
+            let reservoir = law.reservoir().as_convex().filter(|_| other)?;
+            Some(FrictionLaw::associated(reservoir.clone()))
+        }
+        answer!(self, law => of(law).map(Self::from))
+    }
+
     /// `min r_D/r_C`, see [`FrictionLaw::alpha_min`].
     pub fn alpha_min(&self) -> f64 {
         answer!(self, law => law.alpha_min())
@@ -354,3 +365,6 @@ fn square<const P: usize>(matrix: &Matrix<P>) -> [Components; 3] {
         std::array::from_fn(|j| if i < P && j < P { matrix[(i, j)] } else { 0.0 })
     })
 }
+
+#[cfg(test)]
+mod tests;

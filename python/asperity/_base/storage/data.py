@@ -108,8 +108,7 @@ def _parts(value: Any) -> dict[str, Any]:
         return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if isinstance(value, dict):
         return {f"{_KEY}{name}": part for name, part in value.items()}
-    named_tuple: dict[str, Any] = value._asdict()
-    return named_tuple
+    return value._asdict()
 
 
 def _is_record(value: object) -> bool:

@@ -212,8 +212,7 @@ def _free_velocity(source: _Group, bodies: contents.Bodies) -> NDArray[np.float6
         mass = operator.checked_mass(bodies.mass)
     except ParameterError as error:
         raise type(error)("fclib_global/M", error.message) from None
-    free: NDArray[np.float64] = bodies.directions.T @ (operator.inverse(mass) @ force) + gap
-    return free
+    return bodies.directions.T @ (operator.inverse(mass) @ force) + gap
 
 
 def _write(

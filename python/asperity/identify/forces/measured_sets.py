@@ -167,8 +167,7 @@ def _parts(phi: Array, force: Array) -> tuple[Array, Array]:
 def _steps(angle: Array) -> Array:
     """Return the weights of the trapezoidal rule over a turn."""
     step = np.diff(angle, append=angle[0] + _TURN)
-    weights: Array = 0.5 * (step + np.roll(step, 1))
-    return weights
+    return 0.5 * (step + np.roll(step, 1))
 
 
 def _integral(angle: Array, values: Array) -> Array:
@@ -194,8 +193,7 @@ def _asymmetry(phi: Array, force: Array) -> float:
 def _inside(log_radius: Array, reservoir: Array, theta: Array) -> Array:
     """Return points of D at the angles of the forces, at the largest scale inside C."""
     scale = (np.log(reservoir) - log_radius).min()
-    points: Array = np.exp(log_radius + scale)[:, None] * arrays.unit_vectors(theta)
-    return points
+    return np.exp(log_radius + scale)[:, None] * arrays.unit_vectors(theta)
 
 
 def _distance(a: Array, b: Array) -> float:
@@ -243,5 +241,4 @@ def _intersection(phi: Array, support: Array) -> Array:
     # The vertex where x·a = 1 and x·b = 1 for neighbouring poles a, b.
     edge = np.roll(here, -1, axis=0) - here
     area = here[:, 0] * edge[:, 1] - here[:, 1] * edge[:, 0]
-    vertices: Array = np.stack([edge[:, 1], -edge[:, 0]], axis=-1) / area[:, None]
-    return vertices
+    return np.stack([edge[:, 1], -edge[:, 0]], axis=-1) / area[:, None]

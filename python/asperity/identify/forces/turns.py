@@ -118,8 +118,7 @@ def _half_width(values: Array, confidence: float) -> Array:
     if m < 2:
         return np.full(values.shape[1], np.inf)
     quantile = t.ppf(0.5 * (1.0 + confidence), m - 1)
-    half: Array = quantile * values.std(axis=0, ddof=1) / math.sqrt(m)
-    return half
+    return quantile * values.std(axis=0, ddof=1) / math.sqrt(m)
 
 
 def average_turns(

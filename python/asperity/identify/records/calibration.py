@@ -128,5 +128,4 @@ def _variance(residuals: Array, parameters: int) -> Array:
     redundant = len(residuals) - parameters
     if redundant == 0:
         return np.full(3, np.nan)
-    variance: Array = (residuals**2).sum(axis=0) / redundant
-    return variance
+    return (residuals**2).sum(axis=0) / redundant

@@ -154,8 +154,7 @@ def _moments(run: Run, interval: float) -> Array:
         raise ParameterError(
             "speed", f"must leave at most {_MOST} pictures, {count:.3g} s would be drawn"
         )
-    moments: Array = np.append(begin + interval * np.arange(int(np.ceil(count - 1e-9))), end)
-    return moments
+    return np.append(begin + interval * np.arange(int(np.ceil(count - 1e-9))), end)
 
 
 def _pictures(

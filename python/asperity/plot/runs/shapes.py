@@ -76,8 +76,7 @@ def outline(points: Array) -> Array:
     except (QhullError, ValueError):
         along = points[:, np.argmax(np.ptp(points, axis=0))]
         return points[[int(along.argmin()), int(along.argmax())]]
-    hull: Array = points[[*around, around[0]]]
-    return hull
+    return points[[*around, around[0]]]
 
 
 def edges(corners: Array) -> list[Array]:
@@ -101,8 +100,7 @@ def edges(corners: Array) -> list[Array]:
 
 def circle(center: Array, radius: float) -> Array:
     """Return a closed circle in the plane."""
-    points: Array = center + radius * _CIRCLE
-    return points
+    return center + radius * _CIRCLE
 
 
 def great_circles(center: Array, radius: float, turn: Array) -> list[Array]:

@@ -35,8 +35,7 @@ def margins(C: StarSet, D: StarSet, slip: Array, rotation: Array | float = 0.0) 
     sines = [_sine(normal, gamma) for normal in (before, after)]
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     sine = np.where(turn >= 0.0, np.maximum(*sines), np.minimum(*sines))
-    angle: Array = np.arcsin(np.clip(sine, -1.0, 1.0))
-    return angle
+    return np.arcsin(np.clip(sine, -1.0, 1.0))
 
 
 def destabilising(C: StarSet, D: StarSet, slip: Array, rotation: Array | float = 0.0) -> Array:
@@ -132,11 +131,9 @@ def _turned(x: Array, angle: Array | float) -> Array:
 
 def _sine(normal: Array, gamma: Array) -> Array:
     along: Array = (normal * gamma).sum(axis=-1)
-    sine: Array = along / (np.linalg.norm(normal, axis=-1) * np.linalg.norm(gamma, axis=-1))
-    return sine
+    return along / (np.linalg.norm(normal, axis=-1) * np.linalg.norm(gamma, axis=-1))
 
 
 def angle_of(x: Array) -> Array:
     """Return the angles of plane vectors, shape ``(..., 2)``."""
-    angle: Array = np.arctan2(x[..., 1], x[..., 0])
-    return angle
+    return np.arctan2(x[..., 1], x[..., 0])

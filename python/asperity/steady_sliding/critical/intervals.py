@@ -57,8 +57,7 @@ class CriticalIntervals(TableResult, Value):
         return iter(self.intervals)
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Array:
-        rows: Array = np.array(self.intervals, dtype=dtype).reshape(-1, 2)
-        return rows
+        return np.array(self.intervals, dtype=dtype).reshape(-1, 2)
 
     def __eq__(self, other: object) -> bool:
         # As the list of pairs that it stands for.

@@ -136,16 +136,14 @@ class _LeastMargin:
         low, middle, high = (np.take_along_axis(phi, chosen + side, axis=1) for side in (-1, 0, 1))
         low, high = np.minimum(low, middle - _REACH), np.maximum(high, middle + _REACH)
         found = least(lambda x: self.margin(x, zeta[:, None, None]), low, high)[1]
-        whole: Array = np.minimum(found, self.margin(middle, zeta[:, None])).min(axis=1)
-        return whole
+        return np.minimum(found, self.margin(middle, zeta[:, None])).min(axis=1)
 
     def margin(self, phi: Array, zeta: Array) -> Array:
         """Return the larger margin of two neighbours: what holds in one direction only is none."""
         sides = np.stack([phi - NARROW, phi + NARROW])
         angles = np.broadcast_to(zeta, sides.shape).ravel()
         both = destabilising(self.C, self.D, unit_vectors(sides.ravel()), angles)
-        worse: Array = both.reshape(sides.shape).max(axis=0)
-        return worse
+        return both.reshape(sides.shape).max(axis=0)
 
 
 def _without_gaps(found: list[Interval], period: float) -> list[Interval]:
@@ -166,10 +164,8 @@ def _without_gaps(found: list[Interval], period: float) -> list[Interval]:
 def _thinned(x: Array) -> Array:
     """Leave out samples that are too near to the last one that stays."""
     cells = np.floor((x - x[0]) / _NEAR)
-    kept: Array = x[np.append(True, np.diff(cells) > 0.0)]
-    return kept
+    return x[np.append(True, np.diff(cells) > 0.0)]
 
 
 def _wrapped(angle: Array) -> Array:
-    whole: Array = np.mod(angle + math.pi, TURN) - math.pi
-    return whole
+    return np.mod(angle + math.pi, TURN) - math.pi

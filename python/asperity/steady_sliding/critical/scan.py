@@ -105,5 +105,4 @@ def _bisected(
         middle = 0.5 * (low + high)
         same = (f(middle) < 0.0) == below
         low, high = np.where(same, middle, low), np.where(same, high, middle)
-    ends: Array = 0.5 * (low + high)
-    return ends
+    return 0.5 * (low + high)

@@ -231,5 +231,4 @@ def _null_space(normals: Array) -> Array:
 
 def total(parts: dict[str, Array]) -> Array:
     """Return the sum of the contributions."""
-    whole: Array = np.sum(list(parts.values()), axis=0)
-    return whole
+    return np.sum(list(parts.values()), axis=0)

@@ -57,8 +57,7 @@ class Pencil(NamedTuple):
             log = log + np.log(peak) / 2.0**level
         norm = np.maximum(X.sum(axis=-1).max(axis=-1, initial=0.0), 1e-300)
         log += np.log(norm) / 2.0**_SQUARINGS
-        doubtful: NDArray[np.bool_] = ~finite | (log >= 0.0)
-        return doubtful
+        return ~finite | (log >= 0.0)
 
     def on_axis(self, errors: Pencil, values: Complex) -> NDArray[np.bool_]:
         """Return whether eigenvalues may in truth be on the imaginary axis.
@@ -70,8 +69,7 @@ class Pencil(NamedTuple):
         half: Complex = 0.5 * values.real + 1j * values.imag
         rough = ROUNDING * np.abs(values).max(axis=-1, initial=0.0)[..., None]
         unpolished = (np.abs(values.real) <= rough) & ~self.may_be_singular(errors, values)
-        open_: NDArray[np.bool_] = self.may_be_singular(errors, half) | unpolished
-        return open_
+        return self.may_be_singular(errors, half) | unpolished
 
     def polished(self, values: Complex, rounds: int = 3) -> Complex:
         """Improve simple eigenvalues by Newton's method for det P(z) = 0.
@@ -123,5 +121,4 @@ def _scales(size: Array) -> tuple[Array, Array]:
 
 
 def _power(size: Array) -> Array:
-    factor: Array = np.exp2(-np.round(np.log2(np.where(size > 0.0, size, 1.0))))
-    return factor
+    return np.exp2(-np.round(np.log2(np.where(size > 0.0, size, 1.0))))

@@ -98,8 +98,7 @@ def _deficit(matrix: Array, mass: Array) -> Array:
     values, vectors = np.linalg.eigh(np.linalg.solve(root, np.linalg.solve(root, symmetric).T))
     lacking = np.where(values < -1e-9 * np.abs(values).max(initial=0.0), -values, 0.0)
     half = root @ vectors
-    deficit: Array = (half * lacking) @ half.T
-    return deficit
+    return (half * lacking) @ half.T
 
 
 def _same(a: Array, b: Array) -> bool:

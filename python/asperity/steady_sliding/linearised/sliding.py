@@ -57,8 +57,7 @@ class Sliding:
             return self.jacobian
         factor = self.law.rate(np.linalg.norm(self.slip))
         factor *= self.normal_force
-        part: Array = factor * self.law.replace(rate=None).jacobian(self.slip)
-        return part
+        return factor * self.law.replace(rate=None).jacobian(self.slip)
 
     @property
     def rate_jacobian(self) -> Array:
@@ -70,8 +69,7 @@ class Sliding:
         """L = z ∇k_C(z)ᵀ/k_C(z), the projector on the force along the boundary of C."""
         z = self.law.direction.support_point(self.slip)
         reservoir = self.law.reservoir
-        whole: Array = np.outer(z, reservoir.gauge_gradient(z)) / reservoir.gauge(z)
-        return whole
+        return np.outer(z, reservoir.gauge_gradient(z)) / reservoir.gauge(z)
 
     @cached_property
     def hessian(self) -> Array:

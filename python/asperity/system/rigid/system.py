@@ -411,8 +411,7 @@ def _constant_load(body: Any, planar: bool) -> Array:
 
 
 def _turned(matrices: Array, vectors: Array) -> Array:
-    turned: Array = np.einsum("...ij,...j->...i", matrices, vectors)
-    return turned
+    return np.einsum("...ij,...j->...i", matrices, vectors)
 
 
 def _bodies(bodies: Sequence[Any]) -> tuple[Any, ...]:

@@ -242,5 +242,4 @@ class Follower:
 
 def _middles(found: Candidates) -> Array:
     """Return the middles (column, row) of the boxes."""
-    middles: Array = 0.5 * (found.boxes[:, :2] + found.boxes[:, 2:])[:, ::-1]
-    return middles
+    return 0.5 * (found.boxes[:, :2] + found.boxes[:, 2:])[:, ::-1]

@@ -155,5 +155,4 @@ def _covariance(
     power = 0.5 * float(np.mean(np.abs(waves) ** 2))
     inverse = np.linalg.pinv(slope.T @ (slope * stiffness[:, None]))
     scores = 2.0 * power / weights.sum() * slope.T @ (slope * weights[:, None])
-    covariance: Array = inverse @ scores @ inverse
-    return covariance
+    return inverse @ scores @ inverse

@@ -143,8 +143,7 @@ class Scene(Value):
 
 def _mapped(matrix: Array, points: Array) -> Array:
     lifted = points @ matrix[:, :2].T + matrix[:, 2]
-    mapped: Array = lifted[..., :2] / lifted[..., 2:]
-    return mapped
+    return lifted[..., :2] / lifted[..., 2:]
 
 
 def _normalisation(points: Array, argument: str) -> Array:
@@ -187,9 +186,7 @@ def _refined(start: Array, points: Array, image: Array, to_unit: Array, back: Ar
     source, target = _mapped(back, points), _mapped(to_unit, image)
 
     def off(entries: Array) -> Array:
-        distances: Array = (_mapped(entries.reshape(3, 3), source) - target).ravel()
-        return distances
+        return (_mapped(entries.reshape(3, 3), source) - target).ravel()
 
     solution = least_squares(off, start.ravel() / np.linalg.norm(start), x_scale="jac")
-    refined: Array = solution.x.reshape(3, 3)
-    return refined
+    return solution.x.reshape(3, 3)

@@ -87,15 +87,13 @@ class Mark(Record):
             return _mean(channels)
         if not present:
             return -_mean(channels)
-        strength: NDArray[np.float32] = np.minimum.reduce(
-            [channels[i] for i in present]
-        ) - np.maximum.reduce([channels[i] for i in absent])
-        return strength
+        return np.minimum.reduce([channels[i] for i in present]) - np.maximum.reduce(
+            [channels[i] for i in absent]
+        )
 
 
 def _mean(channels: NDArray[np.float32]) -> NDArray[np.float32]:
-    mean: NDArray[np.float32] = channels.mean(axis=0, dtype=np.float32)
-    return mean
+    return channels.mean(axis=0, dtype=np.float32)
 
 
 @dataclass(frozen=True)
@@ -227,8 +225,7 @@ def _region(coloured: _Mask, area: float | None) -> _Mask | None:
         chosen = int(np.argmin(np.where(sizes >= _FEWEST_PIXELS, np.abs(ratio), np.inf)))
     else:
         chosen = int(sizes.argmax())
-    region: _Mask = regions == chosen
-    return region
+    return regions == chosen
 
 
 def _crossings(

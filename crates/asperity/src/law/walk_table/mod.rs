@@ -302,3 +302,6 @@ fn smallest_sine(nodes: &[Node]) -> f64 {
     }
     smallest
 }
+
+#[cfg(test)]
+mod tests;

@@ -61,7 +61,7 @@ pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Opt
         .map(|i| (i, pushes(i)))
         .collect();
     let mut support = all.clone();
-    support.retain(|(_, d)| *d > 0.0 && d.is_finite());
+    support.retain(|(_, d)| d.is_finite());
     trim(&mut support);
     polish(problem, support.clone()).or_else(|| {
         let searched = if all.len() <= MOST_SEARCHED { all } else { support };

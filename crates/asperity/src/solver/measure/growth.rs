@@ -299,3 +299,6 @@ pub(crate) fn is_large(problem: &ContactProblem, percussion: &[f64]) -> bool {
     // The comparison also finds NaN.
     !(squares <= (GROWN * problem.global_rho() * problem.load_norm()).powi(2))
 }
+
+#[cfg(test)]
+mod tests;

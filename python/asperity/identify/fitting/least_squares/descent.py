@@ -112,8 +112,7 @@ def damped_step(matrix: Array, gradient: Array, damping: float = 0.0) -> Array:
     values, vectors = np.linalg.eigh(scaled)
     kept = values > 1e-13
     inverse = np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)
-    step: Array = vectors @ (inverse * (vectors.T @ (gradient / scale))) / scale
-    return step
+    return vectors @ (inverse * (vectors.T @ (gradient / scale))) / scale
 
 
 def _continued(sums: Sums, step: Array) -> Sums:

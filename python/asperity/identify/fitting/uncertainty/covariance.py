@@ -48,8 +48,7 @@ class Covariance:
     @property
     def total(self) -> Array:
         """Sum of the parts that are known."""
-        total: Array = np.sum([part for part in self.parts if part is not None], axis=0)
-        return total
+        return np.sum([part for part in self.parts if part is not None], axis=0)
 
     def shares(self) -> Array:
         """Return the parts of each variance from scatter, calibration and zeros, ``(k, 3)``.
@@ -175,8 +174,7 @@ def shared(
         if covariance is None:
             return None
         known = arrays.array(covariance, f"data.{name}", 2 * (by.shape[1],))
-        spread: Array = by @ known @ by.T
-        return spread
+        return by @ known @ by.T
 
     return (
         caused(calibration, by[:, :9], "calibration_covariance"),

@@ -234,8 +234,7 @@ def _near(samples: Samples, angle: float, width: float) -> Samples:
 
 
 def _is_away(phi: Array, angle: float) -> NDArray[np.bool_]:
-    away: NDArray[np.bool_] = np.abs(_off_axis(np.cos(phi), np.sin(phi), angle)[0]) > _CLEAR
-    return away
+    return np.abs(_off_axis(np.cos(phi), np.sin(phi), angle)[0]) > _CLEAR
 
 
 def _off_axis(c: Array, s: Array, angle: float) -> tuple[Array, NDArray[np.intp]]:
@@ -250,5 +249,4 @@ def _angle_back(x: Array, y: Array, quarter: NDArray[np.intp]) -> Array:
     """Return the angles of vectors after so many quarter turns back, without rounding in these."""
     turned = [np.stack(v) for v in ((x, y), (y, -x), (-x, -y), (-y, x))]
     u, v = np.choose(quarter, turned)
-    angle: Array = np.arctan2(v, u)
-    return angle
+    return np.arctan2(v, u)

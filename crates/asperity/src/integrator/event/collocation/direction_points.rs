@@ -166,7 +166,7 @@ impl DirectionPoints {
             for s in 0..contact.p {
                 self.column.clear();
                 self.column.extend_from_slice(dynamics.response(ROWS * i + 1 + s));
-                dynamics.constrain(&mut self.column);
+                dynamics.constrain(&mut self.column, None);
                 for c in 0..contact.p {
                     let factor = contact.normal_force * at.by_point[s][c];
                     for (r, value) in self.column.iter().enumerate() {

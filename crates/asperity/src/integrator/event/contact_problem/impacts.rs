@@ -2,7 +2,9 @@
 
 use std::iter::{once, repeat_n};
 
-use crate::integrator::event::contact_problem::problem::{Decision, Participants, Solving};
+use crate::integrator::event::contact_problem::problem::{
+    Decision, Participants, Question, Solving,
+};
 use crate::integrator::event::dynamics::{ConstraintMatrix, Dynamics, ROWS};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::{add, norm};
@@ -40,7 +42,7 @@ pub(crate) fn collide(
     let participants = Participants::alone(dynamics, contacts.to_vec());
     let before: Vec<f64> =
         participants.rows.iter().map(|&row| dynamics.velocity(row, &state.u)).collect();
-    let mut problem = participants.problem(dynamics, &before, |_| None)?;
+    let mut problem = participants.problem(dynamics, &before, Question::WhatNext, |_| None)?;
     let laws = dynamics.system.contacts();
     if law == ImpactLaw::Newton {
         let coefficients = contacts.iter().flat_map(|&i| {

@@ -9,4 +9,4 @@ pub(crate) mod problem;
 pub(crate) mod redundancy;
 
 pub(crate) use impacts::ImpactLaw;
-pub(crate) use problem::{Decision, Solving};
+pub(crate) use problem::{Decision, Question, Solving};

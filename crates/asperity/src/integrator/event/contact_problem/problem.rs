@@ -8,7 +8,8 @@ use crate::integrator::observer::Observer;
 use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
 use crate::vectors::{dot, largest, norm};
 
-/// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over.
+/// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over. Where contacts
+/// share the load, sweeps nearly always do, and are asked last.
 const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };
 const FALLBACK: Solver = Solver::Auto { interior_point: true, threads: 1 };
 const TOLERANCE: f64 = 1e-12;
@@ -19,11 +20,20 @@ const TOLERANCE: f64 = 1e-12;
 /// then, and to 1e-5 before.
 const POLISH: Solver = Solver::Newton { max_iterations: 8 };
 /// Acceleration over the load that may be none: at the tolerance this is what is left of it where δ is 1e-12.
-const MAY_BE_AT_REST: f64 = 1e-6;
+const MAY_BE_AT_REST: f64 = 1e-3;
 /// Residual that counts as solved where rounding leaves no better one and the solver has come to its end.
 const ROUNDED: f64 = 1e-9;
 /// Mobility of a row, over that without other contacts, that counts as none.
 const NO_MOBILITY: f64 = 1e-12;
+
+/// What is asked of contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Question {
+    /// What they do next, by their laws.
+    WhatNext,
+    /// Whether all can stick on.
+    WhetherStickGoesOn,
+}
 
 /// The outcome of a contact problem.
 #[derive(Debug)]
@@ -61,6 +71,8 @@ pub(crate) struct Participants {
     pub(crate) contacts: Vec<usize>,
     pub(crate) rows: Vec<usize>,
     pub(crate) responses: Vec<f64>,
+    /// What the sharing of normal forces adds to the accelerations along the rows, row by row; empty if none is shared.
+    shared: Vec<f64>,
 }
 
 impl Participants {
@@ -68,7 +80,7 @@ impl Participants {
     pub(crate) fn alone(dynamics: &Dynamics<'_>, contacts: Vec<usize>) -> Self {
         let rows: Vec<usize> = contacts.iter().flat_map(|&i| dynamics.rows_of(i)).collect();
         let responses = rows.iter().flat_map(|&row| dynamics.response(row)).copied().collect();
-        Self { contacts, rows, responses }
+        Self { contacts, rows, responses, shared: Vec::new() }
     }
 
     /// Contacts among slipping ones that stay closed, and the normal forces with which these answer to unit forces
@@ -79,9 +91,20 @@ impl Participants {
     ) -> (Self, Vec<f64>) {
         let mut participants = Self::alone(dynamics, contacts);
         let mut answers = Vec::new();
-        for response in participants.responses.chunks_exact_mut(dynamics.n) {
-            dynamics.constrain(response);
+        let responses = participants.responses.chunks_exact_mut(dynamics.n);
+        for (&row, response) in participants.rows.iter().zip(responses) {
+            dynamics.constrain(response, Some(row));
             answers.extend_from_slice(dynamics.constraint_forces());
+        }
+        if !dynamics.sharing.is_empty() {
+            let (rows, slipping) = (&participants.rows, dynamics.constrained_rows());
+            let count = slipping.len();
+            let entry = |k: usize, l: usize| {
+                dynamics.sharing.entry(rows[k], rows[l])
+                    + dynamics.sharing.product(rows[k], slipping, &answers[l * count..][..count])
+            };
+            let places = (0..rows.len()).flat_map(|k| (0..rows.len()).map(move |l| (k, l)));
+            participants.shared = places.map(|(k, l)| entry(k, l)).collect();
         }
         (participants, answers)
     }
@@ -102,21 +125,31 @@ impl Participants {
     /// The contact problem with this load, `normal_force` being what is given of it.
     pub(crate) fn problem(
         &self,
-        dynamics: &Dynamics<'_>,
+        dynamics: &mut Dynamics<'_>,
         load: &[f64],
+        question: Question,
         normal_force: impl Fn(&ContactVariables) -> Option<f64>,
     ) -> Result<ContactProblem, EvaluationError> {
         self.contacts.iter().try_for_each(|&i| dynamics.check_rows(i))?;
+        let contacts: Vec<_> = self
+            .contacts
+            .iter()
+            .map(|&i| {
+                let law = match question {
+                    Question::WhatNext => dynamics.law(i).clone(),
+                    Question::WhetherStickGoesOn => dynamics.law_of_stick(i).clone(),
+                };
+                (law, normal_force(&dynamics.contacts[i]).into())
+            })
+            .collect();
+        let dynamics = &*dynamics;
         let response = |j: usize| &self.responses[j * dynamics.n..(j + 1) * dynamics.n];
-        let contact = |&i: &usize| {
-            let prescribed = normal_force(&dynamics.contacts[i]);
-            (dynamics.law(i).clone(), prescribed.into())
-        };
-        let contacts = self.contacts.iter().map(contact);
         let sizes: Vec<usize> =
             self.contacts.iter().map(|&i| dynamics.rows_of(i).count()).collect();
-        let delassus =
-            BlockMatrix::full(&sizes, |i, j| dot(dynamics.row(self.rows[i]), response(j)));
+        let shared = |i: usize, j: usize| self.shared.get(i * self.rows.len() + j).unwrap_or(&0.0);
+        let delassus = BlockMatrix::full(&sizes, |i, j| {
+            dot(dynamics.row(self.rows[i]), response(j)) + shared(i, j)
+        });
         let mut problem = ContactProblem::assemble(contacts, delassus.into());
         problem.free_velocity_mut().copy_from_slice(load);
         Ok(problem)
@@ -136,7 +169,8 @@ impl Participants {
         let cancelled = || observer.asks_to_stop(*t);
         let stop = Stop { cancelled: Some(&cancelled), ..Stop::at(TOLERANCE) };
         let mut outcome = Outcome::Interrupted;
-        for solver in [SOLVER, FALLBACK] {
+        let solvers = if self.shared.is_empty() { [SOLVER, FALLBACK] } else { [FALLBACK, SOLVER] };
+        for solver in solvers {
             let (mut workspace, mut found) = (Workspace::default(), start.clone());
             let report = solver.solve(problem, stop, &mut found, &mut workspace);
             // Where percussions run away, or a proof excludes a solution, a small residual says nothing.

@@ -2,7 +2,7 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::contact_problem::accelerations::decide;
-use crate::integrator::event::contact_problem::problem::{Decision, Solving};
+use crate::integrator::event::contact_problem::problem::{Decision, Question, Solving};
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, SlidingForces};
 use crate::integrator::event::event_function::{contact_event_function, rounded_excess};
 use crate::integrator::event::state::{EvaluationError, State};
@@ -47,7 +47,7 @@ fn redistribute(
     for contact in &mut dynamics.contacts {
         contact.undecided = contact.mode == Phase::Stick;
     }
-    let decision = decide(dynamics, state, solving)?;
+    let decision = decide(dynamics, state, Question::WhetherStickGoesOn, solving)?;
     let goes_on = |(now, kept): (&ContactVariables, &ContactVariables)| now.mode == kept.mode;
     let all_go_on = matches!(decision, Decision::Made { .. })
         && dynamics.contacts.iter().zip(&kept).all(goes_on);

@@ -6,9 +6,9 @@ use crate::linear::{BlockLu, LeastNorm};
 
 /// Pivot over the largest entry that counts as zero. Differences along the motion and the masses' range leave about
 /// as much of redundant rows.
-const SINGULAR: f64 = 1e-11;
+pub(crate) const SINGULAR: f64 = 1e-11;
 /// Share of the largest part of a singular matrix below which its parts count as zero.
-const RANK: f64 = 1e-10;
+pub(crate) const RANK: f64 = 1e-10;
 
 /// A factored matrix.
 #[derive(Debug, Default)]

@@ -36,6 +36,10 @@ impl Dynamics<'_> {
                 _ => {}
             }
         }
+        self.sharing.clear();
+        if self.contacts.iter().any(|contact| contact.undecided) {
+            self.share_normal_forces();
+        }
         if !system.rows.is_empty() {
             self.solve_constraints(&mut system);
         }
@@ -43,11 +47,36 @@ impl Dynamics<'_> {
         self.assign_constraint_forces();
     }
 
+    /// Finds which of the closed unilateral contacts share normal forces.
+    fn share_normal_forces(&mut self) {
+        let mut sharing = std::mem::take(&mut self.sharing);
+        let pressing =
+            |i: &usize| self.contacts[*i].prescribed.is_none() && self.contacts[*i].is_closed();
+        let all = self.contacts.len();
+        sharing.find((0..all).filter(pressing), all, |i, j| {
+            self.mobility(ROWS * i, ROWS * j, self.response(ROWS * j))
+        });
+        self.sharing = sharing;
+    }
+
+    fn factor_constraints(&self, Constraints { rows, columns, matrix, .. }: &mut Constraints) {
+        matrix.factor(rows.len(), |k, l| {
+            let column = &columns[l * self.n..(l + 1) * self.n];
+            self.mobility(rows[k], rows[l], column) + self.sharing.entry(rows[k], rows[l])
+        });
+    }
+
     fn solve_constraints(&mut self, system: &mut Constraints) {
         let n = self.n;
+        self.factor_constraints(system);
+        if system.matrix.singular && self.sharing.is_empty() {
+            self.share_normal_forces();
+            if !self.sharing.is_empty() {
+                self.factor_constraints(system);
+            }
+        }
         let Constraints { rows, columns, matrix, forces, defects } = system;
         let count = rows.len();
-        matrix.factor(count, |k, l| self.mobility(rows[k], rows[l], &columns[l * n..(l + 1) * n]));
         forces.clear();
         forces.resize(count, 0.0);
         // A solution leaves residuals that grow with the condition of the matrix, such as where light and heavy
@@ -55,7 +84,10 @@ impl Dynamics<'_> {
         // more for what is left reduces them to rounding.
         for _ in 0..2 {
             defects.clear();
-            defects.extend(rows.iter().map(|&row| -self.rate(row, &self.acceleration)));
+            let defect = |&row: &usize| {
+                -self.rate(row, &self.acceleration) - self.sharing.product(row, rows, forces)
+            };
+            defects.extend(rows.iter().map(defect));
             matrix.solve(defects);
             for ((column, x), force) in columns.chunks_exact(n).zip(&*defects).zip(&mut *forces) {
                 add(&mut self.acceleration, *x, column);
@@ -80,10 +112,11 @@ impl Dynamics<'_> {
     }
 
     /// Adds to an acceleration what the constraint forces answer to it, so that it satisfies the constraints. The
-    /// change of the forces is left in [`constraint_forces`](Self::constraint_forces).
-    pub(crate) fn constrain(&mut self, acceleration: &mut [f64]) {
+    /// change of the forces is left in [`constraint_forces`](Self::constraint_forces). `unit_force` is the row along which
+    /// a unit force gives the acceleration, if that is what gives it and the contacts of the constraints may share it.
+    pub(crate) fn constrain(&mut self, acceleration: &mut [f64], unit_force: Option<usize>) {
         let Constraints { rows, columns, matrix, forces, .. } = &mut self.constraints;
-        let (all, spans) = (&self.rows, &self.spans);
+        let (all, spans, sharing) = (&self.rows, &self.spans, &self.sharing);
         let along = |row: usize, vector: &[f64]| {
             let span = spans[row / ROWS].clone();
             let first = row * self.n;
@@ -93,7 +126,8 @@ impl Dynamics<'_> {
         if rows.is_empty() {
             return;
         }
-        forces.extend(rows.iter().map(|&k| -along(k, acceleration)));
+        let shared = |row: usize| unit_force.map_or(0.0, |other| sharing.entry(row, other));
+        forces.extend(rows.iter().map(|&k| -along(k, acceleration) - shared(k)));
         matrix.solve(forces);
         for (column, x) in columns.chunks_exact(self.n).zip(&*forces) {
             add(acceleration, *x, column);
@@ -102,7 +136,8 @@ impl Dynamics<'_> {
 
     /// Whether the contacts can share the constraint forces in many ways, of which the smallest was taken.
     pub(crate) fn is_indeterminate(&self) -> bool {
-        !self.constraints.rows.is_empty() && self.constraints.matrix.singular
+        !self.constraints.rows.is_empty()
+            && (self.constraints.matrix.singular || !self.sharing.is_empty())
     }
 
     /// The contacts' rows that have constraint forces.

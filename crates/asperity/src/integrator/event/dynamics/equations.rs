@@ -7,6 +7,7 @@ use crate::integrator::event::dynamics::buffers::{
 };
 use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::dynamics::sharing::Sharing;
 use crate::integrator::event::state::EvaluationError;
 use crate::law::Law;
 use crate::system::mass::MassFactors;
@@ -17,6 +18,8 @@ use crate::vectors::dot;
 #[derive(Debug)]
 pub(crate) struct Dynamics<'a> {
     pub(crate) system: &'a dyn System,
+    /// The associated laws of contacts that have others, if they have been asked for.
+    laws_of_stick: Vec<Option<Option<Law>>>,
     /// The coordinates of the integration, through which alone the system is evaluated.
     pub(crate) chart: Chart<'a>,
     /// Number of degrees of freedom.
@@ -55,6 +58,7 @@ pub(crate) struct Dynamics<'a> {
     ready: bool,
     pub(crate) stencil: Stencil,
     pub(crate) constraints: Constraints,
+    pub(crate) sharing: Sharing,
     pub(crate) smooth: SmoothJacobian,
     pub(crate) projection: Projection,
     pub(crate) scratch_rows: Vec<f64>,
@@ -73,6 +77,7 @@ impl<'a> Dynamics<'a> {
         };
         Self {
             system,
+            laws_of_stick: vec![None; system.contacts().len()],
             chart,
             n,
             contacts: system.contacts().iter().map(ContactVariables::new).collect(),
@@ -93,6 +98,7 @@ impl<'a> Dynamics<'a> {
             ready: false,
             stencil: Stencil::new(rows),
             constraints: Constraints::default(),
+            sharing: Sharing::default(),
             smooth: SmoothJacobian::new(n, rows),
             projection: Projection::default(),
             scratch_rows: vec![0.0; ROWS * n],
@@ -102,6 +108,13 @@ impl<'a> Dynamics<'a> {
 
     pub(crate) fn law(&self, i: usize) -> &'a Law {
         self.system.contacts()[i].law()
+    }
+
+    /// The law that tells whether a contact can stick on.
+    pub(crate) fn law_of_stick(&mut self, i: usize) -> &Law {
+        let law = self.law(i);
+        let associated = self.laws_of_stick[i].get_or_insert_with(|| law.associated());
+        associated.as_ref().unwrap_or(law)
     }
 
     pub(crate) fn row(&self, row: usize) -> &[f64] {

@@ -107,7 +107,7 @@ impl Dynamics<'_> {
             };
             for (r, slope) in slope[..contact.p].iter().enumerate() {
                 column.copy_from_slice(self.response(ROWS * i + 1 + r));
-                self.constrain(&mut column);
+                self.constrain(&mut column, None);
                 for (s, slope) in slope[..contact.p].iter().enumerate() {
                     let factor = contact.normal_force * slope;
                     let row = ROWS * i + 1 + s;

@@ -15,6 +15,7 @@ mod independent_parts;
 mod jacobian;
 mod projection;
 mod rounding;
+mod sharing;
 
 pub(crate) use chart::Chart;
 pub(crate) use constraint_matrix::ConstraintMatrix;

@@ -1,7 +1,7 @@
 //! The modes of the contacts after an event, and the phase of the motion that begins with them.
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::contact_problem::{Decision, Solving, accelerations};
+use crate::integrator::event::contact_problem::{Decision, Question, Solving, accelerations};
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
@@ -50,10 +50,11 @@ impl Integration<'_> {
         let contacts = &self.dynamics.contacts;
         let undecided: Vec<bool> = contacts.iter().map(|contact| contact.undecided).collect();
         let solving = Solving { memory: &self.memory, observer: &self.observer, t: at.t };
-        let ambiguous = match accelerations::decide(&mut self.dynamics, at, &solving)? {
-            Decision::Made { ambiguous } => ambiguous,
-            Decision::Ended(outcome) => return Ok(Some(outcome)),
-        };
+        let ambiguous =
+            match accelerations::decide(&mut self.dynamics, at, Question::WhatNext, &solving)? {
+                Decision::Made { ambiguous } => ambiguous,
+                Decision::Ended(outcome) => return Ok(Some(outcome)),
+            };
         self.starting = false;
         let mut onset: f64 = 0.0;
         for i in 0..undecided.len() {

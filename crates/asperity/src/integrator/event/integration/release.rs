@@ -1,8 +1,8 @@
 //! The end of stick: which slip begins, and whether any does.
 
 use crate::contact::{ContactState, Phase};
-use crate::integrator::event::contact_problem::{Decision, Solving, accelerations};
-use crate::integrator::event::dynamics::{ContactVariables, ROWS};
+use crate::integrator::event::contact_problem::{Decision, Question, Solving, accelerations};
+use crate::integrator::event::dynamics::ROWS;
 use crate::integrator::event::event_function;
 use crate::integrator::event::integration::decision::ONSET_SLIP;
 use crate::integrator::event::integration::variables::{Ending, Integration};
@@ -17,6 +17,9 @@ const CONTINUOUS: f64 = 1e-3;
 /// it is still that of this step.
 const FIRST_TRIAL: f64 = 1e-7;
 const LAST_TRIAL: f64 = 0.1;
+/// Jump of the accelerations over the load from which on a slip of contacts that have shared the load is told from rest
+/// by more than the accuracy of the contact problem.
+const RESOLVED: f64 = 1e-6;
 
 impl Integration<'_> {
     /// A sticking contact cannot go on sticking. What it does is decided a little later, with a load that it cannot
@@ -28,7 +31,8 @@ impl Integration<'_> {
         let excess = event_function::excess(&self.dynamics, i);
         let rounding = event_function::rounded_excess(&self.dynamics);
         let length = self.step_size.h;
-        let carried = self.carried_by(i);
+        let carried = self.carried();
+        let shared = before.iter().filter(|mode| **mode == Some(Phase::Stick)).count() > 1;
         let direction = self.dynamics.law(i).normal(&contact.force);
         let kept = self.memory.clone();
         let mut ahead = self.state.clone();
@@ -44,13 +48,17 @@ impl Integration<'_> {
             if outcome.is_some() {
                 return Ok(outcome);
             }
-            if self.motion.events.len() > events {
+            let last = 10.0 * later > LAST_TRIAL * self.step.h;
+            let changes = self.motion.events.len() > events;
+            let unresolved =
+                || largest(&difference(&self.a0, &stuck)) <= RESOLVED * self.dynamics.load;
+            if changes && (last || !shared || !unresolved()) {
                 break;
             }
             // The load is not yet outside of the reservoir by more than rounding.
             self.motion.samples.truncate(samples);
-            later *= 10.0;
-            if later > LAST_TRIAL * self.step.h {
+            self.motion.events.truncate(events);
+            if last {
                 // The contact can go on sticking: its force has been outside of the reservoir by rounding only.
                 (self.a0, self.memory) = (stuck, kept);
                 let contact = &mut self.dynamics.contacts[i];
@@ -58,19 +66,33 @@ impl Integration<'_> {
                 contact.tolerated_excess += (2.0 * excess).clamp(1e-3 * rounding, rounding);
                 return Ok(self.reject(shorter));
             }
+            later *= 10.0;
         }
         // Contacts may share their forces in another way than before though no acceleration jumps.
-        let change: Vec<f64> = self.a0.iter().zip(&stuck).map(|(a, b)| a - b).collect();
-        let contact = &self.dynamics.contacts[i];
-        if contact.mode == Phase::Slip && largest(&change) <= CONTINUOUS * carried {
+        let change = difference(&self.a0, &stuck);
+        let continuous = largest(&change) <= CONTINUOUS * carried;
+        if continuous {
             // γ = ½ γ̈ t².
-            let growth = norm(&self.memory[i].slip) / later;
-            let onset = (2.0 * ONSET_SLIP * contact.reference_speed() / growth).sqrt();
-            self.step_size.h = length.max(onset);
+            let begins = |&k: &usize| {
+                self.dynamics.contacts[k].mode == Phase::Slip && before[k] == Some(Phase::Stick)
+            };
+            let onset = |k: usize| {
+                let growth = norm(&self.memory[k].slip) / later;
+                (2.0 * ONSET_SLIP * self.dynamics.contacts[k].reference_speed() / growth).sqrt()
+            };
+            let onsets = (0..before.len()).filter(begins).map(onset);
+            self.step_size.h = onsets.fold(length, f64::max);
+        }
+        let at_onset = if shared {
             ahead.extrapolate(&self.state, &stuck, 2.0 * later);
-            let at_onset = self.change_at_onset(&ahead, &before, &stuck, &change)?;
-            let slope = change.iter().zip(&at_onset).map(|(later_on, now)| later_on - now);
-            self.slope = Some(slope.map(|a| a / later).collect());
+            self.change_at_onset(&ahead, &before, &stuck, &change)?
+        } else {
+            None
+        };
+        if at_onset.is_some() || continuous {
+            let at_onset = at_onset.unwrap_or_else(|| vec![0.0; stuck.len()]);
+            let slope = difference(&change, &at_onset);
+            self.slope = Some(slope.into_iter().map(|a| a / later).collect());
             self.a0 = stuck;
             add(&mut self.a0, 1.0, &at_onset);
         }
@@ -85,44 +107,48 @@ impl Integration<'_> {
         }
     }
 
-    /// What a slip that begins has changed in the accelerations at its onset already, as the end of a stick that several
-    /// contacts share is known to about 1e-8 of its time only: extrapolated from what it changes a little later, and at
-    /// `ahead` twice as late. Without it the first step would begin with an acceleration that its stages contradict.
+    /// What the end of a stick that several contacts share has changed in the accelerations at once: extrapolated from what
+    /// it changes a little later, and at `ahead` twice as late, if the contacts do the same there. The time of this end is
+    /// known to about 1e-8 of itself only, and accelerations that differ from those of the stages would make the first step
+    /// fail.
     fn change_at_onset(
         &mut self,
         ahead: &State,
         before: &[Option<Phase>],
         stuck: &[f64],
         change: &[f64],
-    ) -> Result<Vec<f64>, EvaluationError> {
-        let none = vec![0.0; stuck.len()];
-        if before.iter().filter(|mode| **mode == Some(Phase::Stick)).count() < 2 {
-            return Ok(none);
-        }
+    ) -> Result<Option<Vec<f64>>, EvaluationError> {
         let decided = self.dynamics.contacts.clone();
         self.leave_undecided(before);
         let solving = Solving { memory: &self.memory, observer: &self.observer, t: ahead.t };
-        let decision = accelerations::decide(&mut self.dynamics, ahead, &solving)?;
-        let twice = self.dynamics.acceleration.clone();
-        let modes = |contacts: &[ContactVariables]| -> Vec<Phase> {
-            contacts.iter().map(|contact| contact.mode).collect()
-        };
+        let decision =
+            accelerations::decide(&mut self.dynamics, ahead, Question::WhatNext, &solving)?;
+        let twice = difference(&self.dynamics.acceleration, stuck);
+        let mut modes = self.dynamics.contacts.iter().zip(&decided);
         let same = matches!(decision, Decision::Made { .. })
-            && modes(&self.dynamics.contacts) == modes(&decided);
+            && modes.all(|(twice, once)| twice.mode == once.mode);
         self.dynamics.contacts = decided;
         self.stale = true;
-        let later_on = change.iter().zip(&twice).zip(stuck);
-        let at_onset: Vec<f64> = later_on.map(|((c, a), stuck)| 2.0 * c - (a - stuck)).collect();
-        Ok(if same && largest(&at_onset) < largest(change) { at_onset } else { none })
+        let at_onset: Vec<f64> = change.iter().zip(&twice).map(|(c, t)| 2.0 * c - t).collect();
+        Ok((same && largest(&at_onset) <= 2.0 * largest(change)).then_some(at_onset))
     }
 
-    /// The largest acceleration that the friction force of a contact gives.
-    fn carried_by(&self, i: usize) -> f64 {
-        let contact = &self.dynamics.contacts[i];
-        let mut acceleration = vec![0.0; self.dynamics.n];
-        for (r, force) in contact.force[..contact.p].iter().enumerate() {
-            add(&mut acceleration, *force, self.dynamics.response(ROWS * i + 1 + r));
+    /// The largest acceleration that the friction force of one of the sticking contacts gives.
+    fn carried(&self) -> f64 {
+        let mut carried: f64 = 0.0;
+        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            if contact.mode == Phase::Stick {
+                let mut acceleration = vec![0.0; self.dynamics.n];
+                for (r, force) in contact.force[..contact.p].iter().enumerate() {
+                    add(&mut acceleration, *force, self.dynamics.response(ROWS * i + 1 + r));
+                }
+                carried = carried.max(largest(&acceleration));
+            }
         }
-        largest(&acceleration)
+        carried
     }
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
 }

@@ -2,14 +2,20 @@
 
 use std::cell::Cell;
 
-use asperity_set::{Convex, Cuboid, Ellipse, Star, StarSet, Superellipse, Vector};
+use asperity_set::{Arc, Convex, Cuboid, Ellipse, Star, StarSet, Superellipse, Vector};
 use nalgebra::DMatrix;
 
-use super::super::block::Block;
-use super::super::local::Local;
-use super::solutions;
+use super::super::block::{Block, Shape};
+use super::super::local::{Local, LocalSolution};
+use super::super::single::Single;
+use super::equation::{Slip, cross};
+use super::scan::Scan;
+use super::search::{End, halved, stray};
+use super::{Rising, rising_solutions, solutions, solutions_on_a_line};
 use crate::contact::{ContactProblem, NormalForce, Phase};
-use crate::law::{FrictionLaw, Law};
+use crate::law::COARSE;
+use crate::law::{Fall, FrictionLaw, Law, Stribeck};
+use crate::solver::natural_residual;
 
 thread_local! {
     static PIECES: Cell<usize> = const { Cell::new(0) };
@@ -124,4 +130,343 @@ fn a_slip_that_is_certain_is_the_only_solution() {
             assert!(single, "{found:?} {problem:?}");
         }
     }
+}
+
+/// The rows of a contact whose friction has the factor of the speed at which it slips, and the force on the border of
+/// the reservoir that goes with the slip; stick within that of the falling part.
+fn obeys<const P: usize>(
+    law: &FrictionLaw<P>,
+    local: &Local<'_, P>,
+    factor: &Rising<'_>,
+    found: &LocalSolution<P>,
+) {
+    let (block, normal) = (local.block, found.normal);
+    let speed = found.slip.norm();
+    let part = (factor.falling + factor.rate.rising(speed)) / factor.present;
+    // Columns have the present factor, and percussions do not have the one of the solution.
+    let friction = found.tangent * part;
+    let along = |row: usize| (0..P).map(|j| block.g_tt[(row, j)] * friction[j]).sum::<f64>();
+    for i in 0..P {
+        let brought = if local.prescribed.is_some() { 0.0 } else { block.g_tn[i] * normal };
+        let off = local.b_t[i] + brought + along(i) - found.slip[i];
+        assert!(off.abs() < 2e-13 * (1.0 + local.b_t.norm()), "{off:e} {found:?}");
+    }
+    if local.prescribed.is_none() {
+        let off = local.b_n
+            + block.g_nn * normal
+            + (0..P).map(|j| block.g_nt[j] * friction[j]).sum::<f64>();
+        assert!(off.abs() < 1e-13 * (1.0 + normal), "{off:e} {found:?}");
+    }
+    assert!(normal > 0.0);
+    let gauge = law.reservoir().gauge(&(found.tangent / -normal));
+    if found.phase == Phase::Stick {
+        assert!(speed == 0.0 && gauge <= 1.0 + 1e-12, "{gauge} {found:?}");
+        return;
+    }
+    assert!((gauge - 1.0).abs() < 1e-12, "{gauge} {found:?}");
+    let force = law.force(&found.slip, normal).unwrap();
+    assert!((force - found.tangent).norm() < 1e-10 * normal, "{force} {found:?}");
+}
+
+/// Solutions of contacts whose friction rises with the speed obey all their equations to rounding, and where the normal
+/// percussion is given there always is one.
+#[test]
+fn friction_that_rises_has_solutions_to_the_last_digits() {
+    let ellipse = |a, b, angle: f64| {
+        Convex::from(Ellipse::new(Vector::<2>::new(a, b)).unwrap()).rotated(angle).unwrap()
+    };
+    let planar = [
+        FrictionLaw::isotropic(0.5).unwrap(),
+        FrictionLaw::associated(ellipse(0.6, 0.3, 0.3)),
+        FrictionLaw::new(ellipse(0.6, 0.4, 0.5).into(), ellipse(0.5, 0.3, 0.0)).unwrap(),
+    ];
+    let line = FrictionLaw::<1>::isotropic(0.6).unwrap();
+    let mut seed = 5_u64;
+    let mut unit = || crate::random::random(&mut seed);
+    let (mut slips, mut sticks, mut unilateral_slips) = (0, 0, 0);
+    for k in 0..900 {
+        let rate = match k % 3 {
+            0 => Stribeck::new(Fall::Exponential, 0.1, 1.0, 1.0, 3.0),
+            1 => Stribeck::new(Fall::Hyperbolic, 0.3, 4.0, 1.0, 0.0),
+            _ => Stribeck::new(Fall::Exponential, 0.4, 2.5, 2.0, 1.0),
+        };
+        let rate = rate.unwrap();
+        let (falling, present) = (1.0 + 0.3 * unit(), 1.5 + 0.5 * unit());
+        let factor = Rising { rate: &rate, falling, present };
+        let unilateral = k % 2 == 0;
+        let on_line = k / 6 % 4 == 0;
+        let p = if on_line { 1 } else { 2 };
+        let rows = p + usize::from(unilateral);
+        let a = DMatrix::from_fn(rows, rows, |_, _| 0.3 * unit());
+        let mut delassus = DMatrix::identity(rows, rows) + &a * a.transpose() + a * 0.1;
+        if unilateral {
+            (1..rows).for_each(|j| delassus[(0, j)] = 0.4 * unit());
+        }
+        let mut free: Vec<f64> = (0..rows).map(|_| 3.0 * unit()).collect();
+        if unilateral {
+            free[0] = -0.5 - free[0].abs();
+        }
+        let normal =
+            if unilateral { NormalForce::Unilateral } else { NormalForce::Prescribed(1.2) };
+        let check = |phases: Vec<Phase>| {
+            assert!(!phases.is_empty() || unilateral, "{k}");
+            phases.iter().filter(|phase| **phase == Phase::Slip).count()
+        };
+        let found = if on_line {
+            let shared = FrictionLaw::<1>::isotropic(0.6).unwrap();
+            let contacts = [(Law::from(shared), normal)];
+            let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+            let block = Block::new(&problem, 0);
+            let local = Local::new(&line, &problem.contacts()[0], &block, &problem.load(0));
+            let mut found = Vec::new();
+            solutions_on_a_line(&local, &factor, &mut found);
+            found.iter().for_each(|found| obeys(&line, &local, &factor, found));
+            let slips = check(found.iter().map(|found| found.phase).collect());
+            (slips, found.len() - slips)
+        } else {
+            let law = &planar[k / 24 % 3];
+            let shared =
+                FrictionLaw::new(law.reservoir().clone(), law.direction().clone()).unwrap();
+            let contacts = [(Law::from(shared), normal)];
+            let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+            let block = Block::new(&problem, 0);
+            let local = Local::new(law, &problem.contacts()[0], &block, &problem.load(0));
+            let mut found = Vec::new();
+            rising_solutions(&local, &factor, &mut found);
+            found.iter().for_each(|found| obeys(law, &local, &factor, found));
+            let slips = check(found.iter().map(|found| found.phase).collect());
+            (slips, found.len() - slips)
+        };
+        (slips, sticks) = (slips + found.0, sticks + found.1);
+        unilateral_slips += if unilateral { found.0 } else { 0 };
+    }
+    assert!(
+        slips > 500 && unilateral_slips > 200 && sticks > 50,
+        "{slips} {unilateral_slips} {sticks}"
+    );
+}
+
+/// Laws with their sets turned against each other, which are smooth.
+fn turned_laws() -> Vec<FrictionLaw<2>> {
+    let ellipse = |a, b, angle: f64| {
+        Convex::from(Ellipse::new(Vector::<2>::new(a, b)).unwrap()).rotated(angle).unwrap()
+    };
+    vec![
+        FrictionLaw::isotropic(0.4).unwrap(),
+        FrictionLaw::associated(ellipse(0.6, 0.3, 0.0)),
+        FrictionLaw::new(ellipse(0.6, 0.3, 0.5).into(), ellipse(0.6, 0.3, 0.0)).unwrap(),
+        FrictionLaw::new(ellipse(1.0, 0.2, 0.5).into(), ellipse(1.0, 0.4, 0.0)).unwrap(),
+    ]
+}
+
+/// Calls a function with contacts that have random blocks, a third of them with a prescribed normal percussion.
+fn each_contact(count: usize, visit: &mut dyn FnMut(&ContactProblem, &Local<'_, 2>)) {
+    let mut seed = 12_u64;
+    let mut unit = || crate::random::random(&mut seed);
+    for (k, law) in turned_laws().iter().enumerate().cycle().take(count).enumerate() {
+        let (k, (_, law)) = (k, law);
+        let rows = if k % 3 == 0 { 2 } else { 3 };
+        let a = DMatrix::from_fn(rows, rows + 1, |_, _| unit());
+        let skew = DMatrix::from_fn(rows, rows, |_, _| 0.1 * unit());
+        let delassus = &a * a.transpose() + skew + DMatrix::identity(rows, rows) * 0.2;
+        let free = (0..rows).map(|_| unit()).collect();
+        let shared = FrictionLaw::new(law.reservoir().clone(), law.direction().clone()).unwrap();
+        let normal = [NormalForce::Prescribed(0.8), NormalForce::Unilateral][usize::from(rows > 2)];
+        let contacts = [(Law::from(shared), normal)];
+        let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+        let block = Block::new(&problem, 0);
+        let local = Local::new(law, &problem.contacts()[0], &block, &problem.load(0));
+        visit(&problem, &local);
+    }
+}
+
+/// Products of the columns are `F` and `n·v` at the coarse nodes; what they exclude holds no root, and they exclude what
+/// is farther from one than the bounds of the table.
+#[test]
+fn the_scan_excludes_what_holds_no_root() {
+    let (mut single, mut known) = (0, 0);
+    each_contact(240, &mut |_, local| {
+        let table = local.law.walk().table;
+        let slip = Slip::new(local, local.law.bounds().largest_radius);
+        let scan = Scan::new(&slip, table);
+        let open: Vec<usize> = scan.open().collect();
+        let at = |j: usize| {
+            let node = &table.nodes[j];
+            let v = slip.velocity_at(node);
+            (cross(&node.point.normal, &v), slip.sign * node.point.normal.dot(&v))
+        };
+        let fine = table.fine_per_coarse;
+        let mut roots = Vec::new();
+        for cell in 0..COARSE {
+            let stray = slip.norm_c * table.columns.normal[cell]
+                + slip.norm_a * slip.scale * table.columns.product[cell];
+            let ((f, along_f), (g, along_g)) = (at(cell * fine), at((cell + 1) * fine));
+            let apart = if (f >= 0.0) == (g >= 0.0) { f.abs().min(g.abs()) } else { 0.0 };
+            let margin = apart.max((-along_f).min(-along_g)) - stray;
+            if margin.abs() > 1e-12 * (slip.norm_c + slip.norm_a) {
+                assert_eq!(open.contains(&cell), margin < 0.0, "{cell}: {margin:e}");
+            }
+            for j in cell * fine..(cell + 1) * fine {
+                let ((f, along), (g, along_g)) = (at(j), at(j + 1));
+                let excluded = slip.excluded_between(
+                    &table.nodes[j],
+                    &table.nodes[j + 1],
+                    slip.stray(&table.fine[j]),
+                );
+                if (f >= 0.0) != (g >= 0.0) && along.min(along_g) > 0.0 {
+                    assert!(open.contains(&cell) && !excluded, "{cell} {j}");
+                }
+                if (f >= 0.0) != (g >= 0.0) && open.contains(&cell) {
+                    roots.push(j);
+                }
+                let bound = slip.norm_c * table.fine[j].normal
+                    + slip.norm_a * slip.scale * table.fine[j].product;
+                let far = f.abs().min(g.abs()) > 1.0001 * bound && (f >= 0.0) == (g >= 0.0);
+                assert!(!far || excluded, "{cell} {j}");
+                assert!(
+                    !excluded || along.max(along_g) < 0.0 || f.abs().min(g.abs()) >= bound,
+                    "{j}"
+                );
+            }
+        }
+        let one = scan.has_one_root(&slip, table);
+        assert!(!one || roots.len() == 1, "{roots:?}");
+        single += usize::from(roots.len() == 1);
+        known += usize::from(one);
+    });
+    assert!(known * 100 >= single * KNOWN, "{known} of {single}");
+}
+
+/// Percent of the contacts with one slip of which the scan of the test above knows that.
+const KNOWN: usize = 78;
+
+/// Between two points `F` and `n·v` stray from their chords by no more than the bound, which is not far more, and so it is
+/// on both halves of a cell, as often as it is halved.
+#[test]
+fn values_stray_from_their_chords_by_the_bound() {
+    let (mut reached, mut cells) = (0.0, 0.0);
+    each_contact(60, &mut |_, local| {
+        let walk = local.law.walk();
+        let (table, direction) = (walk.table, walk.direction);
+        let slip = Slip::new(local, local.law.bounds().largest_radius);
+        for j in (0..table.fine.len()).step_by(37) {
+            let (mut a, mut b) =
+                (End::new(&slip, table.nodes[j].point), End::new(&slip, table.nodes[j + 1].point));
+            let mut cell = slip.cell(&table.fine[j]);
+            for depth in 0..6 {
+                let arc = Arc { start: a.point, end: b.point };
+                let bound = stray(&slip, &a, &b, &cell);
+                let middle = End::new(&slip, arc.middle(direction));
+                // The nearest place on both chords.
+                let off = |w: f64| {
+                    let value = middle.value - a.value - w * (b.value - a.value);
+                    let along = middle.along - a.along - w * (b.along - a.along);
+                    value.abs().max(along.abs())
+                };
+                let (mut low, mut high) = (0.0, 1.0);
+                for _ in 0..80 {
+                    let (left, right) = ((2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0);
+                    if off(left) < off(right) { high = right } else { low = left }
+                }
+                assert!(off(low) <= bound + slip.rounding, "{j} {depth}: {:e} {bound:e}", off(low));
+                if bound > 100.0 * slip.rounding {
+                    reached += off(low) / bound;
+                    cells += 1.0;
+                }
+                cell = halved(&cell, &a, &middle, &b);
+                if depth % 2 == 0 { b = middle } else { a = middle }
+            }
+        }
+    });
+    assert!(reached > 0.13 * cells, "{}", reached / cells);
+}
+
+/// What `Shape::Monotone` says holds at all nodes of the table, and of most matrices for which it does hold it is said;
+/// multiples of the unit matrix are told apart.
+#[test]
+fn monotone_matrices_leave_one_solution() {
+    let (mut said, mut holds) = (0, 0);
+    each_contact(400, &mut |_, local| {
+        let (_, a) = local.affine();
+        let a = a / a.norm();
+        let table = local.law.walk().table;
+        let shape = Shape::new(&a, local.law.bounds().smallest_sine);
+        let positive = table.nodes.windows(2).all(|pair| {
+            let moved = a * (pair[1].x - pair[0].x);
+            let n = pair[0].point.normal + pair[1].point.normal;
+            cross(&n, &moved) > -1e-9 * moved.norm()
+        });
+        assert!(positive || shape != Shape::Monotone);
+        (said, holds) =
+            (said + usize::from(shape == Shape::Monotone), holds + usize::from(positive));
+    });
+    assert!(100 * said >= SAID * holds, "{said} of {holds}");
+    let unit = nalgebra::Matrix2::identity();
+    for factor in [1e-30, 1.0, 1e30] {
+        assert_eq!(Shape::new(&(unit * factor), 0.5), Shape::Monotone);
+        assert_eq!(Shape::new(&(unit * factor), -0.5), Shape::Scalar);
+        assert_eq!(Shape::new(&(unit * -factor), 0.5), Shape::General);
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let mut other = unit * factor;
+            other[(i, j)] += 1e-13 * factor;
+            assert_eq!(Shape::new(&other, -0.5), Shape::General);
+        }
+    }
+    // Rotations by δ are monotone as long as sin δ is less than the sine.
+    for (sine, angle, expected) in [
+        (0.5, 0.52, Shape::Monotone),
+        (0.5, 0.53, Shape::General),
+        (0.5, 2.8, Shape::General),
+        (0.9, -1.11, Shape::Monotone),
+        (0.9, -1.13, Shape::General),
+    ] {
+        let (s, c) = f64::sin_cos(angle);
+        assert_eq!(Shape::new(&nalgebra::Matrix2::new(c, -s, s, c), sine), expected, "{angle}");
+        // diag(1 + d, 1 − d) turns by up to asin d.
+        let d = f64::sin(angle.abs());
+        if angle.abs() < 1.5 {
+            assert_eq!(
+                Shape::new(&nalgebra::Matrix2::new(1.0 + d, 0.0, 0.0, 1.0 - d), sine),
+                expected
+            );
+            assert_eq!(Shape::new(&nalgebra::Matrix2::new(1.0, d, d, 1.0), sine), expected);
+        }
+    }
+}
+
+/// Percent of the monotone matrices of the test above of which that is known.
+const SAID: usize = 80;
+
+/// The defect of one contact by itself is its natural residual, but for percussions that go on approaching.
+#[test]
+fn defects_of_one_contact_are_its_natural_residual() {
+    let mut seed = 21_u64;
+    each_contact(300, &mut |problem, local| {
+        let Law::Two(law) = &problem.contacts()[0].law else { panic!("the law is planar") };
+        let single = Single::of(problem, 0, law, &problem.load(0));
+        let rows = problem.rows();
+        let percussion: Vec<f64> = (0..rows).map(|_| crate::random::random(&mut seed)).collect();
+        let p =
+            crate::law::ContactVector::from_fn(|i, _| percussion.get(i).copied().unwrap_or(0.0));
+        let velocity = problem.velocities(&percussion).unwrap();
+        let found = single.velocity(&p);
+        for (a, b) in found.iter().zip(&velocity) {
+            assert!((a - b).abs() < 1e-14 * (1.0 + b.abs()));
+        }
+        let residual = natural_residual(problem, &percussion, &velocity).unwrap().value;
+        let approaches = rows == 3
+            && velocity[0]
+                < -1e-2 * problem.free_velocity().iter().fold(0.0, |m: f64, b| m.max(b.abs()));
+        let expected = if approaches {
+            residual.max(
+                -velocity[0] / problem.free_velocity().iter().fold(0.0, |m: f64, b| m.max(b.abs())),
+            )
+        } else {
+            residual
+        };
+        let defect = single.defect(&p);
+        assert!((defect - expected).abs() < 1e-13 * expected, "{defect} {expected}");
+        let same = local.single().defect(&p);
+        assert!((same - defect).abs() <= 1e-14 * defect);
+    });
 }

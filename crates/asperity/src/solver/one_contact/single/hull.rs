@@ -8,7 +8,8 @@ use asperity_set::{ConvexSet, Vector};
 use super::{ContactMatrix, Evaluations, Single, V, solution};
 use crate::contact::NormalForce;
 
-/// Support points that are asked for: boxes and octahedra take three to six, round sets end in Newton's method.
+/// Support points that are asked for: boxes and octahedra take three to six, round sets end in Newton's method, which is
+/// tried after the last of them, too.
 const ROUNDS: usize = 40;
 /// Rounds after which Newton's method is tried, which finishes on round sets what the hulls began.
 const NEWTON: usize = 4;
@@ -62,7 +63,7 @@ impl<const P: usize> Single<'_, P> {
             let beyond = next.dot(&slip) - trial.along;
             // The comparison also ends where the contact sticks.
             let ends = !(beyond > ROUNDING * next.norm() * slip.norm());
-            let newton = ends || round % NEWTON == 0 || round == ROUNDS;
+            let newton = ends || round % NEWTON == 0;
             if newton && self.newton(trial.percussion, left).is_some_and(&mut *keep) {
                 return true;
             }

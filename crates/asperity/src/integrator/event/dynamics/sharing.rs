@@ -1,0 +1,104 @@
+//! How closed contacts share normal forces where these are statically indeterminate.
+//!
+//! Normal rows that depend on each other, `W_N z = 0` for the columns of a matrix `Z`, leave the combination `Zᵀλ_N` of the
+//! normal forces open, such as the load of the fourth foot of a table. Friction makes it matter: feet that slip in
+//! different directions accelerate a body by an amount that depends on their shares. The shares are those of contacts of
+//! one and the same normal compliance, however small it is: `λ_N` is a combination of the rows, hence `Zᵀλ_N = 0`.
+//!
+//! With `P` the orthogonal projection onto the columns of `Z` and any `ρ > 0`, `ρPλ_N` is added to the normal
+//! accelerations. As `Zᵀγ̈_N = 0` holds whatever the accelerations are, `γ̈_N + ρPλ_N = 0` has the solutions of both
+//! `γ̈_N = 0` and `Zᵀλ_N = 0`, and its matrix is as well conditioned as that of contacts which depend on nothing.
+
+use nalgebra::DMatrix;
+
+use crate::integrator::event::dynamics::constraint_matrix::{RANK, SINGULAR};
+use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::linear::{BlockLu, LeastNorm};
+
+/// The matrix `ρP` of the contacts that share normal forces.
+#[derive(Debug, Default)]
+pub(crate) struct Sharing {
+    mobility: BlockLu,
+    /// The contacts that may share.
+    contacts: Vec<usize>,
+    /// What each contact shares with whom: the number of a group, and its place in that.
+    places: Vec<Option<Place>>,
+    groups: Vec<DMatrix<f64>>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    group: usize,
+    row: usize,
+}
+
+impl Sharing {
+    /// Whether no contact shares.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.groups.clear();
+        self.places.clear();
+    }
+
+    /// Whether the contact shares its normal force with others.
+    pub(crate) fn includes(&self, contact: usize) -> bool {
+        self.places.get(contact).is_some_and(Option::is_some)
+    }
+
+    /// The entry of `ρP` for two rows of the system.
+    pub(crate) fn entry(&self, row: usize, other: usize) -> f64 {
+        match (self.place(row), self.place(other)) {
+            (Some(a), Some(b)) if a.group == b.group => self.groups[a.group][(a.row, b.row)],
+            _ => 0.0,
+        }
+    }
+
+    /// The place of a normal row of a contact that shares.
+    fn place(&self, row: usize) -> Option<Place> {
+        let normal = row.is_multiple_of(ROWS);
+        self.places.get(row / ROWS).copied().flatten().filter(|_| normal)
+    }
+
+    /// A row of `ρP` times forces along other rows.
+    pub(crate) fn product(&self, row: usize, others: &[usize], forces: &[f64]) -> f64 {
+        let entries = others.iter().map(|&other| self.entry(row, other));
+        entries.zip(forces).map(|(entry, force)| entry * force).sum()
+    }
+
+    /// Finds which of some contacts share normal forces. `mobility` is `w_NᵀM⁻¹w_N` of two of them, `all` the number of
+    /// all contacts of the system.
+    pub(crate) fn find(
+        &mut self,
+        among: impl Iterator<Item = usize>,
+        all: usize,
+        mobility: impl Fn(usize, usize) -> f64,
+    ) {
+        self.clear();
+        let Self { mobility: matrix, contacts, places, groups } = self;
+        contacts.clear();
+        contacts.extend(among);
+        let count = contacts.len();
+        for (k, value) in matrix.begin(count).iter_mut().enumerate() {
+            *value = mobility(contacts[k / count], contacts[k % count]);
+        }
+        places.resize(all, None);
+        matrix.factor_parts(SINGULAR, |entries, members| {
+            let size = members.len();
+            let entry = |i: usize, j: usize| entries[members[i] * count + members[j]];
+            let part = DMatrix::from_fn(size, size, entry);
+            let scale = part.trace() / size as f64;
+            let Some(factors) = LeastNorm::new(part, RANK) else { return };
+            let range = factors.range();
+            if range.ncols() == size {
+                return;
+            }
+            for (row, &member) in members.iter().enumerate() {
+                places[contacts[member]] = Some(Place { group: groups.len(), row });
+            }
+            groups.push((DMatrix::identity(size, size) - range * range.transpose()) * scale);
+        });
+    }
+}
