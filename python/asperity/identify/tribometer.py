@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -132,9 +133,7 @@ class VirtualTribometer(Value):
         )
 
     @classmethod
-    def perfect(
-        cls, law: FrictionLaw, *, normal_force: float, **options: object
-    ) -> VirtualTribometer:
+    def perfect(cls, law: FrictionLaw, *, normal_force: float, **options: Any) -> VirtualTribometer:
         """Make one without noise, drift, rounding and errors of calibration; crosstalk stays.
 
         >>> from asperity import FrictionLaw
@@ -142,7 +141,7 @@ class VirtualTribometer(Value):
         >>> VirtualTribometer.perfect(FrictionLaw.isotropic(0.2), normal_force=9.0, turns=3).noise
         0.0
         """
-        exact: dict[str, object] = {
+        exact: dict[str, Any] = {
             "noise": 0.0,
             "reading_error": 0.0,
             "no_load_time": 0.0,
@@ -150,7 +149,7 @@ class VirtualTribometer(Value):
             "drift": 0.0,
             "bits": None,
         }
-        return cls(law, normal_force=normal_force, **{**exact, **options})  # type: ignore[arg-type]
+        return cls(law, normal_force=normal_force, **{**exact, **options})
 
     def record(self) -> RawData:
         """Return the readings of one run, of the weighings and of the records without load."""

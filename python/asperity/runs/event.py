@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import KW_ONLY
 from enum import StrEnum
 
-from asperity._base.value import Value
+from asperity._base.value import Record
 from asperity.status import Phase
 
 NO_NUMBER = -2
@@ -33,7 +34,7 @@ class EventKind(StrEnum):
         return f"EventKind.{self.name}"
 
 
-class Event(Value):
+class Event(Record):
     """Something that happened in a motion.
 
     Attributes:
@@ -46,23 +47,7 @@ class Event(Value):
 
     time: float
     kind: EventKind
-    contact: int | None
-    phase: Phase | None
-    ambiguous: bool
-
-    def __init__(
-        self,
-        time: float,
-        kind: EventKind | str,
-        contact: int | None = None,
-        phase: Phase | int | None = None,
-        *,
-        ambiguous: bool = False,
-    ) -> None:
-        self._set(
-            time=float(time),
-            kind=EventKind(kind),
-            contact=contact,
-            phase=None if phase is None else Phase(phase),
-            ambiguous=bool(ambiguous),
-        )
+    contact: int | None = None
+    phase: Phase | None = None
+    _: KW_ONLY
+    ambiguous: bool = False

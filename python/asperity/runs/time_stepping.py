@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from typing import Any, NoReturn
 
 import numpy as np
@@ -291,8 +290,7 @@ def raise_with(exception: BaseException, part: Run, when: str) -> NoReturn:
     """
     if isinstance(exception, KeyboardInterrupt):
         raise SimulationInterrupted(part) from exception
-    with suppress(AttributeError):  # an exception of the user's may refuse new attributes
-        exception.trajectory = part  # type: ignore[attr-defined]
+    vars(exception)["trajectory"] = part
     exception.add_note(f"asperity: raised {when}")
     raise exception
 

@@ -65,15 +65,19 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |m, (a, b)| f64::max(m, (a - b).abs()))
 }
 
+/// The law and the number of contacts that need ten times as long as all others together: in one system, slip that turns
+/// along a nearly flat side of D lies at the rounding of the velocities, and half a millisecond takes 14,000 attempts.
+const SLOW: (&str, usize) = ("C rectangle, D superellipse 100", 2);
+
 /// At first order: a tenth of the step, a tenth of the difference, on average over random systems.
-#[test]
-fn time_stepping_converges_to_the_motion() {
-    let mut compared = 0;
+fn compare(chosen: impl Fn(&str, usize) -> bool) {
+    let (mut compared, mut drawn) = (0, 0);
     for (name, law) in strict_laws() {
-        for contacts in [1, 2] {
+        for contacts in [1, 2].into_iter().filter(|contacts| chosen(name, *contacts)) {
             let mut random = Random::new(17 * contacts as u64);
             let (mut coarse, mut fine) = (0.0, 0.0);
             for _ in 0..4 {
+                drawn += 1;
                 let system = random_system(&law, contacts, false, &mut random);
                 let n = 2 * contacts + 1;
                 let u0: Vec<f64> = (0..n).map(|_| random.normal()).collect();
@@ -91,7 +95,18 @@ fn time_stepping_converges_to_the_motion() {
             assert!(fine < 4.0 * 2e-3, "{name}, {contacts} contacts: {fine}");
         }
     }
-    assert!(compared > 70, "{compared}");
+    assert!(5 * compared > 4 * drawn, "{compared} of {drawn}");
+}
+
+#[test]
+fn time_stepping_converges_to_the_motion() {
+    compare(|name, contacts| (name, contacts) != SLOW);
+}
+
+#[test]
+#[ignore = "a minute: part of `make long`"]
+fn time_stepping_converges_to_motions_that_take_long() {
+    compare(|name, contacts| (name, contacts) == SLOW);
 }
 
 /// Contacts that bounce: the stepped motion is near, the order is lost in impacts that a step joins.

@@ -11,7 +11,7 @@ use super::super::single::Single;
 use super::equation::{Slip, cross};
 use super::scan::Scan;
 use super::search::{End, halved, stray};
-use super::{Rising, rising_solutions, solutions, solutions_on_a_line};
+use super::{Rising, proves_no_solution, rising_solutions, solutions, solutions_on_a_line};
 use crate::contact::{ContactProblem, NormalForce, Phase};
 use crate::law::COARSE;
 use crate::law::{Fall, FrictionLaw, Law, Stribeck};
@@ -469,4 +469,70 @@ fn defects_of_one_contact_are_its_natural_residual() {
         let same = local.single().defect(&p);
         assert!((same - defect).abs() <= 1e-14 * defect);
     });
+}
+
+/// That there is no solution is proven of no contact that has one, and of most that have none.
+#[test]
+fn contacts_with_a_solution_are_never_proven_to_have_none() {
+    let mut seed = 31_u64;
+    let mut unit = || crate::random::random(&mut seed);
+    let (mut none, mut proven, mut stick) = (0, 0, 0);
+    for law in turned_laws().iter().cycle().take(1600) {
+        let a = DMatrix::from_fn(3, 4, |_, _| unit());
+        let mut delassus = &a * a.transpose() + DMatrix::identity(3, 3) * 0.02;
+        for j in 1..3 {
+            delassus[(0, j)] *= 1.0 + 2.0 * unit().abs();
+            delassus[(j, 0)] *= 1.0 + 2.0 * unit();
+        }
+        let free = vec![-unit().abs() - 0.01, unit(), unit()];
+        let shared = FrictionLaw::new(law.reservoir().clone(), law.direction().clone()).unwrap();
+        let contacts = [(Law::from(shared), NormalForce::Unilateral)];
+        let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+        let block = Block::new(&problem, 0);
+        let local = Local::new(law, &problem.contacts()[0], &block, &problem.load(0));
+        let mut found = Vec::new();
+        let complete = solutions(&local, &mut found);
+        let proves = proves_no_solution(&local);
+        assert!(!proves || found.is_empty(), "{found:?} {problem:?}");
+        if found.is_empty() && complete {
+            (none, proven) = (none + 1, proven + usize::from(proves));
+        }
+        stick += usize::from(found.len() == 1 && found[0].phase == Phase::Stick);
+    }
+    assert!(none > 20 && 20 * proven >= 19 * none && stick > 20, "{none} {proven} {stick}");
+}
+
+/// A foot of which rows see one direction of motion, which percussions stop, sticks without a search; one that moves in
+/// another direction, too, is searched.
+#[test]
+fn what_moves_nothing_is_not_searched() {
+    let law =
+        FrictionLaw::associated(Convex::from(Ellipse::new(Vector::<2>::new(0.6, 0.3)).unwrap()));
+    let shared = FrictionLaw::new(law.reservoir().clone(), law.direction().clone()).unwrap();
+    let shared = Law::from(shared);
+    for (kg, speed) in
+        [(1.0, 1.0), (4f64.powi(20), 1.0), (4f64.powi(-20), 1.0), (1.0, 2f64.powi(40))]
+    {
+        for (across, along) in
+            [([0.3, 0.1], 0.0), ([-0.2, 0.25], 0.0), ([0.3, 0.1], 1.0), ([-0.2, 0.25], 1.0)]
+        {
+            let seen = [1.7, 1.7 * across[0], 1.7 * across[1]];
+            // Perpendicular to what is seen, of one direction only.
+            let other = [0.0, -along, 0.5 * along];
+            let delassus =
+                DMatrix::from_fn(3, 3, |i, j| (seen[i] * seen[j] + other[i] * other[j]) / kg);
+            let free = seen.map(|w| -0.7 * w * speed).to_vec();
+            let contacts = [(shared.clone(), NormalForce::Unilateral)];
+            let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+            let block = Block::new(&problem, 0);
+            let local = Local::new(&law, &problem.contacts()[0], &block, &problem.load(0));
+            let mut found = Vec::new();
+            PIECES.with(|total| total.set(0));
+            solutions(&local, &mut found);
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert_eq!(found[0].phase, Phase::Stick);
+            let pieces = PIECES.with(Cell::get);
+            assert_eq!(pieces == 0, along == 0.0, "{pieces} pieces: {across:?} {kg:e} {speed:e}");
+        }
+    }
 }
