@@ -15,7 +15,7 @@ use super::{Rising, proves_no_solution, rising_solutions, solutions, solutions_o
 use crate::contact::{ContactProblem, NormalForce, Phase};
 use crate::law::COARSE;
 use crate::law::{Fall, FrictionLaw, Law, Stribeck};
-use crate::solver::natural_residual;
+use crate::solver::measure::natural_residual::natural_residual;
 
 thread_local! {
     static PIECES: Cell<usize> = const { Cell::new(0) };
