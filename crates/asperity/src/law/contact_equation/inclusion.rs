@@ -47,9 +47,13 @@ pub(in crate::law) fn squared_defect<const P: usize>(
     if k_c <= 1.0 && speed <= rounding {
         return speed;
     }
-    let on_ray = slip_on_ray(law, x, sigma, k_c);
-    if on_ray <= rounding {
-        return on_ray;
+    // Slip: what `x` is off the point of bdry *C* on its ray, and what the velocity is off the normal of *D* there.
+    let off = (1.0 - 1.0 / k_c).powi(2) * x.norm_squared();
+    if off <= rounding {
+        let on_ray = off + off_normal(law, x, sigma);
+        if on_ray <= rounding {
+            return on_ray;
+        }
     }
     let k_d = law.direction().gauge(x);
     let alpha = 1.0 / (k_d - k_c + 1.0);
@@ -87,19 +91,12 @@ pub(in crate::law) fn squared_defect<const P: usize>(
 /// The square of a relative defect that needs no nearer pair: it is rounding.
 const ROUNDING: f64 = 1e-30;
 
-/// Square of how far it is to slip with the percussion on the ray of `x` in bdry *C*: what `x` is off it, and the velocity off
-/// the normal of *D* there.
+/// Square of how far the velocity is off the normal of *D* on the ray of `x`.
 #[inline(always)]
-fn slip_on_ray<const P: usize>(
-    law: &FrictionLaw<P>,
-    x: &Vector<P>,
-    sigma: &Vector<P>,
-    k_c: f64,
-) -> f64 {
+fn off_normal<const P: usize>(law: &FrictionLaw<P>, x: &Vector<P>, sigma: &Vector<P>) -> f64 {
     let normal = law.direction().normal(x);
     let along = f64::max(0.0, sigma.dot(&normal) / normal.norm_squared());
-    let off = 1.0 - 1.0 / k_c;
-    off * off * x.norm_squared() + (sigma - normal * along).norm_squared()
+    (sigma - normal * along).norm_squared()
 }
 
 /// How far it is to slip with a percussion on bdry *C* near `x` that need not be on its ray: the length of a step across

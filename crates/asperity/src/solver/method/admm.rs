@@ -16,7 +16,9 @@ type V = ContactVector;
 
 /// Iterations between two looks at the residuals; the penalty may change at each of them early in the run, later after
 /// more iterations. Of the first two half as many solve one stored problem of `auto.rs` more, twice as many make no
-/// difference; iterations change by at most two in a hundred.
+/// difference; iterations change by at most two in a hundred. Of the last a quarter costs 1 % more iterations on
+/// 31 problems of that folder with up to 310 contacts, half costs none, double solves one problem more with as many, four
+/// times as many costs 7 %.
 const CHECK: usize = 10;
 const EARLY: usize = 100;
 const LATE: usize = 50;
