@@ -8,7 +8,7 @@ use asperity_set::Vector;
 
 use super::effort::{Effort, Evaluations};
 use super::local::{LocalSolution, Selection};
-use super::single::{SOLUTION, Single};
+use super::single::{FOUND, SOLUTION, Single};
 use crate::contact::{ContactState, Phase};
 use crate::law::ContactVector;
 
@@ -36,16 +36,19 @@ pub(crate) fn solve(
     // A slipping contact goes on slipping where it can: from its last slip, Newton's method finds that.
     let last = Vector::<3>::from_column_slice(&state.slip);
     let ahead = (last.amax() > 0.0).then(|| single.slipping(&last));
+    // On a slender D the natural map, unlike the defect, hardly sees that the velocity is off the normal.
     let slides = ahead
         .and_then(|p| single.newton(p, &mut { Evaluations::FEW }))
-        .filter(|p| stick.is_none() || single.slips(p));
-    if let Some(p) = slides {
-        return selected(&p, false);
+        .map(|p| single.refined(single.graded(p, false)))
+        .filter(|found| stick.is_none() || single.slips(&found.percussion));
+    if let Some(found) = slides.filter(|found| found.defect <= FOUND) {
+        return selected(&found.percussion, false);
     }
     if stick.is_some() {
         return sticks();
     }
     let given = ContactVector::from_fn(|i, _| start.get(i).copied().unwrap_or(0.0));
-    let found = single.search(&[given], effort)?;
+    let found = single.search(&[given], effort).into_iter().chain(slides);
+    let found = found.min_by(|a, b| a.defect.total_cmp(&b.defect))?;
     selected(&found.percussion, found.degenerate)
 }
