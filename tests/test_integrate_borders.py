@@ -1155,3 +1155,63 @@ def test_feet_that_share_a_load_carry_it_as_equally_compliant_ones_do(seed):
         rates, (run.t[first], 1.0), states[first], method="DOP853", rtol=1e-11, atol=1e-14
     )
     assert np.abs(states[-1] - expected.y[:, -1]).max() <= 1e-8 * (1.0 + moves[-1])
+
+
+def parting(sign, height):
+    """A displacement along the normal of a plane, `height` (1 − cos πt/2)."""
+    return asp.Sine(
+        [0.0, -sign * height],
+        frequency=0.25,
+        phase=[0.0, 0.5 * np.pi],
+        offset=[0.0, sign * height],
+    )
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_surfaces_that_part_share_no_load(sign):
+    """A particle that rests on a floor and on a table that rises off it or sinks below it."""
+    law = asp.FrictionLaw.isotropic(0.5, dimension=1)
+    table = asp.Line(motion=asp.PlaneMotion(displacement=parting(sign, 0.05)))
+    pairs = [
+        asp.PointPlane(0, point=(0.0, 0.0), plane=plane, law=law) for plane in (asp.Line(), table)
+    ]
+    system = asp.RigidBodies([asp.PlanarBody(1.0, inertia=1.0)], pairs=pairs)
+    run = asp.integrate(system, t_end=1.5, sample_every=0.1)
+    surface = max(sign, 0) * 0.05 * (1.0 - np.cos(0.5 * np.pi * run.t))
+    assert np.abs(run.q[:, 1] - surface).max() < 1e-9
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_box_with_one_foot_on_a_jack_stands_on_what_carries_it(sign):
+    law = asp.FrictionLaw.isotropic(0.5, dimension=1)
+    jack = asp.Line(motion=asp.PlaneMotion(displacement=parting(sign, 0.005)))
+    planes = ((-0.2, asp.Line()), (0.05, asp.Line()), (0.2, jack))
+    pairs = [asp.PointPlane(0, point=(x, -0.1), plane=plane, law=law) for x, plane in planes]
+    body = asp.PlanarBody(1.0, inertia=0.02, position=(0.0, 0.1))
+    run = asp.integrate(asp.RigidBodies([body], pairs=pairs), t_end=1.0, sample_every=0.25)
+    lift = 0.005 * sign * (1.0 - np.cos(0.5 * np.pi * run.t))
+    height, angle = run.q[:, 1], run.q[:, 2]
+    for x, surface in ((-0.2, 0.0), (0.05, 0.0), (0.2, lift)):
+        assert (height + np.sin(angle) * x - 0.1 * np.cos(angle) - surface).min() > -1e-8
+    if sign < 0:
+        assert np.abs(angle).max() < 1e-12
+    else:
+        assert angle[-1] == pytest.approx(np.arcsin(lift[-1] / 0.4), rel=0.02)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_body_on_feet_rests_where_its_load_lies_just_inside_of_them(seed):
+    """Shares of equal compliance may ask feet to pull that others make up for."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(4, 8))
+    places = rng.uniform(-1.0, 1.0, (count, 2))
+    hull = places[[*np.argsort(places[:, 0])[:2], int(np.argmax(places[:, 0]))]]
+    centre = hull.mean(axis=0) * 0.99 + 0.01 * hull[0]
+    law = asp.FrictionLaw.isotropic(0.5)
+    feet = [
+        asp.PointPlane(0, point=[*(place - centre), -0.01], plane=asp.Plane(), law=law)
+        for place in places
+    ]
+    body = asp.Body.box(1.0, half_sizes=[1.0, 1.0, 0.01], position=[0.0, 0.0, 0.01])
+    system = asp.RigidBodies([body], pairs=feet, gravity=(0.0, 0.0, -9.81))
+    assert np.abs(asp.integrate(system, t_end=1.0).u).max() < 1e-12

@@ -257,29 +257,27 @@ where
 
 /// Minimiser of a convex function of `N ≥ 2` variables that lies within a ball, from subgradients alone:
 /// the ellipsoid method, whose volume shrinks by a constant factor per step whatever the function.
-///
-/// The ellipsoid is `{x + B u : ‖u‖ ≤ 1}`. Its matrix `B Bᵀ` itself would lose what is left of the short axes, and with it
-/// its positive definiteness, where axes differ by 10⁸, as they do in the valleys of sets with edges.
 pub(crate) fn by_ellipsoids<const N: usize>(
     centre: &Vector<N>,
     radius: f64,
     subgradient: &dyn Fn(&Vector<N>) -> Vector<N>,
 ) -> Vector<N> {
     let n = N as f64;
-    let (wider, narrower) = (n / (n * n - 1.0).sqrt(), ((n - 1.0) / (n + 1.0)).sqrt());
     let mut x = *centre;
-    let mut axes = Matrix::<N>::identity() * radius;
+    let mut shape = Matrix::<N>::identity() * (radius * radius);
     for _ in 0..400 * (N - 1) {
-        let slope = axes.tr_mul(&subgradient(&x));
-        let length = slope.norm();
+        let gradient = subgradient(&x);
+        let step = shape * gradient;
+        let length = gradient.dot(&step).sqrt();
+        let size = shape.trace().sqrt();
         // The comparison also ends at a vanishing gradient.
-        if !(length > 0.0) || axes.norm() <= f64::EPSILON * (x.norm() + f64::MIN_POSITIVE) {
+        if !(length > 0.0) || size <= f64::EPSILON * (x.norm() + f64::MIN_POSITIVE) {
             break;
         }
-        let ahead = slope / length;
-        let step = axes * ahead;
+        let step = step / length;
         x -= step / (n + 1.0);
-        axes = (axes - step * ahead.transpose() * (1.0 - narrower)) * wider;
+        shape = (shape - step * step.transpose() * (2.0 / (n + 1.0))) * (n * n / (n * n - 1.0));
+        shape = (shape + shape.transpose()) * 0.5;
     }
     x
 }

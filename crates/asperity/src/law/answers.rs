@@ -118,7 +118,7 @@ impl Law {
     }
 
     /// The associated law with this reservoir where that is convex, and this law is another one. Whether contacts can stick
-    /// depends on reservoirs alone; with associated laws, accelerations and with them the answer are unique.
+    /// depends on reservoirs alone; with associated laws and given normal forces, accelerations and so the answer are unique.
     pub(crate) fn associated(&self) -> Option<Self> {
         fn of<const P: usize>(law: &FrictionLaw<P>) -> Option<FrictionLaw<P>> {
             let other = !law.is_associated() || law.rate().is_some();

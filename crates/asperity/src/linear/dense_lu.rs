@@ -31,6 +31,8 @@ impl DenseLu {
     /// Gaussian elimination with exchanges; false if a pivot is not larger than `threshold` times the largest entry.
     pub(crate) fn factor(&mut self, threshold: f64) -> bool {
         let n = self.size;
+        // Elimination that stops early leaves swaps as they were, which may be those of a larger matrix.
+        self.swaps.clear();
         self.swaps.resize(n, 0);
         if n > self.reserved {
             self.packed.reserve(n);
@@ -87,5 +89,16 @@ mod tests {
         }
         lu.begin(1)[0] = f64::NAN;
         assert!(!lu.factor(0.0));
+    }
+
+    #[test]
+    fn a_singular_matrix_after_a_larger_one_has_no_solution_but_no_panic_either() {
+        let mut lu = DenseLu::default();
+        let entries = lu.begin(6);
+        (0..6).for_each(|k| entries[6 * k + 5 - k] = 1.0);
+        assert!(lu.factor(0.0));
+        lu.begin(3).fill(0.0);
+        assert!(!lu.factor(0.0));
+        assert!(!lu.solve(&mut [1.0, 2.0, 3.0]));
     }
 }

@@ -4,7 +4,7 @@ use crate::contact::{ContactProblem, Phase};
 use crate::integrator::event::contact_problem::problem::{
     Decision, Participants, Question, Solved, Solving,
 };
-use crate::integrator::event::dynamics::{Dynamics, ROWS, SlidingForces};
+use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::{add, largest, norm};
@@ -15,7 +15,7 @@ const AT_REST: f64 = 1e-11;
 /// of their solution: at 1e-11, boxes that a growing force pulled began to slip too early, by 1.3e-8 of the time.
 const AT_REST_SHARED: f64 = 1e-9;
 
-/// Contacts that are closed but of which the contact problem is not asked.
+/// Closed contacts that the contact problem leaves out.
 #[derive(Default)]
 struct SetAside {
     /// Those that the slipping contacts hold in all their directions already.
@@ -26,16 +26,44 @@ struct SetAside {
 
 /// Decides on the contacts that are undecided. Afterwards the dynamics hold the accelerations, the modes, and for
 /// contacts that begin to slip γ̇ in place of γ.
+///
+/// Contacts that can share normal forces in many ways have the shares of equal compliance. What the contact problem finds
+/// without this rule holds where it finds nothing with it.
 pub(crate) fn decide(
     dynamics: &mut Dynamics<'_>,
     state: &State,
     question: Question,
     solving: &Solving<'_, '_>,
 ) -> Result<Decision, EvaluationError> {
+    let asked = dynamics.contacts.clone();
+    let closed = |contact: &&ContactVariables| contact.prescribed.is_none() && contact.is_closed();
+    if asked.iter().filter(closed).count() > 1 {
+        dynamics.undecided_share = true;
+        let shared = decide_with_shares(dynamics, state, question, solving);
+        dynamics.undecided_share = false;
+        let decision = shared?;
+        if !matches!(
+            decision,
+            Decision::Ended(Outcome::NoSolution { .. } | Outcome::Stagnated { .. })
+        ) {
+            return Ok(decision);
+        }
+        dynamics.contacts = asked;
+    }
+    decide_with_shares(dynamics, state, question, solving)
+}
+
+/// Decides with the shares that the dynamics find, if they look for them.
+fn decide_with_shares(
+    dynamics: &mut Dynamics<'_>,
+    state: &State,
+    question: Question,
+    solving: &Solving<'_, '_>,
+) -> Result<Decision, EvaluationError> {
     let mut aside = SetAside::default();
-    let mut rounds = 0;
-    // A slipping contact that the others lift opens, one that the contact problem need not be asked of is set aside, and
-    // all decide again.
+    let mut returned = 0;
+    // A slipping contact that the others lift opens, one that the contact problem leaves out is set aside, and all decide
+    // again.
     loop {
         dynamics.contacts.iter_mut().filter(|c| c.undecided).for_each(|c| c.mode = Phase::Open);
         dynamics.evaluate(state.t, &state.q, &state.u, SlidingForces::Updated)?;
@@ -72,7 +100,9 @@ pub(crate) fn decide(
             add(&mut dynamics.acceleration, *force, &participants.responses[k * n..][..n]);
             add(&mut normal_forces, *force, &answers[k * slipping.len()..][..slipping.len()]);
         }
-        if let Some(lifted) = normal_forces.iter().position(|&force| force < 0.0) {
+        let smallest =
+            (0..slipping.len()).min_by(|&a, &b| normal_forces[a].total_cmp(&normal_forces[b]));
+        if let Some(lifted) = smallest.filter(|&k| normal_forces[k] < 0.0) {
             dynamics.contacts[slipping[lifted] / ROWS].mode = Phase::Open;
             continue;
         }
@@ -81,8 +111,8 @@ pub(crate) fn decide(
         let closes = |i: &usize| approach(i) < -AT_REST_SHARED * scale;
         if let Some(k) = aside.unloaded.iter().position(closes) {
             let contact = aside.unloaded.swap_remove(k);
-            rounds += 1;
-            if rounds > dynamics.contacts.len() {
+            returned += 1;
+            if returned > dynamics.contacts.len() {
                 let cause = Stagnation::Unsolved;
                 return Ok(Decision::Ended(Outcome::Stagnated { cause, contact: Some(contact) }));
             }

@@ -3,7 +3,8 @@
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Constraints;
-use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
+use crate::integrator::event::dynamics::sharing::Rate;
 use crate::vectors::{add, dot, largest};
 
 impl Dynamics<'_> {
@@ -37,7 +38,7 @@ impl Dynamics<'_> {
             }
         }
         self.sharing.clear();
-        if self.contacts.iter().any(|contact| contact.undecided) {
+        if self.undecided_share {
             self.share_normal_forces();
         }
         if !system.rows.is_empty() {
@@ -50,12 +51,20 @@ impl Dynamics<'_> {
     /// Finds which of the closed unilateral contacts share normal forces.
     fn share_normal_forces(&mut self) {
         let mut sharing = std::mem::take(&mut self.sharing);
-        let pressing =
-            |i: &usize| self.contacts[*i].prescribed.is_none() && self.contacts[*i].is_closed();
+        let pressing = |i: &usize| {
+            let contact = &self.contacts[*i];
+            let takes_part = contact.undecided && self.undecided_share;
+            contact.prescribed.is_none() && (contact.mode != Phase::Open || takes_part)
+        };
         let all = self.contacts.len();
-        sharing.find((0..all).filter(pressing), all, |i, j| {
-            self.mobility(ROWS * i, ROWS * j, self.response(ROWS * j))
-        });
+        let mobility =
+            |i: usize, j: usize| self.mobility(ROWS * i, ROWS * j, self.response(ROWS * j));
+        let rate = |i: usize| {
+            let size: f64 = self.row(ROWS * i).iter().map(|w| w.abs()).sum();
+            let scale = self.load * size + self.drift[ROWS * i].abs();
+            Rate { value: self.rate(ROWS * i, &self.acceleration), scale }
+        };
+        sharing.find((0..all).filter(pressing), all, mobility, rate);
         self.sharing = sharing;
     }
 
@@ -69,7 +78,9 @@ impl Dynamics<'_> {
     fn solve_constraints(&mut self, system: &mut Constraints) {
         let n = self.n;
         self.factor_constraints(system);
-        if system.matrix.singular && self.sharing.is_empty() {
+        // Where all stick, accelerations do not depend on shares.
+        let slips = |contact: &ContactVariables| contact.mode == Phase::Slip;
+        if system.matrix.singular && self.sharing.is_empty() && self.contacts.iter().any(slips) {
             self.share_normal_forces();
             if !self.sharing.is_empty() {
                 self.factor_constraints(system);
@@ -111,9 +122,9 @@ impl Dynamics<'_> {
         }
     }
 
-    /// Adds to an acceleration what the constraint forces answer to it, so that it satisfies the constraints. The
-    /// change of the forces is left in [`constraint_forces`](Self::constraint_forces). `unit_force` is the row along which
-    /// a unit force gives the acceleration, if that is what gives it and the contacts of the constraints may share it.
+    /// Adds to an acceleration what the constraint forces answer to it, so that it satisfies the constraints. The change of
+    /// the forces is left in [`constraint_forces`](Self::constraint_forces). `unit_force` is the row of the unit force that
+    /// gives the acceleration, whose part in shared normal forces the constraints see; none of other accelerations.
     pub(crate) fn constrain(&mut self, acceleration: &mut [f64], unit_force: Option<usize>) {
         let Constraints { rows, columns, matrix, forces, .. } = &mut self.constraints;
         let (all, spans, sharing) = (&self.rows, &self.spans, &self.sharing);

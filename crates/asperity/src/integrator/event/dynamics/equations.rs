@@ -59,6 +59,8 @@ pub(crate) struct Dynamics<'a> {
     pub(crate) stencil: Stencil,
     pub(crate) constraints: Constraints,
     pub(crate) sharing: Sharing,
+    /// Whether contacts that are undecided share normal forces with those that are not.
+    pub(crate) undecided_share: bool,
     pub(crate) smooth: SmoothJacobian,
     pub(crate) projection: Projection,
     pub(crate) scratch_rows: Vec<f64>,
@@ -99,6 +101,7 @@ impl<'a> Dynamics<'a> {
             stencil: Stencil::new(rows),
             constraints: Constraints::default(),
             sharing: Sharing::default(),
+            undecided_share: false,
             smooth: SmoothJacobian::new(n, rows),
             projection: Projection::default(),
             scratch_rows: vec![0.0; ROWS * n],

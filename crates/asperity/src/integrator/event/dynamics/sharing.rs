@@ -1,19 +1,30 @@
-//! How closed contacts share normal forces where these are statically indeterminate.
+//! How slipping contacts share normal forces that are statically indeterminate.
 //!
-//! Normal rows that depend on each other, `W_N z = 0` for the columns of a matrix `Z`, leave the combination `Zᵀλ_N` of the
-//! normal forces open, such as the load of the fourth foot of a table. Friction makes it matter: feet that slip in
-//! different directions accelerate a body by an amount that depends on their shares. The shares are those of contacts of
-//! one and the same normal compliance, however small it is: `λ_N` is a combination of the rows, hence `Zᵀλ_N = 0`.
+//! Normal rows that depend on each other, `W_N z = 0` for the columns `z` of a matrix `Z`, leave `Zᵀλ_N` open, such as the load
+//! of the fourth foot of a table. Friction makes it matter: feet that slip in different directions accelerate a body by an
+//! amount that depends on their shares. The shares are those of contacts of one and the same normal compliance, however
+//! small it is: `λ_N = W_Nᵀx` for some `x`, hence `Zᵀλ_N = 0`.
 //!
 //! With `P` the orthogonal projection onto the columns of `Z` and any `ρ > 0`, `ρPλ_N` is added to the normal
-//! accelerations. As `Zᵀγ̈_N = 0` holds whatever the accelerations are, `γ̈_N + ρPλ_N = 0` has the solutions of both
-//! `γ̈_N = 0` and `Zᵀλ_N = 0`, and its matrix is as well conditioned as that of contacts which depend on nothing.
+//! accelerations. While the rows go on to depend on each other, `Zᵀγ̈_N = 0` whatever the forces are, so that
+//! `γ̈_N + ρPλ_N = 0` asks for both, `γ̈_N = 0` and `Zᵀλ_N = 0`. Where surfaces part, as the floor and a table that is
+//! lowered do, no forces close all contacts, `Zᵀγ̈_N` says so, and nothing is shared.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::integrator::event::dynamics::constraint_matrix::{RANK, SINGULAR};
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::linear::{BlockLu, LeastNorm};
+
+/// Part of the normal accelerations in the directions of `Z`, over what they are made of, which tells surfaces that part
+/// from rounding, and from differences along the motion.
+const PARTS: f64 = 1e-8;
+
+/// A normal acceleration, and the size of what it is the sum of.
+pub(crate) struct Rate {
+    pub(crate) value: f64,
+    pub(crate) scale: f64,
+}
 
 /// The matrix `ρP` of the contacts that share normal forces.
 #[derive(Debug, Default)]
@@ -21,7 +32,7 @@ pub(crate) struct Sharing {
     mobility: BlockLu,
     /// The contacts that may share.
     contacts: Vec<usize>,
-    /// What each contact shares with whom: the number of a group, and its place in that.
+    /// The group of each contact that shares, and its place there.
     places: Vec<Option<Place>>,
     groups: Vec<DMatrix<f64>>,
 }
@@ -45,7 +56,7 @@ impl Sharing {
 
     /// Whether the contact shares its normal force with others.
     pub(crate) fn includes(&self, contact: usize) -> bool {
-        self.places.get(contact).is_some_and(Option::is_some)
+        self.entry(ROWS * contact, ROWS * contact) > 0.0
     }
 
     /// The entry of `ρP` for two rows of the system.
@@ -68,13 +79,14 @@ impl Sharing {
         entries.zip(forces).map(|(entry, force)| entry * force).sum()
     }
 
-    /// Finds which of some contacts share normal forces. `mobility` is `w_NᵀM⁻¹w_N` of two of them, `all` the number of
-    /// all contacts of the system.
+    /// Finds which of some contacts share normal forces. `mobility` is `w_NᵀM⁻¹w_N` of two of them, `rate` a normal
+    /// acceleration with any forces, and `all` the number of all contacts of the system.
     pub(crate) fn find(
         &mut self,
         among: impl Iterator<Item = usize>,
         all: usize,
         mobility: impl Fn(usize, usize) -> f64,
+        rate: impl Fn(usize) -> Rate,
     ) {
         self.clear();
         let Self { mobility: matrix, contacts, places, groups } = self;
@@ -95,10 +107,17 @@ impl Sharing {
             if range.ncols() == size {
                 return;
             }
+            let projection = DMatrix::identity(size, size) - range * range.transpose();
+            let rates = members.iter().map(|&member| rate(contacts[member]));
+            let (values, scales): (Vec<f64>, Vec<f64>) = rates.map(|r| (r.value, r.scale)).unzip();
+            let parting = (&projection * DVector::from_vec(values)).amax();
+            if parting > PARTS * scales.into_iter().fold(0.0, f64::max) {
+                return;
+            }
             for (row, &member) in members.iter().enumerate() {
                 places[contacts[member]] = Some(Place { group: groups.len(), row });
             }
-            groups.push((DMatrix::identity(size, size) - range * range.transpose()) * scale);
+            groups.push(projection * scale);
         });
     }
 }
