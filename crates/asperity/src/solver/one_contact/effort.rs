@@ -8,6 +8,10 @@ const ALONE: usize = 3000;
 /// contact that fail in one solve.
 const ONE_OF_MANY: usize = 300;
 const ALL_OF_ONE: usize = 600;
+/// Values that Newton's method from one slip velocity may take, and all of one contact that fail in one solve: sweeps that
+/// help a solver out of a problem without a solution come to a contact tens of thousands of times in vain.
+const FROM_SLIP: usize = 100;
+const ALL_FROM_SLIP: usize = 10_000;
 /// Walks along the whole boundary in the sweeps of one solve.
 const WALKS: usize = 20;
 
@@ -16,23 +20,24 @@ const WALKS: usize = 20;
 pub(crate) struct Effort {
     evaluations: usize,
     each: usize,
+    from_slip: usize,
     walks: usize,
 }
 
 impl Effort {
     /// For a contact that is solved once.
     pub(crate) fn alone() -> Self {
-        Self { evaluations: ALONE, each: ALONE, walks: WALKS }
+        Self { evaluations: ALONE, each: ALONE, ..Self::in_sweeps() }
     }
 
     /// For a contact in all sweeps of a solve.
     pub(crate) fn in_sweeps() -> Self {
-        Self { evaluations: ALL_OF_ONE, each: ONE_OF_MANY, walks: WALKS }
+        Self { evaluations: ALL_OF_ONE, each: ONE_OF_MANY, from_slip: ALL_FROM_SLIP, walks: WALKS }
     }
 
     /// For a look at a contact that is solved already.
     pub(crate) fn none() -> Self {
-        Self { evaluations: 0, each: 0, walks: WALKS }
+        Self { evaluations: 0, each: 0, ..Self::in_sweeps() }
     }
 
     /// Whether the boundary may be walked along once more.
@@ -51,6 +56,16 @@ impl Effort {
     pub(crate) fn failed(&mut self, left: Evaluations) {
         self.evaluations -= self.search().0 - left.0;
     }
+
+    /// Evaluations that Newton's method from the next slip velocity may take.
+    pub(crate) fn from_slip(&self) -> Evaluations {
+        Evaluations(self.from_slip.min(FROM_SLIP))
+    }
+
+    /// One that has failed is paid for.
+    pub(crate) fn failed_from_slip(&mut self, left: Evaluations) {
+        self.from_slip -= self.from_slip().0 - left.0;
+    }
 }
 
 /// Values of the natural map that may still be asked for.
@@ -58,9 +73,6 @@ impl Effort {
 pub(crate) struct Evaluations(usize);
 
 impl Evaluations {
-    /// For Newton's method from one start.
-    pub(crate) const FEW: Self = Self(100);
-
     /// Takes one; false if there are none left.
     pub(crate) fn take(&mut self) -> bool {
         let may = self.0 > 0;
