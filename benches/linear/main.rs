@@ -20,7 +20,7 @@ mod contact;
 #[allow(dead_code, unused_imports)]
 #[path = "../../crates/asperity/src/linear/mod.rs"]
 mod linear;
-#[allow(dead_code)]
+#[allow(dead_code, unused_imports)]
 #[path = "../../crates/asperity/src/vectors.rs"]
 mod vectors;
 
