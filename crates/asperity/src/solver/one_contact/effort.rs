@@ -12,8 +12,8 @@ const ALL_OF_ONE: usize = 600;
 /// that help a solver out of a problem without a solution come to a contact tens of thousands of times in vain. The
 /// slowest inputs that fuzzing has found, 27 of steps and of many contacts, take 80 s so and 206 s without the second limit,
 /// the worst 8 s and 50 s.
-const FROM_SLIP: usize = 100;
-const ALL_FROM_SLIP: usize = 10_000;
+const ATTEMPT: usize = 100;
+const ALL_ATTEMPTS: usize = 10_000;
 /// Walks along the whole boundary in the sweeps of one solve.
 const WALKS: usize = 20;
 
@@ -22,7 +22,7 @@ const WALKS: usize = 20;
 pub(crate) struct Effort {
     evaluations: usize,
     each: usize,
-    from_slip: usize,
+    attempts: usize,
     walks: usize,
 }
 
@@ -34,7 +34,7 @@ impl Effort {
 
     /// For a contact in all sweeps of a solve.
     pub(crate) fn in_sweeps() -> Self {
-        Self { evaluations: ALL_OF_ONE, each: ONE_OF_MANY, from_slip: ALL_FROM_SLIP, walks: WALKS }
+        Self { evaluations: ALL_OF_ONE, each: ONE_OF_MANY, attempts: ALL_ATTEMPTS, walks: WALKS }
     }
 
     /// For a look at a contact that is solved already.
@@ -60,13 +60,13 @@ impl Effort {
     }
 
     /// Evaluations that Newton's method from the next slip velocity may take.
-    pub(crate) fn from_slip(&self) -> Evaluations {
-        Evaluations(self.from_slip.min(FROM_SLIP))
+    pub(crate) fn attempt(&self) -> Evaluations {
+        Evaluations(self.attempts.min(ATTEMPT))
     }
 
     /// One that has failed is paid for.
-    pub(crate) fn failed_from_slip(&mut self, left: Evaluations) {
-        self.from_slip -= self.from_slip().0 - left.0;
+    pub(crate) fn failed_attempt(&mut self, left: Evaluations) {
+        self.attempts -= self.attempt().0 - left.0;
     }
 }
 

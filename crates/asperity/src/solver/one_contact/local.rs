@@ -352,7 +352,7 @@ impl<'a, const P: usize> Local<'a, P> {
         effort: &mut Effort,
     ) -> Option<LocalSolution<P>> {
         let single = self.single();
-        let found = single.from_slip(velocity, effort)?;
+        let found = single.newton_from_slip(velocity, effort)?;
         let slips =
             found.defect <= single::FOUND && single.phase(&found.percussion).0 == Phase::Slip;
         slips.then(|| self.with_phase(&single, &found, Phase::Slip))

@@ -376,15 +376,19 @@ impl<'a, const P: usize> Single<'a, P> {
     ///
     /// On a slender *D* the natural map hardly sees that the velocity is off the normal: the defect tells whether that is
     /// a solution.
-    pub(crate) fn from_slip(&self, velocity: &Vector<P>, effort: &mut Effort) -> Option<Graded> {
-        let mut left = effort.from_slip();
+    pub(crate) fn newton_from_slip(
+        &self,
+        velocity: &Vector<P>,
+        effort: &mut Effort,
+    ) -> Option<Graded> {
+        let mut left = effort.attempt();
         if !left.are_left() {
             return None;
         }
         let end = self.newton(self.slipping(velocity), &mut left);
         let found = end.map(|p| self.refined(self.graded(p, false)));
         if !found.is_some_and(|found| found.defect <= FOUND) {
-            effort.failed_from_slip(left);
+            effort.failed_attempt(left);
         }
         found
     }

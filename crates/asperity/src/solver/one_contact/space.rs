@@ -37,7 +37,7 @@ pub(crate) fn solve(
     let last = Vector::<3>::from_column_slice(&state.slip);
     let ahead = (last.amax() > 0.0).then_some(last);
     let slides = ahead
-        .and_then(|last| single.from_slip(&last, effort))
+        .and_then(|last| single.newton_from_slip(&last, effort))
         .filter(|found| stick.is_none() || single.slips(&found.percussion));
     if let Some(found) = slides.filter(|found| found.defect <= FOUND) {
         return selected(&found.percussion, false);
