@@ -12,7 +12,7 @@ use asperity::contact::{
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
 use asperity::set::{
     BoundaryPoint, Convex, ConvexSet, CoulombContensou, Ellipsoid, Interval, Polygon, Pressure,
-    Star, StarSet, Vector,
+    Star, StarSet, Superellipsoid, Vector,
 };
 use asperity::simulate::{Options, Outcome, simulate};
 use asperity::solver::{
@@ -731,6 +731,33 @@ fn slip_next_to_the_paradox_is_found_in_space() {
     let memory = solved_in_space(law.into(), NormalForce::Unilateral, problem, state);
     for (found, known) in memory.percussion.iter().zip(&percussion) {
         assert!((found - known).abs() < 1e-8 * percussion[0], "{found} {known}");
+    }
+}
+
+/// Friction at the tip of a cusp of *C*, with a thin *D*: percussions hardly depend on the direction of slip there, so that
+/// they may be nearly right while the velocity is off the normal. Wherever the contact slid before, that is no solution.
+#[test]
+fn slip_at_a_cusp_across_a_thin_direction_set_is_found_from_any_slip() {
+    let star = |axes: [f64; 3], exponent| {
+        Star::from(Superellipsoid::new(Vector::<3>::from(axes), exponent).unwrap())
+    };
+    let direction = star([1.4, 0.0022, 0.087], 1.16).as_convex().unwrap().clone();
+    let law = FrictionLaw::new(star([3.2, 1.8, 1.0], 0.35), direction).unwrap();
+    let slip = Vector::<3>::new(-0.005, 0.01, 0.005);
+    let delassus =
+        DMatrix::from_fn(4, 4, |i, j| if i == j { 80.0 } else { 20.0 / (1 + i + j) as f64 });
+    let force = law.force(&slip, 2.6).unwrap();
+    let percussion = DVector::from_row_slice(&[2.6, force.x, force.y, force.z]);
+    let free = DVector::from_row_slice(&[0.0, slip.x, slip.y, slip.z]) - &delassus * &percussion;
+    let law = Law::from(law);
+    let mut random = Random::new(23);
+    for _ in 0..100 {
+        let last = [random.normal(), random.normal(), random.normal()];
+        let problem = (delassus.clone(), free.as_slice().to_vec());
+        let state = ContactState::new(Phase::Slip, last);
+        let found = solved_in_space(law.clone(), NormalForce::Unilateral, problem, state);
+        let off = (DVector::from_vec(found.percussion) - &percussion).norm();
+        assert!(off < 1e-11 * percussion.norm(), "{off:e} after {last:?}");
     }
 }
 

@@ -3,7 +3,7 @@
 use asperity_set::{Matrix, StarSet, Vector};
 
 use super::block::Block;
-use super::effort::{Effort, Evaluations};
+use super::effort::Effort;
 use super::single::{self, Graded, Single};
 use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
 use crate::law::{ContactVector, FrictionLaw};
@@ -346,11 +346,13 @@ impl<'a, const P: usize> Local<'a, P> {
     /// Slip found by Newton's method on all rows together, from sliding along a velocity.
     #[cold]
     #[inline(never)]
-    pub(crate) fn slip_from(&self, velocity: &Vector<P>) -> Option<LocalSolution<P>> {
+    pub(crate) fn slip_from(
+        &self,
+        velocity: &Vector<P>,
+        effort: &mut Effort,
+    ) -> Option<LocalSolution<P>> {
         let single = self.single();
-        let start = single.slipping(velocity);
-        let p = single.newton(start, &mut { Evaluations::FEW })?;
-        let found = single.refined(single.graded(p, false));
+        let found = single.newton_from_slip(velocity, effort)?;
         let slips =
             found.defect <= single::FOUND && single.phase(&found.percussion).0 == Phase::Slip;
         slips.then(|| self.with_phase(&single, &found, Phase::Slip))

@@ -372,6 +372,27 @@ impl<'a, const P: usize> Single<'a, P> {
         best
     }
 
+    /// Where Newton's method leads from the percussions of sliding along a velocity.
+    ///
+    /// On a slender *D* the natural map hardly sees that the velocity is off the normal: the defect tells whether that is
+    /// a solution.
+    pub(crate) fn newton_from_slip(
+        &self,
+        velocity: &Vector<P>,
+        effort: &mut Effort,
+    ) -> Option<Graded> {
+        let mut left = effort.attempt();
+        if !left.are_left() {
+            return None;
+        }
+        let end = self.newton(self.slipping(velocity), &mut left);
+        let found = end.map(|p| self.refined(self.graded(p, false)));
+        if !found.is_some_and(|found| found.defect <= FOUND) {
+            effort.failed_attempt(left);
+        }
+        found
+    }
+
     /// Prox iterations with steps that shrink, Newton's method after each round.
     fn prox(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
         let scale = 1.0 / (self.g.norm() * self.rho.normal.max(self.rho.tangent));
@@ -437,6 +458,9 @@ impl<'a, const P: usize> Single<'a, P> {
         }
         // In turns, so that neither takes all evaluations; on a line there are two normals only.
         for n in std::iter::once(free).chain(around()) {
+            if !left.are_left() {
+                break;
+            }
             if P > 1 && self.along_slips(&n, &mut left).is_some_and(&mut keep) {
                 return best;
             }

@@ -6,7 +6,7 @@
 
 use asperity_set::Vector;
 
-use super::effort::{Effort, Evaluations};
+use super::effort::Effort;
 use super::local::{LocalSolution, Selection};
 use super::single::{FOUND, SOLUTION, Single};
 use crate::contact::{ContactState, Phase};
@@ -35,11 +35,9 @@ pub(crate) fn solve(
     }
     // A slipping contact goes on slipping where it can: from its last slip, Newton's method finds that.
     let last = Vector::<3>::from_column_slice(&state.slip);
-    let ahead = (last.amax() > 0.0).then(|| single.slipping(&last));
-    // On a slender D the natural map, unlike the defect, hardly sees that the velocity is off the normal.
+    let ahead = (last.amax() > 0.0).then_some(last);
     let slides = ahead
-        .and_then(|p| single.newton(p, &mut { Evaluations::FEW }))
-        .map(|p| single.refined(single.graded(p, false)))
+        .and_then(|last| single.newton_from_slip(&last, effort))
         .filter(|found| stick.is_none() || single.slips(&found.percussion));
     if let Some(found) = slides.filter(|found| found.defect <= FOUND) {
         return selected(&found.percussion, false);

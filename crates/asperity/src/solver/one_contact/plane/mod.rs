@@ -78,7 +78,7 @@ fn ill_conditioned(
     if local.opens() {
         return Some(local.open());
     }
-    let slip = || local.slip_from(&guess);
+    let mut slip = || local.slip_from(&guess, effort);
     let found = match state.phase {
         Phase::Slip => slip().or_else(|| local.any_stick()),
         _ => local.any_stick().or_else(slip),
