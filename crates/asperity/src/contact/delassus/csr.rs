@@ -14,7 +14,8 @@ pub struct Csr {
 }
 
 impl Csr {
-    /// The matrix with so many rows and columns whose row `i` has its entries at `starts[i]..starts[i + 1]`; `argument` is named in errors.
+    /// The matrix with so many rows and columns whose row `i` has its entries at `starts[i]..starts[i + 1]`; `argument` is
+    /// named in errors.
     ///
     /// # Errors
     ///
