@@ -71,6 +71,7 @@ long: $(VENV)/.installed
 	failed=0; \
 	PROPTEST_CASES=$(SETS) cargo test --release --locked --no-fail-fast -p asperity-set || failed=1; \
 	cargo test --release --locked --no-fail-fast -p asperity -- --ignored || failed=1; \
+	cargo test $(PLAIN) --locked --no-fail-fast -p asperity --lib || failed=1; \
 	ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test -p asperity-fuzz --profile fuzz --locked --no-fail-fast || failed=1; \
 	$(BIN)/pytest --numprocesses auto --timeout 7200 -m long -k "$(ONLY)" || failed=1; \
 	exit $$failed

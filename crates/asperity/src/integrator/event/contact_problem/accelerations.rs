@@ -36,7 +36,7 @@ pub(crate) fn decide(
     solving: &Solving<'_, '_>,
 ) -> Result<Decision, EvaluationError> {
     let asked = dynamics.contacts.clone();
-    let closed = |contact: &&ContactVariables| contact.prescribed.is_none() && contact.is_closed();
+    let closed = |contact: &&ContactVariables| !contact.is_free() && contact.prescribed.is_none();
     if asked.iter().filter(closed).count() > 1 {
         dynamics.undecided_share = true;
         let shared = decide_with_shares(dynamics, state, question, solving);

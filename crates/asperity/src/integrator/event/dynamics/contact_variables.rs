@@ -61,11 +61,6 @@ impl ContactVariables {
         self.mode == Phase::Open && !self.undecided && self.prescribed.is_none()
     }
 
-    /// Whether the contact takes part in what closed contacts do: sticks, slips or is about to be decided on.
-    pub(crate) fn is_closed(&self) -> bool {
-        self.mode != Phase::Open || self.undecided
-    }
-
     /// Whether the contact is unilateral and sticks or slips.
     pub(crate) fn is_closed_unilateral(&self) -> bool {
         self.mode != Phase::Open && self.prescribed.is_none()

@@ -17,8 +17,9 @@ use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::linear::{BlockLu, LeastNorm};
 
 /// Part of the normal accelerations in the directions of `Z`, over what they are made of, which tells surfaces that part
-/// from rounding, and from differences along the motion.
-const PARTS: f64 = 1e-8;
+/// from rounding and from differences along the motion: these gave at most 5e-15 in 255,000 evaluations of boxes that slid
+/// and turned, a jack under one of three feet 2e-4.
+const PARTS: f64 = 1e-10;
 
 /// A normal acceleration, and the size of what it is the sum of.
 pub(crate) struct Rate {
