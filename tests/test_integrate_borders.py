@@ -1213,3 +1213,27 @@ def test_a_body_on_feet_rests_where_its_load_lies_just_inside_of_them(seed):
     body = asp.Body.box(1.0, half_sizes=[1.0, 1.0, 0.01], position=[0.0, 0.0, 0.01])
     system = asp.RigidBodies([body], pairs=feet, gravity=(0.0, 0.0, -9.81))
     assert np.abs(asp.integrate(system, t_end=1.0).u).max() < 1e-12
+
+
+def test_a_body_rests_where_no_shares_of_equal_compliance_are_found_one_foot_at_a_time():
+    """Feet that are left out one by one, what opens fastest first, go round in circles here."""
+    places = [
+        [0.56703151, -0.82342208],
+        [-0.09460422, 0.01218281],
+        [-0.86376775, 0.32061889],
+        [-0.23355246, 0.78913734],
+        [0.88724, -0.8930045],
+    ]
+    law, gravity = asp.FrictionLaw.isotropic(0.5), 9.81
+    feet = [
+        asp.PointPlane(0, point=[*place, -0.01], plane=asp.Plane(), law=law) for place in places
+    ]
+    about_y, about_x = 0.4729799121085264, 0.8311245842094104
+    body = asp.Body(
+        1.0,
+        inertia=[about_x, about_y, 0.9 * (about_x + about_y)],
+        position=[0.0, 0.0, 0.01],
+        torque=[-gravity * 0.70755401, -gravity * 0.21883992, 0.0],
+    )
+    system = asp.RigidBodies([body], pairs=feet, gravity=(0.0, 0.0, -gravity))
+    assert np.abs(asp.integrate(system, t_end=1.0).u).max() < 1e-12
