@@ -36,6 +36,9 @@ pub struct Options {
 /// Difference of `t_end` from a multiple of the step that counts as rounding, as a part.
 const MULTIPLE: f64 = 1e-9;
 
+/// Part of the largest velocity so far up to which everything rests.
+pub(crate) const AT_REST: f64 = 1e-12;
+
 impl Options {
     /// Steps of length `dt` up to the time `t_end`, both in s; the last one may lead beyond it.
     ///
@@ -227,65 +230,108 @@ pub(crate) fn run(
     each_step: &mut impl FnMut(&Stepper<'_>),
 ) -> Result<Outcome, StepError> {
     trajectory.begin(stepper)?;
-    let mut last = None;
-    let outcome = steps(options, stepper, trajectory, observer, each_step, &mut last);
-    let recorded = match (&outcome, last) {
-        (Err(StepError::NotFinite { .. }), _) | (_, None) => Ok(()),
-        (_, Some(report)) => trajectory.record(stepper, report.iterations, report.residual),
-    };
-    outcome.and_then(|outcome| recorded.map(|()| outcome))
+    let mut progress = Loop::new(options);
+    let outcome = steps(options, stepper, trajectory, observer, each_step, &mut progress);
+    progress.end(outcome, stepper, trajectory)
 }
 
-/// The loop; `unsaved` is the report of the last step while that is not among the samples.
-fn steps(
-    options: &Options,
-    stepper: &mut Stepper<'_>,
-    trajectory: &mut Trajectory,
-    observer: &Observer<'_, usize>,
-    each_step: &mut impl FnMut(&Stepper<'_>),
-    unsaved: &mut Option<SolveReport>,
-) -> Result<Outcome, StepError> {
-    let (mut rested, mut fastest) = (0, 0.0_f64);
-    let mut until_sample = options.save_every;
-    for step in (0..options.steps).map(|before| before + 1) {
+/// What the loop remembers from step to step.
+#[derive(Debug)]
+pub(crate) struct Loop {
+    /// Steps until the next sample.
+    pub(crate) until_sample: usize,
+    /// Steps in which everything has rested by now, and the largest velocity so far.
+    pub(crate) rested: usize,
+    pub(crate) fastest: f64,
+    /// The report of the last step while that is not among the samples.
+    unsaved: Option<SolveReport>,
+}
+
+impl Loop {
+    pub(crate) fn new(options: &Options) -> Self {
+        Self { until_sample: options.save_every, rested: 0, fastest: 0.0, unsaved: None }
+    }
+
+    /// Makes a step, counted from 1; how the run has ended, if it has.
+    #[inline(always)]
+    pub(crate) fn step(
+        &mut self,
+        step: usize,
+        options: &Options,
+        stepper: &mut Stepper<'_>,
+        trajectory: &mut Trajectory,
+        observer: &Observer<'_, usize>,
+        each_step: &mut impl FnMut(&Stepper<'_>),
+    ) -> Result<Option<Outcome>, StepError> {
         // A step that asks but once is over soon: the clock would be a part of its cost.
         let asked = Cell::new(false);
         let cancelled = || asked.replace(true) && observer.asks_to_stop(step - 1);
         let report = match stepper.step_unless(&cancelled, !options.stop_on_failure) {
-            Err(StepError::Cancelled { .. }) => return Ok(Outcome::Interrupted),
+            Err(StepError::Cancelled { .. }) => return Ok(Some(Outcome::Interrupted)),
             report => report?,
         };
         let failed = report.status != Status::Converged;
         if failed && options.stop_on_failure {
-            return Ok(Outcome::Failed(Failure {
+            return Ok(Some(Outcome::Failed(Failure {
                 step,
                 time: stepper.time_after(1),
                 contact: stepper.contact_of(report.worst_contact),
                 residual: report.residual,
                 status: report.status,
                 unsolvable: stepper.unsolvable().map(Box::new),
-            }));
+            })));
         }
         trajectory.failed_steps += usize::from(failed);
         trajectory.count(stepper, report.ambiguous);
         each_step(stepper);
-        *unsaved = Some(report);
+        self.unsaved = Some(report);
         if options.until_rest {
             let speed = largest(stepper.u());
-            fastest = fastest.max(speed);
-            rested = if speed <= 1e-12 * fastest { rested + 1 } else { 0 };
+            self.fastest = self.fastest.max(speed);
+            self.rested = if speed <= AT_REST * self.fastest { self.rested + 1 } else { 0 };
         }
         // At rest for two steps: a turning point of a motion is at rest for one at the most.
-        if options.until_rest && rested >= 2 {
-            return Ok(Outcome::AtRest);
+        if options.until_rest && self.rested >= 2 {
+            return Ok(Some(Outcome::AtRest));
         }
         if observer.asks_to_stop_after_step(step) {
-            return Ok(Outcome::Interrupted);
+            return Ok(Some(Outcome::Interrupted));
         }
-        until_sample -= 1;
-        if until_sample == 0 {
+        self.until_sample -= 1;
+        if self.until_sample == 0 {
             trajectory.record(stepper, report.iterations, report.residual)?;
-            (*unsaved, until_sample) = (None, options.save_every);
+            (self.unsaved, self.until_sample) = (None, options.save_every);
+        }
+        Ok(None)
+    }
+
+    /// The end of a run with a sample of where it has ended.
+    pub(crate) fn end(
+        &self,
+        outcome: Result<Outcome, StepError>,
+        stepper: &mut Stepper<'_>,
+        trajectory: &mut Trajectory,
+    ) -> Result<Outcome, StepError> {
+        let recorded = match (&outcome, self.unsaved) {
+            (Err(StepError::NotFinite { .. }), _) | (_, None) => Ok(()),
+            (_, Some(report)) => trajectory.record(stepper, report.iterations, report.residual),
+        };
+        outcome.and_then(|outcome| recorded.map(|()| outcome))
+    }
+}
+
+fn steps(
+    options: &Options,
+    stepper: &mut Stepper<'_>,
+    trajectory: &mut Trajectory,
+    observer: &Observer<'_, usize>,
+    each_step: &mut impl FnMut(&Stepper<'_>),
+    progress: &mut Loop,
+) -> Result<Outcome, StepError> {
+    for step in (0..options.steps).map(|before| before + 1) {
+        let ended = progress.step(step, options, stepper, trajectory, observer, each_step)?;
+        if let Some(outcome) = ended {
+            return Ok(outcome);
         }
     }
     Ok(Outcome::Finished)

@@ -1,6 +1,7 @@
 //! The loop over members that both kinds of runs have.
 
 use std::ops::{ControlFlow, Range};
+use std::rc::Rc;
 
 use super::keep::Keep;
 use super::outcome::{Ending, Ensemble, Layout, Reason, Rows};
@@ -14,6 +15,12 @@ use crate::system::{InitialState, System, SystemError};
 pub(super) type RunMember<'a> =
     dyn Fn(&dyn System, &InitialState, &Stop, &mut Reduction, &mut Rows<'_>) + Sync + 'a;
 
+/// Runs members that follow each other at once, and appends what comes out of each.
+pub(super) type RunTogether<'a> = dyn Fn(Vec<Prepared<'_>>, &Stop, &mut Rows<'_>) + Sync + 'a;
+
+/// A member with its start, or why there is no such system.
+pub(super) type Prepared<'a> = Result<(Rc<Member<'a>>, InitialState), SystemError>;
+
 /// Threads that run the members of an ensemble.
 pub(super) struct Crew<'a> {
     pub(super) members: &'a dyn Members,
@@ -24,11 +31,30 @@ pub(super) struct Crew<'a> {
 }
 
 impl Crew<'_> {
-    /// Runs all members.
+    /// Runs all members, one after the other.
     pub(super) fn run(
         &self,
         observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
         run: &RunMember<'_>,
+    ) -> Result<Ensemble, ArgumentError> {
+        self.run_together(observer, 1, &|members, stop, rows| {
+            for member in members {
+                match member {
+                    Ok((made, start)) => {
+                        run(made.system(), &start, stop, &mut Reduction::default(), rows);
+                    }
+                    Err(error) => rows.push_failure(0.0, Reason::System(error)),
+                }
+            }
+        })
+    }
+
+    /// Runs all members, so many at once.
+    pub(super) fn run_together(
+        &self,
+        observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+        at_once: usize,
+        run: &RunTogether<'_>,
     ) -> Result<Ensemble, ArgumentError> {
         let Self { members, keep, samples, threads } = *self;
         let (count, layout) = (members.count(), Layout::of(members.first()));
@@ -48,8 +74,17 @@ impl Crew<'_> {
                 let stop = &stop;
                 move |range: Range<usize>| {
                     let mut rows = Rows::new(shared, keep, range.start, samples);
-                    for member in range {
-                        run_member(members, member, &mut held, (shared, stop), run, &mut rows);
+                    let mut next = range.start;
+                    while next < range.end {
+                        let group = next..range.end.min(next + at_once);
+                        next = group.end;
+                        if stop.is_asked() {
+                            group.for_each(|_| rows.push_nothing(Ending::Interrupted));
+                            continue;
+                        }
+                        let prepared =
+                            group.map(|member| prepare(members, member, &mut held, shared));
+                        run(prepared.collect(), stop, &mut rows);
                     }
                     rows.ensemble
                 }
@@ -62,35 +97,25 @@ impl Crew<'_> {
 }
 
 /// The system of the last run, and which it is.
-type Last<'a> = Option<(usize, Member<'a>)>;
+type Last<'a> = Option<(usize, Rc<Member<'a>>)>;
 
-fn run_member<'a>(
+fn prepare<'a>(
     members: &'a dyn Members,
     member: usize,
     last: &mut Last<'a>,
-    (layout, stop): (&Layout, &Stop),
-    run: &RunMember<'_>,
-    rows: &mut Rows<'_>,
-) {
-    if stop.is_asked() {
-        return rows.push_nothing(Ending::Interrupted);
-    }
+    layout: &Layout,
+) -> Prepared<'a> {
     let variant = members.variant(member);
-    if last.as_ref().is_none_or(|(of, _)| *of != variant) {
-        *last = None;
-        let made = members.system(variant).and_then(|made| {
-            let fits = Layout::of(made.system()) == *layout;
-            if fits { Ok(made) } else { Err(other_layout()) }
-        });
-        match made {
-            Ok(made) => *last = Some((variant, made)),
-            Err(error) => return rows.push_failure(0.0, Reason::System(error)),
-        }
+    let made = match last.take().filter(|(of, _)| *of == variant) {
+        Some((_, made)) => made,
+        None => Rc::new(members.system(variant)?),
+    };
+    if Layout::of(made.system()) != *layout {
+        return Err(other_layout());
     }
-    if let Some((_, made)) = last {
-        let system = made.system();
-        run(system, &members.start(member, system), stop, &mut Reduction::default(), rows);
-    }
+    let start = members.start(member, made.system());
+    *last = Some((variant, made.clone()));
+    Ok((made, start))
 }
 
 fn other_layout() -> SystemError {

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::Members;
 use super::crew::Crew;
 use super::keep::Keep;
-use super::outcome::{Ending, Ensemble, Reason, Rows};
+use super::outcome::{Counts, Ending, Ensemble, Reason, Rows};
 use super::reduction::Reduction;
 use super::workers::{self, Stop};
 use crate::argument::{ArgumentError, refuse};
@@ -101,7 +101,8 @@ fn integrate_one(
     if let Some(reason) = reason {
         rows.fail(samples.t.last().copied().unwrap_or(options.t_start), reason);
     }
-    rows.push(ending, true, &samples, (steps, ambiguous), reduction);
+    let counts = Counts { steps, ambiguous, in_lanes: 0 };
+    rows.push(ending, true, &samples, counts, reduction);
 }
 
 /// Shows the samples of a run, or of what follows what was seen before.

@@ -11,11 +11,13 @@
 //! | `outcome.rs` | what comes out of all runs, and how each has ended |
 //! | `workers.rs` | threads that share work |
 //! | `crew.rs` | the loop over members that both kinds of runs have |
+//! | `lanes/` | runs of time stepping side by side in wide registers |
 //! | `time_stepping.rs`, `event_driven.rs` | the two kinds of runs |
 
 mod crew;
 mod event_driven;
 mod keep;
+mod lanes;
 mod outcome;
 mod reduction;
 mod time_stepping;
@@ -28,6 +30,31 @@ pub use keep::Keep;
 pub use outcome::{Ending, Ensemble, MemberFailure, Reason};
 pub use reduction::Reduced;
 pub use time_stepping::simulate_many;
+
+/// Whether runs of time stepping go side by side in the lanes of wide registers, which is for linear systems of two
+/// velocities and one contact with a given normal force and a law of ellipses; others run by themselves.
+///
+/// What comes out is the same to the bit for any number of lanes and whatever the neighbours are, and that of runs by
+/// themselves up to rounding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Lanes {
+    /// Every run by itself: to the bit what [`simulate`](crate::simulate::simulate) does.
+    #[default]
+    None,
+    /// As many as the processor's registers hold.
+    Widest,
+    /// One, four or eight, also where registers do not hold them.
+    Of(usize),
+}
+
+/// Who runs an ensemble.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Workers {
+    /// Number of threads; by default as many as the machine has.
+    pub threads: Option<usize>,
+    /// Runs side by side in a thread.
+    pub lanes: Lanes,
+}
 
 /// A system of an ensemble.
 #[derive(Debug)]

@@ -68,6 +68,8 @@ pub struct Ensemble {
     pub steps: Vec<i64>,
     /// Steps, or events, at which some contact had several solutions `(n)`.
     pub ambiguous: Vec<i64>,
+    /// Steps that were made in lanes `(n)`.
+    pub in_lanes: Vec<i64>,
     /// Number of samples of a run among those on the way; 0 unless they were asked for.
     pub samples_per_member: usize,
     /// Samples on the way, run after run; where a run has ended before, they are NaN.
@@ -105,6 +107,14 @@ impl Layout {
     }
 }
 
+/// Numbers of steps of a run: all, those, or events, at which some contact had several solutions, those in lanes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Counts {
+    pub(super) steps: usize,
+    pub(super) ambiguous: usize,
+    pub(super) in_lanes: usize,
+}
+
 /// Results of members that follow each other.
 pub(super) struct Rows<'a> {
     layout: &'a Layout,
@@ -133,7 +143,7 @@ impl<'a> Rows<'a> {
         ending: Ending,
         ended: bool,
         samples: &Samples,
-        counts: (usize, usize),
+        counts: Counts,
         found: &Reduction,
     ) {
         let Ensemble {
@@ -141,6 +151,7 @@ impl<'a> Rows<'a> {
             endings,
             steps,
             ambiguous,
+            in_lanes,
             samples_per_member,
             samples: kept,
             reduced,
@@ -156,15 +167,16 @@ impl<'a> Rows<'a> {
             kept.leave_out(*samples_per_member - there);
         }
         endings.push(ending);
-        steps.push(counts.0 as i64);
-        ambiguous.push(counts.1 as i64);
+        steps.push(counts.steps as i64);
+        ambiguous.push(counts.ambiguous as i64);
+        in_lanes.push(counts.in_lanes as i64);
         found.finish(self.keep, self.layout.sizes(), reduced);
     }
 
     /// Appends a run that was not begun.
     pub(super) fn push_nothing(&mut self, ending: Ending) {
         let none = self.layout.samples();
-        self.push(ending, false, &none, (0, 0), &Reduction::nothing());
+        self.push(ending, false, &none, Counts::default(), &Reduction::nothing());
     }
 
     /// Appends a run that failed before its first step.
@@ -201,6 +213,7 @@ impl Ensemble {
             endings: vec![Ending::Interrupted; count],
             steps: vec![0; count],
             ambiguous: vec![0; count],
+            in_lanes: vec![0; count],
             samples_per_member,
             samples,
             reduced,
@@ -216,6 +229,7 @@ impl Ensemble {
         self.endings[members.clone()].copy_from_slice(&rows.endings);
         self.steps[members.clone()].copy_from_slice(&rows.steps);
         self.ambiguous[members.clone()].copy_from_slice(&rows.ambiguous);
+        self.in_lanes[members.clone()].copy_from_slice(&rows.in_lanes);
         let mut reduced = rows.reduced;
         if !reduced.crossings.is_empty() {
             self.reduced.crossings[members].copy_from_slice(&reduced.crossings);

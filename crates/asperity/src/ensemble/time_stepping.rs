@@ -2,19 +2,23 @@
 
 use std::ops::ControlFlow;
 
-use super::Members;
-use super::crew::Crew;
+use super::crew::{Crew, Prepared};
 use super::keep::Keep;
-use super::outcome::{Ending, Ensemble, Reason, Rows};
+use super::lanes::{self, Common, Run};
+use super::outcome::{Counts, Ending, Ensemble, Reason, Rows};
 use super::reduction::Reduction;
 use super::workers::{self, Stop};
+use super::{Lanes, Members, Workers};
 use crate::argument::{ArgumentError, refuse};
-use crate::integrator::midpoint::{State, Stepper};
+use crate::integrator::midpoint::{State, StepError, Stepper};
 use crate::integrator::observer::Observer;
 use crate::simulate::{Options, Outcome, run};
 use crate::solver::Solver;
 use crate::system::{InitialState, System};
 use crate::trajectory::Trajectory;
+
+/// Members that are run at once in lanes: a multiple of every number of lanes.
+const AT_ONCE: usize = 8;
 
 /// Runs every member of an ensemble as [`simulate`](crate::simulate::simulate) would.
 ///
@@ -27,7 +31,7 @@ use crate::trajectory::Trajectory;
 /// ```
 /// use std::ops::ControlFlow;
 ///
-/// use asperity::ensemble::{Ending, Keep, Members, simulate_many};
+/// use asperity::ensemble::{Ending, Keep, Members, Workers, simulate_many};
 /// use asperity::law::FrictionLaw;
 /// use asperity::simulate::Options;
 /// use asperity::system::{InitialState, LinearSystem, System, sliding_point};
@@ -51,7 +55,8 @@ use crate::trajectory::Trajectory;
 ///
 /// let pushes = Pushes(sliding_point(1.0, FrictionLaw::isotropic(0.5)?, 10.0)?);
 /// let (options, keep) = (Options::new(1e-3, 1.0)?.until_rest(), Keep::default());
-/// let many = simulate_many(&pushes, &options, &keep, None, &mut |_, _| ControlFlow::Continue(()))?;
+/// let workers = Workers::default();
+/// let many = simulate_many(&pushes, &options, &keep, workers, &mut |_, _| ControlFlow::Continue(()))?;
 /// assert!(many.endings.iter().all(|&ending| ending == Ending::AtRest));
 /// // The paths are v₀²/(2μg), up to 0.1 m.
 /// assert!((many.ends.q[2 * 99] - 0.1).abs() < 1e-3);
@@ -65,7 +70,7 @@ pub fn simulate_many(
     members: &dyn Members,
     options: &Options,
     keep: &Keep,
-    threads: Option<usize>,
+    Workers { threads, lanes }: Workers,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Ensemble, ArgumentError> {
     if keep.every == Some(0) {
@@ -81,9 +86,58 @@ pub fn simulate_many(
     options.save_every = keep.every.unwrap_or(usize::MAX);
     let samples = keep.every.map_or(0, |every| 1 + options.steps.div_ceil(every));
     let crew = Crew { members, keep, samples, threads };
+    if lanes != Lanes::None {
+        return crew.run_together(observer, AT_ONCE, &|members, stop, rows| {
+            step_together(members, lanes, &options, (keep, stop), rows);
+        });
+    }
     crew.run(observer, &|system, start, stop, reduction, rows| {
         step_through(system, start, &options, (keep, stop), reduction, rows);
     })
+}
+
+/// Runs in lanes as far as lanes can make them, else one after the other. Their results become the next rows.
+fn step_together(
+    members: Vec<Prepared<'_>>,
+    lanes: Lanes,
+    options: &Options,
+    (keep, stop): (&Keep, &Stop),
+    rows: &mut Rows<'_>,
+) {
+    let mut asked =
+        |_| if stop.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let observer = Observer::new(&mut asked);
+    let common = Common { options, keep, stop, observer: &observer };
+    let (made, errors): (Vec<_>, Vec<_>) = members
+        .into_iter()
+        .map(|member| match member {
+            Ok(made) => (Some(made), None),
+            Err(error) => (None, Some(error)),
+        })
+        .unzip();
+    let mut runs: Vec<Option<Run<'_>>> = made
+        .iter()
+        .map(|made| {
+            let (made, start) = made.as_ref()?;
+            Run::begin(made.system(), start, common)
+        })
+        .collect();
+    let mut together: Vec<&mut Run<'_>> = runs.iter_mut().flatten().collect();
+    lanes::go_on(&mut together, lanes, common);
+    for ((made, error), run) in made.iter().zip(errors).zip(runs) {
+        if let Some(error) = error {
+            rows.push_failure(0.0, Reason::System(error));
+        } else if let Some(run) = run.filter(Run::is_done) {
+            let Run { outcome, stepper, trajectory, reduction, alone, .. } = run;
+            let in_lanes = trajectory.steps - alone;
+            let outcome = outcome.unwrap_or(Ok(Outcome::Finished));
+            finish(outcome, stepper.time(), (&trajectory, in_lanes), &reduction, rows);
+        } else if let Some((made, start)) = made {
+            // What fails in a lane fails by itself, too, or does not: that is what is reported.
+            let reduction = &mut Reduction::default();
+            step_through(made.system(), start, options, (keep, stop), reduction, rows);
+        }
+    }
 }
 
 /// One run, whose results become the next row.
@@ -114,6 +168,17 @@ fn step_through(
     } else {
         run(options, &mut stepper, &mut trajectory, &observer, &mut |_| {})
     };
+    finish(outcome, stepper.time(), (&trajectory, 0), reduction, rows);
+}
+
+/// Appends what came out of a run.
+fn finish(
+    outcome: Result<Outcome, StepError>,
+    time: f64,
+    (trajectory, in_lanes): (&Trajectory, usize),
+    reduction: &Reduction,
+    rows: &mut Rows<'_>,
+) {
     let (ending, reason) = match outcome {
         Ok(Outcome::Finished) => (Ending::Finished, None),
         Ok(Outcome::AtRest) => (Ending::AtRest, None),
@@ -124,8 +189,9 @@ fn step_through(
     // What is no longer finite is not the end of a motion.
     let ended = !matches!(reason, Some(Reason::Step(_)));
     if let Some(reason) = reason {
-        rows.fail(stepper.time(), reason);
+        rows.fail(time, reason);
     }
-    let counts = (trajectory.steps, trajectory.ambiguous_steps);
+    let Trajectory { steps, ambiguous_steps: ambiguous, .. } = *trajectory;
+    let counts = Counts { steps, ambiguous, in_lanes };
     rows.push(ending, ended, &trajectory.samples, counts, reduction);
 }

@@ -29,8 +29,8 @@ pub use measure::natural_map::natural_map;
 pub use measure::natural_residual::{Residual, natural_residual};
 pub use measure::stop::{Measure, Stop};
 pub use method::ProxStep;
-pub(crate) use one_contact::Rising;
 pub use one_contact::solutions::{ContactSolution, solutions};
+pub(crate) use one_contact::{Rising, Uniqueness};
 pub use report::{Method, SolveReport, Stage, Status};
 pub use solution::Solution;
 

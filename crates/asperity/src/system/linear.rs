@@ -1,6 +1,6 @@
 //! Linear systems, which say most users' models as data.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError, TimeDependence};
 use crate::argument::{ArgumentError, entries, finite, refuse};
@@ -153,6 +153,36 @@ impl LinearSystem {
     }
 }
 
+/// A linear system of two velocities and one contact in their plane with a given normal force: `M u̇ + B u + K q = f + W λ`
+/// and `γ = Wᵀu + χ`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlanarMotion {
+    /// `M`, `−K`, `−B`, `f`.
+    pub(crate) mass: Matrix2<f64>,
+    pub(crate) stiffness: Matrix2<f64>,
+    pub(crate) damping: Matrix2<f64>,
+    pub(crate) force: Vector2<f64>,
+    /// `W`, χ.
+    pub(crate) direction: Matrix2<f64>,
+    pub(crate) velocity: Vector2<f64>,
+}
+
+impl LinearSystem {
+    /// The system by its matrices, if it is such a one.
+    pub(crate) fn planar_motion(&self) -> Option<PlanarMotion> {
+        let ([contact], [law]) = (&self.contacts[..], &self.laws[..]) else { return None };
+        let fits = self.force.len() == 2 && law.rows() == 2 && law.normal_force().is_some();
+        fits.then(|| PlanarMotion {
+            mass: Matrix2::from_column_slice(self.mass.as_slice()),
+            stiffness: Matrix2::from_column_slice(&self.stiffness),
+            damping: Matrix2::from_column_slice(&self.damping),
+            force: Vector2::from_column_slice(&self.force),
+            direction: Matrix2::from_column_slice(&contact.rows),
+            velocity: Vector2::from_column_slice(&contact.velocity),
+        })
+    }
+}
+
 fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, ArgumentError> {
     let p = contact.law.dimension();
     check_matrix("direction", &contact.direction, n, p)?;
@@ -208,6 +238,10 @@ impl System for LinearSystem {
     #[inline]
     fn constancy(&self) -> Constancy {
         Constancy { mass: true, contacts: true }
+    }
+
+    fn as_linear(&self) -> Option<&LinearSystem> {
+        Some(self)
     }
 
     fn mass(&self, _q: &[f64], _block: usize, mass: &mut [f64]) -> Result<(), SystemError> {

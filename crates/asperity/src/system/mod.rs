@@ -1,6 +1,6 @@
 //! Mechanical systems: what a time step asks of them.
 
-mod linear;
+pub(crate) mod linear;
 pub(crate) mod mass;
 mod models;
 pub mod rigid;
@@ -357,6 +357,12 @@ pub trait System: Debug + Sync {
     /// What never changes.
     fn constancy(&self) -> Constancy {
         Constancy::default()
+    }
+
+    /// The system by its matrices, if it is linear and made of them: what is known of these need not be asked for step by
+    /// step.
+    fn as_linear(&self) -> Option<&LinearSystem> {
+        None
     }
 
     /// The mass matrix `M(q)` of a block, symmetric positive definite, column by column.

@@ -139,6 +139,19 @@ impl<'a> Stepper<'a> {
         self.closed.active.get(place).copied()
     }
 
+    /// What the only contact of a system that never opens remembers.
+    pub(crate) fn remembered(&self) -> ContactState {
+        self.memory.states.first().copied().unwrap_or_default()
+    }
+
+    /// Goes on from another state of a system with one contact that never opens, after so many steps.
+    pub(crate) fn go_on_from(&mut self, steps: usize, q: &[f64], u: &[f64], known: ContactState) {
+        self.steps = steps;
+        self.q.copy_from_slice(q);
+        self.u.copy_from_slice(u);
+        self.memory.states.fill(known);
+    }
+
     /// Slip velocity `γ = Wᵀu + χ` of a contact in the present state.
     fn slip(&mut self, contact: usize) -> Result<[f64; 3], StepError> {
         let at = Configuration::new(self.time(), &self.q);

@@ -52,6 +52,11 @@ impl AmbiguousLoads {
         Self { anywhere: sectors.iter().fold(Gauges::NONE, |all, own| all.join(*own)), sectors }
     }
 
+    /// The least and the largest gauge of such loads, the first one larger where there are none.
+    pub(super) fn gauges(&self) -> (f64, f64) {
+        (self.anywhere.low, self.anywhere.high)
+    }
+
     /// Whether a load with gauge `k_C(y)` may have several solutions.
     #[inline]
     pub(super) fn may_hold(&self, load: &Vector<2>, gauge: f64) -> bool {

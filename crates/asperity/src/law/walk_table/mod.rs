@@ -132,6 +132,11 @@ impl WalkTable {
         Self { nodes, fine_per_coarse, fine, columns, bounds, ambiguous }
     }
 
+    /// The least and the largest gauge of loads that may have several solutions with `A = aI`.
+    pub(crate) fn ambiguous_gauges(&self) -> (f64, f64) {
+        self.ambiguous.gauges()
+    }
+
     /// Whether a load `y = c₀/a` with gauge `k_C(y)` may have several solutions with `A = aI`.
     #[inline]
     pub(crate) fn may_be_ambiguous(&self, load: &Vector<2>, gauge: f64) -> bool {

@@ -15,5 +15,7 @@ mod singular;
 pub(crate) mod solutions;
 pub(crate) mod solve;
 mod space;
+mod uniqueness;
 
 pub(crate) use plane::Rising;
+pub(crate) use uniqueness::Uniqueness;

@@ -1,0 +1,316 @@
+//! Runs of time stepping side by side in the lanes of wide registers.
+//!
+//! A lane takes runs of linear systems of two velocities and one contact with a given normal force and a law of ellipses.
+//! Where a step asks for more than stick or Newton's method from the last slip with a proof that there is no other
+//! solution, the scalar stepper makes it, lane by lane. A lane knows nothing of its neighbours: what is computed
+//! is the same to the bit for any number of lanes.
+//!
+//! | file | concept |
+//! |---|---|
+//! | `vector.rs` | numbers and truth values of several runs |
+//! | `kernel.rs` | a time step of several runs: the equations |
+//! | `plan.rs` | from a system to the constants of its step, and between its states and those of lanes |
+
+mod kernel;
+mod plan;
+mod vector;
+
+use pulp::{Simd, WithSimd};
+
+use self::kernel::{Coefficients, Pair, State};
+use self::plan::Plan;
+use self::vector::{MOST, Mask, Number};
+use super::Lanes;
+use super::keep::Keep;
+use super::reduction::Reduction;
+use super::workers::Stop;
+use crate::contact::Phase;
+use crate::integrator::midpoint::{self, StepError, Stepper};
+use crate::integrator::observer::Observer;
+use crate::simulate::{AT_REST, Loop, Options, Outcome};
+use crate::system::{InitialState, System};
+use crate::trajectory::Trajectory;
+
+/// Steps between two looks at whether the runs are to end.
+const MOST_UNSEEN: usize = 64;
+
+/// A run in a lane.
+pub(super) struct Run<'a> {
+    pub(super) stepper: Stepper<'a>,
+    pub(super) trajectory: Trajectory,
+    pub(super) reduction: Reduction,
+    progress: Loop,
+    plan: Plan<'a>,
+    /// Steps that the stepper has made.
+    pub(super) alone: usize,
+    /// How it has ended, once it has.
+    pub(super) outcome: Option<Result<Outcome, StepError>>,
+}
+
+/// What all runs have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a, 'o> {
+    pub(super) options: &'a Options,
+    pub(super) keep: &'a Keep,
+    pub(super) stop: &'a Stop,
+    pub(super) observer: &'a Observer<'o, usize>,
+}
+
+impl<'a> Run<'a> {
+    /// A run from a start that has made its first step; nothing if lanes cannot go on with it.
+    pub(super) fn begin(
+        system: &'a dyn System,
+        start: &InitialState,
+        common: Common<'_, '_>,
+    ) -> Option<Self> {
+        let Common { options, keep, observer, .. } = common;
+        let state = midpoint::State::new(0.0, &start.q, &start.u);
+        let Options { dt, tolerance, solver, .. } = *options;
+        let mut stepper = Stepper::new(system, solver, tolerance, dt, &state).ok()?;
+        let (mut trajectory, mut reduction) = (Trajectory::empty(system), Reduction::default());
+        let mut progress = Loop::new(options);
+        trajectory.begin(&mut stepper).ok()?;
+        if keep.reduces() {
+            reduction.begin(keep, system.contacts().len(), 0.0, stepper.q(), stepper.u());
+        }
+        let first =
+            progress.step(1, options, &mut stepper, &mut trajectory, observer, &mut |stepper| {
+                show(stepper, keep, &mut reduction)
+            });
+        let plan = match first {
+            Ok(None) => Plan::new(system, &stepper, options)?,
+            _ => return None,
+        };
+        Some(Self { stepper, trajectory, reduction, progress, plan, alone: 1, outcome: None })
+    }
+
+    /// Whether it has come to an end without a failure.
+    pub(super) fn is_done(&self) -> bool {
+        let fine = |outcome: &Outcome| !matches!(outcome, Outcome::Failed(_) | Outcome::Error(_));
+        matches!(&self.outcome, Some(Ok(outcome)) if fine(outcome))
+    }
+
+    /// A step by the stepper from a state; the next state, if the run goes on.
+    #[inline(never)]
+    fn step(
+        &mut self,
+        step: usize,
+        until_sample: usize,
+        before: &State<f64>,
+        common: Common<'_, '_>,
+    ) -> Option<State<f64>> {
+        let Common { options, keep, stop, observer } = common;
+        let Self { stepper, trajectory, reduction, progress, plan, .. } = self;
+        plan.hand_over(before, step - 1, stepper);
+        trajectory.steps = step - 1;
+        progress.until_sample = until_sample;
+        let ended = progress.step(step, options, stepper, trajectory, observer, &mut |stepper| {
+            show(stepper, keep, reduction);
+        });
+        self.alone += 1;
+        let outcome = match ended {
+            Ok(None) if stop.is_asked() => Ok(Outcome::Interrupted),
+            Ok(None) if step == options.steps => Ok(Outcome::Finished),
+            Ok(None) => return Some(plan.state_of(stepper, Some(before))),
+            Ok(Some(outcome)) => Ok(outcome),
+            Err(error) => Err(error),
+        };
+        self.outcome = Some(progress.end(outcome, stepper, trajectory));
+        None
+    }
+
+    /// Looks at a state that a step in a lane has led to; whether everything rests.
+    #[inline(never)]
+    fn look_at(&mut self, step: usize, state: &State<f64>, common: Common<'_, '_>) -> bool {
+        let Common { options, keep, .. } = common;
+        let (q, u) = self.plan.motion(state);
+        if keep.reduces() {
+            let phase = if state.slips > 0.0 { Phase::Slip } else { Phase::Stick };
+            let t = step as f64 * options.dt;
+            let phases = std::iter::once(phase);
+            self.reduction.go_on(keep, t, q.as_slice(), u.as_slice(), phases);
+        }
+        let Loop { fastest, rested, .. } = &mut self.progress;
+        *fastest = fastest.max(u.amax());
+        let rests = options.until_rest && u.amax() <= AT_REST * *fastest;
+        *rested = usize::from(rests);
+        rests
+    }
+}
+
+/// Shows the state of a stepper to a reduction.
+fn show(stepper: &Stepper<'_>, keep: &Keep, reduction: &mut Reduction) {
+    if keep.reduces() {
+        let phases = stepper.phases().iter().copied();
+        reduction.go_on(keep, stepper.time(), stepper.q(), stepper.u(), phases);
+    }
+}
+
+/// Goes on with runs that have begun, side by side. All of them have ended afterwards.
+pub(super) fn go_on(runs: &mut [&mut Run<'_>], lanes: Lanes, common: Common<'_, '_>) {
+    let together = Together { runs, common };
+    match lanes {
+        Lanes::Of(1) => together.with_simd(pulp::Scalar),
+        Lanes::Of(4) => four(together),
+        Lanes::Of(_) => eight(together),
+        _ => pulp::Arch::new().dispatch(together),
+    }
+}
+
+/// Four and eight lanes, in registers where there are such.
+fn four(together: impl WithSimd<Output = ()>) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        return Simd::vectorize(simd, together);
+    }
+    together.with_simd(pulp::Scalar256b);
+}
+
+fn eight(together: impl WithSimd<Output = ()>) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V4::try_new() {
+        return Simd::vectorize(simd, together);
+    }
+    together.with_simd(pulp::Scalar512b);
+}
+
+struct Together<'g, 'r, 's, 'a, 'o> {
+    runs: &'g mut [&'r mut Run<'s>],
+    common: Common<'a, 'o>,
+}
+
+impl WithSimd for Together<'_, '_, '_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { runs, common } = self;
+        for group in runs.chunks_mut(S::F64_LANES) {
+            Group::new(simd, group).go_on(simd, group, common);
+        }
+    }
+}
+
+/// Runs side by side.
+struct Group<S: Simd> {
+    coefficients: Coefficients<Number<S>>,
+    state: State<Number<S>>,
+}
+
+#[inline(always)]
+fn pair<S: Simd>(simd: S, of: impl Fn(usize) -> Pair<f64>) -> Pair<Number<S>> {
+    [0, 1].map(|i| Number::from_fn(simd, |lane| of(lane)[i]))
+}
+
+#[inline(always)]
+fn square<S: Simd>(simd: S, of: impl Fn(usize) -> [Pair<f64>; 2]) -> [Pair<Number<S>>; 2] {
+    [0, 1].map(|i| pair(simd, |lane| of(lane)[i]))
+}
+
+impl<S: Simd> Group<S> {
+    /// Lanes without a run of their own do what the first one does, and nobody looks at it.
+    fn new(simd: S, runs: &[&mut Run<'_>]) -> Self {
+        let of = |lane: usize| &runs[if lane < runs.len() { lane } else { 0 }].plan.coefficients;
+        let coefficients = Coefficients {
+            half: Number::from_fn(simd, |lane| of(lane).half),
+            belt: pair(simd, |lane| of(lane).belt),
+            by_position: square(simd, |lane| of(lane).by_position),
+            by_velocity: square(simd, |lane| of(lane).by_velocity),
+            constant: pair(simd, |lane| of(lane).constant),
+            resistance: square(simd, |lane| of(lane).resistance),
+            compliance: square(simd, |lane| of(lane).compliance),
+            strongest: Number::from_fn(simd, |lane| of(lane).strongest),
+            gauge: [0, 1, 2].map(|i| Number::from_fn(simd, |lane| of(lane).gauge[i])),
+            doubtful: pair(simd, |lane| of(lane).doubtful),
+        };
+        let zero = Number::splat(simd, 0.0);
+        let (position, velocity, slip) = ([zero; 2], [zero; 2], [zero; 2]);
+        let (change, bend, slips) = ([zero; 2], [zero; 2], zero);
+        let mut group =
+            Self { coefficients, state: State { position, velocity, slip, change, bend, slips } };
+        for (lane, run) in runs.iter().enumerate() {
+            group.state.set(lane, &run.plan.state_of(&run.stepper, None));
+        }
+        group
+    }
+
+    #[inline(always)]
+    fn go_on(&mut self, simd: S, runs: &mut [&mut Run<'_>], common: Common<'_, '_>) {
+        let Common { options, keep, stop, .. } = common;
+        let watched = options.until_rest || keep.reduces();
+        // Lanes with a run that has not ended, and those of which the stepper makes the next step.
+        let (mut running, mut waiting) = ((1 << runs.len()) - 1, 0);
+        let mut active = Mask::from_bits(simd, running);
+        let mut until_sample = runs.first().map_or(1, |run| run.progress.until_sample);
+        for step in 2..=options.steps {
+            if running == 0 {
+                return;
+            }
+            let interrupted = step.is_multiple_of(MOST_UNSEEN) && stop.is_asked();
+            let before = self.state;
+            let mut alone = running;
+            if until_sample > 1 && step < options.steps && !interrupted {
+                let tried = kernel::step(simd, &self.coefficients, &before, active);
+                self.state = tried.state;
+                alone = waiting;
+                if (tried.failed | tried.doubtful).any() {
+                    alone |= tried.failed.bits();
+                    for lane in lanes(tried.doubtful.bits() & !alone) {
+                        let load = tried.load.map(|x| x.of(lane));
+                        let several = runs[lane].plan.may_have_several(load, tried.gauge.of(lane));
+                        alone |= u32::from(several) << lane;
+                    }
+                }
+                waiting = 0;
+                if watched {
+                    for lane in lanes(running & !alone) {
+                        let rests = runs[lane].look_at(step, &self.state.of(lane), common);
+                        waiting |= u32::from(rests) << lane;
+                    }
+                }
+            }
+            for lane in lanes(alone) {
+                let next = runs[lane].step(step, until_sample, &before.of(lane), common);
+                match next {
+                    Some(state) => self.state.set(lane, &state),
+                    None => {
+                        running &= !(1 << lane);
+                        active = Mask::from_bits(simd, running);
+                    }
+                }
+            }
+            until_sample = if until_sample == 1 { options.save_every } else { until_sample - 1 };
+        }
+    }
+}
+
+/// The lanes whose bits are set.
+fn lanes(bits: u32) -> impl Iterator<Item = usize> {
+    (0..MOST).filter(move |lane| bits >> lane & 1 == 1)
+}
+
+impl<S: Simd> State<Number<S>> {
+    fn of(&self, lane: usize) -> State<f64> {
+        let of = |pair: Pair<Number<S>>| pair.map(|number| number.of(lane));
+        State {
+            position: of(self.position),
+            velocity: of(self.velocity),
+            slip: of(self.slip),
+            change: of(self.change),
+            bend: of(self.bend),
+            slips: self.slips.of(lane),
+        }
+    }
+
+    fn set(&mut self, lane: usize, from: &State<f64>) {
+        let put = |pair: &mut Pair<Number<S>>, from: Pair<f64>| {
+            pair.iter_mut().zip(from).for_each(|(number, value)| number.set(lane, value));
+        };
+        put(&mut self.position, from.position);
+        put(&mut self.velocity, from.velocity);
+        put(&mut self.slip, from.slip);
+        put(&mut self.change, from.change);
+        put(&mut self.bend, from.bend);
+        self.slips.set(lane, from.slips);
+    }
+}
