@@ -151,27 +151,10 @@ pub(super) fn go_on(runs: &mut [&mut Run<'_>], lanes: Lanes, common: Common<'_, 
     let together = Together { runs, common };
     match lanes {
         Lanes::Of(1) => together.with_simd(pulp::Scalar),
-        Lanes::Of(4) => four(together),
-        Lanes::Of(_) => eight(together),
+        Lanes::Of(4) => together.with_simd(pulp::Scalar256b),
+        Lanes::Of(_) => together.with_simd(pulp::Scalar512b),
         _ => pulp::Arch::new().dispatch(together),
     }
-}
-
-/// Four and eight lanes, in registers where there are such.
-fn four(together: impl WithSimd<Output = ()>) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V3::try_new() {
-        return Simd::vectorize(simd, together);
-    }
-    together.with_simd(pulp::Scalar256b);
-}
-
-fn eight(together: impl WithSimd<Output = ()>) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V4::try_new() {
-        return Simd::vectorize(simd, together);
-    }
-    together.with_simd(pulp::Scalar512b);
 }
 
 struct Together<'g, 'r, 's, 'a, 'o> {

@@ -58,12 +58,6 @@ impl<S: Simd> Number<S> {
         Self { value: self.simd.abs_f64s(self.value), ..self }
     }
 
-    /// The larger one of two numbers.
-    #[inline(always)]
-    pub(super) fn max(self, other: Self) -> Self {
-        self.above(other).select(self, other)
-    }
-
     #[inline(always)]
     pub(super) fn above(self, other: Self) -> Mask<S> {
         let simd = self.simd;
