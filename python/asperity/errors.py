@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from asperity.contact.certificate import Infeasibility
     from asperity.contact.problem import ContactProblem
-    from asperity.ensemble.result import Ensemble
+    from asperity.ensemble.result import AnyEnsemble
     from asperity.runs.run import Run
     from asperity.runs.trajectory import Trajectory
 
@@ -232,7 +232,7 @@ class EnsembleInterrupted(KeyboardInterrupt):
         ensemble: the runs that are done; the others have the status `Outcome.INTERRUPTED`.
     """
 
-    def __init__(self, ensemble: Ensemble) -> None:
+    def __init__(self, ensemble: AnyEnsemble) -> None:
         super().__init__(ensemble)
         self.ensemble = ensemble
 
