@@ -50,9 +50,10 @@ PAIRS = {
 """Callables with several arguments by position, and why: none of these is more the subject."""
 
 RESULTS = {
-    "BifurcationDiagram", "ContactSolution", "CriticalIntervals", "Equilibrium", "Event",
-    "FlowReport", "GrowthChart", "InfeasibleCase", "Labels", "LimitCycle", "LocalSolution",
-    "Motion", "Origin", "PathComparison", "Stability", "Stage", "Trajectory",
+    "BifurcationDiagram", "ContactSolution", "CriticalIntervals", "CycleEnsemble", "Ensemble",
+    "Equilibrium", "Event", "FlowReport", "GrowthChart", "InfeasibleCase", "Labels", "LimitCycle",
+    "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison", "Stability", "Stage",
+    "Trajectory",
     "identify.Averaged", "identify.Bands", "identify.Candidate", "identify.Dependence",
     "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw", "track.Track",
     "track.TrackConfig",

@@ -9,6 +9,7 @@ import asperity as asp
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from asperity import mechanisms
 from asperity._base.result import Result, TableResult
 from asperity._base.storage.result_file import SavedResult
 from public_calls import (
@@ -57,6 +58,8 @@ RESULTS = [
     asp.simulate(asp.SlidingDisk(LAW, velocity=(1.0, 0.0)), dt=1e-3, t_end=0.02),
     MOTION,
     CYCLE,
+    asp.simulate_many(BELT, dt=0.1, t_end=1.0, u0=[[0.0, 0.0], [0.1, 0.0]], keep=5),
+    asp.limit_cycle_many(mechanisms.stribeck_block()),
     DIAGRAM,
     asp.stability(BELT),
     asp.equilibrium(BELT),
