@@ -16,7 +16,7 @@ PACKAGE = Path(asp.__file__).parent
 LAYERS = [
     {"errors"},
     {"_base", "_core", "status"},
-    {"sets"},
+    {"sets", "sweeps"},
     {"law", "solvers"},
     {"contact", "system"},
     {"runs"},
@@ -37,7 +37,7 @@ ROOMS_WITHIN = {
     "track": ["film", "image", "following"],
 }
 MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "runs"}
-MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "commands"}
+MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "commands", "sweeps"}
 MODULES = [path for path in PACKAGE.rglob("*.py") if path.name not in ("__main__.py",)]
 
 
