@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -33,8 +32,6 @@ class Failures:
             with self._path.open("ab") as file:
                 # What a process that was killed has not finished is a line of its own.
                 file.write(f"\n{text}".encode())
-                file.flush()
-                os.fsync(file.fileno())
 
     def __iter__(self) -> Iterator[Line]:
         if self._path is None:
