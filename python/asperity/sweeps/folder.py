@@ -72,8 +72,9 @@ class Folder(Store):
         self._path = path
         if not path.exists():
             _make_group(path, grid, size, facts)
+        zarr = library("zarr", extra="sweep")
         try:
-            self._group = library("zarr", extra="sweep").open_group(path, mode="r+")
+            self._group = zarr.open_group(path, mode="r+")
             self._check(grid, facts)
             status = self._group["status"]
             super().__init__(grid, call, size=tuple(status.chunks), facts=facts, units=units)
@@ -83,10 +84,11 @@ class Folder(Store):
             self.schema = self._stored_schema()
         except ParameterError:
             raise
-        except (ValueError, KeyError, TypeError, AttributeError, FileNotFoundError) as error:
+        except Exception as error:
+            # What else is in the folder, or damaged, may be told by any decoder in its own way.
             raise ParameterError(
                 "store", f"must hold a sweep, {path} does not or is damaged: {error}"
-            ) from None
+            ) from error
         self._arrays = {name: self._group[name] for name in self.schema or ()}
 
     def begin(self, wanted: Sequence[int]) -> bool:
@@ -240,7 +242,7 @@ def _list_arrays(group: Any) -> None:
 
 
 def _other_axes(group: Any, grid: Grid) -> Iterator[str]:
-    names = group["status"].metadata.dimension_names
+    names = group["status"].metadata.dimension_names or ()
     stored = [name for name, array in group.arrays() if array.metadata.dimension_names == (name,)]
     if sorted(stored) != sorted(grid.axes) or tuple(names) != grid.names:
         yield f"the axes: {', '.join(stored)} there, {', '.join(grid.axes)} here"

@@ -8,7 +8,6 @@ import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -94,21 +93,23 @@ def sweep_status(store: str | os.PathLike[str]) -> SweepStatus:
         # Written without compression for this: through zarr it takes a hundred times longer.
         for file in folder.glob(STATUS_FILES):
             counts += np.bincount(np.fromfile(file, np.int8), minlength=FAILED + 1)
-        session = _session(path / SESSION)
-        written = max(folder.stat().st_mtime, session["started"])
+        written = folder.stat().st_mtime
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ParameterError("store", f"must hold a sweep, {path} does not: {error}") from None
     done, failed = int(counts[DONE]), int(counts[FAILED])
-    new, left = done + failed - session["points"], points - done - failed
-    pace = (written - session["started"]) / new if new > 0 else math.nan
-    return SweepStatus(
-        points, done, failed, pace * left if left else 0.0, max(time.time() - written, 0.0)
-    )
+    left = points - done - failed
+    seconds = _pace(path / SESSION, written, done + failed) * left if left else 0.0
+    return SweepStatus(points, done, failed, seconds, max(time.time() - written, 0.0))
 
 
-def _session(path: Path) -> dict[str, Any]:
-    session: dict[str, Any] = json.loads(path.read_text())
-    return session
+def _pace(session: Path, written: float, known: int) -> float:
+    """Return the time per point since work was last begun; NaN if it is not known."""
+    try:
+        begun = json.loads(session.read_text())
+        seconds, new = written - begun["started"], known - begun["points"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return math.nan
+    return seconds / new if new > 0 and seconds > 0.0 else math.nan
 
 
 def _duration(seconds: float) -> str:

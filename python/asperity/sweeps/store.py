@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -104,9 +105,11 @@ class Store:
         """Return what is known, with the messages of failures."""
         message = np.full(self._grid.shape, "", dtype=object)
         for line in self._failures:
-            index = tuple(line["index"])
-            if self.status[index] == FAILED:
-                message[index] = line["message"]
+            # A line that is damaged may name any point.
+            with suppress(IndexError, TypeError):
+                index = tuple(line["index"])
+                if self.status[index] == FAILED:
+                    message[index] = str(line["message"])
         words = {"long_name": "why points failed"}
         return self._labelled().assign(message=(self._grid.names, message, words))
 
