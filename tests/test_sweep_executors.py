@@ -77,7 +77,7 @@ def mpi(_):
         from mpi4py.futures import MPIPoolExecutor
     except (ImportError, RuntimeError) as error:
         pytest.skip(f"needs mpi4py and an MPI: {error}")
-    return MPIPoolExecutor(2)
+    return MPIPoolExecutor(2, path=sys.path)
 
 
 EVERY = [own, threads, a_pool_of_the_user, a_function, loky, dask, executor_of_dask, mpi]
