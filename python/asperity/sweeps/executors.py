@@ -86,9 +86,10 @@ class Workers:
         return self._executor.submit(function, *arguments)
 
     def renew(self) -> None:
-        """Replace those who have died."""
-        self._executor.shutdown(wait=False)
-        self._executor = self._begun()
+        """Replace those who have died; processes of the own pool replace each other."""
+        if not isinstance(self._executor, WorkerPool):
+            self._executor.shutdown(wait=False)
+            self._executor = self._begun()
 
     def end(self) -> None:
         """End those who were made here; all tasks are done."""
@@ -121,7 +122,7 @@ def _count(executor: Any) -> int:
     client = getattr(executor, "_client", None)
     if client is not None and hasattr(client, "nthreads"):
         return sum(client.nthreads().values())
-    for name in ("_max_workers", "num_workers"):
+    for name in ("workers", "_max_workers", "num_workers"):
         number = getattr(executor, name, None)
         if isinstance(number, int):
             return number
