@@ -285,7 +285,8 @@ const CASES: usize = 24;
 
 /// Most questions that solutions with sound blocks, with any and with deficient ones may take, sweeps and their number,
 /// and lists of all solutions: what they took when this was written, and one in a hundred more. Whoever makes solutions
-/// cheaper writes less.
+/// cheaper writes less. With the last digit of the scale of *D* the numbers of some laws change by as much as two in a
+/// hundred.
 const PLANAR: [(&str, [usize; 6]); 24] = [
     ("isotropic", [966, 1362, 23661, 2541, 93, 329]),
     ("ellipse 3:1", [1168, 1373, 27086, 2596, 92, 327]),
@@ -302,21 +303,21 @@ const PLANAR: [(&str, [usize; 6]); 24] = [
     ("collinear, C star-shaped", [1593, 2123, 27008, 4742, 90, 428]),
     ("C disk, D rectangle", [1161, 2126, 23709, 4018, 92, 224]),
     ("C ellipse, D rectangle", [1869, 2208, 24688, 4115, 91, 240]),
-    ("C rectangle, D superellipse 100", [2752, 3538, 26226, 5666, 92, 493]),
+    ("C rectangle, D superellipse 100", [2787, 3549, 26005, 5641, 92, 487]),
     ("thin ellipses", [2706, 3214, 32303, 5692, 93, 460]),
     ("C 0.5, D ellipse", [2856, 3374, 27316, 6499, 92, 406]),
     ("thin D", [2522, 2869, 24645, 5197, 90, 404]),
     ("asperity 36°", [1322, 3291, 21759, 9063, 106, 517]),
     ("bobsleigh", [1174, 1428, 28348, 2390, 92, 333]),
     ("C polygon, D sum", [2176, 2711, 25788, 5547, 92, 376]),
-    ("measured", [1252, 1889, 23644, 3984, 92, 371]),
+    ("measured", [1245, 1912, 23977, 3979, 92, 366]),
     ("C ellipse, D runner", [2302, 2860, 25101, 4465, 90, 379]),
 ];
 const OTHERS: [(&str, [usize; 3]); 6] = [
     ("line", [1152, 1150, 15179]),
     ("ball", [1406, 1604, 21909]),
     ("ellipsoid", [1400, 1635, 24334]),
-    ("two ellipsoids", [4650, 6097, 28959]),
+    ("two ellipsoids", [4650, 6023, 29307]),
     ("box", [990, 1053, 24866]),
     ("Hertz", [1390, 1648, 23990]),
 ];

@@ -11,9 +11,9 @@ from asperity import _core
 from asperity._base import arrays
 from asperity._base.progress import Progress, Report
 from asperity.ensemble import reductions, running
+from asperity.ensemble.ends import Ensemble
 from asperity.ensemble.members import Again, Members, Part
 from asperity.ensemble.reductions import Reduction
-from asperity.ensemble.result import Ensemble
 from asperity.ensemble.variants import Variants
 from asperity.errors import ParameterError
 from asperity.runs import event_driven
@@ -121,7 +121,7 @@ def integrate_many(
         compute,
         check,
         event_driven.unfinished,
-        Again(members, "integrate", {**options, "max_events": max_events}),
+        Again(members, event_driven.integrate, {**options, "max_events": max_events}),
         on_failure=on_failure,
         progress=progress,
     )

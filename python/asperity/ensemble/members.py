@@ -13,14 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.ensemble.result import OUTCOMES, Ensemble, MemberFailure
+from asperity.ensemble.ends import OUTCOMES, Ensemble
+from asperity.ensemble.result import MemberFailure
 from asperity.ensemble.variants import Variants
 from asperity.errors import DimensionError, ParameterError
-from asperity.runs.event_driven import integrate
 from asperity.runs.model import Model, labels_of
-from asperity.runs.run import Run
 from asperity.runs.state import State
-from asperity.runs.time_stepping import beginning, simulate
+from asperity.runs.time_stepping import beginning
 from asperity.status import Outcome, Phase
 from asperity.system import RigidBodies
 from asperity.system.custom import System
@@ -98,9 +97,13 @@ class Members:
         numbers = np.arange(self.variants.count).reshape(self.variants.shape)
         return np.broadcast_to(numbers, self.shape).reshape(-1).astype(np.int64)
 
+    def index(self, member: int) -> tuple[int, ...]:
+        """Return the index of a run along the axes."""
+        return tuple(int(k) for k in np.unravel_index(member, self.shape)) if self.shape else ()
+
     def start(self, member: int) -> dict[str, Array]:
         """Return the start of a run as arguments of `simulate` and `integrate`."""
-        index = np.unravel_index(member, self.shape) if self.shape else ()
+        index = self.index(member)
         given = {"q0": self.q0, "u0": self.u0}
         return {
             name: np.broadcast_to(states, (*self.shape, states.shape[-1]))[index]
@@ -117,24 +120,25 @@ class Members:
             check: raises what is wrong with a system beside what its constructor finds.
         """
         made = self.variants.of_the_core()
-        systems = self.variants.systems
-        several = isinstance(systems, tuple) and len(systems) > 1
-        single = not several and self.variants.count == 1 and not self.variants.values
-        calls_python = _core.calls_python(self.variants.first._core)
-        if (made is not None or single) and not calls_python and not _starts_by_system(self):
-            check(self.variants.first)
-            yield Part(None, self._whole(made))
+        listed = self.variants.listed
+        first = self.variants.first
+        by_themselves = isinstance(first, RigidBodies) and (
+            self.q0 is not None or self.variants.count > 1
+        )
+        calls_python = any(_core.calls_python(system._core) for system in listed)
+        if calls_python or by_themselves or (made is None and self.variants.values):
+            yield from self._pieces(check, 1 if calls_python else _CHUNK)
             return
-        yield from self._pieces(check, 1 if calls_python else _CHUNK)
-
-    def _whole(self, made: _core.LinearVariants | None) -> tuple[Any, ...]:
-        state = _state(self.variants.first, self.q0, self.u0)
+        for system in listed:
+            check(system)
+        state = _state(first, self.q0, self.u0)
         rows = (
             self._rows(own if given is None else given)
             for given, own in ((self.q0, state.q), (self.u0, state.u))
         )
-        numbers = self._variants if made is not None else None
-        return [self.variants.first._core], made, numbers, *rows, self.count
+        numbers = self._variants if self.variants.count > 1 else None
+        systems = [system._core for system in listed]
+        yield Part(None, (systems, made, numbers, *rows, self.count))
 
     def _rows(self, states: Array) -> Array:
         """Return a row per run, or one for all."""
@@ -204,14 +208,6 @@ def _has_own(system: Model, q0: ArrayLike | None) -> bool:
     return not (isinstance(system, System) and system.coordinates is not None and q0 is not None)
 
 
-def _starts_by_system(members: Members) -> bool:
-    """Whether the start of a run has to be looked at together with its system."""
-    first = members.variants.first
-    if isinstance(first, RigidBodies):
-        return members.q0 is not None or members.variants.count > 1
-    return False
-
-
 def _state(system: Model, q0: Array | None, u0: Array | None) -> State:
     """Return the state of the first run, or that of all."""
 
@@ -252,22 +248,22 @@ class Again:
 
     Attributes:
         members: the runs.
-        engine: ``"simulate"`` or ``"integrate"``.
+        engine: `simulate`, `integrate` or `limit_cycle`.
         options: of the runs.
     """
 
     members: Members
-    engine: str
+    engine: Callable[..., Any]
     options: dict[str, Any]
 
     def system(self, member: int) -> Model:
         """Return the system of a run."""
         return self.members.system(member)
 
-    def repeat(self, member: int) -> Run:
+    def repeat(self, member: int, **more: Any) -> Any:
         """Make a run again."""
-        engine: Callable[..., Run] = simulate if self.engine == "simulate" else integrate
-        return engine(self.system(member), **self.members.start(member), **self.options)
+        start = self.members.start(member)
+        return self.engine(self.system(member), **start, **self.options, **more)
 
 
 class Collection:
@@ -337,17 +333,20 @@ class Collection:
         shape = members.shape
         failures = [
             MemberFailure(
-                tuple(int(k) for k in np.unravel_index(member, shape)) if shape else (),
+                members.index(member),
                 time,
                 _error(found, members, member, errors),
             )
             for member, time, found in self.failures
         ]
         return Ensemble(
-            {name: rows.reshape(*shape, *rows.shape[1:]) for name, rows in self._series.items()},
+            {name: rows.reshape((*shape, *rows.shape[1:])) for name, rows in self._series.items()},
             self.outcomes.reshape(shape),
-            samples={
-                name: rows.reshape(*shape, *rows.shape[1:]) for name, rows in self._samples.items()
+            others={
+                "samples": {
+                    name: arrays.read_only(rows.reshape((*shape, *rows.shape[1:])))
+                    for name, rows in self._samples.items()
+                }
             },
             failures=failures,
             values=members.variants.values,

@@ -10,8 +10,8 @@ from asperity._base import arrays
 from asperity._base.log import log
 from asperity._base.pool import threads_to_use
 from asperity._base.progress import Progress, Report, part_of, reporter
+from asperity.ensemble.ends import Ensemble
 from asperity.ensemble.members import Again, Collection, Members, Part
-from asperity.ensemble.result import Ensemble
 from asperity.errors import EnsembleInterrupted
 from asperity.runs.model import Model
 
@@ -52,17 +52,21 @@ def made(
     """
     arrays.choice(on_failure, "on_failure", ["record", "raise"])
     collection, done, stopped = Collection(len(members)), 0, None
-    with reporter(progress, "run") as report:
-        for part in members.parts(check):
-            if not isinstance(part, Part):
-                collection.refuse(*part)
-                done += len(part[0])
-            else:
-                found, stopped = compute(part, part_of(report, done, len(members)))
-                collection.add(part, found)
-                done += part.runs[-1]
-            if stopped is not None or (on_failure == "raise" and collection.failures):
-                break
+    try:
+        with reporter(progress, "run") as report:
+            for part in members.parts(check):
+                if not isinstance(part, Part):
+                    collection.refuse(*part)
+                    done += len(part[0])
+                else:
+                    found, stopped = compute(part, part_of(report, done, len(members)))
+                    collection.add(part, found)
+                    done += part.runs[-1]
+                if stopped is not None or (on_failure == "raise" and collection.failures):
+                    break
+    except KeyboardInterrupt as error:
+        # Between the parts, while Python makes systems.
+        stopped = error
     ensemble = collection.ensemble(members, errors, again)
     if stopped is not None:
         if isinstance(stopped, KeyboardInterrupt):
@@ -71,12 +75,12 @@ def made(
         raise stopped
     if ensemble.failures and on_failure == "raise":
         first = ensemble.failures[0]
-        first.error.add_note(f"asperity: of run {first.index} of {again.engine}_many")
+        first.error.add_note(f"asperity: of run {first.index} of {again.engine.__name__}_many")
         raise first.error
     if ensemble.failures:
         log.warning(
             "%s_many: %d of %d runs failed and were recorded, the first one is %s",
-            again.engine,
+            again.engine.__name__,
             len(ensemble.failures),
             len(members),
             ensemble.failures[0],

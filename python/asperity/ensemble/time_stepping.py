@@ -11,9 +11,9 @@ from asperity import _core
 from asperity._base import arrays
 from asperity._base.progress import Progress, Report
 from asperity.ensemble import reductions, running
+from asperity.ensemble.ends import Ensemble
 from asperity.ensemble.members import Again, Members, Part
 from asperity.ensemble.reductions import Reduction
-from asperity.ensemble.result import Ensemble
 from asperity.ensemble.variants import Variants
 from asperity.runs import time_stepping
 from asperity.runs.model import Model
@@ -125,7 +125,7 @@ def simulate_many(
         compute,
         lambda system: plane_motion.check_rates(system, 0.0, t_end),
         _error,
-        Again(members, "simulate", {**options, "until_rest": bool(until_rest)}),
+        Again(members, time_stepping.simulate, {**options, "until_rest": bool(until_rest)}),
         on_failure=on_failure,
         progress=progress,
     )

@@ -19,8 +19,35 @@ from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.law import file as law_file
 from asperity.runs.model import Model
+from asperity.sets import (
+    Ball,
+    Box,
+    CappedRectangle,
+    Disk,
+    Ellipse,
+    Ellipsoid,
+    Interval,
+    Rectangle,
+    Superellipse,
+    Superellipsoid,
+    WedgeAsperity,
+)
 from asperity.system import LinearSystem, MassOnBelt, SlidingPoint
 
+_BY_NUMBERS = (
+    Ball,
+    Box,
+    CappedRectangle,
+    Disk,
+    Ellipse,
+    Ellipsoid,
+    Interval,
+    Rectangle,
+    Superellipse,
+    Superellipsoid,
+    WedgeAsperity,
+)
+"""Sets that are a few numbers."""
 _CoreChange = tuple[tuple[str, int, int, list[str]], Array]
 """A place of the core's linear systems, with a number per variant."""
 
@@ -68,6 +95,11 @@ class Variants(Value):
 
     first: Model
     _places: dict[str, list[Place]]
+
+    @property
+    def listed(self) -> tuple[Model, ...]:
+        """The systems that are there: those of the sequence, or the one."""
+        return self.systems if isinstance(self.systems, tuple) else (self.first,)
 
     @property
     def count(self) -> int:
@@ -280,12 +312,12 @@ def _law_change(
     law: FrictionLaw, contact: int, keys: tuple[Key, ...], values: Array
 ) -> list[_CoreChange] | None:
     """Return the change of a number of a law, if its table says it in the same words."""
+    # Others are kept by the core in forms that their tables give back to the last digit only.
+    if not all(type(one) in _BY_NUMBERS for one in (law.reservoir, law.direction)):
+        return None
     if not keys or not isinstance(part_at(law, keys), float):
         return None
-    try:
-        table: Any = law_file.table_of(law, "law")
-    except ParameterError:
-        return None
+    table: Any = law_file.table_of(law, "law")
     words = [str(key[0] if isinstance(key, tuple) else key) for key in keys]
     for word in words:
         try:

@@ -56,6 +56,13 @@ pub struct Workers {
     pub lanes: Lanes,
 }
 
+impl From<Option<usize>> for Workers {
+    /// So many threads, and every run by itself.
+    fn from(threads: Option<usize>) -> Self {
+        Self { threads, lanes: Lanes::None }
+    }
+}
+
 /// A system of an ensemble.
 #[derive(Debug)]
 pub enum Member<'a> {

@@ -144,9 +144,11 @@ impl Reduction {
     /// coordinates and their rates, the velocities.
     pub(super) fn widen_between(&mut self, keep: &Keep, t: f64, q: &[f64], u: &[f64]) {
         let h = t - self.last.t;
-        if !keep.extent || self.last.t < keep.after || !(h > 0.0) {
+        if !keep.extent || t <= keep.after || !(h > 0.0) {
             return;
         }
+        // A way that began before is looked at from then on.
+        let first = ((keep.after - self.last.t) / h).max(0.0);
         for (i, (&x, &v)) in q.iter().zip(u).enumerate() {
             let (before, rate, way) = (self.last.q[i], h * self.last.u[i], x - self.last.q[i]);
             // x(s) = before + rate s + b s² + a s³ for 0 ≤ s ≤ 1, with the rate h v at the end.
@@ -154,8 +156,8 @@ impl Reduction {
             let root = (b * b - 3.0 * a * rate).max(0.0).sqrt();
             // Both zeros of the rate, without loss of digits; infinite or NaN ones are not in between.
             let far = -(b + root.copysign(b));
-            for s in [far / (3.0 * a), rate / far] {
-                if 0.0 < s && s < 1.0 {
+            for s in [first, far / (3.0 * a), rate / far] {
+                if first <= s && s < 1.0 {
                     let turning = before + s * (rate + s * (b + s * a));
                     self.lowest[i] = self.lowest[i].min(turning);
                     self.highest[i] = self.highest[i].max(turning);

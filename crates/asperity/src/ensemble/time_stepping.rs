@@ -31,7 +31,7 @@ const AT_ONCE: usize = 8;
 /// ```
 /// use std::ops::ControlFlow;
 ///
-/// use asperity::ensemble::{Ending, Keep, Members, Workers, simulate_many};
+/// use asperity::ensemble::{Ending, Keep, Members, simulate_many};
 /// use asperity::law::FrictionLaw;
 /// use asperity::simulate::Options;
 /// use asperity::system::{InitialState, LinearSystem, System, sliding_point};
@@ -55,8 +55,7 @@ const AT_ONCE: usize = 8;
 ///
 /// let pushes = Pushes(sliding_point(1.0, FrictionLaw::isotropic(0.5)?, 10.0)?);
 /// let (options, keep) = (Options::new(1e-3, 1.0)?.until_rest(), Keep::default());
-/// let workers = Workers::default();
-/// let many = simulate_many(&pushes, &options, &keep, workers, &mut |_, _| ControlFlow::Continue(()))?;
+/// let many = simulate_many(&pushes, &options, &keep, None, &mut |_, _| ControlFlow::Continue(()))?;
 /// assert!(many.endings.iter().all(|&ending| ending == Ending::AtRest));
 /// // The paths are v₀²/(2μg), up to 0.1 m.
 /// assert!((many.ends.q[2 * 99] - 0.1).abs() < 1e-3);
@@ -70,13 +69,14 @@ pub fn simulate_many(
     members: &dyn Members,
     options: &Options,
     keep: &Keep,
-    Workers { threads, lanes }: Workers,
+    workers: impl Into<Workers>,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Ensemble, ArgumentError> {
     if keep.every == Some(0) {
         return refuse("keep", "must be at least 1, got 0");
     }
     let mut options = options.clone();
+    let Workers { threads, lanes } = workers.into();
     let threads = workers::threads(threads, members.count());
     if let Solver::Auto { threads: own, .. } = &mut options.solver
         && threads > 1

@@ -240,8 +240,14 @@ impl<S: Simd> Group<S> {
                     alone |= tried.failed.bits();
                     for lane in lanes(tried.doubtful.bits() & !alone) {
                         let load = tried.load.map(|x| x.of(lane));
-                        let several = runs[lane].plan.may_have_several(load, tried.gauge.of(lane));
+                        let plan = &mut runs[lane].plan;
+                        let several = plan.may_have_several(load, tried.gauge.of(lane));
                         alone |= u32::from(several) << lane;
+                        for (end, own) in
+                            self.coefficients.doubtful.iter_mut().zip(plan.coefficients.doubtful)
+                        {
+                            end.set(lane, own);
+                        }
                     }
                 }
                 waiting = 0;

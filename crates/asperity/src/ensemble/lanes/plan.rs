@@ -1,6 +1,6 @@
 //! From a system to the constants of its step, and between its states and those of lanes.
 
-use asperity_set::{Convex, Matrix, Star, Vector};
+use asperity_set::{Convex, Form, Matrix, Star, StarSet, Vector};
 
 use super::kernel::{Coefficients, Pair, State};
 use crate::contact::{ContactState, Phase};
@@ -13,10 +13,11 @@ use crate::system::{System, linear::PlanarMotion};
 type V = Vector<2>;
 type M = Matrix<2>;
 
-/// The least tolerance of steps: what lanes find has a residual of rounding, which is a tenth of this at most.
-const LEAST_TOLERANCE: f64 = 1e-12;
-/// Largest ratio of the semi-axes of both sets, beyond which squares lose too many digits.
-const LARGEST_RATIO: f64 = 1e3;
+/// The least tolerance of steps: slip is found in the coordinates in which *D* is a disk up to a relative defect of some
+/// 10⁻¹⁵, which the map to them may magnify by its condition.
+const LEAST_TOLERANCE: f64 = 1e-11;
+/// Largest condition of the maps of both sets to the unit disk.
+const LARGEST_CONDITION: f64 = 1e3;
 
 /// A run in a lane.
 pub(super) struct Plan<'a> {
@@ -31,16 +32,21 @@ pub(super) struct Plan<'a> {
     velocity: V,
 }
 
-/// The map of an ellipse to the unit disk and the ratio of its semi-axes.
-fn map_of(set: &Convex<2>) -> Option<(M, f64)> {
-    match set {
-        Convex::Ball(disk) => Some((M::identity() / disk.size(), 1.0)),
-        Convex::Ellipsoid(ellipse) => {
-            let axes = ellipse.semi_axes();
-            Some((*ellipse.to_ball(), axes.max() / axes.min()))
+/// The maps of the unit disk to an ellipse and back.
+fn maps_of(set: &Convex<2>) -> Option<(M, M)> {
+    match set.form() {
+        Form::Ellipsoid { from_ball, to_ball }
+            if from_ball.norm() * to_ball.norm() <= LARGEST_CONDITION =>
+        {
+            Some((from_ball, to_ball))
         }
         _ => None,
     }
+}
+
+/// The squares of the ends of an interval of gauges, which may be empty.
+fn squares((low, high): (f64, f64)) -> Pair<f64> {
+    if low <= high { [low.max(0.0).powi(2), high.powi(2)] } else { [f64::INFINITY, 0.0] }
 }
 
 fn rows_of(matrix: &M) -> [Pair<f64>; 2] {
@@ -72,17 +78,14 @@ impl<'a> Plan<'a> {
             return None;
         }
         let Star::Convex(reservoir) = law.reservoir() else { return None };
-        let ((to_reservoir, one), (to_disk, two)) = (map_of(reservoir)?, map_of(law.direction())?);
-        if one.max(two) > LARGEST_RATIO {
-            return None;
-        }
+        let ((_, to_reservoir), (from_disk, to_disk)) =
+            (maps_of(reservoir)?, maps_of(law.direction())?);
         let uniqueness = Uniqueness::new(stepper.problem(), law, &to_reservoir)?;
         let (dt, rows) = (options.dt, direction.transpose());
         let (inverse_rows, response) = (rows.try_inverse()?, mass.try_inverse()? * dt);
-        let (from_disk, scaled) = (to_disk.try_inverse()?, to_disk.try_inverse()?.transpose());
         // γ with all forces but friction, as a function of Wᵀq and γ: u = W⁻ᵀ(γ − χ).
-        let into = scaled * rows;
-        let back = inverse_rows * scaled.try_inverse()?;
+        let scaled = from_disk.transpose();
+        let (into, back) = (scaled * rows, inverse_rows * to_disk.transpose());
         let (by_position, by_velocity) =
             (into * response * stiffness * back, M::identity() + into * response * damping * back);
         let belt = scaled * velocity;
@@ -91,10 +94,8 @@ impl<'a> Plan<'a> {
         let resistance = scaled * delassus * from_disk * normal;
         let gauge = to_reservoir * from_disk;
         let gauge = gauge.transpose() * gauge;
-        // The smallest radius of the reservoir in these coordinates is one over the root of the trace at least.
+        // The smallest eigenvalue is det Γ/tr Γ at least.
         let largest_radius = (gauge.trace() / gauge.determinant()).sqrt();
-        let squared = |gauge: f64| gauge.max(0.0).powi(2);
-        let (low, high) = uniqueness.doubtful;
         let coefficients = Coefficients {
             half: 0.5 * dt,
             belt: pair_of(&belt),
@@ -105,18 +106,18 @@ impl<'a> Plan<'a> {
             compliance: rows_of(&resistance.try_inverse()?),
             strongest: resistance.norm() * largest_radius,
             gauge: [gauge.m11, gauge.m12, gauge.m22],
-            doubtful: if low <= high {
-                [squared(low), squared(high)]
-            } else {
-                [f64::INFINITY, f64::NEG_INFINITY]
-            },
+            doubtful: squares(uniqueness.doubtful),
         };
         Some(Self { coefficients, uniqueness, from_disk, to_disk, rows, inverse_rows, velocity })
     }
 
-    /// Whether a contact may have several solutions by the force `F x` that stick needs and the square of its gauge.
-    pub(super) fn may_have_several(&self, x: Pair<f64>, gauge: f64) -> bool {
-        self.uniqueness.may_fail(&(self.from_disk * V::from(x)), gauge.sqrt())
+    /// Whether a contact may have several solutions by the force `F x` that stick needs and the square of its gauge. The
+    /// gauges for which this is asked may be fewer afterwards.
+    pub(super) fn may_have_several(&mut self, x: Pair<f64>, gauge: f64) -> bool {
+        let load = self.from_disk * V::from(x);
+        let several = self.uniqueness.may_have_several(&load, gauge.sqrt());
+        self.coefficients.doubtful = squares(self.uniqueness.doubtful);
+        several
     }
 
     /// The state of a stepper, after the one of this lane before if it has made a step since.

@@ -17,33 +17,33 @@ pub(crate) struct Uniqueness<'a> {
 }
 
 impl<'a> Uniqueness<'a> {
-    /// Of the only contact of a problem, `shape` of whose reservoir maps it to the unit disk; nothing where its block is
-    /// not sound.
+    /// Of the only contact of a problem, whose reservoir `to_disk` maps to the unit disk; nothing where its block is not
+    /// sound.
     pub(crate) fn new(
         problem: &ContactProblem,
         law: &'a FrictionLaw<2>,
         to_disk: &Matrix<2>,
     ) -> Option<Self> {
         let block = Block::new(problem, 0);
-        if !block.sound {
-            return None;
-        }
-        // ‖b_T‖ is at least the gauge times P_N over this norm.
+        // ‖b_T‖ is at least P_N times the gauge over this norm.
         let largest = (to_disk * block.schur_inverse).norm();
-        let certain = block.certain_slip * largest;
-        let (doubtful, by_direction) = match block.shape {
-            Shape::Monotone => ((f64::INFINITY, f64::NEG_INFINITY), false),
-            Shape::Scalar => {
-                let (low, high) = law.table().ambiguous_gauges();
-                ((low, high.min(certain)), true)
-            }
-            Shape::General => ((f64::NEG_INFINITY, certain), false),
+        let doubtful = match block.shape {
+            Shape::Monotone => (f64::INFINITY, f64::NEG_INFINITY),
+            _ => (f64::NEG_INFINITY, block.certain_slip * largest),
         };
-        Some(Self { law, doubtful, by_direction })
+        let by_direction = block.shape == Shape::Scalar;
+        block.sound.then_some(Self { law, doubtful, by_direction })
     }
 
-    /// Whether a load with a gauge between those may have several solutions.
-    pub(crate) fn may_fail(&self, load: &Vector<2>, gauge: f64) -> bool {
-        !self.by_direction || self.law.table().may_be_ambiguous(load, gauge)
+    /// Whether a load whose gauge is one of those may have several solutions. What the law is searched for on this
+    /// occasion leaves fewer of these gauges.
+    pub(crate) fn may_have_several(&mut self, load: &Vector<2>, gauge: f64) -> bool {
+        if !self.by_direction {
+            return true;
+        }
+        let loads = self.law.ambiguous_loads();
+        let ((low, high), (least, most)) = (self.doubtful, loads.gauges());
+        self.doubtful = (low.max(least), high.min(most));
+        loads.may_hold(load, gauge)
     }
 }
