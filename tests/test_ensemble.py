@@ -470,3 +470,19 @@ def test_ctrl_c_leaves_what_is_done(call, check):
     assert found.lines == ["interrupted"]
     assert found.code == 42
     assert found.seconds < 1.0
+
+
+def test_runs_in_lanes_are_the_runs_up_to_rounding():
+    given = {**STEPS, "q0": STATES, "replace": {"law.reservoir.angle": ANGLES[:, None]}}
+    alone = asp.simulate_many(BELT, **given)
+    lanes = asp.simulate_many(BELT, **given, lanes=True)
+    assert not np.array_equal(alone.q, lanes.q)
+    for name in ("q", "u", "slip", "force"):
+        np.testing.assert_allclose(getattr(lanes, name), getattr(alone, name), atol=1e-10)
+    for name in ("steps", "ambiguous", "status", "phase"):
+        np.testing.assert_array_equal(getattr(lanes, name), getattr(alone, name))
+    assert_same(lanes, asp.simulate_many(BELT, **given, lanes=True, threads=2))
+    powers = LAW.replace(reservoir=asp.Superellipse(0.6, 0.4, 2.9))
+    point = POINT.replace(law=powers)
+    here, there = (asp.simulate_many(point, **STEPS, u0=STATES, lanes=on) for on in (False, True))
+    assert_same(here, there)

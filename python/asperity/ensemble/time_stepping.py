@@ -38,6 +38,7 @@ def simulate_many(
     until_rest: bool = False,
     on_failure: str = "record",
     threads: int | None = None,
+    lanes: bool = False,
     progress: Progress = None,
 ) -> Ensemble:
     """Simulate a system from many start states, or many systems, each as `simulate` does.
@@ -68,6 +69,13 @@ def simulate_many(
             others go on; or ``"raise"`` what the first of them raises.
         threads: number of threads; default the number of cores, one in a worker process. Systems
             with functions of Python are run one after the other.
+        lanes: whether a thread runs several members side by side in the wide registers of the
+            processor, which makes its steps two to four times as fast. It does so for `SlidingPoint`,
+            `MassOnBelt` and a `LinearSystem` with two degrees of freedom and one contact with
+            p = 2, a given normal force and a law of ellipses without a factor of the speed, if
+            ``tolerance`` is at least 1e-11; all others run as without. Results are then those of
+            `simulate` up to rounding, and still the same to the bit for any number of threads and
+            lanes.
         progress: ``True`` for a bar of tqdm, or a function of (runs done, runs).
 
     Returns:
@@ -116,6 +124,7 @@ def simulate_many(
             bool(until_rest),
             kept.arguments(every),
             number,
+            bool(lanes),
             report,
         )
 

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use asperity::ensemble::{
-    self, Ending, Ensemble, Keep, Member, MemberFailure, Members, Reason, Reduced,
+    self, Ending, Ensemble, Keep, Lanes, Member, MemberFailure, Members, Reason, Reduced, Workers,
 };
 use asperity::event::{self, Section};
 use asperity::simulate::Options;
@@ -192,14 +192,17 @@ pub fn simulate_many<'py>(
     until_rest: bool,
     kept: Kept<'py>,
     threads: Option<usize>,
+    lanes: bool,
     progress: Option<Py<PyAny>>,
 ) -> Result<Answer<'py>, Failure> {
+    let lanes = if lanes { Lanes::Widest } else { Lanes::None };
+    let workers = Workers { threads, lanes };
     let mut options =
         Options::new(dt, dt)?.with_steps(steps).with_solver(solver.0).with_tolerance(tolerance);
     options.until_rest = until_rest;
     let keep = keep(kept)?;
     run(py, &runs, progress, move |given, observer| {
-        ensemble::simulate_many(given, &options, &keep, threads, observer)
+        ensemble::simulate_many(given, &options, &keep, workers, observer)
     })
 }
 
