@@ -17,7 +17,7 @@ use asperity::system::{
 use common::Random;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
-const EVERY: [Lanes; 4] = [Lanes::Of(1), Lanes::Of(4), Lanes::Of(8), Lanes::Widest];
+const EVERY: [Lanes; 4] = [Lanes::One, Lanes::Four, Lanes::Eight, Lanes::Widest];
 
 /// Runs of systems that are held.
 struct Runs(Vec<(LinearSystem, InitialState)>);
@@ -117,7 +117,7 @@ fn the_bits_are_the_same_for_any_number_of_lanes_and_any_neighbours() {
     let options = Options::new(1e-3, 1.5).unwrap();
     let keep = Keep { every: Some(100), ..Keep::default() };
     for mut runs in [belts(21), random_runs(21, 1)] {
-        let one = many(&runs, &options, &keep, Lanes::Of(1));
+        let one = many(&runs, &options, &keep, Lanes::One);
         assert!(steps_in_lanes(&one) > 0.5);
         for lanes in EVERY {
             let found = many(&runs, &options, &keep, lanes);
@@ -278,6 +278,6 @@ fn a_call_that_is_stopped_keeps_where_its_runs_are() {
     assert!(found.endings.iter().all(|&ending| ending == Ending::Interrupted));
     assert!(found.steps[0] > 0 && found.ends.q[0].is_finite() && found.steps[8] == 0);
     let steps = found.steps[0] as usize;
-    let again = many(&runs, &options.with_steps(steps), &Keep::default(), Lanes::Of(1));
+    let again = many(&runs, &options.with_steps(steps), &Keep::default(), Lanes::One);
     assert_eq!(again.ends.q[..2], found.ends.q[..2]);
 }

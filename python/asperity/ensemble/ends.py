@@ -109,6 +109,8 @@ class Ensemble(AnyEnsemble):
     def repeat(self, index: int | tuple[int, ...]) -> Run:
         """Make one of the runs again, alone and with all its samples.
 
+        It ends as that run did to the bit, if that was not made in lanes, then up to rounding.
+
         Args:
             index: of the run, along the axes of the ensemble.
 

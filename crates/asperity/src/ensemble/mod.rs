@@ -43,8 +43,12 @@ pub enum Lanes {
     None,
     /// As many as the processor's registers hold.
     Widest,
-    /// One, four or eight, also where registers do not hold them.
-    Of(usize),
+    /// One, whatever the registers hold.
+    One,
+    /// Four likewise.
+    Four,
+    /// Eight likewise.
+    Eight,
 }
 
 /// Who runs an ensemble.

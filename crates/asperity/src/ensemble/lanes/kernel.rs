@@ -88,6 +88,18 @@ fn product<S: Simd>(matrix: &[Pair<Number<S>>; 2], v: Pair<Number<S>>) -> Pair<N
     [dot(matrix[0], v), dot(matrix[1], v)]
 }
 
+/// The quadratic form of the matrix with these entries `₁₁`, `₁₂`, `₂₂`, by the products of the components.
+#[inline(always)]
+fn form<S: Simd>([g11, g12, g22]: [Number<S>; 3], [a, ab, b]: [Number<S>; 3]) -> Number<S> {
+    g11 * a + 2.0 * (g12 * ab) + g22 * b
+}
+
+/// The products `₁₁`, `₁₂`, `₂₂` of the components of a vector.
+#[inline(always)]
+fn squares<S: Simd>(v: Pair<Number<S>>) -> [Number<S>; 3] {
+    [v[0] * v[0], v[0] * v[1], v[1] * v[1]]
+}
+
 /// A step of the runs that are `active`.
 #[inline(always)]
 pub(super) fn step<S: Simd>(
@@ -102,9 +114,7 @@ pub(super) fn step<S: Simd>(
     let (moved, kept) = (product(&c.by_position, middle), product(&c.by_velocity, s.velocity));
     let free = [0, 1].map(|i| moved[i] + kept[i] + c.constant[i]);
     let load = product(&c.compliance, free);
-    let [g11, g12, g22] = c.gauge;
-    let square = |a: Number<S>, b: Number<S>, ab: Number<S>| g11 * a + 2.0 * (g12 * ab) + g22 * b;
-    let gauge = square(load[0] * load[0], load[1] * load[1], load[0] * load[1]);
+    let gauge = form(c.gauge, squares(load));
     let sticks = gauge.below(number((1.0 - BORDER) * (1.0 - BORDER)));
     let wanted = active & gauge.above(number((1.0 + BORDER) * (1.0 + BORDER)));
     let doubtful = !(gauge.below(c.doubtful[0]) | gauge.above(c.doubtful[1]));
@@ -113,53 +123,67 @@ pub(super) fn step<S: Simd>(
     let slid = s.slips.above(zero);
     let ahead = [0, 1].map(|i| s.velocity[i] + s.change[i] + s.bend[i]);
     let goes_on = dot(ahead, s.velocity).above(0.5 * dot(s.velocity, s.velocity));
-    let mut m = [0, 1].map(|i| slid.select(goes_on.select(ahead[i], s.velocity[i]), load[i]));
-    // Φ = |x-factor| m × ν′ = √q (m × β) − m × K m with q = mᵀΓm; its derivative is along m⊥.
+    let start = [0, 1].map(|i| slid.select(goes_on.select(ahead[i], s.velocity[i]), load[i]));
+    let (velocity, found) = slip(simd, c, free, start, wanted);
+    let velocity = velocity.map(|v| found.select(v, zero));
+
+    let continues = found & slid;
+    let change = [0, 1].map(|i| continues.select(velocity[i] - s.velocity[i], zero));
+    let state = State {
+        position: [0, 1].map(|i| middle[i] + c.half * (velocity[i] - c.belt[i])),
+        velocity,
+        slip: [0, 1].map(|i| found.select(velocity[i], s.slip[i])),
+        change,
+        bend: [0, 1].map(|i| continues.select(change[i] - s.change[i], zero)),
+        slips: found.select(one, zero),
+    };
+    let failed = active & !(sticks | found);
+    Tried { state, failed, doubtful: active & doubtful, load, gauge }
+}
+
+/// The slip `ν′ = β − K x` along the normal `m`, by Newton's method from a normal, and where it is found.
+///
+/// With `q = mᵀΓm` the equation is `Φ(m) = √q m × ν′ = √q m × β − m × K m = 0`. Its derivative along `m⊥` is
+/// `Φ′ = (m⊥ᵀΓm/√q) m × β − √q m·β − (m × K m)′`, and a step turns `m` to `m − (Φ/Φ′) m⊥`. Lanes that have ended stay
+/// where they are.
+#[inline(always)]
+fn slip<S: Simd>(
+    simd: S,
+    c: &Coefficients<Number<S>>,
+    free: Pair<Number<S>>,
+    start: Pair<Number<S>>,
+    wanted: Mask<S>,
+) -> (Pair<Number<S>>, Mask<S>) {
+    let (zero, limit) = (Number::splat(simd, 0.0), Number::splat(simd, LARGEST_STEP));
     let [[k11, k12], [k21, k22]] = c.resistance;
     let (unequal, skew) = (k22 - k11, k21 + k12);
-    let size = ROUNDING * (free[0].abs() + free[1].abs() + c.strongest);
-    let (mut root, mut open) = (one, wanted);
-    let mut iteration = 0;
+    let [g11, g12, g22] = c.gauge;
+    let rounding = ROUNDING * (free[0].abs() + free[1].abs() + c.strongest);
+    let (mut m, mut root, mut open) = (start, Number::splat(simd, 1.0), wanted);
     if wanted.any() {
-        loop {
-            let (a, b, ab) = (m[0] * m[0], m[1] * m[1], m[0] * m[1]);
-            let q = square(a, b, ab);
+        for iteration in 0..=ITERATIONS {
+            let [a, ab, b] = squares(m);
+            let q = form(c.gauge, [a, ab, b]);
             root = q.sqrt();
             let across = cross(m, free);
             let value = root * across - (k21 * a + unequal * ab - k12 * b);
-            let allowed = size * size * (q * (a + b));
             // The comparison also keeps NaN open.
-            open = wanted & !(value * value).below(allowed);
+            open = wanted & !(value * value).below(rounding * rounding * (q * (a + b)));
             if iteration == ITERATIONS || !open.any() {
                 break;
             }
-            iteration += 1;
             let difference = a - b;
             let slope = ((g22 - g11) * ab + g12 * difference) * across
                 - q * dot(m, free)
                 - root * (unequal * difference - 2.0 * (skew * ab));
             let turn = -(root * value) / slope;
-            let limit = number(LARGEST_STEP);
-            let bounded =
-                turn.abs().below(limit).select(turn, turn.above(zero).select(limit, -limit));
-            let turn = open.select(bounded, zero);
+            let whole = turn.abs().below(limit);
+            let turn = whole.select(turn, turn.above(zero).select(limit, -limit));
+            let turn = open.select(turn, zero);
             m = [m[0] - turn * m[1], m[1] + turn * m[0]];
         }
     }
     let force = product(&c.resistance, m);
     let velocity = [0, 1].map(|i| free[i] - force[i] / root);
-    let slips = wanted & !open & dot(m, velocity).above(zero);
-    let velocity = velocity.map(|v| slips.select(v, zero));
-    let continues = slips & slid;
-    let change = [0, 1].map(|i| continues.select(velocity[i] - s.velocity[i], zero));
-    let state = State {
-        position: [0, 1].map(|i| middle[i] + c.half * (velocity[i] - c.belt[i])),
-        velocity,
-        slip: [0, 1].map(|i| slips.select(velocity[i], s.slip[i])),
-        change,
-        bend: [0, 1].map(|i| continues.select(change[i] - s.change[i], zero)),
-        slips: slips.select(one, zero),
-    };
-    let failed = active & !(sticks | slips);
-    Tried { state, failed, doubtful: active & doubtful, load, gauge }
+    (velocity, wanted & !open & dot(m, velocity).above(zero))
 }

@@ -1,9 +1,12 @@
 //! Runs of time stepping side by side in the lanes of wide registers.
 //!
 //! A lane takes runs of linear systems of two velocities and one contact with a given normal force and a law of ellipses.
-//! Where a step asks for more than stick or Newton's method from the last slip with a proof that there is no other
-//! solution, the scalar stepper makes it, lane by lane. A lane knows nothing of its neighbours: what is computed
-//! is the same to the bit for any number of lanes.
+//! Where a step asks for more than stick, or than Newton's method from the last slip with a proof that there is no other
+//! solution, the stepper makes it, lane by lane, and so it does where a sample is kept. A lane knows nothing of its
+//! neighbours: what is computed is the same to the bit for any number of lanes. A run that fails is made again without
+//! lanes, so that what is reported is what it comes to by itself.
+//!
+//! Sets other than ellipses have powers, for which there are no instructions.
 //!
 //! | file | concept |
 //! |---|---|
@@ -150,10 +153,10 @@ fn show(stepper: &Stepper<'_>, keep: &Keep, reduction: &mut Reduction) {
 pub(super) fn go_on(runs: &mut [&mut Run<'_>], lanes: Lanes, common: Common<'_, '_>) {
     let together = Together { runs, common };
     match lanes {
-        Lanes::Of(1) => together.with_simd(pulp::Scalar),
-        Lanes::Of(4) => together.with_simd(pulp::Scalar256b),
-        Lanes::Of(_) => together.with_simd(pulp::Scalar512b),
-        _ => pulp::Arch::new().dispatch(together),
+        Lanes::None | Lanes::Widest => pulp::Arch::new().dispatch(together),
+        Lanes::One => together.with_simd(pulp::Scalar),
+        Lanes::Four => together.with_simd(pulp::Scalar256b),
+        Lanes::Eight => together.with_simd(pulp::Scalar512b),
     }
 }
 
