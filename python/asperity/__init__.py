@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 from asperity import (
     contact,
     cycles,
+    ensemble,
     errors,
     law,
     runs,
@@ -26,11 +27,13 @@ from asperity import (
     solvers,
     status,
     steady_sliding,
+    sweeps,
     system,
 )
 from asperity._core import __version__
 from asperity.contact import *
 from asperity.cycles import *
+from asperity.ensemble import *
 from asperity.errors import *
 from asperity.law import *
 from asperity.runs import *
@@ -38,6 +41,7 @@ from asperity.sets import *
 from asperity.solvers import *
 from asperity.status import *
 from asperity.steady_sliding import *
+from asperity.sweeps import *
 from asperity.system import *
 
 if _TYPE_CHECKING:
@@ -52,6 +56,7 @@ if _TYPE_CHECKING:
 __all__ = ["__version__"]
 __all__ += contact.__all__
 __all__ += cycles.__all__
+__all__ += ensemble.__all__
 __all__ += errors.__all__
 __all__ += law.__all__
 __all__ += runs.__all__
@@ -59,6 +64,7 @@ __all__ += sets.__all__
 __all__ += solvers.__all__
 __all__ += status.__all__
 __all__ += steady_sliding.__all__
+__all__ += sweeps.__all__
 __all__ += system.__all__
 
 # Matplotlib and SciPy are imported by the first use of these rooms, not before.
