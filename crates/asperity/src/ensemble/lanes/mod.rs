@@ -122,9 +122,9 @@ impl<'a> Run<'a> {
         None
     }
 
-    /// Looks at a state that a step in a lane has led to; whether everything rests.
+    /// Looks at a state that a step in a lane has led to.
     #[inline(never)]
-    fn look_at(&mut self, step: usize, state: &State<f64>, common: Common<'_, '_>) -> bool {
+    fn look_at(&mut self, step: usize, state: &State<f64>, common: Common<'_, '_>) {
         let Common { options, keep, .. } = common;
         let (q, u) = self.plan.motion(state);
         if keep.reduces() {
@@ -137,7 +137,6 @@ impl<'a> Run<'a> {
         *fastest = fastest.max(u.amax());
         let rests = options.until_rest && u.amax() <= AT_REST * *fastest;
         *rested = usize::from(rests);
-        rests
     }
 }
 
@@ -224,8 +223,8 @@ impl<S: Simd> Group<S> {
     fn go_on(&mut self, simd: S, runs: &mut [&mut Run<'_>], common: Common<'_, '_>) {
         let Common { options, keep, stop, .. } = common;
         let watched = options.until_rest || keep.reduces();
-        // Lanes with a run that has not ended, and those of which the stepper makes the next step.
-        let (mut running, mut waiting) = ((1 << runs.len()) - 1, 0);
+        // Lanes with a run that has not ended.
+        let mut running = (1 << runs.len()) - 1;
         let mut active = Mask::from_bits(simd, running);
         let mut until_sample = runs.first().map_or(1, |run| run.progress.until_sample);
         for step in 2..=options.steps {
@@ -238,7 +237,12 @@ impl<S: Simd> Group<S> {
             if until_sample > 1 && step < options.steps && !interrupted {
                 let tried = kernel::step(simd, &self.coefficients, &before, active);
                 self.state = tried.state;
-                alone = waiting;
+                // A second step at rest is the last one.
+                let rests = |lane: &usize| options.until_rest && runs[*lane].progress.rested > 0;
+                alone = match watched {
+                    true => lanes(running).filter(rests).fold(0, |bits, lane| bits | 1 << lane),
+                    false => 0,
+                };
                 if (tried.failed | tried.doubtful).any() {
                     alone |= tried.failed.bits();
                     for lane in lanes(tried.doubtful.bits() & !alone) {
@@ -253,11 +257,9 @@ impl<S: Simd> Group<S> {
                         }
                     }
                 }
-                waiting = 0;
                 if watched {
                     for lane in lanes(running & !alone) {
-                        let rests = runs[lane].look_at(step, &self.state.of(lane), common);
-                        waiting |= u32::from(rests) << lane;
+                        runs[lane].look_at(step, &self.state.of(lane), common);
                     }
                 }
             }
