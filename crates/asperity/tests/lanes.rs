@@ -169,6 +169,23 @@ fn steps_with_several_solutions_are_those_of_the_scalar_solver() {
 }
 
 #[test]
+fn runs_of_few_steps_and_samples_of_every_step_are_the_runs_by_themselves() {
+    let runs = belts(3);
+    for steps in [1, 2, 3] {
+        let options = Options::new(1e-3, 1.0).unwrap().with_steps(steps);
+        for every in [None, Some(1), Some(2)] {
+            let keep = Keep { every, ..Keep::default() };
+            let alone = many(&runs, &options, &keep, Lanes::None);
+            let found = many(&runs, &options, &keep, Lanes::Widest);
+            assert_eq!((&found.endings, &found.steps), (&alone.endings, &alone.steps));
+            assert_eq!(found.samples.len(), alone.samples.len());
+            assert!(largest_difference(&found.ends.q, &alone.ends.q) < 1e-14);
+            assert_eq!(found.samples.phase, alone.samples.phase);
+        }
+    }
+}
+
+#[test]
 fn quantities_on_the_way_are_those_of_runs_by_themselves() {
     let section = Section { normal: vec![1.0, 0.0, 0.0, 0.0], level: 0.0, after: 0.0 };
     let keep = Keep {

@@ -128,12 +128,11 @@ fn step_together(
         if let Some(error) = error {
             rows.push_failure(0.0, Reason::System(error));
         } else if let Some(run) = run.filter(Run::is_done) {
-            let Run { outcome, stepper, trajectory, reduction, alone, .. } = run;
-            let in_lanes = trajectory.steps - alone;
+            let Run { outcome, stepper, trajectory, reduction, in_lanes, .. } = run;
             let outcome = outcome.unwrap_or(Ok(Outcome::Finished));
             finish(outcome, stepper.time(), (&trajectory, in_lanes), &reduction, rows);
         } else if let Some((made, start)) = made {
-            // What fails in a lane fails by itself, too, or does not: that is what is reported.
+            // One that lanes cannot make, or that has failed there: what is reported is what it comes to by itself.
             let reduction = &mut Reduction::default();
             step_through(made.system(), start, options, (keep, stop), reduction, rows);
         }

@@ -44,8 +44,8 @@ pub(super) struct Run<'a> {
     pub(super) reduction: Reduction,
     progress: Loop,
     plan: Plan<'a>,
-    /// Steps that the stepper has made.
-    pub(super) alone: usize,
+    /// Steps that lanes have made.
+    pub(super) in_lanes: usize,
     /// How it has ended, once it has.
     pub(super) outcome: Option<Result<Outcome, StepError>>,
 }
@@ -67,6 +67,10 @@ impl<'a> Run<'a> {
         common: Common<'_, '_>,
     ) -> Option<Self> {
         let Common { options, keep, observer, .. } = common;
+        if options.steps < 2 {
+            return None;
+        }
+        system.as_linear()?.planar_motion()?;
         let state = midpoint::State::new(0.0, &start.q, &start.u);
         let Options { dt, tolerance, solver, .. } = *options;
         let mut stepper = Stepper::new(system, solver, tolerance, dt, &state).ok()?;
@@ -84,7 +88,7 @@ impl<'a> Run<'a> {
             Ok(None) => Plan::new(system, &stepper, options)?,
             _ => return None,
         };
-        Some(Self { stepper, trajectory, reduction, progress, plan, alone: 1, outcome: None })
+        Some(Self { stepper, trajectory, reduction, progress, plan, in_lanes: 0, outcome: None })
     }
 
     /// Whether it has come to an end without a failure.
@@ -103,14 +107,14 @@ impl<'a> Run<'a> {
         common: Common<'_, '_>,
     ) -> Option<State<f64>> {
         let Common { options, keep, stop, observer } = common;
-        let Self { stepper, trajectory, reduction, progress, plan, .. } = self;
+        let Self { stepper, trajectory, reduction, progress, plan, in_lanes, .. } = self;
         plan.hand_over(before, step - 1, stepper);
+        *in_lanes += step - 1 - trajectory.steps;
         trajectory.steps = step - 1;
         progress.until_sample = until_sample;
         let ended = progress.step(step, options, stepper, trajectory, observer, &mut |stepper| {
             show(stepper, keep, reduction);
         });
-        self.alone += 1;
         let outcome = match ended {
             Ok(None) if stop.is_asked() => Ok(Outcome::Interrupted),
             Ok(None) if step == options.steps => Ok(Outcome::Finished),
