@@ -1,7 +1,7 @@
 //! A time step of several runs at once.
 //!
-//! In coordinates `y = (WF)ᵀq`, where `F` maps the unit disk to *D*, the direction set is the unit disk: with `ν = Fᵀγ`
-//! the midpoint scheme is
+//! In coordinates `y = (WF)ᵀq`, where `F` maps the unit disk to *D*, the direction set is the unit disk: with `ν = Fᵀγ`,
+//! and χ likewise, the midpoint scheme is
 //!
 //!     y_M = y + ½Δt (ν − χ),   β = A y_M + B ν + c,   ν′ = β − K x,   y′ = y_M + ½Δt (ν′ − χ),
 //!
@@ -12,11 +12,12 @@ use pulp::Simd;
 
 use super::vector::{Mask, Number};
 
-/// Newton iterations after which the scalar solver is asked.
+/// Newton iterations after which the stepper is asked. On the belts of `benches/lanes.rs` with isotropic friction it never
+/// is.
 const ITERATIONS: usize = 8;
 /// Largest step of Newton's method, as the tangent of an angle.
 const LARGEST_STEP: f64 = 0.5;
-/// Defects that are nothing but rounding.
+/// Defects that are nothing but rounding, twice those of the scalar solver.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// How far a gauge is from one where rounding does not decide between stick and slip, that of the scalar solver.
 const BORDER: f64 = 1e-12;
