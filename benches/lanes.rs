@@ -78,13 +78,10 @@ fn main() {
     let mut arguments = std::env::args().skip_while(|argument| argument != "steps").skip(1);
     let steps = arguments.next().and_then(|steps| steps.parse().ok()).unwrap_or(100_000);
     let kinds = [("alone", Lanes::None), ("in lanes", Lanes::Widest)];
-    let laws: [(&str, Box<dyn Fn() -> FrictionLaw<2>>); 2] = [
-        ("ellipses", Box::new(|| ellipses(30f64.to_radians()))),
-        ("isotropic", Box::new(|| FrictionLaw::isotropic(20.0).unwrap())),
-    ];
     println!("belts                   ns    ratio   allowed   in lanes   ambiguous   apart");
-    for (name, law) in laws {
-        let belts = belts(law);
+    let turned = belts(|| ellipses(30f64.to_radians()));
+    let isotropic = belts(|| FrictionLaw::isotropic(20.0).unwrap());
+    for (name, belts) in [("ellipses", turned), ("isotropic", isotropic)] {
         let reference = run(&belts, steps, Lanes::None);
         let mut best = [f64::INFINITY; 2];
         let mut found = Vec::new();
