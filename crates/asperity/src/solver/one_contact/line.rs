@@ -14,14 +14,13 @@ pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
     }
     let stick = local.any_stick();
     let (c0, a) = local.affine();
-    let sign = local.sign();
     let slip = |direction: f64| {
         let end = Vector::<1>::new(direction);
         let x = end / local.law.reservoir().gauge(&end);
         let v = c0 - a * x;
-        let resistance = sign * local.denominator(&x);
+        let resistance = local.denominator(&x);
         let admissible =
-            sign * direction * v[0] > 0.0 && resistance > local.vanishing_denominator(x.amax());
+            direction * v[0] > 0.0 && resistance > local.vanishing_denominator(x.amax());
         // With b_N = 0 the normal percussion of a slip solution vanishes: the contact is open.
         let loaded = local.prescribed.is_some() || local.b_n != 0.0;
         let solution = local.slip(&x, &v, false);

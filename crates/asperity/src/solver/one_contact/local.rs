@@ -125,29 +125,39 @@ impl<'a, const P: usize> Local<'a, P> {
         Self { law, block, prescribed, b_n, b_t }
     }
 
-    /// `(c₀, A)` with the slip velocity `v(x) = c₀ − A x`, up to the positive or negative factor
-    /// [`denominator`](Self::denominator).
+    /// `(c₀, A)` with the slip velocity `v(x) = c₀ − A x`, up to the factor [`denominator`](Self::denominator), which is
+    /// positive where a normal force presses.
     #[inline]
     pub(crate) fn affine(&self) -> (Vector<P>, Matrix<P>) {
         let block = self.block;
         let g_tt = cut_matrix(&block.g_tt);
         match self.prescribed {
             Some(normal) => (self.b_t, g_tt * normal),
-            None => (
-                self.b_t * block.g_nn - cut::<P>(&block.g_tn) * self.b_n,
-                self.b_t * cut::<P>(&block.g_nt).transpose() - g_tt * self.b_n,
-            ),
+            None => {
+                let (pressure, (g_nn, g_nt)) = (self.b_n.abs(), self.normal_row());
+                (
+                    self.b_t * g_nn + cut::<P>(&block.g_tn) * pressure,
+                    self.b_t * g_nt.transpose() + g_tt * pressure,
+                )
+            }
         }
     }
 
-    /// `g_NN − G_NT x`, one for a prescribed normal force: `P_N = −b_N/den`, `γ = v/den`.
+    /// `∓(g_NN − G_NT x)` with the sign of `b_N`, one for a prescribed normal force: `P_N = |b_N|/den`, `γ = v/den`.
     #[inline]
     pub(crate) fn denominator(&self, x: &Vector<P>) -> f64 {
         if self.prescribed.is_some() {
-            1.0
-        } else {
-            self.block.g_nn - cut::<P>(&self.block.g_nt).dot(x)
+            return 1.0;
         }
+        let (g_nn, g_nt) = self.normal_row();
+        g_nn - g_nt.dot(x)
+    }
+
+    /// `∓(g_NN, G_NT)`: a normal force presses where `g_NN − G_NT x` has the sign of `−b_N`.
+    #[inline]
+    fn normal_row(&self) -> (f64, Vector<P>) {
+        let sign = -self.b_n.signum();
+        (self.block.g_nn * sign, cut::<P>(&self.block.g_nt) * sign)
     }
 
     /// The denominator above which `c₀ − A x` over it keeps twelve digits.
@@ -165,17 +175,11 @@ impl<'a, const P: usize> Local<'a, P> {
         }
     }
 
-    /// The sign that the denominator and `n·v` must have in slip.
-    #[inline]
-    pub(crate) fn sign(&self) -> f64 {
-        if self.prescribed.is_none() && self.b_n > 0.0 { -1.0 } else { 1.0 }
-    }
-
     /// The slip solution with `−P_T = P_N x`.
     #[inline(always)]
     pub(crate) fn slip(&self, x: &Vector<P>, v: &Vector<P>, degenerate: bool) -> LocalSolution<P> {
         let denominator = self.denominator(x);
-        let normal = self.prescribed.unwrap_or(-self.b_n / denominator);
+        let normal = self.prescribed.unwrap_or(self.b_n.abs() / denominator);
         let tangent = x * -normal;
         let slip = v * (1.0 / denominator);
         LocalSolution { phase: Phase::Slip, normal, tangent, slip, degenerate }

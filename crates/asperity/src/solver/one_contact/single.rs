@@ -287,7 +287,7 @@ impl<'a, const P: usize> Single<'a, P> {
                 }
                 let next = velocity + step * length;
                 let there = self.astray(&next)?;
-                if there.2.norm() < (1.0 - 1e-4 * length) * distance {
+                if there.2.norm() < distance {
                     velocity = next;
                     (percussion, denominator, off) = there;
                     break;
@@ -338,7 +338,7 @@ impl<'a, const P: usize> Single<'a, P> {
             if !left.take() {
                 break;
             }
-            while !(self.map(&next, self.rho).norm() < (1.0 - 1e-4 * length) * norm) {
+            while !(self.map(&next, self.rho).norm() < norm) {
                 length *= 0.5;
                 if length < 0.5_f64.powi(HALVINGS as i32) || !left.take() {
                     // Rounding ends the descent.

@@ -1,8 +1,8 @@
 //! One contact in the plane: all solutions by walking along bdry *D*, and a fast path to one of them.
 //!
 //! In slip `−P_T = P_N x` with `x = z/k_C(z)` on bdry *C* and `z` on bdry *D*. The normal row gives
-//! `P_N = −b_N/den(x)`, and multiplied by `den` the slip velocity is `v(x) = c₀ − A x`: the equation
-//! `F = n × v = 0` with `n·v/den > 0` has no pole. See `law/walk_table/` for the table that is walked.
+//! `P_N = |b_N|/den(x)`, and multiplied by `den` the slip velocity is `v(x) = c₀ − A x`: the equation
+//! `F = n × v = 0` with `n·v > 0` and `den > 0` has no pole. See `law/walk_table/` for the table that is walked.
 
 mod all;
 mod equation;
@@ -220,7 +220,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
         if !(step.abs() < 0.3) {
             // At a corner of D the slip velocity does not depend on the normal, which must be along it.
             if dx == V::zeros()
-                && let Some(along) = (v * slip.sign).try_normalize(0.0)
+                && let Some(along) = v.try_normalize(0.0)
                 && along != n
             {
                 n = along;
@@ -228,7 +228,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
             }
             return None;
         }
-        n = (n + turn * step) * (1.0 / (1.0 + step * step).sqrt());
+        n += turn * step;
     }
     None
 }

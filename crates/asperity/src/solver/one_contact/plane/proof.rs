@@ -56,7 +56,7 @@ impl Proof<'_, '_, '_> {
         let stray = stray(slip, a, b, &cell) + self.margins.velocity;
         let same = (a.value >= 0.0) == (b.value >= 0.0);
         let no_root = same && a.value.abs().min(b.value.abs()) > stray;
-        let resistance = |end: &End| slip.sign * local.denominator(&end.x);
+        let resistance = |end: &End| local.denominator(&end.x);
         let lifted = local.block.g_nt.norm() * cell.position + self.margins.resistance;
         if no_root || a.along.max(b.along) < -stray || resistance(a).max(resistance(b)) < -lifted {
             return true;

@@ -27,7 +27,7 @@ pub(super) struct End {
     pub(super) x: V,
     /// `v(x)`.
     pub(super) v: V,
-    /// `n × v` and `± n·v`, which is positive in slip.
+    /// `n × v` and `n·v`, which is positive in slip.
     pub(super) value: f64,
     pub(super) along: f64,
 }
@@ -37,7 +37,7 @@ impl End {
         let x = slip.on_reservoir(&point);
         let v = slip.velocity(&x);
         let value = super::equation::cross(&point.normal, &v);
-        Self { point, x, v, value, along: slip.sign * point.normal.dot(&v) }
+        Self { point, x, v, value, along: point.normal.dot(&v) }
     }
 }
 
@@ -115,14 +115,14 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
         }
         let arc = Arc { start: a.point, end: b.point };
         let single = (b.value - a.value).abs() > MONOTONE * stray;
-        let exhausted = depth == DEEPEST || self.pieces >= PATIENCE.min(self.left);
-        if changes && (single || exhausted) {
-            self.complete &= depth == DEEPEST || single;
+        let mut root = || {
             let root = arc.root(self.direction, slip.rounding, |point| slip.value(point));
             self.out.extend(slip.admit(&root, false));
-            return;
-        }
+        };
         if single {
+            if changes {
+                root();
+            }
             return;
         }
         let middle = End::new(slip, arc.middle(self.direction));
@@ -132,10 +132,15 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
             self.out.extend([a, b].iter().filter_map(|end| slip.admit(&end.point, true)));
             return;
         }
-        if exhausted {
-            self.complete &= depth == DEEPEST;
-            // A double root.
-            self.out.extend((depth == DEEPEST).then(|| slip.admit(&a.point, true)).flatten());
+        let deepest = depth == DEEPEST;
+        if deepest || self.pieces >= PATIENCE.min(self.left) {
+            self.complete &= deepest;
+            if changes {
+                root();
+            } else if deepest {
+                // A double root.
+                self.out.extend(slip.admit(&a.point, true));
+            }
             return;
         }
         let half = halved(&cell, a, &middle, b);
@@ -147,11 +152,10 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
     fn corner(&mut self, a: &End, b: &End) {
         let slip = self.slip;
         let still = a.v.norm() <= slip.rounding;
-        let within = slip.sign * a.value >= -slip.rounding
-            && slip.sign * b.value <= slip.rounding
-            && a.along + b.along > 0.0;
+        let within =
+            a.value >= -slip.rounding && b.value <= slip.rounding && a.along + b.along > 0.0;
         if within || still {
-            let normal = (a.v * slip.sign).try_normalize(0.0).unwrap_or(a.point.normal);
+            let normal = a.v.try_normalize(0.0).unwrap_or(a.point.normal);
             let point = BoundaryPoint { position: a.point.position, normal };
             self.out.extend(slip.admit(&point, still));
         }

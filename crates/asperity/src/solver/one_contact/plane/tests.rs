@@ -293,7 +293,7 @@ fn the_scan_excludes_what_holds_no_root() {
         let at = |j: usize| {
             let node = &table.nodes[j];
             let v = slip.velocity_at(node);
-            (cross(&node.point.normal, &v), slip.sign * node.point.normal.dot(&v))
+            (cross(&node.point.normal, &v), node.point.normal.dot(&v))
         };
         let fine = table.fine_per_coarse;
         let mut roots = Vec::new();
